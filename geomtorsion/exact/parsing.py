@@ -1,0 +1,288 @@
+"""Parsing: text to sympy by a whitelist over Python's ast; nothing is ever evaluated as code."""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, NoReturn
+
+import sympy
+
+from geomtorsion.errors import ExpressionError
+from geomtorsion.exact.names import (
+    CONSTANTS,
+    DERIVATIVE_NAMES,
+    FUNCTIONS,
+    NOT_SMOOTH,
+    near_names,
+)
+from geomtorsion.exact.rewriting import Rewritten, rewrite
+from geomtorsion.exact.tokens import Limits, Source, tokens_of
+
+_NO_NUMBER = (sympy.zoo, sympy.oo, -sympy.oo, sympy.nan)
+
+
+def parse_expression(
+    text: str,
+    symbols: Mapping[str, sympy.Symbol],
+    functions: Mapping[str, Any] | None = None,
+    *,
+    where: str = "expression",
+    limits: Limits | None = None,
+) -> sympy.Expr:
+    """Read a sympy expression from text that may come from anywhere.
+
+    Numbers are exact; ``**`` and ``^`` are powers; ``pi``, ``E`` and ``I`` are the constants unless
+    ``symbols`` says otherwise; ``diff(f(r), r, 2)`` is a derivative of an unknown function.
+
+    Parameters
+    ----------
+    text
+        The expression, such as ``"sqrt(1 - 2*M/r)"``.
+    symbols
+        Name -> sympy Symbol, for every name that may occur.
+    functions
+        Name -> sympy function class (``f``, then written ``f(r)``) or applied function (``a`` then
+        means ``a(t)``). None: an unknown name that is called is taken for an unknown function.
+    where
+        How errors call this expression, for instance ``"coframe[0, 1]"``.
+    limits
+        What the expression may cost; the defaults suit everything written by a person.
+
+    Returns
+    -------
+    A sympy expression, as sympy builds it, not simplified.
+
+    Raises
+    ------
+    ExpressionError
+        The text is no expression, uses an undeclared name or a decimal number, or is code.
+    LimitError
+        The text, its nesting, an exponent or a number is larger than ``limits`` allow.
+
+    Examples
+    --------
+    >>> r, M = sympy.symbols("r M", positive=True)
+    >>> parse_expression("sqrt(1 - 2*M/r)", {"r": r, "M": M})
+    sqrt(-2*M/r + 1)
+    >>> parse_expression("0.1*r", {"r": r}, where="g[0]")
+    Traceback (most recent call last):
+    geomtorsion.errors.ExpressionError: g[0]: 0.1 is a decimal number; exact work needs a rational
+        0.1*r
+        ^^^
+    Write 1/10 if that is what you mean, or a named parameter.
+    """
+    if not isinstance(text, str):
+        raise ExpressionError(
+            f"{where}: an expression as text was needed, but {type(text).__name__} came: {text!r}. "
+            'Write it in quotes, for instance "r*sin(theta)".'
+        )
+    limits = limits or Limits()
+    source = Source(text, where)
+    tokens = tokens_of(source, {*symbols, *(functions or ())}, limits)
+    rewritten = rewrite(source, tokens, limits)
+    reader = _Reader(source, rewritten, symbols, functions, limits)
+    try:
+        tree = ast.parse(rewritten.text, mode="eval")
+        return reader.read(tree.body)
+    except SyntaxError as error:
+        column = rewritten.column((error.offset or 1) - 1)
+        reason = "the expression does not hold together here"
+        raise source.error(column, column + 1, reason) from None
+    except (RecursionError, MemoryError):
+        reason = f"the expression is nested too deeply; the limit is {limits.depth} levels"
+        raise source.limit(0, 1, reason, "Write it flatter.") from None
+
+
+@dataclass
+class _Reader:
+    """Turns whitelisted ast nodes into sympy; long sums and products are walked, not recursed."""
+
+    source: Source
+    rewritten: Rewritten
+    symbols: Mapping[str, sympy.Symbol]
+    functions: Mapping[str, Any] | None
+    limits: Limits
+    denominator: int = field(default=1)
+
+    def read(self, node: ast.expr) -> Any:
+        if isinstance(node, ast.Constant) and type(node.value) is int:
+            return sympy.Integer(node.value)
+        if isinstance(node, ast.Name):
+            return self._symbol(node)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords:
+            return self._call(node, node.func)
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
+            return self._sum(node)
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult | ast.Div):
+            return self._product(node)
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
+            return self._power(node, self.read(node.left), self.read(node.right))
+        if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd):
+            return self._sum(node)
+        self._fail(node, "this is not part of an expression")
+
+    def _sum(self, node: ast.expr) -> Any:
+        terms: list[Any] = []
+        stack: list[tuple[ast.expr, int]] = [(node, 1)]
+        while stack:
+            part, sign = stack.pop()
+            if isinstance(part, ast.BinOp) and isinstance(part.op, ast.Add | ast.Sub):
+                stack.append((part.right, sign if isinstance(part.op, ast.Add) else -sign))
+                stack.append((part.left, sign))
+            elif isinstance(part, ast.UnaryOp) and isinstance(part.op, ast.USub | ast.UAdd):
+                stack.append((part.operand, sign if isinstance(part.op, ast.UAdd) else -sign))
+            else:
+                terms.append(sign * self.read(part))
+        return sympy.Add(*terms)
+
+    def _product(self, node: ast.expr) -> Any:
+        factors: list[Any] = []
+        bits = 0
+        stack: list[tuple[ast.expr, int]] = [(node, 1)]
+        while stack:
+            part, power = stack.pop()
+            if isinstance(part, ast.BinOp) and isinstance(part.op, ast.Mult | ast.Div):
+                stack.append((part.right, power if isinstance(part.op, ast.Mult) else -power))
+                stack.append((part.left, power))
+                continue
+            factor = self.read(part)
+            if power < 0 and factor == 0:
+                self._fail(part, "division by zero")
+            factors.append(factor if power > 0 else 1 / factor)
+            bits += _bits(factor)
+            if bits > self._most_bits:
+                self._too_long(part)
+        return self._noted(node, sympy.Mul(*factors))
+
+    def _power(self, node: ast.expr, base: Any, exponent: Any) -> Any:
+        if base == 0 and exponent.is_negative:
+            self._fail(node, "division by zero")
+        if exponent.is_Rational:
+            if abs(exponent) > self.limits.exponent or exponent.q > self.limits.exponent:
+                self._too_high(node, exponent)
+            if _bits(base) * abs(exponent) > self._most_bits:
+                self._too_long(node)
+        result = base**exponent
+        for factor in sympy.Mul.make_args(result):
+            power = factor.as_base_exp()[1]
+            if power.is_Rational and abs(power) > self.limits.exponent:
+                self._too_high(node, power)
+        return self._noted(node, result)
+
+    def _noted(self, node: ast.expr, value: Any) -> Any:
+        # A sum of fractions grows as the common denominator does, however short its terms are.
+        coefficient = value.as_coeff_Mul()[0]
+        if coefficient.is_Rational:
+            self.denominator = math.lcm(self.denominator, int(coefficient.q))
+            if self.denominator.bit_length() > self._most_bits:
+                self._too_long(node)
+        return value
+
+    @property
+    def _most_bits(self) -> float:
+        return self.limits.digits / math.log10(2)
+
+    def _symbol(self, node: ast.Name) -> Any:
+        name = self.rewritten.names[node.id]
+        if name in self.symbols:
+            return self.symbols[name]
+        if self.functions and name in self.functions:
+            declared = self.functions[name]
+            if isinstance(declared, sympy.Expr):
+                return declared
+            self._fail(node, f"{name} is a function", f"Write its arguments: {name}(...).")
+        if name in CONSTANTS:
+            return CONSTANTS[name]
+        if name in FUNCTIONS:
+            self._fail(node, f"{name} is a function", f"Write its argument: {name}(...).")
+        known = [*self.symbols, *(self.functions or ()), *CONSTANTS]
+        remedy = f"Otherwise declare {name} as a parameter."
+        near = near_names(name, known)
+        remedy = f"Did you mean {near}? {remedy}" if near else remedy.removeprefix("Otherwise ")
+        reason = f"{name} is neither a coordinate nor a declared parameter"
+        self._fail(node, reason, remedy[0].upper() + remedy[1:])
+
+    def _call(self, node: ast.Call, func: ast.Name) -> Any:
+        name = self.rewritten.names[func.id]
+        if name in DERIVATIVE_NAMES and name not in (self.functions or ()):
+            return self._derivative(node, name)
+        if name in self.symbols:
+            remedy = f"For a product write {name}*(...)."
+            self._fail(func, f"{name} is a symbol, not a function", remedy)
+        arguments = [self.read(argument) for argument in node.args]
+        if self.functions and name in self.functions:
+            return self._declared(node, name, self.functions[name], arguments)
+        if name in FUNCTIONS:
+            function, counts = FUNCTIONS[name]
+            self._count(node, name, counts)
+            value = function(*arguments)
+            if value.has(*_NO_NUMBER):
+                self._fail(node, f"{name} has no finite value here")
+            return self._noted(node, value)
+        if name in NOT_SMOOTH:
+            self._fail(func, f"{name} is not smooth", NOT_SMOOTH[name])
+        near = near_names(name, [*(self.functions or ()), *FUNCTIONS])
+        if self.functions is not None or near or not arguments:
+            hint = f"Did you mean {near}? Otherwise d" if near else "D"
+            remedy = f"{hint}eclare it as an unknown function with its arguments, as in {name}(r)."
+            self._fail(func, f"{name} is not a function that is known here", remedy)
+        return sympy.Function(name)(*arguments)
+
+    def _declared(self, node: ast.Call, name: str, declared: Any, arguments: list[Any]) -> Any:
+        if isinstance(declared, sympy.Expr):
+            self._count(node, name, (len(declared.args),))
+            return declared.func(*arguments)
+        if not arguments:
+            self._fail(node, f"{name} has no argument", f"Write what it depends on: {name}(r).")
+        return declared(*arguments)
+
+    def _derivative(self, node: ast.Call, name: str) -> Any:
+        usage = f"Write {name}(f(r), r) or {name}(f(r), r, 2)."
+        if len(node.args) < 2:
+            self._fail(node, f"{name} needs a function and a symbol", usage)
+        target, *wrt = [self.read(argument) for argument in node.args]
+        if not isinstance(target, sympy.core.function.AppliedUndef | sympy.Derivative):
+            self._fail(node.args[0], "only unknown functions are differentiated here", usage)
+        variables: list[Any] = []
+        for item in wrt:
+            if item.is_Integer and variables and 0 < item <= self.limits.depth:
+                variables += [variables[-1]] * (int(item) - 1)
+            elif item.is_Symbol:
+                variables.append(item)
+            else:
+                self._fail(node, f"{item} is no symbol to differentiate by", usage)
+        return target.diff(*variables)
+
+    def _count(self, node: ast.Call, name: str, counts: tuple[int, ...]) -> None:
+        """Fail unless the number of arguments is one of counts."""
+        if len(node.args) not in counts:
+            needed = " or ".join(str(count) for count in counts)
+            reason = f"{name} takes {needed} argument{'s' * (counts != (1,))}, not {len(node.args)}"
+            self._fail(node, reason)
+
+    def _span(self, node: ast.expr) -> tuple[int, int]:
+        start = self.rewritten.column(node.col_offset)
+        return start, max(start + 1, self.rewritten.end((node.end_col_offset or 1) - 1))
+
+    def _fail(self, node: ast.expr, reason: str, remedy: str = "") -> NoReturn:
+        raise self.source.error(*self._span(node), reason, remedy)
+
+    def _too_long(self, node: ast.expr) -> NoReturn:
+        reason = f"a number here has more digits than the limit of {self.limits.digits:,}"
+        raise self.source.limit(*self._span(node), reason, "Name it as a parameter.")
+
+    def _too_high(self, node: ast.expr, exponent: Any) -> NoReturn:
+        shown = str(exponent) if _bits(exponent) < 64 else "a number of many digits"
+        reason = f"the exponent is {shown}; the limit is {self.limits.exponent}"
+        raise self.source.limit(*self._span(node), reason, "Name it as a parameter, as in r**n.")
+
+
+def _bits(value: Any) -> int:
+    """Length in bits of the rational coefficient of an expression, 0 for one."""
+    coefficient = value.as_coeff_Mul()[0]
+    if not coefficient.is_Rational or coefficient in (1, -1):
+        return 0
+    return max(int(coefficient.p).bit_length(), int(coefficient.q).bit_length())
