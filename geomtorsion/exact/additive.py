@@ -1,0 +1,230 @@
+"""Additive: logarithms and inverse functions, kept independent by their derivatives.
+
+Functions with derivatives in the field are algebraically dependent exactly when a constant
+combination of them lies in the field (Ostrowski 1946, Kolchin 1968).  Each new one is
+therefore compared, derivative by derivative, with those known, with the exponents and
+angles in use and with the coordinates themselves.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import mpmath
+import sympy
+from flint import fmpq, fmpz
+
+from geomtorsion.errors import ExpressionError
+from geomtorsion.exact.generators import Generator
+from geomtorsion.exact.linear import express
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from geomtorsion.exact.element import Element
+    from geomtorsion.exact.field import Field
+
+_BITS = 400
+_CLOSE = mpmath.mpf(10) ** -70
+# Constants that are recognised: multiples of pi with a denominator up to this.
+_PARTS_OF_TURN = 48
+
+_SLOPES: dict[str, Any] = {
+    "atan": lambda u: (u * u + 1).inverse(),
+    "acot": lambda u: -(u * u + 1).inverse(),
+    "asin": lambda u: (1 - u * u).sqrt().inverse(),
+    "acos": lambda u: -(1 - u * u).sqrt().inverse(),
+    "asinh": lambda u: (u * u + 1).sqrt().inverse(),
+    "acosh": lambda u: (u * u - 1).sqrt().inverse(),
+    "atanh": lambda u: (1 - u * u).inverse(),
+    "acoth": lambda u: (1 - u * u).inverse(),
+}
+INVERSE_FUNCTIONS = frozenset(_SLOPES)
+
+
+class Additive:
+    """The logarithms and inverse functions of one field."""
+
+    def __init__(self, field: Field, arguments: Any) -> None:
+        self._field = field
+        self._arguments = arguments
+        self._known: list[tuple[Element, tuple[Element, ...]]] = []
+        self._by_argument: dict[tuple[str, tuple[Element, ...]], Element] = {}
+
+    # ---- logarithms -------------------------------------------------------------------
+    def log(self, element: Element) -> Element:
+        """The logarithm, as a sum over the factors of its argument.
+
+        Raises
+        ------
+        ExpressionError
+            the argument is zero.
+        """
+        field = self._field
+        if not element._num:
+            raise ExpressionError("log of an expression that is exactly zero")
+        content, factors = field.lift(element).factor()
+        powers = [(field.polynomial(factor), exponent) for factor, exponent in factors]
+        powers += [(field.polynomial(field.factors[i]), -e) for i, e in element._den]
+        total, value = [], fmpq(content)
+        for base, exponent in powers:
+            if not field.sample.is_positive(base):
+                base, value = -base, value * (-1) ** (exponent % 2)
+            total.append((exponent, self._log_of_factor(base)))
+        if value < 0:
+            total.append((1, self._imaginary_turn(element)))
+        for prime, exponent in abs(fmpz(value.p)).factor():
+            total.append((exponent, self._log_of_prime(int(prime))))
+        for prime, exponent in fmpz(value.q).factor():
+            total.append((-exponent, self._log_of_prime(int(prime))))
+        return field.sum(total)
+
+    def _imaginary_turn(self, element: Element) -> Element:
+        """log(-1) = i pi."""
+        field = self._field
+        if not field.is_complex:
+            raise ExpressionError(
+                f"log of {element}, which is negative at the sample point; "
+                "give a domain where it is positive, or turn its sign"
+            )
+        return field.read(sympy.pi) * field.imaginary
+
+    def _log_of_prime(self, prime: int) -> Element:
+        field = self._field
+        shown = sympy.log(prime)
+        for generator in field.generators:
+            if generator.kind == "constant" and generator.shown == shown:
+                return field.generator_element(generator)
+        name = field.next_name("number")
+        return field.add(Generator("constant", name, shown, frozenset()))
+
+    def _log_of_factor(self, base: Element) -> Element:
+        """The logarithm of one factor; that of an exponential is its exponent."""
+        field = self._field
+        known = self._by_argument.get(("log", (base,)))
+        if known is not None:
+            return known
+        for generator in field.generators_of(base):
+            if generator.kind == "exp" and base == field.generator_element(generator):
+                return generator.argument
+        slopes = tuple(base.diff(s) / base for s in field.symbols)
+        value = self._added("log", sympy.log(base.sympy), (base,), slopes, base)
+        self._by_argument["log", (base,)] = value
+        return value
+
+    # ---- inverse functions ------------------------------------------------------------
+    def inverse_function(self, name: str, argument: Element) -> Element:
+        """atan, asin, acos, acot, asinh, acosh, atanh, acoth of an argument."""
+        slope = _SLOPES[name](argument)
+        return self._primitive(name, (argument,), argument, slope)
+
+    def atan2(self, y: Element, x: Element) -> Element:
+        """The polar angle of (x, y)."""
+        ratio = y / x
+        return self._primitive("atan2", (y, x), ratio, (ratio * ratio + 1).inverse())
+
+    def _primitive(
+        self, name: str, arguments: tuple[Element, ...], inner: Element, slope: Element
+    ) -> Element:
+        known = self._by_argument.get((name, arguments))
+        if known is None:
+            shown = getattr(sympy, name)(*(part.sympy for part in arguments))
+            slopes = tuple(slope * inner.diff(s) for s in self._field.symbols)
+            data = (inner, slope, arguments)
+            known = self._added(name, shown, arguments, slopes, data)
+            self._by_argument[name, arguments] = known
+        return known
+
+    # ---- independence -----------------------------------------------------------------
+    def _added(
+        self,
+        name: str,
+        shown: sympy.Expr,
+        arguments: tuple[Element, ...],
+        slopes: tuple[Element, ...],
+        data: Any,
+    ) -> Element:
+        """The function as combination of known ones plus a constant, or a new generator."""
+        field = self._field
+        depends: frozenset[sympy.Symbol] = frozenset()
+        for argument in arguments:
+            depends |= argument.symbols
+        if not any(slope._num for slope in slopes):
+            from geomtorsion.exact.opaque import opaque
+
+            return opaque(field, shown, ()) if name != "log" else self._constant_log(shown, data)
+        value = self._number(name, arguments)
+        combination = self._combination(slopes)
+        sure = True
+        if combination is not None:
+            constant = None if value is None else self._constant(value, combination)
+            if constant is not None:
+                return combination + constant
+            sure = False
+        kind = "log" if name == "log" else "primitive"
+        generator = Generator(kind, field.next_name(kind), shown, depends, argument=data, sure=sure)
+        element = field.add(generator)
+        if sure:
+            self._known.append((element, slopes))
+        return element
+
+    def _constant_log(self, shown: sympy.Expr, data: Element) -> Element:
+        """The logarithm of a constant that is no rational number."""
+        from geomtorsion.exact.opaque import opaque
+
+        field = self._field
+        pi = field.by_name.get("pi")
+        if pi is not None and data == field.generator_element(pi):
+            for generator in field.generators:
+                if generator.kind == "constant" and generator.shown == shown:
+                    return field.generator_element(generator)
+            return field.add(Generator("constant", field.next_name("number"), shown, frozenset()))
+        return opaque(field, shown, ())
+
+    def _combination(self, slopes: tuple[Element, ...]) -> Element | None:
+        """Known functions with the same derivatives, combined; or None."""
+        field = self._field
+        candidates = [(field.symbol(s), _unit(field, k)) for k, s in enumerate(field.symbols)]
+        for atom in self._arguments():
+            candidates.append((atom, tuple(atom.diff(s) for s in field.symbols)))
+        candidates += self._known
+        basis: list[tuple[Element, Sequence[Element]]] = list(candidates)
+        if field.is_complex:
+            turn = field.imaginary
+            basis += [(turn * f, [turn * d for d in slope]) for f, slope in candidates]
+        found = express(field, slopes, [slope for _, slope in basis])
+        if found is None:
+            return None
+        return field.sum((q, f) for q, (f, _) in zip(found, basis, strict=True) if q)
+
+    def _number(self, name: str, arguments: tuple[Element, ...]) -> Any:
+        """The value of the function at the sample point, or None."""
+        try:
+            with mpmath.workprec(_BITS):
+                return getattr(mpmath, name)(*map(self._field.sample.value, arguments))
+        except (ArithmeticError, ValueError):
+            return None
+
+    def _constant(self, value: Any, combination: Element) -> Element | None:
+        """The constant value - combination where it is a part of pi or a simple logarithm."""
+        field = self._field
+        with mpmath.workprec(_BITS):
+            rest = mpmath.mpmathify(value - field.sample.value(combination))
+            size = 1 + abs(value)
+            if abs(mpmath.im(rest)) > size * _CLOSE:
+                return None
+            rest = mpmath.re(rest)
+            if abs(rest) < size * _CLOSE:
+                return field.zero
+            for number, scale in ((rest / mpmath.pi, sympy.pi), (mpmath.exp(rest), None)):
+                for q in range(1, _PARTS_OF_TURN + 1):
+                    p = mpmath.nint(number * q)
+                    if abs(number * q - p) < size * q * _CLOSE and p:
+                        ratio = sympy.Rational(int(p), q)
+                        exact = ratio * scale if scale is not None else sympy.log(ratio)
+                        return field.read(exact)
+        return None
+
+
+def _unit(field: Field, k: int) -> tuple[Element, ...]:
+    return tuple(field.one if j == k else field.zero for j in range(len(field.symbols)))

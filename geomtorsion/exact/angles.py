@@ -1,0 +1,216 @@
+"""Angles: cos and sin of any argument in terms of one cos and one sin an atom."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import mpmath
+import sympy
+from flint import fmpq
+
+from geomtorsion.exact.atoms import Atoms, terms
+from geomtorsion.exact.generators import Generator
+from geomtorsion.exact.roots import square_root_inside
+
+if TYPE_CHECKING:
+    from geomtorsion.exact.element import Element
+    from geomtorsion.exact.field import Field
+
+Pair = tuple["Element", "Element"]
+
+
+class Angles:
+    """cos and sin by the addition theorems over a rational basis of the angles."""
+
+    def __init__(self, field: Field) -> None:
+        self._field = field
+        self.atoms = Atoms(field)
+        self._multiples: dict[tuple[int, fmpq], Pair] = {}
+        self._finest: dict[int, tuple[fmpq, Pair]] = {}
+
+    def prepare(self, angles: list[Element]) -> None:
+        """Chooses units that serve all these angles at once."""
+        for angle in angles:
+            _, rest = self._turn_taken_out(angle)
+            for coefficient, index in self.atoms.decompose(rest):
+                if index not in self._finest:
+                    self.atoms.refine_unit(index, coefficient)
+
+    def cos_sin(self, angle: Element) -> Pair:
+        """(cos, sin) of an angle without imaginary part."""
+        field = self._field
+        turn, rest = self._turn_taken_out(angle)
+        pair: Pair = (field.one, field.zero)
+        for coefficient, index in self.atoms.decompose(rest):
+            pair = _added(pair, self._multiple(index, coefficient))
+        if turn:
+            pair = _added(pair, self._constant(turn))
+        return pair
+
+    def _turn_taken_out(self, angle: Element) -> tuple[fmpq, Element]:
+        """(q, rest) with angle = q pi + rest."""
+        field = self._field
+        circle = field.by_name.get("pi")
+        if circle is None or angle._den:
+            return fmpq(0), angle
+        pi = field.generator_element(circle)
+        for value, monomial in terms(angle):
+            if monomial == pi:
+                return value, angle - pi * value
+        return fmpq(0), angle
+
+    def _constant(self, turn: fmpq) -> Pair:
+        """cos and sin of a rational multiple of pi."""
+        angle = sympy.pi * sympy.Rational(int(turn.p), int(turn.q))
+        return self._constant_value(sympy.cos(angle)), self._constant_value(sympy.sin(angle))
+
+    def _constant_value(self, value: sympy.Expr) -> Element:
+        """An algebraic constant, in radicals where sympy knows them."""
+        from geomtorsion.exact.opaque import opaque
+
+        if value.has(sympy.cos, sympy.sin):
+            return opaque(self._field, value, ())
+        return self._field.read(value)
+
+    def _multiple(self, index: int, coefficient: fmpq) -> Pair:
+        """cos and sin of coefficient * atom."""
+        known = self._multiples.get((index, coefficient))
+        if known is not None:
+            return known
+        unit, pair = self._base(index, coefficient)
+        count = coefficient / unit
+        if count.q != 1:
+            unit, pair = self._refined(index, int(count.q))
+            count = coefficient / unit
+        n = int(count.p)
+        cos, sin = _power(pair, abs(n), self._field)
+        result = (cos, -sin if n < 0 else sin)
+        self._multiples[index, coefficient] = result
+        return result
+
+    def _base(self, index: int, coefficient: fmpq) -> tuple[fmpq, Pair]:
+        """The finest unit of an atom and its pair; made on first use."""
+        if index not in self._finest:
+            atom = self.atoms.elements[index]
+            inverse = _of_inverse_function(self._field, atom)
+            unit = fmpq(1) if inverse else self.atoms.units[index] or coefficient
+            self.atoms.units[index] = unit
+            self._finest[index] = (unit, inverse or self._new_pair(atom * unit))
+        return self._finest[index]
+
+    def _new_pair(self, angle: Element) -> Pair:
+        field = self._field
+        n, shown = len(field.generators), angle.sympy
+        names = (f"co{n}", f"si{n}")
+        c = Generator("cos", names[0], sympy.cos(shown), angle.symbols, argument=(angle, names[1]))
+        cos = field.add(c)
+        tail = field.one - cos * cos
+        s = Generator(
+            "sin", names[1], sympy.sin(shown), angle.symbols, 2, tail, argument=(angle, names[0])
+        )
+        return cos, field.add(s)
+
+    def _refined(self, index: int, parts: int) -> tuple[fmpq, Pair]:
+        """The pair of a finer unit: an algebraic generator for each prime part."""
+        unit, pair = self._finest[index]
+        prime = 2
+        while parts > 1:
+            while parts % prime:
+                prime += 1
+            parts //= prime
+            unit = unit / prime
+            pair = self._part(self.atoms.elements[index] * unit, pair, prime)
+        self._finest[index] = (unit, pair)
+        return unit, pair
+
+    def _part(self, angle: Element, whole: Pair, prime: int) -> Pair:
+        """cos and sin of angle from those of prime * angle."""
+        field = self._field
+        cos = None
+        if prime == 2:
+            inside = square_root_inside(field, (whole[0] + 1) * fmpq(1, 2))
+            if inside is not None:
+                with mpmath.workprec(200):
+                    want = mpmath.cos(field.sample.value(angle))
+                    have = field.sample.value(inside)
+                cos = inside if mpmath.re(want * have) > 0 else -inside
+        if cos is None:
+            cos = self._new_part(angle, whole, prime)
+        return cos, whole[1] / _second_kind(prime - 1, cos, field)
+
+    def _new_part(self, angle: Element, whole: Pair, prime: int) -> Element:
+        """A generator w with T_prime(w) = cos(prime * angle)."""
+        field = self._field
+        lead = fmpq(1, 2 ** (prime - 1))
+        rest = sympy.Poly(sympy.chebyshevt_poly(prime, sympy.Symbol("w")), sympy.Symbol("w"))
+        middle = tuple(
+            (power, -fmpq(int(value)) * lead)
+            for (power,), value in rest.terms()
+            if 0 < power < prime
+        )
+        constant = fmpq(int(rest.eval(0)))
+        tail = (whole[0] - constant) * lead
+        name = field.next_name("part")
+
+        def sine() -> Element:
+            w = field.generator_element(field.by_name[name])
+            return whole[1] / _second_kind(prime - 1, w, field)
+
+        generator = Generator(
+            "chebyshev", name, sympy.cos(angle.sympy), angle.symbols, prime, tail, middle,
+            argument=(angle, sine),
+        )  # fmt: skip
+        return field.add(generator)
+
+
+def _of_inverse_function(field: Field, atom: Element) -> Pair | None:
+    """cos and sin of atan, asin, acos: algebraic."""
+    generator = single_generator(field, atom)
+    if generator is None or generator.kind != "primitive":
+        return None
+    inner = generator.argument[0]
+    name = type(generator.shown).__name__
+    if name in ("atan", "acot"):
+        root = (inner * inner + 1).sqrt()
+        return (1 / root, inner / root) if name == "atan" else (inner / root, 1 / root)
+    if name in ("asin", "acos"):
+        root = (1 - inner * inner).sqrt()
+        return (root, inner) if name == "asin" else (inner, root)
+    return None
+
+
+def single_generator(field: Field, atom: Element) -> Any:
+    """The generator that the element is, or None."""
+    used = field.generators_of(atom)
+    if len(used) == 1 and atom == field.generator_element(used[0]):
+        return used[0]
+    return None
+
+
+def _added(a: Pair, b: Pair) -> Pair:
+    """cos and sin of a sum of angles."""
+    field = a[0].field
+    return (
+        field.sum(((1, a[0], b[0]), (-1, a[1], b[1]))),
+        field.sum(((1, a[1], b[0]), (1, a[0], b[1]))),
+    )
+
+
+def _power(pair: Pair, n: int, field: Field) -> Pair:
+    """cos and sin of n times the angle."""
+    result: Pair = (field.one, field.zero)
+    while n:
+        if n & 1:
+            result = _added(result, pair)
+        n >>= 1
+        if n:
+            pair = _added(pair, pair)
+    return result
+
+
+def _second_kind(n: int, x: Element, field: Field) -> Element:
+    """The Chebyshev polynomial U_n(x): sin((n + 1) t) = sin t U_n(cos t)."""
+    before, now = field.zero, field.one
+    for _ in range(n):
+        before, now = now, 2 * x * now - before
+    return now

@@ -1,0 +1,154 @@
+"""Derivation: partial derivatives of elements from those of the generators."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from flint import fmpq
+
+if TYPE_CHECKING:
+    import sympy
+
+    from geomtorsion.exact.element import Element
+    from geomtorsion.exact.field import Field
+    from geomtorsion.exact.generators import Generator
+
+
+def derivative(field: Field, element: Element, symbol: sympy.Symbol) -> Element:
+    """d(num/den) = d num / den - num / den * sum of exponent * d factor / factor."""
+    from geomtorsion.exact.element import Element
+
+    num = field.lift(element)
+    den = element._den
+    terms: list[tuple[Any, ...]] = []
+    for part, inner in _parts(field, num, symbol):
+        terms.append((1, Element(field, part, den, field.level), inner))
+    for index, exponent in den:
+        inner = _factor_derivative(field, index, symbol)
+        if inner._num:
+            once = Element(field, field.ctx.constant(1), ((index, 1),), field.level)
+            terms.append((-exponent, element, inner, once))
+    return field.sum(terms)
+
+
+def _parts(field: Field, poly: Any, symbol: sympy.Symbol) -> list[tuple[Any, Element]]:
+    """Pairs (d poly / d generator, d generator / d symbol) that are not zero."""
+    found = []
+    names = []
+    for position, degree in enumerate(poly.degrees()):
+        if degree > 0 and symbol in field.generators[position].depends:
+            names.append(field.generators[position])
+    # A derivative may add generators (jets): all of them first, then one common ring.
+    inners = [_generator_derivative(field, generator, symbol) for generator in names]
+    if poly.context() is not field.ctx:
+        grown = field.ctx.nvars() - poly.context().nvars()
+        poly = field._lifted(poly, grown)
+    for generator, inner in zip(names, inners, strict=True):
+        if inner._num:
+            found.append((poly.derivative(field.generators.index(generator)), inner))
+    return found
+
+
+def _factor_derivative(field: Field, index: int, symbol: sympy.Symbol) -> Element:
+    """The derivative of a registered factor."""
+    key = (index, symbol)
+    known = field._factor_diffs.get(key)
+    if known is None:
+        from geomtorsion.exact.element import Element
+
+        parts = _parts(field, field.factors[index], symbol)
+        known = field.sum((1, Element(field, part, (), field.level), d) for part, d in parts)
+        field._factor_diffs[key] = known
+    return known
+
+
+def _generator_derivative(field: Field, generator: Generator, symbol: sympy.Symbol) -> Element:
+    """The derivative of one generator."""
+    key = (generator.name, symbol)
+    known = field._generator_diffs.get(key)
+    if known is None:
+        known = field._generator_diffs[key] = _RULES[generator.kind](field, generator, symbol)
+    return known
+
+
+def _constant(field: Field, generator: Generator, symbol: sympy.Symbol) -> Element:
+    return field.zero
+
+
+def _symbol(field: Field, generator: Generator, symbol: sympy.Symbol) -> Element:
+    return field.one if generator.shown == symbol else field.zero
+
+
+def _partnered(sign: int) -> Any:
+    """Rule for cos, sin, cosh, sinh: argument = (angle, name of the partner)."""
+
+    def rule(field: Field, generator: Generator, symbol: sympy.Symbol) -> Element:
+        angle, partner = generator.argument
+        other = field.generator_element(field.by_name[partner])
+        return field.sum(((sign, other, angle.diff(symbol)),))
+
+    return rule
+
+
+def _exp(field: Field, generator: Generator, symbol: sympy.Symbol) -> Element:
+    return field.generator_element(generator) * generator.argument.diff(symbol)
+
+
+def _log(field: Field, generator: Generator, symbol: sympy.Symbol) -> Element:
+    return generator.argument.diff(symbol) / generator.argument
+
+
+def _root(field: Field, generator: Generator, symbol: sympy.Symbol) -> Element:
+    """w**n = P: w' = w P' / (n P)."""
+    tail = generator.tail
+    assert tail is not None
+    slope = tail.diff(symbol) / tail
+    return field.sum(((fmpq(1, generator.degree), field.generator_element(generator), slope),))
+
+
+def _chebyshev(field: Field, generator: Generator, symbol: sympy.Symbol) -> Element:
+    """cos of a part of an angle: argument = (angle, function that gives its sine)."""
+    angle, sine = generator.argument
+    return field.sum(((-1, sine(), angle.diff(symbol)),))
+
+
+def _primitive(field: Field, generator: Generator, symbol: sympy.Symbol) -> Element:
+    """argument = (inner element, derivative with respect to it, arguments)."""
+    inner, slope, _ = generator.argument
+    return field.sum(((1, slope, inner.diff(symbol)),))
+
+
+def _jet(field: Field, generator: Generator, symbol: sympy.Symbol) -> Element:
+    """The chain rule over the arguments of an unknown function."""
+    from geomtorsion.exact.jets import jet
+
+    name, orders, arguments = generator.argument
+    terms = []
+    for k, argument in enumerate(arguments):
+        inner = argument.diff(symbol)
+        if inner._num:
+            up = tuple(n + (j == k) for j, n in enumerate(orders))
+            terms.append((1, jet(field, name, up, arguments), inner))
+    return field.sum(terms)
+
+
+def _opaque(field: Field, generator: Generator, symbol: sympy.Symbol) -> Element:
+    return field.read(generator.shown.diff(symbol), f"derivative of {generator.shown}")
+
+
+_RULES: dict[str, Any] = {
+    "symbol": _symbol,
+    "cos": _partnered(-1),
+    "sin": _partnered(1),
+    "cosh": _partnered(1),
+    "sinh": _partnered(1),
+    "exp": _exp,
+    "log": _log,
+    "root": _root,
+    "chebyshev": _chebyshev,
+    "primitive": _primitive,
+    "jet": _jet,
+    "opaque": _opaque,
+    "constant": _constant,
+    "imaginary": _constant,
+}

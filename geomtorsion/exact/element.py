@@ -1,0 +1,248 @@
+"""Elements: exact scalars, kept in a form in which equal ones are identical."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from flint import fmpq
+
+from geomtorsion.errors import UndecidedError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import sympy
+
+    from geomtorsion.exact.field import Field
+
+Denominator = tuple[tuple[int, int], ...]
+Number = int | Fraction
+
+
+class Element:
+    """A number of a differential field: numerator over a product of irreducible factors.
+
+    The denominator holds no algebraic generator and shares no factor with the numerator,
+    the numerator is reduced by all relations: two elements are equal exactly when their
+    parts are.  Elements never change; they come from a `Field`, not from this class.
+
+    Examples
+    --------
+    >>> import sympy
+    >>> from geomtorsion.exact import Field
+    >>> x = sympy.Symbol("x")
+    >>> field = Field([x])
+    >>> one = field.read(sympy.sin(x) ** 2 + sympy.cos(x) ** 2)
+    >>> one == 1, field.read(sympy.tan(x)).diff(x)
+    (True, Element(1/cos(x)**2))
+    """
+
+    __slots__ = ("_den", "_diffs", "_field", "_form", "_hash", "_level", "_num", "_sympy")
+
+    def __init__(self, field: Field, num: Any, den: Denominator, level: int) -> None:
+        self._field = field
+        self._num = num
+        self._den = den
+        self._level = level
+        self._diffs: dict[sympy.Symbol, Element] | None = None
+        self._sympy: sympy.Expr | None = None
+        self._form: Any = None
+        self._hash: int | None = None
+
+    @property
+    def field(self) -> Field:
+        """The field to which the element belongs."""
+        return self._field
+
+    # ---- arithmetic -------------------------------------------------------------------
+    def _coerced(self, other: object) -> Element | None:
+        """`other` as an element of this field, or None where that makes no sense."""
+        if isinstance(other, Element):
+            if other._field is not self._field:
+                raise UndecidedError(
+                    "two elements of different fields meet; read both expressions into one field"
+                )
+            return other
+        if isinstance(other, int | Fraction | fmpq):
+            return self._field.rational(other)
+        return None
+
+    def __add__(self, other: Element | Number) -> Element:
+        element = self._coerced(other)
+        if element is None:
+            return NotImplemented
+        return self._field.sum(((1, self), (1, element)))
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Element | Number) -> Element:
+        element = self._coerced(other)
+        if element is None:
+            return NotImplemented
+        return self._field.sum(((1, self), (-1, element)))
+
+    def __rsub__(self, other: Number) -> Element:
+        return (-self) + other
+
+    def __mul__(self, other: Element | Number) -> Element:
+        if isinstance(other, Element):
+            return self._field.sum(((1, self, other),))
+        if isinstance(other, int | Fraction | fmpq):
+            return self._field.scaled(self, other)
+        return NotImplemented
+
+    __rmul__ = __mul__
+
+    def __neg__(self) -> Element:
+        return Element(self._field, -self._num, self._den, self._level)
+
+    def __truediv__(self, other: Element | Number) -> Element:
+        element = self._coerced(other)
+        if element is None:
+            return NotImplemented
+        return self * element.inverse()
+
+    def __rtruediv__(self, other: Number) -> Element:
+        return self.inverse() * other
+
+    def __pow__(self, exponent: int) -> Element:
+        if not isinstance(exponent, int):
+            return NotImplemented
+        if exponent < 0:
+            return self.inverse() ** -exponent
+        result, square = self._field.one, self
+        while exponent:
+            if exponent & 1:
+                result = result * square
+            exponent >>= 1
+            if exponent:
+                square = square * square
+        return result
+
+    def inverse(self) -> Element:
+        """1 over the element.
+
+        Raises
+        ------
+        ZeroDivisionError
+            the element is zero.
+        """
+        return self._field.inverse(self)
+
+    def sqrt(self) -> Element:
+        """The square root, positive at the field's sample point; it may add a generator."""
+        return self._field.root(self, 2)
+
+    def conjugate(self) -> Element:
+        """The complex conjugate: I goes to -I, all other generators count as real."""
+        return self._field.conjugate(self)
+
+    # ---- comparison -------------------------------------------------------------------
+    def __eq__(self, other: object) -> bool:
+        element = self._coerced(other)
+        if element is None:
+            return NotImplemented
+        if self is element:
+            return True
+        if self._den != element._den:
+            return False
+        if self._level != element._level:
+            self._field.lift(self)
+            self._field.lift(element)
+        return bool(self._num == element._num)
+
+    def __hash__(self) -> int:
+        if self._hash is None:
+            self._hash = hash((str(self._num), self._den))
+        return self._hash
+
+    def __bool__(self) -> bool:
+        raise TypeError("the truth of an element is ambiguous; ask for .is_zero")
+
+    @property
+    def is_zero(self) -> bool | None:
+        """True or False, decided; None only where an opaque function leaves it undecided."""
+        if not self._num:
+            return True
+        return False if self._field.all_sure else self._field.decide_zero(self)
+
+    @property
+    def is_rational(self) -> bool:
+        """Whether the element is a rational number."""
+        return not self._den and bool(self._num.is_constant())
+
+    def as_fraction(self) -> Fraction:
+        """The rational number that the element is.
+
+        Raises
+        ------
+        ValueError
+            the element is no rational number.
+        """
+        if not self.is_rational:
+            raise ValueError(f"{self} is not a rational number")
+        value = fmpq(self._num.leading_coefficient()) if self._num else fmpq(0)
+        return Fraction(int(value.p), int(value.q))
+
+    # ---- calculus and output ----------------------------------------------------------
+    def diff(self, symbol: sympy.Symbol) -> Element:
+        """The partial derivative with respect to a coordinate or parameter."""
+        if self._diffs is None:
+            self._diffs = {}
+        known = self._diffs.get(symbol)
+        if known is None:
+            known = self._diffs[symbol] = self._field.derivative(self, symbol)
+        return known
+
+    @property
+    def symbols(self) -> frozenset[sympy.Symbol]:
+        """The coordinates and parameters on which the element depends."""
+        found: set[sympy.Symbol] = set()
+        for generator in self._field.generators_of(self):
+            found |= generator.depends
+        return frozenset(found)
+
+    def free_of(self, symbol: sympy.Symbol) -> bool:
+        """Whether the element does not depend on the symbol."""
+        return symbol not in self.symbols
+
+    @property
+    def sympy(self) -> sympy.Expr:
+        """The element as a short sympy expression, made on first use and kept."""
+        if self._sympy is None:
+            from geomtorsion.exact.writing import to_sympy
+
+            self._sympy = to_sympy(self)
+        return self._sympy
+
+    def evaluate(self, point: Mapping[Any, Any], precision: int = 53) -> Any:
+        """The value at a point: float or complex at 53 bits, an mpmath number above.
+
+        Parameters
+        ----------
+        point
+            a number for every symbol (and unknown function) that the element contains.
+        precision
+            bits of the mantissa.
+
+        Raises
+        ------
+        MissingValueError
+            a symbol of the element has no value.
+        SingularPointError
+            the element has no finite value there.
+        """
+        from geomtorsion.exact.evaluate import evaluate
+
+        return evaluate(self, point, precision)
+
+    def to_json(self) -> dict[str, str]:
+        """The element as a JSON-ready mapping; `Field.from_json` reads it back."""
+        return {"expression": str(self.sympy)}
+
+    def __str__(self) -> str:
+        return str(self.sympy)
+
+    def __repr__(self) -> str:
+        return f"Element({self.sympy})"

@@ -1,0 +1,119 @@
+"""Evaluate: numbers of any precision from elements."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import mpmath
+
+from geomtorsion.errors import MissingValueError, SingularPointError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from geomtorsion.exact.element import Element
+    from geomtorsion.exact.generators import Generator
+
+# Guard bits on top of twice the precision asked for: expanded numerators cancel.
+_GUARD = 30
+
+
+def evaluate(element: Element, point: Mapping[Any, Any], precision: int = 53) -> Any:
+    """The value of an element at a point; see `Element.evaluate`."""
+    with mpmath.workprec(2 * precision + _GUARD):
+        value = values(element, lambda generator: _given(point, generator), {})
+    if precision > 53:
+        with mpmath.workprec(precision):
+            return +value
+    return complex(value) if isinstance(value, mpmath.mpc) and value.imag else float(value.real)
+
+
+def values(element: Element, given: Callable[[Generator], Any], known: dict[str, Any]) -> Any:
+    """The value from the values of generators; `given` answers for symbols and jets."""
+    field = element.field
+    num = _polynomial(field, field.lift(element), given, known)
+    for index, exponent in element._den:
+        factor = _polynomial(field, field.factors[index], given, known)
+        if not factor:
+            raise SingularPointError(
+                f"{element} has no finite value here: its denominator vanishes; "
+                "move the point away from the edge of the chart"
+            )
+        num /= factor**exponent
+    return num
+
+
+def _polynomial(field: Any, poly: Any, given: Any, known: dict[str, Any]) -> Any:
+    """The value of a polynomial in the generators."""
+    total = mpmath.mpf(0)
+    for monomial, coefficient in poly.to_dict().items():
+        term = mpmath.mpf(int(coefficient.p)) / int(coefficient.q)
+        for position, exponent in enumerate(monomial):
+            if exponent:
+                term *= _generator(field.generators[position], given, known) ** int(exponent)
+        total += term
+    return total
+
+
+def _generator(generator: Generator, given: Any, known: dict[str, Any]) -> Any:
+    """The value of one generator, computed once per point."""
+    if generator.name not in known:
+        known[generator.name] = _computed(generator, given, known)
+    return known[generator.name]
+
+
+def _computed(generator: Generator, given: Any, known: dict[str, Any]) -> Any:
+    kind, argument = generator.kind, generator.argument
+    if kind in ("symbol", "jet"):
+        return given(generator)
+    if kind in ("cos", "sin", "cosh", "sinh", "chebyshev"):
+        angle = values(argument[0], given, known)
+        return getattr(mpmath, "cos" if kind == "chebyshev" else kind)(angle)
+    if kind in ("exp", "log"):
+        inner = values(argument, given, known)
+        if kind == "log" and not inner:
+            raise SingularPointError(f"{generator.shown} has no finite value here")
+        return getattr(mpmath, kind)(inner)
+    if kind == "root":
+        tail = generator.tail
+        assert tail is not None
+        return mpmath.root(values(tail, given, known), generator.degree)
+    if kind == "imaginary":
+        return mpmath.mpc(0, 1)
+    if kind == "primitive":
+        function = getattr(mpmath, type(generator.shown).__name__)
+        return function(*(values(part, given, known) for part in argument[2]))
+    return _by_sympy(generator, given)
+
+
+def _by_sympy(generator: Generator, given: Any) -> Any:
+    """Opaque functions and constants: sympy's own evaluation."""
+    from geomtorsion.exact.generators import Generator as Plain
+
+    digits = int(mpmath.mp.dps) + 5
+    table = {s: given(Plain("symbol", "", s, frozenset((s,)))) for s in generator.depends}
+    number = generator.shown.evalf(digits, subs=table)
+    if not number.is_number or number.free_symbols:
+        raise MissingValueError(f"{generator.shown} has no number here; give its symbols values")
+    real, imaginary = number.as_real_imag()
+    value = mpmath.mpf(str(real))
+    return mpmath.mpc(value, mpmath.mpf(str(imaginary))) if imaginary else value
+
+
+def _given(point: Mapping[Any, Any], generator: Generator) -> Any:
+    """The value that the user gave for a symbol or a jet."""
+    for key in (generator.shown, str(generator.shown)):
+        if key in point:
+            value = point[key]
+            if hasattr(value, "_mpf_") or hasattr(value, "_mpc_"):
+                return value
+            if hasattr(value, "p") and hasattr(value, "q"):
+                return mpmath.mpf(int(value.p)) / int(value.q)
+            if hasattr(value, "numerator") and not isinstance(value, float):
+                return mpmath.mpf(int(value.numerator)) / int(value.denominator)
+            if hasattr(value, "evalf"):
+                return mpmath.mpmathify(value.evalf(int(mpmath.mp.dps) + 5))
+            return mpmath.mpmathify(value)
+    raise MissingValueError(
+        f"{generator.shown} has no value at this point; add it: {{..., {generator.shown}: number}}"
+    )

@@ -1,0 +1,136 @@
+"""Exponents: exp, cosh and sinh of any argument in terms of one generator an atom."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import sympy
+from flint import fmpq
+
+from geomtorsion.exact.angles import single_generator
+from geomtorsion.exact.atoms import Atoms
+from geomtorsion.exact.generators import Generator
+
+if TYPE_CHECKING:
+    from geomtorsion.exact.element import Element
+    from geomtorsion.exact.field import Field
+
+
+class Exponents:
+    """exp over a rational basis of the exponents.
+
+    An atom met only under cosh and sinh keeps these two as its generators; one that is
+    also met under exp is written in exp alone.
+    """
+
+    def __init__(self, field: Field) -> None:
+        self._field = field
+        self.atoms = Atoms(field)
+        self._plain: set[int] = set()
+        self._base: dict[int, tuple[fmpq, Element, Element]] = {}
+        self._powers: dict[tuple[int, fmpq], tuple[Element, Element]] = {}
+
+    def prepare(self, exponents: list[Element], hyperbolic: list[Element]) -> None:
+        """Chooses units that serve all these at once, and which atoms take exp."""
+        for plain, batch in ((True, exponents), (False, hyperbolic)):
+            for exponent in batch:
+                for coefficient, index in self.atoms.decompose(exponent):
+                    if index not in self._base:
+                        self.atoms.refine_unit(index, coefficient)
+                        if plain:
+                            self._plain.add(index)
+
+    def exp(self, exponent: Element) -> Element:
+        """exp of an exponent without imaginary part."""
+        result = self._field.one
+        for coefficient, index in self.atoms.decompose(exponent):
+            self._plain.add(index)
+            result = result * self._power(index, coefficient)[0]
+        return result
+
+    def cosh_sinh(self, argument: Element) -> tuple[Element, Element]:
+        """(cosh, sinh) of an argument without imaginary part."""
+        up = down = self._field.one
+        for coefficient, index in self.atoms.decompose(argument):
+            a, b = self._power(index, coefficient)
+            up, down = up * a, down * b
+        half = fmpq(1, 2)
+        return (up + down) * half, (up - down) * half
+
+    def _power(self, index: int, coefficient: fmpq) -> tuple[Element, Element]:
+        """exp of plus and of minus coefficient * atom."""
+        known = self._powers.get((index, coefficient))
+        if known is not None:
+            return known
+        if index not in self._base:
+            self._make(index, coefficient)
+        unit, up, down = self._base[index]
+        count = coefficient / unit
+        if count.q != 1:
+            parts = int(count.q)
+            up = self._field.root(up, parts)
+            unit, down = unit / parts, up.inverse()
+            self._base[index] = (unit, up, down)
+            count = coefficient / unit
+        n = int(count.p)
+        result = (up**n, down**n) if n > 0 else (down**-n, up**-n)
+        self._powers[index, coefficient] = result
+        return result
+
+    def _make(self, index: int, coefficient: fmpq) -> None:
+        field = self._field
+        atom = self.atoms.elements[index]
+        inverse = self._of_inverse_function(atom)
+        if inverse is not None:
+            self._base[index] = (fmpq(1), inverse, inverse.inverse())
+            return
+        unit = self.atoms.units[index] or abs(coefficient)
+        self.atoms.units[index] = unit
+        exponent = atom * unit
+        n, shown = len(field.generators), exponent.sympy
+        if index in self._plain:
+            up = field.add(
+                Generator("exp", f"ex{n}", sympy.exp(shown), exponent.symbols, argument=exponent)
+            )
+            self._base[index] = (unit, up, up.inverse())
+            return
+        names = (f"ch{n}", f"sh{n}")
+        cosh = field.add(
+            Generator(
+                "cosh",
+                names[0],
+                sympy.cosh(shown),
+                exponent.symbols,
+                argument=(exponent, names[1]),
+            )  # fmt: skip
+        )
+        sinh = field.add(
+            Generator(
+                "sinh",
+                names[1],
+                sympy.sinh(shown),
+                exponent.symbols,
+                2,
+                cosh * cosh - 1,
+                argument=(exponent, names[0]),
+            )  # fmt: skip
+        )
+        self._base[index] = (unit, cosh + sinh, cosh - sinh)
+
+    def _of_inverse_function(self, atom: Element) -> Element | None:
+        """exp of log, asinh, acosh, atanh: algebraic."""
+        field = self._field
+        generator = single_generator(field, atom)
+        if generator is None or generator.kind not in ("log", "primitive"):
+            return None
+        if generator.kind == "log":
+            return generator.argument
+        u = generator.argument[0]
+        name = type(generator.shown).__name__
+        if name == "asinh":
+            return u + (u * u + 1).sqrt()
+        if name == "acosh":
+            return u + (u * u - 1).sqrt()
+        if name in ("atanh", "acoth"):
+            return ((1 + u) / (1 - u) if name == "atanh" else (u + 1) / (u - 1)).sqrt()
+        return None

@@ -1,0 +1,177 @@
+"""Form: an element as a person would write it, a product of powers of short factors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from flint import fmpq
+
+from geomtorsion.exact.inversion import monic
+
+if TYPE_CHECKING:
+    from geomtorsion.exact.element import Element
+    from geomtorsion.exact.field import Field
+    from geomtorsion.exact.generators import Generator
+
+Monomial = tuple[tuple["Generator", int], ...]
+
+# Longer polynomials are not rewritten with sin**2: it would cost more than it shortens.
+_LONGEST_REWRITTEN = 120
+
+
+@dataclass(frozen=True, eq=False)
+class Sum:
+    """A polynomial of several terms, (coefficient, monomial) each."""
+
+    terms: tuple[tuple[fmpq, Monomial], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Form:
+    """coefficient * product of base**exponent; a base is a generator or a sum."""
+
+    coefficient: fmpq
+    powers: tuple[tuple[Generator | Sum, int], ...]
+
+
+class Radicals:
+    """The quadratic generators of a field with their radicands in factors."""
+
+    def __init__(self, field: Field) -> None:
+        self.level = field.level
+        self.sums: dict[str, tuple[Sum, int]] = {}
+        self.table: list[tuple[str, Any, tuple[str, ...]]] = []
+        self.partners: list[tuple[int, int, int]] = []
+        for position, generator in enumerate(field.generators):
+            tail = generator.tail
+            if generator.degree != 2 or tail is None or generator.kind == "imaginary":
+                continue
+            content, factors = field.lift(tail).factor()
+            pairs = [monic(factor) for factor, _ in factors]
+            for _, sign in pairs:
+                content = content * sign
+            if all(exponent == 1 for _, exponent in factors) and pairs:
+                keys = tuple(str(factor) for factor, _ in pairs)
+                self.table.append((str(field.ctx.gen(position)), content, keys))
+            if generator.kind in ("sin", "sinh"):
+                partner = field.by_name[generator.argument[1]]
+                sign = -1 if generator.kind == "sin" else 1
+                self.partners.append((field.generators.index(partner), position, sign))
+
+
+def form(element: Element) -> Form:
+    """The written form of an element, made once."""
+    if element._form is None:
+        element._form = _made(element)
+    return element._form
+
+
+def radicals(field: Field) -> Radicals:
+    """The table of radicals, made anew when the field has grown."""
+    known = field.tables.get("radicals")
+    if known is None or known.level != field.level:
+        fresh = Radicals(field)
+        field.tables["radicals"] = known = fresh
+    return known
+
+
+def _made(element: Element) -> Form:
+    field = element.field
+    num = field.lift(element)
+    if not num:
+        return Form(fmpq(0), ())
+    table = radicals(field)
+    polys: dict[str, Any] = {}
+    exponents: dict[str, int] = {}
+    if len(num) == 1 and not element._den:
+        return _monomial(field, num)
+    content, factors = num.factor()
+    for factor, exponent in factors:
+        positive, sign = monic(factor)
+        content = content * sign if exponent % 2 else content
+        key = str(positive)
+        polys[key], exponents[key] = positive, exponent
+    for index, exponent in element._den:
+        factor = field.factors[index]
+        key = str(factor)
+        polys[key] = factor
+        exponents[key] = exponents.get(key, 0) - exponent
+    for root, scale, keys in table.table:
+        counts = [exponents.get(key, 0) for key in keys]
+        least, most = min(counts), max(counts)
+        take = least if least > 0 else most if most < 0 else 0
+        if take:
+            for key in keys:
+                exponents[key] -= take
+            exponents[root] = exponents.get(root, 0) + 2 * take
+            polys.setdefault(root, None)
+            content = content / scale**take
+    powers = []
+    for key, exponent in exponents.items():
+        if exponent:
+            base, sign = _base(field, table, key, polys[key])
+            content = content * sign if exponent % 2 else content
+            powers.append((base, exponent))
+    return Form(fmpq(content), tuple(powers))
+
+
+def _monomial(field: Field, num: Any) -> Form:
+    """The form of a polynomial of one term."""
+    ((monomial, value),) = num.to_dict().items()
+    powers = tuple((g, int(e)) for g, e in zip(field.generators, monomial, strict=True) if e)
+    return Form(value, powers)
+
+
+def _base(field: Field, table: Radicals, key: str, poly: Any) -> tuple[Generator | Sum, int]:
+    """A factor as generator or as sum with its better sign."""
+    generator = field.by_name.get(key)
+    if generator is not None:
+        return generator, 1
+    known = table.sums.get(key)
+    if known is None:
+        known = table.sums[key] = _sum(field, table, poly)
+    return known
+
+
+def _sum(field: Field, table: Radicals, poly: Any) -> tuple[Sum, int]:
+    """A polynomial as sum of terms, with sin**2 for 1 - cos**2 where that is shorter."""
+    terms = {tuple(map(int, m)): fmpq(c) for m, c in poly.to_dict().items()}
+    for cos, sin, sign in table.partners:
+        if len(terms) <= _LONGEST_REWRITTEN and any(m[cos] > 1 for m in terms):
+            other = _rewritten(terms, cos, sin, sign)
+            if len(other) < len(terms):
+                terms = other
+    positive = sum(1 for value in terms.values() if value > 0)
+    zero = (0,) * len(field.generators)
+    flip = 2 * positive < len(terms) or (
+        2 * positive == len(terms) and terms.get(zero, fmpq(1)) < 0
+    )
+    sign = -1 if flip else 1
+    return Sum(
+        tuple(
+            (value * sign, tuple((g, e) for g, e in zip(field.generators, m, strict=True) if e))
+            for m, value in terms.items()
+        )
+    ), sign
+
+
+def _rewritten(
+    terms: dict[tuple[int, ...], fmpq], cos: int, sin: int, sign: int
+) -> dict[tuple[int, ...], fmpq]:
+    """cos**2 replaced with 1 + sign * sin**2."""
+    result: dict[tuple[int, ...], fmpq] = {}
+    for monomial, value in terms.items():
+        half, rest = divmod(monomial[cos], 2)
+        factor = fmpq(1)
+        for k in range(half + 1):
+            new = list(monomial)
+            new[cos], new[sin] = rest, monomial[sin] + 2 * k
+            key = tuple(new)
+            total = result.get(key, fmpq(0)) + value * factor
+            if total:
+                result[key] = total
+            else:
+                result.pop(key, None)
+            factor = factor * sign * (half - k) / (k + 1)
+    return result

@@ -1,0 +1,70 @@
+"""Generators: the independent symbols that a differential field is built from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import sympy
+
+    from geomtorsion.exact.element import Element
+
+
+@dataclass(frozen=True, eq=False)
+class Generator:
+    """One generator of a field: a coordinate, cos, exp, a root, a jet of an unknown function.
+
+    kind
+        symbol, cos, sin, cosh, sinh, exp, log, primitive, root, imaginary, chebyshev,
+        jet, constant or opaque.
+    name
+        its variable name inside the polynomial ring.
+    shown
+        the sympy expression it stands for.
+    depends
+        sympy symbols on which it depends.
+    degree, tail
+        degree 0: transcendental; degree n: algebraic, generator**n = tail.
+    middle
+        further terms (power, rational) of that relation: + rational * generator**power.
+    argument
+        what its derivative is built from (the angle, the exponent, the radicand ...).
+    sure
+        False where independence of the other generators is not proved.
+    """
+
+    kind: str
+    name: str
+    shown: sympy.Expr
+    depends: frozenset[sympy.Symbol]
+    degree: int = 0
+    tail: Element | None = None
+    middle: tuple[tuple[int, Any], ...] = ()
+    argument: Any = None
+    sure: bool = True
+
+    @property
+    def is_algebraic(self) -> bool:
+        """Whether a power of it lies in the field below it."""
+        return self.degree > 0
+
+
+@dataclass(frozen=True)
+class Branch:
+    """The choice of sign with which a root was read.
+
+    radical
+        the sympy expression that was read.
+    read_as
+        the sympy expression that it was replaced with.
+    condition
+        where in the domain the replacement is right, in words.
+    """
+
+    radical: sympy.Expr
+    read_as: sympy.Expr
+    condition: str
+
+    def __str__(self) -> str:
+        return f"{self.radical} read as {self.read_as}: right where {self.condition}"

@@ -1,0 +1,47 @@
+"""Jets: unknown functions and their partial derivatives, each a generator of its own."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import sympy
+
+from geomtorsion.exact.generators import Generator
+
+if TYPE_CHECKING:
+    from geomtorsion.exact.element import Element
+    from geomtorsion.exact.field import Field
+
+
+def jet(
+    field: Field, function: Any, orders: tuple[int, ...], arguments: tuple[Element, ...]
+) -> Element:
+    """The partial derivative of given orders of an unknown function at its arguments."""
+    for generator in field.generators:
+        if generator.kind == "jet" and generator.argument == (function, orders, arguments):
+            return field.generator_element(generator)
+    depends: frozenset[sympy.Symbol] = frozenset()
+    for argument in arguments:
+        depends |= argument.symbols
+    shown = _shown(function, orders, [argument.sympy for argument in arguments])
+    name = field.next_name("jet")
+    generator = Generator("jet", name, shown, depends, argument=(function, orders, arguments))
+    return field.add(generator)
+
+
+def _shown(function: Any, orders: tuple[int, ...], places: list[sympy.Expr]) -> sympy.Expr:
+    """The jet as sympy writes it: Derivative, within Subs where an argument is composite."""
+    if not any(orders):
+        return function(*places)
+    variables, values = [], []
+    slots: list[sympy.Expr] = []
+    for k, place in enumerate(places):
+        plain = place.is_Symbol and places.count(place) == 1
+        slot = place if plain or not orders[k] else sympy.Dummy(f"xi_{k + 1}")
+        if slot is not place:
+            variables.append(slot)
+            values.append(place)
+        slots.append(slot)
+    counts = [(slot, n) for slot, n in zip(slots, orders, strict=True) if n]
+    derivative = sympy.Derivative(function(*slots), *counts)
+    return sympy.Subs(derivative, tuple(variables), tuple(values)) if variables else derivative

@@ -1,0 +1,244 @@
+"""Reading: sympy expressions into elements."""
+
+from __future__ import annotations
+
+import contextlib
+from typing import TYPE_CHECKING, Any
+
+import sympy
+from flint import fmpq
+from sympy.core.function import AppliedUndef
+
+from geomtorsion.errors import ExpressionError, GeomtorsionError, LimitError
+from geomtorsion.exact import refusal
+from geomtorsion.exact.additive import INVERSE_FUNCTIONS, Additive
+from geomtorsion.exact.angles import Angles
+from geomtorsion.exact.exponents import Exponents
+from geomtorsion.exact.functions import FUNCTIONS
+from geomtorsion.exact.generators import Generator
+from geomtorsion.exact.inversion import split
+from geomtorsion.exact.jets import jet
+from geomtorsion.exact.opaque import opaque
+from geomtorsion.exact.scan import Scan
+
+if TYPE_CHECKING:
+    from geomtorsion.exact.element import Element
+    from geomtorsion.exact.field import Field
+
+
+class Reader:
+    """Reads expressions into one field; what was read once is remembered."""
+
+    def __init__(self, field: Field) -> None:
+        self.field = field
+        self.angles = Angles(field)
+        self.exponents = Exponents(field)
+        self.additive = Additive(field, self._arguments)
+        self._known: dict[sympy.Basic, Element] = {}
+
+    def _arguments(self) -> list[Element]:
+        return [*self.angles.atoms.elements, *self.exponents.atoms.elements]
+
+    def read_all(self, entries: list[tuple[str, Any]]) -> list[Element]:
+        """Reads all entries, on one common basis of angles and exponents."""
+        exprs = [(where, refusal.checked(where, value)) for where, value in entries]
+        where = exprs[0][0] if exprs else ""
+        try:
+            scan = Scan([expr for _, expr in exprs])
+            for level in scan.levels():
+                # What cannot be read fails again below, where its entry is known.
+                with contextlib.suppress(GeomtorsionError, ZeroDivisionError):
+                    self._prepare(*level)
+            elements = []
+            for where, expr in exprs:
+                elements.append(self.element(expr))
+            return elements
+        except RecursionError as error:
+            raise LimitError(
+                f"{where}: the expression is nested too deeply to be read; write it with "
+                "fewer levels of brackets"
+            ) from error
+        except ZeroDivisionError as error:
+            raise ExpressionError(f"{where}: a denominator is exactly zero") from error
+        except GeomtorsionError as error:
+            if str(error).startswith(f"{where}: "):
+                raise
+            raise type(error)(f"{where}: {error}") from error
+
+    def _prepare(self, angles: Any, exponents: Any, hyperbolic: Any) -> None:
+        """One level of the scan: the arguments are read, then their units chosen."""
+        circular, plain, doubled = [], [], []
+        for arg in angles:
+            real, imaginary = self._parts(self.element(arg))
+            circular.append(real)
+            doubled.append(imaginary)
+        for batch, kept in ((exponents, plain), (hyperbolic, doubled)):
+            for arg in batch:
+                real, imaginary = self._parts(self.element(arg))
+                kept.append(real)
+                circular.append(imaginary)
+        self.angles.prepare(circular)
+        self.exponents.prepare(plain, doubled)
+
+    def _parts(self, element: Element) -> tuple[Element, Element]:
+        """(a, b) with element = a + i b."""
+        field = self.field
+        generator = field.by_name.get("I")
+        if generator is None:
+            return element, field.zero
+        low, high = split(field, field.lift(element), field.generators.index(generator))
+        if not high:
+            return element, field.zero
+        below = field.denominator(element).inverse()
+        return field.polynomial(low) * below, field.polynomial(high) * below
+
+    # ---- the tree ---------------------------------------------------------------------
+    def element(self, expr: sympy.Expr) -> Element:
+        """Reads one expression."""
+        known = self._known.get(expr)
+        if known is None:
+            known = self._known[expr] = self._read(expr)
+        return known
+
+    def _read(self, expr: Any) -> Element:
+        field = self.field
+        if expr.is_Symbol:
+            return field.symbol(expr)
+        if expr.is_Rational:
+            return field.rational(fmpq(int(expr.p), int(expr.q)))
+        if expr.is_Add:
+            return field.sum((1, self.element(arg)) for arg in expr.args)
+        if expr.is_Mul:
+            return self._product(expr.args)
+        if expr.is_Pow:
+            return self._power(expr)
+        if isinstance(expr, AppliedUndef):
+            arguments = tuple(self.element(arg) for arg in expr.args)
+            return jet(field, expr.func, (0,) * len(arguments), arguments)
+        if isinstance(expr, sympy.Derivative):
+            return self._derivative(expr)
+        if isinstance(expr, sympy.Subs):
+            return self._substituted(expr)
+        if expr.is_Function:
+            return self._function(expr)
+        return self._constant(expr)
+
+    def _product(self, args: tuple[Any, ...]) -> Element:
+        if len(args) <= 8:
+            return self.field.sum(((1, *(self.element(arg) for arg in args)),))
+        half = len(args) // 2
+        return self._product(args[:half]) * self._product(args[half:])
+
+    def _power(self, expr: Any) -> Element:
+        base, exponent = expr.args
+        if exponent.is_Integer:
+            return self.element(base) ** int(exponent)
+        if base is sympy.E:
+            return self.exp(self.element(exponent))
+        if exponent.is_Rational:
+            chosen = self._chosen(expr)
+            if chosen is not None:
+                return chosen
+            radical = base ** sympy.Rational(1, exponent.q)
+            found = self.field.root(self.element(base), int(exponent.q), radical)
+            return found ** int(exponent.p)
+        return self.exp(self.element(exponent) * self.additive.log(self.element(base)))
+
+    def _chosen(self, expr: Any) -> Element | None:
+        """The value that the user chose for a root, checked."""
+        chosen = self.field.chosen.get(expr)
+        if chosen is None:
+            return None
+        value = self.element(chosen)
+        base, exponent = expr.args
+        if value ** int(exponent.q) != self.element(base) ** int(exponent.p):
+            raise ExpressionError(
+                f"the branch chosen for {expr} is {chosen}, but its power {exponent.q} is not "
+                f"{base}; choose a root of it"
+            )
+        return value
+
+    def exp(self, exponent: Element) -> Element:
+        """exp of any element."""
+        real, imaginary = self._parts(exponent)
+        value = self.exponents.exp(real)
+        if imaginary._num:
+            cos, sin = self.angles.cos_sin(imaginary)
+            value = value * (cos + self.field.imaginary * sin)
+        return value
+
+    def cos_sin(self, angle: Element) -> tuple[Element, Element]:
+        """(cos, sin) of any element."""
+        real, imaginary = self._parts(angle)
+        cos, sin = self.angles.cos_sin(real)
+        if imaginary._num:
+            ch, sh = self.exponents.cosh_sinh(imaginary)
+            i = self.field.imaginary
+            cos, sin = cos * ch - i * sin * sh, sin * ch + i * cos * sh
+        return cos, sin
+
+    def cosh_sinh(self, argument: Element) -> tuple[Element, Element]:
+        """(cosh, sinh) of any element."""
+        real, imaginary = self._parts(argument)
+        ch, sh = self.exponents.cosh_sinh(real)
+        if imaginary._num:
+            cos, sin = self.angles.cos_sin(imaginary)
+            i = self.field.imaginary
+            ch, sh = ch * cos + i * sh * sin, sh * cos + i * ch * sin
+        return ch, sh
+
+    def _function(self, expr: Any) -> Element:
+        name = type(expr).__name__
+        if name in FUNCTIONS:
+            return FUNCTIONS[name](self, self.element(expr.args[0]))
+        if name == "log" and len(expr.args) == 1:
+            return self.additive.log(self.element(expr.args[0]))
+        if name in INVERSE_FUNCTIONS:
+            return self.additive.inverse_function(name, self.element(expr.args[0]))
+        if name == "atan2":
+            return self.additive.atan2(*(self.element(arg) for arg in expr.args))
+        rewritten = refusal.smooth_form(expr)
+        if rewritten is not None:
+            return self.element(rewritten)
+        arguments = [self.element(arg) for arg in expr.args]
+        return opaque(self.field, expr.func(*(a.sympy for a in arguments)), arguments)
+
+    def _derivative(self, expr: Any) -> Element:
+        value = self.element(expr.expr)
+        for variable, count in expr.variable_count:
+            for _ in range(int(count)):
+                value = value.diff(variable)
+        return value
+
+    def _substituted(self, expr: Any) -> Element:
+        """Subs(Derivative(f(xi), xi), xi, place): a jet at a composite place."""
+        inner = expr.expr
+        if not isinstance(inner, sympy.Derivative) or not isinstance(inner.expr, AppliedUndef):
+            return self.element(expr.doit())
+        table = dict(zip(expr.variables, expr.point, strict=True))
+        orders = [0] * len(inner.expr.args)
+        for variable, count in inner.variable_count:
+            places = [k for k, arg in enumerate(inner.expr.args) if arg == variable]
+            if len(places) != 1:
+                raise ExpressionError(f"{expr}: write the derivative with respect to one argument")
+            orders[places[0]] += int(count)
+        arguments = tuple(self.element(arg.subs(table)) for arg in inner.expr.args)
+        return jet(self.field, inner.expr.func, tuple(orders), arguments)
+
+    def _constant(self, expr: Any) -> Element:
+        """pi, E, I and other numbers with a name."""
+        field = self.field
+        if expr is sympy.I:
+            return field.imaginary
+        if expr is sympy.E:
+            return self.exp(field.one)
+        if expr is sympy.pi:
+            known = field.by_name.get("pi")
+            if known is not None:
+                return field.generator_element(known)
+            return field.add(Generator("constant", "pi", sympy.pi, frozenset()))
+        if expr is sympy.GoldenRatio:
+            return self.element((1 + sympy.sqrt(5)) / 2)
+        if expr.is_number and expr.is_finite and expr.is_Atom:
+            return opaque(field, expr, ())
+        raise ExpressionError(f"{expr} cannot be read as an exact scalar")

@@ -1,0 +1,107 @@
+"""Refusal: what cannot be read exactly, with the reason and a remedy."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+import sympy
+
+from geomtorsion.errors import ExpressionError
+
+_NOT_SMOOTH = (
+    "Abs", "sign", "floor", "ceiling", "frac", "Piecewise", "Max", "Min", "Heaviside",
+    "DiracDelta", "re", "im", "arg", "conjugate", "Mod", "KroneckerDelta", "SingularityFunction",
+)  # fmt: skip
+_REMEDIES = {
+    "Abs": "choose the sign that holds in your domain (declare the symbol positive, or write x)",
+    "Piecewise": "give one frame for each piece",
+}
+
+
+def checked(where: str, value: Any) -> Any:
+    """A sympy expression that consists of readable parts only.
+
+    Raises
+    ------
+    ExpressionError
+        a part is a float, not smooth, infinite or no scalar; the message names it.
+    """
+    if isinstance(value, bool) or value is None:
+        raise ExpressionError(f"{where}: {value!r} is not an expression")
+    if isinstance(value, Fraction):
+        return sympy.Rational(value.numerator, value.denominator)
+    if isinstance(value, int):
+        return sympy.Integer(value)
+    if isinstance(value, float):
+        value = sympy.Float(value)
+    if isinstance(value, str):
+        raise ExpressionError(
+            f"{where}: {value!r} is text; read text with geomtorsion.parse_expression first"
+        )
+    if hasattr(value, "item") and not isinstance(value, sympy.Basic):
+        return checked(where, value.item())
+    if not isinstance(value, sympy.Expr):
+        kind = "a relation" if isinstance(value, sympy.logic.boolalg.Boolean) else "no scalar"
+        raise ExpressionError(f"{where}: {value} is {kind}; give one sympy expression")
+    seen: set[Any] = set()
+    stack: list[Any] = [value]
+    while stack:
+        part = stack.pop()
+        if part in seen:
+            continue
+        seen.add(part)
+        reason = _reason(part)
+        if reason:
+            of = "" if part == value else f" in {_short(value)}"
+            raise ExpressionError(f"{where}: {_short(part)}{of} {reason}")
+        stack.extend(part.args)
+    return value
+
+
+def _reason(part: Any) -> str:
+    """Why a part cannot be read, or nothing."""
+    if part.is_Float:
+        exact = sympy.nsimplify(part, rational=True)
+        return f"is a floating-point number; write it exactly, for example {exact}"
+    if part in (sympy.oo, -sympy.oo, sympy.zoo, sympy.nan):
+        return "is not a finite number"
+    if isinstance(part, sympy.Integral | sympy.Sum | sympy.Product | sympy.Limit):
+        return "is unevaluated; work it out, or use an unknown function with its derivative"
+    if getattr(part, "is_Matrix", False) or isinstance(part, sympy.MatrixExpr):
+        return "is a matrix; give its entries one by one"
+    name = type(part).__name__
+    if name in _NOT_SMOOTH:
+        remedy = _REMEDIES.get(name, "replace it with a smooth expression valid in your domain")
+        return f"is not smooth; {remedy}"
+    if isinstance(part, sympy.Symbol) and part.is_commutative is False:
+        return "does not commute; coordinates and parameters are numbers"
+    return ""
+
+
+def smooth_form(expr: Any) -> Any:
+    """A function rewritten by ones that are read, None if opaque.
+
+    Raises
+    ------
+    ExpressionError
+        the function has no derivative that sympy knows.
+    """
+    name = type(expr).__name__
+    if name in ("asec", "acsc", "asech", "acsch"):
+        partner = {"asec": sympy.acos, "acsc": sympy.asin, "asech": sympy.acosh,
+                   "acsch": sympy.asinh}[name]  # fmt: skip
+        return partner(1 / expr.args[0])
+    if name == "sinc":
+        return sympy.sin(expr.args[0]) / expr.args[0]
+    for symbol in expr.free_symbols:
+        slope = expr.diff(symbol)
+        if slope.has(sympy.Derivative, sympy.Subs) and not expr.has(sympy.Derivative, sympy.Subs):
+            raise ExpressionError(f"{expr} has no derivative that is known exactly")
+    return None
+
+
+def _short(expr: Any) -> str:
+    """The text of an expression, cut where it is long."""
+    text = str(expr)
+    return text if len(text) <= 60 else text[:57] + "..."
