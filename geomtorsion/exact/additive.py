@@ -51,7 +51,6 @@ class Additive:
         self._known: list[tuple[Element, tuple[Element, ...]]] = []
         self._by_argument: dict[tuple[str, tuple[Element, ...]], Element] = {}
 
-    # ---- logarithms -------------------------------------------------------------------
     def log(self, element: Element) -> Element:
         """The logarithm, as a sum over the factors of its argument.
 
@@ -112,7 +111,6 @@ class Additive:
         self._by_argument["log", (base,)] = value
         return value
 
-    # ---- inverse functions ------------------------------------------------------------
     def inverse_function(self, name: str, argument: Element) -> Element:
         """atan, asin, acos, acot, asinh, acosh, atanh, acoth of an argument."""
         slope = _SLOPES[name](argument)
@@ -135,7 +133,6 @@ class Additive:
             self._by_argument[name, arguments] = known
         return known
 
-    # ---- independence -----------------------------------------------------------------
     def _added(
         self,
         name: str,
@@ -185,8 +182,9 @@ class Additive:
         """Known functions with the same derivatives, combined; or None."""
         field = self._field
         candidates = [(field.symbol(s), _unit(field, k)) for k, s in enumerate(field.symbols)]
-        for atom in self._arguments():
-            candidates.append((atom, tuple(atom.diff(s) for s in field.symbols)))
+        candidates += [
+            (atom, tuple(atom.diff(s) for s in field.symbols)) for atom in self._arguments()
+        ]
         candidates += self._known
         basis: list[tuple[Element, Sequence[Element]]] = list(candidates)
         if field.is_complex:

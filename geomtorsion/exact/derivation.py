@@ -42,7 +42,7 @@ def _parts(field: Field, poly: Any, symbol: sympy.Symbol) -> list[tuple[Any, Ele
     inners = [_generator_derivative(field, generator, symbol) for generator in names]
     if poly.context() is not field.ctx:
         grown = field.ctx.nvars() - poly.context().nvars()
-        poly = field._lifted(poly, grown)
+        poly = field.lifted(poly, grown)
     for generator, inner in zip(names, inners, strict=True):
         if inner._num:
             found.append((poly.derivative(field.generators.index(generator)), inner))

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from geomtorsion.exact.field import Field
 
 Denominator = tuple[tuple[int, int], ...]
-Number = int | Fraction
+Number = int | Fraction | fmpq
 
 
 class Element:
@@ -34,14 +34,14 @@ class Element:
     >>> x = sympy.Symbol("x")
     >>> field = Field([x])
     >>> one = field.read(sympy.sin(x) ** 2 + sympy.cos(x) ** 2)
-    >>> one == 1, field.read(sympy.tan(x)).diff(x)
-    (True, Element(1/cos(x)**2))
+    >>> one == 1, field.read(sympy.tan(x)), field.read(sympy.log(sympy.sin(x))).diff(x)
+    (True, Element(sin(x)/cos(x)), Element(cos(x)/sin(x)))
     """
 
     __slots__ = ("_den", "_diffs", "_field", "_form", "_hash", "_level", "_num", "_sympy")
 
-    def __init__(self, field: Field, num: Any, den: Denominator, level: int) -> None:
-        self._field = field
+    def __init__(self, field: Any, num: Any, den: Denominator, level: int) -> None:
+        self._field: Field = field
         self._num = num
         self._den = den
         self._level = level
@@ -55,7 +55,6 @@ class Element:
         """The field to which the element belongs."""
         return self._field
 
-    # ---- arithmetic -------------------------------------------------------------------
     def _coerced(self, other: object) -> Element | None:
         """`other` as an element of this field, or None where that makes no sense."""
         if isinstance(other, Element):
@@ -138,7 +137,6 @@ class Element:
         """The complex conjugate: I goes to -I, all other generators count as real."""
         return self._field.conjugate(self)
 
-    # ---- comparison -------------------------------------------------------------------
     def __eq__(self, other: object) -> bool:
         element = self._coerced(other)
         if element is None:
@@ -185,7 +183,6 @@ class Element:
         value = fmpq(self._num.leading_coefficient()) if self._num else fmpq(0)
         return Fraction(int(value.p), int(value.q))
 
-    # ---- calculus and output ----------------------------------------------------------
     def diff(self, symbol: sympy.Symbol) -> Element:
         """The partial derivative with respect to a coordinate or parameter."""
         if self._diffs is None:

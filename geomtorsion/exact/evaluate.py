@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import mpmath
+import sympy
 
 from geomtorsion.errors import MissingValueError, SingularPointError
 
@@ -104,14 +105,14 @@ def _given(point: Mapping[Any, Any], generator: Generator) -> Any:
     """The value that the user gave for a symbol or a jet."""
     for key in (generator.shown, str(generator.shown)):
         if key in point:
-            value = point[key]
+            value: Any = point[key]
             if hasattr(value, "_mpf_") or hasattr(value, "_mpc_"):
                 return value
             if hasattr(value, "p") and hasattr(value, "q"):
                 return mpmath.mpf(int(value.p)) / int(value.q)
             if hasattr(value, "numerator") and not isinstance(value, float):
                 return mpmath.mpf(int(value.numerator)) / int(value.denominator)
-            if hasattr(value, "evalf"):
+            if isinstance(value, sympy.Expr):
                 return mpmath.mpmathify(value.evalf(int(mpmath.mp.dps) + 5))
             return mpmath.mpmathify(value)
     raise MissingValueError(

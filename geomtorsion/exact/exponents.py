@@ -102,7 +102,7 @@ class Exponents:
                 sympy.cosh(shown),
                 exponent.symbols,
                 argument=(exponent, names[1]),
-            )  # fmt: skip
+            )
         )
         sinh = field.add(
             Generator(
@@ -113,7 +113,7 @@ class Exponents:
                 2,
                 cosh * cosh - 1,
                 argument=(exponent, names[0]),
-            )  # fmt: skip
+            )
         )
         self._base[index] = (unit, cosh + sinh, cosh - sinh)
 

@@ -100,7 +100,7 @@ def _made(element: Element) -> Form:
     for root, scale, keys in table.table:
         counts = [exponents.get(key, 0) for key in keys]
         least, most = min(counts), max(counts)
-        take = least if least > 0 else most if most < 0 else 0
+        take = least if least > 0 else min(0, most)
         if take:
             for key in keys:
                 exponents[key] -= take

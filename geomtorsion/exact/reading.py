@@ -50,8 +50,9 @@ class Reader:
                 with contextlib.suppress(GeomtorsionError, ZeroDivisionError):
                     self._prepare(*level)
             elements = []
-            for where, expr in exprs:
-                elements.append(self.element(expr))
+            for entry in exprs:
+                where = entry[0]
+                elements.append(self.element(entry[1]))
             return elements
         except RecursionError as error:
             raise LimitError(
@@ -92,7 +93,6 @@ class Reader:
         below = field.denominator(element).inverse()
         return field.polynomial(low) * below, field.polynomial(high) * below
 
-    # ---- the tree ---------------------------------------------------------------------
     def element(self, expr: sympy.Expr) -> Element:
         """Reads one expression."""
         known = self._known.get(expr)

@@ -1,0 +1,154 @@
+"""Squares: decides whether an element is a square, in towers of quadratic extensions."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from flint import fmpq, fmpz
+
+from geomtorsion.exact.inversion import monic, split
+
+if TYPE_CHECKING:
+    from geomtorsion.exact.element import Element
+    from geomtorsion.exact.field import Field
+    from geomtorsion.exact.generators import Generator
+
+
+def square_root_inside(field: Field, element: Element) -> Element | None:
+    """An exact square root within the field as it stands, or None.
+
+    In F(w), w**2 = P: A is a square if A or A P is one in F; A + B w is one exactly if
+    A**2 - B**2 P = n**2 in F and (A + n)/2 or (A - n)/2 is a square there.
+    """
+    quadratic = [g for g in reversed(field.generators) if g.degree == 2]
+    base = [g for g in quadratic if g.tail is not None and not _algebraic(field, g.tail)]
+    nested = [g for g in quadratic if g not in base]
+    return _inside(field, element, base, nested)
+
+
+def _algebraic(field: Field, element: Element) -> bool:
+    """Whether an element contains algebraic generators."""
+    return any(g.degree for g in field.generators_of(element))
+
+
+def _inside(
+    field: Field, element: Element, base: list[Generator], nested: list[Generator]
+) -> Element | None:
+    """The square root in the tower: base generators first, nested ones on top; or None."""
+    if not element._num:
+        return field.zero
+    if not nested and not any(g.degree == 2 for g in field.generators_of(element)):
+        return _by_parity(field, element, base)
+    top = (nested or base)[-1]
+    below = (base, nested[:-1]) if nested else (base[:-1], nested)
+    assert top.tail is not None
+    position = field.generators.index(top)
+    low, high = split(field, field.lift(element), position)
+    if not high:
+        found = _inside(field, element, *below)
+        if found is not None:
+            return found
+        found = _inside(field, element * top.tail, *below)
+        return None if found is None else found / field.generator_element(top)
+    den = field.denominator(element).inverse()
+    a, b = field.polynomial(low) * den, field.polynomial(high) * den
+    norm = _inside(field, a * a - b * b * top.tail, *below)
+    if norm is None:
+        return None
+    for sign in (1, -1):
+        half = (a + norm * sign) * fmpq(1, 2)
+        first = _inside(field, half, *below)
+        if first is not None and first._num:
+            return first + b / (first * 2) * field.generator_element(top)
+    return None
+
+
+def _by_parity(field: Field, element: Element, base: list[Generator]) -> Element | None:
+    """The square root of an element without radicals, by odd exponents of its factors.
+
+    The element is a square exactly if its odd factors are the sum, over GF(2), of those of
+    some radicands; then it is a rational square times these radicands.
+    """
+    rows: list[tuple[frozenset[str], frozenset[int]]] = []
+    tails = [g.tail for g in base if g.tail is not None]
+    for k, tail in enumerate(tails):
+        odd, used = _odd_factors(field, tail), frozenset((k,))
+        for other, members in rows:
+            if odd and min(other) in odd:
+                odd, used = odd ^ other, used ^ members
+        if odd:
+            rows.append((odd, used))
+    odd, used = _odd_factors(field, element), frozenset()
+    for other, members in rows:
+        if min(other) in odd:
+            odd, used = odd ^ other, used ^ members
+    if odd:
+        return None
+    product, roots = element, field.one
+    for k in used:
+        product = product * tails[k]
+        roots = roots * field.generator_element(base[k])
+    found = _rational_square_root(field, product)
+    return None if found is None else found / roots
+
+
+def _odd_factors(field: Field, element: Element) -> frozenset[str]:
+    """The irreducible factors, primes and sign with odd exponents."""
+    content, factors = field.lift(element).factor()
+    content = fmpq(content)
+    odd: set[str] = set()
+    for factor, exponent in factors:
+        positive, sign = monic(factor)
+        if exponent % 2:
+            odd.add(str(positive))
+            content = content * sign
+    odd ^= {str(field.factors[index]) for index, exponent in element._den if exponent % 2}
+    if content < 0:
+        odd.add("-1")
+    for prime, exponent in fmpz(abs(content.p * content.q)).factor():
+        if exponent % 2:
+            odd.add(str(prime))
+    return frozenset(odd)
+
+
+def _rational_square_root(field: Field, element: Element) -> Element | None:
+    """The square root over the transcendental generators: all exponents even."""
+    num = field.lift(element)
+    scale = field.one
+    for position, generator in enumerate(field.generators):
+        # v**m = f with m odd: v**e = v**(e + m) / f, whose exponent is even.
+        if generator.degree > 2 and num.degrees()[position]:
+            powers = {int(m[position]) for m in num.to_dict()}
+            if len(powers) != 1 or generator.kind != "root":
+                return None
+            power = powers.pop()
+            v = field.ctx.gen(position)
+            num = num / v**power
+            assert generator.tail is not None
+            up = power + generator.degree if power % 2 else power
+            half = field.generator_element(generator) ** (up // 2)
+            if power % 2:
+                rest = field.polynomial(num) / generator.tail / field.denominator(element)
+                inner = _rational_square_root(field, rest)
+                return None if inner is None else inner * half * scale
+            scale = scale * half
+    content, factors = num.factor()
+    if any(exponent % 2 for _, exponent in factors) or any(e % 2 for _, e in element._den):
+        return None
+    outside = _square_of_rational(content)
+    if outside is None:
+        return None
+    top = field.ctx.constant(outside)
+    for factor, exponent in factors:
+        top = top * factor ** (exponent // 2)
+    bottom = [(field.factors[i], e // 2) for i, e in element._den]
+    return field.over_factors(top, bottom) * scale
+
+
+def _square_of_rational(value: Any) -> Any:
+    """The root of a rational square, or None."""
+    value = fmpq(value)
+    if value < 0:
+        return None
+    p, q = fmpz(value.p).isqrt(), fmpz(value.q).isqrt()
+    return fmpq(p, q) if p * p == value.p and q * q == value.q else None
