@@ -77,6 +77,10 @@ class Field(Ring):
 
         self._reader = Reader(self)
 
+    def declare(self, symbols: Iterable[sympy.Symbol]) -> None:
+        """Adds parameters that come up later, such as the share of a blend."""
+        self._add_symbols([symbol for symbol in symbols if symbol not in self._symbol_elements])
+
     def _add_symbols(self, symbols: Sequence[sympy.Symbol]) -> None:
         # The first symbol leads, so that factors read r - 2*M with r the coordinate.
         for symbol in reversed(symbols):
