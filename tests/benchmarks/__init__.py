@@ -1,0 +1,1 @@
+"""Benchmarks: what the geometry of known spaces costs, alone and beside other packages."""

@@ -1,0 +1,132 @@
+"""Compare: one table of times and ratios, every contestant in the same run.
+
+    python -m tests.benchmarks.compare                       every case, everyone installed
+    python -m tests.benchmarks.compare --cases so3 goedel --limit 20
+    python -m tests.benchmarks.compare --keep results.jsonl  go on where an earlier call ended
+
+Times are the best round of the whole work in a warm process, objects fresh in every round.
+geomtorsion does both connections, torsion, contortion, both curvatures and converts every
+component to sympy; the others do what they can: Christoffel, Riemann, Ricci, Kretschmann.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import platform
+import sys
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from tests.benchmarks.cases import NAMES, load
+from tests.benchmarks.contestants import ALL, Contestant
+from tests.benchmarks.race import Result, race, to_json
+
+_SAME_METRIC = {"kerr_carter": "kerr_metric"}
+_PACKAGES = (
+    *("sympy", "python-flint", "passagemath-maxima", "einsteinpy", "GraviPy"),
+    *("pytearcat", "OGRePy", "lyra-geometry"),
+)
+
+
+def seconds(value: float) -> str:
+    """A time with two figures: 8.3 ms, 120 ms, 1.6 s."""
+    if value < 0.1:
+        return f"{value * 1000:.2g} ms"
+    return f"{value * 1000:.0f} ms" if value < 1 else f"{value:.2g} s"
+
+
+def cell(result: Result | None, ours: Result | None, limit: float) -> str:
+    """What the table says of one race."""
+    if result is None:
+        return "-"
+    if result.failure and not result.rounds:
+        return "error"
+    if result.best is None:
+        last = result.reached[0] if result.reached else "nothing"
+        return f"> {limit:.0f} s ({last})"
+    words = seconds(result.best)
+    if ours is not None and ours.best is not None and result.contestant != ours.contestant:
+        words += f" ({_figures(result.best / ours.best)} x)"
+    if load(result.case).vacuum and not result.ricci_is_zero:
+        words += ", Ricci not 0"
+    if result.agrees is False:
+        words += ", wrong"
+    return words
+
+
+def _figures(ratio: float) -> str:
+    return f"{float(f'{ratio:.2g}'):,g}" if ratio >= 1 else f"{ratio:.2g}"
+
+
+def table(results: dict[tuple[str, str], Result], limit: float) -> str:
+    """The Markdown table: a row a case, a column a contestant that took part."""
+    present = [c for c in ALL if any(name == c.name for name, _ in results)]
+    cases = [name for name in NAMES if any(case == name for _, case in results)]
+    head = ["space", *(c.title for c in present)]
+    rows = [head, ["---"] * len(head)]
+    for case in cases:
+        ours = results.get(("geomtorsion", case))
+        row = [load(case).title]
+        for contestant in present:
+            shown = case if contestant.takes_coframe else _SAME_METRIC.get(case, case)
+            if contestant.name == "maxima_frame" and load(case).coframe is None:
+                row.append("-")
+                continue
+            row.append(cell(results.get((contestant.name, shown)), ours, limit))
+        rows.append(row)
+    return "\n".join("| " + " | ".join(row) + " |" for row in rows)
+
+
+def versions() -> str:
+    """What took part, for the line under the table."""
+    found = [f"Python {platform.python_version()}"]
+    for package in _PACKAGES:
+        try:
+            found.append(f"{package} {version(package)}")
+        except PackageNotFoundError:
+            continue
+    return ", ".join(found)
+
+
+def is_wanted(contestant: Contestant, case: str) -> bool:
+    """Whether this race says anything that another one does not."""
+    if contestant.name == "maxima_frame":
+        return load(case).coframe is not None
+    return contestant.takes_coframe or case not in _SAME_METRIC
+
+
+def _kept(path: Path | None) -> dict[tuple[str, str], Result]:
+    if path is None or not path.exists():
+        return {}
+    found = (Result(**json.loads(line)) for line in path.read_text().splitlines())
+    return {(r.contestant, r.case): r for r in found}
+
+
+def main() -> None:
+    """Command line: race everyone, print the table."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--cases", nargs="+", default=NAMES, choices=NAMES, metavar="CASE")
+    parser.add_argument("--contestants", nargs="+", default=[c.name for c in ALL], metavar="NAME")
+    parser.add_argument("--limit", type=float, default=60.0, help="seconds for one race")
+    parser.add_argument("--keep", type=Path, help="file of results to go on from")
+    chosen = parser.parse_args()
+    results = _kept(chosen.keep)
+    for case in chosen.cases:
+        for contestant in ALL:
+            key = (contestant.name, case)
+            if contestant.name not in chosen.contestants or key in results:
+                continue
+            if not contestant.is_installed or not is_wanted(contestant, case):
+                continue
+            results[key] = race(*key, limit=chosen.limit)
+            print(cell(results[key], None, chosen.limit), *key, file=sys.stderr)
+            if chosen.keep is not None:
+                with chosen.keep.open("a") as file:
+                    file.write(to_json(results[key]) + "\n")
+    print(table(results, chosen.limit))
+    print(f"\n{versions()}")
+
+
+if __name__ == "__main__":
+    main()

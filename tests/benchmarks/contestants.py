@@ -1,0 +1,117 @@
+"""Contestants: who takes part, what each needs installed, and how one is timed."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from importlib.util import find_spec
+
+from tests.benchmarks import baseline, maxima, rivals
+from tests.benchmarks.cases import Case, sphere
+from tests.benchmarks.outcome import Outcome, Reached
+
+# A measurement ends after this many rounds, or after the round that passes this many seconds.
+ROUNDS, ENOUGH = 20, 3.0
+
+# How a measurement speaks: say("stage", "ricci", 0.2), say("round", "", 0.3).
+Say = Callable[[str, str, float], None]
+Work = Callable[[Case, Reached], Outcome]
+
+
+@dataclass(frozen=True)
+class Contestant:
+    """name: how it is asked for; title: for tables; module: what has to be installed.
+
+    measure       does the rounds, says how it goes, hands back the last outcome
+    takes_coframe False for those who are given the metric only
+    """
+
+    name: str
+    title: str
+    module: str
+    measure: Callable[[Case, Say], Outcome]
+    takes_coframe: bool = False
+
+    @property
+    def is_installed(self) -> bool:
+        if self.module == "maxima":
+            return maxima.environment() is not None
+        return find_spec(self.module) is not None
+
+
+def _in_python(work: Work, case: Case, say: Say) -> Outcome:
+    """Fresh objects every round in a process that has done a 2-sphere before."""
+    work(sphere(), lambda _: None)
+    spent, turn = 0.0, 0
+    while True:
+        start = time.perf_counter()
+
+        def reached(stage: str, start: float = start, loud: bool = turn == 0) -> None:
+            if loud:
+                say("stage", stage, time.perf_counter() - start)
+
+        outcome = work(case, reached)
+        seconds = time.perf_counter() - start
+        say("round", "", seconds)
+        spent, turn = spent + seconds, turn + 1
+        if turn == ROUNDS or spent > ENOUGH:
+            return outcome
+
+
+def _in_maxima(frame: bool, case: Case, say: Say) -> Outcome:
+    """One session; a second one with more rounds where the first shows that they are cheap."""
+    outcome, total = _maxima_session(frame, case, say, rounds=1)
+    if total * ROUNDS < 2 * ENOUGH:
+        outcome, _ = _maxima_session(frame, case, say, rounds=ROUNDS)
+    return outcome
+
+
+def _maxima_session(frame: bool, case: Case, say: Say, rounds: int) -> tuple[Outcome, float]:
+    empty, scalar, total, warm = False, "", 0.0, False
+    for stage, rest in maxima.run(case, frame, rounds):
+        if stage == "warm":
+            warm = True
+        elif stage == "empty":
+            empty = rest == "true"
+        elif stage == "scalar":
+            scalar = rest
+        elif warm:
+            say("stage", stage, float(rest))
+            if stage == "kretschmann":
+                total = float(rest)
+                say("round", "", total)
+    return Outcome(maxima.to_sympy(scalar, case), () if empty else (1,)), total
+
+
+def _geomtorsion(case: Case, reached: Reached) -> Outcome:
+    """Imported here: a rival's process is not to carry geomtorsion."""
+    from tests.benchmarks.geometry import whole_geometry
+
+    return whole_geometry(case, reached)
+
+
+def _python(name: str, title: str, module: str, work: Work, coframe: bool = False) -> Contestant:
+    return Contestant(name, title, module, partial(_in_python, work), coframe)
+
+
+ALL: tuple[Contestant, ...] = (
+    _python("geomtorsion", "geomtorsion", "geomtorsion", _geomtorsion, coframe=True),
+    Contestant("maxima_frame", "Maxima, frame", "maxima", partial(_in_maxima, True), True),
+    Contestant("maxima", "Maxima, metric", "maxima", partial(_in_maxima, False)),
+    _python("sympy", "sympy, simplify", "sympy", baseline.sympy_with_simplify, coframe=True),
+    _python("einsteinpy", "EinsteinPy", "einsteinpy", rivals.einsteinpy),
+    _python("gravipy", "GraviPy", "gravipy", rivals.gravipy),
+    _python("pytearcat", "Pytearcat", "pytearcat", rivals.pytearcat),
+    _python("ogrepy", "OGRePy", "OGRePy", rivals.ogrepy),
+    _python("lyra_geometry", "lyra-geometry", "lyra_geometry", rivals.lyra_geometry),
+)
+
+
+def find(name: str) -> Contestant:
+    """The contestant of that name."""
+    for contestant in ALL:
+        if contestant.name == name:
+            return contestant
+    raise LookupError(f"no contestant {name!r}; there are {', '.join(c.name for c in ALL)}")

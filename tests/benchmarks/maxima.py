@@ -1,0 +1,114 @@
+"""Maxima: the package ctensor, in coordinates or in a moving frame, timed by Maxima itself."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+from collections.abc import Iterator
+from importlib.util import find_spec
+from pathlib import Path
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+
+from tests.benchmarks.cases import Case, sphere
+
+_PRELUDE = "load(ctensor)$ display2d:false$ linel:1000000$\n"
+
+# trigsimp and ratsimp by hand: ctensor leaves Ricci in coordinates and the invariant as sums.
+_WORK = """\
+init_ctensor()$ dim:{n}$ ctrgsimp:true$ cframe_flag:{frame}$ ct_coords:{coordinates}$
+start:elapsed_real_time()$
+{given}
+cmetric(false)$ christof(false)$
+print("@ christoffel", elapsed_real_time()-start)$
+riemann(false)$ lriemann(false)$
+print("@ riemann", elapsed_real_time()-start)$
+ricci(false)$ empty:true$
+for i thru dim do for j thru dim do if ratsimp(trigsimp(ric[i,j])) # 0 then empty:false$
+print("@ ricci", elapsed_real_time()-start)$
+{diagonal}uriemann(false)$ rinvariant()$ scalar:ratsimp(trigsimp(kinvariant))$
+print("@ kretschmann", elapsed_real_time()-start)$
+"""
+_REPORT = 'print("@ empty", empty)$ print("@ scalar", string(scalar))$\n'
+
+
+def environment() -> dict[str, str] | None:
+    """What to start Maxima with: the one on the PATH, else the wheel of passagemath-maxima."""
+    if shutil.which("maxima"):
+        return dict(os.environ)
+    wheel = find_spec("sage_wheels")
+    if wheel is None or not wheel.submodule_search_locations:
+        return None
+    root = Path(next(iter(wheel.submodule_search_locations)))
+    lisp = next(root.glob("lib/ecl-*"), None)
+    if lisp is None or not (root / "bin" / "maxima").exists():
+        return None
+    found = {"MAXIMA_PREFIX": str(root), "ECLDIR": f"{lisp}/"}
+    return {**os.environ, **found, "PATH": f"{root / 'bin'}{os.pathsep}{os.environ['PATH']}"}
+
+
+def _matrix(matrix: sp.ImmutableMatrix) -> str:
+    """The matrix in Maxima's words; unknown functions by their names alone."""
+    names = {f: sp.Symbol(f.func.__name__) for f in matrix.atoms(AppliedUndef)}
+    rows = (",".join(str(entry.subs(names)) for entry in matrix.row(i)) for i in range(matrix.rows))
+    return "matrix(" + ",".join(f"[{row}]" for row in rows) + ")"
+
+
+def _script(case: Case, frame: bool) -> str:
+    given = f"lg:{_matrix(case.metric)}$"
+    if frame and case.coframe is not None:
+        eta = sp.diag(*case.signature).as_immutable()
+        given = f"lfg:{_matrix(eta)}$ fri:{_matrix(case.coframe)}$"
+    return _WORK.format(
+        n=case.dimension,
+        frame=str(frame).lower(),
+        coordinates=f"[{','.join(map(str, case.coordinates))}]",
+        given=given,
+        # In a frame eta is diagonal; ctensor asks for that by hand and then saves triple sums.
+        diagonal="diagmetric:true$ " if frame else "",
+    )
+
+
+def run(case: Case, frame: bool, rounds: int) -> Iterator[tuple[str, str]]:
+    """Lines of a session as they come: (stage, seconds), ('empty', ...), ('scalar', text)."""
+    declared = "".join(
+        f"depends({f.func.__name__},[{','.join(map(str, f.args))}])$"
+        for f in sorted(case.metric.atoms(AppliedUndef), key=str)
+    )
+    work = _script(case, frame)
+    text = _PRELUDE + _script(sphere(), frame) + 'print("@ warm", 0)$\n'
+    text += declared + "\n" + work * rounds + _REPORT
+    command = ["maxima", "--very-quiet"]
+    with subprocess.Popen(
+        command,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        env=environment(),
+        text=True,
+    ) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        process.stdin.write(text)
+        process.stdin.close()
+        for line in process.stdout:
+            if line.startswith("@ "):
+                stage, _, rest = line[2:].strip().partition(" ")
+                yield stage, rest.strip()
+
+
+def to_sympy(text: str, case: Case) -> sp.Expr:
+    """Maxima's answer as sympy: rational in coordinates, exp, sin, cos and 'diff(A,t,2)."""
+    functions = {f.func.__name__: f for f in case.metric.atoms(AppliedUndef)}
+    names = {**{str(q): q for q in case.coordinates}, **functions}
+
+    def derivative(match: re.Match[str]) -> str:
+        return f"Derivative({match[1]})"
+
+    python = re.sub(r"'diff\(([^()]*)\)", derivative, text.replace("^", "**").replace("%e", "E"))
+    return sp.sympify(
+        re.sub(r"(\w+),(\d+)(?=[,)])", r"(\1,\2)", python), locals={**names, "E": sp.E}
+    )
