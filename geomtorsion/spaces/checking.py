@@ -1,0 +1,117 @@
+"""checking: whether the known answers of a space agree with what this package computes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from sympy import Expr
+
+from geomtorsion.errors import UnknownNameError
+from geomtorsion.exact import parse_expression
+from geomtorsion.geometry import Connection, Frame, Tensor
+from geomtorsion.spaces.space import Closed, Index, KnownAnswer, Space
+
+CONNECTION_QUANTITIES: Mapping[str, Callable[[Connection], Tensor]] = {
+    "connection": lambda connection: connection.coefficients,
+    "connection_torsion": lambda connection: connection.torsion.S,
+    "connection_contortion": lambda connection: connection.contortion,
+    "connection_nonmetricity": lambda connection: connection.nonmetricity,
+    "connection_curvature": lambda connection: connection.curvature.riemann,
+    "connection_ricci": lambda connection: connection.curvature.ricci,
+    "connection_scalar": lambda connection: connection.curvature.scalar,
+}
+
+
+@dataclass(frozen=True)
+class Disagreement:
+    """One component in which a known answer and the computed one differ.
+
+    Fields
+    ------
+    quantity, index
+        Which component, in the basis of the answer.
+    expected, found
+        The closed form of the answer and what was computed.
+    """
+
+    quantity: str
+    index: Index
+    expected: Expr
+    found: Expr
+
+    def __str__(self) -> str:
+        place = list(self.index) if self.index else ""
+        return f"{self.quantity}{place}: expected {self.expected}, found {self.found}"
+
+
+def disagreements(space: Space, answer: KnownAnswer) -> tuple[Disagreement, ...]:
+    """Components in which a known answer differs from what is computed, decided exactly.
+
+    A component counts as equal only if the difference is proved to vanish.
+
+    Raises
+    ------
+    UnknownNameError
+        The quantity has no such name, or needs a connection that the space does not carry.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> space = load("so3")
+    >>> [disagreements(space, answer) for answer in space.known[:2]]
+    [(), ()]
+    """
+    tensor = computed(space, answer)
+    given = answer.components
+    wanted: dict[Index, Closed] = dict(given) if isinstance(given, Mapping) else {(): given}
+    if answer.complete:
+        for index in tensor.components.nonzero:
+            wanted.setdefault(index, 0)
+    named = [
+        (f"{answer.quantity}{list(index)}", _expression(space.frame, value))
+        for index, value in wanted.items()
+    ]
+    found = []
+    for index, expected in zip(wanted, space.frame.field.read_all(named), strict=True):
+        if (tensor.element(*index) - expected).is_zero is not True:
+            found.append(Disagreement(answer.quantity, index, expected.sympy, tensor[index]))
+    return tuple(found)
+
+
+def computed(space: Space, answer: KnownAnswer) -> Tensor:
+    """The quantity that an answer speaks of, in the basis of the answer.
+
+    Raises
+    ------
+    UnknownNameError
+        The quantity has no such name, or needs a connection that the space does not carry.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> space = load("heisenberg")
+    >>> computed(space, KnownAnswer("torsion_scalar", 0))[()]
+    1/2
+    """
+    maker = CONNECTION_QUANTITIES.get(answer.quantity)
+    if maker is None:
+        tensor = space.frame.quantity(answer.quantity)
+    elif space.connection is None:
+        raise UnknownNameError(
+            f"{answer.quantity} needs a connection of the space's own, but {space.name} has none "
+            "beside those of its frame. Name a quantity of the frame, or give the space one."
+        )
+    else:
+        tensor = maker(space.connection)
+    if answer.basis == "frame":
+        return tensor.in_frame()
+    return tensor.in_coordinates() if answer.basis == "coordinate" else tensor
+
+
+def _expression(frame: Frame, value: Closed) -> Expr | int:
+    """A closed form as sympy has it; text is read by the whitelist."""
+    if not isinstance(value, str):
+        return value
+    symbols = {symbol.name: symbol for symbol in (*frame.coordinates, *frame.parameters)}
+    return parse_expression(value, symbols)

@@ -1,0 +1,121 @@
+"""registry: the list of shipped spaces, one line each, and their lazy loading."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from geomtorsion.errors import UnknownNameError
+
+if TYPE_CHECKING:
+    from geomtorsion.spaces.space import Space
+
+# name, module of this package, what it is
+SPACES: tuple[tuple[str, str, str], ...] = (
+    ("so3", "so3", "rotations, z-y-z Euler angles, body-fixed frame (the paper's)"),
+    ("so3_right", "so3_right", "rotations, z-y-z Euler angles, space-fixed frame"),
+    ("so3_zxz", "euler", "rotations, z-x-z Euler angles, body-fixed frame"),
+    ("so3_xyz", "euler", "rotations, x-y-z Cardan angles, body-fixed frame"),
+    ("so3_zyx", "euler", "rotations, yaw-pitch-roll angles, body-fixed frame"),
+    ("so3_quaternion", "so3_quaternion", "rotations, three components of a unit quaternion"),
+    ("so3_rodrigues", "so3_rodrigues", "rotations, Rodrigues (Gibbs) vector"),
+    ("so3_axis_angle", "so3_axis_angle", "rotations, angle about an axis"),
+    ("r3xso3", "r3xso3", "rotations and translations of a rigid body, body-fixed frame"),
+    ("flat_polar", "flat", "the plane, orthonormal polar frame"),
+    ("flat_cylindrical", "flat", "flat space, orthonormal cylindrical frame"),
+    ("flat_spherical", "flat", "flat space, orthonormal spherical frame"),
+    ("s2", "s2", "the sphere of radius R, compass frame"),
+    ("s3", "s3", "the unit three-sphere, Hopf coordinates, left-invariant frame"),
+    ("s7", "s7", "the unit seven-sphere, octonionic parallelism"),
+    ("heisenberg", "heisenberg", "the Heisenberg group (Nil)"),
+    ("sol", "sol", "the solvable group Sol"),
+    ("sl2r", "sl2r", "SL(2,R), Riemannian left-invariant metric"),
+    ("ads3", "sl2r", "SL(2,R) with its Killing form: anti-de Sitter space in three dimensions"),
+    ("ax_plus_b", "ax_plus_b", "the group of maps x -> a x + b"),
+    ("bianchi_i", "bianchi", "Bianchi type I: translations"),
+    ("bianchi_ii", "bianchi", "Bianchi type II: Heisenberg algebra"),
+    ("bianchi_iii", "bianchi", "Bianchi type III: ax + b times a line"),
+    ("bianchi_iv", "bianchi", "Bianchi type IV"),
+    ("bianchi_v", "bianchi", "Bianchi type V: hyperbolic space"),
+    ("bianchi_vi_0", "bianchi", "Bianchi type VI_0: motions of the Minkowski plane"),
+    ("bianchi_vi_h", "bianchi", "Bianchi type VI_h, h = -a^2"),
+    ("bianchi_vii_0", "bianchi", "Bianchi type VII_0: motions of the Euclidean plane"),
+    ("bianchi_vii_h", "bianchi", "Bianchi type VII_h, h = a^2"),
+    ("bianchi_viii", "bianchi", "Bianchi type VIII: algebra of SL(2,R)"),
+    ("bianchi_ix", "bianchi", "Bianchi type IX: algebra of the rotations"),
+    ("twisted_bar", "twisted_bar", "a crystal whose lattice turns steadily along z"),
+    ("screw_dislocation", "screw_dislocation", "screw dislocation along z"),
+    ("screw_core", "screw_dislocation", "screw dislocation with a smooth core"),
+    ("edge_dislocation", "edge_dislocation", "edge dislocation along z, Burgers vector along x"),
+    ("edge_dislocation_elastic", "edge_dislocation", "edge dislocation in elastic equilibrium"),
+    (
+        "wedge_disclination",
+        "wedge_disclination",
+        "wedge disclination, torsion-free multivalued frame",
+    ),
+    (
+        "wedge_disclination_periodic",
+        "wedge_disclination",
+        "wedge disclination, single-valued frame",
+    ),
+    ("axial_torsion", "axial_torsion", "flat space with constant axial torsion"),
+    ("schwarzschild", "schwarzschild", "black hole, static diagonal tetrad"),
+    (
+        "schwarzschild_isotropic",
+        "schwarzschild_isotropic",
+        "black hole, isotropic Cartesian tetrad",
+    ),
+    ("kerr", "kerr", "rotating black hole, Carter tetrad"),
+    ("kerr_kinnersley", "kerr_kinnersley", "rotating black hole, Kinnersley null tetrad"),
+    ("frw", "frw", "expanding universe, unknown a(t), curvature k"),
+    ("frw_flat", "frw", "flat expanding universe, Cartesian tetrad"),
+    ("de_sitter", "de_sitter", "de Sitter space, static patch"),
+    ("goedel", "goedel", "Goedel's rotating universe"),
+)
+
+
+def names() -> tuple[str, ...]:
+    """Names of all shipped spaces, in the order of the registry; imports none of them.
+
+    Examples
+    --------
+    >>> names()[0]
+    'so3'
+    """
+    return tuple(name for name, _, _ in SPACES)
+
+
+def titles() -> dict[str, str]:
+    """Name -> what the space is, in one line; imports none of them.
+
+    Examples
+    --------
+    >>> titles()["kerr"]
+    'rotating black hole, Carter tetrad'
+    """
+    return {name: title for name, _, title in SPACES}
+
+
+def load(name: str) -> Space:
+    """The shipped space of this name; imports its module and no other space.
+
+    Raises
+    ------
+    UnknownNameError
+        No space has this name; the message lists near ones.
+
+    Examples
+    --------
+    >>> load("heisenberg").frame.dimension
+    3
+    """
+    for known, module, title in SPACES:
+        if known == name:
+            return import_module(f"geomtorsion.spaces.{module}").space(name, title)
+    near = get_close_matches(name.lower().replace("-", "_"), names(), n=5, cutoff=0.4)
+    hint = f"Near: {', '.join(near)}." if near else "None is near."
+    raise UnknownNameError(
+        f"a shipped space was needed, but none is called {name!r}. {hint} "
+        "`geomtorsion spaces` (or geomtorsion.spaces.names()) lists all of them."
+    )

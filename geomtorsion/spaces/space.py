@@ -1,0 +1,94 @@
+"""Space: a frame with its story, its source and the answers that are known about it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from sympy import Expr
+
+from geomtorsion.geometry import Connection, Frame
+
+Index = tuple[int, ...]
+Closed = Expr | int | str
+
+
+@dataclass(frozen=True)
+class KnownAnswer:
+    """A closed form that somebody else derived and this package must reproduce.
+
+    Fields
+    ------
+    quantity
+        A name that `Frame.quantity` knows, or, for a space with a connection of its own, one of
+        `geomtorsion.spaces.checking.CONNECTION_QUANTITIES`.
+    components
+        Index tuple (counted from 0, in the order of the quantity's slots) -> closed form; for a
+        scalar the closed form itself.
+    basis
+        "coordinate" or "frame": the basis of every index; "natural": slots as the quantity has
+        them, for those that mix the two (coframe, legs).
+    complete
+        True: all components that are not listed vanish.
+    source
+        Where the closed form comes from; empty: the source of the space.
+
+    Examples
+    --------
+    >>> KnownAnswer("ricci", {}).vanishes
+    True
+    """
+
+    quantity: str
+    components: Mapping[Index, Closed] | Closed
+    basis: str = "coordinate"
+    complete: bool = True
+    source: str = ""
+
+    @property
+    def vanishes(self) -> bool:
+        """Whether the answer says that the whole quantity is zero."""
+        if isinstance(self.components, Mapping):
+            return self.complete and not self.components
+        return self.components == 0
+
+
+@dataclass(frozen=True)
+class Space:
+    """A shipped or read space: a frame, told about.
+
+    Fields
+    ------
+    name, title
+        The key by which it is loaded, and one line that says what it is.
+    story
+        Two lines: what the space is good for and what is remarkable about its torsion.
+    source
+        Book or paper, with place.
+    frame
+        The coframe with coordinates, signature, parameters and domain.
+    known
+        Closed forms that the tests check by exact equality.
+    group
+        Shelf on which `geomtorsion spaces` lists it.
+    notes
+        What a user must know before trusting it: multivalued forms, branches, edges.
+    connection
+        A connection other than the Cartan connection of the frame, if the space is about one.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> load("so3").frame.dimension
+    3
+    """
+
+    name: str
+    title: str
+    story: str
+    source: str
+    frame: Frame
+    known: tuple[KnownAnswer, ...] = ()
+    group: str = ""
+    notes: str = ""
+    connection: Connection | None = None

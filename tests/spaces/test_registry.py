@@ -1,0 +1,98 @@
+"""The registry: names without imports, lazy loading, and the errors of unknown names."""
+
+import ast
+import subprocess
+import sys
+from importlib import util
+from pathlib import Path
+
+import pytest
+
+from geomtorsion.errors import UnknownNameError
+from geomtorsion.spaces import load, names, titles
+from geomtorsion.spaces.registry import SPACES
+
+WANTED = """
+so3 so3_right so3_zxz so3_xyz so3_zyx so3_quaternion r3xso3 flat_polar flat_cylindrical
+flat_spherical s2 s3 s7 heisenberg sol sl2r ax_plus_b bianchi_i bianchi_ii bianchi_iii bianchi_iv
+bianchi_v bianchi_vi_0 bianchi_vi_h bianchi_vii_0 bianchi_vii_h bianchi_viii bianchi_ix twisted_bar
+screw_dislocation edge_dislocation wedge_disclination axial_torsion schwarzschild
+schwarzschild_isotropic kerr kerr_kinnersley frw de_sitter goedel
+""".split()
+
+
+def imported_after(code: str) -> set[str]:
+    """Modules of spaces that a fresh Python has loaded after running some code."""
+    listing = "import sys; print(*(m for m in sys.modules if m.startswith('geomtorsion.spaces.')))"
+    run = subprocess.run(
+        [sys.executable, "-c", f"{code}\n{listing}"], capture_output=True, text=True, check=True
+    )
+    return {module.removeprefix("geomtorsion.spaces.") for module in run.stdout.split()}
+
+
+def test_all_spaces_are_listed_once() -> None:
+    """Every space that was promised is there, no name occurs twice, titles are one short line."""
+    assert set(WANTED) <= set(names())
+    assert len(set(names())) == len(names()) == len(SPACES)
+    assert list(titles()) == list(names())
+    for title in titles().values():
+        assert 5 < len(title) <= 75
+        assert "\n" not in title
+
+
+def test_every_module_of_the_registry_exists_and_has_a_maker() -> None:
+    """A line without a file, or a file without `space(name, title)`, is found without importing."""
+    for module in {module for _, module, _ in SPACES}:
+        spec = util.find_spec(f"geomtorsion.spaces.{module}")
+        assert spec is not None, module
+        assert spec.origin is not None
+        tree = ast.parse(Path(spec.origin).read_text(encoding="utf-8"))
+        makers = [n for n in tree.body if isinstance(n, ast.FunctionDef) and n.name == "space"]
+        assert [[a.arg for a in maker.args.args] for maker in makers] == [["name", "title"]], module
+
+
+def test_every_file_that_makes_a_space_is_in_the_registry() -> None:
+    """A space file that nobody listed would never be checked."""
+    listed = {module for _, module, _ in SPACES}
+    spec = util.find_spec("geomtorsion.spaces")
+    assert spec is not None
+    assert spec.origin is not None
+    for path in Path(spec.origin).parent.glob("*.py"):
+        makes = "def space(name: str, title: str)" in path.read_text(encoding="utf-8")
+        assert makes == (path.stem in listed), path.stem
+
+
+def test_names_import_no_space() -> None:
+    """Listing costs nothing: neither a space nor the geometry is loaded."""
+    code = "import geomtorsion.spaces as s; s.names(); s.titles()"
+    modules = {module for _, module, _ in SPACES}
+    assert imported_after(code) & modules == set()
+
+
+def test_loading_imports_only_that_space() -> None:
+    """Loading one space does not load the others."""
+    modules = {module for _, module, _ in SPACES}
+    loaded = imported_after("import geomtorsion.spaces as s; s.load('kerr')")
+    assert loaded & modules == {"kerr"}
+
+
+@pytest.mark.parametrize(
+    ("wrong", "near"),
+    [
+        ("kerrr", "kerr"),
+        ("Schwarzchild", "schwarzschild"),
+        ("bianchi-9", "bianchi_"),
+        ("so4", "so3"),
+    ],
+)
+def test_unknown_name_lists_near_ones(wrong: str, near: str) -> None:
+    """A slip of the pen is answered with what was probably meant."""
+    with pytest.raises(UnknownNameError, match=rf"{wrong!r}.*Near: .*{near}") as caught:
+        load(wrong)
+    assert isinstance(caught.value, LookupError)
+
+
+def test_unknown_name_without_near_ones() -> None:
+    """A name that resembles none says so and says where the list is."""
+    with pytest.raises(UnknownNameError, match=r"None is near.*spaces"):
+        load("@@@@")
