@@ -1,0 +1,49 @@
+"""so3_rodrigues: rotations by the Rodrigues (Gibbs) vector, a rational chart."""
+
+from sympy import Rational, eye, symbols
+
+from geomtorsion.geometry import Frame
+from geomtorsion.spaces.domain import box
+from geomtorsion.spaces.patterns import alternating, diagonal
+from geomtorsion.spaces.space import KnownAnswer, Space
+
+
+def space(name: str, title: str) -> Space:
+    """g = axis * tan(angle / 2); coframe 2 (1 - [g]x) / (1 + g.g)."""
+    g1, g2, g3 = g = symbols("g1 g2 g3", real=True)
+    square = g1**2 + g2**2 + g3**2
+    turn = [[0, g3, -g2], [-g3, 0, g1], [g2, -g1, 0]]
+    unit = eye(3)
+    half = Rational(1, 2)
+    frame = Frame(
+        g,
+        [[2 * (unit[i, j] + turn[i][j]) / (1 + square) for j in range(3)] for i in range(3)],
+        domain=box(dict.fromkeys(g, (-1, 1))),
+        name=name,
+    )
+    metric = {
+        (i, j): 4 * (unit[i, j] * (1 + square) - g[i] * g[j]) / (1 + square) ** 2
+        for i in range(3)
+        for j in range(3)
+    }
+    return Space(
+        name,
+        title,
+        story=(
+            "Cayley's map from vectors to rotations: a chart in which everything is rational.\n"
+            "Rotations by a half turn lie at infinity; the torsion in the frame is that of so3."
+        ),
+        source="M. D. Shuster, A survey of attitude representations, "
+        "J. Astronaut. Sci. 41 (1993) 439",
+        frame=frame,
+        known=(
+            KnownAnswer("metric", metric),
+            KnownAnswer("determinant", 8 / (1 + square) ** 2),
+            KnownAnswer("torsion", alternating({(0, 1, 2): -half}), basis="frame"),
+            KnownAnswer("torsion_scalar", -3 * half),
+            KnownAnswer("cartan_curvature", {}),
+            KnownAnswer("ricci", diagonal([half] * 3), basis="frame"),
+            KnownAnswer("scalar_curvature", 3 * half),
+        ),
+        group="rotations",
+    )
