@@ -1,0 +1,35 @@
+"""heisenberg: the Heisenberg group with its left-invariant frame (Thurston's Nil)."""
+
+from sympy import Rational, symbols
+
+from geomtorsion.geometry import Frame
+from geomtorsion.spaces.patterns import antisymmetric, diagonal
+from geomtorsion.spaces.space import KnownAnswer, Space
+
+
+def space(name: str, title: str) -> Space:
+    """Coframe (dx, dy, dz - x dy)."""
+    x, y, z = symbols("x y z", real=True)
+    half = Rational(1, 2)
+    frame = Frame((x, y, z), [[1, 0, 0], [0, 1, 0], [0, -x, 1]], name=name)
+    return Space(
+        name,
+        title,
+        story=(
+            "Position, momentum and phase: walk round a loop in the plane and you have climbed.\n"
+            "A constant density of screw dislocations: the torsion is uniform and points along z."
+        ),
+        source="P. Scott, The geometries of 3-manifolds, Bull. London Math. Soc. 15 (1983) 401, "
+        "section 4",
+        frame=frame,
+        known=(
+            KnownAnswer("determinant", 1),
+            KnownAnswer("torsion", antisymmetric({(0, 1, 2): -half}), basis="frame"),
+            KnownAnswer("torsion_vector", {}),
+            KnownAnswer("torsion_scalar", half),
+            KnownAnswer("cartan_curvature", {}),
+            KnownAnswer("ricci", diagonal([-half, -half, half]), basis="frame"),
+            KnownAnswer("scalar_curvature", -half),
+        ),
+        group="homogeneous spaces",
+    )

@@ -1,0 +1,48 @@
+"""s3: the unit three-sphere in Hopf coordinates with its left-invariant frame."""
+
+from sympy import cos, pi, sin, symbols
+
+from geomtorsion.geometry import Frame
+from geomtorsion.spaces.domain import box
+from geomtorsion.spaces.patterns import alternating, diagonal
+from geomtorsion.spaces.space import KnownAnswer, Space
+
+
+def space(name: str, title: str) -> Space:
+    """q = exp(i xi1) cos(eta) + j exp(-i xi2) sin(eta); coframe: the i, j, k parts of q* dq."""
+    eta, xi1, xi2 = symbols("eta xi1 xi2", real=True)
+    turn = xi1 - xi2
+    across = sin(eta) * cos(eta)
+    frame = Frame(
+        (eta, xi1, xi2),
+        [
+            [0, cos(eta) ** 2, -(sin(eta) ** 2)],
+            [cos(turn), across * sin(turn), across * sin(turn)],
+            [-sin(turn), across * cos(turn), across * cos(turn)],
+        ],
+        domain=box({eta: (0, pi / 2), xi1: (0, 2 * pi), xi2: (0, 2 * pi)}),
+        name=name,
+    )
+    return Space(
+        name,
+        title,
+        story=(
+            "The unit quaternions: twice around a rotation, with circles of Hopf as coordinates.\n"
+            "Parallel lines here are Clifford's: equidistant great circles that wind about another."
+        ),
+        source="J. Milnor, Curvatures of left invariant metrics on Lie groups, "
+        "Adv. Math. 21 (1976) 293, section 4",
+        frame=frame,
+        known=(
+            KnownAnswer("metric", diagonal([1, cos(eta) ** 2, sin(eta) ** 2])),
+            KnownAnswer("torsion", alternating({(0, 1, 2): -1}), basis="frame"),
+            KnownAnswer("torsion_scalar", -6),
+            KnownAnswer("cartan_curvature", {}),
+            KnownAnswer("ricci", diagonal([2, 2, 2]), basis="frame"),
+            KnownAnswer("scalar_curvature", 6),
+            KnownAnswer("kretschmann", 12),
+            KnownAnswer("weyl", {}),
+        ),
+        group="spheres",
+        notes="The circles eta = 0 and eta = pi/2 are the edges of the chart.",
+    )

@@ -1,0 +1,103 @@
+"""s7: the unit seven-sphere with the parallelism that octonions give it."""
+
+from __future__ import annotations
+
+from itertools import permutations
+
+from sympy import Expr, Integer, symbols
+from sympy.combinatorics.permutations import Permutation
+
+from geomtorsion.geometry import Frame
+from geomtorsion.spaces.domain import box
+from geomtorsion.spaces.patterns import alternating, diagonal
+from geomtorsion.spaces.space import KnownAnswer, Space
+
+# e_i e_j = e_k for these lines of the Fano plane and their cyclic orders.
+LINES = ((1, 2, 4), (2, 3, 5), (3, 4, 6), (4, 5, 7), (5, 6, 1), (6, 7, 2), (7, 1, 3))
+UNITS = range(1, 8)
+
+
+def structure_constants() -> dict[tuple[int, int, int], int]:
+    """phi_ijk with e_i e_j = -delta_ij + phi_ijk e_k; indices 1 to 7, totally antisymmetric.
+
+    Examples
+    --------
+    >>> structure_constants()[1, 2, 4], structure_constants()[2, 1, 4]
+    (1, -1)
+    """
+    table = {}
+    for line in LINES:
+        for order in permutations(range(3)):
+            key = (line[order[0]], line[order[1]], line[order[2]])
+            table[key] = int(Permutation(order).signature())
+    return table
+
+
+def product(left: list[Expr], right: list[Expr]) -> list[Expr]:
+    """Product of two octonions, each a list of eight components, the real one first."""
+    result = [left[0] * right[0] - sum(left[k] * right[k] for k in UNITS)]
+    result += [left[0] * right[k] + left[k] * right[0] for k in UNITS]
+    for (i, j, k), sign in structure_constants().items():
+        result[k] += sign * left[i] * right[j]
+    return result
+
+
+def space(name: str, title: str) -> Space:
+    """Point p = (1 + x)^2 / (1 + x.x) for an imaginary octonion x; coframe Im(conj(p) dp)."""
+    x = symbols("x1:8", real=True)
+    square = sum(component**2 for component in x)
+    scale = (1 + square) ** 2
+    phi = structure_constants()
+    coframe = [
+        [
+            2
+            * (
+                (1 - square if i == m else 0)
+                + 2 * x[i - 1] * x[m - 1]
+                - 2 * sum(phi.get((i, k, m), 0) * x[k - 1] for k in UNITS)
+            )
+            / scale
+            for m in UNITS
+        ]
+        for i in UNITS
+    ]
+    frame = Frame(x, coframe, domain=box(dict.fromkeys(x, (-1, 1))), name=name)
+    return Space(
+        name,
+        title,
+        story=(
+            "The only sphere beyond S^3 that has a parallelism: the octonions comb it.\n"
+            "Its torsion is totally antisymmetric but not constant: octonions do not associate."
+        ),
+        source="E. Cartan, J. A. Schouten, Proc. Kon. Akad. Amsterdam 29 (1926) 933; "
+        "F. Guersey, C.-H. Tze, Phys. Lett. B 127 (1983) 191",
+        frame=frame,
+        known=(
+            KnownAnswer("metric", diagonal([4 / scale] * 7)),
+            KnownAnswer("torsion", alternating(_torsion(x, square)), basis="frame"),
+            KnownAnswer("torsion_vector", {}),
+            KnownAnswer("torsion_tensor", {}),
+            KnownAnswer("torsion_scalar", -42),
+            KnownAnswer("cartan_curvature", {}),
+            KnownAnswer("ricci", diagonal([6] * 7), basis="frame"),
+            KnownAnswer("scalar_curvature", 42),
+            KnownAnswer("weyl", {}),
+        ),
+        group="spheres",
+        notes="Stereographic chart: it covers all of the sphere but one point. T_abc T^abc = 168.",
+    )
+
+
+def _torsion(x: tuple[Expr, ...], square: Expr) -> dict[tuple[int, ...], Expr]:
+    """S_ijk = -<(p e_i) e_j, p e_k> by octonion algebra: [E_i, E_j] = (p e_i) e_j - (p e_j) e_i."""
+    point = [1 - square, *(2 * component for component in x)]
+    units = [[Integer(place == k) for place in range(8)] for k in range(8)]
+    legs = {k: product(point, units[k]) for k in UNITS}
+    table = {}
+    for i in UNITS:
+        for j in range(i + 1, 8):
+            twice = product(legs[i], units[j])
+            for k in range(j + 1, 8):
+                inner = sum(left * right for left, right in zip(twice, legs[k], strict=True))
+                table[i - 1, j - 1, k - 1] = -inner / (1 + square) ** 2
+    return table
