@@ -1,0 +1,89 @@
+"""edge_dislocation: a straight edge dislocation along z, topological and in elastic equilibrium."""
+
+from sympy import Rational, Symbol, pi, symbols
+
+from geomtorsion.geometry import Frame
+from geomtorsion.spaces.domain import box
+from geomtorsion.spaces.patterns import matrix
+from geomtorsion.spaces.space import KnownAnswer, Space
+
+
+def space(name: str, title: str) -> Space:
+    """Coframe dx^i + du^i with the displacement u of a Burgers vector b along x."""
+    x, y, z = symbols("x y z", real=True)
+    b = Symbol("b", positive=True)
+    nu = Symbol("nu", positive=True)
+    square = x**2 + y**2
+    scale = b / (2 * pi)
+    shared = (KnownAnswer("torsion", {}), KnownAnswer("riemann", {}))
+    # The line x = y = 0 lies outside: the box keeps to one side of it.
+    place = {x: (0, 10), y: (-5, 0)}
+    if name == "edge_dislocation":
+        f = scale / square
+        return Space(
+            name,
+            title,
+            story=(
+                "An extra half plane of atoms ends on the z axis: walk round, you miss b along x.\n"
+                "Torsion vanishes off the axis, and yet no loop around it closes."
+            ),
+            source="R. A. Puntigam, H. H. Soleng, Class. Quantum Grav. 14 (1997) 1129 "
+            "(Volterra distortions)",
+            frame=Frame(
+                (x, y, z),
+                [[1 - f * y, f * x, 0], [0, 1, 0], [0, 0, 1]],
+                parameters=(b,),
+                domain=box(place),
+                name=name,
+            ),
+            known=(
+                KnownAnswer("determinant", 1 - f * y),
+                KnownAnswer(
+                    "metric",
+                    matrix(
+                        [
+                            [(1 - f * y) ** 2, (1 - f * y) * f * x, 0],
+                            [(1 - f * y) * f * x, 1 + f**2 * x**2, 0],
+                            [0, 0, 1],
+                        ]
+                    ),
+                ),
+                *shared,
+            ),
+            group="defects in crystals",
+            notes="The displacement u_x = b phi / (2 pi) is multivalued, its differential is not. "
+            "The coframe is singular on the axis and on the circle x^2 + y^2 = b y / (2 pi).",
+        )
+    w = scale / (2 * (1 - nu) * square**2)
+    distortion = [
+        [
+            -scale * y / square + w * y * (y**2 - x**2),
+            scale * x / square + w * x * (x**2 - y**2),
+        ],
+        [
+            -w * x * ((1 - 2 * nu) * square + 2 * y**2),
+            -w * y * ((1 - 2 * nu) * square - 2 * x**2),
+        ],
+    ]
+    (xx, xy), (yx, yy) = distortion
+    return Space(
+        name,
+        title,
+        story=(
+            "The edge dislocation as an isotropic elastic body carries it, Poisson ratio nu.\n"
+            "A loop sees the same b as the topological one: stress moves atoms, not the count."
+        ),
+        source="J. P. Hirth, J. Lothe, Theory of Dislocations, 2nd ed., chapter 3 "
+        "(displacements of an edge dislocation)",
+        frame=Frame(
+            (x, y, z),
+            [[1 + xx, xy, 0], [yx, 1 + yy, 0], [0, 0, 1]],
+            parameters=(b, nu),
+            domain=box({**place, nu: (0, Rational(1, 2))}),
+            name=name,
+        ),
+        known=(KnownAnswer("determinant", (1 + xx) * (1 + yy) - xy * yx), *shared),
+        group="defects in crystals",
+        notes="The distortion is the gradient of a multivalued displacement; near the axis, "
+        "within a few b, the coframe becomes singular and linear elasticity means nothing.",
+    )
