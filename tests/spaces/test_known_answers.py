@@ -1,0 +1,69 @@
+"""Every shipped space against the closed forms that are known about it, by exact equality."""
+
+from dataclasses import replace
+from functools import cache
+
+import pytest
+
+from geomtorsion.errors import UnknownNameError
+from geomtorsion.spaces import load, names
+from geomtorsion.spaces.checking import disagreements
+from geomtorsion.spaces.space import KnownAnswer, Space
+
+
+@cache
+def shared(name: str) -> Space:
+    """A space that several tests may look at: it never changes."""
+    return load(name)
+
+
+@pytest.mark.parametrize("name", names())
+def test_known_answers(name: str) -> None:
+    """All closed forms agree, and what they say vanishes does vanish."""
+    space = shared(name)
+    quantities = {answer.quantity for answer in space.known}
+    assert quantities & {"torsion", "connection_torsion"}, "no closed form of the torsion"
+    assert quantities & {"ricci", "riemann", "einstein", "scalar_curvature", "connection_ricci"}
+    wrong = [str(d) for answer in space.known for d in disagreements(space, answer)]
+    assert wrong == []
+
+
+@pytest.mark.parametrize("name", ["so3", "schwarzschild", "kerr_kinnersley"])
+def test_wrong_answers_are_detected(name: str) -> None:
+    """A closed form that is off by a little, or that forgets a component, is caught."""
+    space = shared(name)
+    answer = next(a for a in space.known if a.quantity == "metric")
+    assert isinstance(answer.components, dict)
+    index = min(answer.components)
+    off = {**answer.components, index: answer.components[index] * (1 + space.frame.coordinates[1])}
+    (found,) = disagreements(space, replace(answer, components=off))
+    assert found.index == index
+    assert found.quantity == "metric"
+    missing = {key: value for key, value in answer.components.items() if key != index}
+    (found,) = disagreements(space, replace(answer, components=missing))
+    assert found.index == index
+    assert found.expected == 0
+    assert disagreements(space, replace(answer, components=missing, complete=False)) == ()
+
+
+def test_wrong_zero_is_detected() -> None:
+    """The torsion of so3 is not zero, and the listing names all six components."""
+    space = shared("so3")
+    found = disagreements(space, KnownAnswer("torsion", {}, basis="frame"))
+    assert {d.index for d in found} == {
+        (0, 1, 2), (1, 2, 0), (2, 0, 1), (1, 0, 2), (2, 1, 0), (0, 2, 1)
+    }  # fmt: skip
+    assert "expected 0, found -1/2" in str(next(d for d in found if d.index == (0, 1, 2)))
+
+
+def test_wrong_scalar_is_detected() -> None:
+    """A scalar that is off is caught too."""
+    (found,) = disagreements(shared("s2"), KnownAnswer("scalar_curvature", "1/R**2"))
+    assert found.index == ()
+    assert disagreements(shared("s2"), KnownAnswer("scalar_curvature", "2/R**2")) == ()
+
+
+def test_a_connection_is_needed() -> None:
+    """An answer about a connection that the space does not have is refused with a reason."""
+    with pytest.raises(UnknownNameError, match="so3 has none"):
+        disagreements(shared("so3"), KnownAnswer("connection_torsion", {}))
