@@ -1,0 +1,36 @@
+"""Geometry: symbols in, tensors out."""
+
+from geomtorsion.geometry.connection import Connection
+from geomtorsion.geometry.connections import (
+    blend,
+    cartan,
+    from_coefficients,
+    from_contortion,
+    from_spin_connection,
+    levi_civita,
+)
+from geomtorsion.geometry.contraction import contract
+from geomtorsion.geometry.curvature import Curvature
+from geomtorsion.geometry.frame import Frame
+from geomtorsion.geometry.identity import Identity, identities
+from geomtorsion.geometry.plan import Plan
+from geomtorsion.geometry.tensor import Tensor
+from geomtorsion.geometry.torsion import Torsion
+
+__all__ = [
+    "Connection",
+    "Curvature",
+    "Frame",
+    "Identity",
+    "Plan",
+    "Tensor",
+    "Torsion",
+    "blend",
+    "cartan",
+    "contract",
+    "from_coefficients",
+    "from_contortion",
+    "from_spin_connection",
+    "identities",
+    "levi_civita",
+]

@@ -1,0 +1,117 @@
+"""Bases: the matrices between coordinates and frame, each by its cheaper route."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from geomtorsion.exact import Element
+from geomtorsion.geometry.arrays import total
+from geomtorsion.geometry.components import Components, Row
+from geomtorsion.geometry.matrices import Entries, blocks, determinant, inverse
+from geomtorsion.geometry.symmetry import Index, antisymmetric, symmetric
+from geomtorsion.geometry.tensor import Tensor
+
+if TYPE_CHECKING:
+    from geomtorsion.geometry.frame import Frame
+
+
+def metric(frame: Frame) -> Components:
+    """g_ab: as given, or e^i_a eta_ij e^j_b."""
+    upper = frame.given.get("metric")
+    if upper is None:
+        upper = _squared(frame, frame.coframe.components.rows, frame.given["eta"])
+    else:
+        upper = {index: value for index, value in upper.items() if index[0] <= index[1]}
+    return Components.known(2, frame.dimension, upper, symmetric(2))
+
+
+def inverse_metric(frame: Frame) -> Components:
+    """g^ab: inverse of the metric, or from the legs where the coframe is sparser."""
+    if inverts_metric(frame):
+        entries = inverse(frame.field, frame.metric.components.nonzero, frame.dimension)
+        upper = {index: value for index, value in entries.items() if index[0] <= index[1]}
+    else:
+        constants = frame.inverse_eta.components.nonzero
+        upper = _squared(frame, frame.legs.components.columns, constants)
+    return Components.known(2, frame.dimension, upper, symmetric(2))
+
+
+def legs(frame: Frame) -> Components:
+    """E_i^a: as given, the inverse of the coframe, or g^ab e_ib where the metric is simpler."""
+    n = frame.dimension
+    entries = frame.given.get("legs")
+    if entries is None and goes_through_metric(frame):
+        get = frame.coframe.lowered(0).components.get
+        entries = {}
+        for mu, row in enumerate(frame.inverse_metric.components.rows):
+            for i in range(n):
+                pairs = [(x, get((i, nu))) for nu, x in row]
+                value = total(frame.field, [(1, x, y) for x, y in pairs if y is not None])
+                if value is not None:
+                    entries[mu, i] = value
+    elif entries is None:
+        entries = inverse(frame.field, frame.given["coframe"], n)
+    return Components.known(2, n, entries)
+
+
+def inverts_metric(frame: Frame) -> bool:
+    """Whether the inverse metric comes from the metric: it is given, or has no more entries."""
+    if "metric" in frame.given:
+        return True
+    return len(frame.metric.components.nonzero) <= len(frame.given["coframe"])
+
+
+def goes_through_metric(frame: Frame) -> bool:
+    """Whether the legs come from the inverse metric: it falls into smaller blocks."""
+    n = frame.dimension
+    size = max(len(rows) for rows, _ in blocks(frame.given["coframe"], n))
+    metric_size = max(len(rows) for rows, _ in blocks(frame.metric.components.nonzero, n))
+    return inverts_metric(frame) and metric_size < size
+
+
+def _squared(frame: Frame, rows: Sequence[Row], constants: Entries) -> dict[Index, Element]:
+    """Upper triangle of rows^T constants rows."""
+    collected: dict[Index, list] = {}
+    for (i, j), value in constants.items():
+        factor = (value.as_fraction(),) if value.is_rational else (1, value)
+        for mu, first in rows[i]:
+            for nu, second in rows[j]:
+                if mu <= nu:
+                    collected.setdefault((mu, nu), []).append((*factor, first, second))
+    return {index: frame.field.sum(terms) for index, terms in collected.items()}
+
+
+def coframe_derivative(frame: Frame) -> Components:
+    """d_a e^i_b at (a, i, b)."""
+    get, coordinates = frame.coframe.components.get, frame.coordinates
+
+    def rule(index: Index) -> Element | None:
+        value = get(index[1:])
+        return None if value is None else value.diff(coordinates[index[0]])
+
+    return Components(3, frame.dimension, rule)
+
+
+def anholonomy(frame: Frame) -> Tensor:
+    """C_ij^k = E_i^a E_j^b (d_a e^k_b - d_b e^k_a), slots DDU."""
+    derivative = frame.coframe_derivative.get
+
+    def curl(index: Index) -> Element | None:
+        a, b, k = index
+        one, two = derivative((a, k, b)), derivative((b, k, a))
+        if two is None:
+            return one
+        return -two if one is None else frame.field.sum([(1, one), (-1, two)])
+
+    return Tensor(frame, "ddU", curl, antisymmetric(3), "C", "anholonomy").in_frame()
+
+
+def volume(frame: Frame) -> Element:
+    """det e * sqrt|det eta|; real for a null tetrad, whose determinant is imaginary."""
+    eta = determinant(frame.field, frame.given["eta"], frame.dimension)
+    det = frame.determinant.element()
+    if frame.complex and det.conjugate() == -det:
+        det = det * frame.field.imaginary
+    size = eta if eta.sympy.is_positive else -eta
+    return det if size == frame.field.one else det * size.sqrt()

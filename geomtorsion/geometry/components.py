@@ -1,0 +1,136 @@
+"""Components: a sparse array of exact elements, each computed on first use and kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import cached_property
+
+from geomtorsion.exact import Element
+from geomtorsion.geometry.symmetry import Index, Symmetry, orbits
+
+Rule = Callable[[Index], Element | None]
+Row = tuple[tuple[int, Element], ...]
+
+
+class Components:
+    """Sparse array with a symmetry; a missing component is None inside, zero to the user.
+
+    rule: index -> Element, asked once for each representative index and only when needed.
+    bulk: all representatives at once, where that is cheaper than one by one.
+    """
+
+    def __init__(
+        self,
+        rank: int,
+        dimension: int,
+        rule: Rule,
+        symmetry: Symmetry = (),
+        bulk: Callable[[], Mapping[Index, Element]] | None = None,
+    ) -> None:
+        self.rank = rank
+        self.dimension = dimension
+        self.symmetry = symmetry
+        self._rule = rule
+        self._bulk = bulk
+        self._orbits = orbits(rank, dimension, symmetry)
+        self._known: dict[Index, Element | None] = {}
+
+    @classmethod
+    def known(
+        cls,
+        rank: int,
+        dimension: int,
+        values: Mapping[Index, Element],
+        symmetry: Symmetry = (),
+    ) -> Components:
+        """Array whose representatives are all given; what is not listed vanishes."""
+        kept = {index: value for index, value in values.items() if not value.is_zero}
+        return cls(rank, dimension, kept.get, symmetry, lambda: kept)
+
+    def get(self, index: Index) -> Element | None:
+        """One component, or None where it vanishes."""
+        try:
+            return self._known[index]
+        except KeyError:
+            return self._compute(index)
+
+    def _compute(self, index: Index) -> Element | None:
+        """Ask the rule (at the representative) and keep the answer."""
+        sign, representative = self._orbits.of(index)
+        if sign == 0:
+            value = None
+        elif representative != index:
+            value = self.get(representative)
+            if value is not None and sign < 0:
+                value = -value
+        elif "independent" in self.__dict__:
+            value = self.independent.get(index)
+        else:
+            value = self._rule(index)
+            if value is not None and value.is_zero:
+                value = None
+        self._known[index] = value
+        return value
+
+    @cached_property
+    def independent(self) -> dict[Index, Element]:
+        """The non-vanishing components at representative indices."""
+        if self._bulk is not None:
+            found = {i: v for i, v in self._known.items() if v is not None and self._is_own(i)}
+            found.update((i, v) for i, v in self._bulk().items() if not v.is_zero)
+            self._known.update(found)
+            return found
+        found = {}
+        for index in self._orbits.representatives:
+            value = self.get(index)
+            if value is not None:
+                found[index] = value
+        return found
+
+    @cached_property
+    def nonzero(self) -> dict[Index, Element]:
+        """All non-vanishing components, in order of their indices."""
+        canonical = self._orbits.canonical
+        independent = self.independent
+        if canonical is None:
+            return dict(sorted(independent.items()))
+        found = {}
+        for index, (sign, representative) in canonical.items():
+            if sign and representative in independent:
+                value = self.get(index)
+                if value is not None:
+                    found[index] = value
+        return dict(sorted(found.items()))
+
+    @cached_property
+    def rows(self) -> tuple[Row, ...]:
+        """Of a matrix: for each first index the pairs (second index, element), without zeros."""
+        found: list[list[tuple[int, Element]]] = [[] for _ in range(self.dimension)]
+        for (i, j), value in self.nonzero.items():
+            found[i].append((j, value))
+        return tuple(map(tuple, found))
+
+    @cached_property
+    def columns(self) -> tuple[Row, ...]:
+        """Of a matrix: for each second index the pairs (first index, element)."""
+        found: list[list[tuple[int, Element]]] = [[] for _ in range(self.dimension)]
+        for (i, j), value in self.nonzero.items():
+            found[j].append((i, value))
+        return tuple(map(tuple, found))
+
+    @property
+    def computed(self) -> int:
+        """How many components have been worked out so far."""
+        return len(self._known)
+
+    def representative(self, index: Index) -> tuple[int, Index]:
+        """Sign and representative of an index; sign 0 where symmetry makes it vanish."""
+        return self._orbits.of(index)
+
+    def pending(self, index: Index) -> bool:
+        """Whether a bulk computation has to supply this component."""
+        return self._is_own(index) and index not in self._known
+
+    def _is_own(self, index: Index) -> bool:
+        """Whether an index is its own representative."""
+        return self._orbits.of(index) == (1, index)

@@ -1,0 +1,210 @@
+"""Connection: coefficients of any affine connection and what follows from them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import sympy as sp
+
+from geomtorsion.exact import Element
+from geomtorsion.geometry import riemannian
+from geomtorsion.geometry.arrays import total
+from geomtorsion.geometry.covariant import covariant_derivative
+from geomtorsion.geometry.frame import Frame
+from geomtorsion.geometry.symmetry import Index, antisymmetric, symmetric
+from geomtorsion.geometry.tensor import Tensor
+
+if TYPE_CHECKING:
+    from geomtorsion.geometry.curvature import Curvature
+    from geomtorsion.geometry.torsion import Torsion
+
+HALF = Fraction(1, 2)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Connection:
+    """An affine connection over a frame.
+
+    frame: the frame it is made from.
+    coefficients: Gamma_ab^c, slots ddu, a the direction of differentiation.
+    name: what it is called.
+    kind: "cartan" or "levi-civita" where a shorter way to its curvature is known, else "general".
+    keeps_lengths: whether it is metric by its construction (then contortion is a difference).
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from geomtorsion.geometry import Frame, cartan, levi_civita
+    >>> r, phi = sp.symbols("r phi", positive=True)
+    >>> frame = Frame([r, phi], [[1, 0], [0, r]])
+    >>> cartan(frame)[0, 1, 1], levi_civita(frame)[1, 1, 0]
+    (1/r, -r)
+    """
+
+    frame: Frame
+    coefficients: Tensor
+    name: str = "connection"
+    kind: str = "general"
+    keeps_lengths: bool = False
+
+    def __getitem__(self, index: tuple[int, int, int]) -> sp.Expr:
+        """Gamma_ab^c as a sympy expression."""
+        return self.coefficients[index]
+
+    # -- deviations from the metric and from the frame -------------------------------------------
+
+    @cached_property
+    def torsion(self) -> Torsion:
+        """Torsion and its parts."""
+        from geomtorsion.geometry.torsion import Torsion
+
+        return Torsion(self)
+
+    @cached_property
+    def curvature(self) -> Curvature:
+        """Curvature and its traces."""
+        from geomtorsion.geometry.curvature import Curvature
+
+        return Curvature(self)
+
+    @cached_property
+    def nonmetricity(self) -> Tensor:
+        """Q_abc = D_a g_bc, slots ddd, symmetric in bc."""
+        lower = self.coefficients.lowered(2).components.get
+        derivative = riemannian.metric_derivative(self.frame).get
+
+        def rule(index: Index) -> Element | None:
+            a, b, c = index
+            parts = ((1, derivative(index)), (-1, lower((a, b, c))), (-1, lower((a, c, b))))
+            return total(self.frame.field, [(s, x) for s, x in parts if x is not None])
+
+        return Tensor(self.frame, "ddd", rule, symmetric(3, 1, 2), "Q", "nonmetricity")
+
+    @cached_property
+    def contortion(self) -> Tensor:
+        """K_ab^c = S_ab^c - S_b^c_a + S^c_ab, slots ddu; Gamma - Gamma_bar for metric connections.
+
+        Its lower form K_abc is antisymmetric in b and c.
+        """
+        if self.keeps_lengths:
+            bar = riemannian.christoffel(self.frame)
+            difference = self.coefficients - bar
+            symmetry = antisymmetric(3, 1, 2)
+            return Tensor(self.frame, "ddu", difference.components, symmetry, "K", "contortion")
+        return self.contortion_from_torsion
+
+    @cached_property
+    def contortion_from_torsion(self) -> Tensor:
+        """The contortion by its definition in terms of the torsion, whatever the connection."""
+        lower = self.torsion.S.lowered(2).components.get
+
+        def rule(index: Index) -> Element | None:
+            a, b, c = index
+            parts = ((1, lower((a, b, c))), (-1, lower((b, c, a))), (1, lower((c, a, b))))
+            return total(self.frame.field, [(s, x) for s, x in parts if x is not None])
+
+        tensor = Tensor(self.frame, "ddd", rule, antisymmetric(3, 1, 2), "K", "contortion")
+        return tensor.raised(2)
+
+    @cached_property
+    def disformation(self) -> Tensor:
+        """L_ab^c with L_abc = -(Q_abc + Q_bac - Q_cab) / 2, slots ddu, symmetric in ab."""
+        nonmetricity = self.nonmetricity.components.get
+
+        def rule(index: Index) -> Element | None:
+            a, b, c = index
+            places = ((-HALF, (a, b, c)), (-HALF, (b, a, c)), (HALF, (c, a, b)))
+            parts = [(sign, nonmetricity(place)) for sign, place in places]
+            return total(self.frame.field, [(s, x) for s, x in parts if x is not None])
+
+        return Tensor(self.frame, "ddd", rule, symmetric(3), "L", "disformation").raised(2)
+
+    @cached_property
+    def coframe_deviation(self) -> Tensor:
+        """W_ab^j = Gamma_ab^m e^j_m - d_a e^j_b, slots ddU: minus the derivative of the coframe.
+
+        It vanishes exactly when all legs are parallel.
+        """
+        coefficients = self.coefficients.components.get
+        rows = self.frame.coframe.components.rows
+        derivative = self.frame.coframe_derivative.get
+
+        def rule(index: Index) -> Element | None:
+            a, b, j = index
+            terms = []
+            for m, leg in rows[j]:
+                value = coefficients((a, b, m))
+                if value is not None:
+                    terms.append((1, value, leg))
+            change = derivative((a, j, b))
+            if change is not None:
+                terms.append((-1, change))
+            return total(self.frame.field, terms)
+
+        return Tensor(self.frame, "ddU", rule, (), "W", "coframe deviation", anchored=(1, 2))
+
+    @cached_property
+    def spin_connection(self) -> Tensor:
+        """omega_ai^j = e^j_m D_a E_i^m, slots dDU; the first index alone may change its basis."""
+        deviation = self.coframe_deviation
+        free = Tensor(self.frame, "ddU", deviation.components, (), "\\omega", "spin connection")
+        turned = free._with_slot(1, "D")
+        return Tensor(
+            self.frame,
+            "dDU",
+            turned.components,
+            (),
+            "\\omega",
+            "spin connection",
+            anchored=(1, 2),
+        )
+
+    def covariant_derivative(self, tensor: Tensor) -> Tensor:
+        """D_a of a tensor, its new lower coordinate index first.
+
+        Equation
+        --------
+        D_a v^m = d_a v^m + Gamma_ab^m v^b;  D_a w_m = d_a w_m - Gamma_am^b w_b;
+        frame indices with the spin connection instead of Gamma.
+
+        Raises
+        ------
+        TensorIndexError
+            The argument is not a tensor in all its indices (connection coefficients).
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame, levi_civita
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> frame = Frame([r, phi], [[1, 0], [0, r]])
+        >>> levi_civita(frame).covariant_derivative(frame.metric).is_zero
+        True
+        """
+        return covariant_derivative(self, tensor)
+
+    # -- verdicts --------------------------------------------------------------------------------
+
+    @property
+    def is_flat(self) -> bool | None:
+        """Whether the curvature vanishes."""
+        return self.curvature.riemann.is_zero
+
+    @property
+    def is_metric(self) -> bool | None:
+        """Whether lengths are kept: nonmetricity vanishes."""
+        return self.nonmetricity.is_zero
+
+    @property
+    def is_torsion_free(self) -> bool | None:
+        """Whether the coefficients are symmetric."""
+        return self.torsion.S.is_zero
+
+    def __repr__(self) -> str:
+        return f"{self.name}: {self.coefficients!r}"
+
+    def _repr_latex_(self) -> str:
+        return self.coefficients._repr_latex_()

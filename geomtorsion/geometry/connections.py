@@ -1,0 +1,244 @@
+"""Connections: the makers of connections over a frame."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+from geomtorsion.errors import ShapeError, TensorIndexError
+from geomtorsion.exact import Element
+from geomtorsion.geometry import riemannian
+from geomtorsion.geometry.arrays import total
+from geomtorsion.geometry.connection import Connection
+from geomtorsion.geometry.frame import Frame
+from geomtorsion.geometry.nested import tensor_from_array
+from geomtorsion.geometry.symmetry import Index
+from geomtorsion.geometry.tensor import Tensor
+
+HALF = Fraction(1, 2)
+
+
+def _coefficients(frame: Frame, source: Any, symbol: str, name: str) -> Tensor:
+    """Gamma_ab^c as a tensor object that knows what it is not."""
+    return Tensor(frame, "ddu", source, (), symbol, name, anchored=(1, 2))
+
+
+def cartan(frame: Frame) -> Connection:
+    """The connection in which the legs of the frame are parallel (Cartan, Weitzenboeck).
+
+    Equation
+    --------
+    Gamma_ab^c = E_i^c d_a e^i_b                    [FizievKleinert1994], eq. (10)
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from geomtorsion.geometry import Frame
+    >>> r, phi = sp.symbols("r phi", positive=True)
+    >>> cartan(Frame([r, phi], [[1, 0], [0, r]])).torsion.T[0, 1, 1]
+    1/r
+    """
+
+    def make() -> Connection:
+        derivative, legs = frame.coframe_derivative.get, frame.legs.components
+
+        def rule(index: Index) -> Element | None:
+            a, b, c = index
+            pairs = [(x, derivative((a, i, b))) for i, x in legs.rows[c]]
+            return total(frame.field, [(1, x, y) for x, y in pairs if y is not None])
+
+        coefficients = _coefficients(frame, rule, "\\Gamma", "Cartan")
+        return Connection(frame, coefficients, "Cartan connection", "cartan", True)
+
+    return frame.derived("cartan", make)
+
+
+def levi_civita(frame: Frame) -> Connection:
+    """The torsion-free connection of the metric of the frame.
+
+    Equation
+    --------
+    Gamma_ab^c = g^{ce} (d_a g_be + d_b g_ae - d_e g_ab) / 2
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from geomtorsion.geometry import Frame
+    >>> r, phi = sp.symbols("r phi", positive=True)
+    >>> levi_civita(Frame([r, phi], [[1, 0], [0, r]])).is_flat
+    True
+    """
+
+    def make() -> Connection:
+        coefficients = riemannian.christoffel(frame)
+        return Connection(frame, coefficients, "Levi-Civita connection", "levi-civita", True)
+
+    return frame.derived("levi_civita", make)
+
+
+def from_coefficients(frame: Frame, coefficients: Any) -> Connection:
+    """Connection from any coefficients Gamma_ab^c: torsion, curvature and nonmetricity at once.
+
+    Parameters
+    ----------
+    coefficients
+        Gamma_ab^c, shape (n, n, n), axes (a, b, c), a the direction of differentiation.
+
+    Raises
+    ------
+    ShapeError
+        The array has not one entry per index.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from geomtorsion.geometry import Frame
+    >>> x, y = sp.symbols("x y")
+    >>> flat = Frame([x, y], [[1, 0], [0, 1]])
+    >>> bent = from_coefficients(flat, [[[0, 0], [y, 0]], [[0, 0], [0, 0]]])
+    >>> bent.torsion.S[0, 1, 0], bent.is_flat, bent.is_metric
+    (y/2, False, False)
+    """
+    if isinstance(coefficients, Tensor):
+        given = _given(frame, coefficients, "ddu", "connection coefficients")
+    else:
+        given = tensor_from_array(frame, "ddu", coefficients, "connection coefficients")
+    return Connection(frame, _coefficients(frame, given.components, "\\Gamma", "connection"))
+
+
+def from_spin_connection(frame: Frame, omega: Any) -> Connection:
+    """Connection from its spin connection omega_ai^j: D_a E_i = omega_ai^j E_j.
+
+    Equation
+    --------
+    Gamma_ab^c = E_j^c (d_a e^j_b + omega_ai^j e^i_b)
+
+    Parameters
+    ----------
+    omega
+        omega_ai^j, shape (n, n, n), axes (a, i, j): direction (coordinate), legs; or a tensor
+        with slots dDU. Metric when omega_aij is antisymmetric in i and j.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from geomtorsion.geometry import Frame, levi_civita
+    >>> theta, phi = sp.symbols("theta phi")
+    >>> frame = Frame([theta, phi], [[1, 0], [0, sp.sin(theta)]])
+    >>> again = from_spin_connection(frame, levi_civita(frame).spin_connection)
+    >>> again.is_torsion_free, again.is_metric
+    (True, True)
+    """
+    if isinstance(omega, Tensor):
+        given = _given(frame, omega, "dDU", "spin connection")
+    else:
+        given = tensor_from_array(frame, "dDU", omega, "spin connection")
+    spin = given.components
+    bent = Tensor(frame, "dDU", spin)._with_slot(1, "d").components.get
+    derivative, legs = frame.coframe_derivative.get, frame.legs.components
+    field = frame.field
+
+    def rule(index: Index) -> Element | None:
+        a, b, c = index
+        terms = []
+        for j, leg in legs.rows[c]:
+            parts = (derivative((a, j, b)), bent((a, b, j)))
+            terms += [(1, leg, value) for value in parts if value is not None]
+        return total(field, terms)
+
+    lower = Tensor(frame, "dDU", spin).lowered(2).components
+    metric = all(_cancels(lower.get((a, i, j)), lower.get((a, j, i))) for a, i, j in lower.nonzero)
+    coefficients = _coefficients(frame, rule, "\\Gamma", "connection")
+    return Connection(frame, coefficients, "connection from spin connection", "general", metric)
+
+
+def from_contortion(frame: Frame, contortion: Any) -> Connection:
+    """Metric connection from its contortion: Gamma_ab^c = Gamma_bar_ab^c + K_ab^c.
+
+    Parameters
+    ----------
+    contortion
+        K_ab^c, shape (n, n, n) in coordinates, or a tensor with slots ddu (or DDU, ddd, ...).
+
+    Raises
+    ------
+    TensorIndexError
+        K_abc is not antisymmetric in b and c, so that it is no contortion.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from geomtorsion.geometry import Frame
+    >>> x, y, c = sp.symbols("x y c")
+    >>> plane = Frame([x, y], [[1, 0], [0, 1]])
+    >>> turning = from_contortion(plane, [[[0, c], [-c, 0]], [[0, 0], [0, 0]]])
+    >>> turning.is_metric, turning.torsion.S[0, 1, 0]
+    (True, -c/2)
+    """
+    if isinstance(contortion, Tensor):
+        given = contortion.in_coordinates()
+        for k, slot in enumerate("ddu"):
+            given = given.raised(k) if slot == "u" else given.lowered(k)
+        given = _given(frame, given, "ddu", "contortion")
+    else:
+        given = tensor_from_array(frame, "ddu", contortion, "contortion")
+    lower = given.lowered(2).components
+    for a, b, c in lower.nonzero:
+        if not _cancels(lower.get((a, b, c)), lower.get((a, c, b))):
+            raise TensorIndexError(
+                f"contortion: K_abc must be antisymmetric in its last two indices, but components "
+                f"[{a}, {b}, {c}] and [{a}, {c}, {b}] do not cancel. "
+                "Use from_coefficients for a connection that does not keep lengths."
+            )
+    total_ = riemannian.christoffel(frame) + given
+    coefficients = _coefficients(frame, total_.components, "\\Gamma", "connection")
+    return Connection(frame, coefficients, "connection from contortion", "general", True)
+
+
+def blend(first: Connection, second: Connection, share: Any = HALF) -> Connection:
+    """(1 - share) first + share second: the Cartan-Schouten family between two connections.
+
+    Parameters
+    ----------
+    share
+        Number or expression; 0 gives the first connection, 1 the second.
+
+    Raises
+    ------
+    ShapeError
+        The connections belong to different frames.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from geomtorsion.geometry import Frame
+    >>> r, phi, s = sp.symbols("r phi s", positive=True)
+    >>> frame = Frame([r, phi], [[1, 0], [0, r]])
+    >>> blend(levi_civita(frame), cartan(frame), s).torsion.T[0, 1, 1]
+    s/r
+    """
+    if first.frame is not second.frame:
+        raise ShapeError("Connections over different frames cannot be blended. Build both on one.")
+    (weight,) = first.frame.read([("share", share)])
+    # One difference and one product a component; (1 - s) A + s B would take two products.
+    mixed = first.coefficients + (second.coefficients - first.coefficients) * weight
+    coefficients = _coefficients(first.frame, mixed.components, "\\Gamma", "connection")
+    metric = first.keeps_lengths and second.keeps_lengths
+    name = f"blend of {first.name} and {second.name}"
+    return Connection(first.frame, coefficients, name, "general", metric)
+
+
+def _cancels(one: Element | None, two: Element | None) -> bool:
+    """Whether two components add to zero."""
+    if one is None or two is None:
+        return one is two
+    return (one + two).is_zero is True
+
+
+def _given(frame: Frame, tensor: Tensor, slots: str, what: str) -> Tensor:
+    """A tensor handed in for an array: the same frame and the right slots."""
+    if tensor.frame is not frame:
+        raise ShapeError(f"{what}: the tensor belongs to another frame. Build it over this one.")
+    if tensor.slots != slots:
+        raise TensorIndexError(f"{what}: slots {slots!r} were needed, {tensor.slots!r} came.")
+    return tensor

@@ -1,0 +1,157 @@
+"""Contraction: sums over pairs of indices, with positions and kinds checked."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Sequence
+
+from geomtorsion.errors import ShapeError, TensorIndexError
+from geomtorsion.geometry.arrays import joined
+from geomtorsion.geometry.slots import KINDS, POSITIONS
+from geomtorsion.geometry.symmetry import Symmetry, effective
+from geomtorsion.geometry.tensor import Tensor
+
+
+def contract(letters: str, *tensors: Tensor) -> Tensor:
+    """Contract tensors by index letters, as numpy.einsum does, with the index positions checked.
+
+    A letter that occurs twice is summed over; one of the two must be up and the other down,
+    both coordinate or both frame indices. A letter that occurs once stands in the result.
+
+    Equation
+    --------
+    contract("abc,cd->abd", S, g):  S_{abd} = S_{ab}^c g_{cd}
+
+    Parameters
+    ----------
+    letters
+        Letters of each tensor, separated by commas, then "->" and the letters of the result.
+    tensors
+        Tensors over one frame, as many as there are groups of letters.
+
+    Returns
+    -------
+    Tensor with one slot per letter after "->", in that order.
+
+    Raises
+    ------
+    TensorIndexError
+        Letters do not fit the slots, or a summed pair is not one up and one down of one kind.
+    ShapeError
+        The tensors do not belong to one frame.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from geomtorsion.geometry import Frame, contract
+    >>> r, phi = sp.symbols("r phi", positive=True)
+    >>> frame = Frame([r, phi], [[1, 0], [0, r]])
+    >>> contract("ab,bc->ac", frame.metric, frame.inverse_metric).nonzero()
+    {(0, 0): 1, (1, 1): 1}
+    """
+    groups, wanted = _parse(letters, tensors)
+    frame = tensors[0].frame
+    slots = _check(letters, groups, wanted, tensors)
+    field = frame.field
+    current, current_letters = tensors[0].components, groups[0]
+    for position in range(1, len(groups)):
+        later = set("".join(groups[position + 1 :])) | set(wanted)
+        merged = _free(current_letters + groups[position], later)
+        if position == len(groups) - 1:
+            merged = wanted
+        symmetry = _inherited(slots, merged, groups[: position + 1], tensors)
+        current = joined(
+            field,
+            (current, tensors[position].components),
+            (current_letters, groups[position]),
+            merged,
+            symmetry,
+        )
+        current_letters = merged
+    if len(groups) == 1:
+        symmetry = _inherited(slots, wanted, groups, tensors)
+        current = joined(field, (current,), (groups[0],), wanted, symmetry)
+    return Tensor(frame, "".join(slots[x] for x in wanted), current, current.symmetry)
+
+
+def _parse(letters: str, tensors: Sequence[Tensor]) -> tuple[list[str], str]:
+    """Groups of letters and the letters of the result."""
+    left, arrow, wanted = letters.replace(" ", "").partition("->")
+    groups = left.split(",")
+    if not tensors or len(groups) != len(tensors):
+        raise TensorIndexError(
+            f"{letters!r} names {len(groups)} tensors, {len(tensors)} were given. "
+            "Write one group of letters for each tensor, separated by commas."
+        )
+    if not arrow:
+        counts = Counter("".join(groups))
+        wanted = "".join(sorted(letter for letter, count in counts.items() if count == 1))
+    return groups, wanted
+
+
+def _check(
+    text: str, groups: Sequence[str], wanted: str, tensors: Sequence[Tensor]
+) -> dict[str, str]:
+    """Slots of the letters that stay; an error for whatever does not fit."""
+    if any(tensor.frame is not tensors[0].frame for tensor in tensors):
+        raise ShapeError("Tensors of different frames were contracted. Build all over one frame.")
+    seen: dict[str, list[tuple[str, str]]] = defaultdict(list)
+    for group, tensor in zip(groups, tensors, strict=True):
+        if len(group) != len(tensor.slots):
+            raise TensorIndexError(
+                f"{text!r}: {group!r} has {len(group)} letters, but {tensor.label} has "
+                f"{len(tensor.slots)} indices. Write one letter for each index."
+            )
+        for letter, slot in zip(group, tensor.slots, strict=True):
+            seen[letter].append((slot, tensor.label))
+    free = {letter: uses[0][0] for letter, uses in seen.items() if len(uses) == 1}
+    if sorted(wanted) != sorted(free):
+        raise TensorIndexError(
+            f"{text!r}: the letters that occur once are {', '.join(sorted(free)) or 'none'}, "
+            f"the result asks for {wanted!r}. Let each letter that occurs once, and no other, "
+            "stand in the result."
+        )
+    for letter, uses in seen.items():
+        _check_pair(text, letter, uses)
+    return {letter: uses[0][0] for letter, uses in seen.items()}
+
+
+def _check_pair(text: str, letter: str, uses: Sequence[tuple[str, str]]) -> None:
+    """A summed letter joins one upper and one lower index of one kind."""
+    if not letter.isalpha() or len(uses) > 2:
+        raise TensorIndexError(
+            f"{text!r}: index {letter!r} occurs {len(uses)} times. "
+            "Use letters, each once (kept) or twice (summed)."
+        )
+    if len(uses) == 1:
+        return
+    (first, one), (second, other) = uses
+    if KINDS[first] != KINDS[second]:
+        raise TensorIndexError(
+            f"{text!r}: index {letter!r} is a {KINDS[first]} index of {one} and a {KINDS[second]} "
+            f"index of {other}. Bring both to one basis with in_frame() or in_coordinates()."
+        )
+    if POSITIONS[first] == POSITIONS[second]:
+        raise TensorIndexError(
+            f"{text!r}: index {letter!r} is {POSITIONS[first]} in {one} and in {other}. "
+            f"Move one of them with {'raised' if POSITIONS[first] == 'down' else 'lowered'}(k)."
+        )
+
+
+def _free(letters: str, needed: set[str]) -> str:
+    """Letters that later steps still need, each once."""
+    return "".join(letter for letter in dict.fromkeys(letters) if letter in needed)
+
+
+def _inherited(
+    slots: dict[str, str], letters: str, groups: Sequence[str], tensors: Sequence[Tensor]
+) -> Symmetry:
+    """Symmetries of single factors that exchange only letters kept in the result."""
+    found = []
+    for group, tensor in zip(groups, tensors, strict=False):
+        for order, sign in effective(tensor.symmetry, tensor.slots):
+            moved = {group[k]: group[j] for k, j in enumerate(order) if k != j}
+            if all(letter in letters for letter in moved) and len(set(group)) == len(group):
+                image = tuple(letters.index(moved.get(letter, letter)) for letter in letters)
+                found.append((image, sign))
+    return tuple(dict.fromkeys(found))

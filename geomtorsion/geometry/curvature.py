@@ -1,0 +1,233 @@
+"""Curvature: of any connection, with its traces and the square."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from geomtorsion.exact import Element
+from geomtorsion.geometry import riemannian
+from geomtorsion.geometry.arrays import total
+from geomtorsion.geometry.contraction import contract
+from geomtorsion.geometry.symmetry import RIEMANN, Index, Symmetry, antisymmetric, symmetric
+from geomtorsion.geometry.tensor import Tensor
+
+if TYPE_CHECKING:
+    from geomtorsion.geometry.connection import Connection
+
+HALF = Fraction(1, 2)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Curvature:
+    """Curvature of a connection.
+
+    connection: Gamma_ab^c, a the direction of differentiation.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from geomtorsion.geometry import Frame, cartan, levi_civita
+    >>> theta, phi = sp.symbols("theta phi")
+    >>> sphere = Frame([theta, phi], [[1, 0], [0, sp.sin(theta)]])
+    >>> levi_civita(sphere).curvature.scalar[()], cartan(sphere).curvature.is_zero
+    (2, True)
+    """
+
+    connection: Connection
+
+    @property
+    def _is_riemannian(self) -> bool:
+        """Whether the connection is that of the metric."""
+        return self.connection.kind == "levi-civita"
+
+    @cached_property
+    def riemann(self) -> Tensor:
+        """R_mnl^k, slots dddu.
+
+        R_mnl^k = d_m G_nl^k - d_n G_ml^k - G_ml^t G_nt^k + G_nl^t G_mt^k
+        """
+        frame = self.connection.frame
+        if self._is_riemannian:
+            return riemannian.riemann(frame).raised(3)
+        rule = curvature_rule(self.connection)
+        if self.connection.kind == "cartan":
+            rule = self._unless_parallel(rule)
+        return Tensor(frame, "dddu", rule, self._symmetry, "R", "curvature")
+
+    def _unless_parallel(self, rule):
+        """The rule, save where all legs are found parallel: such a connection is flat."""
+        deviation = self.connection.coframe_deviation
+
+        def shorter(index: Index) -> Element | None:
+            return None if deviation.is_zero else rule(index)
+
+        return shorter
+
+    @property
+    def _symmetry(self) -> Symmetry:
+        """Symmetry of the all-lower form."""
+        if self._is_riemannian:
+            return RIEMANN
+        if self.connection.keeps_lengths:
+            return antisymmetric(4) + antisymmetric(4, 2, 3)
+        return antisymmetric(4)
+
+    @cached_property
+    def lower(self) -> Tensor:
+        """R_mnlk, slots dddd."""
+        if self._is_riemannian:
+            return riemannian.riemann(self.connection.frame)
+        return self.riemann.lowered(3)
+
+    @cached_property
+    def ricci(self) -> Tensor:
+        """R_nl = R_mnl^m, slots dd: positive for spheres."""
+        frame, riemannian = self.connection.frame, self._is_riemannian
+        n = frame.dimension
+        mixed, lower = self.riemann.components.get, self.lower.components.get
+        inverse = frame.inverse_metric.components
+
+        def rule(index: Index) -> Element | None:
+            j, i = index
+            if not riemannian:
+                parts = [mixed((m, j, i, m)) for m in range(n)]
+                return total(frame.field, [(1, x) for x in parts if x is not None])
+            terms = []
+            for m, row in enumerate(inverse.rows):
+                for k, factor in row:
+                    value = lower((m, j, i, k))
+                    if value is not None:
+                        terms.append((1, factor, value))
+            return total(frame.field, terms)
+
+        return Tensor(frame, "dd", rule, symmetric(2) if riemannian else (), "R", "Ricci tensor")
+
+    @cached_property
+    def scalar(self) -> Tensor:
+        """g^{nl} R_nl, rank 0."""
+        frame = self.connection.frame
+
+        def rule() -> Element:
+            inverse = frame.inverse_metric.components.nonzero
+            pairs = [(x, self.ricci.components.get(index)) for index, x in inverse.items()]
+            return frame.field.sum([(1, x, y) for x, y in pairs if y is not None])
+
+        return frame.scalar(rule, "R", "curvature scalar")
+
+    @cached_property
+    def einstein(self) -> Tensor:
+        """R_nl - g_nl R / 2, slots dd."""
+        frame, get = self.connection.frame, self.ricci.components.get
+        metric = frame.metric.components.get
+
+        def rule(index: Index) -> Element | None:
+            value, length = get(index), metric(index)
+            terms: list = [] if value is None else [(1, value)]
+            if length is not None:
+                terms.append((-HALF, length, self.scalar.element()))
+            return total(frame.field, terms)
+
+        return Tensor(frame, "dd", rule, self.ricci.symmetry, "G", "Einstein tensor")
+
+    @cached_property
+    def weyl(self) -> Tensor:
+        """Trace-free part of R_mnlk, slots dddd (zero below three dimensions).
+
+        C_mnlk = R_mnlk - (g_mk R_nl - g_nk R_ml - g_ml R_nk + g_nl R_mk) / (n - 2)
+                 + R (g_mk g_nl - g_nk g_ml) / ((n - 1) (n - 2))
+        """
+        frame = self.connection.frame
+        n = frame.dimension
+        if n < 3:
+            return Tensor(frame, "dddd", {}, RIEMANN, "C", "Weyl tensor")
+        lower, ricci = self.lower.components.get, self.ricci.components.get
+        metric = frame.metric.components.get
+        one, two = Fraction(1, n - 2), Fraction(1, (n - 1) * (n - 2))
+
+        def rule(index: Index) -> Element | None:
+            a, b, c, d = index
+            value = lower(index)
+            terms: list = [] if value is None else [(1, value)]
+            for sign, first, second in (
+                (-one, (a, d), (b, c)),
+                (one, (b, d), (a, c)),
+                (one, (a, c), (b, d)),
+                (-one, (b, c), (a, d)),
+            ):
+                length, trace = metric(first), ricci(second)
+                if length is not None and trace is not None:
+                    terms.append((sign, length, trace))
+            for sign, first, second in ((two, (a, d), (b, c)), (-two, (b, d), (a, c))):
+                length, other = metric(first), metric(second)
+                if length is not None and other is not None:
+                    terms.append((sign, length, other, self.scalar.element()))
+            return total(frame.field, terms)
+
+        return Tensor(frame, "dddd", rule, self._symmetry, "C", "Weyl tensor")
+
+    @cached_property
+    def kretschmann(self) -> Tensor:
+        """R_mnlk R^mnlk, rank 0."""
+        frame = self.connection.frame
+
+        def rule() -> Element:
+            if not self._is_riemannian:
+                upper = self.riemann.raised()
+                return contract("abcd,abcd->", self.lower, upper).element()
+            # R_ab^cd R_cd^ab, each pair in one order: four times the sum.
+            mixed = self.riemann.raised(2).components
+            get = mixed.get
+            terms = []
+            for a, b, c, d in mixed.nonzero:
+                if a < b and c < d and (a, b) <= (c, d):
+                    first, second = get((a, b, c, d)), get((c, d, a, b))
+                    if first is not None and second is not None:
+                        terms.append((4 if (a, b) == (c, d) else 8, first, second))
+            return frame.field.sum(terms)
+
+        return frame.scalar(rule, "K", "Kretschmann scalar")
+
+    @property
+    def is_zero(self) -> bool | None:
+        """Whether the curvature vanishes; None if that cannot be decided."""
+        return self.lower.is_zero if self._is_riemannian else self.riemann.is_zero
+
+    def __repr__(self) -> str:
+        return repr(self.riemann)
+
+    def _repr_latex_(self) -> str:
+        return self.riemann._repr_latex_()
+
+
+def curvature_rule(connection: Connection):
+    """R_mnl^k from the coefficients alone: right for any connection.
+
+    The rule differentiates each coefficient once.
+    """
+    frame = connection.frame
+    gamma, field = connection.coefficients.components.get, frame.field
+    n, coordinates = frame.dimension, frame.coordinates
+
+    def rule(index: Index) -> Element | None:
+        m, n_, l, k = index  # noqa: E741  (the letters of the formula)
+        terms = []
+        for sign, along, place in ((1, m, (n_, l, k)), (-1, n_, (m, l, k))):
+            value = gamma(place)
+            if value is not None:
+                terms.append((sign, value.diff(coordinates[along])))
+        for t in range(n):
+            for sign, one, two in (
+                (-1, (m, l, t), (n_, t, k)),
+                (1, (n_, l, t), (m, t, k)),
+            ):
+                first = gamma(one)
+                if first is not None:
+                    second = gamma(two)
+                    if second is not None:
+                        terms.append((sign, first, second))
+        return total(field, terms)
+
+    return rule

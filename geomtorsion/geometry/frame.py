@@ -1,0 +1,231 @@
+"""Frame: a field of frames and its coframe, with everything that follows from them alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from geomtorsion.exact import Branch, Element, Field
+from geomtorsion.geometry import bases, intake, makers, notation, sampling
+from geomtorsion.geometry.components import Components
+from geomtorsion.geometry.matrices import determinant, inverse
+from geomtorsion.geometry.symmetry import symmetric
+from geomtorsion.geometry.tensor import Tensor
+
+if TYPE_CHECKING:
+    from geomtorsion.geometry.plan import Plan
+
+Elements = dict[tuple[int, int], Element]
+
+
+@dataclass(frozen=True, eq=False, repr=False, init=False)
+class Frame:
+    """A frame field: n one-forms e^i = e^i_mu dq^mu and the constant metric eta of the frame.
+
+    coordinates: symbols q^mu, in the order of the columns.
+    parameters: every other symbol, constant in all derivatives.
+    domain: relations between symbols that hold where the frame is used.
+    complex: whether legs may be complex (null tetrads).
+    name: what it is called in messages and pages.
+    field: the exact field in which all components live.
+    given: the matrices it was made from, as exact elements: coframe, eta, perhaps legs, metric.
+
+    To make one: coframe (rows i, columns mu) as nested lists or a sympy matrix; signature None
+    (all +1), a tuple of signs, or a constant symmetric matrix eta; domain one relation or several;
+    branches {root: value} where the sign of a root shall not be the positive one.
+
+    Raises
+    ------
+    CoframeError
+        The coframe is not square, or its determinant vanishes identically.
+    CoordinateError
+        Coordinates are repeated, too few or too many, or clash with parameters.
+    SignatureError
+        eta is not constant, symmetric and regular.
+    ExpressionError
+        An entry cannot be read exactly (Abs, Piecewise, floats, ...); the message names it.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> r, phi = sp.symbols("r phi", positive=True)
+    >>> frame = Frame([r, phi], [[1, 0], [0, r]])
+    >>> frame.metric[1, 1], frame.legs[1, 1], frame.anholonomy[0, 1, 1]
+    (r**2, 1/r, 1/r)
+    """
+
+    coordinates: tuple[sp.Symbol, ...]
+    parameters: tuple[sp.Symbol, ...]
+    domain: tuple[sp.Basic, ...]
+    complex: bool
+    name: str
+    field: Field
+    given: Mapping[str, Elements]
+
+    def __init__(
+        self,
+        coordinates: intake.Coordinates,
+        coframe: Any,
+        signature: Any = None,
+        parameters: Sequence[sp.Symbol] | None = None,
+        domain: Any = None,
+        complex: bool = False,
+        name: str | None = None,
+        branches: Mapping[sp.Expr, sp.Expr] | None = None,
+    ) -> None:
+        n, entries = intake.matrix_entries(coframe, "coframe")
+        opened = intake.opened(coordinates, n, entries, parameters, domain, complex, branches)
+        elements = intake.read_matrix(opened.field, entries, "coframe")
+        eta = intake.read_signature(opened.field, signature, n)
+        intake.check_regular(opened.field, elements, n, "coframe")
+        self.fill(opened, name, {"coframe": elements, "eta": eta})
+
+    def fill(self, opened: intake.Opened, name: str | None, given: dict[str, Elements]) -> None:
+        """Set the fields of a new frame, once all is checked (for makers)."""
+        for key in ("coordinates", "parameters", "domain", "complex", "field"):
+            object.__setattr__(self, key, getattr(opened, key))
+        object.__setattr__(self, "name", name or "")
+        object.__setattr__(self, "given", given)
+        object.__setattr__(self, "_kept", {})
+
+    if TYPE_CHECKING:
+        _kept: dict[str, Any]
+
+    from_frame = classmethod(makers.from_frame)
+    from_metric = classmethod(makers.from_metric)
+    from_structure_constants = classmethod(makers.from_structure_constants)
+
+    # -- what is kept ---------------------------------------------------------------------------
+
+    def derived(self, key: str, maker: Callable[[], Any]) -> Any:
+        """A thing that follows from this frame: made on first use, then kept."""
+        if key not in self._kept:
+            self._kept[key] = maker()
+        return self._kept[key]
+
+    def read(self, entries: Sequence[tuple[str, Any]]) -> list[Element]:
+        """Exact elements of pairs (where, expression); new symbols become parameters."""
+        return intake.read_more(self.field, entries)
+
+    @property
+    def dimension(self) -> int:
+        """Number of coordinates."""
+        return len(self.coordinates)
+
+    # -- matrices -------------------------------------------------------------------------------
+
+    @cached_property
+    def coframe(self) -> Tensor:
+        """e^i_mu, slots Ud: rows i, columns mu; inverse to legs."""
+        components = Components.known(2, self.dimension, self.given["coframe"])
+        return Tensor(self, "Ud", components, (), "e", "coframe")
+
+    @cached_property
+    def eta(self) -> Tensor:
+        """Constant metric of the frame, slots DD."""
+        return Tensor(self, "DD", self.given["eta"], symmetric(2), "\\eta", "frame metric")
+
+    @cached_property
+    def inverse_eta(self) -> Tensor:
+        """Inverse of eta, slots UU."""
+        entries = inverse(self.field, self.given["eta"], self.dimension)
+        return Tensor(self, "UU", entries, symmetric(2), "\\eta", "inverse frame metric")
+
+    @cached_property
+    def legs(self) -> Tensor:
+        """E_i^mu, slots uD: legs[mu, i], one leg per column."""
+        return Tensor(self, "uD", bases.legs(self), (), "E", "legs")
+
+    @cached_property
+    def metric(self) -> Tensor:
+        """g_{mu nu} = e^i_mu eta_ij e^j_nu, slots dd."""
+        return Tensor(self, "dd", bases.metric(self), symmetric(2), "g", "metric")
+
+    @cached_property
+    def inverse_metric(self) -> Tensor:
+        """g^{mu nu}, slots uu."""
+        return Tensor(self, "uu", bases.inverse_metric(self), symmetric(2), "g", "inverse metric")
+
+    @cached_property
+    def coframe_derivative(self) -> Components:
+        """d_a e^i_b at (a, i, b): every connection is made from these."""
+        return bases.coframe_derivative(self)
+
+    @cached_property
+    def anholonomy(self) -> Tensor:
+        """Object of anholonomy C_ij^k, slots DDU: de^k = (1/2) C_ij^k e^i ^ e^j.
+
+        It equals 2 S_ij^k of the Cartan connection and minus the structure functions of the legs.
+        """
+        return bases.anholonomy(self)
+
+    # -- scalars --------------------------------------------------------------------------------
+
+    def scalar(self, rule: Callable[[], Element | None], symbol: str, name: str) -> Tensor:
+        """A scalar (rank 0) over this frame that is computed when it is asked for."""
+        return Tensor(self, "", lambda _: rule(), (), symbol, name)
+
+    @cached_property
+    def determinant(self) -> Tensor:
+        """det e^i_mu, a scalar density (rank 0)."""
+        entries, n = self.given["coframe"], self.dimension
+        return self.scalar(lambda: determinant(self.field, entries, n), "e", "determinant")
+
+    @cached_property
+    def volume(self) -> Tensor:
+        """Volume element: det e * sqrt|det eta|, a signed root of |det g| (rank 0)."""
+        return self.scalar(lambda: bases.volume(self), "\\sqrt{g}", "volume element")
+
+    @property
+    def branches(self) -> tuple[Branch, ...]:
+        """The signs with which roots were read, where the domain alone does not settle them."""
+        return self.field.branches
+
+    @cached_property
+    def sample_point(self) -> sampling.Point:
+        """A point inside the domain where the frame is finite and regular: symbol -> number.
+
+        Raises
+        ------
+        CoordinateError
+            No such point was found.
+        """
+        return sampling.regular_point(self)
+
+    # -- named quantities -----------------------------------------------------------------------
+
+    def quantity(self, name: str) -> Tensor:
+        """A named quantity of this frame (see plan.QUANTITIES); only what it needs is computed.
+
+        Raises
+        ------
+        UnknownNameError
+            There is no quantity of this name; the message lists near ones.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> theta, phi = sp.symbols("theta phi")
+        >>> frame = Frame([theta, phi], [[1, 0], [0, sp.sin(theta)]])
+        >>> frame.quantity("scalar_curvature")[()]
+        2
+        """
+        from geomtorsion.geometry.plan import quantity
+
+        return quantity(self, name)
+
+    def plan(self, name: str) -> Plan:
+        """What would be computed for a named quantity, in order, and what is left out."""
+        from geomtorsion.geometry.plan import Plan
+
+        return Plan(self, name)
+
+    def __repr__(self) -> str:
+        return notation.frame_text(self)
+
+    def _repr_latex_(self) -> str:
+        return notation.frame_latex(self)

@@ -1,0 +1,187 @@
+"""Identity: relations that every connection obeys, run as checks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import combinations, product
+from typing import TYPE_CHECKING
+
+from geomtorsion.exact import Element
+from geomtorsion.geometry import riemannian
+from geomtorsion.geometry.connections import levi_civita
+
+if TYPE_CHECKING:
+    from geomtorsion.geometry.connection import Connection
+
+Index = tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Identity:
+    """Result of one check.
+
+    name, equation: what was checked.
+    holds: True, False, or None where it cannot be decided.
+    checked: how many components were compared.
+    worst: index of the first component that fails, None if none does.
+    """
+
+    name: str
+    equation: str
+    holds: bool | None
+    checked: int
+    worst: Index | None = None
+
+    def __str__(self) -> str:
+        verdict = {True: "holds", False: "FAILS", None: "undecided"}[self.holds]
+        where = "" if self.worst is None else f", first at {list(self.worst)}"
+        return f"{self.name}: {verdict} ({self.checked} components{where}): {self.equation}"
+
+
+def identities(connection: Connection) -> list[Identity]:
+    """Check the identities that apply to a connection, exactly.
+
+    Metricity is a property rather than an identity: it fails for a connection that does not keep
+    lengths. The scalar identity is checked for metric connections; on a flat one it reads
+    R_bar = - T_scalar - 2 D_bar_a v^a.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from geomtorsion.geometry import Frame, cartan
+    >>> theta, phi = sp.symbols("theta phi")
+    >>> sphere = Frame([theta, phi], [[1, 0], [0, sp.sin(theta)]])
+    >>> for identity in identities(cartan(sphere)):
+    ...     print(identity.name, identity.holds, identity.checked)
+    metricity True 6
+    decomposition True 8
+    first Bianchi True 0
+    second Bianchi True 0
+    scalar True 1
+    """
+    found = [metricity(connection), decomposition(connection)]
+    found += [first_bianchi(connection), second_bianchi(connection)]
+    if connection.is_metric:
+        found.append(scalar_identity(connection))
+    return found
+
+
+def metricity(connection: Connection) -> Identity:
+    """D_a g_bc = 0."""
+    n, get = connection.frame.dimension, connection.nonmetricity.components.get
+    indices = ((a, b, c) for a, b, c in product(range(n), repeat=3) if b <= c)
+    return _checked("metricity", "D_a g_bc = 0", indices, get)
+
+
+def decomposition(connection: Connection) -> Identity:
+    """Gamma = Levi-Civita + contortion (by its definition from the torsion) + disformation."""
+    gamma = connection.coefficients.components.get
+    parts = [
+        riemannian.christoffel(connection.frame).components.get,
+        connection.contortion_from_torsion.components.get,
+        connection.disformation.components.get,
+    ]
+
+    def difference(index: Index) -> Element | None:
+        terms = [(-1, part(index)) for part in parts]
+        return _sum(connection, [(1, gamma(index)), *terms])
+
+    indices = product(range(connection.frame.dimension), repeat=3)
+    equation = "Gamma_ab^c = Gamma_bar_ab^c + K_ab^c + L_ab^c"
+    return _checked("decomposition", equation, indices, difference)
+
+
+def first_bianchi(connection: Connection) -> Identity:
+    """Cyclic sum of R_abl^k equals that of D_a T_bl^k + T_ab^t T_tl^k."""
+    n = connection.frame.dimension
+    riemann = connection.curvature.riemann.components.get
+    torsion = connection.torsion.T
+    whole = torsion.components.get
+    derivative = connection.covariant_derivative(torsion).components.get
+
+    def difference(index: Index) -> Element | None:
+        *triple, k = index
+        terms: list = []
+        for a, b, c in _cyclic(*triple):
+            terms += [(1, riemann((a, b, c, k))), (-1, derivative((a, b, c, k)))]
+            terms += [(-1, whole((a, b, t)), whole((t, c, k))) for t in range(n)]
+        return _sum(connection, terms)
+
+    indices = ((*triple, k) for triple in combinations(range(n), 3) for k in range(n))
+    equation = "sum over cyclic abl: R_abl^k = D_a T_bl^k + T_ab^t T_tl^k"
+    return _checked("first Bianchi", equation, indices, difference)
+
+
+def second_bianchi(connection: Connection) -> Identity:
+    """Cyclic sum of D_a R_mnl^k + T_am^t R_tnl^k vanishes."""
+    n = connection.frame.dimension
+    curvature = connection.curvature.riemann
+    riemann = curvature.components.get
+    whole = connection.torsion.T.components.get
+    derivative = connection.covariant_derivative(curvature).components.get
+
+    def total(index: Index) -> Element | None:
+        *triple, c, k = index
+        terms: list = []
+        for a, m, b in _cyclic(*triple):
+            terms.append((1, derivative((a, m, b, c, k))))
+            terms += [(1, whole((a, m, t)), riemann((t, b, c, k))) for t in range(n)]
+        return _sum(connection, terms)
+
+    indices = (
+        (*triple, c, k)
+        for triple in combinations(range(n), 3)
+        for c, k in product(range(n), repeat=2)
+    )
+    equation = "sum over cyclic amn: D_a R_mnl^k + T_am^t R_tnl^k = 0"
+    return _checked("second Bianchi", equation, indices, total)
+
+
+def scalar_identity(connection: Connection) -> Identity:
+    """R = R_bar + T_scalar + 2 D_bar_a v^a for a metric connection."""
+    frame = connection.frame
+    bar = levi_civita(frame)
+    upper = connection.torsion.vector.raised(0)
+    slope = bar.covariant_derivative(upper).components.get
+
+    def difference(_: Index) -> Element | None:
+        terms: list = [(2, slope((a, a))) for a in range(frame.dimension)]
+        terms.append((1, bar.curvature.scalar.element()))
+        terms.append((1, connection.torsion.scalar.element()))
+        terms.append((-1, connection.curvature.scalar.element()))
+        return _sum(connection, terms)
+
+    equation = "R = R_bar + T_scalar + 2 D_bar_a v^a"
+    if connection.is_flat:
+        equation = "R_bar = - T_scalar - 2 D_bar_a v^a"
+    return _checked("scalar", equation, [()], difference)
+
+
+def _cyclic(a: int, b: int, c: int) -> tuple[Index, ...]:
+    """The three cyclic orders."""
+    return (a, b, c), (b, c, a), (c, a, b)
+
+
+def _sum(connection: Connection, terms: list) -> Element | None:
+    """Sum of products in which no factor is missing."""
+    kept = [term for term in terms if all(factor is not None for factor in term)]
+    return connection.frame.field.sum(kept) if kept else None
+
+
+def _checked(
+    name: str,
+    equation: str,
+    indices: Iterator[Index] | list[Index],
+    value: Callable[[Index], Element | None],
+) -> Identity:
+    """Evaluate the difference of both sides at every index."""
+    checked, holds, worst = 0, True, None
+    for index in indices:
+        checked += 1
+        element = value(index)
+        verdict = True if element is None else element.is_zero
+        if verdict is not True and holds is not False:
+            holds = verdict
+            worst = index
+    return Identity(name, equation, holds, checked, worst)

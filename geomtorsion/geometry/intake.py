@@ -1,0 +1,236 @@
+"""Intake: what a frame is made from, checked once at the door."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import sympy as sp
+
+from geomtorsion.errors import CoframeError, CoordinateError, MetricError, SignatureError
+from geomtorsion.exact import Element, Field
+from geomtorsion.geometry.matrices import dependence, determinant
+from geomtorsion.geometry.sampling import Point, candidate_points, domain_relations
+
+Matrix = dict[tuple[int, int], Any]
+Coordinates = Sequence[sp.Symbol] | Sequence[str] | str
+
+
+@dataclass(frozen=True)
+class Opened:
+    """Symbols, domain and field of a frame, before its matrices are read."""
+
+    coordinates: tuple[sp.Symbol, ...]
+    parameters: tuple[sp.Symbol, ...]
+    domain: tuple[sp.Basic, ...]
+    complex: bool
+    field: Field
+
+    def points(self) -> Iterator[Point]:
+        """Points inside the domain, to read signs off."""
+        return candidate_points(self.coordinates, self.parameters, self.domain)
+
+
+def opened(
+    coordinates: Any,
+    n: int,
+    entries: Matrix,
+    parameters: Iterable[Any] | None,
+    domain: Any,
+    complex_: bool,
+    branches: Mapping[sp.Expr, sp.Expr] | None,
+) -> Opened:
+    """Check symbols and domain, and open a field over them."""
+    relations = domain_relations(domain)
+    free = free_symbols([*entries.values(), *relations, *(branches or {})])
+    symbols = coordinate_symbols(coordinates, n, free)
+    constants = parameter_symbols(parameters, symbols, free)
+    # The same generic point decides every sign that a root leaves open.
+    sample = next(candidate_points(symbols, constants, relations, fineness=10**12), None)
+    field = Field((*symbols, *constants), complex=complex_, sample=sample, branches=branches)
+    return Opened(symbols, constants, relations, complex_, field)
+
+
+def matrix_entries(values: Any, name: str) -> tuple[int, Matrix]:
+    """Size and non-zero entries of a square matrix given as nested lists or a sympy matrix."""
+    given = values.tolist() if hasattr(values, "tolist") else list(values)
+    rows = [list(row) if hasattr(row, "__len__") else [row] for row in given]
+    n = len(rows)
+    for i, row in enumerate(rows):
+        if len(row) != n:
+            raise CoframeError(
+                f"{name} is not square: it has {n} rows, but row {i} has {len(row)} entries. "
+                "Give as many rows (one-forms) as columns (coordinates)."
+            )
+    if n == 0:
+        raise CoframeError(f"{name} is empty. Give at least one row.")
+    return n, {(i, j): x for i, row in enumerate(rows) for j, x in enumerate(row) if x != 0}
+
+
+def coordinate_symbols(coordinates: Any, n: int, free: Iterable[sp.Symbol]) -> tuple:
+    """Coordinates as distinct symbols, as many as the matrix has columns.
+
+    Names given as text become the symbol of that name that occurs in the entries.
+    """
+    by_name = {symbol.name: symbol for symbol in sorted(free, key=str)}
+    given = coordinates.replace(",", " ").split() if isinstance(coordinates, str) else coordinates
+    found = []
+    for item in given:
+        symbol = by_name.get(item, sp.Symbol(item)) if isinstance(item, str) else item
+        if not isinstance(symbol, sp.Symbol):
+            raise CoordinateError(f"coordinate {item!r} is no symbol. Give sympy symbols or names.")
+        found.append(symbol)
+    if len(found) != n:
+        raise CoordinateError(
+            f"{len(found)} coordinates came with a matrix of {n} columns. "
+            "Give exactly one coordinate for each column."
+        )
+    names = [symbol.name for symbol in found]
+    repeated = sorted({name for name in names if names.count(name) > 1})
+    if repeated:
+        raise CoordinateError(
+            f"coordinate {', '.join(repeated)} is repeated. Each coordinate must occur once."
+        )
+    for symbol in found:
+        check_twin(symbol, by_name)
+    return tuple(found)
+
+
+def check_twin(symbol: sp.Symbol, by_name: dict[str, sp.Symbol]) -> None:
+    """Refuse two different symbols with one name: derivatives would silently vanish."""
+    twin = by_name.get(symbol.name, symbol)
+    if twin != symbol:
+        raise CoordinateError(
+            f"two different symbols are called {symbol.name}: one is a coordinate or parameter, "
+            "the other stands in an entry with other assumptions (positive, real, ...). "
+            "Create the symbol once and use it everywhere."
+        )
+
+
+def parameter_symbols(
+    parameters: Iterable[Any] | None, coordinates: Sequence[sp.Symbol], free: Iterable[sp.Symbol]
+) -> tuple[sp.Symbol, ...]:
+    """Parameters: those given, then the remaining free symbols by name."""
+    free = set(free)
+    by_name = {symbol.name: symbol for symbol in free}
+    given = []
+    for item in parameters or ():
+        symbol = by_name.get(item, sp.Symbol(item)) if isinstance(item, str) else item
+        if symbol.name in {c.name for c in coordinates}:
+            raise CoordinateError(
+                f"{symbol.name} is a coordinate and a parameter at once. Rename one of them."
+            )
+        check_twin(symbol, by_name)
+        given.append(symbol)
+    rest = sorted(free - set(given) - set(coordinates), key=lambda symbol: symbol.name)
+    return tuple(dict.fromkeys(given + rest))
+
+
+def free_symbols(values: Iterable[Any]) -> set[sp.Symbol]:
+    """All symbols in the entries that are sympy expressions."""
+    found: set[sp.Symbol] = set()
+    for value in values:
+        found |= {s for s in getattr(value, "free_symbols", ()) if isinstance(s, sp.Symbol)}
+    return found
+
+
+def signature_entries(signature: Any, n: int) -> Matrix:
+    """Non-zero entries of eta from None, a tuple of signs or a constant symmetric matrix."""
+    if signature is None:
+        return {(i, i): sp.S.One for i in range(n)}
+    rows = signature.tolist() if hasattr(signature, "tolist") else list(signature)
+    if any(isinstance(row, (list, tuple)) for row in rows):
+        size, entries = matrix_entries(rows, "signature")
+    else:
+        size, entries = len(rows), {(i, i): sp.sympify(x) for i, x in enumerate(rows)}
+        if any(x not in (1, -1) for x in rows):
+            raise SignatureError(
+                f"signature {tuple(rows)} has an entry that is neither 1 nor -1. "
+                "Give signs, or a constant symmetric matrix."
+            )
+    if size != n:
+        raise SignatureError(f"signature has {size} entries, the frame has {n} rows. Give {n}.")
+    for i, j in combinations(range(n), 2):
+        if entries.get((i, j), 0) != entries.get((j, i), 0):
+            raise SignatureError(
+                f"signature is not symmetric: entry [{i}, {j}] is {entries.get((i, j), 0)}, "
+                f"entry [{j}, {i}] is {entries.get((j, i), 0)}. Make them equal."
+            )
+    varying = free_symbols(entries.values())
+    if varying:
+        raise SignatureError(
+            f"signature depends on {', '.join(sorted(map(str, varying)))}. eta must be constant: "
+            "put what varies into the coframe."
+        )
+    return entries
+
+
+def read_matrix(field: Field, entries: Matrix, name: str) -> dict[tuple[int, int], Element]:
+    """Exact elements of a matrix, read together; zeros are dropped."""
+    named = [(f"{name}[{i}, {j}]", value) for (i, j), value in entries.items()]
+    elements = field.read_all(named)
+    pairs = zip(entries, elements, strict=True)
+    return {index: element for index, element in pairs if not element.is_zero}
+
+
+def check_regular(
+    field: Field, entries: dict[tuple[int, int], Element], n: int, name: str
+) -> Element:
+    """Determinant of a matrix; an error that says which rows depend and how if it vanishes."""
+    det = determinant(field, entries, n)
+    if not det.is_zero:
+        return det
+    found = dependence(field, entries, n)
+    relation = "the rows are dependent" if found is None else _relation(found)
+    raise CoframeError(
+        f"{name} is singular: its determinant vanishes identically. {relation} "
+        "Give independent rows, or drop a coordinate."
+    )
+
+
+def _relation(coefficients: dict[int, Element]) -> str:
+    """The dependence of rows as a sentence; rows counted from 0."""
+    last = max(coefficients)
+    others = {i: (-x).sympy for i, x in coefficients.items() if i != last}
+    if not others:
+        return f"Row {last} is zero."
+    terms = " + ".join(
+        f"row {i}" if factor == 1 else f"({factor}) * row {i}" for i, factor in others.items()
+    )
+    return f"Row {last} equals {terms} (rows counted from 0)."
+
+
+def read_signature(field: Field, signature: Any, n: int) -> dict[tuple[int, int], Element]:
+    """Exact elements of eta; an error if it is degenerate."""
+    eta = read_matrix(field, signature_entries(signature, n), "signature")
+    if determinant(field, eta, n).is_zero:
+        raise SignatureError(
+            "signature is degenerate: the determinant of eta is zero. Give a regular matrix."
+        )
+    return eta
+
+
+def check_symmetric(entries: dict[tuple[int, int], Element], n: int) -> None:
+    """Refuse a metric that is not symmetric; the message names the pair."""
+    for i, j in combinations(range(n), 2):
+        one, two = entries.get((i, j)), entries.get((j, i))
+        if one != two:
+            shown = ["0" if x is None else str(x) for x in (one, two)]
+            raise MetricError(
+                f"metric is not symmetric: entry [{i}, {j}] is {shown[0]}, "
+                f"entry [{j}, {i}] is {shown[1]}. Make them equal."
+            )
+
+
+def read_more(field: Field, entries: Sequence[tuple[str, Any]]) -> list[Element]:
+    """Exact elements of pairs (where, expression or element); new symbols are declared."""
+    plain = [value for _, value in entries if not isinstance(value, Element)]
+    known = {symbol.name: symbol for symbol in field.symbols}
+    new = sorted(free_symbols(plain) - set(field.symbols), key=lambda symbol: symbol.name)
+    for symbol in new:
+        check_twin(symbol, known)
+    field.declare(new)
+    read = iter(field.read_all([(where, x) for where, x in entries if not isinstance(x, Element)]))
+    return [value if isinstance(value, Element) else next(read) for _, value in entries]

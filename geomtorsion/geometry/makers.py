@@ -1,0 +1,125 @@
+"""Makers: frames from legs, from a metric, from structure constants."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from geomtorsion.geometry import intake
+from geomtorsion.geometry.groups import invariant_coframe
+from geomtorsion.geometry.matrices import inverse
+from geomtorsion.geometry.squares import orthonormal_coframe
+
+if TYPE_CHECKING:
+    from geomtorsion.geometry.frame import Frame
+
+
+def from_frame(
+    cls: type[Frame],
+    coordinates: intake.Coordinates,
+    legs: Any,
+    signature: Any = None,
+    parameters: Sequence[sp.Symbol] | None = None,
+    domain: Any = None,
+    complex: bool = False,
+    name: str | None = None,
+    branches: Mapping[sp.Expr, sp.Expr] | None = None,
+) -> Frame:
+    """Frame from its legs: legs[mu, i], one leg per column.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from geomtorsion.geometry import Frame
+    >>> r, phi = sp.symbols("r phi", positive=True)
+    >>> Frame.from_frame([r, phi], [[1, 0], [0, 1 / r]]).coframe[1, 1]
+    r
+    """
+    n, entries = intake.matrix_entries(legs, "legs")
+    opened = intake.opened(coordinates, n, entries, parameters, domain, complex, branches)
+    elements = intake.read_matrix(opened.field, entries, "legs")
+    eta = intake.read_signature(opened.field, signature, n)
+    intake.check_regular(opened.field, elements, n, "matrix of legs")
+    coframe = inverse(opened.field, elements, n)
+    frame = object.__new__(cls)
+    frame.fill(opened, name, {"coframe": coframe, "legs": elements, "eta": eta})
+    return frame
+
+
+def from_metric(
+    cls: type[Frame],
+    coordinates: intake.Coordinates,
+    metric: Any,
+    signature: Sequence[int] | None = None,
+    parameters: Sequence[sp.Symbol] | None = None,
+    domain: Any = None,
+    name: str | None = None,
+    branches: Mapping[sp.Expr, sp.Expr] | None = None,
+) -> Frame:
+    """Orthonormal frame of a metric g_{mu nu}, by completing squares (Lagrange, LDL).
+
+    The metric is kept as given, so that Levi-Civita quantities never see the square roots.
+    Without a signature the rows have the signs that the metric has in the domain.
+
+    Raises
+    ------
+    MetricError
+        The metric is not symmetric, degenerate, or has another signature.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from geomtorsion.geometry import Frame
+    >>> r, phi = sp.symbols("r phi", positive=True)
+    >>> Frame.from_metric([r, phi], [[1, 0], [0, r**2]]).coframe[1, 1]
+    r
+    """
+    n, entries = intake.matrix_entries(metric, "metric")
+    opened = intake.opened(coordinates, n, entries, parameters, domain, False, branches)
+    elements = intake.read_matrix(opened.field, entries, "metric")
+    intake.check_symmetric(elements, n)
+    signs = None if signature is None else tuple(signature)
+    coframe, eta = orthonormal_coframe(opened.field, elements, n, opened.points(), signs)
+    frame = object.__new__(cls)
+    frame.fill(opened, name, {"coframe": coframe, "metric": elements, "eta": eta})
+    return frame
+
+
+def from_structure_constants(
+    cls: type[Frame],
+    constants: Any,
+    coordinates: intake.Coordinates | None = None,
+    signature: Any = None,
+    name: str | None = None,
+) -> Frame:
+    """Left-invariant frame of the Lie group with a given object of anholonomy.
+
+    Equation
+    --------
+    de^k = (1/2) C_ij^k e^i ^ e^j,  [E_i, E_j] = - C_ij^k E_k     (conventions.py)
+
+    Parameters
+    ----------
+    constants
+        C_ij^k, shape (n, n, n): the anholonomy that the frame shall have, which is minus the
+        structure constants of its legs. Entries are numbers or parameters.
+    coordinates
+        Coordinates of the second kind; x1 ... xn if not given.
+
+    Raises
+    ------
+    StructureConstantError
+        C is not antisymmetric, violates the Jacobi identity (indices named), or has an
+        adjoint matrix whose exponential is not elementary.
+
+    Examples
+    --------
+    >>> from geomtorsion.geometry import Frame
+    >>> C = [[[0, 0], [0, 1]], [[0, -1], [0, 0]]]
+    >>> Frame.from_structure_constants(C).anholonomy.nonzero()
+    {(0, 1, 1): 1, (1, 0, 1): -1}
+    """
+    symbols, coframe = invariant_coframe(constants, coordinates)
+    return cls(symbols, coframe, signature=signature, name=name)

@@ -1,0 +1,142 @@
+"""Matrices: determinant, inverse and linear dependence of sparse matrices of exact elements."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from geomtorsion.exact import Element, Field
+
+Entries = Mapping[Any, Element]
+
+
+def blocks(entries: Entries, n: int) -> list[tuple[list[int], list[int]]]:
+    """Independent blocks of a matrix up to permutation: pairs (rows, columns)."""
+    columns_of: dict[int, list[int]] = defaultdict(list)
+    rows_of: dict[int, list[int]] = defaultdict(list)
+    for i, j in entries:
+        columns_of[i].append(j)
+        rows_of[j].append(i)
+    found = []
+    seen: set[int] = set()
+    for start in range(n):
+        if start in seen:
+            continue
+        rows, columns, waiting = {start}, set(), [start]
+        while waiting:
+            for j in columns_of[waiting.pop()]:
+                if j not in columns:
+                    columns.add(j)
+                    new = set(rows_of[j]) - rows
+                    rows |= new
+                    waiting.extend(new)
+        seen |= rows
+        found.append((sorted(rows), sorted(columns)))
+    return found
+
+
+def _minors(
+    field: Field, entries: Entries, rows: Sequence[int], columns: Sequence[int]
+) -> dict[int, Element]:
+    """Minors of all given rows, by the bit mask of their columns (Laplace, row by row)."""
+    minors = {0: field.one}
+    for row in rows:
+        collected: dict[int, list] = defaultdict(list)
+        for mask, minor in minors.items():
+            for place, column in enumerate(columns):
+                bit = 1 << place
+                entry = entries.get((row, column))
+                if mask & bit or entry is None:
+                    continue
+                sign = -1 if (mask >> place).bit_count() % 2 else 1
+                collected[mask | bit].append((sign, minor, entry))
+        summed = {mask: field.sum(terms) for mask, terms in collected.items()}
+        minors = {mask: value for mask, value in summed.items() if not value.is_zero}
+    return minors
+
+
+def _is_odd(order: Sequence[int]) -> bool:
+    """Whether a permutation, given as a list of distinct numbers, is odd."""
+    inversions = sum(
+        order[i] > order[j] for i in range(len(order)) for j in range(i + 1, len(order))
+    )
+    return inversions % 2 == 1
+
+
+def determinant(field: Field, entries: Entries, n: int) -> Element:
+    """Determinant, block by block."""
+    result = field.one
+    row_order: list[int] = []
+    column_order: list[int] = []
+    for rows, columns in blocks(entries, n):
+        if len(rows) != len(columns):
+            return field.zero
+        minor = _minors(field, entries, rows, columns).get((1 << len(rows)) - 1)
+        if minor is None:
+            return field.zero
+        result = result * minor
+        row_order += rows
+        column_order += columns
+    return -result if _is_odd(row_order) != _is_odd(column_order) else result
+
+
+def inverse(field: Field, entries: Entries, n: int) -> dict[tuple[int, int], Element]:
+    """Inverse of a regular matrix, block by block, by cofactors."""
+    found: dict[tuple[int, int], Element] = {}
+    for rows, columns in blocks(entries, n):
+        size = len(rows)
+        everything = (1 << size) - 1
+        cofactors: dict[tuple[int, int], Element] = {}
+        for r, row in enumerate(rows):
+            others = rows[:r] + rows[r + 1 :]
+            for mask, minor in _minors(field, entries, others, columns).items():
+                c = (everything ^ mask).bit_length() - 1
+                cofactors[row, columns[c]] = -minor if (r + c) % 2 else minor
+        first = rows[0]
+        det = field.sum(
+            [
+                (1, entries[first, j], cofactors[first, j])
+                for j in columns
+                if (first, j) in cofactors and (first, j) in entries
+            ]
+        )
+        reciprocal = det.inverse()
+        for (i, j), cofactor in cofactors.items():
+            found[j, i] = cofactor * reciprocal
+    return found
+
+
+def dependence(field: Field, entries: Entries, n: int) -> dict[int, Element] | None:
+    """Coefficients c_i with sum_i c_i row_i = 0, the last of them 1; None for a regular matrix."""
+    done: list[tuple[int, dict[int, Element], dict[int, Element]]] = []
+    for i in range(n):
+        row = {j: entries[i, j] for j in range(n) if (i, j) in entries}
+        combination = {i: field.one}
+        for pivot, other, others in done:
+            if pivot not in row:
+                continue
+            factor = row[pivot] / other[pivot]
+            row = _minus(field, row, other, factor)
+            combination = _minus(field, combination, others, factor)
+        if not row:
+            return combination
+        done.append((min(row), row, combination))
+    return None
+
+
+def _minus(
+    field: Field, first: Mapping[int, Element], second: Mapping[int, Element], factor: Element
+) -> dict[int, Element]:
+    """first - factor * second, without zeros."""
+    found = {}
+    for key in {**first, **second}:
+        terms = []
+        if key in first:
+            terms.append((1, first[key]))
+        if key in second:
+            terms.append((-1, factor, second[key]))
+        value = field.sum(terms)
+        if not value.is_zero:
+            found[key] = value
+    return found

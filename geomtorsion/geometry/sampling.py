@@ -1,0 +1,126 @@
+"""Sampling: points inside the domain of a frame, found without chance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from geomtorsion.errors import CoordinateError
+
+if TYPE_CHECKING:
+    from geomtorsion.exact import Element
+    from geomtorsion.geometry.frame import Frame
+
+TRIES = 400
+# Fractional parts of multiples of their square roots fill a cube evenly.
+PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67, 71)
+
+Point = dict[sp.Symbol, sp.Rational]
+
+
+def domain_relations(domain: Any) -> tuple[sp.Basic, ...]:
+    """A domain as relations that all hold: from one relation, And(...), a sequence or None."""
+    if domain is None:
+        return ()
+    items = [domain] if isinstance(domain, sp.Basic) else list(domain)
+    found: list[sp.Basic] = []
+    for item in items:
+        parts = item.args if isinstance(item, sp.And) else (item,)
+        for part in parts:
+            if part is True or part == sp.true:
+                continue
+            if not isinstance(part, sp.core.relational.Relational):
+                raise CoordinateError(
+                    f"domain: {part!r} is no relation. Give relations such as r > 2*M, 0 < theta."
+                )
+            found.append(part)
+    return tuple(found)
+
+
+def candidate_points(
+    coordinates: Sequence[sp.Symbol],
+    parameters: Sequence[sp.Symbol],
+    relations: Iterable[Any],
+    fineness: int = 97,
+) -> Iterator[Point]:
+    """Points that satisfy the relations and the assumptions of the symbols, in a fixed order."""
+    relations = tuple(relations)
+    symbols = [*coordinates, *parameters]
+    ranges = {symbol: _interval(symbol, relations) for symbol in symbols}
+    several = [relation for relation in relations if len(relation.free_symbols) > 1]
+    for number in range(TRIES):
+        stretch = 1 + number // 40
+        point = {}
+        for k, symbol in enumerate(symbols):
+            root = math.sqrt(PRIMES[k % len(PRIMES)]) * (number + 1 + k // len(PRIMES))
+            share = Fraction(int((root % 1) * fineness) + 1, fineness + 2)
+            low, high = _finite(ranges[symbol], symbol in parameters, stretch)
+            value = low + (high - low) * share
+            point[symbol] = sp.Rational(value.numerator, value.denominator)
+        if all(relation.subs(point) == sp.true for relation in several):
+            yield point
+
+
+def regular_point(frame: Frame) -> Point:
+    """A point inside the domain of a frame where it is finite and regular."""
+    determinant = frame.determinant.element()
+    for point in candidate_points(frame.coordinates, frame.parameters, frame.domain):
+        values = with_functions(determinant, point)
+        try:
+            size = abs(complex(determinant.evaluate(values)))
+            frame.coframe.at(values)
+        except ArithmeticError:
+            continue
+        if 1e-12 < size < 1e12:
+            return point
+    raise CoordinateError(
+        f"no point inside the domain was found in {TRIES} tries. State the domain more simply, "
+        "for instance as bounds of each coordinate by numbers: 0 < theta, theta < pi."
+    )
+
+
+def with_functions(element: Element, point: Point) -> dict[Any, Any]:
+    """A point, with unknown functions set to one and their derivatives to zero."""
+    values: dict[Any, Any] = dict(point)
+    for generator in element.field.generators:
+        if generator.kind == "jet":
+            values[generator.shown] = 0 if isinstance(generator.shown, sp.Derivative) else 1
+    return values
+
+
+def _interval(
+    symbol: sp.Symbol, relations: Iterable[Any]
+) -> tuple[Fraction | None, Fraction | None]:
+    """Bounds of a symbol from its assumptions and from relations to numbers."""
+    low = Fraction(0) if symbol.is_nonnegative else None
+    high = Fraction(0) if symbol.is_nonpositive else None
+    for relation in relations:
+        if relation.free_symbols != {symbol}:
+            continue
+        less, greater = (relation.lts, relation.gts) if hasattr(relation, "lts") else (None, None)
+        if less == symbol and greater is not None and greater.is_finite:
+            bound = Fraction(float(greater)).limit_denominator(10**6)
+            high = bound if high is None else min(high, bound)
+        elif greater == symbol and less is not None and less.is_finite:
+            bound = Fraction(float(less)).limit_denominator(10**6)
+            low = bound if low is None else max(low, bound)
+    return low, high
+
+
+def _finite(
+    bounds: tuple[Fraction | None, Fraction | None], parameter: bool, stretch: int
+) -> tuple[Fraction, Fraction]:
+    """A finite range: coordinates reach further out than parameters."""
+    low, high = bounds
+    width = Fraction(3, 4) if parameter else Fraction(4)
+    width *= stretch
+    if low is None and high is None:
+        return -width / 2, width / 2
+    if low is None:
+        assert high is not None
+        return high - width, high
+    return low, low + width if high is None else high

@@ -1,0 +1,149 @@
+"""Squares: an orthonormal coframe of a metric by completing squares (Lagrange, LDL)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from geomtorsion.errors import MetricError, SignatureError
+from geomtorsion.exact import Element, Field
+from geomtorsion.geometry.matrices import Entries
+from geomtorsion.geometry.sampling import Point, with_functions
+
+Elements = dict[tuple[int, int], Element]
+Row = dict[int, Element]
+
+
+def orthonormal_coframe(
+    field: Field,
+    metric: Elements,
+    n: int,
+    points: Iterable[Point],
+    signature: tuple[int, ...] | None,
+) -> tuple[Elements, Elements]:
+    """Coframe and eta with e^T eta e = g: rows sqrt|q| times the completed one-forms.
+
+    Signs are those at a point of the domain; a signature that is asked for orders the rows.
+    """
+    forms = completed_squares(field, metric, n)
+    signs = _signs(forms, points, signature, n)
+    coframe: Elements = {}
+    for place, (square, form) in forms.items():
+        size = square if signs[place] > 0 else -square
+        scale = size.sqrt().inverse()
+        for column, value in form.items():
+            coframe[place, column] = value * scale
+    order = _row_order(signs, signature, n)
+    coframe = {(order[i], mu): value for (i, mu), value in coframe.items()}
+    signs = {order[i]: sign for i, sign in signs.items()}
+    return coframe, {(i, i): field.rational(signs[i]) for i in range(n)}
+
+
+def completed_squares(field: Field, metric: Entries, n: int) -> dict[int, tuple[Element, Row]]:
+    """g = sum of form^2 / q over n one-forms: row -> (q, form), form = g(w, .), q = g(w, w)."""
+    rest = dict(metric)
+    found: dict[int, tuple[Element, Row]] = {}
+    for _ in range(n):
+        direction = _direction(field, rest, n)
+        if direction is None:
+            raise MetricError(
+                "metric is degenerate: its determinant vanishes identically. "
+                "Drop a coordinate, or correct the entries."
+            )
+        form = _added_rows(field, [_row(rest, i, n) for i in direction])
+        square = field.sum([(1, form[i]) for i in direction if i in form])
+        reciprocal = square.inverse()
+        for i, first in form.items():
+            for j, second in form.items():
+                terms: list = [(-1, first, second, reciprocal)]
+                if (i, j) in rest:
+                    terms.append((1, rest[i, j]))
+                value = field.sum(terms)
+                rest[i, j] = value
+                if value.is_zero:
+                    del rest[i, j]
+        place = next(i for i in (*direction, *range(n)) if i not in found)
+        found[place] = (square, form)
+    return found
+
+
+def _direction(field: Field, rest: Entries, n: int) -> tuple[int, ...] | None:
+    """A vector of non-zero length: a coordinate vector, the sparsest one, or the sum of two."""
+    diagonal = [i for i in range(n) if (i, i) in rest]
+    if diagonal:
+        return (min(diagonal, key=lambda i: (len(_row(rest, i, n)), i)),)
+    return min(rest, default=None)
+
+
+def _row(entries: Entries, i: int, n: int) -> Row:
+    """One row of a sparse matrix."""
+    return {j: entries[i, j] for j in range(n) if (i, j) in entries}
+
+
+def _added_rows(field: Field, rows: list[Row]) -> Row:
+    """Sum of sparse rows, without zeros."""
+    found = {}
+    for j in sorted(set().union(*rows)):
+        value = field.sum([(1, row[j]) for row in rows if j in row])
+        if not value.is_zero:
+            found[j] = value
+    return found
+
+
+def _signs(
+    forms: dict[int, tuple[Element, Row]],
+    points: Iterable[Point],
+    signature: tuple[int, ...] | None,
+    n: int,
+) -> dict[int, int]:
+    """Signs of the squares at the first suitable point; the one asked for, if it occurs."""
+    if signature is not None and (len(signature) != n or any(s not in (1, -1) for s in signature)):
+        raise SignatureError(
+            f"signature {signature} was asked for, but {n} signs (1 or -1) are needed, "
+            "one for each row of the frame."
+        )
+    usable: list[dict[int, int]] = []
+    for number, point in enumerate(points):
+        if number > 60 or (usable and signature is None):
+            break
+        signs = _signs_at(forms, point)
+        if signs is None:
+            continue
+        if signature is None or all(signs[i] == signature[i] for i in range(n)):
+            return signs
+        usable.append(signs)
+    if signature is not None:
+        for signs in usable:
+            if sorted(signs.values()) == sorted(signature):
+                return signs
+    if not usable:
+        raise MetricError(
+            "the signature of the metric cannot be found: it has no finite real value at any point "
+            "tried. State the domain, for instance domain=[r > 2*M]."
+        )
+    found = tuple(usable[0][i] for i in range(n))
+    raise MetricError(
+        f"metric has signature {found} in its domain, {signature} was asked for. "
+        "Ask for as many minus signs as the metric has, or state the domain."
+    )
+
+
+def _signs_at(forms: dict[int, tuple[Element, Row]], point: Point) -> dict[int, int] | None:
+    """Signs of all squares at a point, or None where one is not finite, real and non-zero."""
+    signs = {}
+    for place, (square, _) in forms.items():
+        try:
+            value = complex(square.evaluate(with_functions(square, point)))
+        except ArithmeticError:
+            return None
+        if value.imag or not 1e-14 < abs(value.real) < 1e14:
+            return None
+        signs[place] = 1 if value.real > 0 else -1
+    return signs
+
+
+def _row_order(signs: dict[int, int], signature: tuple[int, ...] | None, n: int) -> dict[int, int]:
+    """New place of each row, so that the signs stand as they were asked for."""
+    if signature is None or all(signs[i] == signature[i] for i in range(n)):
+        return {i: i for i in range(n)}
+    free = {sign: [i for i in range(n) if signature[i] == sign] for sign in (1, -1)}
+    return {i: free[signs[i]].pop(0) for i in range(n)}

@@ -1,0 +1,287 @@
+"""Tensor: components over one frame, with index kinds and positions; sparse, lazy, immutable."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from geomtorsion.errors import TensorIndexError
+from geomtorsion.exact import Element
+from geomtorsion.geometry import arithmetic, notation
+from geomtorsion.geometry.arrays import change_slot
+from geomtorsion.geometry.components import Components
+from geomtorsion.geometry.evaluation import evaluated
+from geomtorsion.geometry.slots import KINDS, exchange, moved
+from geomtorsion.geometry.symmetry import Index, Symmetry, effective
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from geomtorsion.geometry.frame import Frame
+
+Source = Components | Mapping[Index, Any] | Callable[[Index], Element | None]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Tensor:
+    """Tensor field over a frame: exact components, each computed when first asked for.
+
+    frame: the frame whose coordinates and legs the indices refer to.
+    slots: one letter per index: d, u coordinate index down, up; D, U frame index down, up.
+    source: components: a mapping index -> value (the rest vanishes), or a rule index -> Element.
+    symmetry: generators of the symmetry that the all-lower (or all-upper) form has.
+    symbol, name: how it is written and called.
+    anchored: indices whose basis cannot be changed, as of connection coefficients.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from geomtorsion.geometry import Frame
+    >>> r, phi = sp.symbols("r phi", positive=True)
+    >>> metric = Frame([r, phi], [[1, 0], [0, r]]).metric
+    >>> metric[1, 1], metric.slots
+    (r**2, 'dd')
+    >>> metric.raised(0).nonzero()
+    {(0, 0): 1, (1, 1): 1}
+    """
+
+    frame: Frame
+    slots: str
+    source: Source
+    symmetry: Symmetry = ()
+    symbol: str = "t"
+    name: str = ""
+    anchored: tuple[int, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Refuse slots that are none."""
+        if set(self.slots) - set(KINDS):
+            raise TensorIndexError(
+                f"slots {self.slots!r}: each letter must be one of d, u (coordinate index down, "
+                "up) or D, U (frame index down, up)."
+            )
+
+    @cached_property
+    def components(self) -> Components:
+        """The array behind the tensor; missing components are None there."""
+        symmetry = effective(self.symmetry, self.slots)
+        rank, dimension = len(self.slots), self.frame.dimension
+        if isinstance(self.source, Components):
+            return self.source
+        if isinstance(self.source, Mapping):
+            named = [(f"{self.symbol}{list(i)}", value) for i, value in self.source.items()]
+            values = dict(zip(self.source, self.frame.read(named), strict=True))
+            probe = Components.known(rank, dimension, {}, symmetry)
+            placed: dict[Index, Element] = {}
+            for index, value in values.items():
+                sign, representative = probe.representative(index)
+                if sign:
+                    placed[representative] = value if sign > 0 else -value
+            return Components.known(rank, dimension, placed, symmetry)
+        return Components(rank, dimension, self.source, symmetry)
+
+    # -- reading -------------------------------------------------------------------------------
+
+    def element(self, *index: int) -> Element:
+        """One component as an exact element.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame
+        >>> x, y = sp.symbols("x y")
+        >>> Frame([x, y], [[1, x], [0, 1]]).metric.element(0, 1).sympy
+        x
+        """
+        value = self.components.get(self._checked(index))
+        return self.frame.field.zero if value is None else value
+
+    def __getitem__(self, index: int | Index) -> sp.Expr:
+        """One component as a sympy expression; nothing else is computed."""
+        place = self._checked(index if isinstance(index, tuple) else (index,))
+        return self._expression(place)
+
+    def _expression(self, index: Index) -> sp.Expr:
+        """Component as sympy, through its representative, so that it is converted once."""
+        sign, representative = self.components.representative(index)
+        value = self.components.get(representative) if sign else None
+        if value is None:
+            return sp.S.Zero
+        return value.sympy if sign > 0 else -value.sympy
+
+    def _checked(self, index: Sequence[int]) -> Index:
+        """An index tuple of the right length and range."""
+        place = tuple(index)
+        n = self.frame.dimension
+        if len(place) != len(self.slots) or not all(
+            isinstance(k, int) and 0 <= k < n for k in place
+        ):
+            raise TensorIndexError(
+                f"{self.label}[{', '.join(map(str, place))}]: needed are {len(self.slots)} whole "
+                f"numbers from 0 to {n - 1}, one for each index."
+            )
+        return place
+
+    def nonzero(self) -> dict[Index, sp.Expr]:
+        """All components that do not vanish: index -> sympy expression."""
+        return {index: self._expression(index) for index in self.components.nonzero}
+
+    @cached_property
+    def is_zero(self) -> bool | None:
+        """Whether every component vanishes; None if that cannot be decided."""
+        verdicts = [value.is_zero for value in self.components.independent.values()]
+        if any(verdict is False for verdict in verdicts):
+            return False
+        return None if verdicts else True
+
+    def to_sympy(self) -> sp.ImmutableDenseNDimArray | sp.Expr:
+        """All components as a sympy array (an expression for a scalar)."""
+        if not self.slots:
+            return self[()]
+        n, rank = self.frame.dimension, len(self.slots)
+        flat: list[sp.Expr] = [sp.S.Zero] * n**rank
+        for index, value in self.nonzero().items():
+            place = 0
+            for k in index:
+                place = place * n + k
+            flat[place] = value
+        return sp.ImmutableDenseNDimArray(flat, (n,) * rank)
+
+    def at(self, point: Mapping[Any, Any]) -> np.ndarray:
+        """Numbers at one point: array of floats (complex if the frame is), one axis per index.
+
+        Parameters
+        ----------
+        point
+            Value of each coordinate and parameter on which the tensor depends; keys are symbols
+            or their names.
+
+        Raises
+        ------
+        MissingValueError
+            A symbol has no value.
+        SingularPointError
+            A component has no finite value there.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> Frame([r, phi], [[1, 0], [0, r]]).metric.at({r: 3}).tolist()
+        [[1.0, 0.0], [0.0, 9.0]]
+        """
+        return evaluated(self, point)
+
+    # -- changing indices ----------------------------------------------------------------------
+
+    def _with_slot(self, k: int, slot: str) -> Tensor:
+        """The same tensor with index k of another kind or at another height."""
+        if slot == self.slots[k]:
+            return self
+        if k in self.anchored and KINDS[slot] != KINDS[self.slots[k]]:
+            raise TensorIndexError(
+                f"index {k} of {self.label} cannot change its basis: this is not a tensor there. "
+                "For the coefficients of a connection in the frame use connection.spin_connection."
+            )
+        slots = self.slots[:k] + slot + self.slots[k + 1 :]
+        rows, columns = exchange(self.frame, self.slots[k], slot)
+        symmetry = effective(self.symmetry, slots)
+        source = change_slot(self.frame.field, self.components, k, rows, columns, symmetry)
+        return replace(self, slots=slots, source=source)
+
+    def in_frame(self) -> Tensor:
+        """The same tensor with all indices in the frame."""
+        return self._form(self.slots.upper())
+
+    def in_coordinates(self) -> Tensor:
+        """The same tensor with all indices in the coordinate basis."""
+        return self._form(self.slots.lower())
+
+    def raised(self, k: int | None = None) -> Tensor:
+        """The same tensor with index k up, or all indices up."""
+        return self._form(moved(self.slots, self._place(k), up=True))
+
+    def lowered(self, k: int | None = None) -> Tensor:
+        """The same tensor with index k down, or all indices down."""
+        return self._form(moved(self.slots, self._place(k), up=False))
+
+    def _form(self, slots: str) -> Tensor:
+        """The form with these slots: one change after the other, each made once."""
+        if slots == self.slots:
+            return self
+        if slots not in self._forms:
+            k = next(k for k in range(len(slots)) if slots[k] != self.slots[k])
+            step = self.slots[:k] + slots[k] + self.slots[k + 1 :]
+            if step == slots:
+                self._forms[slots] = self._with_slot(k, slots[k])
+            else:
+                self._forms[slots] = self._form(step)._form(slots)
+        return self._forms[slots]
+
+    @cached_property
+    def _forms(self) -> dict[str, Tensor]:
+        """The forms of this tensor made so far, by their slots."""
+        return {}
+
+    def _place(self, k: int | None) -> int | None:
+        """A valid position of an index, or None."""
+        if k is not None and not 0 <= k < len(self.slots):
+            raise TensorIndexError(
+                f"{self.label} has no index {k}: it has {len(self.slots)}, counted from 0."
+            )
+        return k
+
+    # -- arithmetic ----------------------------------------------------------------------------
+
+    def __add__(self, other: Tensor) -> Tensor:
+        return arithmetic.combined(self, other, 1)
+
+    def __sub__(self, other: Tensor) -> Tensor:
+        return arithmetic.combined(self, other, -1)
+
+    def __neg__(self) -> Tensor:
+        return arithmetic.multiple(self, -1)
+
+    def __mul__(self, factor: Any) -> Tensor:
+        return arithmetic.multiple(self, factor)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, divisor: Any) -> Tensor:
+        return arithmetic.quotient(self, divisor)
+
+    def __matmul__(self, other: Tensor) -> Tensor:
+        """Sum over the last index of self and the first of other."""
+        from geomtorsion.geometry.contraction import contract
+
+        if not self.slots or not other.slots:
+            raise TensorIndexError("@ sums over an index of both: neither may be a scalar.")
+        names = "abcdefghijklmnopqrstuvwxyz"
+        left = names[: len(self.slots)]
+        right = left[-1] + names[len(left) : len(left) + len(other.slots) - 1]
+        return contract(f"{left},{right}->{left[:-1]}{right[1:]}", self, other)
+
+    def __eq__(self, other: object) -> bool:
+        """Exact equality of all components; the slots must agree."""
+        return arithmetic.equal(self, other) if isinstance(other, Tensor) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash((self.slots, frozenset(self.components.nonzero.items())))
+
+    # -- writing -------------------------------------------------------------------------------
+
+    @property
+    def label(self) -> str:
+        """Symbol with its indices in ASCII, such as S_{ab}^{c}."""
+        return notation.ascii_label(self)
+
+    def __repr__(self) -> str:
+        return notation.text(self)
+
+    def _repr_latex_(self) -> str:
+        return notation.latex(self)

@@ -1,0 +1,196 @@
+"""Torsion: S and T = 2S of a connection, its three parts, its scalar and its force."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.exact import Element
+from geomtorsion.geometry.arrays import total
+from geomtorsion.geometry.contraction import contract
+from geomtorsion.geometry.nested import tensor_from_array
+from geomtorsion.geometry.symmetry import Index, alternating, antisymmetric, symmetric
+from geomtorsion.geometry.tensor import Tensor
+
+if TYPE_CHECKING:
+    from geomtorsion.geometry.connection import Connection
+
+HALF, THIRD, QUARTER = Fraction(1, 2), Fraction(1, 3), Fraction(1, 4)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Torsion:
+    """Torsion of a connection, with the half (S) and without (T), and its parts.
+
+    connection: Gamma_ab^c, a the direction of differentiation.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from geomtorsion.geometry import Frame, cartan
+    >>> r, phi = sp.symbols("r phi", positive=True)
+    >>> torsion = cartan(Frame([r, phi], [[1, 0], [0, r]])).torsion
+    >>> torsion.S[0, 1, 1], torsion.T[0, 1, 1], torsion.vector[0], torsion.scalar[()]
+    (1/(2*r), 1/r, 1/r, 0)
+    """
+
+    connection: Connection
+
+    @cached_property
+    def T(self) -> Tensor:
+        """T_ab^c = Gamma_ab^c - Gamma_ba^c, slots ddu: torsion without the half."""
+        connection = self.connection
+        gamma = connection.coefficients.components.get
+
+        def rule(index: Index) -> Element | None:
+            a, b, c = index
+            one, two = gamma((a, b, c)), gamma((b, a, c))
+            if two is None:
+                return one
+            parts = [(-1, two)] if one is None else [(1, one), (-1, two)]
+            return connection.frame.field.sum(parts)
+
+        if connection.kind == "levi-civita":
+            # The coefficients are symmetric because each is stored once for (a, b) and (b, a).
+            return Tensor(connection.frame, "ddu", {}, antisymmetric(3), "T", "torsion (2S)")
+        return Tensor(connection.frame, "ddu", rule, antisymmetric(3), "T", "torsion (2S)")
+
+    @cached_property
+    def S(self) -> Tensor:
+        """S_ab^c = (Gamma_ab^c - Gamma_ba^c) / 2, slots ddu: torsion with the half."""
+        whole = self.T.components.get
+
+        def rule(index: Index) -> Element | None:
+            value = whole(index)
+            return None if value is None else value * HALF
+
+        return Tensor(self.connection.frame, "ddu", rule, antisymmetric(3), "S", "torsion")
+
+    @cached_property
+    def vector(self) -> Tensor:
+        """v_a = T_ab^b, slots d."""
+        whole, n = self.T.components.get, self.connection.frame.dimension
+
+        def rule(index: Index) -> Element | None:
+            parts = [whole((index[0], b, b)) for b in range(n)]
+            return total(self.connection.frame.field, [(1, x) for x in parts if x is not None])
+
+        return Tensor(self.connection.frame, "d", rule, (), "v", "torsion vector")
+
+    @cached_property
+    def axial(self) -> Tensor:
+        """T_[abc] = (T_abc + T_bca + T_cab) / 3, slots ddd: the totally antisymmetric part."""
+        lower = self.T.lowered(2).components.get
+
+        def rule(index: Index) -> Element | None:
+            a, b, c = index
+            parts = [lower((a, b, c)), lower((b, c, a)), lower((c, a, b))]
+            terms = [(THIRD, value) for value in parts if value is not None]
+            return total(self.connection.frame.field, terms)
+
+        return Tensor(self.connection.frame, "ddd", rule, alternating(3), "A", "axial torsion")
+
+    @cached_property
+    def tensor(self) -> Tensor:
+        """T_abc - T_[abc] - (v_a g_bc - v_b g_ac) / (n - 1), slots ddd: what has no trace.
+
+        Its contractions and its totally antisymmetric part vanish.
+        """
+        frame = self.connection.frame
+        lower, axial = self.T.lowered(2).components.get, self.axial.components.get
+        vector, metric = self.vector.components.get, frame.metric.components.get
+        share = Fraction(1, max(frame.dimension - 1, 1))
+
+        def rule(index: Index) -> Element | None:
+            a, b, c = index
+            parts = ((1, lower(index)), (-1, axial(index)))
+            terms: list = [(s, x) for s, x in parts if x is not None]
+            for sign, one, two in ((-share, a, (b, c)), (share, b, (a, c))):
+                first, second = vector((one,)), metric(two)
+                if first is not None and second is not None:
+                    terms.append((sign, first, second))
+            return total(frame.field, terms)
+
+        return Tensor(frame, "ddd", rule, antisymmetric(3), "q", "tensor part of torsion")
+
+    @cached_property
+    def scalar(self) -> Tensor:
+        """T_abc T^abc / 4 + T_abc T^cba / 2 - v_a v^a: R_bar = -scalar - 2 D_bar_a v^a (flat)."""
+        frame = self.connection.frame
+
+        def rule() -> Element:
+            # In the frame indices move by constants.
+            lower = (frame.anholonomy if self._is_anholonomy else self.T.in_frame()).lowered(2)
+            upper = lower.raised()
+            vector = contract("abb->a", lower.raised(2))
+            squares = (
+                (QUARTER, contract("abc,abc->", lower, upper)),
+                (HALF, contract("abc,cba->", lower, upper)),
+                (-1, vector @ vector.raised()),
+            )
+            return frame.field.sum([(factor, square.element()) for factor, square in squares])
+
+        return frame.scalar(rule, "T", "torsion scalar")
+
+    @property
+    def _is_anholonomy(self) -> bool:
+        """Whether the frame components are known already: parallel legs."""
+        return self.connection.kind == "cartan"
+
+    @cached_property
+    def force_coefficients(self) -> Tensor:
+        """S_a^c_b + S_b^c_a, slots ddu, symmetric: the force is this, times q'^a q'^b."""
+        frame = self.connection.frame
+        lower = self.S.lowered(2).components.get
+
+        def rule(index: Index) -> Element | None:
+            a, b, c = index
+            parts = [lower((a, c, b)), lower((b, c, a))]
+            return total(frame.field, [(1, x) for x in parts if x is not None])
+
+        tensor = Tensor(frame, "ddd", rule, symmetric(3), "f", "torsion force")
+        return tensor.raised(2)
+
+    def force(self, velocity: Sequence[Any] | Tensor) -> Tensor:
+        """Force per unit mass that bends an autoparallel away from the geodesic.
+
+        Equation
+        --------
+        f^c = 2 S_a^c_b q'^a q'^b                      [FizievKleinert1994], below eq. (6)
+
+        Parameters
+        ----------
+        velocity
+            q'^a, shape (n,), coordinates per unit of the curve parameter; or a tensor, slot u.
+
+        Returns
+        -------
+        Tensor, shape (n,), index up, coordinate basis; coordinates per parameter squared.
+
+        Raises
+        ------
+        ShapeError
+            velocity has not one component per coordinate.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame, cartan
+        >>> r, phi, u, w = sp.symbols("r phi u w", positive=True)
+        >>> torsion = cartan(Frame([r, phi], [[1, 0], [0, r]])).torsion
+        >>> torsion.force([u, w]).nonzero()
+        {(0,): -r*w**2, (1,): u*w/r}
+        """
+        frame = self.connection.frame
+        if not isinstance(velocity, Tensor):
+            velocity = tensor_from_array(frame, "u", velocity, "velocity")
+        return contract("abc,a,b->c", self.force_coefficients, velocity, velocity)
+
+    def __repr__(self) -> str:
+        return repr(self.S)
+
+    def _repr_latex_(self) -> str:
+        return self.S._repr_latex_()
