@@ -6,6 +6,7 @@ from itertools import product as pairs
 import pytest
 import sympy as sp
 
+from geomtorsion.geometry import contract
 from geomtorsion.spaces import load
 from geomtorsion.spaces.bianchi import TYPES, structure_constants
 from geomtorsion.spaces.s7 import UNITS, product
@@ -63,3 +64,11 @@ def test_coframe_of_s7_is_the_octonionic_one() -> None:
         form = product(here, change)
         assert form[0] == 0
         assert form[1:] == [frame.coframe[i - 1, m - 1].subs(point) for i in UNITS]
+
+
+def test_square_of_the_torsion_of_s7() -> None:
+    """T_acd T_b^cd = 24 g_ab: four times the Ricci tensor of the unit sphere, 168 in all."""
+    frame = load("s7").frame
+    whole = frame.quantity("torsion_T").in_frame().lowered(2)
+    square = contract("acd,bcd->ab", whole, whole.raised(1).raised(2))
+    assert square.nonzero() == {(k, k): 24 for k in range(7)}

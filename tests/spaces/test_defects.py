@@ -6,15 +6,21 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from geomtorsion.geometry import Frame
 from geomtorsion.spaces import load
 
 POINTS = 400
 
 
+def parameter(frame: Frame, name: str) -> sp.Symbol:
+    """The parameter of a frame that has this name."""
+    return next(symbol for symbol in frame.parameters if symbol.name == name)
+
+
 def gathered(name: str, radius: float, values: dict[str, float]) -> np.ndarray:
     """Sum of the coframe along a circle about the z axis; spectrally exact for these frames."""
     frame = load(name).frame
-    constants = {frame.symbol(key): value for key, value in values.items()}
+    constants = {parameter(frame, key): value for key, value in values.items()}
     columns = range(3)
     total = np.zeros(3)
     entries = sp.lambdify(
@@ -52,7 +58,7 @@ def test_burgers_vector_of_a_core(radius: float) -> None:
     x, y, _ = frame.coordinates
     s = sp.Symbol("s", positive=True)
     torsion = 2 * frame.quantity("torsion").in_frame()[0, 1, 2]
-    along = torsion.subs({frame.symbol("b"): b, frame.symbol("c"): c, x: s, y: 0})
+    along = torsion.subs({parameter(frame, "b"): b, parameter(frame, "c"): c, x: s, y: 0})
     density = sp.lambdify(s, 2 * sp.pi * s * along)
     nodes, weights = np.polynomial.legendre.leggauss(60)
     flux = sum(w * density(radius * (1 + n) / 2) for n, w in zip(nodes, weights, strict=True))
@@ -67,7 +73,7 @@ def test_the_edge_dislocation_is_in_elastic_equilibrium() -> None:
     """The strain of the elastic edge dislocation has a divergence-free stress (plane strain)."""
     frame = load("edge_dislocation_elastic").frame
     x, y, _ = frame.coordinates
-    nu = frame.symbol("nu")
+    nu = parameter(frame, "nu")
     distortion = [[frame.coframe[i, m] - (1 if i == m else 0) for m in range(2)] for i in range(2)]
     trace = distortion[0][0] + distortion[1][1]
     lame = 2 * nu / (1 - 2 * nu)
@@ -88,7 +94,7 @@ def test_the_disclination_comes_back_turned() -> None:
     for name, turned in (("wedge_disclination", True), ("wedge_disclination_periodic", False)):
         frame = load(name).frame
         _, phi, _ = frame.coordinates
-        alpha = frame.symbol("alpha")
+        alpha = parameter(frame, "alpha")
         here = sp.Matrix([[frame.coframe[i, m] for m in range(2)] for i in range(2)])
         after = here.subs(phi, phi + 2 * sp.pi)
         angle = 2 * sp.pi * alpha if turned else 0

@@ -1,5 +1,6 @@
 """Every shipped space against the closed forms that are known about it, by exact equality."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
 
@@ -7,8 +8,8 @@ import pytest
 
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.spaces import load, names
-from geomtorsion.spaces.checking import disagreements
-from geomtorsion.spaces.space import KnownAnswer, Space
+from geomtorsion.spaces.checking import computed, disagreements
+from geomtorsion.spaces.space import Closed, Index, KnownAnswer, Space
 
 
 @cache
@@ -26,6 +27,21 @@ def test_known_answers(name: str) -> None:
     assert quantities & {"ricci", "riemann", "einstein", "scalar_curvature", "connection_ricci"}
     wrong = [str(d) for answer in space.known for d in disagreements(space, answer)]
     assert wrong == []
+
+
+@pytest.mark.parametrize("name", names())
+def test_every_answer_can_be_wrong(name: str) -> None:
+    """Doubling what an answer says, or adding one to a zero, is found in exactly that place."""
+    space = shared(name)
+    for answer in space.known:
+        given = answer.components
+        table: dict[Index, Closed] = dict(given) if isinstance(given, Mapping) else {(): given}
+        rank = len(next(iter(table), (0,) * len(computed(space, answer).slots)))
+        index = max(table, default=(0,) * rank)
+        value = table.get(index, 0)
+        changed = {**table, index: value * 2 if value != 0 else 1}
+        (found,) = disagreements(space, replace(answer, components=changed))
+        assert (found.quantity, found.index) == (answer.quantity, index)
 
 
 @pytest.mark.parametrize("name", ["so3", "schwarzschild", "kerr_kinnersley"])

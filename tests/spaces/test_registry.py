@@ -63,7 +63,7 @@ def test_every_file_that_makes_a_space_is_in_the_registry() -> None:
 
 
 def test_names_import_no_space() -> None:
-    """Listing costs nothing: neither a space nor the geometry is loaded."""
+    """Listing loads none of the spaces."""
     code = "import geomtorsion.spaces as s; s.names(); s.titles()"
     modules = {module for _, module, _ in SPACES}
     assert imported_after(code) & modules == set()
