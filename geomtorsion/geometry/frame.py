@@ -42,8 +42,10 @@ class Frame:
     ------
     CoframeError
         The coframe is not square, or its determinant vanishes identically.
+    ShapeError
+        There are not as many coordinates as columns.
     CoordinateError
-        Coordinates are repeated, too few or too many, or clash with parameters.
+        Coordinates are repeated or clash with parameters.
     SignatureError
         eta is not constant, symmetric and regular.
     ExpressionError

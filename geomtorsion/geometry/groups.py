@@ -8,7 +8,7 @@ from typing import Any
 
 import sympy as sp
 
-from geomtorsion.errors import CoordinateError, StructureConstantError
+from geomtorsion.errors import ShapeError, StructureConstantError
 from geomtorsion.exact import Field
 from geomtorsion.geometry.intake import free_symbols
 
@@ -80,7 +80,7 @@ def _symbols(coordinates: Sequence[sp.Symbol] | str | None, n: int) -> list[sp.S
     given = coordinates.replace(",", " ").split() if isinstance(coordinates, str) else coordinates
     found = [sp.Symbol(item) if isinstance(item, str) else item for item in given]
     if len(found) != n:
-        raise CoordinateError(
+        raise ShapeError(
             f"{len(found)} coordinates came with structure constants of dimension {n}. Give {n}."
         )
     return found

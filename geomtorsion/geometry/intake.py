@@ -9,7 +9,7 @@ from typing import Any
 
 import sympy as sp
 
-from geomtorsion.errors import CoframeError, CoordinateError, MetricError, SignatureError
+from geomtorsion.errors import CoframeError, CoordinateError, MetricError, ShapeError, SignatureError
 from geomtorsion.exact import Element, Field
 from geomtorsion.geometry.matrices import dependence, determinant
 from geomtorsion.geometry.sampling import Point, candidate_points, domain_relations
@@ -53,19 +53,23 @@ def opened(
     return Opened(symbols, constants, relations, complex_, field)
 
 
+REFUSALS = {"metric": MetricError, "signature": SignatureError}
+
+
 def matrix_entries(values: Any, name: str) -> tuple[int, Matrix]:
     """Size and non-zero entries of a square matrix given as nested lists or a sympy matrix."""
     given = values.tolist() if hasattr(values, "tolist") else list(values)
     rows = [list(row) if hasattr(row, "__len__") else [row] for row in given]
     n = len(rows)
+    refusal = REFUSALS.get(name, CoframeError)
     for i, row in enumerate(rows):
         if len(row) != n:
-            raise CoframeError(
+            raise refusal(
                 f"{name} is not square: it has {n} rows, but row {i} has {len(row)} entries. "
-                "Give as many rows (one-forms) as columns (coordinates)."
+                "Give as many rows as columns, one column for each coordinate."
             )
     if n == 0:
-        raise CoframeError(f"{name} is empty. Give at least one row.")
+        raise refusal(f"{name} is empty. Give at least one coordinate and one row.")
     return n, {(i, j): x for i, row in enumerate(rows) for j, x in enumerate(row) if x != 0}
 
 
@@ -83,7 +87,7 @@ def coordinate_symbols(coordinates: Any, n: int, free: Iterable[sp.Symbol]) -> t
             raise CoordinateError(f"coordinate {item!r} is no symbol. Give sympy symbols or names.")
         found.append(symbol)
     if len(found) != n:
-        raise CoordinateError(
+        raise ShapeError(
             f"{len(found)} coordinates came with a matrix of {n} columns. "
             "Give exactly one coordinate for each column."
         )
