@@ -1,0 +1,57 @@
+"""app: the commands in one place."""
+
+from __future__ import annotations
+
+from importlib.metadata import PackageNotFoundError, version
+from typing import Annotated
+
+import typer
+
+from geomtorsion.cli.check import check
+from geomtorsion.cli.geometry import geometry
+from geomtorsion.cli.guard import guarded
+from geomtorsion.cli.paper import paper
+from geomtorsion.cli.plan import plan
+from geomtorsion.cli.report import report
+from geomtorsion.cli.spaces import spaces
+
+app = typer.Typer(
+    name="geomtorsion",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def installed_version() -> str:
+    """Version of the installed package."""
+    try:
+        return version("geomtorsion")
+    except PackageNotFoundError:
+        return "unknown (not installed)"
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"geomtorsion {installed_version()}")
+        raise typer.Exit
+
+
+@app.callback()
+def geomtorsion(
+    _version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_show_version, is_eager=True, help="Show the version and stop."
+        ),
+    ] = False,
+) -> None:
+    """Give it any tetrad; get its geometry, exactly.
+
+    Start with:  geomtorsion spaces  and  geomtorsion report so3 -o so3-report
+    """
+
+
+for _command in (spaces, geometry, check, plan, report, paper):
+    app.command()(guarded(_command))

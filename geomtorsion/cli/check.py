@@ -1,0 +1,63 @@
+"""check: the identities of every connection of a space, and its known answers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import typer
+
+from geomtorsion.cli.progress import working
+from geomtorsion.cli.source import SpaceOrFile, open_space
+from geomtorsion.cli.terminal import shows_greek
+
+if TYPE_CHECKING:
+    from geomtorsion.pictures.verdicts import Verdict
+
+FAILED = 1
+
+
+def check(source: SpaceOrFile) -> None:
+    """Check the identities of a space exactly; ends with 1 if one fails.
+
+    Checked are metricity, the decomposition of the connection, both Bianchi identities with
+    torsion, the scalar identity, and for shipped spaces every known answer.
+
+    Example:  geomtorsion check kerr
+
+    Example:  geomtorsion check my-tetrad.toml
+    """
+    from geomtorsion.pictures.verdicts import verdicts
+
+    space = open_space(source)
+    with working(f"checking {space.name}") as progress:
+        groups = verdicts(space, progress)
+    for title, found in groups.items():
+        typer.secho(title, bold=True)
+        width = max(len(verdict.name) for verdict in found)
+        for verdict in found:
+            detail = verdict.detail
+            if verdict.equation:
+                detail = f"{verdict.equation}   ({detail})"
+            typer.echo(f"  {_mark(verdict)} {verdict.name.ljust(width)}  {detail}")
+        typer.echo()
+    every = [verdict for found in groups.values() for verdict in found if verdict.required]
+    failed = sum(verdict.failed for verdict in every)
+    undecided = sum(verdict.holds is None for verdict in every)
+    parts = [f"{len(every) - failed - undecided} of {len(every)} checks hold"]
+    parts += [f"{failed} FAILED"] * bool(failed)
+    parts += [f"{undecided} undecided"] * bool(undecided)
+    typer.echo(f"{space.name}: {', '.join(parts)}.")
+    if failed:
+        raise typer.Exit(FAILED)
+
+
+def _mark(verdict: Verdict) -> str:
+    """A coloured sign for a verdict, in letters where the terminal has no check marks."""
+    if not verdict.required and verdict.holds is False:
+        return typer.style("–" if shows_greek() else "no  ", dim=True)
+    sign, word, colour = {
+        True: ("✓", "ok  ", typer.colors.GREEN),
+        False: ("✗", "FAIL", typer.colors.RED),
+        None: ("?", "?   ", typer.colors.YELLOW),
+    }[verdict.holds]
+    return typer.style(sign if shows_greek() else word, fg=colour)

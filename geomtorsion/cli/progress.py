@@ -1,0 +1,19 @@
+"""progress: what is being computed, on standard error and only where somebody watches."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+
+@contextmanager
+def working(what: str) -> Iterator[Callable[[str], object]]:
+    """Show a line that says what is being computed; call the result with each new step."""
+    if not sys.stderr.isatty():
+        yield lambda _: None
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status(what) as status:
+        yield lambda step: status.update(f"{what}: {step} (Ctrl-C stops)")

@@ -1,0 +1,1 @@
+"""pictures: what a person looks at: pages, formulas, labels."""

@@ -1,0 +1,188 @@
+"""Page: a report as one HTML file that needs no script and no network."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.pictures.cards import card
+from geomtorsion.pictures.catalogue import SECTIONS
+from geomtorsion.pictures.equations import equation_mathml
+from geomtorsion.pictures.mathml import bracketed, identifier, mathml
+from geomtorsion.pictures.style import CSS
+from geomtorsion.pictures.text import greek_name
+
+if TYPE_CHECKING:
+    from geomtorsion.pictures.chosen import Chosen
+    from geomtorsion.pictures.verdicts import Verdict
+    from geomtorsion.spaces.space import Space
+
+_CONVENTIONS = (
+    "Γ_{ab}^c: a is the direction of differentiation",
+    "S_{ab}^c = (Γ_{ab}^c - Γ_{ba}^c)/2",
+    "T_{ab}^c = 2 S_{ab}^c",
+    "R_{bc} = R_{abc}^a",
+)
+
+
+def page(
+    space: Space, quantities: Sequence[Chosen], verdicts: Mapping[str, Sequence[Verdict]]
+) -> str:
+    """The whole report as HTML text."""
+    sections = [
+        (section, [chosen for chosen in quantities if chosen.entry.section == section])
+        for section in SECTIONS
+    ]
+    filled = [(section, found) for section, found in sections if found]
+    body = [_header(space, [section for section, _ in filled]), "<main>"]
+    for section, found in filled:
+        body.append(f'<h2 id="{_anchor(section)}">{section}</h2>')
+        body += [card(chosen) for chosen in found]
+    body += [_checks(verdicts), _branches(space), "</main>", _footer()]
+    return (
+        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        # The page promises to load nothing; the browser holds it to that.
+        '<meta http-equiv="Content-Security-Policy" '
+        "content=\"default-src 'none'; style-src 'unsafe-inline'\">"
+        f"<title>{escape(space.name)}: {escape(space.title)}</title><style>{CSS}</style></head>\n"
+        f"<body>{''.join(body)}</body></html>\n"
+    )
+
+
+def _header(space: Space, sections: Sequence[str]) -> str:
+    frame = space.frame
+    facts = [
+        ("Coordinates", _symbols([symbol.name for symbol in frame.coordinates])),
+        ("Parameters", _symbols([symbol.name for symbol in frame.parameters])),
+        ("Domain", _domain(frame.domain)),
+        ("Frame metric", _frame_metric(space)),
+        ("Source", escape(space.source)),
+        ("Note", _prose(space.notes)),
+    ]
+    rows = "".join(f"<dt>{name}</dt><dd>{value}</dd>" for name, value in facts if value)
+    links = "".join(
+        f'<a href="#{_anchor(section)}">{section}</a>' for section in (*sections, "Checks")
+    )
+    title = escape(space.title[:1].upper() + space.title[1:])
+    return (
+        f'<header><p class="name">{escape(space.name)}</p><h1>{title}</h1>'
+        f'<p class="story">{_prose(space.story)}</p><dl class="facts">{rows}</dl>'
+        f"<nav>{links}</nav></header>"
+    )
+
+
+def _symbols(names: Sequence[str]) -> str:
+    if not names:
+        return ""
+    return f"<math>{'<mo>,</mo>'.join(identifier(name) for name in names)}</math>"
+
+
+def _domain(relations: Sequence[Any]) -> str:
+    """Inequalities as markup; two bounds of one symbol stand together."""
+    bounds: dict[Any, list[Any]] = {}
+    for relation in relations:
+        symbol = relation.lhs if relation.lhs.is_Symbol else relation.rhs
+        bounds.setdefault(symbol, []).append(relation)
+    return ", ".join(f"<math>{_bounded(symbol, found)}</math>" for symbol, found in bounds.items())
+
+
+def _bounded(symbol: Any, relations: Sequence[Any]) -> str:
+    """The bounds of one symbol: below it on the left, above it on the right."""
+    left = right = ""
+    others = []
+    for relation in relations:
+        above = relation.gts if relation.lts == symbol else None
+        below = relation.lts if relation.gts == symbol else None
+        sign = "&lt;" if relation.rel_op in "<>" else "≤"
+        if above is not None and not right:
+            right = f"<mo>{sign}</mo>{mathml(above)}"
+        elif below is not None and not left:
+            left = f"{mathml(below)}<mo>{sign}</mo>"
+        else:
+            others.append(f"{mathml(relation.lts)}<mo>{sign}</mo>{mathml(relation.gts)}")
+    both = f"{left}{mathml(symbol)}{right}" if left or right else ""
+    return "<mo>,</mo>".join([*([both] if both else []), *others])
+
+
+def _frame_metric(space: Space) -> str:
+    """The frame metric as diag(...), or as a matrix where it is not diagonal."""
+    eta, n = space.frame.eta, space.frame.dimension
+    if all(i == j for i, j in eta.components.nonzero):
+        values = "<mo>,</mo>".join(mathml(eta[i, i]) for i in range(n))
+        return f"<math><mi>η</mi><mo>=</mo><mi>diag</mi>{bracketed(values)}</math>"
+    cells = (
+        f"<mtr>{''.join(f'<mtd>{mathml(eta[i, j])}</mtd>' for j in range(n))}</mtr>"
+        for i in range(n)
+    )
+    table = f"<mtable>{''.join(cells)}</mtable>"
+    return f"<math><mi>η</mi><mo>=</mo><mrow><mo>(</mo>{table}<mo>)</mo></mrow></math>"
+
+
+def _checks(verdicts: Mapping[str, Sequence[Verdict]]) -> str:
+    tables = []
+    for title, found in verdicts.items():
+        rows = "".join(_check(verdict) for verdict in found)
+        table = f"<table><caption>{escape(title)}</caption>{rows}</table>"
+        tables.append(f'<section class="card scroll">{table}</section>')
+    return f'<h2 id="checks">Checks</h2>{"".join(tables)}'
+
+
+def _check(verdict: Verdict) -> str:
+    sign, look, word = {
+        True: ("✓", "good", "holds"),
+        False: ("✗", "bad", "fails"),
+        None: ("?", "unsure", "undecided"),
+    }[verdict.holds]
+    if not verdict.required and verdict.holds is False:
+        sign, look = "–", "unsure"
+    detail = escape(verdict.detail)
+    if verdict.equation:
+        detail = f"<math>{equation_mathml(verdict.equation)}</math> <small>{detail}</small>"
+    return (
+        f'<tr><td class="{look}" title="{word}" aria-label="{word}">{sign}</td>'
+        f"<td>{escape(verdict.name)}</td><td>{detail}</td></tr>"
+    )
+
+
+def _branches(space: Space) -> str:
+    """How each root was read, if there are any."""
+    branches = space.frame.field.branches
+    if not branches:
+        return ""
+    items = "".join(
+        f"<p><math>{mathml(branch.radical)}</math> is read as <math>{mathml(branch.read_as)}</math>"
+        f", right where {escape(_greek(branch.condition))}.</p>"
+        for branch in branches
+    )
+    return f'<h2 id="roots">Branches of roots</h2><section class="card">{items}</section>'
+
+
+def _prose(text: str) -> str:
+    """A sentence as HTML, with Greek letters for their names and indices and powers in place."""
+    lowered = re.sub(r"\b(\w)_(\w+)", r"\1<sub>\2</sub>", escape(_greek(text)))
+    return re.sub(r"\^(-?\w+)", r"<sup>\1</sup>", lowered)
+
+
+def _greek(text: str) -> str:
+    """Words of a sentence with the Greek letters they name."""
+    return re.sub(r"[A-Za-z]+[0-9]*", lambda match: greek_name(match.group()), text)
+
+
+def _footer() -> str:
+    conventions = "; ".join(f"<math>{equation_mathml(text)}</math>" for text in _CONVENTIONS)
+    return (
+        f"<footer><p>Conventions: {conventions}. A bar marks what belongs to the metric alone; "
+        "numbers with a hat are legs of the frame, counted from 0. Components that are not shown "
+        "vanish: that is decided, not guessed.</p>"
+        '<p>The same as data: <a href="geometry.json">geometry.json</a>. Made by geomtorsion.</p>'
+        "</footer>"
+    )
+
+
+def _anchor(section: str) -> str:
+    return "".join(
+        letter for letter in section.lower().replace(" ", "-") if letter.isalpha() or letter == "-"
+    )

@@ -1,0 +1,51 @@
+"""Report: the whole geometry of a space as one page and as data, in a directory."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from geomtorsion.pictures.chosen import choose
+from geomtorsion.pictures.document import document
+from geomtorsion.pictures.page import page
+from geomtorsion.pictures.verdicts import verdicts
+
+if TYPE_CHECKING:
+    from geomtorsion.spaces.space import Space
+
+
+def write_report(
+    space: Space,
+    directory: str | PathLike[str],
+    progress: Callable[[str], object] = lambda _: None,
+) -> Path:
+    """Write index.html and geometry.json and return the path of the page.
+
+    The page needs no network: mathematics is MathML, the style is inside. The directory is made
+    if it is missing; nothing is written before everything is computed.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from geomtorsion.spaces import load
+    >>> with TemporaryDirectory() as folder:
+    ...     write_report(load("s2"), folder).name
+    'index.html'
+    """
+    quantities = choose(space, progress=progress)
+    checked = verdicts(space, progress)
+    progress("writing")
+    html = page(space, quantities, checked)
+    data = document(space, quantities)
+    data["checks"] = {
+        title: [{"name": v.name, "holds": v.holds, "detail": v.detail} for v in found]
+        for title, found in checked.items()
+    }
+    target = Path(directory)
+    target.mkdir(parents=True, exist_ok=True)
+    (target / "geometry.json").write_text(json.dumps(data, indent=2) + "\n", "utf-8")
+    (target / "index.html").write_text(html, "utf-8")
+    return target / "index.html"

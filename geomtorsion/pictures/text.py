@@ -1,0 +1,113 @@
+"""Text: expressions on one line, as a person would type them, in Greek where that can be shown."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import sympy
+from sympy.core.function import AppliedUndef
+from sympy.printing.precedence import PRECEDENCE
+from sympy.printing.str import StrPrinter
+
+_LETTERS = (
+    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho "
+    "sigma tau upsilon phi chi psi omega".split()
+)
+_GREEK: dict[str, str] = dict(zip(_LETTERS, "αβγδεζηθικλμνξοπρστυφχψω", strict=True))
+_GREEK |= {name.capitalize(): letter.upper() for name, letter in _GREEK.items()}
+_GREEK |= {"varphi": "φ", "vartheta": "ϑ", "ell": "ℓ"}
+_NAME = re.compile(r"([A-Za-z]+?)_?([0-9]*)")
+_MOST_PRIMES = 3
+
+
+def greek_name(name: str) -> str:
+    """The name of a symbol with its Greek letter, where it is the name of one.
+
+    Examples
+    --------
+    >>> [greek_name(name) for name in ("theta", "phi1", "Gamma", "theta_0", "M", "mass")]
+    ['θ', 'φ1', 'Γ', 'θ0', 'M', 'mass']
+    """
+    match = _NAME.fullmatch(name)
+    if match and match[1] in _GREEK:
+        return _GREEK[match[1]] + match[2]
+    return name
+
+
+def expression_text(expression: Any, *, greek: bool = True) -> str:
+    """One line of text for an expression: positive terms first, ^ for powers, a'(t) for d a/d t.
+
+    Without Greek letters the text can be read back by ``parse_expression``.
+
+    Examples
+    --------
+    >>> r, M, theta = sympy.symbols("r M theta", positive=True)
+    >>> expression_text(sympy.sqrt(1 - 2 * M / r) * sympy.sin(theta) ** 2)
+    'sqrt(1 - 2*M/r)*sin(θ)^2'
+    >>> a = sympy.Function("a")(r)
+    >>> expression_text(a.diff(r, 2) / a), expression_text(a.diff(r, 2) / a, greek=False)
+    ("a''(r)/a(r)", 'diff(a(r), r, 2)/a(r)')
+    """
+    return _Printer(greek=greek).doprint(sympy.sympify(expression)).replace("**", "^")
+
+
+def ordered_terms(expression: sympy.Add) -> list[sympy.Expr]:
+    """Terms of a sum in sympy's order, but with a positive one in front where there is one.
+
+    Examples
+    --------
+    >>> r, M = sympy.symbols("r M")
+    >>> ordered_terms(1 - 2 * M / r)
+    [1, -2*M/r]
+    """
+    terms: list[sympy.Expr] = list(expression.as_ordered_terms())
+    first = next((k for k, term in enumerate(terms) if not term.could_extract_minus_sign()), 0)
+    return [terms[first], *terms[:first], *terms[first + 1 :]]
+
+
+class _Printer(StrPrinter):
+    """sympy's own text, with the order of terms, Greek letters and primes of a person."""
+
+    def __init__(self, *, greek: bool) -> None:
+        super().__init__()
+        self.greek = greek
+
+    def _name(self, name: str) -> str:
+        return greek_name(name) if self.greek else name
+
+    def _print_Symbol(self, expr: Any) -> str:
+        return self._name(expr.name)
+
+    def _print_Pi(self, expr: Any) -> str:
+        return "π" if self.greek else "pi"
+
+    def _print_Add(self, expr: Any, order: Any = None) -> str:
+        pieces = []
+        for term in ordered_terms(expr):
+            text = self.parenthesize(term, PRECEDENCE["Add"]) if term.is_Add else self._print(term)
+            minus = text.startswith("-")
+            pieces += ["-" if minus else "+", text[1:] if minus else text]
+        sign, *rest = pieces
+        return ("-" if sign == "-" else "") + " ".join(rest)
+
+    def _print_Pow(self, expr: Any, rational: bool = False) -> str:
+        base, exponent = expr.args
+        if exponent.is_Integer and exponent < -1:
+            return f"1/{self.parenthesize(base**-exponent, PRECEDENCE['Mul'], strict=True)}"
+        return super()._print_Pow(expr, rational=rational)
+
+    def _print_Function(self, expr: Any) -> str:
+        arguments = ", ".join(self._print(argument) for argument in expr.args)
+        return f"{self._name(expr.func.__name__)}({arguments})"
+
+    def _print_Derivative(self, expr: Any) -> str:
+        function = expr.expr
+        if self.greek and isinstance(function, AppliedUndef) and len(function.args) == 1:
+            count = expr.derivative_count
+            primes = "'" * count if count <= _MOST_PRIMES else f"^({count})"
+            return f"{self._name(function.func.__name__)}{primes}({self._print(function.args[0])})"
+        steps = []
+        for variable, count in expr.variable_count:
+            steps += [self._print(variable), *([str(count)] if count != 1 else [])]
+        return f"diff({self._print(function)}, {', '.join(steps)})"

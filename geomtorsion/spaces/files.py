@@ -1,0 +1,232 @@
+"""Files: a tetrad file (TOML) read into a space; nothing in it is ever run as code."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Callable, Mapping
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from geomtorsion.errors import FileFormatError, LimitError
+from geomtorsion.geometry import (
+    Connection,
+    Frame,
+    from_coefficients,
+    from_contortion,
+    from_spin_connection,
+)
+from geomtorsion.spaces.arrays import antisymmetric_array, array, dimension_of
+from geomtorsion.spaces.space import Space
+from geomtorsion.spaces.symbols import Vocabulary, nearest, vocabulary
+
+TEXT_KEYS = ("name", "title", "story", "source", "notes")
+SYMBOL_KEYS = ("coordinates", "parameters", "functions", "domain")
+SHAPE_KEYS = ("coframe", "frame", "metric", "structure_constants")
+CONNECTION_KEYS = ("spin_connection", "contortion", "connection")
+KEYS = (*TEXT_KEYS, *SYMBOL_KEYS, "signature", "complex", *SHAPE_KEYS, *CONNECTION_KEYS)
+LARGEST_FILE = 10_000_000
+
+
+class _Decimal(str):
+    """A decimal number as it stands in the file, so that the exact rational can be offered."""
+
+    __slots__ = ()
+
+
+def read_file(path: str | PathLike[str]) -> Space:
+    """Read a space from a tetrad file.
+
+    Keys
+    ----
+    name, title, story, source, notes
+        Texts; the name defaults to that of the file.
+    coordinates
+        List of names, in the order of the columns.
+    parameters
+        Table name -> assumptions: real, positive, negative, nonnegative, nonpositive, nonzero,
+        integer, complex; or a list of names.
+    functions
+        Table name -> list of arguments, for unknown functions: ``a = ["t"]``.
+    domain
+        List of inequalities: ``["r > 2*M", "0 < theta < pi"]``.
+    coframe, frame, metric, structure_constants
+        Exactly one: e[i][mu] with one-forms as rows; legs[mu][i] with legs as columns; g[mu][nu];
+        C[i][j][k] of de^k = (1/2) C_ij^k e^i ^ e^j, a table ``"0,1,2" = 1`` being completed
+        antisymmetrically.
+    signature
+        List of signs, or a constant symmetric matrix; plus signs if it is left out.
+    complex
+        true if legs may be complex.
+    spin_connection, contortion, connection
+        At most one: omega[a][i][j], K[a][b][c] or Gamma[a][b][c] of a connection of the space's
+        own, a being the direction of differentiation; nested lists or a table of the entries that
+        do not vanish, ``"0,1,2" = "1/r"``, indices counted from 0.
+
+    Raises
+    ------
+    FileFormatError
+        The file cannot be read, is no TOML, has an unknown key or a value of the wrong kind.
+    ExpressionError
+        An expression cannot be read; the message names the entry and the part.
+    LimitError
+        The file or an expression is too large; the message names the limit.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from pathlib import Path
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder, "plane.toml")
+    ...     _ = file.write_text('coordinates = ["r", "phi"]; coframe = [[1, 0], [0, "r"]]'
+    ...                         .replace("; ", chr(10)))
+    ...     read_file(file).frame.metric[1, 1]
+    r**2
+    """
+    path = Path(path)
+    data = _loaded(path)
+    file = path.name
+    _check_keys(file, data)
+    shape = _only(file, data, SHAPE_KEYS, required=True)
+    words = vocabulary(file, data, dimension_of(file, shape, data[shape]))
+    name = _text(file, data, "name") or path.stem
+    frame = _frame(words, data, shape, name)
+    return Space(
+        name=name,
+        title=_text(file, data, "title") or name,
+        story=_text(file, data, "story").strip(),
+        source=_text(file, data, "source") or file,
+        frame=frame,
+        group="your own",
+        notes=_text(file, data, "notes"),
+        connection=_connection(words, data, frame),
+    )
+
+
+def _loaded(path: Path) -> dict[str, Any]:
+    """The content of a TOML file, decimals as text."""
+    try:
+        size = path.stat().st_size
+        if size > LARGEST_FILE:
+            raise LimitError(
+                f"{path.name}: the file has {size:,} bytes; the limit is {LARGEST_FILE:,}."
+            )
+        return tomllib.loads(path.read_text("utf-8"), parse_float=_Decimal)
+    except OSError as error:
+        reason = error.strerror or type(error).__name__
+        raise FileFormatError(f"{path}: the file cannot be read: {reason}.") from None
+    except UnicodeDecodeError:
+        raise FileFormatError(
+            f"{path.name}: the file is no UTF-8 text. Save it as UTF-8."
+        ) from None
+    except RecursionError:
+        raise LimitError(f"{path.name}: lists are nested too deeply to be read.") from None
+    except ValueError as error:
+        raise _bad_toml(path, error) from None
+
+
+def _bad_toml(path: Path, error: ValueError) -> FileFormatError:
+    """The error for what tomllib refuses, with the line it refuses."""
+    found = re.search(r"\(at line ([0-9]+), column ([0-9]+)\)", str(error))
+    if found is None:
+        return FileFormatError(f"{path.name}: this is no TOML file: {error}.")
+    line, column = int(found[1]), int(found[2])
+    reason = str(error)[: found.start()].strip()
+    text = path.read_text("utf-8").splitlines()[line - 1][:200]
+    return FileFormatError(
+        f"{path.name}: line {line}, column {column}: this is no TOML: {reason}.\n    {text}\n"
+        f"    {' ' * (column - 1)}^\n"
+        'Expressions stand in quotes, as in ["r*sin(theta)", 0]; lists in square brackets.'
+    )
+
+
+def _check_keys(file: str, data: Mapping[str, Any]) -> None:
+    """Refuse unknown keys, and those that slipped under a table."""
+    for key in data:
+        if key not in KEYS:
+            raise FileFormatError(
+                f"{file}: unknown key {key!r}. {nearest(key, KEYS)}Known are {', '.join(KEYS)}."
+            )
+    for table in ("parameters", "functions"):
+        for key in data.get(table, {}):
+            if key in KEYS and key not in data:
+                raise FileFormatError(
+                    f"{file}: {key} stands under [{table}], where it would be a name. In TOML "
+                    f"everything below [{table}] belongs to it: move {key} above."
+                )
+
+
+def _only(file: str, data: Mapping[str, Any], keys: tuple[str, ...], *, required: bool) -> str:
+    """The one key of several that is present; empty if none is, and none is needed."""
+    present = [key for key in keys if key in data]
+    if len(present) == 1 or not (present or required):
+        return present[0] if present else ""
+    came = f"{' and '.join(present)} came" if present else "none came"
+    needed = "exactly one of" if required else "at most one of"
+    raise FileFormatError(f"{file}: {needed} {', '.join(keys)} was needed, but {came}.")
+
+
+def _text(file: str, data: Mapping[str, Any], key: str) -> str:
+    value = data.get(key, "")
+    if not isinstance(value, str) or isinstance(value, _Decimal):
+        raise FileFormatError(f"{file}: {key}: a text in quotes was needed, but {value!r} came.")
+    return value
+
+
+def _frame(words: Vocabulary, data: Mapping[str, Any], shape: str, name: str) -> Frame:
+    """The frame in whichever of the four ways it is given."""
+    file, n = words.file, len(words.coordinates)
+    signature = _signature(words, data)
+    is_complex = data.get("complex", False)
+    if not isinstance(is_complex, bool):
+        raise FileFormatError(f"{file}: complex: true or false was needed, not {is_complex!r}.")
+    domain = words.relations(data["domain"], "domain") if "domain" in data else None
+    if shape == "structure_constants":
+        _without(file, data, shape, "complex", "domain")
+        constants = antisymmetric_array(words, shape, data[shape], n)
+        return Frame.from_structure_constants(constants, words.coordinates, signature, name)
+    entries = array(words, shape, data[shape], 2, n)
+    known: dict[str, Any] = {"parameters": words.parameters, "domain": domain, "name": name}
+    if shape == "metric":
+        _without(file, data, shape, "complex")
+        return Frame.from_metric(words.coordinates, entries, signature, **known)
+    maker = Frame if shape == "coframe" else Frame.from_frame
+    return maker(words.coordinates, entries, signature, complex=is_complex, **known)
+
+
+def _without(file: str, data: Mapping[str, Any], shape: str, *keys: str) -> None:
+    """Refuse keys that mean nothing beside this kind of frame."""
+    for key in keys:
+        if data.get(key):
+            raise FileFormatError(f"{file}: {key} means nothing beside {shape}. Remove it.")
+
+
+def _signature(words: Vocabulary, data: Mapping[str, Any]) -> Any:
+    """Signs, a matrix, or nothing."""
+    value = data.get("signature")
+    if value is None:
+        return None
+    if isinstance(value, list) and value and isinstance(value[0], list):
+        return array(words, "signature", value, 2, len(words.coordinates))
+    if isinstance(value, list) and all(type(sign) is int and abs(sign) == 1 for sign in value):
+        return tuple(value)
+    raise FileFormatError(
+        f"{words.file}: signature: a list of signs 1 and -1 or a constant matrix was needed, but "
+        f"{value!r} came. Write signature = [-1, 1, 1, 1]."
+    )
+
+
+def _connection(words: Vocabulary, data: Mapping[str, Any], frame: Frame) -> Connection | None:
+    """The space's own connection, if the file gives one."""
+    key = _only(words.file, data, CONNECTION_KEYS, required=False)
+    if not key:
+        return None
+    makers: dict[str, Callable[[Frame, Any], Connection]] = dict(
+        zip(
+            CONNECTION_KEYS,
+            (from_spin_connection, from_contortion, from_coefficients),
+            strict=True,
+        )
+    )
+    return makers[key](frame, array(words, key, data[key], 3, frame.dimension))

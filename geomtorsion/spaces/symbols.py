@@ -1,0 +1,182 @@
+"""Symbols: the names a tetrad file declares, and the expressions written with them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any
+
+import sympy
+
+from geomtorsion.errors import FileFormatError
+from geomtorsion.exact import parse_expression
+
+ASSUMPTIONS = (
+    "real", "positive", "negative", "nonnegative", "nonpositive", "nonzero", "integer", "complex",
+)  # fmt: skip
+_NAME = re.compile(r"[^\W0-9]\w*")
+_COMPARISON = re.compile(r"(<=|>=|<|>)")
+_RELATIONS = {"<": sympy.Lt, ">": sympy.Gt, "<=": sympy.Le, ">=": sympy.Ge}
+
+
+@dataclass(frozen=True)
+class Vocabulary:
+    """What may occur in the expressions of one file.
+
+    file: its name, for messages. coordinates, parameters: symbols. functions: name -> a(t).
+    """
+
+    file: str
+    coordinates: tuple[sympy.Symbol, ...]
+    parameters: tuple[sympy.Symbol, ...]
+    functions: Mapping[str, Any]
+
+    @property
+    def symbols(self) -> dict[str, sympy.Symbol]:
+        """Name -> symbol."""
+        return {symbol.name: symbol for symbol in (*self.coordinates, *self.parameters)}
+
+    def expression(self, value: Any, place: str) -> Any:
+        """An entry of the file as a sympy expression: an integer, or text.
+
+        Raises
+        ------
+        FileFormatError
+            The entry is neither.
+        ExpressionError
+            The text cannot be read; the message names the entry and the part.
+        """
+        if isinstance(value, int) and not isinstance(value, bool):
+            return sympy.Integer(value)
+        if isinstance(value, str):
+            where = f"{self.file}: {place}"
+            return parse_expression(value, self.symbols, self.functions, where=where)
+        raise FileFormatError(
+            f"{self.file}: {place}: an integer or an expression in quotes was needed, but "
+            f'{_kind(value)} came. Write for instance "r*sin(theta)".'
+        )
+
+    def relations(self, value: Any, place: str) -> list[Any]:
+        """Inequalities such as "0 < theta < pi" as sympy relations."""
+        found: list[Any] = []
+        for number, text in enumerate(texts(self.file, value, place)):
+            first, *rest = _COMPARISON.split(text)
+            if not rest:
+                raise FileFormatError(
+                    f'{self.file}: {place}[{number}]: {text!r} compares nothing. Write "r > 2*M" '
+                    'or "0 < theta < pi".'
+                )
+            left = self.expression(first, f"{place}[{number}]")
+            for sign, text_right in zip(rest[::2], rest[1::2], strict=True):
+                right = self.expression(text_right, f"{place}[{number}]")
+                found.append(_RELATIONS[sign](left, right))
+                left = right
+        return found
+
+
+def vocabulary(file: str, data: Mapping[str, Any], dimension: int) -> Vocabulary:
+    """Symbols and functions from the keys coordinates, parameters and functions.
+
+    Raises
+    ------
+    FileFormatError
+        A name is no name or declared twice, an assumption is unknown, or an argument of a function
+        is neither coordinate nor parameter.
+    """
+    if "coordinates" not in data and "structure_constants" not in data:
+        raise FileFormatError(
+            f"{file}: coordinates are missing. Name one for each column, in their order: "
+            'coordinates = ["t", "r"].'
+        )
+    default = [f"x{k + 1}" for k in range(dimension)]
+    names = texts(file, data.get("coordinates", default), "coordinates")
+    coordinates = tuple(sympy.Symbol(_name(file, name, "coordinates"), real=True) for name in names)
+    table = _table(file, data, "parameters")
+    parameters = tuple(
+        sympy.Symbol(_name(file, name, "parameters"), **_assumptions(file, name, given))
+        for name, given in table.items()
+    )
+    symbols = {symbol.name: symbol for symbol in (*coordinates, *parameters)}
+    functions: dict[str, Any] = {}
+    for name, given in _table(file, data, "functions").items():
+        arguments = texts(file, given, f"functions.{name}")
+        for argument in arguments:
+            if argument not in symbols:
+                near = nearest(argument, symbols)
+                raise FileFormatError(
+                    f"{file}: functions.{name}: its argument {argument!r} is neither a coordinate "
+                    f"nor a declared parameter. {near}Declared are {', '.join(symbols)}."
+                )
+        function: Any = sympy.Function(_name(file, name, "functions"))
+        functions[name] = function(*(symbols[argument] for argument in arguments))
+    declared = [*names, *table, *functions]
+    for name in declared:
+        if declared.count(name) > 1:
+            raise FileFormatError(
+                f"{file}: {name} is declared {declared.count(name)} times among coordinates, "
+                "parameters and functions. Give each its own name."
+            )
+    return Vocabulary(file, coordinates, parameters, functions)
+
+
+def texts(file: str, value: Any, place: str) -> list[str]:
+    """A list of texts; a single text counts as a list of one."""
+    items = [value] if isinstance(value, str) else value
+    if not isinstance(items, list) or not all(isinstance(item, str) for item in items):
+        raise FileFormatError(
+            f"{file}: {place}: a list of texts was needed, but {_kind(value)} came. "
+            f'Write {place} = ["..."].'
+        )
+    return items
+
+
+def nearest(name: str, known: Any) -> str:
+    """The question "Did you mean ...? " if something is near, else nothing."""
+    near = get_close_matches(name, list(known), n=1, cutoff=0.6)
+    return f"Did you mean {near[0]}? " if near else ""
+
+
+def _name(file: str, name: str, place: str) -> str:
+    if not _NAME.fullmatch(name):
+        raise FileFormatError(
+            f"{file}: {place}: {name!r} is no name. A name is a letter followed by letters, digits "
+            "or underscores."
+        )
+    return name
+
+
+def _assumptions(file: str, name: str, given: Any) -> dict[str, bool]:
+    """Assumptions of a parameter; real unless complex is among them."""
+    words = [word for text in texts(file, given, f"parameters.{name}") for word in text.split()]
+    for word in words:
+        if word not in ASSUMPTIONS:
+            raise FileFormatError(
+                f"{file}: parameters.{name}: {word!r} is no assumption. "
+                f"{nearest(word, ASSUMPTIONS)}Known are {', '.join(ASSUMPTIONS)}."
+            )
+    assumptions = dict.fromkeys(words, True)
+    return assumptions if "complex" in words else assumptions | {"real": True}
+
+
+def _table(file: str, data: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+    value = data.get(key, {})
+    if key == "parameters" and isinstance(value, list):
+        return dict.fromkeys(texts(file, value, key), "real")
+    if not isinstance(value, dict):
+        example = {"parameters": 'M = "positive"', "functions": 'a = ["t"]'}[key]
+        raise FileFormatError(
+            f"{file}: {key}: a table was needed, but {_kind(value)} came. "
+            f"Write [{key}] and below it {example}."
+        )
+    return value
+
+
+def _kind(value: Any) -> str:
+    """What a value of a TOML file is, in words."""
+    names: Sequence[tuple[type, str]] = (
+        (bool, "true or false"), (str, "text"), (int, "an integer"), (list, "a list"),
+        (dict, "a table"),
+    )  # fmt: skip
+    return next((word for kind, word in names if isinstance(value, kind)), f"{value}")
