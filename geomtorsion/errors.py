@@ -72,3 +72,7 @@ class UnknownNameError(GeomtorsionError, LookupError):
 
 class MissingExtraError(GeomtorsionError, ImportError):
     """An optional package is not installed; the message names the extra that brings it."""
+
+
+class LoopError(GeomtorsionError, ValueError):
+    """A path is no loop (it does not close, has no length), or cannot be integrated over."""

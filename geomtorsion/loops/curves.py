@@ -1,0 +1,179 @@
+"""Curves: closed parametric loops from exact expressions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from geomtorsion.errors import ExpressionError, LoopError
+from geomtorsion.exact import parse_expression
+from geomtorsion.exact.names import FUNCTIONS
+from geomtorsion.loops import intake
+from geomtorsion.loops.loop import Part, shown
+from geomtorsion.loops.sides import Curve, exact_number
+
+if TYPE_CHECKING:
+    import numpy as np
+
+# A curve closes if start and end agree to this share of its extent.
+CLOSED = 1e-12
+# Prime numbers of samples: a frequency that hides from one shows itself to the next.
+SAMPLES = (251, 1009, 4093, 16381, 65521)
+NOISE = 1e-11
+SMOOTH = frozenset(made for made, _ in FUNCTIONS.values() if isinstance(made, type))
+
+
+def parametric(
+    expressions: Sequence[Any],
+    parameter: Any,
+    interval: Any,
+    centre: Sequence[Any] | None,
+    size: Any,
+    symbols: Mapping[str, sp.Symbol] | None,
+) -> Part:
+    """Closed curve from expressions; see Loop.parametric."""
+    symbol = (
+        parameter if isinstance(parameter, sp.Symbol) else sp.Symbol(_name(parameter), real=True)
+    )
+    names = dict(symbols or {}) | {symbol.name: symbol}
+    if isinstance(expressions, str) or not hasattr(expressions, "__len__") or len(expressions) < 2:
+        raise LoopError(
+            f"curve: at least two expressions were needed, one per coordinate, but {expressions!r} "
+            "came."
+        )
+    read = tuple(_read(x, names, f"curve[{k}]") for k, x in enumerate(expressions))
+    if not hasattr(interval, "__len__") or isinstance(interval, str) or len(interval) != 2:
+        raise LoopError(f"interval: two bounds were needed, but {interval!r} came.")
+    start, end = (_read(x, dict(symbols or {}), "interval") for x in interval)
+    place = (0.0,) * len(read) if centre is None else intake.vector(centre, "centre", len(read))
+    given = ((0,) * len(read), 1) if centre is None else (tuple(centre), size)
+    if centre is None and size != 1:
+        raise LoopError(f"size {size} counts offsets from a centre; give the centre as well.")
+    scale = intake.length(size, "size")
+    side = Curve(read, symbol, start, end)
+    if intake.is_symbolic(start, end) or any(x.free_symbols - {symbol} for x in read):
+        return Part(place, scale, (side,), given=given)
+    if not float(end) != float(start):
+        raise LoopError(f"interval: it has no length, both bounds are {start}.")
+    _check_closed(side)
+    if centre is None:
+        place, side, given = _centred(side, given)
+    return Part(place, scale, (_resolved(side),), given=given)
+
+
+def symbolic_ellipse(centre: Sequence[Any], axes: tuple[Any, Any], plane: Any) -> Part:
+    """Ellipse whose centre or axes contain symbols, for exact integrals."""
+    s = sp.Symbol("s", real=True)
+    first, second = intake.rows(plane, len(centre))
+    a, b = (exact_number(axis) for axis in axes)
+    expressions = tuple(
+        exact_number(q) + a * exact_number(u) * sp.cos(s) + b * exact_number(v) * sp.sin(s)
+        for q, u, v in zip(centre, first.tolist(), second.tolist(), strict=True)
+    )
+    side = Curve(expressions, s, sp.S.Zero, 2 * sp.pi, is_periodic=True, waves=1)
+    return Part((0.0,) * len(centre), 1.0, (side,), given=((0,) * len(centre), 1))
+
+
+def _name(parameter: Any) -> str:
+    """The name of the parameter."""
+    if not isinstance(parameter, str) or not parameter.isidentifier():
+        raise LoopError(f"parameter: a name or a symbol was needed, but {parameter!r} came.")
+    return parameter
+
+
+def _read(value: Any, names: Mapping[str, sp.Symbol], where: str) -> sp.Expr:
+    """A smooth real expression from text or sympy."""
+    expression = (
+        parse_expression(value, names, {}, where=where) if isinstance(value, str) else value
+    )
+    expression = exact_number(sp.sympify(expression))
+    if expression.has(sp.I, sp.nan, sp.zoo, sp.oo):
+        raise ExpressionError(f"{where}: {expression} is not real and finite.")
+    for part in expression.atoms(sp.Function, sp.Piecewise):
+        if part.func not in SMOOTH:
+            raise ExpressionError(
+                f"{where}: {part} is not known to be smooth. Give a curve with corners as a polygon."
+            )
+    return expression
+
+
+def _check_closed(side: Curve) -> None:
+    """Refuse a curve whose ends do not meet, that is a point, or is not finite."""
+    import numpy as np
+
+    with np.errstate(all="ignore"):
+        points, _ = side.shape(np.linspace(0, 1, 258)[1:-1])
+        first, last = side.shape(np.array([0.0, 1.0]))[0].T
+    ends = np.array([first, last])
+    if not (np.isfinite(points).all() and np.isfinite(ends).all()):
+        raise LoopError(
+            f"curve: it is not finite everywhere between {side.start} and {side.end}. "
+            "Choose an interval on which every expression is."
+        )
+    extent = np.abs(points - points[:, :1]).max()
+    if extent <= 1e-15 * np.abs(points).max():
+        raise LoopError(f"curve: it stays at the point {shown(points[:, 0])} and has no length.")
+    gap = _gap(side)
+    if np.abs(gap).max() > CLOSED * extent:
+        raise LoopError(
+            f"curve: it does not close: it starts at {shown(first)} and ends at {shown(last)}, the "
+            f"gap is {shown(gap)}. Choose the interval so that both ends meet."
+        )
+
+
+def _gap(side: Curve) -> np.ndarray:
+    """End minus start, with more digits than a double has."""
+    import numpy as np
+
+    gaps = [
+        (x.subs(side.parameter, side.end) - x.subs(side.parameter, side.start)).evalf(30, chop=True)
+        for x in side.expressions
+    ]
+    return np.array([float(gap) for gap in gaps])
+
+
+def _centred(
+    side: Curve, given: tuple[tuple[Any, ...], Any]
+) -> tuple[tuple[float, ...], Curve, tuple[tuple[Any, ...], Any]]:
+    """Take the constant terms of the expressions as the centre."""
+    constants = tuple(x.as_independent(side.parameter, as_Add=True)[0] for x in side.expressions)
+    offsets = tuple(x - c for x, c in zip(side.expressions, constants, strict=True))
+    moved = replace(side, expressions=offsets)
+    return tuple(float(c) for c in constants), moved, (constants, given[1])
+
+
+def _resolved(side: Curve) -> Curve:
+    """The curve with its highest frequency, and whether it repeats after the interval."""
+    import numpy as np
+
+    probe = np.array([0.137, 0.311, 0.618, 0.871])
+    with np.errstate(all="ignore"):
+        here, after = side.shape(probe), side.shape(probe + 1)
+    scale = np.abs(here[1]).max()
+    periodic = all(
+        np.isfinite(two).all() and np.abs(one - two).max() <= 1e-9 * scale
+        for one, two in zip(here, after, strict=True)
+    )
+    if not periodic:
+        return side
+    found = [_highest(side, samples) for samples in SAMPLES[:2]]
+    for samples in SAMPLES[2:]:
+        if found[-1] is not None and found[-1] == found[-2]:
+            break
+        found.append(_highest(side, samples))
+    waves = found[-1] if found[-1] is not None else SAMPLES[-1] // 3
+    return replace(side, is_periodic=True, waves=waves)
+
+
+def _highest(side: Curve, samples: int) -> int | None:
+    """The highest frequency that these samples show, None if they resolve none."""
+    import numpy as np
+
+    _, slopes = side.shape(np.arange(samples) / samples)
+    spectrum = np.abs(np.fft.rfft(slopes, axis=1)).max(axis=0)
+    present = np.flatnonzero(spectrum > NOISE * spectrum.max())
+    highest = int(present[-1]) if len(present) else 0
+    return highest if highest < samples // 3 else None

@@ -1,0 +1,103 @@
+"""Intake: numbers and planes that come from a user, checked once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from geomtorsion.errors import LoopError
+
+if TYPE_CHECKING:
+    import numpy as np
+
+
+def number(value: Any, where: str) -> float:
+    """A finite float from an int, Fraction, float or sympy number."""
+    try:
+        result = float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise LoopError(f"{where}: a number was needed, but {value!r} came.") from None
+    if isinstance(value, str | bool) or not math.isfinite(result):
+        raise LoopError(f"{where}: a finite number was needed, but {value!r} came.")
+    return result
+
+
+def length(value: Any, where: str) -> float:
+    """A positive finite float."""
+    result = number(value, where)
+    if result <= 0:
+        raise LoopError(
+            f"{where}: a positive length was needed, but {value} came. "
+            "A loop without length encloses nothing."
+        )
+    return result
+
+
+def vector(values: Any, where: str, dimension: int | None = None) -> tuple[float, ...]:
+    """A tuple of finite floats, of a given length."""
+    if isinstance(values, str) or not hasattr(values, "__len__"):
+        raise LoopError(f"{where}: a list of coordinates was needed, but {values!r} came.")
+    result = tuple(number(x, f"{where}[{k}]") for k, x in enumerate(values))
+    if dimension is not None and len(result) != dimension:
+        raise LoopError(f"{where}: {dimension} numbers were needed, but {len(result)} came.")
+    if len(result) < 2:
+        raise LoopError(f"{where}: a loop needs at least two coordinates, but {values!r} came.")
+    return result
+
+
+def is_symbolic(*values: Any) -> bool:
+    """Whether a value contains symbols, at any depth of lists."""
+    return any(
+        is_symbolic(*value)
+        if isinstance(value, list | tuple)
+        else isinstance(value, sp.Expr) and bool(value.free_symbols)
+        for value in values
+    )
+
+
+def rows(plane: Any, dimension: int) -> tuple[np.ndarray, np.ndarray]:
+    """The two directions of a plane as vectors: from coordinate numbers, or as they were given."""
+    import numpy as np
+
+    if isinstance(plane, str) or not hasattr(plane, "__len__") or len(plane) != 2:
+        raise LoopError(
+            f"plane: two coordinates such as (0, 1) or two vectors were needed, but {plane!r} came."
+        )
+    directions = [_direction(side, dimension) for side in plane]
+    first, second = (np.array(direction) for direction in directions)
+    gram = np.dot(first, second) ** 2 / (np.dot(first, first) * np.dot(second, second) or 1.0)
+    if gram > 1 - 1e-14 or not first.any() or not second.any():
+        raise LoopError(
+            f"plane: the two directions {plane!r} span no plane. Give independent ones."
+        )
+    return first, second
+
+
+def _direction(side: Any, dimension: int) -> tuple[float, ...]:
+    """A unit vector along a coordinate, or the vector that was given."""
+    if isinstance(side, int) and not isinstance(side, bool):
+        if not 0 <= side < dimension:
+            raise LoopError(
+                f"plane: there is no coordinate {side}; there are {dimension}, counted from 0."
+            )
+        return tuple(float(k == side) for k in range(dimension))
+    if (
+        isinstance(side, str | float)
+        or not isinstance(side, Sequence)
+        and not hasattr(side, "shape")
+    ):
+        raise LoopError(f"plane: coordinate numbers or vectors were needed, but {side!r} came.")
+    return vector(side, "plane", dimension)
+
+
+def orthonormal(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Two orthonormal vectors in the same plane, the first along the first."""
+    import numpy as np
+
+    u = first / np.linalg.norm(first)
+    v = second / np.linalg.norm(second)
+    v = v - u * np.dot(u, v)
+    return u, v / np.linalg.norm(v)

@@ -1,0 +1,154 @@
+"""Shapes: circle, ellipse, polygon, plaquette, spline and cycle as parts of a loop."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import LoopError
+from geomtorsion.loops import intake
+from geomtorsion.loops.loop import Part, shown
+from geomtorsion.loops.sides import Cubic, Ellipse, Straight
+
+if TYPE_CHECKING:
+    import networkx as nx
+    import numpy as np
+
+# Neighbours closer than this share of the loop's size cannot be told apart.
+COINCIDE = 1e-15
+
+
+def circle(centre: Sequence[Any], radius: Any, plane: Any) -> Part:
+    """Circle of a radius about a centre; see Loop.circle."""
+    if intake.is_symbolic(list(centre), radius):
+        from geomtorsion.loops.curves import symbolic_ellipse
+
+        return symbolic_ellipse(centre, (radius, radius), plane)
+    place = intake.vector(centre, "centre")
+    u, v = intake.orthonormal(*intake.rows(plane, len(place)))
+    size = intake.length(radius, "radius")
+    side = Ellipse(tuple(u.tolist()), tuple(v.tolist()))
+    return Part(place, size, (side,), given=(tuple(centre), radius))
+
+
+def ellipse(centre: Sequence[Any], axes: Any, plane: Any) -> Part:
+    """Ellipse with two semi-axes along two directions; see Loop.ellipse."""
+    if not hasattr(axes, "__len__") or isinstance(axes, str) or len(axes) != 2:
+        raise LoopError(f"axes: two semi-axes were needed, but {axes!r} came.")
+    if intake.is_symbolic(list(centre), list(axes)):
+        from geomtorsion.loops.curves import symbolic_ellipse
+
+        return symbolic_ellipse(centre, axes, plane)
+    place = intake.vector(centre, "centre")
+    first, second = intake.rows(plane, len(place))
+    a, b = (intake.length(axis, f"axes[{k}]") for k, axis in enumerate(axes))
+    size = max(a, b)
+    side = Ellipse(tuple((first * (a / size)).tolist()), tuple((second * (b / size)).tolist()))
+    return Part(place, size, (side,), given=(tuple(centre), size))
+
+
+def polygon(vertices: Sequence[Any], centre: Any, size: Any) -> Part:
+    """Closed chain of straight sides; see Loop.polygon."""
+    place, scale, offsets, given = _offsets(vertices, centre, size, "vertices", "vertex")
+    corners = [tuple(row) for row in offsets.tolist()]
+    pairs = zip(corners, corners[1:] + corners[:1], strict=True)
+    return Part(place, scale, tuple(Straight(*pair) for pair in pairs), given=given)
+
+
+def plaquette(corner: Sequence[Any], steps: Any, plane: Any) -> Part:
+    """Parallelogram from a corner; see Loop.plaquette."""
+    place = intake.vector(corner, "corner")
+    first, second = intake.rows(plane, len(place))
+    if not hasattr(steps, "__len__") or isinstance(steps, str) or len(steps) != 2:
+        raise LoopError(f"steps: two steps were needed, but {steps!r} came.")
+    a, b = (intake.number(step, f"steps[{k}]") for k, step in enumerate(steps))
+    if not (a and b):
+        raise LoopError(f"steps: neither may be zero, but {tuple(steps)!r} came.")
+    scale = max(abs(a), abs(b))
+    u, v = first * (a / scale), second * (b / scale)
+    middle = tuple((float(q) + scale * (x + y) / 2) for q, x, y in zip(place, u, v, strict=True))
+    corners = [tuple(x.tolist()) for x in (-(u + v) / 2, (u - v) / 2, (u + v) / 2, (v - u) / 2)]
+    pairs = zip(corners, corners[1:] + corners[:1], strict=True)
+    return Part(middle, scale, tuple(Straight(*pair) for pair in pairs))
+
+
+def spline(points: Sequence[Any], centre: Any, size: Any) -> Part:
+    """Periodic cubic spline through points; see Loop.spline."""
+    import numpy as np
+    from scipy.interpolate import CubicSpline
+
+    place, scale, offsets, given = _offsets(points, centre, size, "points", "point")
+    closed = np.vstack([offsets, offsets[:1]])
+    chords = np.linalg.norm(np.diff(closed, axis=0), axis=1)
+    knots = np.concatenate([[0.0], np.cumsum(chords)])
+    pieces = CubicSpline(knots, closed, bc_type="periodic").c
+    # From powers of the chord length to powers of s in 0..1 on each piece.
+    powers = chords[None, :] ** np.arange(3, -1, -1)[:, None]
+    scaled = (pieces * powers[:, :, None]).transpose(1, 2, 0)
+    sides = tuple(Cubic(tuple(tuple(row) for row in piece)) for piece in scaled.tolist())
+    return Part(place, scale, sides, given=given)
+
+
+def cycle(graph: nx.Graph, nodes: Sequence[Any], position: str) -> Part:
+    """Polygon along a cycle of a graph; see Loop.from_cycle."""
+    chain = list(nodes)
+    if len(chain) > 1 and chain[0] == chain[-1]:
+        chain.pop()
+    corners = []
+    for node in chain:
+        if node not in graph:
+            raise LoopError(f"cycle: node {node!r} is not in the graph.")
+        if position not in graph.nodes[node]:
+            raise LoopError(
+                f"cycle: node {node!r} has no {position!r}. Give every node its coordinates with "
+                f"networkx.set_node_attributes(graph, positions, {position!r})."
+            )
+        corners.append(graph.nodes[node][position])
+    for one, two in zip(chain, chain[1:] + chain[:1], strict=True):
+        if not graph.has_edge(one, two) and not graph.has_edge(two, one):
+            raise LoopError(f"cycle: there is no edge between {one!r} and {two!r}.")
+    return polygon(corners, None, 1)
+
+
+def _offsets(
+    points: Any, centre: Any, size: Any, where: str, what: str
+) -> tuple[tuple[float, ...], float, np.ndarray, tuple[tuple[Any, ...], Any] | None]:
+    """Centre, size and offsets of points, closed and without neighbours that coincide."""
+    import numpy as np
+
+    if isinstance(points, str) or not hasattr(points, "__len__"):
+        raise LoopError(f"{where}: a list of points was needed, but {points!r} came.")
+    if len(points) == 0:
+        raise LoopError(f"{where}: at least three points were needed, but none came.")
+    dimension = len(points[0]) if hasattr(points[0], "__len__") else None
+    rows = np.array(
+        [intake.vector(row, f"{where}[{k}]", dimension) for k, row in enumerate(points)]
+    )
+    if len(rows) > 3 and (rows[0] == rows[-1]).all():
+        rows = rows[:-1]
+    if len(rows) < 3:
+        raise LoopError(
+            f"{where}: at least three points were needed, but {len(rows)} came: a path to and fro "
+            "between two points encloses nothing."
+        )
+    if centre is None:
+        if size != 1:
+            raise LoopError(f"size {size} counts offsets from a centre; give the centre as well.")
+        middle = rows.mean(axis=0)
+        offsets = rows - middle
+        scale = float(np.abs(offsets).max())
+        place, given = tuple(middle.tolist()), None
+        offsets = offsets / scale if scale else offsets
+    else:
+        place = intake.vector(centre, "centre", rows.shape[1])
+        scale, offsets = intake.length(size, "size"), rows
+        given = (tuple(centre), size)
+    extent = np.abs(offsets).max()
+    for k in range(len(rows)):
+        step = np.abs(offsets[k] - offsets[k - 1]).max()
+        if step <= COINCIDE * extent:
+            raise LoopError(
+                f"{where}: {what} {(k - 1) % len(rows)} and {what} {k} coincide at "
+                f"{shown(rows[k])}. Leave one of them out."
+            )
+    return place, scale, offsets, given

@@ -1,0 +1,181 @@
+"""Sides: the smooth arcs of which a loop is made, as offsets from its centre."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Protocol
+
+import sympy as sp
+
+if TYPE_CHECKING:
+    import numpy as np
+
+Vector = tuple[float, ...]
+
+
+class Side(Protocol):
+    """One smooth arc, s from 0 to 1; offsets are counted in units of the size of its loop."""
+
+    @property
+    def is_periodic(self) -> bool:
+        """Whether it closes smoothly on itself, so that the trapezoid rule is spectral."""
+        ...
+
+    @property
+    def waves(self) -> int:
+        """The highest frequency of its offsets: what a rule must at least resolve."""
+        ...
+
+    def shape(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Offsets and their derivatives by s, shape (n, k) each, at k values of s."""
+        ...
+
+    def exact(self, s: sp.Symbol) -> tuple[sp.Expr, ...]:
+        """The offsets as exact expressions in s."""
+        ...
+
+
+def exact_number(value: Any) -> sp.Expr:
+    """A number as it was meant: 0.3 is 3/10, for exact integrals."""
+    if isinstance(value, sp.Expr) and not value.is_Float:
+        return value
+    if isinstance(value, Fraction):
+        return sp.Rational(value.numerator, value.denominator)
+    if isinstance(value, int):
+        return sp.Integer(value)
+    return sp.Rational(repr(float(value)))
+
+
+@dataclass(frozen=True)
+class Ellipse:
+    """The closed curve u cos(2 pi s) + v sin(2 pi s).
+
+    first, second: the vectors u and v, shape (n,).
+    """
+
+    first: Vector
+    second: Vector
+    is_periodic: bool = field(default=True, init=False)
+    waves: int = field(default=1, init=False)
+
+    def shape(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Offsets and their derivatives by s."""
+        import numpy as np
+
+        u, v = self._columns
+        angle = 2 * np.pi * s
+        cos, sin = np.cos(angle), np.sin(angle)
+        return u * cos + v * sin, 2 * np.pi * (v * cos - u * sin)
+
+    @cached_property
+    def _columns(self) -> tuple[np.ndarray, np.ndarray]:
+        """u and v as columns."""
+        import numpy as np
+
+        return np.array(self.first)[:, None], np.array(self.second)[:, None]
+
+    def exact(self, s: sp.Symbol) -> tuple[sp.Expr, ...]:
+        """The offsets as exact expressions in s."""
+        cos, sin = sp.cos(2 * sp.pi * s), sp.sin(2 * sp.pi * s)
+        pairs = zip(self.first, self.second, strict=True)
+        return tuple(exact_number(u) * cos + exact_number(v) * sin for u, v in pairs)
+
+
+@dataclass(frozen=True)
+class Straight:
+    """The straight side from start to end, in coordinates.
+
+    start, end: offsets, shape (n,).
+    """
+
+    start: Vector
+    end: Vector
+    is_periodic: bool = field(default=False, init=False)
+    waves: int = field(default=0, init=False)
+
+    def shape(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Offsets and their derivatives by s."""
+        import numpy as np
+
+        start, end = np.array(self.start)[:, None], np.array(self.end)[:, None]
+        step = end - start
+        return start + step * s, np.broadcast_to(step, (len(step), len(s)))
+
+    def exact(self, s: sp.Symbol) -> tuple[sp.Expr, ...]:
+        """The offsets as exact expressions in s."""
+        pairs = [
+            (exact_number(a), exact_number(b)) for a, b in zip(self.start, self.end, strict=True)
+        ]
+        return tuple(a + (b - a) * s for a, b in pairs)
+
+
+@dataclass(frozen=True)
+class Cubic:
+    """One piece of a spline: a polynomial of third degree in s.
+
+    coefficients: highest power first, shape (n, 4).
+    """
+
+    coefficients: tuple[Vector, ...]
+    is_periodic: bool = field(default=False, init=False)
+    waves: int = field(default=0, init=False)
+
+    def shape(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Offsets and their derivatives by s."""
+        import numpy as np
+
+        a, b, c, d = np.array(self.coefficients).T[:, :, None]
+        return ((a * s + b) * s + c) * s + d, (3 * a * s + 2 * b) * s + c
+
+    def exact(self, s: sp.Symbol) -> tuple[sp.Expr, ...]:
+        """The offsets as exact expressions in s."""
+        return tuple(
+            sum(exact_number(c) * s ** (3 - k) for k, c in enumerate(row))
+            for row in self.coefficients
+        )
+
+
+@dataclass(frozen=True)
+class Curve:
+    """An arc given by exact expressions.
+
+    expressions: offsets as sympy expressions in the parameter, shape (n,).
+    parameter: the symbol they depend on; start, end: its exact bounds.
+    is_periodic: whether the expressions repeat after end - start.
+    waves: the highest frequency, found by `curves.resolved`.
+    """
+
+    expressions: tuple[sp.Expr, ...]
+    parameter: sp.Symbol
+    start: sp.Expr
+    end: sp.Expr
+    is_periodic: bool = False
+    waves: int = 0
+
+    def shape(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Offsets and their derivatives by s."""
+        import numpy as np
+
+        low, width = float(self.start), float(self.end - self.start)
+        values = np.empty((2, len(self.expressions), len(s)))
+        for k, value in enumerate(self._function(low + width * s)):
+            values.reshape(-1, len(s))[k] = value
+        return values[0], values[1] * width
+
+    @cached_property
+    def _function(self) -> Callable[[np.ndarray], Sequence[Any]]:
+        """Offsets and derivatives as a NumPy function.
+
+        Not through `numpy_function`: a field has one basis for all angles, and cos(1000 s) beside
+        cos(s) would become a polynomial of degree 1000 that no floating point can sum.
+        """
+        derivatives = [expression.diff(self.parameter) for expression in self.expressions]
+        return sp.lambdify(self.parameter, [*self.expressions, *derivatives], "numpy", cse=True)
+
+    def exact(self, s: sp.Symbol) -> tuple[sp.Expr, ...]:
+        """The offsets as exact expressions in s."""
+        inner = self.start + (self.end - self.start) * s
+        return tuple(expression.subs(self.parameter, inner) for expression in self.expressions)
