@@ -62,6 +62,7 @@ class Additive:
         field = self._field
         if not element._num:
             raise ExpressionError("log of an expression that is exactly zero")
+        field.sample.prefer_positive(element)
         content, factors = field.lift(element).factor()
         powers = [(field.polynomial(factor), exponent) for factor, exponent in factors]
         powers += [(field.polynomial(field.factors[i]), -e) for i, e in element._den]

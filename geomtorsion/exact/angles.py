@@ -8,6 +8,7 @@ import mpmath
 import sympy
 from flint import fmpq
 
+from geomtorsion.exact import limits
 from geomtorsion.exact.atoms import Atoms, terms
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.roots import square_root_inside
@@ -83,6 +84,7 @@ class Angles:
             unit, pair = self._refined(index, int(count.q))
             count = coefficient / unit
         n = int(count.p)
+        limits.check_multiple(n, "angles", self.atoms.elements[index], unit)
         cos, sin = _power(pair, abs(n), self._field)
         result = (cos, -sin if n < 0 else sin)
         self._multiples[index, coefficient] = result
@@ -113,6 +115,7 @@ class Angles:
     def _refined(self, index: int, parts: int) -> tuple[fmpq, Pair]:
         """The pair of a finer unit: an algebraic generator for each prime part."""
         unit, pair = self._finest[index]
+        limits.check_multiple(parts, "angles", self.atoms.elements[index], unit / parts)
         prime = 2
         while parts > 1:
             while parts % prime:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from flint import fmpq
 
 from geomtorsion.errors import UndecidedError
+from geomtorsion.exact.limits import check_power
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -110,6 +111,7 @@ class Element:
             return NotImplemented
         if exponent < 0:
             return self.inverse() ** -exponent
+        check_power(self, exponent)
         result, square = self._field.one, self
         while exponent:
             if exponent & 1:
@@ -234,9 +236,11 @@ class Element:
 
         return evaluate(self, point, precision)
 
-    def to_json(self) -> dict[str, str]:
+    def to_json(self) -> dict[str, Any]:
         """The element as a JSON-ready mapping; `Field.from_json` reads it back."""
-        return {"expression": str(self.sympy)}
+        from geomtorsion.exact.exchange import to_json
+
+        return to_json(self)
 
     def __str__(self) -> str:
         return str(self.sympy)

@@ -15,18 +15,54 @@ if TYPE_CHECKING:
     from geomtorsion.exact.element import Element
     from geomtorsion.exact.generators import Generator
 
-# Guard bits on top of twice the precision asked for: expanded numerators cancel.
 _GUARD = 30
+# Expanded numerators cancel; precision is doubled up to this many bits until they agree.
+_LARGEST_BITS = 2**12
 
 
 def evaluate(element: Element, point: Mapping[Any, Any], precision: int = 53) -> Any:
     """The value of an element at a point; see `Element.evaluate`."""
-    with mpmath.workprec(2 * precision + _GUARD):
-        value = values(element, lambda generator: _given(point, generator), {})
+    value = settled_value(
+        lambda: values(element, lambda generator: _given(point, generator), {}),
+        precision,
+        _LARGEST_BITS,
+    )
     if precision > 53:
         with mpmath.workprec(precision):
             return +value
     return complex(value) if isinstance(value, mpmath.mpc) and value.imag else float(value.real)
+
+
+def settled_value(compute: Callable[[], Any], precision: int, largest: int) -> Any:
+    """The value on which two working precisions agree to the precision asked for.
+
+    Zero is accepted only at the largest precision, as what is below 2**(-largest/4) there.
+
+    Raises
+    ------
+    SingularPointError
+        no finite value, or none that rises above cancellation, up to the largest precision.
+    """
+    bits, before = precision + _GUARD, None
+    while True:
+        with mpmath.workprec(bits):
+            try:
+                value = compute()
+            except (SingularPointError, ZeroDivisionError):
+                if bits > largest:
+                    raise
+                value = None
+            if before is not None and value is not None and mpmath.isfinite(value):
+                if value and abs(value - before) <= mpmath.ldexp(abs(value), -precision - 3):
+                    return value
+                if bits > largest:
+                    if abs(value) < mpmath.ldexp(1, -largest // 4):
+                        return value * 0
+                    raise SingularPointError(
+                        f"the value drowns in cancellation even with {bits} bits; "
+                        "move the point away from the edge of the chart"
+                    )
+        before, bits = value, 2 * bits
 
 
 def values(element: Element, given: Callable[[Generator], Any], known: dict[str, Any]) -> Any:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import sympy
 from flint import fmpq
 
+from geomtorsion.exact import limits
 from geomtorsion.exact.angles import single_generator
 from geomtorsion.exact.atoms import Atoms
 from geomtorsion.exact.generators import Generator
@@ -68,11 +69,13 @@ class Exponents:
         count = coefficient / unit
         if count.q != 1:
             parts = int(count.q)
+            limits.check_multiple(parts, "exponents", self.atoms.elements[index], unit / parts)
             up = self._field.root(up, parts)
             unit, down = unit / parts, up.inverse()
             self._base[index] = (unit, up, down)
             count = coefficient / unit
         n = int(count.p)
+        limits.check_multiple(n, "exponents", self.atoms.elements[index], unit)
         result = (up**n, down**n) if n > 0 else (down**-n, up**-n)
         self._powers[index, coefficient] = result
         return result
@@ -89,8 +92,9 @@ class Exponents:
         exponent = atom * unit
         n, shown = len(field.generators), exponent.sympy
         if index in self._plain:
+            name = f"ex{n}"
             up = field.add(
-                Generator("exp", f"ex{n}", sympy.exp(shown), exponent.symbols, argument=exponent)
+                Generator("exp", name, _power_of_logs(shown), exponent.symbols, argument=exponent)
             )
             self._base[index] = (unit, up, up.inverse())
             return
@@ -121,7 +125,11 @@ class Exponents:
         """exp of log, asinh, acosh, atanh: algebraic."""
         field = self._field
         generator = single_generator(field, atom)
-        if generator is None or generator.kind not in ("log", "primitive"):
+        if generator is None:
+            return None
+        if generator.kind == "constant" and isinstance(generator.shown, sympy.log):
+            return field.read(generator.shown.args[0])
+        if generator.kind not in ("log", "primitive"):
             return None
         if generator.kind == "log":
             return generator.argument
@@ -134,3 +142,12 @@ class Exponents:
         if name in ("atanh", "acoth"):
             return ((1 + u) / (1 - u) if name == "atanh" else (u + 1) / (u - 1)).sqrt()
         return None
+
+
+def _power_of_logs(exponent: sympy.Expr) -> sympy.Expr:
+    """exp(exponent), as base**p where the exponent is p * log(base)."""
+    factors = sympy.Mul.make_args(exponent)
+    logs = [factor for factor in factors if isinstance(factor, sympy.log)]
+    if len(logs) != 1:
+        return sympy.exp(exponent)
+    return logs[0].args[0] ** (exponent / logs[0])

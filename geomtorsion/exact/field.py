@@ -172,13 +172,11 @@ class Field(Ring):
         """Reads expressions together, so that angles and exponents get one common basis."""
         return self._reader.read_all(list(entries))
 
-    def from_json(self, data: Mapping[str, str], functions: Iterable[str] = ()) -> Element:
+    def from_json(self, data: Mapping[str, Any], functions: Iterable[str] = ()) -> Element:
         """The element that `Element.to_json` wrote, read through the whitelist parser."""
-        from geomtorsion.exact.parsing import parse_expression
+        from geomtorsion.exact.exchange import from_json
 
-        known = {str(symbol): symbol for symbol in self.symbols}
-        table = {name: sympy.Function(name) for name in functions}
-        return self.read(parse_expression(data["expression"], known, table))
+        return from_json(self, data, functions)
 
     @property
     def branches(self) -> tuple[Branch, ...]:

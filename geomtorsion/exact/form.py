@@ -18,13 +18,18 @@ Monomial = tuple[tuple["Generator", int], ...]
 
 # Longer polynomials are not rewritten with sin**2: it would cost more than it shortens.
 _LONGEST_REWRITTEN = 120
+_LONGEST_FACTORED = 2000
 
 
 @dataclass(frozen=True, eq=False)
 class Sum:
-    """A polynomial of several terms, (coefficient, monomial) each."""
+    """A polynomial of several terms, (coefficient, monomial) each.
+
+    negative is the sum with opposite signs where that reads as well: half of them are minus.
+    """
 
     terms: tuple[tuple[fmpq, Monomial], ...]
+    negative: Sum | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +91,8 @@ def _made(element: Element) -> Form:
     exponents: dict[str, int] = {}
     if len(num) == 1 and not element._den:
         return _monomial(field, num)
-    content, factors = num.factor()
+    # A long polynomial is written as it is: its factors would cost more than they explain.
+    content, factors = num.factor() if len(num) <= _LONGEST_FACTORED else (fmpq(1), [(num, 1)])
     for factor, exponent in factors:
         positive, sign = monic(factor)
         content = content * sign if exponent % 2 else content
@@ -107,13 +113,24 @@ def _made(element: Element) -> Form:
             exponents[root] = exponents.get(root, 0) + 2 * take
             polys.setdefault(root, None)
             content = content / scale**take
-    powers = []
+    powers: list[tuple[Generator | Sum, int]] = []
     for key, exponent in exponents.items():
         if exponent:
             base, sign = _base(field, table, key, polys[key])
             content = content * sign if exponent % 2 else content
             powers.append((base, exponent))
+    if content < 0:
+        content = content * _sign_absorbed(powers)
     return Form(fmpq(content), tuple(powers))
+
+
+def _sign_absorbed(powers: list[tuple[Generator | Sum, int]]) -> int:
+    """-1 if a sum with as many minus as plus signs could take the minus, else 1."""
+    for place, (base, exponent) in enumerate(powers):
+        if isinstance(base, Sum) and exponent % 2 and base.negative is not None:
+            powers[place] = (base.negative, exponent)
+            return -1
+    return 1
 
 
 def _monomial(field: Field, num: Any) -> Form:
@@ -143,17 +160,13 @@ def _sum(field: Field, table: Radicals, poly: Any) -> tuple[Sum, int]:
             if len(other) < len(terms):
                 terms = other
     positive = sum(1 for value in terms.values() if value > 0)
-    zero = (0,) * len(field.generators)
-    flip = 2 * positive < len(terms) or (
-        2 * positive == len(terms) and terms.get(zero, fmpq(1)) < 0
+    sign = -1 if 2 * positive < len(terms) else 1
+    named = tuple(
+        (value * sign, tuple((g, e) for g, e in zip(field.generators, m, strict=True) if e))
+        for m, value in terms.items()
     )
-    sign = -1 if flip else 1
-    return Sum(
-        tuple(
-            (value * sign, tuple((g, e) for g, e in zip(field.generators, m, strict=True) if e))
-            for m, value in terms.items()
-        )
-    ), sign
+    opposite = Sum(tuple((-value, m) for value, m in named)) if 2 * positive == len(terms) else None
+    return Sum(named, opposite), sign
 
 
 def _rewritten(

@@ -18,7 +18,8 @@ def inverse(field: Field, element: Element) -> Element:
     for position, generator in enumerate(field.generators):
         if generator.degree and degrees[position] > 0:
             if generator.degree > 2:
-                return _by_linear_system(field, element, position)
+                norm = _by_linear_system(field, num, position)
+                return norm * field.polynomial(multiplier * den)
             tail = field.lift(generator.tail)  # type: ignore[arg-type]
             w = field.ctx.gen(position)
             below, above = split(field, num, position)
@@ -59,14 +60,14 @@ def coefficients(field: Field, poly: Any, position: int, degree: int) -> list[An
     return [field.ctx.from_dict(part) for part in parts]
 
 
-def _by_linear_system(field: Field, element: Element, position: int) -> Element:
-    """The inverse in an extension of degree n: solves (element * x = 1) for n coefficients."""
+def _by_linear_system(field: Field, num: Any, position: int) -> Element:
+    """The inverse in an extension of degree n: solves (num * x = 1) for n coefficients."""
     generator = field.generators[position]
     n = generator.degree
     w = field.generator_element(generator)
     # Column k holds the coefficients of num * w**k; the solution is x = sum x_k w**k.
     columns = []
-    power = field.polynomial(field.lift(element))
+    power = field.polynomial(num)
     for _ in range(n):
         columns.append([field.polynomial(c) for c in coefficients(field, power._num, position, n)])
         power = power * w
@@ -74,8 +75,7 @@ def _by_linear_system(field: Field, element: Element, position: int) -> Element:
         [columns[k][i] for k in range(n)] + [field.one if i == 0 else field.zero] for i in range(n)
     ]
     solution = _solved(rows)
-    result = field.sum((1, x, w**k) for k, x in enumerate(solution))
-    return result * field.denominator(element)
+    return field.sum((1, x, w**k) for k, x in enumerate(solution))
 
 
 def _solved(rows: list[list[Element]]) -> list[Element]:

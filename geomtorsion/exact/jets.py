@@ -37,7 +37,7 @@ def _shown(function: Any, orders: tuple[int, ...], places: list[sympy.Expr]) -> 
     slots: list[sympy.Expr] = []
     for k, place in enumerate(places):
         plain = place.is_Symbol and places.count(place) == 1
-        slot = place if plain or not orders[k] else sympy.Dummy(f"xi_{k + 1}")
+        slot = place if plain or not orders[k] else _fresh(f"xi_{k + 1}", places)
         if slot is not place:
             variables.append(slot)
             values.append(place)
@@ -45,3 +45,11 @@ def _shown(function: Any, orders: tuple[int, ...], places: list[sympy.Expr]) -> 
     counts = [(slot, n) for slot, n in zip(slots, orders, strict=True) if n]
     derivative = sympy.Derivative(function(*slots), *counts)
     return sympy.Subs(derivative, tuple(variables), tuple(values)) if variables else derivative
+
+
+def _fresh(name: str, places: list[sympy.Expr]) -> sympy.Symbol:
+    """A symbol that occurs in none of the places."""
+    taken = {str(symbol) for place in places for symbol in place.free_symbols}
+    while name in taken:
+        name += "_"
+    return sympy.Symbol(name)

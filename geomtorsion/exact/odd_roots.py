@@ -24,6 +24,7 @@ def odd_root(field: Field, element: Element, order: int) -> Element:
             return new / field.denominator(element)
         # u**(1/m) = u / ((u**2)**(1/m))**((m - 1)/2), and u**2 has no algebraic generator.
         return element / odd_root(field, square, order) ** ((order - 1) // 2)
+    field.sample.prefer_positive(element)
     content, factors = field.lift(element).factor()
     value = fmpq(content)
     powers = [(field.polynomial(factor), exponent) for factor, exponent in factors]

@@ -36,6 +36,7 @@ def root(field: Field, element: Element, order: int, radical: sympy.Expr | None 
 
 def _square_root(field: Field, element: Element, radical: sympy.Expr | None) -> Element:
     """The square root: inside the field where it exists there, else a new generator."""
+    field.sample.prefer_positive(element)
     inside = square_root_inside(field, element)
     if inside is not None:
         positive = inside if field.sample.is_positive(inside) else -inside

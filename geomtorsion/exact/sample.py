@@ -6,71 +6,107 @@ import zlib
 from typing import TYPE_CHECKING, Any
 
 import mpmath
+import sympy
 
 from geomtorsion.errors import GeomtorsionError
+from geomtorsion.exact.evaluate import settled_value, values
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-
-    import sympy
 
     from geomtorsion.exact.element import Element
     from geomtorsion.exact.field import Field
     from geomtorsion.exact.generators import Generator
 
-_BITS = 400
-# A value this small relative to the precision counts as possibly zero.
-_TINY = mpmath.mpf(10) ** -80
+_BITS = 300
+_LARGEST_BITS = 4096
+# Points tried before a radicand or the argument of a log is left negative.
+_TRIES = 80
 
 
 class Sample:
-    """A point for every symbol and unknown function, the same at every run."""
+    """A point for every symbol and unknown function, the same at every run.
+
+    What the caller gives stays; the rest may move to another place as long as every sign
+    decided so far is the same there, so that new radicands come out positive.
+    """
 
     def __init__(self, field: Field, given: Mapping[sympy.Symbol, Any]) -> None:
         self._field = field
         self._given = dict(given)
-        self._known: dict[str, Any] = {}
+        self._known: dict[int, dict[str, Any]] = {}
+        self._signs: list[tuple[Element, bool]] = []
+        self._place = 0
 
     def value(self, element: Element) -> Any:
-        """The value of an element at the point, to about 100 digits.
+        """The value of an element at the point, to about 90 digits.
 
         Raises
         ------
         SingularPointError
-            the element is singular there.
+            the element is singular there, or its value drowns in cancellation.
         """
-        from geomtorsion.exact.evaluate import values
+        return settled_value(lambda: self._now(element), _BITS, _LARGEST_BITS)
 
-        with mpmath.workprec(_BITS):
-            return values(element, self._value_of, self._known)
+    def _now(self, element: Element) -> Any:
+        """The value at the working precision."""
+        return values(element, self._value_of, self._known.setdefault(mpmath.mp.prec, {}))
 
     def is_positive(self, element: Element) -> bool:
-        """Whether the element is positive at the point (by its real part, then the other)."""
+        """Whether the element is positive at the point; the answer binds the point."""
+        sign = self._sign(element)
+        self._signs.append((element, sign))
+        return sign
+
+    def _sign(self, element: Element) -> bool:
+        """Whether the real part, or where it vanishes the other, is positive."""
         try:
             value = self.value(element)
-        except (GeomtorsionError, ZeroDivisionError, ValueError):
+        except (GeomtorsionError, ArithmeticError, ValueError):
             return True
         real, imaginary = mpmath.re(value), mpmath.im(value)
-        size = max(abs(real), abs(imaginary))
-        return bool(real > 0 if abs(real) > size * _TINY else imaginary > 0)
+        with mpmath.workprec(_BITS):
+            negligible = mpmath.ldexp(max(abs(real), abs(imaginary)), -_BITS // 2)
+            return bool(real > 0 if abs(real) > negligible else imaginary > 0)
+
+    def prefer_positive(self, element: Element) -> bool:
+        """Moves the point to where the element is positive, if that contradicts no sign."""
+        if not self._sign(element) and not self._field.is_complex:
+            before = self._place
+            for place in range(1, _TRIES):
+                self._place = place
+                self._known.clear()
+                if self._sign(element) and all(self._sign(e) == s for e, s in self._signs):
+                    break
+            else:
+                self._place = before
+                self._known.clear()
+        return self.is_positive(element)
 
     def is_surely_nonzero(self, element: Element) -> bool:
-        """Whether the value at the point is far from zero at 100 digits."""
+        """Whether two precisions agree on a value that is not zero."""
         try:
-            return bool(abs(self.value(element)) > _TINY)
-        except (GeomtorsionError, ZeroDivisionError, ValueError):
+            return bool(self.value(element))
+        except (GeomtorsionError, ArithmeticError, ValueError):
             return False
 
     def _value_of(self, generator: Generator) -> Any:
         shown = generator.shown
         if shown in self._given:
-            given = self._given[shown]
-            if isinstance(given, int | float):
-                return mpmath.mpf(given)
-            return mpmath.mpmathify(given.evalf(130) if hasattr(given, "evalf") else given)
-        # A fixed irrational-looking number in (0.3, 1.1) made from the name.
-        seed = zlib.crc32(str(shown).encode()) / 2**32
-        value = mpmath.mpf("0.3") + mpmath.mpf("0.8") * mpmath.frac(
-            mpmath.sqrt(2) * 1000 * (seed + 1)
-        )
+            given = sympy.sympify(self._given[shown])
+            return mpmath.mpmathify(given.evalf(int(mpmath.mp.dps) + 10))
+        share = _share(f"{shown} {self._place}")
+        if self._place:
+            value = 3 * share
+        elif shown in self._field.symbols:
+            # Coordinates come first and are the larger ones: r > 2*M, and angles are acute.
+            value = (1 + share / 10) * mpmath.mpf("0.6") ** self._field.symbols.index(shown)
+        else:
+            value = mpmath.mpf("0.3") + share
         return -value if getattr(shown, "is_negative", None) else value
+
+
+def _share(text: str) -> Any:
+    """A number between 0 and 1 made from a text."""
+    seed = zlib.crc32(text.encode()) / 2**32
+    return mpmath.frac(mpmath.sqrt(2) * 1000 * (seed + 1))

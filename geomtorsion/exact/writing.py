@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cmp_to_key
 from typing import TYPE_CHECKING, Any
 
 import sympy
@@ -14,20 +15,40 @@ if TYPE_CHECKING:
 
     from geomtorsion.exact.element import Element
 
+# Generators that sympy never merges with others in a product, as it does exp(x)*exp(y).
+_PLAIN = frozenset(("symbol", "cos", "sin", "cosh", "sinh", "log", "jet"))
+# Sums above this many terms stay in their own order: sorting them takes sympy minutes.
+_LONGEST_SORTED = 2000
+_ORDER = cmp_to_key(sympy.Basic.compare)
+
 
 def to_sympy(element: Element) -> sympy.Expr:
     """The element in its short form: factored, radicals and sin**2 restored."""
     written = form(element)
     known = element.field.tables.setdefault("sympy", {})
     factors = [_power(known, base, exponent) for base, exponent in written.powers]
-    value = written.coefficient
-    if value != 1 or not factors:
-        factors.insert(0, _number(value))
-    return sympy.Mul(*factors) if len(factors) > 1 else factors[0]
+    sums = sum(isinstance(base, Sum) for base, _ in written.powers)
+    plain = all(isinstance(base, Sum) or base.kind in _PLAIN for base, _ in written.powers)
+    # sympy distributes a number over a lone sum; then its own product is taken.
+    return _product(written.coefficient, factors, plain and (len(factors) > 1 or not sums))
 
 
 def _number(value: fmpq) -> sympy.Expr:
     return sympy.Rational(int(value.p), int(value.q)) if value.q != 1 else sympy.Integer(int(value))
+
+
+def _product(value: fmpq, factors: list[sympy.Expr], plain: bool) -> sympy.Expr:
+    """value * factors; plain ones are put together without sympy's search for like bases."""
+    if not factors:
+        return _number(value)
+    if value == 1 and len(factors) == 1:
+        return factors[0]
+    if not plain:
+        return sympy.Mul(_number(value), *factors)
+    ordered = sorted(factors, key=_ORDER)
+    if value != 1:
+        ordered.insert(0, _number(value))
+    return sympy.Mul._from_args(ordered, is_commutative=True)
 
 
 def _power(known: dict[Any, sympy.Expr], base: Generator | Sum, exponent: int) -> sympy.Expr:
@@ -43,9 +64,14 @@ def _power(known: dict[Any, sympy.Expr], base: Generator | Sum, exponent: int) -
 def _sum(known: dict[Any, sympy.Expr], base: Sum) -> sympy.Expr:
     """A sum of monomials."""
     terms = []
+    all_plain = True
     for value, monomial in base.terms:
         factors = [_power(known, generator, exponent) for generator, exponent in monomial]
-        if value != 1 or not factors:
-            factors.insert(0, _number(value))
-        terms.append(sympy.Mul(*factors) if len(factors) > 1 else factors[0])
-    return sympy.Add(*terms)
+        plain = all(generator.kind in _PLAIN for generator, _ in monomial)
+        all_plain = all_plain and plain
+        terms.append(_product(value, factors, plain))
+    if not all_plain:
+        return sympy.Add(*terms)
+    if len(terms) <= _LONGEST_SORTED:
+        terms.sort(key=lambda term: (not term.is_Number, _ORDER(term)))
+    return sympy.Add._from_args(terms, is_commutative=True)

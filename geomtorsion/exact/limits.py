@@ -1,0 +1,47 @@
+"""Limits: where exact work is refused because it would not end."""
+
+from __future__ import annotations
+
+from math import comb
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import LimitError
+
+if TYPE_CHECKING:
+    from geomtorsion.exact.element import Element
+
+# cos(n x) is a polynomial of degree n in cos(x).
+LARGEST_MULTIPLE = 1000
+LARGEST_POWER_TERMS = 200_000
+
+
+def check_multiple(n: int, kind: str, atom: Element, unit: Any) -> None:
+    """Refuses angles or exponents whose common unit is too fine.
+
+    Raises
+    ------
+    LimitError
+        a multiple above LARGEST_MULTIPLE of the common unit is needed.
+    """
+    if abs(n) > LARGEST_MULTIPLE:
+        raise LimitError(
+            f"{kind} that are rational multiples of {atom} have the common unit {unit} * {atom}, "
+            f"of which the multiple {n} would be needed; the limit is {LARGEST_MULTIPLE}. "
+            "Write one of the two ratios as a parameter"
+        )
+
+
+def check_power(base: Element, exponent: int) -> None:
+    """Refuses powers that would be multiplied out to very many terms.
+
+    Raises
+    ------
+    LimitError
+        more than LARGEST_POWER_TERMS terms are to be expected.
+    """
+    terms = max(len(base._num), 1 + bool(base._den))
+    if terms > 1 and comb(exponent + terms - 1, terms - 1) > LARGEST_POWER_TERMS:
+        raise LimitError(
+            f"the power {exponent} of an expression of {terms} terms would have more than "
+            f"{LARGEST_POWER_TERMS} terms; write the power as a parameter or a new symbol"
+        )
