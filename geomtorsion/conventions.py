@@ -94,7 +94,7 @@ CONVENTIONS = (
     Convention(
         "torsion scalar",
         "T = T_abc T^abc / 4 + T_abc T^cba / 2 - v_a v^a",
-        "R = R_bar + T + 2 D_bar_a v^a; for the flat Cartan connection R_bar = - T - 2 D_bar_a v^a.",
+        "R = R_bar + T + 2 D_bar_a v^a; R = 0 for Cartan: R_bar = - T - 2 D_bar_a v^a.",
     ),
     Convention(
         "torsion force",

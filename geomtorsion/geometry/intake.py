@@ -9,7 +9,13 @@ from typing import Any
 
 import sympy as sp
 
-from geomtorsion.errors import CoframeError, CoordinateError, MetricError, ShapeError, SignatureError
+from geomtorsion.errors import (
+    CoframeError,
+    CoordinateError,
+    MetricError,
+    ShapeError,
+    SignatureError,
+)
 from geomtorsion.exact import Element, Field
 from geomtorsion.geometry.matrices import dependence, determinant
 from geomtorsion.geometry.sampling import Point, candidate_points, domain_relations

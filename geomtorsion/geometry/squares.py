@@ -28,8 +28,9 @@ def orthonormal_coframe(
     signs = _signs(forms, points, signature, n)
     coframe: Elements = {}
     for place, (square, form) in forms.items():
-        size = square if signs[place] > 0 else -square
-        scale = size.sqrt().inverse()
+        # e(w) = +sqrt|q| in the direction w of each step, whatever the sign of q.
+        size = square * signs[place]
+        scale = size.sqrt().inverse() * signs[place]
         for column, value in form.items():
             coframe[place, column] = value * scale
     order = _row_order(signs, signature, n)

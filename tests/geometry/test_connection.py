@@ -1,0 +1,150 @@
+"""Connection: makers, their checks, and what they are told apart by."""
+
+import pytest
+import sympy as sp
+
+from geomtorsion.errors import ShapeError, TensorIndexError
+from geomtorsion.geometry import (
+    Frame,
+    blend,
+    cartan,
+    from_coefficients,
+    from_contortion,
+    from_spin_connection,
+    identities,
+    levi_civita,
+)
+from geomtorsion.geometry.connection import Connection
+
+x, y, z = sp.symbols("x y z", real=True)
+c, s = sp.symbols("c s", real=True)
+
+
+@pytest.fixture
+def frame() -> Frame:
+    return Frame([x, y], [[1, 0], [0, sp.exp(x)]], signature=(-1, 1))
+
+
+def zeros(n: int = 2) -> list:
+    return [[[0] * n for _ in range(n)] for _ in range(n)]
+
+
+def test_connections_of_a_frame_are_kept(frame: Frame) -> None:
+    """Asked twice, computed once."""
+    assert cartan(frame) is cartan(frame)
+    assert levi_civita(frame) is levi_civita(frame)
+
+
+def test_order_of_indices(frame: Frame) -> None:
+    """The first lower index is the direction of differentiation: D_x e_y = e_y."""
+    gamma = cartan(frame)
+    assert gamma[0, 1, 1] == 1
+    assert gamma[1, 0, 1] == 0
+
+
+def test_lorentzian_spin_connection_keeps_lengths(frame: Frame) -> None:
+    """A boost has omega_01 = -omega_10 lowered, so omega_0^1 = omega_1^0."""
+    boost, turn = zeros(), zeros()
+    boost[0][0][1] = boost[0][1][0] = c
+    turn[0][0][1], turn[0][1][0] = c, -c
+    assert from_spin_connection(frame, boost).keeps_lengths
+    assert from_spin_connection(frame, boost).is_metric is True
+    assert not from_spin_connection(frame, turn).keeps_lengths
+    assert from_spin_connection(frame, turn).is_metric is False
+
+
+def test_spin_connection_of_the_makers(frame: Frame) -> None:
+    """Zero for Cartan; what was given otherwise; D_a E_i = omega_ai^j E_j."""
+    assert cartan(frame).spin_connection.is_zero is True
+    omega = zeros()
+    omega[0][0][1] = omega[0][1][0] = c * y
+    connection = from_spin_connection(frame, omega)
+    assert connection.spin_connection.nonzero() == {(0, 0, 1): c * y, (0, 1, 0): c * y}
+    moved = connection.covariant_derivative(frame.legs)
+    # legs[mu, i] is one tensor with a coordinate and a frame index: its derivative vanishes.
+    assert moved.is_zero is True
+
+
+def test_contortion_must_be_one(frame: Frame) -> None:
+    """K_abc + K_acb = 0 is checked and the components are named."""
+    wrong = zeros()
+    wrong[0][1][1] = x
+    with pytest.raises(TensorIndexError, match=r"\[0, 1, 1\]"):
+        from_contortion(frame, wrong)
+
+
+def test_contortion_in_any_form(frame: Frame) -> None:
+    """Frame components and lowered indices are brought to K_ab^c."""
+    contortion = cartan(frame).contortion
+    for form in (contortion, contortion.lowered(2), contortion.in_frame()):
+        assert from_contortion(frame, form).coefficients == cartan(frame).coefficients
+
+
+def test_coefficients_have_everything(frame: Frame) -> None:
+    """Torsion, curvature and nonmetricity of one arbitrary connection, by hand."""
+    gamma = zeros()
+    gamma[0][1][1] = y
+    connection = from_coefficients(frame, gamma)
+    assert connection.torsion.S.nonzero() == {(0, 1, 1): y / 2, (1, 0, 1): -y / 2}
+    # R_mnl^k = d_m G_nl^k - ...: R_101^1 = d_1 G_01^1 = 1
+    assert connection.curvature.riemann.nonzero() == {(0, 1, 1, 1): -1, (1, 0, 1, 1): 1}
+    # Q_011 = d_0 g_11 - 2 g_11 G_01^1
+    (expected,) = frame.read([("Q", (2 - 2 * y) * sp.exp(2 * x))])
+    assert connection.nonmetricity.element(0, 1, 1) == expected
+    assert not connection.keeps_lengths
+    assert [identity.holds for identity in identities(connection)] == [False, True, True, True]
+
+
+def test_ends_of_a_blend(frame: Frame) -> None:
+    """Shares 0 and 1 are the connections themselves; in between torsion is linear."""
+    bar, gamma = levi_civita(frame), cartan(frame)
+    assert blend(bar, gamma, 0).coefficients == bar.coefficients
+    assert blend(bar, gamma, 1).coefficients == gamma.coefficients
+    half = blend(bar, gamma)
+    assert half.torsion.T == gamma.torsion.T / 2
+    assert blend(bar, gamma, s).contortion == gamma.contortion * s
+
+
+def test_cartan_schouten_connections_of_rotations() -> None:
+    """On SO(3) the blends 0, 1 and -1 ... (+), (-), (0): two of them flat, the middle not."""
+    cy, sy, cz, sz = sp.cos(y), sp.sin(y), sp.cos(z), sp.sin(z)
+    left = Frame([x, y, z], [[cy * cz, sz, 0], [-cy * sz, cz, 0], [sy, 0, 1]])
+    bar, plus = levi_civita(left), cartan(left)
+    assert plus.is_flat is True
+    assert blend(bar, plus, -1).is_flat is True
+    assert blend(bar, plus, sp.Rational(1, 2)).is_flat is False
+    # R of the family is (1 - share^2) times R_bar.
+    family = blend(bar, plus, s)
+    assert family.curvature.riemann == bar.curvature.riemann * (1 - s**2)
+
+
+def test_shapes_and_frames_are_checked(frame: Frame) -> None:
+    """Arrays of the wrong size, tensors with other slots or of another frame."""
+    other = Frame([x, y], [[1, 0], [0, 1]])
+    with pytest.raises(ShapeError, match="2 entries were needed"):
+        from_coefficients(frame, zeros(3))
+    with pytest.raises(ShapeError, match="another frame"):
+        from_coefficients(frame, cartan(other).coefficients)
+    with pytest.raises(TensorIndexError, match="'ddu' were needed"):
+        from_coefficients(frame, cartan(frame).torsion.T.lowered(2))
+    with pytest.raises(ShapeError, match="blended"):
+        blend(cartan(frame), cartan(other))
+    with pytest.raises(ShapeError, match="another frame"):
+        cartan(frame).covariant_derivative(other.metric)
+
+
+def test_a_false_claim_is_exposed(frame: Frame) -> None:
+    """A connection that only claims to be Cartan's is not found flat."""
+    gamma = zeros()
+    gamma[0][1][1] = y
+    pretended = from_coefficients(frame, gamma)
+    claim = Connection(frame, pretended.coefficients, "false", "cartan", True)
+    assert claim.is_flat is False
+    assert claim.is_metric is False
+    assert not all(identity.holds for identity in identities(claim))
+
+
+def test_repr(frame: Frame) -> None:
+    """Name first, then components."""
+    assert repr(cartan(frame)).startswith("Cartan connection: ")
+    assert r"\Gamma_{x y }{}^{y }" in cartan(frame)._repr_latex_()

@@ -1,0 +1,138 @@
+"""Frame: every way to make one, and what it says when it cannot."""
+
+import pytest
+import sympy as sp
+
+from geomtorsion.errors import CoframeError, CoordinateError, ShapeError, SignatureError
+from geomtorsion.geometry import Frame, levi_civita
+
+r, phi = sp.symbols("r phi", positive=True)
+x, y, z = sp.symbols("x y z", real=True)
+
+
+def test_legs_are_the_inverse_of_the_coframe() -> None:
+    """By the cofactors and through the metric alike."""
+    dense = sp.Matrix([[1, x, 0], [y, 2, z], [0, z, 5]])
+    for coframe in (dense, 2 / (1 + x**2) * sp.Matrix([[0, 1, 0], [0, 0, 1], [1, 0, 0]])):
+        frame = Frame([x, y, z], coframe)
+        product = frame.coframe @ frame.legs
+        assert product.nonzero() == {(0, 0): 1, (1, 1): 1, (2, 2): 1}
+
+
+def test_orthogonal_coframe_goes_through_its_metric() -> None:
+    """A full coframe with a diagonal metric: the legs need no cofactors."""
+    c, s = sp.cos(x), sp.sin(x)
+    frame = Frame([x, y, z], [[c, s, 0], [-s, c, 0], [0, 0, 1]])
+    assert [step.name for step in frame.plan("legs").steps][-2:] == ["inverse_metric", "legs"]
+    assert frame.legs[0, 1] == -s
+    assert (frame.coframe @ frame.legs).nonzero() == {(0, 0): 1, (1, 1): 1, (2, 2): 1}
+
+
+def test_from_frame_keeps_the_legs() -> None:
+    """Legs are columns; the coframe is their inverse."""
+    frame = Frame.from_frame([r, phi], [[1, 2], [0, 1 / r]])
+    assert frame.legs[0, 1] == 2
+    assert frame.coframe[0, 1] == -2 * r
+    assert [step.name for step in frame.plan("legs").steps] == ["legs"]
+
+
+def test_coordinates_by_name() -> None:
+    """Names become the symbols that stand in the entries, with their assumptions."""
+    frame = Frame("r phi", [[1, 0], [0, r]])
+    assert frame.coordinates == (r, sp.Symbol("phi"))
+    assert frame.anholonomy[0, 1, 1] == 1 / r
+
+
+def test_two_symbols_of_one_name_are_refused() -> None:
+    """Else all derivatives would silently vanish."""
+    with pytest.raises(CoordinateError, match="two different symbols are called r"):
+        Frame([sp.Symbol("r"), phi], [[1, 0], [0, r]])
+
+
+def test_parameters() -> None:
+    """Free symbols are parameters, in the order given, then by name."""
+    b, c = sp.symbols("b c")
+    frame = Frame([x, y], [[c, 0], [0, b]], parameters=[c])
+    assert frame.parameters == (c, b)
+    assert levi_civita(frame).is_flat
+
+
+def test_singular_coframe_says_which_rows_depend() -> None:
+    """The relation is printed with its factors."""
+    with pytest.raises(CoframeError, match=r"Row 2 equals .*row 0.*row 1"):
+        Frame([x, y, z], [[1, x, 0], [0, 1, y], [1, x + 2, 2 * y]])
+    with pytest.raises(CoframeError, match="Row 1 is zero"):
+        Frame([x, y], [[1, 0], [0, sp.sin(x) ** 2 + sp.cos(x) ** 2 - 1]])
+    with pytest.raises(CoframeError, match="matrix of legs"):
+        Frame.from_frame([x, y], [[1, 1], [1, 1]])
+
+
+def test_wrong_shapes() -> None:
+    """Coordinates, rows and signature have to fit."""
+    with pytest.raises(CoframeError, match="row 1 has 1"):
+        Frame([x, y], [[1, 0], [1]])
+    with pytest.raises(CoframeError, match="not square"):
+        Frame([x, y], [1, 2])
+    with pytest.raises(ShapeError, match="1 coordinates"):
+        Frame([x], [[1, 0], [0, 1]])
+    with pytest.raises(SignatureError, match="has 3 entries"):
+        Frame([x, y], [[1, 0], [0, 1]], signature=(1, 1, 1))
+    with pytest.raises(SignatureError, match="degenerate"):
+        Frame([x, y], [[1, 0], [0, 1]], signature=[[1, 1], [1, 1]])
+
+
+def test_a_constant_eta_with_entries_off_the_diagonal() -> None:
+    """Null coordinates of the plane: eta off-diagonal, the metric flat."""
+    frame = Frame([x, y], [[sp.exp(x), 0], [0, sp.exp(-x)]], signature=[[0, -1], [-1, 0]])
+    assert frame.metric.nonzero() == {(0, 1): -1, (1, 0): -1}
+    assert frame.inverse_eta.nonzero() == {(0, 1): -1, (1, 0): -1}
+    assert levi_civita(frame).is_flat
+    assert frame.volume[()] == 1
+
+
+def test_irrational_eta() -> None:
+    """Entries of eta may be any constants."""
+    frame = Frame([x], [[x]], signature=[[sp.sqrt(2)]])
+    assert frame.metric[0, 0] == sp.sqrt(2) * x**2
+    assert frame.inverse_metric[0, 0] == sp.sqrt(2) / (2 * x**2)
+
+
+def test_volume_and_determinant() -> None:
+    """Signed: the determinant of the coframe, times the root of that of eta."""
+    frame = Frame([r, phi], [[0, r], [1, 0]])
+    assert frame.determinant[()] == -r
+    assert frame.volume[()] == -r
+    scaled = Frame([r, phi], [[1, 0], [0, r]], signature=[[1, 0], [0, 4]])
+    assert scaled.volume[()] == 2 * r
+
+
+def test_sample_point_lies_in_the_domain() -> None:
+    """Assumptions and relations are kept, the frame is regular there."""
+    mass = sp.Symbol("M", positive=True)
+    h = sp.sqrt(1 - 2 * mass / r)
+    frame = Frame([r, phi], [[1 / h, 0], [0, r]], domain=[r > 2 * mass, phi < 2 * sp.pi])
+    point = frame.sample_point
+    assert point[r] > 2 * point[mass] > 0
+    assert 0 < point[phi] < 6.3
+    assert frame.domain == (r > 2 * mass, phi < 2 * sp.pi)
+    with pytest.raises(CoordinateError, match="no relation"):
+        Frame([x, y], [[1, 0], [0, 1]], domain=[x])
+    with pytest.raises(CoordinateError, match="no point inside"):
+        _ = Frame([x, y], [[1, 0], [0, 1]], domain=[x + y > 1, x + y < 0]).sample_point
+
+
+def test_a_frame_does_not_change() -> None:
+    """Frozen: what it was made from cannot be replaced."""
+    frame = Frame([x, y], [[1, 0], [0, 1]])
+    with pytest.raises(AttributeError):
+        frame.name = "other"  # pyright: ignore[reportAttributeAccessIssue] - that is the test
+
+
+def test_new_symbols_become_parameters() -> None:
+    """What is read later may bring a parameter, but no second symbol of a known name."""
+    frame = Frame([r, phi], [[1, 0], [0, r]])
+    c = sp.Symbol("c")
+    (element,) = frame.read([("entry", c * r)])
+    assert element.diff(r).sympy == c
+    with pytest.raises(CoordinateError, match="two different symbols"):
+        frame.read([("entry", sp.Symbol("r"))])

@@ -1,0 +1,98 @@
+"""Plan: asking for one quantity computes its ancestors and no others."""
+
+import networkx as nx
+import pytest
+import sympy as sp
+
+from geomtorsion.errors import UnknownNameError
+from geomtorsion.geometry import Frame, Tensor
+from geomtorsion.geometry.plan import QUANTITIES
+
+t, r, theta, phi = sp.symbols("t r theta phi", positive=True)
+M = sp.Symbol("M", positive=True)
+
+
+def schwarzschild() -> Frame:
+    h = sp.sqrt(1 - 2 * M / r)
+    coframe = sp.diag(h, 1 / h, r, r * sp.sin(theta))
+    return Frame([t, r, theta, phi], coframe, signature=(-1, 1, 1, 1))
+
+
+def kinds() -> dict[str, Frame]:
+    """A fresh frame of every kind of making."""
+    c, s = sp.cos(theta), sp.sin(theta)
+    return {
+        "coframe": schwarzschild(),
+        "metric": Frame.from_metric([r, theta], [[1, 0], [0, r**2]]),
+        "legs": Frame.from_frame([r, theta], [[1, r], [0, 1 / r]]),
+        "turned": Frame([r, theta], [[c, -r * s], [s, r * c]]),
+    }
+
+
+@pytest.mark.parametrize("kind", kinds())
+@pytest.mark.parametrize("name", QUANTITIES)
+def test_nothing_else_is_computed(kind: str, name: str) -> None:
+    """After one quantity is computed no quantity outside its plan has a component."""
+    frame = kinds()[kind]
+    planned = {step.name for step in frame.plan(name).steps}
+    given = {"coframe", *frame.given}
+    frame = kinds()[kind]
+    _ = frame.quantity(name).components.nonzero
+    # Matrices that decide on the cheaper route are looked at for every frame.
+    planned |= given | {"metric"}
+    for other, node in QUANTITIES.items():
+        if other not in planned:
+            tensor: Tensor = node.make(frame)
+            assert tensor.components.computed == 0, f"{other} was computed for {name}"
+
+
+@pytest.mark.parametrize("name", QUANTITIES)
+def test_every_quantity_can_be_computed(name: str) -> None:
+    """Each name leads to a tensor over the frame."""
+    frame = schwarzschild()
+    tensor = frame.quantity(name)
+    assert tensor.frame is frame
+    assert tensor.is_zero in (True, False)
+
+
+def test_graph() -> None:
+    """Ancestors with edges along the needs; no circles; the quantity is last."""
+    plan = schwarzschild().plan("einstein")
+    assert nx.is_directed_acyclic_graph(plan.graph)
+    assert set(plan.graph) == {step.name for step in plan.steps}
+    assert plan.steps[-1].name == "einstein"
+    assert ("ricci", "einstein") in plan.graph.edges
+    assert "torsion" in plan.left_out
+    assert not set(plan.left_out) & set(plan.graph)
+    assert set(plan.left_out) | set(plan.graph) == set(QUANTITIES)
+    everything = nx.DiGraph((need, name) for name, q in QUANTITIES.items() for need in q.needs)
+    assert nx.is_directed_acyclic_graph(everything)
+
+
+def test_cost_counts_independent_components() -> None:
+    """Symmetric pairs count once: 40 Christoffel symbols, 10 Ricci components in 4 dimensions."""
+    steps = {step.name: step for step in schwarzschild().plan("kretschmann").steps}
+    assert steps["christoffel"].components == 40
+    assert schwarzschild().plan("ricci").steps[-1].components == 10
+    assert all(step.products >= 0 for step in steps.values())
+
+
+def test_writing() -> None:
+    """A table for people, DOT for drawing, seconds from running."""
+    plan = schwarzschild().plan("torsion")
+    lines = str(plan).splitlines()
+    assert lines[0].split()[:2] == ["step", "components"]
+    assert lines[-1].startswith("left out: ")
+    assert len(lines) == len(plan.steps) + 2
+    assert "  torsion_T -> torsion;" in plan.to_dot()
+    spent = plan.run()
+    assert list(spent) == [step.name for step in plan.steps]
+    assert all(seconds >= 0 for seconds in spent.values())
+
+
+def test_unknown_name() -> None:
+    """Near names are offered."""
+    with pytest.raises(UnknownNameError, match="Did you mean ricci"):
+        schwarzschild().plan("ricii")
+    with pytest.raises(UnknownNameError, match="Known are"):
+        schwarzschild().quantity("entropy")

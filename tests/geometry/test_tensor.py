@@ -1,0 +1,190 @@
+"""Tensor: access, changes of indices, arithmetic, numbers and notation."""
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from geomtorsion.errors import (
+    CoordinateError,
+    MissingValueError,
+    ShapeError,
+    SingularPointError,
+    TensorIndexError,
+)
+from geomtorsion.geometry import Frame, Tensor, cartan, contract, levi_civita
+from geomtorsion.geometry.nested import tensor_from_array
+from geomtorsion.geometry.symmetry import antisymmetric, symmetric
+
+r, phi, M = sp.symbols("r phi M", positive=True)
+
+
+@pytest.fixture
+def frame() -> Frame:
+    return Frame([r, phi], [[1, 0], [0, r]])
+
+
+def test_a_single_component_computes_only_itself(frame: Frame) -> None:
+    """Asking for one component leaves the others alone."""
+    tensor = cartan(frame).torsion.T
+    assert tensor[0, 1, 1] == 1 / r
+    assert tensor.components.computed == 1
+    assert cartan(frame).coefficients.components.computed == 2
+
+
+def test_symmetric_components_are_computed_once(frame: Frame) -> None:
+    """Of components that follow from each other the rule sees one."""
+    asked = []
+
+    def rule(index):
+        asked.append(index)
+        return frame.field.one
+
+    tensor = Tensor(frame, "dd", rule, antisymmetric(2))
+    assert tensor.to_sympy().tolist() == [[0, 1], [-1, 0]]
+    assert asked == [(0, 1)]
+
+
+def test_symmetry_holds_only_between_indices_of_one_kind(frame: Frame) -> None:
+    """A symmetric tensor with one index raised is not symmetric."""
+    tensor = Tensor(frame, "dd", {(0, 1): r}, symmetric(2))
+    assert tensor.raised(0).nonzero() == {(0, 1): r, (1, 0): 1 / r}
+    assert tensor.raised(0).lowered(0) == tensor
+
+
+def test_index_changes(frame: Frame) -> None:
+    """Each slot change multiplies by the matrix it should."""
+    vector = tensor_from_array(frame, "u", [0, 1], "v")
+    assert vector.lowered().nonzero() == {(1,): r**2}
+    assert vector.in_frame().nonzero() == {(1,): r}
+    assert vector.in_frame().slots == "U"
+    covector = vector.lowered()
+    assert covector.in_frame().nonzero() == {(1,): r}
+    assert covector.in_frame().in_coordinates() == covector
+    assert frame.metric.raised() == frame.inverse_metric
+    assert frame.eta.raised().nonzero() == {(0, 0): 1, (1, 1): 1}
+
+
+def test_lorentzian_frame_index() -> None:
+    """A frame index is moved by eta."""
+    t, x = sp.symbols("t x", real=True)
+    frame = Frame([t, x], [[1, 0], [0, 1]], signature=(-1, 1))
+    vector = tensor_from_array(frame, "U", [2, 3], "v")
+    assert vector.lowered(0).nonzero() == {(0,): -2, (1,): 3}
+
+
+def test_coefficients_of_a_connection_are_no_tensor(frame: Frame) -> None:
+    """They cannot be brought to the frame; the spin connection is named instead."""
+    with pytest.raises(TensorIndexError, match="spin_connection"):
+        cartan(frame).coefficients.in_frame()
+    with pytest.raises(TensorIndexError, match="not a tensor"):
+        cartan(frame).covariant_derivative(cartan(frame).coefficients)
+    assert levi_civita(frame).spin_connection.in_frame().slots == "DDU"
+
+
+def test_arithmetic(frame: Frame) -> None:
+    """Sums, multiples, quotients and exact equality."""
+    g = frame.metric
+    assert g + g == g * 2 == 2 * g
+    assert (g - g).is_zero is True
+    assert -g == g * -1
+    assert (g * M / M) == g
+    assert hash(g + g) == hash(g * 2)
+    assert g != frame.inverse_metric
+    assert g != "g"
+    with pytest.raises(TensorIndexError, match="equal slots"):
+        _ = g + frame.inverse_metric
+    with pytest.raises(TensorIndexError, match="contract"):
+        _ = g * g
+    with pytest.raises(TensorIndexError, match="added"):
+        _ = g + 1  # pyright: ignore[reportOperatorIssue] - refused at run time, too
+    with pytest.raises(ZeroDivisionError, match="exactly zero"):
+        _ = g / (sp.sin(r) ** 2 + sp.cos(r) ** 2 - 1)
+
+
+def test_matmul(frame: Frame) -> None:
+    """@ sums the last index of one over the first of the other."""
+    assert (frame.metric @ frame.inverse_metric).nonzero() == {(0, 0): 1, (1, 1): 1}
+    with pytest.raises(TensorIndexError, match="down in"):
+        _ = frame.metric @ frame.metric
+
+
+def test_contraction(frame: Frame) -> None:
+    """Traces, permutations and products, each against sums written out."""
+    torsion = cartan(frame).torsion.T
+    trace = contract("abb->a", torsion)
+    for k in range(2):
+        assert trace[k] == sum(torsion[k, b, b] for b in range(2))
+    turned = contract("abc->cab", torsion)
+    assert turned.slots == "udd"
+    assert turned[1, 0, 1] == torsion[0, 1, 1]
+    lower = contract("abc,cd->abd", torsion, frame.metric)
+    assert lower == torsion.lowered(2)
+    other = torsion.raised(0).raised(1).lowered(2)
+    square = contract("abc,abd,cd->", lower, other, frame.inverse_metric)
+    assert square.slots == ""
+    assert square[()] == sp.Rational(2) / r**2
+    assert contract("abc,cd", torsion, frame.metric) == lower
+
+
+def test_contraction_computes_one_component_alone(frame: Frame) -> None:
+    """A contraction is lazy like everything else."""
+    lower = contract("abc,cd->abd", cartan(frame).torsion.T, frame.metric)
+    assert lower[0, 1, 1] == r
+    assert lower.components.computed == 1
+
+
+def test_contraction_keeps_symmetries(frame: Frame) -> None:
+    """What a factor's free indices had stays known."""
+    lower = contract("abc,cd->abd", cartan(frame).torsion.T, frame.metric)
+    assert lower.components.symmetry == antisymmetric(3)
+
+
+def test_numbers(frame: Frame) -> None:
+    """Values at a point, by symbol or by name; every missing or wild value is named."""
+    metric = frame.metric * M
+    assert np.array_equal(metric.at({r: 3, "M": sp.Rational(1, 2)}), [[0.5, 0], [0, 4.5]])
+    with pytest.raises(MissingValueError, match="M"):
+        metric.at({r: 3})
+    with pytest.raises(CoordinateError, match="rho"):
+        metric.at({"rho": 3})
+    with pytest.raises(CoordinateError, match="assumptions"):
+        metric.at({sp.Symbol("r"): 3})
+    with pytest.raises(SingularPointError, match="r = 0"):
+        frame.inverse_metric.at({r: 0})
+
+
+def test_numbers_of_a_scalar(frame: Frame) -> None:
+    """A scalar gives an array without axes."""
+    assert float(frame.determinant.at({r: 2})) == 2.0
+
+
+def test_given_components_follow_the_symmetry(frame: Frame) -> None:
+    """A mapping may name any representative."""
+    tensor = Tensor(frame, "dd", {(1, 0): r}, antisymmetric(2))
+    assert tensor[0, 1] == -r
+    assert tensor[1, 0] == r
+
+
+def test_nested_lists_are_checked(frame: Frame) -> None:
+    """Wrong shapes are refused with the place."""
+    with pytest.raises(ShapeError, match=r"v\[1\]"):
+        tensor_from_array(frame, "du", [[0, 1], [0]], "v")
+    with pytest.raises(ShapeError, match="single value"):
+        tensor_from_array(frame, "u", 3, "v")
+    with pytest.raises(TensorIndexError, match="slots"):
+        Tensor(frame, "dx", {})
+
+
+def test_notation(frame: Frame) -> None:
+    """repr names and counts; LaTeX shows every index at its height."""
+    torsion = cartan(frame).torsion
+    assert repr(torsion.S).splitlines()[1] == "  S[0, 1, 1] = 1/(2*r)"
+    assert torsion.S.label == "S_{ab}^{c}"
+    assert "vanish" in repr(levi_civita(frame).torsion.S)
+    assert r"S_{r \phi }{}^{\phi } &= \frac{1}{2 r}" in torsion.S._repr_latex_()
+    assert r"C_{\hat{0}\hat{1}}{}^{\hat{1}}" in frame.anholonomy._repr_latex_()
+    assert frame.metric._repr_latex_().startswith(r"$\displaystyle g_{ab} = \begin{pmatrix}")
+    assert frame.determinant._repr_latex_() == r"$\displaystyle e = r$"
+    assert r"\mathrm{d}\phi" in frame._repr_latex_()
+    assert "e^1 = r dphi" in repr(frame)
+    assert "0" in cartan(frame).curvature._repr_latex_()
