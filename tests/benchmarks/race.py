@@ -54,17 +54,27 @@ class Result:
 def race(contestant: str, case: str, limit: float = 60.0) -> Result:
     """Run the race in a process of its own; end it `limit` seconds after the warm-up began."""
     result = Result(contestant, case)
-    process = subprocess.Popen(
+    errors: list[str] = []
+    with subprocess.Popen(
         [sys.executable, "-m", "tests.benchmarks.race", contestant, case],
         cwd=ROOT,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
-    )
-    errors: list[str] = []
-    reader = threading.Thread(target=lambda: errors.extend(process.stderr or ()), daemon=True)
-    reader.start()
+    ) as process:
+        reader = threading.Thread(target=lambda: errors.extend(process.stderr or ()), daemon=True)
+        reader.start()
+        _follow(process, result, limit)
+        process.wait()
+        reader.join()
+    if process.returncode > 0 and errors:
+        result.failure = errors[-1].strip()
+    return result
+
+
+def _follow(process: subprocess.Popen[str], result: Result, limit: float) -> None:
+    """Write down what the process says until it ends or is ended."""
     stopper = threading.Timer(limit, _end, (process,))
     stopper.start()
     for line in process.stdout or ():
@@ -81,12 +91,7 @@ def race(contestant: str, case: str, limit: float = 60.0) -> Result:
             stopper.start()
         elif kind == "checked":
             result.agrees = bool(value)
-    process.wait()
     stopper.cancel()
-    reader.join(timeout=1.0)
-    if process.returncode > 0 and errors:
-        result.failure = errors[-1].strip()
-    return result
 
 
 def _end(process: subprocess.Popen[str]) -> None:

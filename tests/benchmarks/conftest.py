@@ -1,0 +1,10 @@
+"""Options of the benchmarks."""
+
+from __future__ import annotations
+
+import pytest
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """`--limit`: seconds after which a competitor is stopped."""
+    parser.addoption("--limit", type=float, default=60.0, help="seconds for one competitor")

@@ -1,0 +1,40 @@
+"""Competitors: the same cases by everyone installed, each in a process with a time limit.
+
+Nobody is asserted to be fast or slow; who gives an answer has to give the right one.
+The table of ratios is printed by `python -m tests.benchmarks.compare`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from tests.benchmarks.cases import NAMES
+from tests.benchmarks.compare import cell, is_wanted
+from tests.benchmarks.contestants import ALL, Contestant
+from tests.benchmarks.race import race
+
+
+@pytest.mark.parametrize("case", NAMES)
+@pytest.mark.parametrize("contestant", ALL, ids=lambda contestant: contestant.name)
+def test_race(
+    contestant: Contestant,
+    case: str,
+    request: pytest.FixtureRequest,
+    record_property: Callable[[str, object], None],
+) -> None:
+    """A contestant within the limit agrees with the point route; without, it says how far."""
+    if not contestant.is_installed:
+        # Not importorskip: a package that prints or warns on import stays out of this process.
+        pytest.skip(f"{contestant.title} is not installed")
+    if not is_wanted(contestant, case):
+        pytest.skip(f"{contestant.title} takes metrics only: the same race as another case")
+    limit = float(request.config.getoption("--limit") or 60.0)
+    result = race(contestant.name, case, limit=limit)
+    record_property("best", result.best)
+    record_property("reached", result.reached)
+    if result.best is None and contestant.name != "geomtorsion":
+        pytest.skip(f"{contestant.title}: {result.failure or cell(result, None, limit)}")
+    assert result.best is not None, result.failure
+    assert result.agrees is not False
