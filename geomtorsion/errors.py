@@ -76,3 +76,35 @@ class MissingExtraError(GeomtorsionError, ImportError):
 
 class LoopError(GeomtorsionError, ValueError):
     """A path is no loop (it does not close, has no length), or cannot be integrated over."""
+
+
+class StartError(GeomtorsionError, ValueError):
+    """A motion cannot start like this: the message names the number and the remedy."""
+
+
+class TimeError(GeomtorsionError, ValueError):
+    """Times are empty, not finite, repeated, unsorted, or on both sides of the start."""
+
+
+class AccuracyError(GeomtorsionError, ArithmeticError):
+    """The accuracy asked for is no accuracy, or cannot be reached with the engine asked for."""
+
+
+class ChartEdgeError(GeomtorsionError, ArithmeticError):
+    """A motion ran out of its chart; `solution` holds everything computed so far, or None."""
+
+    def __init__(self, message: str, solution: object = None) -> None:
+        super().__init__(message)
+        self.solution = solution
+
+
+class EndpointError(GeomtorsionError, ArithmeticError):
+    """No motion, or no unique one, leads from one point to another."""
+
+
+class NetworkError(GeomtorsionError, ValueError):
+    """A network of paths or dislocation lines lacks data or violates a conservation law."""
+
+
+class GridError(GeomtorsionError, ValueError):
+    """A sampled frame has no regular grid, holds no finite values, or is left by a loop."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import MissingValueError
@@ -97,9 +98,7 @@ class HeyokaWriter:
     """
 
     def __init__(self, arguments: Mapping[str, Any], number: Callable[[int, int], Any]) -> None:
-        import heyoka
-
-        self._heyoka: Any = heyoka
+        self._heyoka: Any = import_module("heyoka")
         self._arguments = dict(arguments)
         self._number = number
         self._known: dict[Any, Any] = {}

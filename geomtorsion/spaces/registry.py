@@ -112,7 +112,9 @@ def load(name: str) -> Space:
     """
     for known, module, title in SPACES:
         if known == name:
-            return import_module(f"geomtorsion.spaces.{module}").space(name, title)
+            from geomtorsion.spaces.atlases import attach
+
+            return attach(import_module(f"geomtorsion.spaces.{module}").space(name, title))
     near = get_close_matches(name.lower().replace("-", "_"), names(), n=5, cutoff=0.4)
     hint = f"Near: {', '.join(near)}." if near else "None is near."
     raise UnknownNameError(

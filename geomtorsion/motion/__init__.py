@@ -1,0 +1,40 @@
+"""Motion: curves and their solutions."""
+
+from geomtorsion.motion.charts import Atlas, Change, Chart
+from geomtorsion.motion.curves import (
+    autoparallel,
+    geodesic,
+    geodesic_deviation,
+    parallel_transport,
+)
+from geomtorsion.motion.engines import Engine, RungeKutta, Stiff, Taylor
+from geomtorsion.motion.exponential import Connecting, connecting, exponential_map, holonomy
+from geomtorsion.motion.problem import Problem
+from geomtorsion.motion.recorded import Recorded
+from geomtorsion.motion.solution import Cost, Moment, Solution, distance_apart
+from geomtorsion.motion.solve import solve
+
+__all__ = [
+    "Atlas",
+    "Change",
+    "Chart",
+    "Connecting",
+    "Cost",
+    "Engine",
+    "Moment",
+    "Problem",
+    "Recorded",
+    "RungeKutta",
+    "Solution",
+    "Stiff",
+    "Taylor",
+    "autoparallel",
+    "connecting",
+    "distance_apart",
+    "exponential_map",
+    "geodesic",
+    "geodesic_deviation",
+    "holonomy",
+    "parallel_transport",
+    "solve",
+]

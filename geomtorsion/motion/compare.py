@@ -1,0 +1,78 @@
+"""Compare: how far apart two journeys of the same motion are, block by block."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.motion.journey import moved_over
+
+if TYPE_CHECKING:
+    from geomtorsion.motion.journey import Journey
+
+
+def difference(one: Journey, two: Journey) -> tuple[float, int]:
+    """Largest difference relative to the size of each block, and the samples compared.
+
+    Each block (coordinates, velocities, passengers) is measured in the maximum norm, over all
+    samples, in the chart in which the first journey went.
+    """
+    import numpy as np
+
+    count = min(one.count, two.count)
+    if count == 0:
+        return float("inf"), 0
+    worst = 0.0
+    for first, second, blocks in pairs(one, two, count):
+        for block in blocks:
+            index = list(block)
+            size = np.abs(first[:, index]).max()
+            gap = np.abs(first[:, index] - second[:, index]).max()
+            if not np.isfinite(float(gap)):
+                return float("inf"), count
+            if gap > 0:
+                worst = max(worst, float(gap / size) if size > 0 else float("inf"))
+    return worst, count
+
+
+def pairs(one: Journey, two: Journey, count: int) -> list[tuple[Any, Any, Any]]:
+    """Sample arrays of both, chart by chart of the first, with the blocks."""
+    import numpy as np
+
+    if len(one.segments) == len(two.segments) == 1:
+        segment = one.segments[0]
+        other = two.segments[0].states
+        if segment.chart == two.segments[0].chart:
+            return [(segment.states[:count], other[:count], segment.equations.system.blocks)]
+    found, place = [], 0
+    rows = list(_rows(two))
+    for segment in one.segments:
+        states = segment.states[: max(count - place, 0)]
+        if not len(states):
+            continue
+        others = []
+        for name, equations, row, parameters in rows[place : place + len(states)]:
+            others.append(_converted(one, segment, name, equations, row, parameters))
+        place += len(states)
+        found.append((states, np.array(others), segment.equations.system.blocks))
+    return found
+
+
+def _rows(journey: Journey) -> Any:
+    """Samples of a journey one by one, with their chart."""
+    for segment in journey.segments:
+        for row in segment.states:
+            yield segment.chart, segment.equations, row, segment.parameters
+
+
+def _converted(one: Journey, segment: Any, name: str, equations: Any, row: Any, _: Any) -> Any:
+    """A sample of another chart in the chart of a segment, angles near those there."""
+    if name == segment.chart:
+        return row
+    width, n = equations.width, len(equations.velocities)
+    values = list(row)
+    moving = equations.moves
+    velocities = values[width : width + n] if moving else [0.0] * n
+    riders = values[width + n :] if moving else values[width:]
+    state = (values[:width], velocities, riders)
+    q, u, r = moved_over(one.problem, name, segment.chart, state, 53)
+    return [*q, *(u if moving else []), *r]

@@ -1,0 +1,210 @@
+"""RungeKutta and Stiff: scipy's DOP853, Radau and LSODA on generated code."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from geomtorsion.errors import LimitError
+from geomtorsion.motion.engines.protocol import Run
+from geomtorsion.motion.system import System, floats
+
+
+@dataclass(frozen=True)
+class RungeKutta:
+    """Explicit Runge-Kutta of order 8 (scipy DOP853) on generated code; needs nothing else.
+
+    max_evaluations: after so many evaluations of the rates the run is given up.
+
+    Examples
+    --------
+    >>> RungeKutta().name
+    'RungeKutta'
+    """
+
+    max_evaluations: int = 20_000_000
+
+    name = "RungeKutta"
+    precision = 53
+    finest = 3e-14
+
+    def run(
+        self,
+        system: System,
+        start: Sequence[Any],
+        parameters: Sequence[Any],
+        times: Any,
+        tolerance: float,
+        *,
+        dense: bool = False,
+    ) -> Run:
+        """See `Engine.run`."""
+        return _scipy_run(
+            "DOP853", self.max_evaluations, system, start, parameters, times, tolerance, dense
+        )
+
+
+@dataclass(frozen=True)
+class Stiff:
+    """Implicit solvers (scipy Radau or LSODA) with the exact Jacobian.
+
+    method: "Radau" or "LSODA".
+    max_evaluations: after so many evaluations of the rates the run is given up.
+
+    Examples
+    --------
+    >>> Stiff().name
+    'Stiff(Radau)'
+    """
+
+    method: str = "Radau"
+    max_evaluations: int = 5_000_000
+
+    precision = 53
+    finest = 3e-13
+
+    @property
+    def name(self) -> str:
+        """How it is called in tables."""
+        return f"Stiff({self.method})"
+
+    def run(
+        self,
+        system: System,
+        start: Sequence[Any],
+        parameters: Sequence[Any],
+        times: Any,
+        tolerance: float,
+        *,
+        dense: bool = False,
+    ) -> Run:
+        """See `Engine.run`."""
+        return _scipy_run(
+            self.method, self.max_evaluations, system, start, parameters, times, tolerance, dense
+        )
+
+
+def _scipy_run(
+    method: str,
+    most: int,
+    system: System,
+    start: Sequence[Any],
+    parameters: Sequence[Any],
+    times: Any,
+    tolerance: float,
+    dense: bool,
+) -> Run:
+    """One call of scipy's solve_ivp; its silent early ends are told apart."""
+    import numpy as np
+    from scipy.integrate import solve_ivp
+
+    began = time.perf_counter()
+    y0, values = np.array(floats(start)), floats(parameters)
+    rates = _counted(system.scalar_rates(values), most)
+    options: dict[str, Any] = {}
+    if method != "DOP853":
+        options["jac"] = system.scalar_jacobian(values)
+    if system.edge is not None:
+        options["events"] = _edge_event(system, values)
+    times = np.asarray(times, dtype=float)
+    tolerance = max(tolerance, 2.3e-14)
+    scales = error_scales(system, y0, rates(times[0], y0), times[-1] - times[0])
+    ready = time.perf_counter()
+    if times[0] == times[-1] or not np.isfinite(rates(times[0], y0)).all():
+        stuck = times[0] != times[-1]
+        outcome = "stuck" if stuck else "done"
+        reason = "the rates are no numbers at the start" if stuck else ""
+        states = y0[None, :]
+        return Run(times[:1], states, times[0], y0, outcome, 0, 1, ready - began, 0.0, None, reason)
+    with np.errstate(all="ignore"):
+        found = solve_ivp(
+            rates,
+            (times[0], times[-1]),
+            y0,
+            method,
+            t_eval=times,
+            rtol=tolerance,
+            atol=tolerance * scales,
+            dense_output=dense,
+            **options,
+        )
+    ended = time.perf_counter()
+    count, states = len(found.t), found.y.T
+    outcome, reason, reached, last = "done", "", times[-1], states[-1] if count else y0
+    if found.status == 1:
+        outcome, reached, last = "edge", float(found.t_events[0][-1]), found.y_events[0][-1]
+    elif count < len(times) or not np.isfinite(states).all():
+        finite = np.isfinite(states).all(axis=1)
+        count = count if finite.all() else int(np.argmin(finite))
+        outcome, reason = "stuck", str(found.message).rstrip(".")
+        options.pop("events", None)
+        with np.errstate(all="ignore"):
+            again = solve_ivp(
+                rates, (times[0], times[-1]), y0, method,
+                rtol=tolerance, atol=tolerance * scales, **options,
+            )  # fmt: skip
+        good = np.flatnonzero(np.isfinite(again.y).all(axis=0))[-1]
+        reached, last = float(again.t[good]), again.y[:, good]
+    return Run(
+        times[:count],
+        states[:count],
+        reached,
+        last,
+        outcome,
+        found.nfev // 12 if method == "DOP853" else found.njev,
+        found.nfev,
+        ready - began,
+        ended - ready,
+        _transposed(found.sol) if dense else None,
+        reason,
+    )
+
+
+def error_scales(system: System, y0: Any, rates: Any, duration: float) -> Any:
+    """The size of each state for absolute tolerances: that of its block, now or soon."""
+    import numpy as np
+
+    scales = np.empty(y0.shape)
+    for block in system.blocks:
+        index = list(block)
+        size = np.abs(y0[index]).max(axis=0)
+        if not np.all(size > 0):
+            soon = np.abs(np.asarray(rates)[index]).max(axis=0) * abs(duration)
+            size = np.where(size > 0, size, soon)
+        scales[index] = np.where(np.isfinite(size) & (size > 0), size, 1.0)
+    return scales
+
+
+def _counted(function: Any, most: int) -> Any:
+    """The rates, refusing to be called without end."""
+    calls = 0
+
+    def rates(t: float, y: Any) -> Any:
+        nonlocal calls
+        calls += 1
+        if calls > most:
+            raise LimitError(
+                f"more than {most} evaluations of the rates were needed by t = {t:.6g}. "
+                "Ask for less accuracy or time, use engine=Stiff(), or raise max_evaluations."
+            )
+        return function(t, y)
+
+    return rates
+
+
+def _edge_event(system: System, values: Sequence[float]) -> Any:
+    """scipy event: the edge function crosses zero downwards."""
+
+    def event(_: float, y: Any) -> float:
+        return float(system.edge_values(y, values))
+
+    event.terminal = True  # type: ignore[attr-defined]
+    event.direction = -1  # type: ignore[attr-defined]
+    return event
+
+
+def _transposed(solution: Any) -> Any:
+    """scipy's dense output with times first."""
+    return lambda t: solution(t).T

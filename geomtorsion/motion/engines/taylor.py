@@ -1,0 +1,280 @@
+"""Taylor: adaptive Taylor series, compiled by heyoka; any precision."""
+
+from __future__ import annotations
+
+import time
+from collections import OrderedDict
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
+
+from geomtorsion.errors import LimitError, MissingExtraError
+from geomtorsion.exact.engine_code import HeyokaWriter
+from geomtorsion.motion.engines.protocol import Run
+from geomtorsion.motion.system import System, mpf
+
+# Compiled integrators that are kept; each is some hundred kilobytes.
+KEPT = 128
+# Longer code is compiled in compact mode: seconds become tenths, at half the speed.
+LONGEST_UNROLLED = 1500
+# Between looks at whether a run still gets anywhere.
+STEPS_AT_ONCE = 20_000
+
+_kept: OrderedDict[tuple[Any, ...], Any] = OrderedDict()
+
+
+def heyoka() -> Any:
+    """The heyoka module, or an error that names the extra."""
+    try:
+        return import_module("heyoka")
+    except ImportError:
+        raise MissingExtraError(
+            "the Taylor engine needs heyoka, which is not installed. "
+            "Run `pip install geomtorsion[fast]` (Linux), or use engine=RungeKutta()."
+        ) from None
+
+
+def is_available() -> bool:
+    """Whether heyoka can be imported."""
+    from importlib.util import find_spec
+
+    return find_spec("heyoka") is not None
+
+
+@dataclass(frozen=True)
+class Taylor:
+    """Adaptive Taylor series by heyoka (extra `fast`).
+
+    precision: bits of the mantissa: 53 (double), 64 (long double), 113 (quadruple) or more.
+    compact: whether to compile small and fast code; None decides by the size of the equations.
+    max_steps: after so many steps a run is given up.
+
+    Examples
+    --------
+    >>> Taylor(precision=113).name
+    'Taylor(113)'
+    """
+
+    precision: int = 53
+    compact: bool | None = None
+    max_steps: int = 5_000_000
+
+    @property
+    def name(self) -> str:
+        """How it is called in tables."""
+        return "Taylor" if self.precision == 53 else f"Taylor({self.precision})"
+
+    @property
+    def finest(self) -> float:
+        """A tolerance at which only rounding is left."""
+        return 2.0 ** -(self.precision + 6)
+
+    def number(self, value: Any) -> Any:
+        """A number in the type of this precision, correctly rounded."""
+        if self.precision == 53:
+            return float(value)
+        import mpmath
+        import numpy as np
+
+        hy = heyoka()
+        if type(value).__name__ in ("longdouble", "real128", "real"):
+            text = str(value)
+        else:
+            digits = mpmath.nstr(mpf(value, self.precision + 20), int(self.precision * 0.302) + 6)
+            text = str(digits)
+        if self.precision == 64:
+            return np.longdouble(text)
+        if self.precision == 113:
+            return hy.real128(text)
+        return hy.real(text, self.precision)
+
+    def array(self, values: Sequence[Any]) -> Any:
+        """Numbers in the type of this precision."""
+        import numpy as np
+
+        if self.precision == 53:
+            return np.array([float(value) for value in values])
+        kind = type(self.number(0))
+        return np.array([self.number(value) for value in values], dtype=kind)
+
+    def integrator(self, system: System, tolerance: float, batch: int = 0) -> tuple[Any, float]:
+        """The compiled integrator of a system, from the store or made now; seconds it took."""
+        key = (system.key, tolerance, self.precision, self.compact, batch)
+        if key in _kept:
+            _kept.move_to_end(key)
+            return _kept[key], 0.0
+        began = time.perf_counter()
+        made = self._compiled(system, tolerance, batch)
+        _kept[key] = made
+        while len(_kept) > KEPT:
+            _kept.popitem(last=False)
+        return made, time.perf_counter() - began
+
+    def _compiled(self, system: System, tolerance: float, batch: int) -> Any:
+        import numpy as np
+
+        hy = heyoka()
+        variables = hy.make_vars(*(f"s{k}" for k in range(system.size)))
+        if system.size == 1:
+            variables = [variables] if not isinstance(variables, list) else variables
+        known = dict(zip(system.states, variables, strict=True))
+        known |= {name: hy.par[k] for k, name in enumerate(system.parameters)}
+        writer = HeyokaWriter(known, self._constant)
+        equations = [
+            (variable, writer.products(rate))
+            for variable, rate in zip(variables, system.rates, strict=True)
+        ]
+        compact = self.compact
+        if compact is None:
+            compact = len(system.code[0]) > LONGEST_UNROLLED
+        options: dict[str, Any] = {"tol": self.number(tolerance), "compact_mode": compact}
+        if batch:
+            return hy.taylor_adaptive_batch(
+                equations,
+                np.zeros((system.size, batch)),
+                pars=np.zeros((len(system.parameters), batch)),
+                **options,
+            )
+        if self.precision != 53:
+            options["fp_type"] = type(self.number(0))
+            if self.precision > 113:
+                options["prec"] = self.precision
+        if system.edge is not None:
+            kind = {53: hy.t_event, 64: hy.t_event_ldbl, 113: getattr(hy, "t_event_f128", None)}
+            maker = kind.get(self.precision) or hy.t_event_real
+            falling = hy.event_direction.negative
+            options["t_events"] = [maker(writer.products(system.edge), direction=falling)]
+        zeros = self.array([0] * system.size)
+        return hy.taylor_adaptive(
+            equations, zeros, pars=self.array([0] * len(system.parameters)), **options
+        )
+
+    def _constant(self, p: int, q: int) -> Any:
+        """A rational number as a heyoka expression, rounded once."""
+        from fractions import Fraction
+
+        return heyoka().expression(self.number(Fraction(p, q)))
+
+    def run(
+        self,
+        system: System,
+        start: Sequence[Any],
+        parameters: Sequence[Any],
+        times: Any,
+        tolerance: float,
+        *,
+        dense: bool = False,
+    ) -> Run:
+        """See `Engine.run`."""
+        import numpy as np
+
+        integrator, compiling = self.integrator(system, tolerance)
+        began = time.perf_counter()
+        grid = np.asarray(times, dtype=float) if self.precision == 53 else self.array(times)
+        integrator.time = grid[0]
+        integrator.state[:] = self.array(start)
+        if len(system.parameters):
+            integrator.pars[:] = self.array(parameters)
+        if system.edge is not None:
+            integrator.reset_cooldowns()
+        record = None
+        if dense:
+            # The steps are the same with and without the grid, so this comes first.
+            record = _Record(integrator, grid[0])
+            integrator.propagate_until(grid[-1], callback=record, write_tc=True)
+            integrator.time = grid[0]
+            integrator.state[:] = self.array(start)
+        states, outcome, steps, reason = self._propagated(integrator, grid)
+        ended = time.perf_counter()
+        return Run(
+            grid[: len(states)],
+            states,
+            integrator.time,
+            integrator.state.copy(),
+            outcome,
+            steps,
+            steps * (integrator.order + 1),
+            compiling,
+            ended - began,
+            record.dense() if record is not None else None,
+            reason,
+        )
+
+    def _propagated(self, integrator: Any, grid: Any) -> tuple[Any, str, int, str]:
+        """States on the grid, outcome, steps and reason; stops a run that gets nowhere."""
+        import numpy as np
+
+        if grid[0] == grid[-1]:
+            return integrator.state.copy()[None, :], "done", 0, ""
+        rows, done, steps, before = [], 0, 0, grid[0]
+        while True:
+            rest = grid[done:] if not done else np.concatenate(([integrator.time], grid[done:]))
+            out = integrator.propagate_grid(rest, max_steps=STEPS_AT_ONCE)
+            code, taken, values = int_of(out[0]), out[3], out[5]
+            steps += taken
+            new = values if not done else values[1:]
+            rows.append(new)
+            done += len(new)
+            if code == TIME_LIMIT:
+                return (rows[0] if len(rows) == 1 else np.concatenate(rows)), "done", steps, ""
+            if code != STEP_LIMIT:
+                states = np.concatenate(rows)
+                if code == NOT_FINITE:
+                    good = np.isfinite(states.astype(float)).all(axis=1)
+                    keep = len(states) if good.all() else int(np.argmin(good))
+                    return states[:keep], "stuck", steps, "the series has no finite value"
+                return states, "edge", steps, ""
+            moved = abs(float(integrator.time - before))
+            if moved < 1e-7 * abs(float(grid[-1] - grid[0])):
+                return np.concatenate(rows), "stuck", steps, "the steps became too small"
+            if steps > self.max_steps:
+                raise LimitError(
+                    f"more than {self.max_steps} steps were needed by t = {integrator.time:.6g}. "
+                    "Ask for less accuracy or time, use engine=Stiff(), or raise max_steps."
+                )
+            before = integrator.time
+
+
+TIME_LIMIT, STEP_LIMIT, NOT_FINITE = "time_limit", "step_limit", "err_nf_state"
+
+
+def int_of(outcome: Any) -> str:
+    """The name of heyoka's outcome; terminal events have none."""
+    return str(getattr(outcome, "name", "event"))
+
+
+class _Record:
+    """Callback that keeps the Taylor coefficients of every step."""
+
+    def __init__(self, integrator: Any, start: Any) -> None:
+        self.times = [start]
+        self.coefficients: list[Any] = []
+        self.integrator = integrator
+
+    def __call__(self, integrator: Any) -> bool:
+        self.coefficients.append(integrator.tc.copy())
+        self.times.append(integrator.time)
+        return True
+
+    def dense(self) -> Any:
+        """Function of times, by the polynomial of the step in which each lies."""
+        import numpy as np
+
+        times = np.array(self.times, dtype=type(self.times[0]))
+        table = np.array(self.coefficients, dtype=self.integrator.state.dtype)
+        forward = bool(times[-1] >= times[0])
+
+        def values(t: Any) -> Any:
+            t = np.asarray(t, dtype=times.dtype)
+            order = times.astype(float) if forward else -times.astype(float)
+            place = np.searchsorted(order, (t if forward else -t).astype(float), "right") - 1
+            place = np.clip(place, 0, len(table) - 1)
+            h = (t - times[place])[..., None]
+            rows = table[place]
+            result = rows[..., -1]
+            for k in range(rows.shape[-1] - 2, -1, -1):
+                result = result * h + rows[..., k]
+            return result
+
+        return values

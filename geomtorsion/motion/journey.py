@@ -1,0 +1,281 @@
+"""Journey: one integration across as many charts as it takes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import ChartEdgeError
+from geomtorsion.motion.charts import Chart
+from geomtorsion.motion.engines.protocol import Engine, Run
+from geomtorsion.motion.equations import Equations
+from geomtorsion.motion.passengers import weights
+from geomtorsion.motion.system import evaluated
+
+if TYPE_CHECKING:
+    from geomtorsion.motion.problem import Problem
+
+# A motion that changes charts more often than this goes round in circles on an edge.
+MOST_CHANGES = 10_000
+# A chart is worth moving to if it is this much further from its edge, in units of its margin.
+GAIN = 1.5
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """What was computed in one chart.
+
+    chart: its name; "" where velocities alone are followed.
+    begin: time at which the segment starts, in units of the journey.
+    skips: 1 if its first sample is the change of charts, which nobody asked for.
+    """
+
+    chart: str
+    equations: Equations
+    run: Run
+    begin: float
+    skips: int
+    start: tuple[Any, ...]
+    parameters: tuple[Any, ...]
+
+    @property
+    def times(self) -> Any:
+        """Sample times that were asked for."""
+        return self.run.times[self.skips :]
+
+    @property
+    def states(self) -> Any:
+        """States at these times."""
+        return self.run.states[self.skips :]
+
+
+@dataclass(frozen=True, eq=False)
+class Journey:
+    """Segments in order, in time units of 1/speed and velocities in units of speed."""
+
+    problem: Problem
+    engine: Engine
+    tolerance: float
+    segments: tuple[Segment, ...]
+    outcome: str
+    reason: str
+
+    @property
+    def count(self) -> int:
+        """Number of samples reached."""
+        return sum(len(segment.times) for segment in self.segments)
+
+    @property
+    def steps(self) -> int:
+        """Steps of all segments."""
+        return sum(segment.run.steps for segment in self.segments)
+
+    @property
+    def evaluations(self) -> int:
+        """Evaluations of all segments."""
+        return sum(segment.run.evaluations for segment in self.segments)
+
+    @property
+    def compile_seconds(self) -> float:
+        """Time spent on compilation."""
+        return sum(segment.run.compile_seconds for segment in self.segments)
+
+    @property
+    def run_seconds(self) -> float:
+        """Time spent on integration."""
+        return sum(segment.run.run_seconds for segment in self.segments)
+
+    @property
+    def reached(self) -> float:
+        """The last time, in units of the journey."""
+        return float(self.segments[-1].run.reached)
+
+
+def travel(
+    problem: Problem, engine: Engine, tolerance: float, times: Any, *, dense: bool = False
+) -> Journey:
+    """Follow a motion through times (from 0, in units of 1/speed), changing charts on the way."""
+    import numpy as np
+
+    several = len(problem.charts) > 1
+    name, state = beginning(problem, engine.precision)
+    segments: list[Segment] = []
+    rest, skips = times, 0
+    while True:
+        equations = problem.equations(name)
+        system = equations.system if several else equations.system.without_edge
+        velocities, vector = _split(problem, equations, state)
+        parameters = values_of(problem, equations, velocities)
+        run = engine.run(system, vector, parameters, rest, tolerance, dense=dense)
+        first = float(rest[0])
+        segments.append(
+            Segment(name, equations, run, first, skips, tuple(vector), tuple(parameters))
+        )
+        if run.outcome != "edge" and not (run.outcome == "stuck" and several and name):
+            return Journey(problem, engine, tolerance, tuple(segments), run.outcome, run.reason)
+        state = _joined(equations, run.last, velocities)
+        target = best_chart(problem, name, state, engine.precision)
+        if target is None or len(segments) > MOST_CHANGES:
+            reason = run.reason or "no other chart of the space reaches further"
+            return Journey(problem, engine, tolerance, tuple(segments), "stuck", reason)
+        state = moved_over(problem, name, target, state, engine.precision)
+        name, skips = target, 1
+        rest = np.concatenate(([run.reached], rest[len(run.times) :]))
+
+
+# A state is (coordinates, velocities in units of the speed, passengers).
+State = tuple[list[Any], list[Any], list[Any]]
+
+
+def beginning(problem: Problem, precision: int) -> tuple[str, State]:
+    """The chart in which to begin, and the state there."""
+    speed = problem.speed
+    velocities = [_divided(u, speed) for u in problem.frame_velocity]
+    riders: list[Any] = []
+    if problem.passengers is not None:
+        scales = weights(problem)
+        riders = [
+            _divided(x, speed) if w else x
+            for x, w in zip(problem.passengers.start, scales, strict=True)
+        ]
+    if problem.start is None:
+        return "", ([], velocities, riders)
+    home: State = (list(problem.start), velocities, riders)
+    name = best_chart(problem, problem.atlas.home, home, precision, starting=True)
+    if name is None or name == problem.atlas.home:
+        return problem.atlas.home, home
+    return name, moved_over(problem, problem.atlas.home, name, home, precision)
+
+
+def best_chart(
+    problem: Problem, source: str, state: State, precision: int, *, starting: bool = False
+) -> str | None:
+    """The first chart far from its edge, or else the one that is furthest from it."""
+    best, score = None, 0.0
+    for name in problem.charts:
+        if name == source and not starting:
+            continue
+        try:
+            there = moved_over(problem, source, name, state, precision)
+        except (ChartEdgeError, ArithmeticError, ValueError):
+            continue
+        distance = edge_distance(problem, name, there)
+        if distance >= 2 * GAIN:
+            return name
+        if distance > score:
+            best, score = name, distance
+    return best if starting or score > GAIN else None
+
+
+def edge_distance(problem: Problem, name: str, state: State) -> float:
+    """Edge function of a chart in units of its margin; infinite where there is no edge."""
+    chart = problem.atlas.chart(name)
+    if chart.edge is None or not chart.margin:
+        return float("inf")
+    values = dict(zip(chart.names, map(float, state[0]), strict=True))
+    values |= {key: float(value) for key, value in problem.parameters.items()}
+    return float(evaluated([((chart.edge, ()),)], values)[0]) / chart.margin
+
+
+def moved_over(problem: Problem, source: str, target: str, state: State, bits: int) -> State:
+    """A state in another chart."""
+    import numpy as np
+
+    if source == target:
+        return state
+    coordinates, velocities, riders = state
+    slopes = None
+    for change in problem.route(source, target):
+        numbers = {key: float(value) for key, value in problem.parameters.items()}
+        if slopes is not False and not _same_frame(problem, source, target):
+            step = change.jacobian([float(x) for x in coordinates], numbers)
+            slopes = step if slopes is None else step @ slopes
+        if bits > 53:
+            coordinates = change.precisely(coordinates, problem.parameters, bits)
+        else:
+            coordinates = list(change([float(x) for x in coordinates], numbers))
+    if not np.isfinite([float(x) for x in coordinates]).all():
+        raise ChartEdgeError(f"chart {target!r} does not reach this point")
+    if slopes is not None:
+        rates = (
+            slopes
+            @ _legs_at(problem, problem.atlas.chart(source), state[0])
+            @ np.array([float(u) for u in velocities])
+        )
+        frame = problem.atlas.chart(target).frame
+        assert frame is not None
+        there = dict(zip(problem.atlas.chart(target).names, map(float, coordinates), strict=True))
+        velocities = list(coframe_at(frame, there, problem.parameters) @ rates)
+    return coordinates, velocities, riders
+
+
+def _same_frame(problem: Problem, source: str, target: str) -> bool:
+    return problem.atlas.chart(source).keeps_frame and problem.atlas.chart(target).keeps_frame
+
+
+def _legs_at(problem: Problem, chart: Chart, coordinates: Sequence[Any]) -> Any:
+    """E[mu, i] at a point."""
+    import numpy as np
+
+    values = dict(zip(chart.names, map(float, coordinates), strict=True))
+    values |= {key: float(value) for key, value in problem.parameters.items()}
+    entries = [(mu, i, value) for mu, row in enumerate(chart.legs) for i, value in row]
+    numbers = evaluated([((value, ()),) for _, _, value in entries], values)
+    matrix = np.zeros((len(chart.coordinates), problem.frame.dimension))
+    for (mu, i, _), number in zip(entries, numbers, strict=True):
+        matrix[mu, i] = number
+    return matrix
+
+
+def coframe_at(frame: Any, point: Mapping[str, float], parameters: Mapping[str, Any]) -> Any:
+    """e[i, mu] at a point."""
+    import numpy as np
+
+    values = dict(point) | {key: float(value) for key, value in parameters.items()}
+    entries = frame.coframe.components.nonzero
+    numbers = evaluated([((value, ()),) for value in entries.values()], values)
+    matrix = np.zeros((frame.dimension, frame.dimension))
+    for index, number in zip(entries, numbers, strict=True):
+        matrix[index] = number
+    return matrix
+
+
+def _divided(value: Any, speed: float) -> Any:
+    """A velocity in units of the speed, which is a power of two: nothing is lost."""
+    if speed == 1.0:
+        return value
+    if isinstance(value, int | float):
+        return value / speed
+    from fractions import Fraction
+
+    import sympy as sp
+
+    ratio = Fraction(speed)
+    if isinstance(value, sp.Expr):
+        return value / sp.Rational(ratio.numerator, ratio.denominator)
+    return value / ratio
+
+
+def _split(problem: Problem, equations: Equations, state: State) -> tuple[list[Any], list[Any]]:
+    """Velocities, and the vector of states for an engine."""
+    coordinates, velocities, riders = state
+    moving = velocities if equations.moves else []
+    return velocities, [*coordinates, *moving, *riders]
+
+
+def _joined(equations: Equations, vector: Any, velocities: list[Any]) -> State:
+    """The vector of states, taken apart again."""
+    width, n = equations.width, len(velocities)
+    values = list(vector)
+    if equations.moves:
+        return values[:width], values[width : width + n], values[width + n :]
+    return values[:width], velocities, values[width:]
+
+
+def values_of(problem: Problem, equations: Equations, velocities: Sequence[Any]) -> list[Any]:
+    """Values of the parameters of a system, in its order."""
+    table: dict[str, Any] = dict(problem.parameters) | dict(equations.constants)
+    if not equations.moves:
+        table |= dict(zip(equations.velocities, velocities, strict=True))
+    return [table[name] for name in equations.system.parameters]

@@ -1,0 +1,279 @@
+"""Solve: an answer to the accuracy asked for, or an error that says what can be had."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import AccuracyError, ChartEdgeError, TimeError
+from geomtorsion.motion.compare import difference
+from geomtorsion.motion.engines.protocol import Engine
+from geomtorsion.motion.engines.rungekutta import RungeKutta, Stiff
+from geomtorsion.motion.engines.taylor import Taylor, is_available
+from geomtorsion.motion.journey import Journey, beginning, travel, values_of
+from geomtorsion.motion.problem import Problem
+from geomtorsion.motion.solution import Cost, Solution
+
+if TYPE_CHECKING:
+    import numpy as np
+
+# Samples of a solution that is asked for at one time only.
+SAMPLES = 65
+# The first tolerance is this much below the accuracy; later ones go down by STEP.
+MARGIN, STEP = 0.1, 1e-2
+# An error estimate is this many times the difference to the witness.
+CAUTION = 2.0
+# A motion whose fastest decay times the duration exceeds this is left to an implicit engine.
+STIFF = 3e4
+
+
+def solve(
+    problem: Problem, t: Any, accuracy: float = 1e-10, engine: Engine | None = None
+) -> Solution:
+    """Solve a motion so that the result, not each step, is as accurate as asked.
+
+    The error is measured against an independent integration with a hundred times smaller
+    tolerance; the tolerance goes down until the error is below the accuracy.
+
+    Parameters
+    ----------
+    problem
+        from `autoparallel`, `geodesic`, ...
+    t
+        last time, or increasing (or decreasing) times from 0 on; the motion starts at t = 0.
+    accuracy
+        largest error, relative to the size of the solution (see `Solution.error`).
+    engine
+        Taylor(), RungeKutta() or Stiff(); None chooses and says why.
+
+    Raises
+    ------
+    AccuracyError
+        accuracy <= 0, or not to be had with this engine.
+    TimeError
+        times are empty, repeated, unsorted, not finite or on both sides of 0.
+    ChartEdgeError
+        the motion ran out of its last chart; the error carries what was computed.
+
+    Examples
+    --------
+    >>> from geomtorsion.geometry import cartan
+    >>> from geomtorsion.motion import autoparallel
+    >>> from geomtorsion.spaces import load
+    >>> spiral = autoparallel(cartan(load("flat_polar").frame), [1.0, 0.0], [1.0, 0.5])
+    >>> sol = solve(spiral, [1.0, 2.0], accuracy=1e-8)
+    >>> [round(float(r), 7) for r in sol.coordinates[:, 0]]
+    [2.0, 3.0]
+    """
+    accuracy = checked_accuracy(accuracy)
+    times, grid = checked_times(t)
+    scaled = grid * problem.speed
+    spent: list[Journey] = []
+    best = math.inf
+    for candidate, why in candidates(problem, scaled, accuracy, engine):
+        answer, witness, error = _refined(problem, candidate, scaled, accuracy, spent)
+        best = min(best, error)
+        if error <= accuracy or answer.outcome == "stuck":
+            solution = _solution(
+                problem, times, grid, accuracy, error, why, (answer, witness), spent
+            )
+            if not solution.complete:
+                raise ChartEdgeError(stopped(solution), solution)
+            return solution
+    raise AccuracyError(
+        f"accuracy {accuracy:.3g} was asked for; {_tried(spent)} gets to {best:.2g}. "
+        + _remedy(engine)
+    )
+
+
+def _refined(
+    problem: Problem, engine: Engine, times: Any, accuracy: float, spent: list[Journey]
+) -> tuple[Journey, Journey, float]:
+    """Answer, witness and error of the first tolerance that is good enough, or of the last."""
+    known = learned(problem)
+    key = (engine.name, round(math.log10(accuracy), 1))
+    steps = tolerances(known.get(key, accuracy * MARGIN), engine.finest)
+    answer = before = travel(problem, engine, next(steps), times)
+    spent.append(answer)
+    error = math.inf
+    for tolerance in steps:
+        witness = travel(problem, engine, tolerance, times)
+        spent.append(witness)
+        gap, compared = difference(answer, witness)
+        error = max(CAUTION * gap, 2.0**-engine.precision) if compared else math.inf
+        if error <= accuracy:
+            known[key] = answer.tolerance
+            return answer, witness, error
+        answer, before = witness, answer
+    return before, answer, error
+
+
+def tolerances(first: float, finest: float) -> Iterator[float]:
+    """Decreasing tolerances, at least two: rounded to powers of ten, so that few are compiled."""
+    tolerance = 10.0 ** math.floor(math.log10(min(first, 1e-3)) + 1e-9)
+    tolerance = max(tolerance, finest * 3)
+    yield tolerance
+    while tolerance > finest * 1.01:
+        tolerance = max(tolerance * STEP, finest)
+        yield tolerance
+
+
+def learned(problem: Problem) -> dict[Any, float]:
+    """Tolerances that were good enough before, for equal equations."""
+    return problem.equations(problem.charts[0]).system.__dict__.setdefault("_learned", {})
+
+
+def candidates(
+    problem: Problem, times: Any, accuracy: float, engine: Engine | None
+) -> Iterator[tuple[Engine, str]]:
+    """Engines in the order in which to try them, each with the reason."""
+    if engine is not None:
+        yield engine, "as asked"
+        return
+    if _is_stiff(problem, times):
+        yield Stiff(), "the equations are stiff at the start"
+    if not is_available():
+        if accuracy > 1e-13:
+            yield RungeKutta(), "heyoka is not installed"
+        return
+    if accuracy > 4e-16:
+        yield Taylor(), "heyoka is installed: the fastest"
+    if accuracy > 4e-19:
+        yield Taylor(64), "double precision does not give this accuracy"
+    yield Taylor(113), "long double precision does not give this accuracy"
+    yield Taylor(300), "quadruple precision does not give this accuracy"
+
+
+def _is_stiff(problem: Problem, times: Any) -> bool:
+    """Whether some direction decays much faster than the motion lasts; False if unknown."""
+    import numpy as np
+
+    name, state = beginning(problem, 53)
+    equations = problem.equations(name)
+    if not equations.moves and not equations.passengers:
+        return False
+    table = equations.system.__dict__.setdefault("_stiffness", {})
+    vector = [*state[0], *(state[1] if equations.moves else []), *state[2]]
+    key = tuple(float(x) for x in vector)
+    if key not in table:
+        table.clear()
+        values = [float(x) for x in values_of(problem, equations, state[1])]
+        try:
+            matrix = equations.system.scalar_jacobian(values)(0.0, np.array(key))
+            table[key] = float(-np.linalg.eigvals(matrix).real.min())
+        except (ArithmeticError, ValueError):
+            table[key] = 0.0
+    return table[key] * abs(float(times[-1])) > STIFF
+
+
+def checked_accuracy(accuracy: Any) -> float:
+    """A positive finite number."""
+    try:
+        value = float(accuracy)
+    except (TypeError, ValueError):
+        raise AccuracyError(f"accuracy = {accuracy!r} is no number; 1e-10 is usual.") from None
+    if not (math.isfinite(value) and value > 0):
+        raise AccuracyError(f"accuracy = {value} was given; a positive number is needed.")
+    return value
+
+
+def checked_times(t: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Times to report, and the grid from 0 through them."""
+    import numpy as np
+
+    try:
+        asked = np.asarray(t, dtype=float)
+    except (TypeError, ValueError):
+        raise TimeError(f"t = {t!r}: a number or a list of numbers was needed.") from None
+    if asked.size == 0 or asked.ndim > 1:
+        raise TimeError(f"t has shape {asked.shape}: a number or a list of times was needed.")
+    if not np.isfinite(asked).all():
+        bad = asked if asked.ndim == 0 else asked[~np.isfinite(asked)][0]
+        raise TimeError(f"t contains {bad}: all times must be finite.")
+    if asked.ndim == 0:
+        if asked == 0:
+            return np.zeros(1), np.zeros(1)
+        grid = np.linspace(0.0, float(asked), SAMPLES)
+        return grid, grid
+    steps = np.diff(asked)
+    if (steps == 0).any():
+        k = int(np.flatnonzero(steps == 0)[0])
+        raise TimeError(f"time {asked[k]:.6g} is repeated at [{k}] and [{k + 1}]. Give it once.")
+    rising = asked[-1] > 0
+    if not ((steps > 0).all() if rising else (steps < 0).all()):
+        raise TimeError("times are not sorted. Sort them away from the start at t = 0.")
+    if (asked[0] < 0) if rising else (asked[0] > 0):
+        raise TimeError(
+            f"times run from {asked[0]:.6g} to {asked[-1]:.6g}, but the motion starts at t = 0. "
+            "Solve forwards and backwards apart."
+        )
+    if asked[0] != 0:
+        return asked, np.concatenate(([0.0], asked))
+    return asked, asked
+
+
+def _solution(
+    problem: Problem,
+    times: Any,
+    grid: Any,
+    accuracy: float,
+    error: float,
+    why: str,
+    pair: tuple[Journey, Journey],
+    spent: list[Journey],
+) -> Solution:
+    """The answer with what is known about it."""
+    from dataclasses import replace
+
+    answer, witness = pair
+    count = answer.count
+    complete = answer.outcome == "done"
+    reached = times if complete else grid[:count]
+    if complete and len(grid) > len(times):
+        first = answer.segments[0]
+        answer = replace(
+            answer, segments=(replace(first, skips=first.skips + 1), *answer.segments[1:])
+        )
+    cost = Cost(
+        answer.steps,
+        answer.evaluations,
+        sum(journey.compile_seconds for journey in spent),
+        answer.run_seconds,
+        sum(journey.run_seconds for journey in spent) - answer.run_seconds,
+    )
+    name = answer.engine.name
+    return Solution(problem, reached, accuracy, error, name, why, cost, complete, answer, witness)
+
+
+def stopped(solution: Solution) -> str:
+    """Where a motion ended, why, and what can be done."""
+    journey = solution.journey
+    segment = journey.segments[-1]
+    chart = solution.problem.atlas.chart(segment.chart) if segment.chart else None
+    names = chart.names if chart else segment.equations.velocities
+    last = [float(x) for x in list(segment.run.last)[: len(names)]]
+    pairs = zip(names, last, strict=True)
+    place = ", ".join(f"{name} = {x:.6g}" for name, x in pairs if math.isfinite(x))
+    time = journey.reached / solution.problem.speed
+    others = [name for name in solution.problem.atlas.makers if name != segment.chart]
+    advice = (
+        "Start it in another chart or stop earlier."
+        if others
+        else "The space has one chart only; give an atlas with another, or stop earlier."
+    )
+    return (
+        f"the motion stops at t = {time:.6g}, at {place}: chart {segment.chart!r} ends there "
+        f"({journey.reason}). {advice} What was computed is in the error's `solution`."
+    )
+
+
+def _tried(spent: list[Journey]) -> str:
+    names = dict.fromkeys(journey.engine.name for journey in spent)
+    return ", then ".join(names) or "no engine at hand"
+
+
+def _remedy(engine: Engine | None) -> str:
+    if engine is None and not is_available():
+        return "Install heyoka (geomtorsion[fast]) for more digits, or ask for fewer."
+    return "Ask for less, for a shorter time, or use Taylor(precision=113) or more."

@@ -1,0 +1,168 @@
+"""System: first-order equations y' = f(y), each rate a sum of exact coefficients times states."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+from geomtorsion.exact.engine_code import (
+    Products,
+    array_names,
+    python_function,
+    python_source,
+    scalar_names,
+)
+
+Values = Mapping[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """Rates of named states; coefficients are exact, their values come with the parameters.
+
+    states: names of the unknowns, in order; a coefficient knows them as symbols of that name.
+    parameters: names of everything else that occurs.
+    rates: for each state a sum of products (element, names that multiply it).
+    blocks: index sets whose sizes are measured together (coordinates; velocities; ...).
+    edge: a product sum that is positive inside the chart, or None.
+    """
+
+    states: tuple[str, ...]
+    parameters: tuple[str, ...]
+    rates: tuple[Products, ...]
+    blocks: tuple[tuple[int, ...], ...]
+    edge: Products | None = None
+
+    @property
+    def size(self) -> int:
+        """Number of states."""
+        return len(self.states)
+
+    @cached_property
+    def code(self) -> tuple[str, set[str]]:
+        """Python source of the rates and the functions that it calls."""
+        return python_source((*self.states, *self.parameters), self.rates)
+
+    @cached_property
+    def key(self) -> tuple[Any, ...]:
+        """What two systems share exactly when one compiled integrator does for both."""
+        edge = None if self.edge is None else self.edge_code[0]
+        return (len(self.states), len(self.parameters), self.code[0], edge)
+
+    @cached_property
+    def edge_code(self) -> tuple[str, set[str]]:
+        """Python source of the edge function."""
+        assert self.edge is not None
+        return python_source((*self.states, *self.parameters), (self.edge,))
+
+    @cached_property
+    def _scalar_function(self) -> Callable[..., Any]:
+        return python_function(self.code[0], scalar_names(self.code[1]))
+
+    def scalar_rates(self, values: Sequence[float]) -> Callable[[float, Any], list[float]]:
+        """f(t, y) for one motion, on plain floats; not a number where f does not exist."""
+        inner = self._scalar_function
+        bad = [float("nan")] * self.size
+
+        def rates(_: float, y: Any) -> Any:
+            try:
+                return inner(*y.tolist(), *values)
+            except (ZeroDivisionError, ValueError, OverflowError):
+                return bad
+
+        return rates
+
+    @cached_property
+    def array_rates(self) -> Callable[..., tuple[Any, ...]]:
+        """f(states..., parameters...) on arrays."""
+        return python_function(self.code[0], array_names(self.code[1]))
+
+    @cached_property
+    def jacobian_system(self) -> tuple[Products, ...]:
+        """d rate_i / d state_j, row by row."""
+        return tuple(derivative(rate, name) for rate in self.rates for name in self.states)
+
+    @cached_property
+    def _jacobian_function(self) -> Callable[..., Any]:
+        source, functions = python_source((*self.states, *self.parameters), self.jacobian_system)
+        return python_function(source, scalar_names(functions))
+
+    def scalar_jacobian(self, values: Sequence[float]) -> Callable[[float, Any], Any]:
+        """df/dy at (t, y) as an array."""
+        import numpy as np
+
+        inner, n = self._jacobian_function, self.size
+
+        def jacobian(_: float, y: Any) -> Any:
+            return np.array(inner(*y.tolist(), *values)).reshape(n, n)
+
+        return jacobian
+
+    def edge_values(self, states: Any, values: Sequence[float]) -> Any:
+        """The edge function on arrays of states, shape (size, ...)."""
+        return self._edge_function(*states, *values)[0]
+
+    @cached_property
+    def _edge_function(self) -> Callable[..., Any]:
+        return python_function(self.edge_code[0], array_names(self.edge_code[1]))
+
+    @cached_property
+    def without_edge(self) -> System:
+        """The same equations with nothing to watch."""
+        return self if self.edge is None else replace(self, edge=None)
+
+
+def derivative(products: Products, name: str) -> Products:
+    """The derivative of a sum of products with respect to a state, by name."""
+    found: list[tuple[Any, tuple[str, ...]]] = []
+    for element, factors in products:
+        symbol = next((s for s in element.field.symbols if s.name == name), None)
+        if symbol is not None:
+            slope = element.diff(symbol)
+            if not slope.is_zero:
+                found.append((slope, factors))
+        count = factors.count(name)
+        if count:
+            rest = list(factors)
+            rest.remove(name)
+            found.append((element * count, tuple(rest)))
+    return tuple(found)
+
+
+def evaluated(products: Sequence[Products], values: Values) -> list[Any]:
+    """Numbers (or arrays) of product sums; values: name -> number or array."""
+    names = tuple(values)
+    source, functions = python_source(names, products)
+    return list(python_function(source, array_names(functions))(*values.values()))
+
+
+def exact(value: Any) -> Fraction | None:
+    """A number as a fraction where it is one (floats are), else None."""
+    if isinstance(value, int | float | Fraction):
+        return Fraction(value)
+    if getattr(value, "is_Rational", False):
+        return Fraction(int(value.p), int(value.q))
+    if hasattr(value, "dtype") and getattr(value, "shape", None) == ():
+        return Fraction(value.item()) if value.dtype.kind in "fiu" else None
+    return None
+
+
+def mpf(value: Any, precision: int) -> Any:
+    """A number at a precision in bits, as mpmath number."""
+    import mpmath
+
+    with mpmath.workprec(precision):
+        known = exact(value)
+        if known is not None:
+            return mpmath.mpf(known.numerator) / known.denominator
+        if hasattr(value, "evalf"):
+            return mpmath.mpmathify(value.evalf(int(precision * 0.302) + 5))
+        return +mpmath.mpmathify(value)
+
+
+def floats(values: Iterable[Any]) -> list[float]:
+    """Numbers as floats."""
+    return [float(value) for value in values]
