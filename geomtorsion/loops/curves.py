@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from geomtorsion.errors import ExpressionError, LoopError
+from geomtorsion.errors import ExpressionError, LoopError, MissingValueError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exact.names import FUNCTIONS
 from geomtorsion.loops import intake
@@ -23,6 +23,7 @@ CLOSED = 1e-12
 # Prime numbers of samples: a frequency that hides from one shows itself to the next.
 SAMPLES = (251, 1009, 4093, 16381, 65521)
 NOISE = 1e-11
+Directions = Callable[[Any, int], tuple[Sequence[Any], Sequence[Any]]]
 SMOOTH = frozenset(made for made, _ in FUNCTIONS.values() if isinstance(made, type))
 
 
@@ -54,24 +55,58 @@ def parametric(
         raise LoopError(f"size {size} counts offsets from a centre; give the centre as well.")
     scale = intake.length(size, "size")
     side = Curve(read, symbol, start, end)
-    if intake.is_symbolic(start, end) or any(x.free_symbols - {symbol} for x in read):
-        return Part(place, scale, (side,), given=given)
-    if not float(end) != float(start):
-        raise LoopError(f"interval: it has no length, both bounds are {start}.")
+    part = Part(place, scale, (side,), given=given)
+    return part if side.symbols else _finished(part, side, centre is None)
+
+
+def _finished(part: Part, side: Curve, movable: bool) -> Part:
+    """A part checked and ready for numbers; its constant terms become the centre if movable."""
+    if float(side.end) == float(side.start):
+        raise LoopError(f"interval: it has no length, both bounds are {side.start}.")
     _check_closed(side)
-    if centre is None:
-        place, side, given = _centred(side, given)
-    return Part(place, scale, (_resolved(side),), given=given)
+    if movable:
+        constants = tuple(
+            x.as_independent(side.parameter, as_Add=True)[0] for x in side.expressions
+        )
+        offsets = tuple(x - c for x, c in zip(side.expressions, constants, strict=True))
+        side, place = replace(side, expressions=offsets), tuple(map(float, constants))
+        part = replace(part, centre=place, given=(constants, 1))
+    return replace(part, sides=(_resolved(side),))
 
 
-def symbolic_ellipse(centre: Sequence[Any], axes: tuple[Any, Any], plane: Any) -> Part:
+def filled(part: Part, values: Mapping[Any, Any]) -> Part:
+    """A part with numbers for its symbols; see Loop.at."""
+    (side,) = part.sides
+    if not isinstance(side, Curve) or not side.symbols:
+        return part
+    names = {str(key): value for key, value in values.items()}
+    missing = sorted(s.name for s in side.symbols if s.name not in names)
+    if missing:
+        raise MissingValueError(
+            f"the loop contains {', '.join(missing)}: give values, "
+            f"parameters={{{', '.join(f'{name!r}: ...' for name in missing)}}}."
+        )
+    table = {s: exact_number(intake.exact_input(names[s.name], s.name)) for s in side.symbols}
+    known = replace(
+        side,
+        expressions=tuple(x.subs(table) for x in side.expressions),
+        start=side.start.subs(table),
+        end=side.end.subs(table),
+    )
+    return _finished(part, known, part.size == 1 and not any(part.centre))
+
+
+def symbolic_ellipse(
+    centre: Sequence[Any], axes: tuple[Any, Any], plane: Any, directions: Directions
+) -> Part:
     """Ellipse whose centre or axes contain symbols, for exact integrals."""
     s = sp.Symbol("s", real=True)
-    first, second = intake.rows(plane, len(centre))
+    intake.rows(plane, len(centre))
+    u, v = directions(plane, len(centre))
     a, b = (exact_number(axis) for axis in axes)
     expressions = tuple(
-        exact_number(q) + a * exact_number(u) * sp.cos(s) + b * exact_number(v) * sp.sin(s)
-        for q, u, v in zip(centre, first.tolist(), second.tolist(), strict=True)
+        exact_number(q) + a * x * sp.cos(s) + b * y * sp.sin(s)
+        for q, x, y in zip(centre, u, v, strict=True)
     )
     side = Curve(expressions, s, sp.S.Zero, 2 * sp.pi, is_periodic=True, waves=1)
     return Part((0.0,) * len(centre), 1.0, (side,), given=((0,) * len(centre), 1))
@@ -95,7 +130,7 @@ def _read(value: Any, names: Mapping[str, sp.Symbol], where: str) -> sp.Expr:
     for part in expression.atoms(sp.Function, sp.Piecewise):
         if part.func not in SMOOTH:
             raise ExpressionError(
-                f"{where}: {part} is not known to be smooth. Give a curve with corners as a polygon."
+                f"{where}: {part} is not known to be smooth. A curve with corners is a polygon."
             )
     return expression
 
@@ -133,16 +168,6 @@ def _gap(side: Curve) -> np.ndarray:
         for x in side.expressions
     ]
     return np.array([float(gap) for gap in gaps])
-
-
-def _centred(
-    side: Curve, given: tuple[tuple[Any, ...], Any]
-) -> tuple[tuple[float, ...], Curve, tuple[tuple[Any, ...], Any]]:
-    """Take the constant terms of the expressions as the centre."""
-    constants = tuple(x.as_independent(side.parameter, as_Add=True)[0] for x in side.expressions)
-    offsets = tuple(x - c for x, c in zip(side.expressions, constants, strict=True))
-    moved = replace(side, expressions=offsets)
-    return tuple(float(c) for c in constants), moved, (constants, given[1])
 
 
 def _resolved(side: Curve) -> Curve:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
 from geomtorsion.errors import LoopError
+from geomtorsion.loops.sides import exact_number
 
 if TYPE_CHECKING:
     import numpy as np
@@ -23,6 +23,12 @@ def number(value: Any, where: str) -> float:
     if isinstance(value, str | bool) or not math.isfinite(result):
         raise LoopError(f"{where}: a finite number was needed, but {value!r} came.")
     return result
+
+
+def exact_input(value: Any, where: str) -> Any:
+    """A finite number, left as it came."""
+    number(value, where)
+    return value
 
 
 def length(value: Any, where: str) -> float:
@@ -84,11 +90,7 @@ def _direction(side: Any, dimension: int) -> tuple[float, ...]:
                 f"plane: there is no coordinate {side}; there are {dimension}, counted from 0."
             )
         return tuple(float(k == side) for k in range(dimension))
-    if (
-        isinstance(side, str | float)
-        or not isinstance(side, Sequence)
-        and not hasattr(side, "shape")
-    ):
+    if isinstance(side, str) or not hasattr(side, "__len__"):
         raise LoopError(f"plane: coordinate numbers or vectors were needed, but {side!r} came.")
     return vector(side, "plane", dimension)
 
@@ -101,3 +103,33 @@ def orthonormal(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.n
     v = second / np.linalg.norm(second)
     v = v - u * np.dot(u, v)
     return u, v / np.linalg.norm(v)
+
+
+def exact_rows(plane: Any, dimension: int) -> tuple[list[sp.Expr], list[sp.Expr]]:
+    """The two directions of a plane as exact vectors."""
+    first, second = (
+        [sp.Integer(k == side) for k in range(dimension)]
+        if isinstance(side, int)
+        else [exact_number(x) for x in side]
+        for side in plane
+    )
+    return first, second
+
+
+def exact_orthonormal(plane: Any, dimension: int) -> tuple[list[sp.Expr], list[sp.Expr]]:
+    """Two exact orthonormal vectors in a plane, the first along the first."""
+    first, second = exact_rows(plane, dimension)
+    u, v = (sp.Matrix(x) for x in (first, second))
+    u = u / sp.sqrt(u.dot(u))
+    v = v - u * u.dot(v)
+    return list(u), list(v / sp.sqrt(v.dot(v)))
+
+
+def exact_multiples(
+    plane: Any, axes: tuple[Any, Any], dimension: int
+) -> tuple[list[sp.Expr], list[sp.Expr]]:
+    """Semi-axes over the larger one along the directions of a plane, exactly."""
+    first, second = exact_rows(plane, dimension)
+    a, b = (exact_number(axis) for axis in axes)
+    size = max(a, b)
+    return [x * a / size for x in first], [x * b / size for x in second]

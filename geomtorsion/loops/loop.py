@@ -1,4 +1,4 @@
-"""Loop: closed paths that keep their centre and their offsets apart, so that tiny ones lose nothing."""
+"""Loop: closed paths; centre and offsets are kept apart, so that tiny ones lose nothing."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ class Loop:
         Examples
         --------
         >>> float(Loop.ellipse([0, 0], (2, 1)).area[0, 1].round(12))
-        6.283185307179586...
+        6.28318530718
         """
         from geomtorsion.loops import shapes
 
@@ -258,7 +258,7 @@ class Loop:
         Examples
         --------
         >>> Loop.spline([[1, 0], [0, 1], [-1, 0], [0, -1]]).area[0, 1].round(3)
-        np.float64(3.049)
+        np.float64(3.05)
         """
         from geomtorsion.loops import shapes
 
@@ -351,6 +351,32 @@ class Loop:
             part = self.parts[0]
             return Loop((replace(part, times=count * part.times),), name)
         return Loop(self.parts * count, name)
+
+    @property
+    def symbols(self) -> frozenset[sp.Symbol]:
+        """Symbols other than the curve parameter: they need values before numbers can come."""
+        found = [getattr(side, "symbols", frozenset()) for p in self.parts for side in p.sides]
+        return frozenset().union(*found)
+
+    def at(self, values: Mapping[Any, Any]) -> Loop:
+        """The loop with numbers for its symbols, {symbol or name: number}.
+
+        Raises
+        ------
+        MissingValueError
+            A symbol has no value.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> R = sp.Symbol("R", positive=True)
+        >>> float(Loop.circle([0, 0], R).at({R: 1}).area[0, 1].round(12))
+        3.14159265359
+        """
+        from geomtorsion.loops.curves import filled
+
+        parts = tuple(filled(part, values) if self.symbols else part for part in self.parts)
+        return Loop(parts, self.name)
 
     # -- what it is -----------------------------------------------------------------------------
 

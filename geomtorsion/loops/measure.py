@@ -69,6 +69,7 @@ def _turned(side: Any, rows: np.ndarray, offset: np.ndarray, part: Part) -> floa
     import numpy as np
 
     points = 2 if isinstance(side, Straight) else max(FIRST_POINTS, 8 * side.waves + 1)
+    place = 0.0
     for _ in range(DOUBLINGS):
         s = np.linspace(0, 1, points)
         x, y = rows @ side.shape(s)[0] + offset[:, None]
@@ -80,12 +81,13 @@ def _turned(side: Any, rows: np.ndarray, offset: np.ndarray, part: Part) -> floa
         share = np.clip(np.where(chord > 0, ahead, 0), 0, 1)
         near = np.hypot(x[:-1] + share * steps_x, y[:-1] + share * steps_y)
         nearest = int(near.argmin())
+        place = float(s[nearest] + share[nearest] * (s[1] - s[0]))
         if near[nearest] <= TOUCHES * max(1.0, float(np.abs(rows).max())):
-            raise _meets(part, side, s[nearest] + share[nearest] * (s[1] - s[0]))
+            break
         if isinstance(side, Straight) or np.abs(angles).max() < np.pi / 4:
             return float(angles.sum())
         points = 2 * points - 1
-    raise _meets(part, side, s[nearest])
+    raise _meets(part, side, place)
 
 
 def _meets(part: Part, side: Any, s: float) -> LoopError:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 Integrand = Callable[["np.ndarray", "np.ndarray"], "np.ndarray"]
 
 # How many points an integral may take, and how many are evaluated at once.
-MOST_POINTS = 2**22
+MOST_POINTS = 2**25
 PIECE = 2**15
 # Trapezoid rules are compared with one of 1.6 times the points: no frequency hides from both.
 GROWTH = 1.6
@@ -137,7 +137,7 @@ def _norm(vector: np.ndarray) -> float:
     import numpy as np
 
     largest = float(np.abs(vector).max(initial=0.0))
-    return largest if largest < float("inf") else float("inf")
+    return float("inf") if np.isnan(largest) else largest
 
 
 @cache

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import intake
 from geomtorsion.loops.loop import Part, shown
-from geomtorsion.loops.sides import Cubic, Ellipse, Straight
+from geomtorsion.loops.sides import Cubic, Ellipse, Straight, exact_number
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -23,11 +24,12 @@ def circle(centre: Sequence[Any], radius: Any, plane: Any) -> Part:
     if intake.is_symbolic(list(centre), radius):
         from geomtorsion.loops.curves import symbolic_ellipse
 
-        return symbolic_ellipse(centre, (radius, radius), plane)
+        return symbolic_ellipse(centre, (radius, radius), plane, intake.exact_orthonormal)
     place = intake.vector(centre, "centre")
     u, v = intake.orthonormal(*intake.rows(plane, len(place)))
     size = intake.length(radius, "radius")
-    side = Ellipse(tuple(u.tolist()), tuple(v.tolist()))
+    meant = partial(intake.exact_orthonormal, plane, len(place))
+    side = Ellipse(tuple(u.tolist()), tuple(v.tolist()), meant)
     return Part(place, size, (side,), given=(tuple(centre), radius))
 
 
@@ -38,21 +40,34 @@ def ellipse(centre: Sequence[Any], axes: Any, plane: Any) -> Part:
     if intake.is_symbolic(list(centre), list(axes)):
         from geomtorsion.loops.curves import symbolic_ellipse
 
-        return symbolic_ellipse(centre, axes, plane)
+        return symbolic_ellipse(centre, axes, plane, intake.exact_rows)
     place = intake.vector(centre, "centre")
     first, second = intake.rows(plane, len(place))
     a, b = (intake.length(axis, f"axes[{k}]") for k, axis in enumerate(axes))
     size = max(a, b)
-    side = Ellipse(tuple((first * (a / size)).tolist()), tuple((second * (b / size)).tolist()))
-    return Part(place, size, (side,), given=(tuple(centre), size))
+    meant = partial(intake.exact_multiples, plane, tuple(axes), len(place))
+    u, v = first * (a / size), second * (b / size)
+    side = Ellipse(tuple(u.tolist()), tuple(v.tolist()), meant)
+    return Part(place, size, (side,), given=(tuple(centre), axes[0] if a >= b else axes[1]))
 
 
 def polygon(vertices: Sequence[Any], centre: Any, size: Any) -> Part:
     """Closed chain of straight sides; see Loop.polygon."""
     place, scale, offsets, given = _offsets(vertices, centre, size, "vertices", "vertex")
-    corners = [tuple(row) for row in offsets.tolist()]
-    pairs = zip(corners, corners[1:] + corners[:1], strict=True)
-    return Part(place, scale, tuple(Straight(*pair) for pair in pairs), given=given)
+    meant = None if given else [tuple(vertices[k]) for k in range(len(offsets))]
+    given = given or ((0,) * len(place), 1)
+    return Part(place, scale, _straight([tuple(x) for x in offsets.tolist()], meant), given=given)
+
+
+def _straight(
+    corners: Sequence[tuple[float, ...]], meant: Sequence[tuple[Any, ...]] | None
+) -> tuple[Straight, ...]:
+    """Sides from corner to corner; meant: the corners as coordinates, as the user gave them."""
+    following = [*range(1, len(corners)), 0]
+    return tuple(
+        Straight(corners[k], corners[j], (meant[k], meant[j]) if meant else None)
+        for k, j in enumerate(following)
+    )
 
 
 def plaquette(corner: Sequence[Any], steps: Any, plane: Any) -> Part:
@@ -68,8 +83,17 @@ def plaquette(corner: Sequence[Any], steps: Any, plane: Any) -> Part:
     u, v = first * (a / scale), second * (b / scale)
     middle = tuple((float(q) + scale * (x + y) / 2) for q, x, y in zip(place, u, v, strict=True))
     corners = [tuple(x.tolist()) for x in (-(u + v) / 2, (u - v) / 2, (u + v) / 2, (v - u) / 2)]
-    pairs = zip(corners, corners[1:] + corners[:1], strict=True)
-    return Part(middle, scale, tuple(Straight(*pair) for pair in pairs))
+    ends = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    meant = [
+        tuple(
+            exact_number(q)
+            + j * exact_number(a) * exact_number(x)
+            + k * exact_number(b) * exact_number(y)
+            for q, x, y in zip(corner, first.tolist(), second.tolist(), strict=True)
+        )
+        for j, k in ends
+    ]
+    return Part(middle, scale, _straight(corners, meant), given=((0,) * len(place), 1))
 
 
 def spline(points: Sequence[Any], centre: Any, size: Any) -> Part:
@@ -77,7 +101,7 @@ def spline(points: Sequence[Any], centre: Any, size: Any) -> Part:
     import numpy as np
     from scipy.interpolate import CubicSpline
 
-    place, scale, offsets, given = _offsets(points, centre, size, "points", "point")
+    place, scale, offsets, _ = _offsets(points, centre, size, "points", "point")
     closed = np.vstack([offsets, offsets[:1]])
     chords = np.linalg.norm(np.diff(closed, axis=0), axis=1)
     knots = np.concatenate([[0.0], np.cumsum(chords)])
@@ -86,7 +110,7 @@ def spline(points: Sequence[Any], centre: Any, size: Any) -> Part:
     powers = chords[None, :] ** np.arange(3, -1, -1)[:, None]
     scaled = (pieces * powers[:, :, None]).transpose(1, 2, 0)
     sides = tuple(Cubic(tuple(tuple(row) for row in piece)) for piece in scaled.tolist())
-    return Part(place, scale, sides, given=given)
+    return Part(place, scale, sides)
 
 
 def cycle(graph: nx.Graph, nodes: Sequence[Any], position: str) -> Part:

@@ -54,10 +54,14 @@ class Ellipse:
     """The closed curve u cos(2 pi s) + v sin(2 pi s).
 
     first, second: the vectors u and v, shape (n,).
+    meant: gives them exactly, where floats cannot.
     """
 
     first: Vector
     second: Vector
+    meant: Callable[[], tuple[Sequence[Any], Sequence[Any]]] | None = field(
+        default=None, compare=False
+    )
     is_periodic: bool = field(default=True, init=False)
     waves: int = field(default=1, init=False)
 
@@ -80,7 +84,7 @@ class Ellipse:
     def exact(self, s: sp.Symbol) -> tuple[sp.Expr, ...]:
         """The offsets as exact expressions in s."""
         cos, sin = sp.cos(2 * sp.pi * s), sp.sin(2 * sp.pi * s)
-        pairs = zip(self.first, self.second, strict=True)
+        pairs = zip(*(self.meant() if self.meant else (self.first, self.second)), strict=True)
         return tuple(exact_number(u) * cos + exact_number(v) * sin for u, v in pairs)
 
 
@@ -89,10 +93,12 @@ class Straight:
     """The straight side from start to end, in coordinates.
 
     start, end: offsets, shape (n,).
+    given: both ends as the user gave them, where these were coordinates.
     """
 
     start: Vector
     end: Vector
+    given: tuple[tuple[Any, ...], tuple[Any, ...]] | None = field(default=None, compare=False)
     is_periodic: bool = field(default=False, init=False)
     waves: int = field(default=0, init=False)
 
@@ -106,9 +112,8 @@ class Straight:
 
     def exact(self, s: sp.Symbol) -> tuple[sp.Expr, ...]:
         """The offsets as exact expressions in s."""
-        pairs = [
-            (exact_number(a), exact_number(b)) for a, b in zip(self.start, self.end, strict=True)
-        ]
+        ends = self.given or (self.start, self.end)
+        pairs = [(exact_number(a), exact_number(b)) for a, b in zip(*ends, strict=True)]
         return tuple(a + (b - a) * s for a, b in pairs)
 
 
@@ -154,6 +159,12 @@ class Curve:
     end: sp.Expr
     is_periodic: bool = False
     waves: int = 0
+
+    @property
+    def symbols(self) -> frozenset[sp.Symbol]:
+        """Symbols other than the parameter."""
+        found = sp.Tuple(*self.expressions, self.start, self.end).free_symbols
+        return frozenset(found - {self.parameter})
 
     def shape(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Offsets and their derivatives by s."""

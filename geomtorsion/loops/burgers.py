@@ -1,0 +1,222 @@
+"""Burgers: the closure failure of a loop, by two independent routes, with an error that holds."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Literal, overload
+
+from geomtorsion.errors import LoopError
+from geomtorsion.loops.flux import flux_route
+from geomtorsion.loops.forms import forms, parameter_values
+from geomtorsion.loops.line import Route, line_route
+from geomtorsion.loops.loop import Loop, Part
+from geomtorsion.loops.result import BurgersVector, Check
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from geomtorsion.geometry import Frame
+    from geomtorsion.loops.exact_integral import ExactBurgersVector
+
+# Two routes disagree when they differ by more than this many times their errors together.
+DISAGREE = 30
+LEAST_ACCURACY = 1e-15
+
+
+@overload
+def burgers_vector(
+    frame: Frame,
+    loop: Loop,
+    accuracy: float = ...,
+    *,
+    parameters: Mapping[Any, Any] | None = ...,
+    exact: Literal[False] = ...,
+) -> BurgersVector: ...
+
+
+@overload
+def burgers_vector(
+    frame: Frame,
+    loop: Loop,
+    accuracy: float = ...,
+    *,
+    parameters: Mapping[Any, Any] | None = ...,
+    exact: Literal[True],
+) -> ExactBurgersVector: ...
+
+
+def burgers_vector(
+    frame: Frame,
+    loop: Loop,
+    accuracy: float = 1e-12,
+    *,
+    parameters: Mapping[Any, Any] | None = None,
+    exact: bool = False,
+) -> BurgersVector | ExactBurgersVector:
+    """Burgers vector of a loop: what the frame misses when the loop closes in coordinates.
+
+    Equation
+    --------
+    b^i = loop integral e^i_mu dq^mu = flux of S_{mn}^i dx^m ^ dx^n
+    [FizievKleinert1994], below (13)
+
+    Both sides of Stokes are computed: the line integral, by the trapezoid rule on smooth loops and
+    by Gauss and Kronrod on sides; and the flux through the cone over the loop, from the exact curl
+    of the coframe. The line integral loses a digit for every decade by which the loop shrinks; the
+    flux loses none. Where both agree the more accurate one is given; where they differ, torsion
+    sits on a line or point inside, and the line integral is the answer.
+
+    Parameters
+    ----------
+    accuracy
+        Wanted relative error of the vector (largest component); `reached` says whether it was.
+    parameters
+        Values of the frame's parameters, {symbol or name: number}.
+    exact
+        Give a closed form instead of numbers; see `exact_burgers_vector`.
+
+    Returns
+    -------
+    BurgersVector: b^i in the frame, shape (n,), with error, route, check and cost.
+
+    Raises
+    ------
+    LoopError
+        The loop has another dimension than the frame, or the accuracy is out of range.
+    MissingValueError
+        A parameter has no value.
+    SingularPointError
+        The loop passes through a point where the coframe is singular.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from geomtorsion.geometry import Frame
+    >>> x, y, z = sp.symbols("x y z")
+    >>> frame = Frame([x, y, z], [[1, 0, 0], [0, 1, 0], [-y, x, 1]])
+    >>> b = burgers_vector(frame, Loop.circle([5, 0, 0], 1e-9))
+    >>> b.vector, b.route, b.check.agrees
+    (array([0.00000000e+00, 0.00000000e+00, 6.28318531e-18]), 'flux', True)
+    """
+    if loop.dimension != frame.dimension:
+        raise LoopError(
+            f"the loop has {loop.dimension} coordinates, the frame {frame.dimension}: "
+            "give a loop in the coordinates of the frame."
+        )
+    if exact:
+        from geomtorsion.loops.exact_integral import exact_burgers_vector
+
+        return exact_burgers_vector(frame, loop)
+    if not LEAST_ACCURACY <= accuracy < 1:
+        raise LoopError(
+            f"accuracy: a relative error from {LEAST_ACCURACY} to below 1 was needed, "
+            f"but {accuracy!r} came."
+        )
+    start = time.perf_counter()
+    if loop.symbols:
+        loop = loop.at(parameters or {})
+        own = {symbol.name for symbol in frame.field.symbols}
+        parameters = {k: v for k, v in (parameters or {}).items() if str(k) in own}
+    compiled = forms(frame)
+    values = parameter_values(frame, compiled.parameters, parameters)
+    pairs = [
+        (line_route(compiled, part, values, accuracy), flux_route(compiled, part, values, accuracy))
+        for part in loop.parts
+    ]
+    chosen = [_chosen(part, *pair, accuracy) for part, pair in zip(loop.parts, pairs, strict=True)]
+    power = 2 if all(route.power == 2 for route, _, _ in chosen) else 1
+    picked = [route for route, _, _ in chosen]
+    reduced, error = _total(loop, picked, power)
+    return BurgersVector(
+        frame=frame,
+        loop=loop,
+        reduced=reduced,
+        reduced_error=error,
+        size=loop.size,
+        power=power,
+        route=" and ".join(sorted({_name(route) for route in picked}, reverse=True)),
+        why="; ".join(dict.fromkeys(why for _, _, why in chosen)),
+        check=_check(loop, pairs, [agrees for _, agrees, _ in chosen]),
+        accuracy=accuracy,
+        evaluations=sum(route.points for pair in pairs for route in pair if route is not None),
+        seconds=time.perf_counter() - start,
+        parameters={str(key): value for key, value in (parameters or {}).items()},
+    )
+
+
+def _name(route: Route) -> str:
+    """What a route is called."""
+    return "flux" if route.power == 2 else "line"
+
+
+def _chosen(
+    part: Part, line: Route, flux: Route | None, accuracy: float
+) -> tuple[Route, bool | None, str]:
+    """The better route, whether both agree, and why it was chosen."""
+    import numpy as np
+
+    if flux is None:
+        return (
+            line,
+            None,
+            "line: the flux does not converge, the torsion is not smooth inside (or too wavy)",
+        )
+    apart = float(np.abs(line.value - part.size * flux.value).max())
+    flux_error = part.size * flux.error
+    if not apart <= DISAGREE * (line.error + flux_error):
+        return (
+            line,
+            False,
+            (
+                "line: the flux of the torsion is another, so a defect is enclosed where the "
+                "frame is singular"
+            ),
+        )
+    largest = float(np.abs(line.value).max())
+    if flux_error <= line.error:
+        if line.error > accuracy * largest:
+            lost = f"{line.error / largest:.0e}" if largest else "all"
+            return (
+                flux,
+                True,
+                (f"flux: the loop is so small that the line integral cancels to {lost} of b"),
+            )
+        return flux, True, "flux: both routes agree, its error is the smaller"
+    return line, True, "line: both routes agree, its error is the smaller"
+
+
+def _total(loop: Loop, routes: Sequence[Route], power: int) -> tuple[np.ndarray, float]:
+    """Sum over the parts of a loop and its error, in units of size**power."""
+    import numpy as np
+
+    total, error = np.zeros(1), 0.0
+    for part, route in zip(loop.parts, routes, strict=True):
+        share = part.size / loop.size
+        scale = share**route.power * loop.size ** (route.power - power)
+        total = total + part.times * scale * route.value
+        error += abs(part.times) * scale * route.error
+    return total, error
+
+
+def _check(
+    loop: Loop, pairs: Sequence[tuple[Route, Route | None]], verdicts: Sequence[bool | None]
+) -> Check:
+    """Both routes over the whole loop, side by side."""
+    line, line_error = _total(loop, [line for line, _ in pairs], 1)
+    fluxes = [flux for _, flux in pairs if flux is not None]
+    line, line_error = line * loop.size, line_error * loop.size
+    rules = ", ".join(dict.fromkeys(route.rule for route, _ in pairs))
+    if len(fluxes) < len(pairs):
+        text = f"line ({rules}); no flux to compare with: the torsion is not smooth inside"
+        return Check(line, line_error, None, None, None, text)
+    flux, flux_error = _total(loop, fluxes, 1)
+    flux, flux_error = flux * loop.size, flux_error * loop.size
+    agrees = all(verdict is True for verdict in verdicts)
+    apart = abs(line - flux).max()
+    others = ", ".join(dict.fromkeys(route.rule for route in fluxes))
+    word = "agree" if agrees else "DISAGREE: a defect is enclosed; they differ"
+    text = f"line ({rules}) and flux ({others}) {word} to {apart:.1e}".replace(
+        "differ to", "differ by"
+    )
+    return Check(line, line_error, flux, flux_error, agrees, text)

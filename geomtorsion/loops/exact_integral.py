@@ -1,0 +1,200 @@
+"""Exact integral: the Burgers vector of a loop in closed form, checked by numbers."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import mpmath
+import sympy as sp
+
+from geomtorsion.errors import LoopError, MissingValueError, UndecidedError
+from geomtorsion.loops.closed_forms import OutOfTimeError, deadline, definite
+from geomtorsion.loops.loop import Loop, Part
+from geomtorsion.loops.sides import Curve, Ellipse, Side, exact_number
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from geomtorsion.geometry import Frame
+
+SECONDS = 20.0
+# The closed form is compared with a numerical integral to this many digits.
+DIGITS = 15
+Piece = tuple[tuple[sp.Expr, ...], sp.Symbol, sp.Expr, sp.Expr]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ExactBurgersVector:
+    """The Burgers vector of one loop in closed form, frame components.
+
+    frame, loop: what it belongs to.
+    vector: b^i, exact expressions in the parameters of frame and loop.
+    checked_at: where it was compared with a numerical integral, to 15 digits.
+    seconds: wall time.
+    """
+
+    frame: Frame
+    loop: Loop
+    vector: tuple[sp.Expr, ...]
+    checked_at: Mapping[sp.Symbol, sp.Expr]
+    seconds: float
+
+    def at(self, values: Mapping[Any, Any] | None = None) -> np.ndarray:
+        """Numbers for given parameters, shape (n,).
+
+        Raises
+        ------
+        MissingValueError
+            A symbol has no value.
+        """
+        import numpy as np
+
+        names = {str(key): value for key, value in (values or {}).items()}
+        table = {}
+        for symbol in sp.Tuple(*self.vector).free_symbols:
+            if symbol.name not in names:
+                raise MissingValueError(f"{symbol} has no value: give {{{symbol.name!r}: ...}}.")
+            table[symbol] = exact_number(names[symbol.name])
+        numbers = [complex(x.subs(table).evalf(17)) for x in self.vector]
+        is_complex = any(x.imag for x in numbers)
+        return np.array(numbers if is_complex else [x.real for x in numbers])
+
+    def __repr__(self) -> str:
+        return f"ExactBurgersVector([{', '.join(map(str, self.vector))}])"
+
+    def _repr_latex_(self) -> str:
+        return f"$b = {sp.latex(sp.Matrix(self.vector))}$"
+
+
+def exact_burgers_vector(frame: Frame, loop: Loop, seconds: float = SECONDS) -> ExactBurgersVector:
+    """Burgers vector of a loop in closed form.
+
+    The pulled-back one-forms are integrated over every side: constants, polynomials, trigonometric
+    polynomials and waves of them (Bessel functions), rational functions on the circle, and what
+    sympy can integrate. The result is compared with a numerical integral before it is given.
+    Decimal numbers in the loop count as what they say: 0.3 is 3/10.
+
+    Raises
+    ------
+    UndecidedError
+        No closed form was found within the time, or it does not agree with the numbers.
+    LoopError
+        The loop is known by numbers only (a spline), or has another dimension than the frame.
+
+    Examples
+    --------
+    >>> from geomtorsion.geometry import Frame
+    >>> r = sp.Symbol("R", positive=True)
+    >>> x, y, z = sp.symbols("x y z")
+    >>> frame = Frame([x, y, z], [[1, 0, 0], [0, 1, 0], [-y / 2, x / 2, 1]])
+    >>> exact_burgers_vector(frame, Loop.circle([0, 0, 0], r)).vector
+    (0, 0, pi*R**2)
+    """
+    start = time.perf_counter()
+    if loop.dimension != frame.dimension:
+        raise LoopError(
+            f"the loop has {loop.dimension} coordinates, the frame {frame.dimension}: "
+            "give a loop in the coordinates of the frame."
+        )
+    total = [sp.S.Zero] * frame.dimension
+    where = _sample(frame, loop)
+    numbers = [mpmath.mpf(0)] * frame.dimension
+    try:
+        with deadline(seconds):
+            for times, piece in _pieces(loop):
+                for i, f in enumerate(_pulled_back(frame, piece)):
+                    value = definite(f, *piece[1:])
+                    if value is None:
+                        raise UndecidedError(
+                            f"b^{i} of this loop has no closed form that is known here: the "
+                            f"integrand is {f}. Ask for numbers, without exact=True."
+                        )
+                    total[i] += times * value
+                    numbers[i] += times * _number(f, piece, where)
+            vector = tuple(_short(x) for x in total)
+    except OutOfTimeError:
+        raise UndecidedError(
+            f"no closed form was found in {seconds:g} s. Ask for numbers, without exact=True."
+        ) from None
+    _verify(vector, numbers, where)
+    return ExactBurgersVector(frame, loop, vector, where, time.perf_counter() - start)
+
+
+def _short(x: sp.Expr) -> sp.Expr:
+    """The shorter of an expression and its simplification."""
+    return min((x, sp.simplify(x)), key=sp.count_ops)
+
+
+def _pieces(loop: Loop) -> Iterator[tuple[int, Piece]]:
+    """Exact paths (coordinates, parameter, start, end) with their multiplicities."""
+    for part in loop.parts:
+        if part.given is None:
+            raise LoopError(
+                f"{loop.name}: this loop is known by numbers only, it has no closed form. "
+                "Give a circle, ellipse, polygon or exact expressions."
+            )
+        for side in part.sides:
+            yield part.times, _piece(part, side)
+
+
+def _piece(part: Part, side: Side) -> Piece:
+    """Coordinates along one side as exact expressions."""
+    assert part.given is not None
+    centre, size = part.given
+    t = sp.Dummy("t", real=True)
+    if isinstance(side, Ellipse):
+        offsets, low, high = side.exact(t / (2 * sp.pi)), sp.S.Zero, 2 * sp.pi
+    elif isinstance(side, Curve):
+        offsets = tuple(x.subs(side.parameter, t) for x in side.expressions)
+        low, high = side.start, side.end
+    else:
+        offsets, low, high = side.exact(t), sp.S.Zero, sp.S.One
+    pairs = zip(centre, offsets, strict=True)
+    return tuple(exact_number(q) + exact_number(size) * x for q, x in pairs), t, low, high
+
+
+def _pulled_back(frame: Frame, piece: Piece) -> list[sp.Expr]:
+    """e^i_mu(q(t)) dq^mu/dt for all i."""
+    path, t = piece[:2]
+    table = dict(zip(frame.coordinates, path, strict=True))
+    slopes = [x.diff(t) for x in path]
+    result = [sp.S.Zero] * frame.dimension
+    for (i, mu), value in frame.coframe.nonzero().items():
+        if slopes[mu] != 0:
+            result[i] += value.subs(table, simultaneous=True) * slopes[mu]
+    return result
+
+
+def _sample(frame: Frame, loop: Loop) -> dict[sp.Symbol, sp.Expr]:
+    """Values of all parameters for the numerical check."""
+    known = {s: v for s, v in frame.sample_point.items() if s not in frame.coordinates}
+    others = sorted(loop.symbols - set(known), key=str)
+    return known | {s: sp.Rational(7 + 4 * k, 19) for k, s in enumerate(others)}
+
+
+def _number(f: sp.Expr, piece: Piece, where: Mapping[sp.Symbol, sp.Expr]) -> Any:
+    """The integral of f by quadrature at the sample values."""
+    _, t, low, high = piece
+    if f == 0:
+        return mpmath.mpf(0)
+    function = sp.lambdify(t, f.subs(where), "mpmath")
+    with mpmath.workdps(DIGITS + 10):
+        bounds = [mpmath.mpmathify(sp.sympify(x).subs(where).evalf(40)) for x in (low, high)]
+        panels = mpmath.linspace(*bounds, 9)
+        return mpmath.quad(function, panels)
+
+
+def _verify(
+    vector: tuple[sp.Expr, ...], numbers: list[Any], where: Mapping[sp.Symbol, sp.Expr]
+) -> None:
+    """Refuse a closed form that is not what the numbers say."""
+    for i, (expression, number) in enumerate(zip(vector, numbers, strict=True)):
+        value = mpmath.mpmathify(expression.subs(where).evalf(DIGITS + 10))
+        if not abs(value - number) <= mpmath.mpf(10) ** -DIGITS * (1 + abs(number)):
+            raise UndecidedError(
+                f"the closed form {expression} for b^{i} was found, but it is {mpmath.nstr(value)} "
+                f"where the integral is {mpmath.nstr(number)}. Ask for numbers, without exact=True."
+            )

@@ -1,0 +1,210 @@
+"""Result: a Burgers vector with its error, how it was found, and what it cost."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import mpmath
+
+from geomtorsion.errors import LoopError
+from geomtorsion.loops import intake
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from geomtorsion.geometry import Frame
+    from geomtorsion.loops.loop import Loop
+
+
+@dataclass(frozen=True, eq=False)
+class Check:
+    """The two independent routes side by side.
+
+    line, flux: b^i by each, shape (n,); flux is None where the torsion is not smooth inside.
+    line_error, flux_error: their own error estimates.
+    agrees: True, False, or None where there is nothing to compare.
+    text: what the comparison says, in words.
+    """
+
+    line: np.ndarray
+    line_error: float
+    flux: np.ndarray | None
+    flux_error: float | None
+    agrees: bool | None
+    text: str
+
+    @property
+    def difference(self) -> np.ndarray | None:
+        """Line minus flux, shape (n,); where the routes disagree: what sits on a defect."""
+        return None if self.flux is None else self.line - self.flux
+
+    def __str__(self) -> str:
+        return self.text
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class BurgersVector:
+    """The Burgers vector of one loop, frame components.
+
+    frame, loop: what it belongs to.
+    reduced: b^i / size**power, shape (n,): finite even where b itself is below all doubles.
+    reduced_error: bound on the error of its largest component, in the same unit.
+    size, power: the unit: the size of the loop, and 1 or 2.
+    route: "line", "flux", or "line and flux" where the parts of the loop needed different ones.
+    why: why that route, in words.
+    check: the other route, and whether both agree.
+    accuracy: the relative error that was asked for.
+    evaluations: points at which coframe or curl were evaluated; seconds: wall time.
+    parameters: the values of the frame's parameters, by name.
+    """
+
+    frame: Frame
+    loop: Loop
+    reduced: np.ndarray
+    reduced_error: float
+    size: float
+    power: int
+    route: str
+    why: str
+    check: Check
+    accuracy: float
+    evaluations: int
+    seconds: float
+    parameters: Mapping[str, Any]
+
+    @cached_property
+    def vector(self) -> np.ndarray:
+        """b^i in the frame, shape (n,)."""
+        result = self.reduced * self.size
+        if self.power == 2:
+            result = result * self.size
+        result.setflags(write=False)
+        return result
+
+    @property
+    def error(self) -> float:
+        """Bound on the error of the largest component of `vector`."""
+        return self.reduced_error * self.size * (self.size if self.power == 2 else 1.0)
+
+    @property
+    def relative_error(self) -> float:
+        """Error over largest component: 0 for an exact zero, infinite for a zero that is not."""
+        import numpy as np
+
+        largest = float(np.abs(self.reduced).max())
+        if largest:
+            return self.reduced_error / largest
+        return math.inf if self.reduced_error else 0.0
+
+    @property
+    def reached(self) -> bool:
+        """Whether the relative error asked for was reached."""
+        return self.relative_error <= self.accuracy
+
+    @property
+    def vanishes(self) -> bool:
+        """Whether the vector is zero within its error."""
+        return self.relative_error >= 1 or not self.reduced.any()
+
+    @property
+    def numbers(self) -> tuple[Any, ...]:
+        """b^i as mpmath numbers, which do not underflow: for loops of size 1e-300."""
+        unit = mpmath.mpf(self.size) ** self.power
+        return tuple(mpmath.mpmathify(x) * unit for x in self.reduced.tolist())
+
+    @cached_property
+    def _eta(self) -> np.ndarray:
+        """The metric of the frame as numbers."""
+        return self.frame.eta.at(self._named({}))
+
+    def _named(self, point: Mapping[Any, Any]) -> dict[Any, Any]:
+        """A point with the parameters."""
+        return {**self.parameters, **point}
+
+    @property
+    def square(self) -> float | complex:
+        """eta_ij b^i b^j."""
+        return (self.vector @ self._eta @ self.vector).item()
+
+    @property
+    def magnitude(self) -> float:
+        """Length of the vector, sqrt|eta_ij b^i b^j|."""
+        scale = self.size**self.power
+        return math.sqrt(abs((self.reduced @ self._eta @ self.reduced).item())) * scale
+
+    def in_coordinates(self, point: Sequence[float] | None = None) -> np.ndarray:
+        """E_i^mu(point) b^i, shape (n,); the point is the centre of the loop if not given.
+
+        Raises
+        ------
+        SingularPointError
+            The legs have no finite value there.
+        """
+        place = (
+            self.loop.centre
+            if point is None
+            else intake.vector(point, "point", self.frame.dimension)
+        )
+        values = dict(zip((s.name for s in self.frame.coordinates), place, strict=True))
+        return self.frame.legs.at(self._named(values)) @ self.vector
+
+    def screw(self, direction: Sequence[float]) -> np.ndarray:
+        """The part of b along a direction (frame components), as of a screw dislocation.
+
+        Raises
+        ------
+        LoopError
+            The direction has no length in the metric of the frame.
+        """
+        import numpy as np
+
+        along = np.array(intake.vector(direction, "direction", self.frame.dimension))
+        square = along @ self._eta @ along
+        if not abs(square) > 1e-15 * np.abs(along).max() ** 2:
+            raise LoopError(f"direction {direction!r} has no length in the metric of the frame.")
+        return along * ((along @ self._eta @ self.vector) / square)
+
+    def edge(self, direction: Sequence[float]) -> np.ndarray:
+        """The part of b across a direction (frame components), as of an edge dislocation."""
+        return self.vector - self.screw(direction)
+
+    def to_json(self) -> dict[str, Any]:
+        """Everything as plain values, ready for json.dumps."""
+        flux = self.check.flux
+        return {
+            "loop": self.loop.name,
+            "vector": _plain(self.vector),
+            "error": self.error,
+            "relative_error": self.relative_error if self.relative_error < math.inf else None,
+            "reached": self.reached,
+            "magnitude": self.magnitude,
+            "reduced": _plain(self.reduced),
+            "unit": {"size": self.size, "power": self.power},
+            "route": self.route,
+            "why": self.why,
+            "check": {
+                "agrees": self.check.agrees,
+                "text": self.check.text,
+                "line": _plain(self.check.line),
+                "line_error": self.check.line_error,
+                "flux": None if flux is None else _plain(flux),
+                "flux_error": self.check.flux_error,
+            },
+            "accuracy": self.accuracy,
+            "evaluations": self.evaluations,
+            "seconds": self.seconds,
+        }
+
+    def __repr__(self) -> str:
+        parts = ", ".join(f"{x:.12g}" for x in self.vector.tolist())
+        return f"BurgersVector([{parts}], error={self.error:.1e}, route={self.route!r})"
+
+
+def _plain(vector: np.ndarray) -> list[Any]:
+    """Components as floats, or as [real, imaginary]."""
+    values = vector.tolist()
+    return [[x.real, x.imag] if isinstance(x, complex) else x for x in values]
