@@ -99,14 +99,17 @@ class Additive:
         return field.add(Generator("constant", name, shown, frozenset()))
 
     def _log_of_factor(self, base: Element) -> Element:
-        """The logarithm of one factor; that of an exponential is its exponent."""
+        """The logarithm of one factor; that of an exponential or a root needs no generator."""
         field = self._field
         known = self._by_argument.get(("log", (base,)))
         if known is not None:
             return known
         for generator in field.generators_of(base):
-            if generator.kind == "exp" and base == field.generator_element(generator):
-                return generator.argument
+            if base == field.generator_element(generator):
+                if generator.kind == "exp":
+                    return generator.argument
+                if generator.kind == "root" and generator.tail is not None:
+                    return self.log(generator.tail) * fmpq(1, generator.degree)
         slopes = tuple(base.diff(s) / base for s in field.symbols)
         value = self._added("log", sympy.log(base.sympy), (base,), slopes, base)
         self._by_argument["log", (base,)] = value

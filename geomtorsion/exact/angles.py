@@ -167,12 +167,16 @@ class Angles:
 
 
 def _of_inverse_function(field: Field, atom: Element) -> Pair | None:
-    """cos and sin of atan, asin, acos: algebraic."""
+    """cos and sin of atan, atan2, asin, acos: algebraic."""
     generator = single_generator(field, atom)
     if generator is None or generator.kind != "primitive":
         return None
-    inner = generator.argument[0]
+    inner, _, arguments = generator.argument
     name = type(generator.shown).__name__
+    if name == "atan2":
+        y, x = arguments
+        radius = (x * x + y * y).sqrt()
+        return x / radius, y / radius
     if name in ("atan", "acot"):
         root = (inner * inner + 1).sqrt()
         return (1 / root, inner / root) if name == "atan" else (inner / root, 1 / root)

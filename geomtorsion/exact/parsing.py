@@ -117,7 +117,8 @@ class _Reader:
         if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
             return self._sum(node)
         if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult | ast.Div):
-            return self._product(node)
+            coefficient, rest = self._product(node)
+            return coefficient * rest
         if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
             return self._power(node, self.read(node.left), self.read(node.right))
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd):
@@ -125,7 +126,8 @@ class _Reader:
         self._fail(node, "this is not part of an expression")
 
     def _sum(self, node: ast.expr) -> Any:
-        terms: list[Any] = []
+        # Coefficients of equal parts are added up first: that is most of the work in a long sum.
+        collected: dict[Any, Any] = {}
         stack: list[tuple[ast.expr, int]] = [(node, 1)]
         while stack:
             part, sign = stack.pop()
@@ -135,12 +137,13 @@ class _Reader:
             elif isinstance(part, ast.UnaryOp) and isinstance(part.op, ast.USub | ast.UAdd):
                 stack.append((part.operand, sign if isinstance(part.op, ast.UAdd) else -sign))
             else:
-                terms.append(sign * self.read(part))
-        return sympy.Add(*terms)
+                coefficient, rest = self._product(part)
+                collected[rest] = collected.get(rest, 0) + sign * coefficient
+        return sympy.Add(*(coefficient * rest for rest, coefficient in collected.items()))
 
-    def _product(self, node: ast.expr) -> Any:
-        factors: list[Any] = []
-        bits = 0
+    def _product(self, node: ast.expr) -> tuple[Any, Any]:
+        """Rational coefficient and the rest of a product."""
+        coefficient, factors, bits = sympy.Integer(1), [], 0
         stack: list[tuple[ast.expr, int]] = [(node, 1)]
         while stack:
             part, power = stack.pop()
@@ -149,13 +152,19 @@ class _Reader:
                 stack.append((part.left, power))
                 continue
             factor = self.read(part)
-            if power < 0 and factor == 0:
-                self._fail(part, "division by zero")
-            factors.append(factor if power > 0 else 1 / factor)
+            if power < 0:
+                if factor == 0:
+                    self._fail(part, "division by zero")
+                factor = 1 / factor
             bits += _bits(factor)
             if bits > self._most_bits:
                 self._too_long(part)
-        return self._noted(node, sympy.Mul(*factors))
+            if factor.is_Rational:
+                coefficient *= factor
+            else:
+                factors.append(factor)
+        self._note(node, coefficient)
+        return coefficient, sympy.Mul(*factors) if len(factors) != 1 else factors[0]
 
     def _power(self, node: ast.expr, base: Any, exponent: Any) -> Any:
         if base == 0 and exponent.is_negative:
@@ -170,16 +179,16 @@ class _Reader:
             power = factor.as_base_exp()[1]
             if power.is_Rational and abs(power) > self.limits.exponent:
                 self._too_high(node, power)
-        return self._noted(node, result)
+        self._note(node, result)
+        return result
 
-    def _noted(self, node: ast.expr, value: Any) -> Any:
+    def _note(self, node: ast.expr, value: Any) -> None:
         # A sum of fractions grows as the common denominator does, however short its terms are.
         coefficient = value.as_coeff_Mul()[0]
-        if coefficient.is_Rational:
+        if coefficient.is_Rational and coefficient.q != 1:
             self.denominator = math.lcm(self.denominator, int(coefficient.q))
             if self.denominator.bit_length() > self._most_bits:
                 self._too_long(node)
-        return value
 
     @property
     def _most_bits(self) -> float:
@@ -221,7 +230,8 @@ class _Reader:
             value = function(*arguments)
             if value.has(*_NO_NUMBER):
                 self._fail(node, f"{name} has no finite value here")
-            return self._noted(node, value)
+            self._note(node, value)
+            return value
         if name in NOT_SMOOTH:
             self._fail(func, f"{name} is not smooth", NOT_SMOOTH[name])
         near = near_names(name, [*(self.functions or ()), *FUNCTIONS])

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from geomtorsion.exact.generators import Generator
 
 _BITS = 300
-_LARGEST_BITS = 4096
+_LARGEST_BITS = 2048
 # Points tried before a radicand or the argument of a log is left negative.
 _TRIES = 80
 

@@ -20,7 +20,7 @@ class Limits:
     exponent: largest numerical exponent; digits: length of any number that is written or formed.
     """
 
-    characters: int = 1_000_000
+    characters: int = 2_000_000
     depth: int = 50
     exponent: int = 256
     digits: int = 1000
