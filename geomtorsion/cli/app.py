@@ -19,6 +19,7 @@ app = typer.Typer(
     name="geomtorsion",
     no_args_is_help=True,
     add_completion=False,
+    rich_markup_mode=None,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
@@ -49,9 +50,14 @@ def geomtorsion(
 ) -> None:
     """Give it any tetrad; get its geometry, exactly.
 
-    Start with:  geomtorsion spaces  and  geomtorsion report so3 -o so3-report
+    \b
+    Examples:
+      geomtorsion spaces
+      geomtorsion geometry so3 --only torsion,ricci
+      geomtorsion report so3 -o so3-report
     """
 
 
-for _command in (spaces, geometry, check, plan, report, paper):
+for _command in (spaces, geometry, check, plan, report):
     app.command()(guarded(_command))
+app.command(short_help="Recompute the equations of the paper.")(guarded(paper))

@@ -17,19 +17,21 @@ FAILED = 1
 
 
 def check(source: SpaceOrFile) -> None:
-    """Check the identities of a space exactly; ends with 1 if one fails.
+    """Check the identities of a space exactly.
 
     Checked are metricity, the decomposition of the connection, both Bianchi identities with
-    torsion, the scalar identity, and for shipped spaces every known answer.
+    torsion, the scalar identity, and for shipped spaces every known answer. The command ends
+    with 1 if a check fails.
 
-    Example:  geomtorsion check kerr
-
-    Example:  geomtorsion check my-tetrad.toml
+    \b
+    Examples:
+      geomtorsion check kerr
+      geomtorsion check my-tetrad.toml
     """
     from geomtorsion.pictures.verdicts import verdicts
 
-    space = open_space(source)
-    with working(f"checking {space.name}") as progress:
+    with working(source) as progress:
+        space = open_space(source)
         groups = verdicts(space, progress)
     for title, found in groups.items():
         typer.secho(title, bold=True)

@@ -56,27 +56,34 @@ def geometry(
         typer.Option("--every", help="In text and latex: also components that follow by symmetry."),
     ] = False,
 ) -> None:
-    """Show the geometry of a space: metric, connections, torsion, curvature.
+    """Show metric, connections, torsion and curvature.
 
     Only components that do not vanish are shown. Letters are coordinates, digits are legs of the
     frame, counted from 0.
 
-    Example:  geomtorsion geometry so3 --only torsion,ricci
+    \b
+    Examples:
+      geomtorsion geometry so3 --only torsion,ricci
+      geomtorsion geometry kerr --only kretschmann --format python > kerr.py
+      geomtorsion geometry my-tetrad.toml --basis frame --format latex
 
-    Example:  geomtorsion geometry kerr --only kretschmann --format python > kerr.py
-
-    Example:  geomtorsion geometry my-tetrad.toml --basis frame --format latex
-
-    A tetrad file is TOML with the keys coordinates; one of coframe, frame, metric,
-    structure_constants; and, as needed, name, title, story, source, notes, parameters
-    (M = "positive"), functions (a = ["t"]), domain (["r > 2*M"]), signature ([-1, 1, 1, 1]),
-    complex (true), and one of spin_connection, contortion, connection.
+    \b
+    A tetrad file is TOML; expressions stand in quotes:
+      coordinates = ["t", "r"]      names, in the order of the columns
+      coframe = [["f(r)", 0],       rows are one-forms; or one of
+                 [0, "1/f(r)"]]     frame, metric, structure_constants
+      signature = [-1, 1]           or a constant matrix; default: plus signs
+      domain = ["r > 2*M"]          inequalities
+      parameters = {M = "positive"}
+      functions = {f = ["r"]}
+    and, as needed, name, title, story, source, notes, complex = true, and one of
+    spin_connection, contortion, connection.
     """
     from geomtorsion.pictures.chosen import choose
 
-    space = open_space(source)
     names = [] if only == "all" else [name.strip() for name in only.split(",") if name.strip()]
-    with working(space.name) as progress:
+    with working(source) as progress:
+        space = open_space(source)
         quantities = choose(space, names, basis.value, progress)
     match form:
         case Format.text:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from functools import wraps
+from io import TextIOWrapper
 from typing import Any
 
 import typer
@@ -40,6 +41,10 @@ def guarded(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def run() -> None:
     """Run the command line; Ctrl-C and a closed pipe end it without a traceback."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            # A name that the terminal cannot show becomes a question mark, not a traceback.
+            stream.reconfigure(errors="replace")
     try:
         from geomtorsion.cli.app import app
 

@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from geomtorsion.cli.progress import working
 from geomtorsion.cli.source import SpaceOrFile, open_space
 
 
@@ -21,11 +22,14 @@ def plan(
         bool, typer.Option("--dot", help="Print the graph in Graphviz's format.")
     ] = False,
 ) -> None:
-    """Show what would be computed for one quantity, and what is left out.
+    """Show what a quantity is computed from, and what is left out.
 
-    Example:  geomtorsion plan kerr ricci
-
-    Example:  geomtorsion plan kerr ricci --dot | dot -Tsvg > plan.svg
+    \b
+    Examples:
+      geomtorsion plan kerr ricci
+      geomtorsion plan kerr ricci --dot | dot -Tsvg > plan.svg
     """
-    shown = open_space(source).frame.plan(quantity)
-    typer.echo(shown.to_dot() if dot else str(shown))
+    with working(source):
+        shown = open_space(source).frame.plan(quantity)
+        written = shown.to_dot() if dot else str(shown)
+    typer.echo(written)

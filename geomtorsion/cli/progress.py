@@ -15,5 +15,5 @@ def working(what: str) -> Iterator[Callable[[str], object]]:
         return
     from rich.console import Console
 
-    with Console(stderr=True).status(what) as status:
+    with Console(stderr=True).status(f"{what}: reading (Ctrl-C stops)") as status:
         yield lambda step: status.update(f"{what}: {step} (Ctrl-C stops)")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Annotated
 
@@ -14,27 +15,30 @@ from geomtorsion.cli.source import SpaceOrFile, open_space
 def report(
     source: SpaceOrFile,
     output: Annotated[
-        Path,
+        Path | None,
         typer.Option(
             "-o",
             "--output",
             metavar="DIR",
             show_default=False,
-            help="Directory to write to; made if it is missing.",
+            help="Directory to write to, made if it is missing; default: NAME-report.",
         ),
-    ],
+    ] = None,
 ) -> None:
-    """Write the whole geometry of a space as a page (index.html) and as data (geometry.json).
+    """Write the whole geometry of a space as a page.
 
-    The page is one file that needs no network.
+    The page, index.html, is one file that needs no network; geometry.json beside it holds the
+    same as data.
 
-    Example:  geomtorsion report so3 -o so3-report
-
-    Example:  geomtorsion report my-tetrad.toml -o my-report
-    """  # fmt: skip
+    \b
+    Examples:
+      geomtorsion report so3 -o so3-report
+      geomtorsion report my-tetrad.toml -o my-report
+    """
     from geomtorsion.pictures.report import write_report
 
-    space = open_space(source)
-    with working(space.name) as progress:
-        written = write_report(space, output, progress)
+    with working(source) as progress:
+        space = open_space(source)
+        default = re.sub(r"[^\w-]+", "-", space.name) + "-report"
+        written = write_report(space, output or default, progress)
     typer.echo(f"{space.name}: wrote {written} and {written.with_name('geometry.json')}")

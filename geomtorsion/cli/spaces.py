@@ -10,7 +10,9 @@ def spaces() -> None:
 
     Each name can stand wherever a command wants SPACE|FILE.
 
-    Example:  geomtorsion spaces
+    \b
+    Example:
+      geomtorsion spaces
     """
     from geomtorsion.spaces import titles
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import sympy
 import typer
 
 from geomtorsion.pictures.labels import text_label, text_marks
-from geomtorsion.pictures.text import expression_text, greek_name
+from geomtorsion.pictures.text import expression_text
 
 if TYPE_CHECKING:
     from geomtorsion.pictures.chosen import Chosen
@@ -38,24 +38,26 @@ def in_ascii(text: str) -> str:
 
 
 def _heading(space: Space, *, greek: bool) -> str:
-    frame = space.frame
+    frame, n = space.frame, space.frame.dimension
 
-    def named(symbols: Sequence[sympy.Symbol]) -> str:
-        return ", ".join(greek_name(x.name) if greek else x.name for x in symbols)
+    def written(expressions: Iterable[sympy.Basic]) -> str:
+        return ", ".join(expression_text(part, greek=greek) for part in expressions)
 
-    title = typer.style(f"{space.name}: {space.title}", bold=True)
-    lines = [title, f"coordinates {named(frame.coordinates)}"]
-    if frame.parameters:
-        parameters = [symbol.name for symbol in frame.parameters]
-        lines[-1] += "; parameters " + ", ".join(
-            map(greek_name, parameters) if greek else parameters
-        )
-    entries = frame.eta.components.nonzero
-    if all(i == j for i, j in entries):
-        signs = "".join("+" if frame.eta[i, i] == 1 else "-" for i in range(frame.dimension))
-        lines[-1] += f"; signature {signs}"
-    lines += [f"root {branch}" for branch in frame.field.branches]
-    return "\n".join(lines)
+    title = space.name if space.title == space.name else f"{space.name}: {space.title}"
+    facts = [f"coordinates {written(frame.coordinates)}"]
+    facts += [f"parameters {written(frame.parameters)}"] * bool(frame.parameters)
+    facts += [f"domain {written(frame.domain)}"] * bool(frame.domain)
+    diagonal = [frame.eta[i, i] for i in range(n)]
+    if len(frame.eta.components.nonzero) == n and set(diagonal) <= {1, -1}:
+        facts.append("signature " + "".join("+" if sign == 1 else "-" for sign in diagonal))
+    else:
+        rows = ("[" + written(frame.eta[i, j] for j in range(n)) + "]" for i in range(n))
+        facts.append(f"frame metric [{', '.join(rows)}]")
+    facts += [
+        f"root {written([b.radical])} read as {written([b.read_as])}: right where {b.condition}"
+        for b in frame.field.branches
+    ]
+    return "\n".join([typer.style(title, bold=True), *facts])
 
 
 def _paragraph(chosen: Chosen, *, greek: bool, every: bool) -> str:

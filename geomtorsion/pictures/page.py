@@ -127,7 +127,7 @@ def _checks(verdicts: Mapping[str, Sequence[Verdict]]) -> str:
         rows = "".join(_check(verdict) for verdict in found)
         table = f"<table><caption>{escape(title)}</caption>{rows}</table>"
         tables.append(f'<section class="card scroll">{table}</section>')
-    return f'<h2 id="checks">Checks</h2>{"".join(tables)}'
+    return f'<h2 id="about-checks">Checks</h2>{"".join(tables)}'
 
 
 def _check(verdict: Verdict) -> str:
@@ -157,7 +157,7 @@ def _branches(space: Space) -> str:
         f", right where {escape(_greek(branch.condition))}.</p>"
         for branch in branches
     )
-    return f'<h2 id="roots">Branches of roots</h2><section class="card">{items}</section>'
+    return f'<h2 id="about-roots">Branches of roots</h2><section class="card">{items}</section>'
 
 
 def _prose(text: str) -> str:
@@ -183,6 +183,5 @@ def _footer() -> str:
 
 
 def _anchor(section: str) -> str:
-    return "".join(
-        letter for letter in section.lower().replace(" ", "-") if letter.isalpha() or letter == "-"
-    )
+    """The name of a section as it stands in links."""
+    return "-".join(["about", *section.lower().replace("'", "").split()])

@@ -82,7 +82,7 @@ def _of_identity(identity: Identity, *, own: bool) -> Verdict:
 def _of_answer(space: Space, answer: KnownAnswer) -> Verdict:
     wrong = disagreements(space, answer)
     name = entry(answer.quantity).title
-    source = answer.source or space.source.split(";")[0]
+    source = f": {answer.source}" if answer.source else " with the source"
     if wrong:
-        return Verdict(name, False, "", f"{wrong[0]}; source: {source}")
-    return Verdict(name, True, "", f"agrees with {source}")
+        return Verdict(name, False, "", f"{wrong[0]} (disagrees{source})")
+    return Verdict(name, True, "", f"agrees{source}")

@@ -107,12 +107,10 @@ def read_file(path: str | PathLike[str]) -> Space:
 def _loaded(path: Path) -> dict[str, Any]:
     """The content of a TOML file, decimals as text."""
     try:
-        size = path.stat().st_size
-        if size > LARGEST_FILE:
-            raise LimitError(
-                f"{path.name}: the file has {size:,} bytes; the limit is {LARGEST_FILE:,}."
-            )
-        return tomllib.loads(path.read_text("utf-8"), parse_float=_Decimal)
+        with path.open("rb") as file:
+            content = file.read(LARGEST_FILE + 1)
+        if len(content) <= LARGEST_FILE:
+            return tomllib.loads(content.decode("utf-8"), parse_float=_Decimal)
     except OSError as error:
         reason = error.strerror or type(error).__name__
         raise FileFormatError(f"{path}: the file cannot be read: {reason}.") from None
@@ -124,6 +122,7 @@ def _loaded(path: Path) -> dict[str, Any]:
         raise LimitError(f"{path.name}: lists are nested too deeply to be read.") from None
     except ValueError as error:
         raise _bad_toml(path, error) from None
+    raise LimitError(f"{path.name}: the file is longer than the limit of {LARGEST_FILE:,} bytes.")
 
 
 def _bad_toml(path: Path, error: ValueError) -> FileFormatError:
@@ -149,7 +148,8 @@ def _check_keys(file: str, data: Mapping[str, Any]) -> None:
                 f"{file}: unknown key {key!r}. {nearest(key, KEYS)}Known are {', '.join(KEYS)}."
             )
     for table in ("parameters", "functions"):
-        for key in data.get(table, {}):
+        inside = data.get(table)
+        for key in inside if isinstance(inside, dict) else ():
             if key in KEYS and key not in data:
                 raise FileFormatError(
                     f"{file}: {key} stands under [{table}], where it would be a name. In TOML "

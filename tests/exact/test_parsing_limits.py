@@ -32,7 +32,7 @@ NAMES = {"t": t, "r": r, "theta": theta, "M": M}
         ("-" * 1000 + "r", "nested too deeply; the limit is 50"),
         ("r**" * 1000 + "2", "nested too deeply; the limit is 50"),
         ("sin(" * 5000 + "r" + ")" * 5000, "nested too deeply; the limit is 50"),
-        ("r" * 1_000_001, "has 1,000,001 characters; the limit is 1,000,000"),
+        ("r" * 2_000_001, "has 2,000,001 characters; the limit is 2,000,000"),
     ],
 )
 def test_every_limit_is_stated(text, message):

@@ -1,0 +1,150 @@
+"""The report: one page that loads nothing, well formed, complete, and the same as data."""
+
+import json
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from geomtorsion.pictures.catalogue import CATALOGUE, CONNECTION
+from geomtorsion.pictures.report import write_report
+from geomtorsion.spaces import load, read_file
+from tests.pictures.test_mathml import parsed
+
+DATA = Path(__file__).parent.parent / "data"
+VOID = {"meta", "br", "link", "img", "hr", "input"}
+SHOWN = [entry for entry in CATALOGUE if entry.section and entry.section != CONNECTION]
+
+
+class Structure(HTMLParser):
+    """Checks that elements close in order, and collects ids, links and text."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.ids: list[str] = []
+        self.links: list[str] = []
+        self.loads: list[str] = []
+        self.text = ""
+
+    def handle_starttag(self, tag, attrs):
+        given = {name: value or "" for name, value in attrs}
+        self.ids += [given["id"]] if "id" in given else []
+        self.links += [given["href"]] if tag == "a" else []
+        self.loads += [tag] if {"src", "srcset", "data"} & given.keys() else []
+        self.loads += [tag] if tag in ("script", "link", "iframe", "object", "img") else []
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        return
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.text += data
+
+
+def structure(html: str) -> Structure:
+    """The checked structure of a page."""
+    found = Structure()
+    found.feed(html)
+    found.close()
+    assert not found.open
+    return found
+
+
+@pytest.fixture(scope="module")
+def so3(tmp_path_factory):
+    """Page and data of so3."""
+    folder = tmp_path_factory.mktemp("so3")
+    page = write_report(load("so3"), folder)
+    return page.read_text("utf-8"), json.loads((folder / "geometry.json").read_text("utf-8"))
+
+
+def test_the_page_is_well_formed(so3):
+    """Elements close in order, anchors exist once, links lead to them or to the data."""
+    page = structure(so3[0])
+    assert len(page.ids) == len(set(page.ids))
+    for link in page.links:
+        assert link == "geometry.json" or link.removeprefix("#") in page.ids
+    formulas = re.findall(r"<math[^>]*>(.*?)</math>", so3[0])
+    assert len(formulas) > 80
+    for formula in formulas:
+        parsed(formula)
+
+
+def test_the_page_loads_nothing(so3):
+    """No script, no image, no address; and the page forbids the browser to load any."""
+    assert not structure(so3[0]).loads
+    assert "http://" not in so3[0]
+    assert "https://" not in so3[0]
+    assert "url(" not in so3[0]
+    assert "default-src 'none'" in so3[0]
+
+
+def test_the_page_holds_everything(so3):
+    """Story, source, every quantity, both connections' identities, the conventions."""
+    page = structure(so3[0])
+    assert "angular velocity" in page.text
+    assert "FUB-HEP/94-5" in page.text
+    assert {entry.name for entry in SHOWN} <= set(page.ids)
+    assert page.text.count("second Bianchi") == 2
+    assert page.text.count("✓") == 26
+    assert "✗" not in page.text
+
+
+def test_the_data_is_the_same(so3):
+    """Quantities and checks stand in the JSON too."""
+    _, data = so3
+    assert list(data["quantities"]) == [entry.name for entry in SHOWN]
+    assert data["quantities"]["scalar_curvature"]["components"] == {"": "3/2"}
+    checks = [check for found in data["checks"].values() for check in found]
+    assert len(checks) == 26
+    assert all(check["holds"] for check in checks)
+
+
+def test_branches_of_roots_are_stated(tmp_path):
+    """Kerr's page says where its root is positive."""
+    text = write_report(load("kerr"), tmp_path).read_text("utf-8")
+    assert "Branches of roots" in text
+    assert "is read as" in text
+    structure(text)
+
+
+@pytest.mark.parametrize("name", ["universe", "null", "twisted", "schwarzschild"])
+def test_pages_of_files(name, tmp_path):
+    """Unknown functions, null frames, own connections and plain metrics make good pages."""
+    space = read_file(DATA / f"{name}.toml")
+    html = write_report(space, tmp_path).read_text("utf-8")
+    page = structure(html)
+    for formula in re.findall(r"<math[^>]*>(.*?)</math>", html):
+        parsed(formula)
+    assert ("connection_torsion" in page.ids) == (space.connection is not None)
+
+
+def test_text_from_a_file_is_escaped(tmp_path):
+    """A story cannot smuggle markup into the page."""
+    evil = "<script>alert(1)</script>"
+    space = replace(load("s2"), title=evil, story=evil, source=evil, notes=evil)
+    html = write_report(space, tmp_path).read_text("utf-8")
+    assert "<script" not in html
+    structure(html)
+
+
+def test_nothing_is_written_when_it_fails(tmp_path):
+    """An error in the middle leaves no half report."""
+
+    class Stop(Exception):
+        pass
+
+    def stop(step: str) -> None:
+        if step == "known answers":
+            raise Stop
+
+    with pytest.raises(Stop):
+        write_report(load("s2"), tmp_path / "report", stop)
+    assert not (tmp_path / "report").exists()

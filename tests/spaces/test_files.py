@@ -1,0 +1,252 @@
+"""Tetrad files: what they say becomes a space; what they get wrong is named, with the remedy."""
+
+from pathlib import Path
+
+import pytest
+import sympy
+
+from geomtorsion.errors import (
+    CoframeError,
+    ExpressionError,
+    FileFormatError,
+    GeomtorsionError,
+    LimitError,
+    StructureConstantError,
+)
+from geomtorsion.spaces import load, read_file
+
+DATA = Path(__file__).parent.parent / "data"
+PLANE = 'coordinates = ["r", "phi"]\n'
+COFRAME = 'coframe = [[1, 0], [0, "r"]]\n'
+
+
+@pytest.fixture
+def read(tmp_path):
+    """Read a space from the text of a file called own.toml."""
+
+    def reader(text: str):
+        file = tmp_path / "own.toml"
+        file.write_text(text, "utf-8")
+        return read_file(file)
+
+    return reader
+
+
+def components(space, name):
+    """Nonzero components of a quantity by index, as text, so that symbols compare by name."""
+    tensor = space.frame.quantity(name)
+    return {index: str(tensor[index]) for index in tensor.components.nonzero}
+
+
+def test_a_coframe():
+    """Rows are one-forms; name, title, story and parameter arrive."""
+    space = read_file(DATA / "rindler.toml")
+    assert (space.name, space.source) == ("rindler", "rindler.toml")
+    assert "rocket" in space.story
+    assert [symbol.name for symbol in space.frame.parameters] == ["g"]
+    assert space.frame.parameters[0].is_positive
+    t, x = space.frame.coordinates
+    assert t.is_real
+    assert x.is_real
+    [g] = space.frame.parameters
+    assert space.frame.metric[0, 0] == -sympy.exp(2 * g * x)
+    assert space.frame.quantity("torsion")[1, 0, 0] == g / 2
+    assert space.frame.quantity("riemann").is_zero
+
+
+def test_a_metric_agrees_with_the_shipped_space():
+    """From the metric alone, Schwarzschild's curvature is that of the shipped tetrad."""
+    own, shipped = read_file(DATA / "schwarzschild.toml"), load("schwarzschild")
+    assert own.name == "hole"
+    for name in ("riemann", "kretschmann", "christoffel"):
+        assert components(own, name) == components(shipped, name)
+        assert components(own, name)
+    assert own.frame.quantity("ricci").is_zero
+    assert len(own.frame.domain) == 3
+
+
+def test_an_unknown_function_and_a_sparse_coframe():
+    """With a = ["t"] declared, a and a(t) are the same; the name defaults to that of the file."""
+    own, shipped = read_file(DATA / "universe.toml"), load("frw_flat")
+    assert own.name == "universe"
+    assert components(own, "einstein") == components(shipped, "einstein")
+    assert components(own, "einstein")
+
+
+def test_legs_stand_in_columns():
+    """frame = legs[mu][i]: its inverse is the coframe."""
+    frame = read_file(DATA / "legs.toml").frame
+    assert str(frame.coframe[1, 1]) == "r"
+    assert str(frame.legs[1, 1]) == "1/r"
+
+
+def test_structure_constants_are_completed():
+    """One order of the first two indices is enough; coordinates are made up."""
+    frame = read_file(DATA / "nil.toml").frame
+    assert frame.dimension == 3
+    assert frame.anholonomy.nonzero() == {(0, 1, 2): -1, (1, 0, 2): 1}
+
+
+def test_structure_constants_as_nested_lists(read):
+    """Nested lists are taken as they stand, both orders given."""
+    text = "structure_constants = [[[0, 0], [0, 1]], [[0, -1], [0, 0]]]"
+    assert read(text).frame.anholonomy.nonzero() == {(0, 1, 1): 1, (1, 0, 1): -1}
+    with pytest.raises(StructureConstantError):
+        read("structure_constants = [[[0, 0], [0, 1]], [[0, 1], [0, 0]]]")
+
+
+def test_a_null_tetrad():
+    """complex = true and a matrix for the signature: flat space has the metric of Minkowski."""
+    frame = read_file(DATA / "null.toml").frame
+    diagonal = {(k, k): -1 if k == 0 else 1 for k in range(4)}
+    assert frame.metric.nonzero() == diagonal
+
+
+def test_a_contortion_of_its_own():
+    """The connection has the contortion of the file: totally antisymmetric, so S = K."""
+    connection = read_file(DATA / "twisted.toml").connection
+    assert connection is not None
+    k = connection.frame.parameters[0]
+    assert connection.contortion[0, 1, 2] == k
+    assert connection.torsion.S[0, 1, 2] == k
+    assert connection.is_metric
+
+
+def test_a_spin_connection_and_coefficients(read):
+    """A vanishing spin connection is Cartan's; coefficients may have nonmetricity."""
+    flat = read(PLANE + COFRAME + 'spin_connection = {"0,0,0" = 0}').connection
+    assert flat is not None
+    assert str(flat[0, 1, 1]) == "1/r"
+    bent = read(PLANE + COFRAME + 'connection = {"0,0,1" = "r"}').connection
+    assert bent is not None
+    assert str(bent[0, 0, 1]) == "r"
+    assert bent.is_metric is False
+
+
+@pytest.mark.parametrize(
+    ("given", "check"),
+    [
+        ("positive", "is_positive"),
+        ("negative", "is_negative"),
+        ("real nonzero", "is_nonzero"),
+        ("integer", "is_integer"),
+    ],
+)
+def test_assumptions_reach_the_symbols(read, given, check):
+    """What a file says about a parameter is what sympy knows about it."""
+    text = PLANE + f'parameters = {{b = "{given}"}}\ncoframe = [[1, 0], [0, "b*r"]]'
+    [b] = read(text).frame.parameters
+    assert getattr(b, check)
+    assert b.is_real
+
+
+def test_assumptions_may_be_a_list(read):
+    """Two words or a list of two mean the same."""
+    text = PLANE + 'parameters = {b = ["real", "nonzero"]}\ncoframe = [[1, 0], [0, "b*r"]]'
+    [b] = read(text).frame.parameters
+    assert b.is_nonzero
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "exactly one of coframe, frame, metric, structure_constants was needed, but none"),
+        (PLANE, "but none came"),
+        (COFRAME, "coordinates are missing"),
+        (PLANE + COFRAME + "metric = [[1, 0], [0, 1]]", "but coframe and metric came"),
+        (PLANE + COFRAME + "cofrane = 1", "unknown key 'cofrane'. Did you mean coframe"),
+        (PLANE + COFRAME + "banana = 1", "unknown key 'banana'. Known are name, title"),
+        (PLANE + "coframe = [[1, 0]", "this is no TOML"),
+        (PLANE + "coframe = [[1, r], [0, 1]]", r"line 2, column 16.*\n.*coframe = .*\n +\^"),
+        (PLANE + "[parameters]\nM = 'real'\n" + COFRAME, "coframe stands under .parameters."),
+        (PLANE + "coframe = 3", "a list of rows was needed, but 3 came"),
+        (PLANE + "coframe = [1, 2]", r"coframe\[0\]: a list of 2 entries was needed"),
+        (PLANE + "coframe = [[1, 0], [0]]", r"coframe\[1\]: a list of 2 entries .* but 1 came"),
+        (PLANE + "coframe = [[1, 0], [0, 1], [1, 1]]", "coframe: a list of 2 entries .* 3 came"),
+        (PLANE + "coframe = [[1, 0], [0, true]]", r"coframe\[1, 1\]: .* true or false came"),
+        (PLANE + "coframe = [[1, 0], [0, 1979-05-27]]", r"coframe\[1, 1\]: .* 1979-05-27 came"),
+        (PLANE + "coframe = [[1, 0], [0, []]]", r"coframe\[1, 1\]: .* a list came"),
+        (PLANE + 'coframe = {"0,0" = 1, "1,2" = "r"}', '"1,2" is no index here: 2 numbers from 0'),
+        (PLANE + 'coframe = {"0,0" = 1, "1;1" = "r"}', '"1;1" is no index'),
+        (PLANE + 'coframe = {"0,0" = 1, "0, 0" = 2, "1,1" = 1}', "stands there twice"),
+        (PLANE + COFRAME + "signature = [1, 2]", "a list of signs 1 and -1"),
+        (PLANE + COFRAME + 'signature = "+-"', "a list of signs 1 and -1"),
+        (PLANE + COFRAME + "complex = 1", "complex: true or false was needed"),
+        (PLANE + COFRAME + "name = 3", "name: a text in quotes was needed, but 3 came"),
+        (PLANE + COFRAME + "title = 3.5", "title: a text in quotes was needed"),
+        ("coordinates = 3\n" + COFRAME, "coordinates: a list of texts was needed"),
+        ('coordinates = ["r", 3]\n' + COFRAME, "coordinates: a list of texts was needed"),
+        ('coordinates = ["r", "2x"]\n' + COFRAME, "'2x' is no name"),
+        (PLANE + "parameters = 3\n" + COFRAME, "parameters: a table was needed"),
+        (PLANE + 'parameters = {M = "postive"}\n' + COFRAME, "Did you mean positive"),
+        (PLANE + 'parameters = {r = "real"}\n' + COFRAME, "r is declared 2 times"),
+        (PLANE + 'functions = {a = ["t"]}\n' + COFRAME, "its argument 't' is neither a coord"),
+        (PLANE + 'functions = {phi = ["r"]}\n' + COFRAME, "phi is declared 2 times"),
+        (PLANE + COFRAME + 'domain = ["r"]', "'r' compares nothing"),
+        (PLANE + COFRAME + 'domain = "r"', "'r' compares nothing"),
+        (PLANE + COFRAME + "domain = 3", "domain: a list of texts was needed"),
+        (
+            PLANE + COFRAME + "contortion = {}\nconnection = {}",
+            "at most one of spin_connection, contortion, connection was needed",
+        ),
+        ('structure_constants = {"0,1,1" = 1}\ncomplex = true', "means nothing beside"),
+    ],
+)
+def test_mistakes_in_the_form(read, text, message):
+    """Each mistake is named with the key, what was needed and what came."""
+    with pytest.raises(FileFormatError, match=f"(?s)^own.toml: .*{message}"):
+        read(text)
+
+
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [
+        ('"q*r"', r"own.toml: coframe\[1, 1\]: q is neither a coordinate nor a declared param"),
+        ('"Phi*r"', "Did you mean phi"),
+        ("1.5", "1.5 is a decimal number.*\n.*\n.*\nWrite 3/2"),
+        ('"f(r)"', "f is not a function that is known here"),
+        ("\"__import__('os').getcwd()\"", "expressions are not code"),
+        ('"r.real"', "expressions have no attributes"),
+        ('"[r for r in phi]"', "square brackets"),
+        ('"Abs(r)"', "Abs is not smooth"),
+        ('"1/0"', "division by zero"),
+        ('"r +"', "missing after"),
+        ('"I*r"', "complex"),
+    ],
+)
+def test_mistakes_in_an_expression(read, entry, message):
+    """Each is named with its entry; nothing is run."""
+    with pytest.raises(ExpressionError, match=f"(?s){message}"):
+        read(PLANE + f"coframe = [[1, 0], [0, {entry}]]")
+
+
+def test_a_singular_coframe(read):
+    """The error of the frame itself comes through."""
+    with pytest.raises(CoframeError, match="determinant"):
+        read(PLANE + 'coframe = [["r", 1], ["r^2", "r"]]')
+
+
+def test_files_that_cannot_be_read(tmp_path):
+    """A file that is missing, a directory, or no text."""
+    with pytest.raises(FileFormatError, match="cannot be read: No such file"):
+        read_file(tmp_path / "missing.toml")
+    with pytest.raises(FileFormatError, match="cannot be read"):
+        read_file(tmp_path)
+    binary = tmp_path / "binary.toml"
+    binary.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(FileFormatError, match="no UTF-8 text"):
+        read_file(binary)
+
+
+def test_files_that_are_too_large(tmp_path, read):
+    """Size, nesting and length of numbers have limits, and none ends in a RecursionError."""
+    large = tmp_path / "large.toml"
+    large.write_text("#" * 10_000_001)
+    with pytest.raises(LimitError, match="longer than the limit of 10,000,000 bytes"):
+        read_file(large)
+    with pytest.raises(GeomtorsionError):
+        read(PLANE + "coframe = " + "[" * 5000 + "]" * 5000)
+    with pytest.raises(GeomtorsionError):
+        read(PLANE + f"coframe = [[1, 0], [0, {'9' * 5000}]]")
+    with pytest.raises(LimitError, match=r"coframe\[1, 1\]: the exponent is 387420489"):
+        read(PLANE + 'coframe = [[1, 0], [0, "9**9**9"]]')

@@ -1,0 +1,48 @@
+"""Every example in a docstring runs; the test counts them, so that none is lost unseen."""
+
+import doctest
+import importlib
+import pkgutil
+
+import pytest
+
+import geomtorsion
+
+OPTIONS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
+# Fewer would mean that the search below misses some.
+EXPECTED_EXAMPLES = 150
+MODULES = sorted(
+    module.name
+    for module in pkgutil.walk_packages(geomtorsion.__path__, "geomtorsion.")
+    if not module.name.endswith("__main__")
+)
+
+
+def doctests(name: str) -> list[doctest.DocTest]:
+    """The docstrings of a module that hold examples."""
+    found = doctest.DocTestFinder(exclude_empty=True).find(importlib.import_module(name))
+    return [test for test in found if test.examples]
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_docstrings_are_true(name):
+    """What a docstring shows is what happens."""
+    runner = doctest.DocTestRunner(optionflags=OPTIONS, verbose=False)
+    report: list[str] = []
+    for test in doctests(name):
+        runner.run(test, out=report.append)
+    assert not runner.failures, "".join(report)
+
+
+def test_docstrings_are_found():
+    """As many examples as there should be."""
+    assert sum(len(test.examples) for name in MODULES for test in doctests(name)) >= (
+        EXPECTED_EXAMPLES
+    )
+
+
+def test_a_wrong_docstring_would_be_found():
+    """The runner above does notice."""
+    test = doctest.DocTestParser().get_doctest(">>> 1 + 1\n3\n", {}, "wrong", None, None)
+    runner = doctest.DocTestRunner(optionflags=OPTIONS, verbose=False)
+    assert runner.run(test, out=lambda _: None).failed == 1

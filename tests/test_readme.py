@@ -1,0 +1,87 @@
+"""The README is executed: its Python, its tetrad file and its commands."""
+
+import doctest
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from geomtorsion.cli.app import app
+from geomtorsion.spaces import read_file
+
+ROOT = Path(__file__).parent.parent
+TEXT = (ROOT / "README.md").read_text("utf-8")
+EXPECTED_PYTHON = 8
+EXPECTED_COMMANDS = 6
+
+
+def blocks(language: str) -> list[str]:
+    """Fenced blocks of a language."""
+    return re.findall(rf"^```{language}\n(.*?)^```", TEXT, re.MULTILINE | re.DOTALL)
+
+
+COMMANDS = [
+    line.split("#")[0].strip()
+    for block in blocks("sh")
+    for line in block.splitlines()
+    if line.startswith("geomtorsion ")
+]
+INSTALLING = [line for block in blocks("sh") for line in block.splitlines() if "venv" in line]
+
+
+def test_python_is_true():
+    """What the README shows in Python is what happens."""
+    [text] = blocks("pycon")
+    test = doctest.DocTestParser().get_doctest(text, {}, "README.md", "README.md", 0)
+    assert len(test.examples) >= EXPECTED_PYTHON
+    report: list[str] = []
+    runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS, verbose=False)
+    runner.run(test, out=report.append)
+    assert not runner.failures, "".join(report)
+
+
+def test_the_tetrad_file_is_read(tmp_path):
+    """The file in the README is a tetrad file, and its story is true."""
+    [text] = blocks("toml")
+    file = tmp_path / "own.toml"
+    file.write_text(text, "utf-8")
+    frame = read_file(file).frame
+    assert frame.quantity("riemann").is_zero
+    assert not frame.quantity("torsion").is_zero
+
+
+def test_commands_are_found():
+    """As many as the README should show."""
+    assert len(COMMANDS) >= EXPECTED_COMMANDS
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_commands_run(command, tmp_path, monkeypatch):
+    """Each command ends well and says something."""
+    monkeypatch.chdir(tmp_path)
+    result = CliRunner().invoke(app, shlex.split(command)[1:])
+    assert result.exit_code == 0, result.output
+    assert result.output.strip()
+
+
+def test_the_two_commands_stand_there_once():
+    """One line installs and runs, one installs and tests; .ci/run takes the second from here."""
+    assert len(INSTALLING) == 2
+    run, test = INSTALLING
+    assert run.endswith("geomtorsion report so3 -o so3-report")
+    assert "'.[test]'" in test
+    assert test.endswith("pytest -q")
+    script = (ROOT / ".ci" / "run").read_text("utf-8")
+    assert "README.md" in script
+    assert "pytest" not in script, "the test command would stand twice"
+
+
+def test_version_stands_once():
+    """Version and Python floor stand in pyproject.toml and nowhere else in the package."""
+    project = (ROOT / "pyproject.toml").read_text("utf-8")
+    version = re.search(r'^version = "(.+)"$', project, re.MULTILINE)
+    assert version
+    for file in (ROOT / "geomtorsion").rglob("*.py"):
+        assert f'"{version[1]}"' not in file.read_text("utf-8"), file.name
