@@ -1,0 +1,151 @@
+"""Affine: coframe and connection as one form along paths, curvature and torsion over areas."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from geomtorsion.exact import Element, numpy_function
+from geomtorsion.geometry import contract
+from geomtorsion.loops.forms import parameter_values
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from geomtorsion.geometry import Connection
+
+Entries = tuple[tuple[tuple[int, ...], Element], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class AffineForm:
+    """A connection with its coframe: A = [[omega, e], [0, 0]] and its curvature, as numbers.
+
+    connection: any connection.
+    parameters: a number for each parameter that occurs, keys symbols or names.
+    """
+
+    connection: Connection
+    parameters: Mapping[Any, Any] | None = None
+
+    @property
+    def dimension(self) -> int:
+        """Number of coordinates and of legs."""
+        return self.connection.frame.dimension
+
+    def along(self, points: np.ndarray, slopes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """omega_ai^j q'^a as matrix (row j, column i) and e^i_mu q'^mu, shapes (k, n, n), (k, n).
+
+        points, slopes: shape (n, k).
+        """
+        import numpy as np
+
+        turn, step = _compiled(self.connection, "line")
+        values = self._values(turn.function, points)
+        n, k = points.shape
+        omega = np.zeros((k, n, n), dtype=values.dtype)
+        theta = np.zeros((k, n), dtype=values.dtype)
+        for value, (a, i, j) in zip(values[: len(turn.indices)], turn.indices, strict=True):
+            omega[:, j, i] += value * slopes[a]
+        for value, (i, a) in zip(values[len(turn.indices) :], step.indices, strict=True):
+            theta[:, i] += value * slopes[a]
+        return omega, theta
+
+    def over(
+        self, points: np.ndarray, x: np.ndarray, v: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Curvature and torsion on the area x ^ v: R_abi^j x^a v^b and T_ab^j x^a v^b.
+
+        points, x, v: shape (n, k); results (k, n, n) with row j, column i, and (k, n).
+        """
+        import numpy as np
+
+        turn, step = _compiled(self.connection, "area")
+        values = self._values(turn.function, points)
+        n, k = points.shape
+        rho = np.zeros((k, n, n), dtype=values.dtype)
+        tau = np.zeros((k, n), dtype=values.dtype)
+        for value, (a, b, i, j) in zip(values[: len(turn.indices)], turn.indices, strict=True):
+            rho[:, j, i] += value * (x[a] * v[b] - x[b] * v[a])
+        for value, (a, b, j) in zip(values[len(turn.indices) :], step.indices, strict=True):
+            tau[:, j] += value * (x[a] * v[b] - x[b] * v[a])
+        return rho, tau
+
+    @cached_property
+    def turns(self) -> bool:
+        """Whether parallel transport turns the legs at all."""
+        return bool(_compiled(self.connection, "line")[0].indices)
+
+    def coframe(self, point: np.ndarray) -> np.ndarray:
+        """e^i_mu at one point, shape (n, n)."""
+        import numpy as np
+
+        n = self.dimension
+        rows = [self.along(point[:, None], np.eye(n)[:, [a]])[1][0] for a in range(n)]
+        return np.array(rows).T
+
+    def _values(self, function: _Function, points: np.ndarray) -> np.ndarray:
+        """All components at the points, with the parameters filled in."""
+        frame = self.connection.frame
+        numbers = parameter_values(frame, function.extra, self.parameters)
+        return function.call(*points, *numbers)
+
+
+@dataclass(frozen=True, eq=False)
+class _Function:
+    """A compiled list of components and the parameters that it takes after the coordinates."""
+
+    call: Callable[..., Any]
+    extra: tuple[sp.Symbol, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class _Block:
+    """Which components stand where in the compiled list."""
+
+    indices: tuple[tuple[int, ...], ...]
+    function: _Function
+
+
+def _compiled(connection: Connection, kind: str) -> tuple[_Block, _Block]:
+    """The compiled form or its curvature, kept with the frame."""
+    # The connection is kept beside the result, so that no other can come to have its id.
+    key = f"affine {kind} {id(connection)}"
+    return connection.frame.derived(key, lambda: (connection, _compile(connection, kind)))[1]
+
+
+def _compile(connection: Connection, kind: str) -> tuple[_Block, _Block]:
+    """Exact components, chosen and compiled together."""
+    frame = connection.frame
+    if kind == "line":
+        turn = () if connection.kind == "cartan" else _entries(connection.spin_connection)
+        step = _entries(frame.coframe)
+    else:
+        legs, coframe = frame.legs, frame.coframe
+        turn: Entries = ()
+        if connection.kind != "cartan":
+            riemann = connection.curvature.riemann
+            turn = _upper(_entries(contract("mnlk,li,jk->mnij", riemann, legs, coframe)))
+        step = _upper(_entries(contract("abc,jc->abj", connection.torsion.T, coframe)))
+    elements = [element for _, element in (*turn, *step)]
+    found = {symbol for element in elements for symbol in element.symbols}
+    extra = tuple(sorted(found - set(frame.coordinates), key=str))
+    function = _Function(numpy_function(elements, (*frame.coordinates, *extra)), extra)
+    return (
+        _Block(tuple(index for index, _ in turn), function),
+        _Block(tuple(index for index, _ in step), function),
+    )
+
+
+def _entries(tensor: Any) -> Entries:
+    """Components that do not vanish."""
+    return tuple(tensor.components.nonzero.items())
+
+
+def _upper(entries: Entries) -> Entries:
+    """Components with the first index below the second: the others follow by antisymmetry."""
+    return tuple((index, element) for index, element in entries if index[0] < index[1])

@@ -1,0 +1,161 @@
+"""Cone: the development of a loop from curvature and torsion on the cone over it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from geomtorsion.errors import LoopError, SingularPointError
+from geomtorsion.loops.affine import AffineForm
+from geomtorsion.loops.flux import ray_rule
+from geomtorsion.loops.line import EPS, SHAKE, shaken
+from geomtorsion.loops.loop import Part
+from geomtorsion.loops.motions import Motion
+from geomtorsion.loops.sides import Straight
+from geomtorsion.loops.steps import collocation, inner_turns
+from geomtorsion.loops.transport import Integrand, Transported, transported
+
+if TYPE_CHECKING:
+    import numpy as np
+
+# Gauss points along the rays: pairs that are compared, the next if they disagree.
+LEVELS = ((6, 10), (10, 16), (16, 26))
+# Loops whose area is below this lose digits to underflow; the line integral alone is left to them.
+SMALLEST_AREA = 1e-290
+
+
+def around_cone(form: AffineForm, part: Part, accuracy: float) -> Transported | None:
+    """The development of one part, once round, from its base point; None if the cone is singular.
+
+    Equation
+    --------
+    With g(u) the development along the ray from the centre to a point x(s) of the loop,
+    H' = H integral_0^1 u g F(x, x') g^-1 du, F = (R, T) curvature and torsion: Stokes for
+    path-ordered products. G = g^-1 H g at the base point. F is exact and x is the offset itself,
+    so that nothing cancels, however small the loop.
+
+    """
+    import numpy as np
+
+    if part.size * part.size < SMALLEST_AREA:
+        return None
+    try:
+        levels = _levels(form, part, accuracy)
+        if levels is None:
+            return None
+        count, missed, turn_missed = levels
+        found = transported(part.sides, lambda x, v: cone_rate(form, part, x, v, count), accuracy)
+        # Without turns a motion is a plain sum, the same from everywhere.
+        ray = from_centre(form, part) if form.turns else None
+    except (SingularPointError, LoopError):
+        return None
+    turn_error = found.turn_error + turn_missed * len(part.sides)
+    error = found.error + missed * len(part.sides)
+    motion = found.motion
+    if ray is not None:
+        motion = motion.seen_from(ray)
+        error += float(np.linalg.norm(ray.burgers)) * turn_error
+    error += 4 * EPS * float(np.abs(motion.burgers).max())
+    return Transported(motion, error, turn_error, found.scale, found.points * count)
+
+
+def _levels(form: AffineForm, part: Part, accuracy: float) -> tuple[int, float, float] | None:
+    """How many points the rays need; what they and rounding miss of translation and rotation."""
+    import numpy as np
+
+    x, v = shaken(part.sides)
+    signs = np.where(np.arange(len(part.centre)) % 2 == 0, SHAKE, -SHAKE)
+    centre = tuple((np.array(part.centre) * (1 + signs)).tolist())
+    moved = Part(centre, part.size, part.sides, part.times)
+    known: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+    for few, many in LEVELS:
+        for count in (few, many):
+            if count not in known:
+                known[count] = cone_rate(form, part, x, v, count)
+        other = cone_rate(form, moved, x, v, many)
+        errors, good = [], True
+        for coarse, fine, shaken_ in zip(known[few], known[many], other, strict=True):
+            size = float(np.abs(fine).max(initial=0.0))
+            noise = float(np.abs(shaken_ - fine).max(initial=0.0)) / 4 + 4 * EPS * size
+            missed = float(np.abs(coarse - fine).max(initial=0.0))
+            good &= missed <= max(accuracy * size, 2 * noise)
+            errors.append(missed + noise)
+        if good:
+            return many, errors[1], errors[0]
+    return None
+
+
+def cone_rate(
+    form: AffineForm, part: Part, offsets: np.ndarray, slopes: np.ndarray, count: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """The rate of H at points of the loop, seen from the centre, shapes (k, n, n) and (k, n)."""
+    import numpy as np
+
+    n, k = offsets.shape
+    u, weights = ray_rule(count)
+    centre = np.array(part.centre)[:, None]
+    x, v = np.repeat(offsets, count, axis=1), np.repeat(slopes, count, axis=1)
+    inner = np.tile(u, k)
+    rho, tau = form.over(centre + part.size * (inner * x), part.size * x, part.size * v)
+    rho, tau = rho.reshape(k, count, n, n), tau.reshape(k, count, n)
+    if form.turns:
+        turn, shift = _along_rays(form, part, offsets, u)
+        turned = turn @ rho @ np.linalg.inv(turn)
+        tau = np.einsum("kuij,kuj->kui", turn, tau) - np.einsum("kuij,kuj->kui", turned, shift)
+        rho = turned
+    return np.einsum("u,kuij->kij", weights, rho), np.einsum("u,kui->ki", weights, tau)
+
+
+def _along_rays(
+    form: AffineForm, part: Part, offsets: np.ndarray, stops: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Rotation and translation along each ray up to the stops, shapes (k, u, n, n), (k, u, n)."""
+    import numpy as np
+
+    n, k = offsets.shape
+    nodes, _, integrals = collocation(len(stops))
+    centre = np.array(part.centre)[:, None]
+    x = np.repeat(offsets, len(nodes), axis=1)
+    places = centre + part.size * (np.tile(nodes, k) * x)
+    omega, theta = form.along(places, part.size * x)
+    omega, theta = omega.reshape(k, -1, n, n), theta.reshape(k, -1, n)
+    inner = inner_turns(omega, integrals)
+    rates = theta + np.einsum("kuij,kuj->kui", inner, theta)
+    turn_rates = omega + inner @ omega
+    # The polynomials through the nodes, integrated up to the stops.
+    upto = integrals_up_to(stops, len(nodes))
+    turn = np.eye(n) + np.einsum("us,ksij->kuij", upto, turn_rates)
+    return turn, np.einsum("us,ksi->kui", upto, rates)
+
+
+def integrals_up_to(stops: np.ndarray, stages: int) -> np.ndarray:
+    """Integrals of the node polynomials from 0 to each stop, shape (stops, stages)."""
+    import numpy as np
+
+    x, w = np.polynomial.legendre.leggauss(stages)
+    values = np.polynomial.legendre.legvander(2 * stops - 1, stages)
+    k = np.arange(stages)
+    basis = np.polynomial.legendre.legvander(x, stages - 1)
+    expansion = basis.T * w * (2 * k[:, None] + 1) / 2
+    upto = np.empty((len(stops), stages))
+    upto[:, 0] = 2 * stops
+    upto[:, 1:] = (values[:, 2:] - values[:, :-2]) / (2 * k[1:] + 1)
+    return upto @ expansion / 2
+
+
+def from_centre(form: AffineForm, part: Part) -> Motion:
+    """Development from the centre of a part straight to its base point."""
+    base = tuple(part.base_offset.tolist())
+    ray = Straight((0.0,) * len(base), base)
+    return transported([ray], line_rate(form, part), 1e-14).motion
+
+
+def line_rate(form: AffineForm, part: Part) -> Integrand:
+    """The form along a side of a part, from offsets and slopes."""
+    import numpy as np
+
+    centre = np.array(part.centre)[:, None]
+
+    def rate(offsets: np.ndarray, slopes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return form.along(centre + part.size * offsets, part.size * slopes)
+
+    return rate

@@ -1,0 +1,281 @@
+"""Defects: lines and points where a coframe is singular, and the loops that wind round them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from geomtorsion.errors import LoopError, MissingValueError, SingularPointError
+from geomtorsion.loops.loop import Loop, shown
+from geomtorsion.loops.motions import Motion
+
+if TYPE_CHECKING:
+    from geomtorsion.geometry import Connection, Frame
+
+# A loop as small as this share of the distance to the nearest other defect measures one alone.
+ALONE = 0.25
+
+
+@dataclass(frozen=True)
+class Defect:
+    """A line (or point) on which the coframe is singular, straight in the coordinates.
+
+    point: a point on it, exact, shape (n,).
+    across: two coordinates, or two covectors of shape (n,), that are constant along it: loops
+        turn positively from the first to the second. None if it has more than two such
+        directions: then loops do not wind round it.
+    name: what it is called.
+    source: "declared", or the expression whose zero it is.
+
+    Examples
+    --------
+    >>> axis = Defect((0, 0, 0), (0, 1), "dislocation")
+    >>> axis.winding(Loop.circle([0.1, 0, 5], 1).times(2))
+    2
+    >>> print(axis)
+    dislocation at q0 = 0, q1 = 0
+    """
+
+    point: tuple[Any, ...]
+    across: tuple[Any, Any] | None
+    name: str = "defect"
+    source: str = "declared"
+    fixed: tuple[str, ...] = ()
+
+    def place(self, parameters: Mapping[Any, Any] | None = None) -> tuple[float, ...]:
+        """The point as numbers.
+
+        Raises
+        ------
+        MissingValueError
+            It depends on a parameter that has no value.
+        """
+        names = {getattr(key, "name", str(key)): value for key, value in (parameters or {}).items()}
+        numbers = []
+        for value in self.point:
+            expression = sp.sympify(value)
+            here = {s: names[s.name] for s in expression.free_symbols if s.name in names}
+            number = expression.subs(here)
+            if number.free_symbols:
+                missing = ", ".join(sorted(s.name for s in number.free_symbols))
+                raise MissingValueError(
+                    f"{self.name}: its place depends on {missing}, which has no value. "
+                    "Give parameters={name: number}."
+                )
+            numbers.append(float(number))
+        return tuple(numbers)
+
+    def winding(self, loop: Loop, parameters: Mapping[Any, Any] | None = None) -> int:
+        """How often a loop winds round it.
+
+        Raises
+        ------
+        SingularPointError
+            The loop passes through the defect; the message names the point.
+        LoopError
+            It is no line: loops do not wind round a point in space.
+        """
+        if self.across is None:
+            raise LoopError(
+                f"{self}: a loop winds round a line (a point in the plane), not round this. "
+                "Surround it with a closed surface instead."
+            )
+        try:
+            return loop.winding(self.place(parameters), self.across)
+        except LoopError as error:
+            if "meets the axis" not in str(error):
+                raise
+            raise SingularPointError(
+                f"the loop passes through the {self}: {error}. Lead it past the defect."
+            ) from None
+
+    def __str__(self) -> str:
+        names = self.fixed or tuple(f"q{k}" for k in range(len(self.point)))
+        columns = self.across if self.across and isinstance(self.across[0], int) else None
+        chosen = range(len(self.point)) if columns is None else columns
+        if self.across is None and self.fixed:
+            chosen = [k for k, value in enumerate(self.point) if value is not None]
+        return f"{self.name} at " + ", ".join(f"{names[k]} = {self.point[k]}" for k in chosen)
+
+
+@dataclass(frozen=True, eq=False)
+class Enclosed:
+    """A defect inside a loop.
+
+    defect: which; turns: how often the loop winds round it.
+    charge: what one turn round it misses: Burgers vector and rotation, in the frame at the base
+        point of a small loop; None if it was not measured.
+    """
+
+    defect: Defect
+    turns: int
+    charge: Motion | None = None
+
+    def __str__(self) -> str:
+        count = "once" if self.turns == 1 else f"{self.turns} times"
+        told = f"{self.defect}, {count}"
+        if self.charge is not None:
+            told += f", b = {shown(self.charge.burgers)} a turn"
+        return told
+
+
+def find_defects(frame: Frame) -> tuple[Defect, ...]:
+    """Lines on which the coframe is singular, from the exact denominators and the determinant.
+
+    Found are the isolated zeros of each irreducible factor that is a definite quadratic form about
+    some point in two of the coordinates or more, such as (x - 1)^2 + y^2. Others (curved lines,
+    zeros of higher order) have to be declared as `Defect`.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> [str(defect) for defect in find_defects(load("screw_dislocation").frame)]
+    ['singular line at x = 0, y = 0']
+    """
+    return frame.derived("defects", lambda: _found(frame))
+
+
+def _found(frame: Frame) -> tuple[Defect, ...]:
+    """The defects, once for each place."""
+    from geomtorsion.loops.denominators import factors
+
+    found: dict[tuple[Any, ...], Defect] = {}
+    for factor in factors(frame):
+        place = isolated_zero(factor, frame.coordinates)
+        if place is None:
+            continue
+        columns = tuple(k for k, symbol in enumerate(frame.coordinates) if symbol in place)
+        point = tuple(place.get(symbol, sp.S.Zero) for symbol in frame.coordinates)
+        line = len(columns) == 2
+        across = (columns[0], columns[1]) if line else None
+        if line and frame.dimension > 2:
+            name = "singular line" if frame.dimension == 3 else "singular surface"
+        else:
+            name = "singular point"
+        names = tuple(symbol.name for symbol in frame.coordinates)
+        found.setdefault((columns, point), Defect(point, across, name, f"zero of {factor}", names))
+    return tuple(found.values())
+
+
+def isolated_zero(
+    factor: sp.Expr, coordinates: Sequence[sp.Symbol]
+) -> dict[sp.Symbol, sp.Expr] | None:
+    """Where a definite quadratic polynomial in two coordinates or more vanishes, else None."""
+    used = [symbol for symbol in coordinates if factor.has(symbol)]
+    if len(used) < 2 or not factor.is_polynomial(*used):
+        return None
+    poly = sp.Poly(factor, *used)
+    if poly.total_degree() != 2:
+        return None
+    hessian = sp.hessian(factor, used)
+    minors = [hessian[:k, :k].det() for k in range(1, len(used) + 1)]
+    signs = [sp.sign(minor) for minor in minors]
+    definite = all(s == 1 for s in signs) or all(s == (-1) ** (k + 1) for k, s in enumerate(signs))
+    if not definite:
+        return None
+    gradient = [factor.diff(symbol) for symbol in used]
+    point = sp.solve(gradient, used, dict=True)
+    if len(point) != 1 or sp.simplify(factor.subs(point[0])) != 0:
+        return None
+    return point[0]
+
+
+def enclosed_defects(
+    frame: Frame,
+    loop: Loop,
+    parameters: Mapping[Any, Any] | None = None,
+    *,
+    defects: Sequence[Defect] | None = None,
+    connection: Connection | None = None,
+) -> tuple[Enclosed, ...]:
+    """The defects that a loop winds round, with turns and what one turn misses.
+
+    Parameters
+    ----------
+    defects
+        Which to look for; those that `find_defects` finds if not given.
+    connection
+        Measures the charge of each on a small loop about it; without one it is left out.
+
+    Raises
+    ------
+    SingularPointError
+        The loop passes through a defect; the message names defect and point.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> frame = load("screw_dislocation").frame
+    >>> (inside,) = enclosed_defects(frame, Loop.circle([0.5, 0, 0], 1).times(-2))
+    >>> inside.turns, str(inside)
+    (-2, 'singular line at x = 0, y = 0, -2 times')
+    """
+    known = [one for one in (find_defects(frame) if defects is None else defects) if one.across]
+    turns = [(one, one.winding(loop, parameters)) for one in known]
+    return tuple(
+        Enclosed(
+            one, count, None if connection is None else charge(connection, one, loop, parameters)
+        )
+        for one, count in turns
+        if count
+    )
+
+
+def charge(
+    connection: Connection,
+    defect: Defect,
+    near: Loop,
+    parameters: Mapping[Any, Any] | None = None,
+) -> Motion:
+    """What one turn round a defect misses: the development of a small circle about it.
+
+    Parameters
+    ----------
+    near
+        A loop about it: the circle has a share of its size and lies at its height.
+
+    Raises
+    ------
+    LoopError
+        The defect is no line, or the development does not converge.
+
+    Examples
+    --------
+    >>> from geomtorsion.geometry import cartan
+    >>> from geomtorsion.spaces import load
+    >>> frame = load("screw_dislocation").frame
+    >>> (axis,) = find_defects(frame)
+    >>> loop = Loop.circle([0, 0, 2], 1)
+    >>> charge(cartan(frame), axis, loop, {"b": 0.5}).burgers.round(12).tolist()
+    [0.0, 0.0, 0.5]
+    """
+    import numpy as np
+
+    from geomtorsion.loops.affine import AffineForm
+    from geomtorsion.loops.cone import line_rate
+    from geomtorsion.loops.intake import rows
+    from geomtorsion.loops.transport import transported
+
+    if defect.across is None:
+        raise LoopError(f"{defect}: it is no line; no loop winds round it.")
+    n = connection.frame.dimension
+    place = np.array(defect.place(parameters))
+    covectors = np.array(rows(defect.across, n))
+    # The point of the defect nearest to the loop, and two directions across it.
+    dual = np.linalg.pinv(covectors)
+    base = np.array(near.base)
+    centre = base - dual @ (covectors @ (base - place))
+    radius = ALONE * near.size
+    others = [
+        one for one in find_defects(connection.frame) if one != defect and one.across is not None
+    ]
+    for other in others:
+        gap = np.array(rows(other.across, n)) @ (centre - np.array(other.place(parameters)))
+        radius = min(radius, ALONE * float(np.linalg.norm(gap)))
+    circle = Loop.circle(centre.tolist(), radius, (dual[:, 0], dual[:, 1]))
+    form = AffineForm(connection, parameters)
+    (part,) = circle.parts
+    return transported(part.sides, line_rate(form, part), 1e-12).motion

@@ -1,0 +1,332 @@
+"""Development: the path-ordered closure failure of a loop, translation and rotation."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import LoopError
+from geomtorsion.loops.affine import AffineForm
+from geomtorsion.loops.cone import around_cone, line_rate
+from geomtorsion.loops.forms import forms, parameter_values
+from geomtorsion.loops.line import refuse_poles
+from geomtorsion.loops.loop import Loop, Part
+from geomtorsion.loops.motions import Motion
+from geomtorsion.loops.sides import Straight
+from geomtorsion.loops.transport import EPS, Transported, transported
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from geomtorsion.geometry import Connection
+    from geomtorsion.loops.defects import Defect, Enclosed
+
+# Two routes disagree when they differ by more than this many times their errors together.
+DISAGREE = 30
+LEAST_ACCURACY = 1e-15
+
+
+@dataclass(frozen=True, eq=False)
+class RouteCheck:
+    """The two independent routes side by side.
+
+    line, cone: the motion by each; cone is None where curvature and torsion are not smooth inside.
+    agrees: True, False, or None where there is nothing to compare.
+    text: what the comparison says, in words.
+    """
+
+    line: Motion
+    cone: Motion | None
+    agrees: bool | None
+    text: str
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Development:
+    """What a loop misses when it is rolled out: a motion, seen in the frame at its base point.
+
+    connection, loop: what it belongs to.
+    motion: v -> rotation v + burgers, with its invariants.
+    error: bound on the error of burgers; turn_error: of the entries of the rotation.
+    route: "line", "cone", or "line and cone" where parts of the loop needed different ones.
+    check: the other route, and whether both agree.
+    enclosed: defects that the loop winds round, with place and turns.
+    evaluations: points at which the connection or its curvature was evaluated.
+    seconds: wall time.
+    """
+
+    connection: Connection
+    loop: Loop
+    motion: Motion
+    error: float
+    turn_error: float
+    route: str
+    check: RouteCheck
+    enclosed: tuple[Enclosed, ...]
+    evaluations: int
+    seconds: float
+
+    @property
+    def burgers(self) -> np.ndarray:
+        """Closure failure b^i, shape (n,), in the frame at the base point."""
+        return self.motion.burgers
+
+    @property
+    def rotation(self) -> np.ndarray:
+        """R^j_i, shape (n, n): where the legs arrive, seen from those at the base point."""
+        return self.motion.rotation
+
+    @property
+    def frank(self) -> np.ndarray:
+        """Logarithm of the transport of vectors round the loop, shape (n, n): -log(rotation)."""
+        return self.motion.frank
+
+    @property
+    def angle(self) -> float:
+        """Angle by which a vector carried round the loop turns (see Motion.angle)."""
+        return self.motion.angle
+
+    @property
+    def axis(self) -> np.ndarray | None:
+        """Axis of that turn in three dimensions, None without a turn."""
+        return self.motion.axis
+
+    @property
+    def along_axis(self) -> float:
+        """Burgers vector along the axis of the turn: the same from every base point."""
+        return self.motion.along_axis
+
+    def seen_from(self, path: Motion) -> Motion:
+        """The motion of the same loop from the end of a path that starts at the base point."""
+        return self.motion.seen_from(path)
+
+    def __repr__(self) -> str:
+        inside = f", encloses {len(self.enclosed)} defect(s)" if self.enclosed else ""
+        return (
+            f"Development(burgers={self.burgers.tolist()} +- {self.error:.1e}, "
+            f"turn={float(abs(self.motion.turn).max()):.3g}, route={self.route!r}{inside})"
+        )
+
+
+def develop(
+    connection: Connection,
+    loop: Loop,
+    accuracy: float = 1e-12,
+    *,
+    parameters: Mapping[Any, Any] | None = None,
+    defects: Sequence[Defect] | None = None,
+) -> Development:
+    """Cartan development of a loop: Burgers vector and Frank rotation, path-ordered.
+
+    Equation
+    --------
+    G' = G [[omega, e], [0, 0]],  omega = omega_ai^j q'^a (row j),  e = e^i_a q'^a;  G(0) = 1.
+    G(1) = [[rotation, burgers], [0, 1]]. Small loops: burgers^j = S_ab^j A^ab,
+    rotation - 1 = R_abi^j A^ab / 2                  (A^ab the signed area, sums over all a, b)
+
+    Parameters
+    ----------
+    connection
+        Any connection; for the Cartan connection of a frame the rotation is 1 and burgers the
+        plain loop integral of the coframe.
+    accuracy
+        Wanted error, relative to the integral of what is summed along the chosen route.
+    parameters
+        Values of the frame's parameters, {symbol or name: number}.
+    defects
+        Lines to look for inside the loop where both routes differ; those that `find_defects`
+        finds if not given.
+
+    Returns
+    -------
+    Development: motion in the frame at the base point, errors, route, check, enclosed defects.
+
+    Raises
+    ------
+    LoopError
+        The loop has another dimension than the frame, or the development does not converge.
+    SingularPointError
+        The loop passes through a point where the frame is singular; the message names it.
+    MissingValueError
+        A parameter has no value.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from geomtorsion.geometry import Frame, levi_civita
+    >>> theta, phi = sp.symbols("theta phi")
+    >>> sphere = levi_civita(Frame([theta, phi], [[1, 0], [0, sp.sin(theta)]]))
+    >>> turn = develop(sphere, Loop.plaquette([1, 0], (0.5, 0.25)))
+    >>> round(turn.angle, 12), turn.check.agrees     # the area (cos 1 - cos 1.5) / 4
+    (0.11739127605, True)
+    """
+    frame = connection.frame
+    if loop.dimension != frame.dimension:
+        raise LoopError(
+            f"the loop has {loop.dimension} coordinates, the frame {frame.dimension}: "
+            "give a loop in the coordinates of the frame."
+        )
+    if not LEAST_ACCURACY <= accuracy < 1:
+        raise LoopError(
+            f"accuracy: a relative error from {LEAST_ACCURACY} to below 1 was needed, "
+            f"but {accuracy!r} came."
+        )
+    start = time.perf_counter()
+    loop = loop.at(parameters or {}) if loop.symbols else loop
+    compiled = forms(frame)
+    values = parameter_values(frame, compiled.parameters, parameters)
+    for part in loop.parts:
+        refuse_poles(compiled, part, values)
+    form = AffineForm(connection, parameters)
+    lines = [_repeated(_line(form, part, accuracy), part.times) for part in loop.parts]
+    cones = [around_cone(form, part, accuracy) for part in loop.parts]
+    cones = [
+        None if cone is None else _repeated(cone, part.times)
+        for cone, part in zip(cones, loop.parts, strict=True)
+    ]
+    agrees = [
+        None if cone is None else _agree(line, cone)
+        for line, cone in zip(lines, cones, strict=True)
+    ]
+    chosen = [
+        cone if cone is not None and fits and _better(cone, line) else line
+        for line, cone, fits in zip(lines, cones, agrees, strict=True)
+    ]
+    enclosed: tuple[Enclosed, ...] = ()
+    if not all(agrees):
+        from geomtorsion.loops.defects import enclosed_defects
+
+        enclosed = enclosed_defects(frame, loop, parameters, defects=defects, connection=connection)
+    routes = ["cone" if one is cone else "line" for one, cone in zip(chosen, cones, strict=True)]
+    total = _joined(chosen)
+    check = _check(lines, cones, agrees, enclosed)
+    return Development(
+        connection, loop, total.motion, total.error, total.turn_error,
+        " and ".join(sorted(set(routes), reverse=True)), check, enclosed,
+        sum(one.points for one in (*lines, *cones) if one is not None),
+        time.perf_counter() - start,
+    )  # fmt: skip
+
+
+def develop_path(
+    connection: Connection,
+    points: Sequence[Sequence[float]],
+    accuracy: float = 1e-12,
+    *,
+    parameters: Mapping[Any, Any] | None = None,
+) -> Motion:
+    """Development of an open path through points, straight in the coordinates between them.
+
+    Returns
+    -------
+    Motion: rotation and place of the frame at the end, seen from the frame at the start. A loop's
+    development from the end of the path is `turn.seen_from(path)`.
+
+    Raises
+    ------
+    LoopError
+        There are fewer than two points, or two neighbours coincide.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from geomtorsion.geometry import Frame, levi_civita
+    >>> r, phi = sp.symbols("r phi", positive=True)
+    >>> plane = levi_civita(Frame([r, phi], [[1, 0], [0, r]]))
+    >>> quarter = develop_path(plane, [[2, 0], [2, sp.pi / 2]])
+    >>> quarter.burgers.round(12).tolist(), round(quarter.angle, 12)
+    ([-2.0, 2.0], -1.570796326795)
+    """
+    from geomtorsion.loops.intake import vector
+
+    n = connection.frame.dimension
+    rows = [vector(point, f"points[{k}]", n) for k, point in enumerate(points)]
+    if len(rows) < 2 or any(one == two for one, two in pairwise(rows)):
+        raise LoopError(
+            f"a path needs two points or more, and neighbours that differ, but {len(rows)} came: "
+            f"{rows}."
+        )
+    centre = rows[0]
+    offsets = [tuple(x - c for x, c in zip(row, centre, strict=True)) for row in rows]
+    sides = tuple(Straight(a, b) for a, b in pairwise(offsets))
+    part = Part(centre, 1.0, sides)
+    form = AffineForm(connection, parameters)
+    return transported(sides, line_rate(form, part), accuracy).motion
+
+
+def _line(form: AffineForm, part: Part, accuracy: float) -> Transported:
+    """The development once round along the line, with what rounding of the points does."""
+    import numpy as np
+
+    found = transported(part.sides, line_rate(form, part), accuracy)
+    place = np.abs(np.array(part.centre)).max() / part.size
+    noise = 2 * EPS * found.scale * (1 + min(place, 4.0))
+    return Transported(
+        found.motion, found.error + noise, found.turn_error, found.scale, found.points
+    )
+
+
+def _repeated(once: Transported, times: int) -> Transported:
+    """The same path several times, or backwards."""
+    motion = once.motion if times > 0 else once.motion.inverse
+    total = motion
+    for _ in range(abs(times) - 1):
+        total = total @ motion
+    share = abs(times)
+    return Transported(
+        total, share * once.error, share * once.turn_error, share * once.scale, once.points
+    )
+
+
+def _joined(parts: Sequence[Transported]) -> Transported:
+    """One path after the other."""
+    total = parts[0]
+    for part in parts[1:]:
+        total = Transported(
+            total.motion @ part.motion,
+            total.error + part.error + total.turn_error * part.scale,
+            total.turn_error + part.turn_error,
+            total.scale + part.scale,
+            total.points + part.points,
+        )
+    return total
+
+
+def _agree(line: Transported, cone: Transported) -> bool:
+    """Whether both routes give the same motion within their errors."""
+    import numpy as np
+
+    apart = np.abs(line.motion.increment - cone.motion.increment)
+    shift = float(apart[:-1, -1].max()) <= DISAGREE * (line.error + cone.error)
+    turn = float(apart[:-1, :-1].max()) <= DISAGREE * (line.turn_error + cone.turn_error)
+    return shift and turn
+
+
+def _better(cone: Transported, line: Transported) -> bool:
+    """Whether the cone has the smaller error of the translation."""
+    return cone.error <= line.error
+
+
+def _check(
+    lines: Sequence[Transported],
+    cones: Sequence[Transported | None],
+    agrees: Sequence[bool | None],
+    enclosed: tuple[Enclosed, ...],
+) -> RouteCheck:
+    """The comparison of both routes over the whole loop, in words."""
+    line = _joined(lines).motion
+    present = [cone for cone in cones if cone is not None]
+    cone = _joined(present).motion if len(present) == len(cones) else None
+    places = "; ".join(str(one) for one in enclosed)
+    if all(agrees):
+        return RouteCheck(line, cone, True, "line integral and cone over the loop agree")
+    if False in agrees:
+        text = "line integral and cone over the loop differ: "
+        text += f"enclosed defect: {places}" if enclosed else "something singular lies inside"
+        return RouteCheck(line, cone, False, text)
+    text = "curvature and torsion are not smooth on the cone over the loop, the line stands alone"
+    text += f"; enclosed defect: {places}" if enclosed else ""
+    return RouteCheck(line, cone, None, text)

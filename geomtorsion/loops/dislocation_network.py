@@ -1,0 +1,230 @@
+"""Dislocation network: lines with Burgers vector and sense, their junctions and reactions."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import NetworkError
+from geomtorsion.loops.reaction import (
+    Reaction,
+    Vector,
+    exact_vector,
+    size,
+    total,
+    vanishes,
+    written,
+)
+
+if TYPE_CHECKING:
+    import networkx as nx
+
+Line = tuple[Hashable, Hashable, Any]
+
+
+@dataclass(frozen=True)
+class NodeViolation:
+    """A node at which b is not conserved.
+
+    node: which; excess: sum of b of the lines that leave minus those that arrive, shape (n,).
+    """
+
+    node: Hashable
+    excess: Vector
+
+    def __str__(self) -> str:
+        return f"node {self.node!r}: b out minus b in = {written(self.excess)}"
+
+
+@dataclass(frozen=True, eq=False)
+class DislocationNetwork:
+    """Dislocation lines as a networkx MultiDiGraph: edges run along the line sense and carry b.
+
+    graph: every edge has the attribute `burgers`, shape (n,), all of one length; a node with the
+        attribute `surface=True` may end lines (they leave the crystal there). The graph is copied.
+    tolerance: share of the largest b within which floats count as equal; ints, Fractions and
+        sympy numbers are compared exactly.
+
+    Raises
+    ------
+    NetworkError
+        An edge has no Burgers vector, or one that is zero or of another length.
+
+    Examples
+    --------
+    >>> lines = [("a", "j", (1, 0, 0)), ("b", "j", (0, 1, 0)), ("j", "c", (1, 1, 0))]
+    >>> net = DislocationNetwork.of_lines(lines, surface="abc")
+    >>> net.node_rule(), net.junctions
+    ((), ('j',))
+    """
+
+    graph: nx.MultiDiGraph
+    tolerance: float = 1e-9
+    _scale: float = field(init=False, default=1.0, repr=False)
+
+    def __post_init__(self) -> None:
+        """Read the Burgers vectors exactly, once."""
+        import networkx as nx
+
+        if not isinstance(self.graph, nx.MultiDiGraph):
+            raise NetworkError(
+                f"a networkx.MultiDiGraph was needed, but {type(self.graph).__name__} came: lines "
+                "have a sense, and several may join the same nodes."
+            )
+        copy = self.graph.copy()
+        length: int | None = None
+        for start, end, key, data in copy.edges(keys=True, data=True):
+            where = f"line {start!r} -> {end!r}"
+            if "burgers" not in data:
+                raise NetworkError(f"{where} has no attribute 'burgers'. Every line needs its b.")
+            data["burgers"] = exact_vector(data["burgers"], where, length)
+            length = len(data["burgers"])
+            if not size(data["burgers"]):
+                raise NetworkError(f"{where} (key {key!r}) has b = 0: it is no dislocation.")
+        sizes = [size(b) for _, _, b in copy.edges(data="burgers")]
+        object.__setattr__(self, "graph", nx.freeze(copy))
+        object.__setattr__(self, "_scale", max(sizes, default=1.0))
+
+    @classmethod
+    def of_lines(
+        cls,
+        lines: Iterable[tuple[Hashable, Hashable, Sequence[Any]]],
+        surface: Iterable[Hashable] = (),
+        positions: Mapping[Hashable, Sequence[float]] | None = None,
+    ) -> DislocationNetwork:
+        """From lines (start, end, b); `surface` names the nodes where lines leave the crystal."""
+        import networkx as nx
+
+        graph = nx.MultiDiGraph()
+        for start, end, b in lines:
+            graph.add_edge(start, end, burgers=b)
+        outside = set(surface)
+        for node in outside - set(graph):
+            raise NetworkError(f"surface: node {node!r} belongs to no line.")
+        nx.set_node_attributes(graph, {node: node in outside for node in graph}, "surface")
+        if positions is not None:
+            nx.set_node_attributes(graph, dict(positions), "position")
+        return cls(graph)
+
+    @property
+    def lines(self) -> tuple[tuple[Hashable, Hashable, Any, Vector], ...]:
+        """All lines: start, end, key, b."""
+        return tuple(
+            (u, v, k, d["burgers"]) for u, v, k, d in self.graph.edges(keys=True, data=True)
+        )
+
+    @property
+    def junctions(self) -> tuple[Hashable, ...]:
+        """Nodes in which three lines or more meet."""
+        return tuple(node for node, degree in self.graph.degree() if degree > 2)  # type: ignore[misc]
+
+    def excess(self, node: Hashable) -> Vector:
+        """Sum of b of the lines that leave a node minus those that arrive.
+
+        Raises
+        ------
+        NetworkError
+            The node is not in the network, or no line touches it.
+        """
+        if node not in self.graph or not self.graph.degree(node):  # type: ignore[operator]
+            raise NetworkError(f"no line of the network touches node {node!r}.")
+        out = [b for _, _, b in self.graph.out_edges(node, data="burgers")]
+        into = [tuple(-x for x in b) for _, _, b in self.graph.in_edges(node, data="burgers")]
+        return total([*out, *into])
+
+    def node_rule(self) -> tuple[NodeViolation, ...]:
+        """Every inner node at which the Burgers vectors do not sum to zero; none: all is well."""
+        found = []
+        for node, data in self.graph.nodes(data=True):
+            if data.get("surface") or not self.graph.degree(node):  # type: ignore[operator]
+                continue
+            excess = self.excess(node)
+            if not vanishes(excess, self._scale, self.tolerance):
+                found.append(NodeViolation(node, excess))
+        return tuple(found)
+
+    def checked(self) -> DislocationNetwork:
+        """The network itself if the node rule holds.
+
+        Raises
+        ------
+        NetworkError
+            It does not; the message names the nodes.
+        """
+        violations = self.node_rule()
+        if violations:
+            shown = "; ".join(map(str, violations[:5]))
+            raise NetworkError(
+                f"b is not conserved at {len(violations)} nodes: {shown}. Check the sense of the "
+                "lines, or mark nodes where lines leave the crystal with surface=True."
+            )
+        return self
+
+    # -- changes ----------------------------------------------------------------------------------
+
+    def reversed(self, line: Line) -> DislocationNetwork:
+        """The same network with one line described the other way: sense and b both turned round."""
+        b = self._burgers(line)
+        start, end, key = line
+        graph = self._open()
+        data = dict(graph.edges[start, end, key])
+        graph.remove_edge(start, end, key)
+        graph.add_edge(end, start, **{**data, "burgers": tuple(-x for x in b)})
+        return DislocationNetwork(graph, self.tolerance)
+
+    def split(self, line: Line, parts: Sequence[Sequence[Any]]) -> DislocationNetwork:
+        """A line that dissociates into several between the same nodes: b -> b1 + b2 + ...
+
+        Raises
+        ------
+        NetworkError
+            The parts do not sum to b.
+        """
+        reaction = Reaction([self._burgers(line)], parts, self.tolerance)
+        start, end, key = line
+        graph = self._open()
+        graph.remove_edge(start, end, key)
+        for b in reaction.after:
+            graph.add_edge(start, end, burgers=b)
+        return DislocationNetwork(graph, self.tolerance)
+
+    def zipped(self, first: Line, second: Line, junction: Hashable) -> DislocationNetwork:
+        """Two lines that leave the same node join into one as far as a new junction: b1 + b2 -> b3.
+
+        If b1 + b2 = 0 they annihilate there: no line joins the node and the junction.
+
+        Raises
+        ------
+        NetworkError
+            They do not start at the same node, or the junction exists already.
+        """
+        one, two = self._burgers(first), self._burgers(second)
+        if first == second or first[0] != second[0]:
+            raise NetworkError(
+                f"lines {first[:2]} and {second[:2]}: two lines that leave the same node were "
+                "needed. Use .reversed to turn one round."
+            )
+        if junction in self.graph:
+            raise NetworkError(f"node {junction!r} exists already; name a new junction.")
+        joint = total([one, two])
+        graph = self._open()
+        for start, end, key in (first, second):
+            data = dict(graph.edges[start, end, key])
+            graph.remove_edge(start, end, key)
+            graph.add_edge(junction, end, **data)
+        if not vanishes(joint, self._scale, self.tolerance):
+            graph.add_edge(first[0], junction, burgers=joint)
+        return DislocationNetwork(graph, self.tolerance)
+
+    def _open(self) -> nx.MultiDiGraph:
+        """A copy of the graph that may be changed."""
+        import networkx as nx
+
+        return nx.MultiDiGraph(self.graph)
+
+    def _burgers(self, line: Line) -> Vector:
+        """The Burgers vector of a line that exists."""
+        if len(line) != 3 or not self.graph.has_edge(*line):
+            raise NetworkError(f"there is no line {line!r}; a line is (start, end, key).")
+        return self.graph.edges[line]["burgers"]

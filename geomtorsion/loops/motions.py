@@ -1,0 +1,250 @@
+"""Motions: affine maps as their difference from the identity, so that tiny ones lose nothing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from geomtorsion.errors import LoopError, ShapeError
+
+if TYPE_CHECKING:
+    import numpy as np
+
+# Below this size the series of the logarithm converges in few terms.
+SMALL = 0.3
+# A linear part stretches if it changes lengths by more than this share of what it turns.
+ROTATION = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """The affine map v -> rotation v + translation, kept as increment = map - identity.
+
+    increment: shape (n + 1, n + 1): rotation - 1, translation in the last column, last row zero.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> tiny = Motion.of(1e-20 * np.array([[0.0, -1.0], [1.0, 0.0]]), [2e-20, 0.0])
+    >>> tiny.angle, (tiny @ tiny).burgers.tolist()
+    (-1e-20, [4e-20, 2e-40])
+    """
+
+    increment: np.ndarray
+
+    @classmethod
+    def of(cls, turn: np.ndarray, translation: np.ndarray | list[float]) -> Motion:
+        """From rotation - 1, shape (n, n), and translation, shape (n,)."""
+        import numpy as np
+
+        turn, column = np.asarray(turn), np.asarray(translation)
+        if turn.shape != (len(column), len(column)):
+            raise ShapeError(
+                f"a motion needs a square matrix and a vector of its size, but shapes {turn.shape} "
+                f"and {column.shape} came."
+            )
+        increment = np.zeros((len(column) + 1,) * 2, dtype=np.result_type(turn, column, float))
+        increment[:-1, :-1], increment[:-1, -1] = turn, column
+        return cls(increment)
+
+    @property
+    def matrix(self) -> np.ndarray:
+        """The map in homogeneous form, shape (n + 1, n + 1)."""
+        import numpy as np
+
+        return np.eye(len(self.increment)) + self.increment
+
+    @property
+    def burgers(self) -> np.ndarray:
+        """Translation, shape (n,): the closure failure."""
+        return self.increment[:-1, -1]
+
+    @property
+    def turn(self) -> np.ndarray:
+        """Rotation - 1, shape (n, n), to full relative accuracy."""
+        return self.increment[:-1, :-1]
+
+    @property
+    def rotation(self) -> np.ndarray:
+        """Linear part, shape (n, n): a rotation where the connection keeps lengths."""
+        return self.matrix[:-1, :-1]
+
+    def __matmul__(self, other: Motion) -> Motion:
+        """This motion's path first, then the other's, seen from the first one's base."""
+        one, two = self.increment, other.increment
+        return Motion(one + two + one @ two)
+
+    @cached_property
+    def inverse(self) -> Motion:
+        """The motion of the path run backwards."""
+        import numpy as np
+
+        return Motion(-np.linalg.solve(self.matrix, self.increment))
+
+    def seen_from(self, path: Motion) -> Motion:
+        """The motion of the same loop from a base point further along a path: conjugation.
+
+        Equation
+        --------
+        G' = P^-1 G P, with P the development of the path from the old base point to the new.
+        """
+        import numpy as np
+
+        return Motion(np.linalg.solve(path.matrix, self.increment @ path.matrix))
+
+    # -- invariants -----------------------------------------------------------------------------
+
+    @cached_property
+    def frank(self) -> np.ndarray:
+        """Logarithm of the transport round the loop, shape (n, n): rotation = exp(-frank).
+
+        Positive angles are those by which a vector carried round the loop turns from the first leg
+        towards the second: the area on the unit sphere, 2 pi (1 - alpha) on a cone.
+
+        Raises
+        ------
+        LoopError
+            There is no real logarithm, or no single one: half a turn in some plane.
+        """
+        return -logarithm(self.turn)
+
+    @property
+    def frank_vector(self) -> np.ndarray:
+        """Axis times angle of the transported frame, shape (3,); only in three dimensions."""
+        import numpy as np
+
+        self._needs(3, "frank_vector")
+        angle, axis = self.angle, self.axis
+        return np.zeros(3) if axis is None else angle * axis
+
+    @property
+    def angle(self) -> float:
+        """Angle by which a vector carried round turns: signed in the plane, else in [0, pi].
+
+        The sign in the plane counts from the first leg to the second. In more than three
+        dimensions it is the Frobenius norm of frank over sqrt(2).
+
+        Raises
+        ------
+        LoopError
+            The linear part is no rotation: the connection does not keep Euclidean lengths.
+        """
+        import numpy as np
+
+        n = len(self.increment) - 1
+        turn = self._rotating
+        if n == 2:
+            return float(np.arctan2((turn[0, 1] - turn[1, 0]) / 2, 1 + np.trace(turn) / 2))
+        if n == 3:
+            sine = np.linalg.norm(_axial(turn))
+            return float(np.arctan2(sine, 1 + np.trace(turn) / 2))
+        return float(np.linalg.norm(self.frank) / np.sqrt(2))
+
+    @property
+    def axis(self) -> np.ndarray | None:
+        """Unit vector about which a carried vector turns, shape (3,); None without a turn."""
+        import numpy as np
+
+        self._needs(3, "axis")
+        vector = -_axial(self._rotating)
+        size, cosine = float(np.linalg.norm(vector)), 1 + float(np.trace(self.turn)) / 2
+        if size == 0.0 and cosine > 0:
+            return None
+        if cosine > -0.9:
+            return vector / size
+        # Near half a turn the antisymmetric part is small; the symmetric one knows the axis.
+        outer = (self.rotation + self.rotation.T) / 2 - cosine * np.eye(3)
+        column = outer[:, np.argmax(np.diag(outer))]
+        column = column / np.linalg.norm(column)
+        return -column if column @ vector < 0 else column
+
+    @property
+    def along_axis(self) -> float:
+        """Translation along the axis: the same from every base point; |b| without a turn."""
+        import numpy as np
+
+        axis = self.axis
+        return float(np.linalg.norm(self.burgers)) if axis is None else float(axis @ self.burgers)
+
+    @property
+    def centre(self) -> np.ndarray | None:
+        """The point of the screw axis nearest to the base point, in the frame there, shape (n,).
+
+        In two and three dimensions: where the defect seems to sit, seen along the loop.
+        None without a turn.
+        """
+        import numpy as np
+
+        n = len(self.increment) - 1
+        if not np.abs(self.turn).max() > 0:
+            return None
+        if n == 2:
+            return np.linalg.solve(-self.turn, self.burgers)
+        self._needs(3, "centre")
+        axis = self.axis
+        assert axis is not None
+        scale = np.abs(self.turn).max()
+        across = self.burgers - axis * self.along_axis
+        system = -self.turn / scale + np.outer(axis, axis)
+        return np.linalg.solve(system, across / scale)
+
+    @cached_property
+    def _rotating(self) -> np.ndarray:
+        """The turn, where it belongs to a rotation."""
+        import numpy as np
+
+        turn = self.turn
+        stretch = np.abs(turn + turn.T + turn @ turn.T).max(initial=0.0)
+        if not stretch <= ROTATION * max(float(np.abs(turn).max(initial=0.0)), 1e-300):
+            raise LoopError(
+                "the linear part is no rotation: the connection does not keep Euclidean lengths. "
+                "Use .frank, the logarithm, which has a meaning for boosts and shears as well."
+            )
+        return turn
+
+    def _needs(self, dimension: int, what: str) -> None:
+        """Refuse what has a meaning only in one dimension."""
+        n = len(self.increment) - 1
+        if n != dimension:
+            raise ShapeError(
+                f"{what} has a meaning in {dimension} dimensions, but there are {n}. "
+                "Use .frank, the logarithm of the rotation, in any dimension."
+            )
+
+
+def _axial(turn: np.ndarray) -> np.ndarray:
+    """sin(angle) * axis of a rotation given as rotation - 1."""
+    import numpy as np
+
+    pairs = (turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1])
+    return np.array(pairs) / 2
+
+
+def logarithm(turn: np.ndarray) -> np.ndarray:
+    """log(1 + turn), to full relative accuracy for tiny turns; turn has shape (n, n)."""
+    import numpy as np
+
+    n = len(turn)
+    identity = np.eye(n)
+    if not np.abs(turn).max(initial=0.0) > 0:
+        return np.zeros_like(turn)
+    if np.linalg.norm(turn, 2) < SMALL:
+        z = np.linalg.solve(2 * identity + turn, turn)
+        square, power, total = z @ z, z, z.copy()
+        for k in range(3, 40, 2):
+            power = power @ square
+            total = total + power / k
+        return 2 * total
+    from scipy.linalg import logm
+
+    if np.linalg.eigvals(identity + turn).real.min() < 0:
+        # A real root of the map exists only away from negative eigenvalues.
+        values = np.linalg.eigvals(identity + turn)
+        if np.abs(values[values.real < 0].imag).min() < 1e-9:
+            raise LoopError(
+                "the rotation has no single real logarithm: it is half a turn in some plane. "
+                "Use .rotation, or .angle and .axis."
+            )
+    found = np.array(logm(identity + turn))
+    return found if np.iscomplexobj(turn) else np.real(found)

@@ -1,0 +1,273 @@
+"""Network: points and edges; each edge is integrated once, every cycle follows by signed sums."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import LimitError, NetworkError
+from geomtorsion.loops.edge_list import EdgeList, edge_list
+from geomtorsion.loops.edges import EdgeIntegrals, edge_integrals
+from geomtorsion.loops.loop import Loop, shown
+from geomtorsion.loops.potentials import Forest, spanning_forest
+
+if TYPE_CHECKING:
+    import networkx as nx
+    import numpy as np
+
+    from geomtorsion.geometry import Frame
+    from geomtorsion.loops.node_rule import NodeRule
+
+# networkx takes minutes for the minimum cycle basis of a graph with more edges.
+MINIMUM_BASIS_EDGES = 200
+LISTED_CYCLES = 100_000
+
+Cycle = tuple[Hashable, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class CycleBurgers:
+    """What a cycle of a network misses.
+
+    cycle: nodes in order; vector: b^i, shape (n,); error: bound on its largest component.
+    """
+
+    cycle: Cycle
+    vector: np.ndarray
+    error: float
+
+    @property
+    def vanishes(self) -> bool:
+        """Whether the vector is zero within its error."""
+        return bool(abs(self.vector).max() <= self.error)
+
+
+@dataclass(frozen=True, eq=False)
+class Network:
+    """A graph laid into a frame: Burgers vectors of all its cycles from one integral per edge.
+
+    frame: whose coframe is integrated.
+    graph: networkx graph whose nodes have coordinates, or an `EdgeList` of arrays; edges are
+        straight in the coordinates.
+    position: the node attribute that holds q^mu, shape (n,).
+    accuracy: of each edge, relative to its length in coordinates.
+    parameters: values of the frame's parameters.
+
+    Examples
+    --------
+    >>> import networkx as nx
+    >>> from geomtorsion.spaces import load
+    >>> graph = nx.cycle_graph(4)
+    >>> corners = {0: (1, 0, 0), 1: (0, 1, 0), 2: (-1, 0, 0), 3: (0, -1, 0)}
+    >>> nx.set_node_attributes(graph, corners, "position")
+    >>> net = Network(load("screw_dislocation").frame, graph, parameters={"b": 0.25})
+    >>> net.burgers([0, 1, 2, 3]).vector.round(12).tolist()
+    [0.0, 0.0, 0.25]
+    """
+
+    frame: Frame
+    graph: nx.Graph | EdgeList
+    position: str = "position"
+    accuracy: float = 1e-12
+    parameters: Mapping[Any, Any] | None = field(default=None)
+
+    # -- edges ----------------------------------------------------------------------------------
+
+    @cached_property
+    def edges(self) -> EdgeList:
+        """Positions and edges as arrays, checked.
+
+        Raises
+        ------
+        NetworkError
+            A node has no usable position, or an edge no length; the message names it.
+        """
+        return edge_list(self.graph, self.position, self.frame.dimension)
+
+    @cached_property
+    def integrals(self) -> EdgeIntegrals:
+        """The integral of the coframe along every edge, from its first node to its second."""
+        places, pairs = self.edges.positions, self.edges.pairs
+        return edge_integrals(
+            self.frame, places[pairs[:, 0]], places[pairs[:, 1]], self.accuracy,
+            parameters=self.parameters,
+        )  # fmt: skip
+
+    def edge(self, start: Hashable, end: Hashable) -> np.ndarray:
+        """The integral from one node to a neighbour, shape (n,).
+
+        Raises
+        ------
+        NetworkError
+            There is no such edge.
+        """
+        number, sign = self._step(start, end)
+        return sign * self.integrals.vectors[number]
+
+    def _step(self, start: Hashable, end: Hashable) -> tuple[int, int]:
+        """Number and sense of an edge."""
+        places = self.edges.numbers
+        if start not in places or end not in places:
+            missing = start if start not in places else end
+            raise NetworkError(f"node {missing!r} is not in the network.")
+        first, second = places[start], places[end]
+        if (first, second) in self._between:
+            return self._between[first, second], 1
+        if (second, first) in self._between:
+            return self._between[second, first], -1
+        raise NetworkError(f"there is no edge between {start!r} and {end!r}.")
+
+    @cached_property
+    def _between(self) -> dict[tuple[int, int], int]:
+        """(first node, second node) -> number of the edge."""
+        pairs = self.edges.pairs.tolist()
+        return {(a, b): k for k, (a, b) in reversed(list(enumerate(pairs)))}
+
+    # -- cycles ---------------------------------------------------------------------------------
+
+    def burgers(self, cycle: Sequence[Hashable]) -> CycleBurgers:
+        """Burgers vector of a cycle: the signed sum of its edges.
+
+        Parameters
+        ----------
+        cycle
+            Nodes in order, as networkx gives them; the last is joined to the first.
+
+        Raises
+        ------
+        NetworkError
+            Two neighbours are not joined by an edge, or there are fewer than three nodes.
+        """
+        import math
+
+        import numpy as np
+
+        chain = list(cycle)
+        if len(chain) > 1 and chain[0] == chain[-1]:
+            chain.pop()
+        if len(chain) < 3:
+            raise NetworkError(
+                f"a cycle of three nodes or more was needed, but {chain} came: a path to and fro "
+                "encloses nothing."
+            )
+        steps = [self._step(a, b) for a, b in zip(chain, chain[1:] + chain[:1], strict=True)]
+        rows = np.array([sign * self.integrals.vectors[number] for number, sign in steps])
+        vector = np.array([math.fsum(column) for column in rows.T.tolist()])
+        error = math.fsum(self.integrals.errors[number] for number, _ in steps)
+        return CycleBurgers(tuple(chain), vector, error + 2.0**-53 * float(np.abs(vector).max()))
+
+    @cached_property
+    def forest(self) -> Forest:
+        """Sums along a spanning forest and the closure of every chord, as arrays.
+
+        For large networks this is the answer: `forest.chords` are the edges outside the forest,
+        `forest.closure` the Burgers vectors of their fundamental cycles.
+        """
+        edges = self.edges
+        found = self.integrals
+        return spanning_forest(len(edges.positions), edges.pairs, found.vectors, found.errors)
+
+    @property
+    def cycle_count(self) -> int:
+        """Number of independent cycles: edges - nodes + components."""
+        return len(self.forest.chords)
+
+    @property
+    def component_count(self) -> int:
+        """Number of connected components."""
+        return int(self.forest.root.max(initial=-1)) + 1
+
+    def cycles(self, basis: str = "fundamental") -> tuple[Cycle, ...]:
+        """A basis of the cycles, each as its nodes in order.
+
+        Parameters
+        ----------
+        basis
+            "fundamental": one cycle for each edge outside a spanning forest, which it runs
+            through forwards. "minimum": the shortest cycles, for small networks only.
+
+        Raises
+        ------
+        LimitError
+            The network is too large to list its cycles; the message states the limit.
+        """
+        if basis == "minimum":
+            return self._minimum_cycles()
+        if basis != "fundamental":
+            raise NetworkError(f"basis: 'fundamental' or 'minimum' was needed, but {basis!r} came.")
+        forest = self.forest
+        if len(forest.chords) > LISTED_CYCLES:
+            raise LimitError(
+                f"{len(forest.chords)} cycles are too many to list; the limit is {LISTED_CYCLES}. "
+                "Use .forest, which has chords and closures as arrays."
+            )
+        return tuple(self._around(int(chord)) for chord in forest.chords)
+
+    def _around(self, chord: int) -> Cycle:
+        """The fundamental cycle of an edge outside the forest: along it, and back in the forest."""
+        parent, depth = self.forest.parent, self.forest.depth
+        tail, head = (int(node) for node in self.edges.pairs[chord])
+        ahead, back = [head], [tail]
+        while ahead[-1] != back[-1]:
+            side = ahead if depth[ahead[-1]] >= depth[back[-1]] else back
+            side.append(int(parent[side[-1]]))
+        labels = self.edges.labels
+        return tuple(labels[node] for node in (*back[:1], *ahead, *back[-2:0:-1]))
+
+    def _minimum_cycles(self) -> tuple[Cycle, ...]:
+        """The minimum cycle basis, by networkx."""
+        import networkx as nx
+
+        if len(self.edges.pairs) > MINIMUM_BASIS_EDGES:
+            raise LimitError(
+                f"the minimum cycle basis of {len(self.edges.pairs)} edges takes too long; the "
+                f"limit is {MINIMUM_BASIS_EDGES} edges. Use the fundamental cycles."
+            )
+        labels = self.edges.labels
+        plain = nx.Graph()
+        plain.add_nodes_from(labels)
+        plain.add_edges_from((labels[a], labels[b]) for a, b in self.edges.pairs.tolist())
+        return tuple(tuple(cycle) for cycle in nx.minimum_cycle_basis(plain))
+
+    def basis_burgers(self, basis: str = "fundamental") -> tuple[CycleBurgers, ...]:
+        """Burgers vectors of all cycles of a basis."""
+        return tuple(self.burgers(cycle) for cycle in self.cycles(basis))
+
+    def loop(self, cycle: Sequence[Hashable]) -> Loop:
+        """A cycle as a loop, for `burgers_vector` and `develop`."""
+        places, numbers = self.edges.positions, self.edges.numbers
+        chain = list(cycle)
+        for node in chain:
+            if node not in numbers:
+                raise NetworkError(f"node {node!r} is not in the network.")
+        return Loop.polygon([places[numbers[node]].tolist() for node in chain], name="cycle")
+
+    # -- conservation ---------------------------------------------------------------------------
+
+    def node_rule(self, cells: Sequence[Sequence[Sequence[Hashable]]] | None = None) -> NodeRule:
+        """Conservation: over the faces of a closed cell the Burgers vectors sum to zero.
+
+        Parameters
+        ----------
+        cells
+            Closed surfaces, each a list of cycles turned outwards; every tetrahedron of the
+            network (four nodes joined pairwise) if not given.
+
+        Returns
+        -------
+        NodeRule: how many cells were checked, which violate the rule, and which faces a defect
+        line pierces (there line integral and flux of torsion differ).
+        """
+        from geomtorsion.loops.node_rule import node_rule
+
+        return node_rule(self, cells)
+
+    def __repr__(self) -> str:
+        edges = self.edges
+        low, high = edges.positions.min(axis=0), edges.positions.max(axis=0)
+        return (
+            f"Network({len(edges.positions)} nodes, {len(edges.pairs)} edges, "
+            f"from {shown(low)} to {shown(high)})"
+        )

@@ -1,0 +1,198 @@
+"""Node rule: over the faces of a closed cell Burgers vectors sum to zero; where they do not."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import LimitError, NetworkError, SingularPointError
+from geomtorsion.loops.flux import ray_rule
+from geomtorsion.loops.forms import forms, parameter_values
+from geomtorsion.loops.loop import shown
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from geomtorsion.loops.network import Network
+
+Face = tuple[Hashable, ...]
+# More cells than this are not searched for; they have to be given.
+MOST_CELLS = 100_000
+# Two numbers differ when they are further apart than this many times their errors together.
+DIFFER = 30
+
+
+@dataclass(frozen=True, eq=False)
+class Violation:
+    """A cell whose fluxes do not sum to zero.
+
+    cell: its faces; total: what they sum to, shape (n,); error: bound on its largest component.
+    """
+
+    cell: tuple[Face, ...]
+    total: np.ndarray
+    error: float
+
+    def __str__(self) -> str:
+        nodes = sorted({node for face in self.cell for node in face}, key=str)
+        return f"cell {nodes}: sum of b = {shown(self.total)}, error {self.error:.1e}"
+
+
+@dataclass(frozen=True, eq=False)
+class NodeRule:
+    """Whether lines of torsion are conserved in every cell.
+
+    checked: number of cells; 0 says that nothing was checked.
+    violations: cells in which the flux of torsion out of all faces is not zero (a line ends
+        there, or the frame is not smooth inside), or whose line integrals do not cancel.
+    pierced: faces whose line integral is not the flux of torsion through them: a singular line
+        runs through, with the difference as its Burgers vector.
+    """
+
+    checked: int
+    violations: tuple[Violation, ...]
+    pierced: tuple[tuple[Face, np.ndarray], ...]
+
+    @property
+    def holds(self) -> bool | None:
+        """True, False, or None where there was no cell to check."""
+        return None if not self.checked else not self.violations
+
+    def __str__(self) -> str:
+        lines = [f"node rule: {self.checked} cells checked, {len(self.violations)} violations"]
+        lines += [str(violation) for violation in self.violations[:10]]
+        lines += [f"face {list(f)}: pierced, b = {shown(b)}" for f, b in self.pierced[:10]]
+        return "\n".join(lines)
+
+
+def node_rule(net: Network, cells: Sequence[Sequence[Sequence[Hashable]]] | None) -> NodeRule:
+    """Check all cells of a network; see Network.node_rule."""
+    import numpy as np
+
+    chosen = tetrahedra(net) if cells is None else [tuple(map(tuple, cell)) for cell in cells]
+    for cell in chosen:
+        _check_closed(cell)
+    faces = {_named(face): face for cell in chosen for face in cell}
+    lines = {name: net.burgers(face) for name, face in faces.items()}
+    fluxes = _fluxes(net, list(faces.values()))
+    violations = []
+    for cell in chosen:
+        rows, errors = [], []
+        for face in cell:
+            name = _named(face)
+            flux, error = fluxes[name]
+            same = _sense(face, faces[name])
+            rows.append((same * lines[name].vector, same * flux))
+            errors.append((lines[name].error, error))
+        for totals, bound in zip(np.sum(rows, axis=0), np.sum(errors, axis=0), strict=True):
+            if not np.abs(totals).max() <= DIFFER * bound:
+                violations.append(Violation(cell, totals, float(bound)))
+    pierced = []
+    for name, face in faces.items():
+        flux, error = fluxes[name]
+        apart = lines[name].vector - flux
+        if not np.abs(apart).max() <= DIFFER * (error + lines[name].error):
+            pierced.append((face, apart))
+    return NodeRule(len(chosen), tuple(violations), tuple(pierced))
+
+
+def tetrahedra(net: Network) -> list[tuple[Face, ...]]:
+    """All sets of four nodes that are joined pairwise, with faces turned outwards."""
+    import numpy as np
+
+    neighbours: dict[int, set[int]] = {}
+    for a, b in net.edges.pairs.tolist():
+        neighbours.setdefault(a, set()).add(b)
+        neighbours.setdefault(b, set()).add(a)
+    labels, found = net.edges.labels, []
+    for a in neighbours:
+        for b in (x for x in neighbours[a] if x > a):
+            for c in (x for x in neighbours[a] & neighbours[b] if x > b):
+                for d in (x for x in neighbours[a] & neighbours[b] & neighbours[c] if x > c):
+                    corners = net.edges.positions[[a, b, c, d]]
+                    # Only three dimensions have an outside; elsewhere one sense is as good.
+                    steps = corners[1:] - corners[0]
+                    turned = steps.shape[1] == 3 and np.linalg.det(steps) < 0
+                    e, f = (d, c) if turned else (c, d)
+                    cell = ((a, e, b), (a, b, f), (b, e, f), (a, f, e))
+                    found.append(tuple(tuple(labels[k] for k in face) for face in cell))
+                    if len(found) > MOST_CELLS:
+                        raise LimitError(
+                            f"the network has more than {MOST_CELLS} tetrahedra. "
+                            "Give the cells that shall be checked."
+                        )
+    return found
+
+
+def _check_closed(cell: Sequence[Face]) -> None:
+    """Refuse a surface with a boundary: each edge must be run through once in each sense."""
+    count: dict[Any, int] = {}
+    for face in cell:
+        for a, b in zip(face, (*face[1:], face[0]), strict=True):
+            count[a, b] = count.get((a, b), 0) + 1
+            count[b, a] = count.get((b, a), 0) - 1
+    open_ = [edge for edge, number in count.items() if number > 0]
+    if open_:
+        raise NetworkError(
+            f"the cell {[list(face) for face in cell]} is not closed: the edge {open_[0]} bounds "
+            "it. Every edge must be run through once in each sense."
+        )
+
+
+def _named(face: Face) -> frozenset[Hashable]:
+    """A face without sense and starting point."""
+    return frozenset(face)
+
+
+def _sense(face: Face, other: Face) -> int:
+    """+1 if two faces of the same nodes turn the same way, -1 if not."""
+    start = other.index(face[0])
+    return 1 if other[(start + 1) % len(other)] == face[1] else -1
+
+
+def _fluxes(net: Network, faces: list[Face]) -> dict[frozenset[Hashable], tuple[np.ndarray, float]]:
+    """Flux of torsion through each face, spanned from its first node, and its error."""
+    import numpy as np
+
+    n = net.frame.dimension
+    compiled = forms(net.frame)
+    result: dict[Any, tuple[np.ndarray, float]] = {
+        _named(face): (np.zeros(n), 0.0) for face in faces
+    }
+    if compiled.curl is None:
+        return result
+    parameters = parameter_values(net.frame, compiled.parameters, net.parameters)
+    places, numbers = net.edges.positions, net.edges.numbers
+    for face in faces:
+        corners = places[[numbers[node] for node in face]]
+        spans = [(corners[0], corners[k], corners[k + 1]) for k in range(1, len(corners) - 1)]
+        try:
+            pieces = [_triangle(compiled, parameters, *span) for span in spans]
+        except SingularPointError:
+            pieces = [(np.zeros(n), np.inf)]
+        total = np.sum([value for value, _ in pieces], axis=0)
+        result[_named(face)] = (total, float(sum(error for _, error in pieces)))
+    return result
+
+
+def _triangle(
+    forms_: Any, parameters: tuple[Any, ...], a: np.ndarray, b: np.ndarray, c: np.ndarray
+) -> tuple[np.ndarray, float]:
+    """Flux through a triangle by two rules: the finer, and how far they are apart."""
+    import numpy as np
+
+    first, second = b - a, c - b
+    m, k = forms_.pairs
+    wedge = (first[m] * second[k] - first[k] * second[m])[forms_.curl.columns]
+    results = []
+    for count in (8, 14):
+        s, w = ray_rule(count)
+        t, u = np.polynomial.legendre.leggauss(count)
+        t, u = (t + 1) / 2, u / 2
+        points = a[:, None, None] + s[:, None] * (first[:, None, None] + t * second[:, None, None])
+        values = forms_.curl.function(*points.reshape(len(a), -1), *parameters)
+        sums = values @ np.outer(w, u).ravel()
+        results.append(forms_.curl.gather @ (sums * wedge))
+    size = float(np.abs(results[1]).max())
+    return results[1], float(np.abs(results[0] - results[1]).max()) + 2.0**-50 * size

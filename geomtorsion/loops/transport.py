@@ -1,0 +1,190 @@
+"""Transport: path-ordered integrals along the sides of a loop, adaptive, with an error estimate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from geomtorsion.errors import LoopError
+from geomtorsion.loops.motions import Motion
+from geomtorsion.loops.steps import collocation, increments, product
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from geomtorsion.loops.sides import Side
+
+# From offsets and slopes, shape (n, k), to omega (k, n, n) and theta (k, n).
+Integrand = Callable[["np.ndarray", "np.ndarray"], tuple["np.ndarray", "np.ndarray"]]
+
+STAGES = 8
+# How many points one evaluation may take, and how many stretches a path may need.
+PIECE = 2**15
+MOST_STRETCHES = 2**17
+NARROWEST = 2.0**-40
+EPS = 2.0**-52
+
+
+@dataclass(frozen=True, eq=False)
+class Transported:
+    """A path-ordered integral.
+
+    motion: rotation and translation, as increments.
+    error: of the translation; turn_error: of the rotation.
+    scale: integral of |theta|, the length of the image.
+    points: how many points were evaluated.
+    """
+
+    motion: Motion
+    error: float
+    turn_error: float
+    scale: float
+    points: int
+
+
+@dataclass(frozen=True, eq=False)
+class _Stretches:
+    """Intervals on sides, with their motions."""
+
+    owner: np.ndarray
+    low: np.ndarray
+    width: np.ndarray
+    motion: np.ndarray
+    size: np.ndarray
+
+
+def transported(sides: Sequence[Side], integrand: Integrand, accuracy: float) -> Transported:
+    """Path-ordered product of 1 + [[omega, theta], [0, 0]] ds along sides, s from 0 to 1 on each.
+
+    Raises
+    ------
+    LoopError
+        It does not converge near some point of the path; the message names it.
+    """
+    import numpy as np
+
+    counts = [max(1, 2 * side.waves) for side in sides]
+    owner = np.repeat(np.arange(len(sides)), counts)
+    low = np.concatenate([np.arange(k) / k for k in counts])
+    width = np.concatenate([np.full(k, 1 / k) for k in counts])
+    waiting = _measured(sides, integrand, owner, low, width)
+    points = len(owner) * STAGES
+    done: list[_Stretches] = []
+    errors: list[np.ndarray] = []
+    total = np.maximum(waiting.size.sum(axis=0), np.finfo(float).tiny)
+    while len(waiting.owner):
+        halves = _halved(sides, integrand, waiting)
+        points += len(halves.owner) * STAGES
+        one, two = halves.motion[0::2], halves.motion[1::2]
+        joined = one + two + one @ two
+        change = np.abs(joined - waiting.motion)
+        found = np.stack([change[:, :-1, :-1].max(axis=(1, 2)), change[:, :-1, -1].max(axis=1)], 1)
+        total = np.maximum(total, waiting.size.sum(axis=0))
+        allowed = np.maximum(
+            accuracy * total * waiting.width[:, None] / len(sides), 16 * EPS * waiting.size
+        )
+        good = np.asarray((found <= allowed).all(axis=1))
+        narrow = ~good & (waiting.width < NARROWEST)
+        if narrow.any() or len(waiting.owner) > MOST_STRETCHES or not np.isfinite(found).all():
+            worst = int(np.argmax(np.where(np.isfinite(found[:, 1]), found.max(axis=1), np.inf)))
+            raise _stuck(sides, waiting, worst)
+        done.append(_chosen(waiting, good, joined))
+        errors.append(found[good] + 2 * EPS * waiting.size[good])
+        waiting = _chosen(halves, np.repeat(~good, 2))
+    return _assembled(done, errors, points)
+
+
+def _assembled(done: list[_Stretches], errors: list[np.ndarray], points: int) -> Transported:
+    """All stretches in the order of the path, multiplied."""
+    import numpy as np
+
+    owner = np.concatenate([part.owner for part in done])
+    low = np.concatenate([part.low for part in done])
+    order = np.lexsort((low, owner))
+    motion = np.concatenate([part.motion for part in done])[order]
+    size = np.concatenate([part.size for part in done])
+    increment, error = product(motion, np.concatenate(errors)[order])
+    scale = float(size[:, 1].sum())
+    return Transported(Motion(increment), float(error[1]), float(error[0]), scale, points)
+
+
+def _chosen(
+    stretches: _Stretches, which: np.ndarray, motion: np.ndarray | None = None
+) -> _Stretches:
+    """Some of the stretches, with better motions if there are any."""
+    better = stretches.motion if motion is None else motion
+    return _Stretches(
+        stretches.owner[which], stretches.low[which], stretches.width[which], better[which],
+        stretches.size[which],
+    )  # fmt: skip
+
+
+def _halved(sides: Sequence[Side], integrand: Integrand, stretches: _Stretches) -> _Stretches:
+    """Both halves of each stretch, one after the other."""
+    import numpy as np
+
+    owner, width = np.repeat(stretches.owner, 2), np.repeat(stretches.width / 2, 2)
+    low = np.repeat(stretches.low, 2)
+    low[1::2] += width[1::2]
+    return _measured(sides, integrand, owner, low, width)
+
+
+def _measured(
+    sides: Sequence[Side],
+    integrand: Integrand,
+    owner: np.ndarray,
+    low: np.ndarray,
+    width: np.ndarray,
+) -> _Stretches:
+    """Motions over stretches, in pieces that fit in memory."""
+    import numpy as np
+
+    nodes, weights, _ = collocation(STAGES)
+    most = max(1, PIECE // STAGES)
+    motions, sizes = [], []
+    for start in range(0, len(owner), most):
+        part = slice(start, start + most)
+        s = low[part, None] + width[part, None] * nodes
+        offsets, slopes = at_sides(sides, owner[part], s)
+        omega, theta = integrand(offsets, slopes)
+        n, count = theta.shape[1], len(s)
+        omega = omega.reshape(count, STAGES, n, n) * width[part, None, None, None]
+        theta = theta.reshape(count, STAGES, n) * width[part, None, None]
+        motions.append(increments(omega, theta))
+        lengths = np.stack([np.abs(omega).max(axis=(2, 3)), np.abs(theta).max(axis=2)])
+        sizes.append((lengths @ weights).T)
+    return _Stretches(owner, low, width, np.concatenate(motions), np.concatenate(sizes))
+
+
+def at_sides(
+    sides: Sequence[Side], owner: np.ndarray, s: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Offsets and slopes at s, shape (m, nodes), on sides named by owner; shape (n, m * nodes)."""
+    import numpy as np
+
+    if len(sides) == 1:
+        return sides[0].shape(s.ravel())
+    parts = []
+    order = np.argsort(owner, kind="stable")
+    numbers, starts = np.unique(owner[order], return_index=True)
+    for number, rows in zip(numbers, np.split(order, starts[1:]), strict=True):
+        parts.append(sides[int(number)].shape(s[rows].ravel()))
+    back = np.argsort(order)
+    shape = (-1, *s.shape)
+    both = (np.concatenate(arrays, axis=1) for arrays in zip(*parts, strict=True))
+    offsets, slopes = (x.reshape(shape)[:, back].reshape(len(x), -1) for x in both)
+    return offsets, slopes
+
+
+def _stuck(sides: Sequence[Side], stretches: _Stretches, worst: int) -> LoopError:
+    """The error for a path along which the integral does not converge."""
+    from geomtorsion.loops.loop import shown
+
+    side = sides[int(stretches.owner[worst])]
+    middle = float(stretches.low[worst] + stretches.width[worst] / 2)
+    place = shown(side.shape([middle])[0][:, 0])  # type: ignore[arg-type]
+    return LoopError(
+        f"the development does not converge near offset {place} from the centre of the loop: the "
+        "frame is singular there, or turns without end. Move the loop away from that point."
+    )
