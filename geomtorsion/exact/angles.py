@@ -138,8 +138,22 @@ class Angles:
                     have = field.sample.value(inside)
                 cos = inside if mpmath.re(want * have) > 0 else -inside
         if cos is None:
-            cos = self._new_part(angle, whole, prime)
+            cos = self._algebraic_part(angle, whole, prime)
         return cos, whole[1] / _second_kind(prime - 1, cos, field)
+
+    def _algebraic_part(self, angle: Element, whole: Pair, prime: int) -> Element:
+        """cos of the part of an angle; where cos of the whole is no polynomial, by a root."""
+        field = self._field
+        if not whole[0]._den:
+            return self._new_part(angle, whole, prime)
+        if prime > 2:
+            from geomtorsion.exact.opaque import opaque
+
+            return opaque(field, sympy.cos(angle.sympy), (angle,))
+        with mpmath.workprec(200):
+            positive = mpmath.re(mpmath.cos(field.sample.value(angle))) > 0
+        root = ((whole[0] + 1) * fmpq(1, 2)).sqrt()
+        return root if positive else -root
 
     def _new_part(self, angle: Element, whole: Pair, prime: int) -> Element:
         """A generator w with T_prime(w) = cos(prime * angle)."""
