@@ -104,8 +104,8 @@ def exact_burgers_vector(frame: Frame, loop: Loop, seconds: float = SECONDS) -> 
     numbers = [mpmath.mpf(0)] * frame.dimension
     try:
         with deadline(seconds):
-            for times, piece in _pieces(loop):
-                for i, f in enumerate(_pulled_back(frame, piece)):
+            for times, piece in pieces(loop):
+                for i, f in enumerate(pulled_back(frame, piece)):
                     value = definite(f, *piece[1:])
                     if value is None:
                         raise UndecidedError(
@@ -128,7 +128,7 @@ def _short(x: sp.Expr) -> sp.Expr:
     return min((x, sp.simplify(x)), key=sp.count_ops)
 
 
-def _pieces(loop: Loop) -> Iterator[tuple[int, Piece]]:
+def pieces(loop: Loop) -> Iterator[tuple[int, Piece]]:
     """Exact paths (coordinates, parameter, start, end) with their multiplicities."""
     for part in loop.parts:
         if part.given is None:
@@ -156,7 +156,7 @@ def _piece(part: Part, side: Side) -> Piece:
     return tuple(exact_number(q) + exact_number(size) * x for q, x in pairs), t, low, high
 
 
-def _pulled_back(frame: Frame, piece: Piece) -> list[sp.Expr]:
+def pulled_back(frame: Frame, piece: Piece) -> list[sp.Expr]:
     """e^i_mu(q(t)) dq^mu/dt for all i."""
     path, t = piece[:2]
     table = dict(zip(frame.coordinates, path, strict=True))

@@ -46,7 +46,7 @@ def flux_route(
         for few, many in LEVELS:
             found = integrate(
                 part.sides,
-                lambda x, v, few=few, many=many: _rays(forms, part, parameters, x, v, few, many),
+                lambda x, v, rays=(many, few): flux_at(forms, part, parameters, x, v, *rays),
                 accuracy / 2,
                 rounding,
                 most // (few + many),
@@ -64,30 +64,36 @@ def flux_route(
     return None
 
 
-def _rays(
+def flux_at(
     forms: Forms,
     part: Part,
     parameters: Sequence[Any],
     offsets: np.ndarray,
     slopes: np.ndarray,
-    few: int,
-    many: int,
+    *rays: int,
 ) -> np.ndarray:
-    """The integral along the rays by two rules, shape (2 n, k)."""
+    """The integral along the rays through offsets, by Gauss with so many points; one n for each.
+
+    Shape (n, k) for one rule, (2 n, k) for two.
+    """
     import numpy as np
 
     compiled = forms.curl
-    assert compiled is not None
-    (s_many, w_many), (s_few, w_few) = ray_rule(many), ray_rule(few)
-    s = np.concatenate([s_many, s_few])
+    if compiled is None:
+        return np.zeros((len(rays) * len(part.centre), offsets.shape[1]))
+    nodes = [ray_rule(count) for count in rays]
+    s = np.concatenate([place for place, _ in nodes])
     centre = np.array(part.centre)[:, None, None]
     points = (centre + part.size * (s[:, None] * offsets[:, None, :])).reshape(len(centre), -1)
     values = compiled.function(*points, *parameters).reshape(len(compiled.rows), len(s), -1)
     a, b = forms.pairs
     wedge = (offsets[a] * slopes[b] - offsets[b] * slopes[a])[compiled.columns]
-    fine = np.einsum("s,esk->ek", w_many, values[:, :many]) * wedge
-    coarse = np.einsum("s,esk->ek", w_few, values[:, many:]) * wedge
-    return np.concatenate([compiled.gather @ fine, compiled.gather @ coarse])
+    results, first = [], 0
+    for _, weights in nodes:
+        along = np.einsum("s,esk->ek", weights, values[:, first : first + len(weights)])
+        results.append(compiled.gather @ (along * wedge))
+        first += len(weights)
+    return np.concatenate(results)
 
 
 def _rounding(forms: Forms, part: Part, parameters: Sequence[Any]) -> float:

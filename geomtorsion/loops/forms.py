@@ -75,7 +75,7 @@ def _made(frame: Frame) -> Forms:
         (i, place): value
         for place, (a, b) in enumerate(pairs.T.tolist())
         for i in range(n)
-        if (value := _curl(frame, i, a, b)).is_zero is not True
+        if (value := curl(frame, i, a, b)).is_zero is not True
     }
     poles = _denominators(frame, list(entries.values()))
     return Forms(
@@ -88,7 +88,7 @@ def _made(frame: Frame) -> Forms:
     )
 
 
-def _curl(frame: Frame, i: int, a: int, b: int) -> Element:
+def curl(frame: Frame, i: int, a: int, b: int) -> Element:
     """d_a e^i_b - d_b e^i_a, exactly."""
     one = frame.coframe.element(i, b).diff(frame.coordinates[a])
     two = frame.coframe.element(i, a).diff(frame.coordinates[b])

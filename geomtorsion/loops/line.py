@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import SingularPointError
@@ -66,11 +67,7 @@ def line_route(
 
     centre = np.array(part.centre)[:, None]
     compiled = forms.coframe
-
-    def integrand(offsets: np.ndarray, slopes: np.ndarray) -> np.ndarray:
-        values = compiled.function(*(centre + part.size * offsets), *parameters)
-        return compiled.gather @ (values * slopes[compiled.columns])
-
+    integrand = partial(line_at, forms, part, parameters)
     refuse_poles(forms, part, parameters)
     offsets, slopes = shaken(part.sides)
     points = centre + part.size * offsets
@@ -87,6 +84,18 @@ def line_route(
         raise SingularPointError(_diverges(part, found.worst))
     used = found.points + 2 * points.shape[1]
     return Route(found.value, 1, found.truncation, rounding, found.converged, found.rule, used)
+
+
+def line_at(
+    forms: Forms, part: Part, parameters: Sequence[Any], offsets: np.ndarray, slopes: np.ndarray
+) -> np.ndarray:
+    """e^i_mu(q0 + size x) dx^mu/ds at offsets x, shape (n, k)."""
+    import numpy as np
+
+    compiled = forms.coframe
+    points = np.array(part.centre)[:, None] + part.size * offsets
+    values = compiled.function(*points, *parameters)
+    return compiled.gather @ (values * slopes[compiled.columns])
 
 
 def shaken(sides: Sequence[Side]) -> tuple[np.ndarray, np.ndarray]:

@@ -1,0 +1,268 @@
+"""Survey: the Burgers vectors of very many small loops in one call."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import LoopError
+from geomtorsion.loops import intake
+from geomtorsion.loops.batch import Batch, Found
+from geomtorsion.loops.cells import DISK, SQUARE, Cell
+from geomtorsion.loops.progress import counted
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from geomtorsion.geometry import Frame
+
+# Loops that are treated together: their points fit in the cache of the processor.
+TOGETHER = 2048
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class BurgersMap:
+    """Burgers vectors of many loops of one shape in parallel planes.
+
+    frame: what they belong to.
+    plane: the two directions of the plane, shape (2, n).
+    centres: q^mu, shape (n, *shape); shape: that of the survey, as (rows, columns) of a grid.
+    areas: signed area of each loop in the coordinates of the plane, shape (*shape).
+    vectors: b^i in the frame, shape (n, *shape); NaN where a loop was not done or is singular.
+    density: b^i per area, shape (n, *shape): it does not underflow.
+    errors: bound on the error of the largest component, shape (*shape).
+    expected: 2 S_{mn}^i A^{mn} at the centre: what a small loop has, shape (n, *shape).
+    enclosed: where line and flux differ because a defect is inside, shape (*shape).
+    done: how many loops were finished; fewer than all after Ctrl-C.
+    evaluations: points at which coframe or curl were evaluated; seconds: wall time.
+    """
+
+    frame: Frame
+    plane: np.ndarray
+    centres: np.ndarray
+    areas: np.ndarray
+    vectors: np.ndarray
+    density: np.ndarray
+    errors: np.ndarray
+    expected: np.ndarray
+    enclosed: np.ndarray
+    accuracy: float
+    done: int
+    evaluations: int
+    seconds: float
+
+    @property
+    def complete(self) -> bool:
+        """Whether all loops were finished."""
+        return self.done == self.areas.size
+
+    @property
+    def reached(self) -> np.ndarray:
+        """Where the relative error asked for was reached, shape (*shape)."""
+        import numpy as np
+
+        return self.errors <= self.accuracy * np.abs(self.vectors).max(axis=0)
+
+    @property
+    def total(self) -> np.ndarray:
+        """Sum of all finished vectors, shape (n,): on a grid, b of the loop round all of it."""
+        import numpy as np
+
+        return np.nansum(self.vectors.reshape(len(self.vectors), -1), axis=1)
+
+    def __repr__(self) -> str:
+        import numpy as np
+
+        text = f"BurgersMap({self.done} of {self.areas.size} loops, {self.seconds:.2g} s"
+        if self.enclosed.any():
+            text += f", {int(np.count_nonzero(self.enclosed))} enclose a defect"
+        return text + ")"
+
+
+def burgers_vectors(
+    frame: Frame,
+    centres: Any,
+    radius: Any,
+    plane: tuple[Any, Any] = (0, 1),
+    accuracy: float = 1e-10,
+    *,
+    parameters: Mapping[Any, Any] | None = None,
+) -> BurgersMap:
+    """Burgers vectors of many circles in parallel planes.
+
+    Parameters
+    ----------
+    centres
+        q^mu, shape (k, n).
+    radius
+        One radius, or one for each circle, shape (k,).
+    plane
+        Two coordinates, or two vectors, which are made orthonormal in the coordinates.
+    accuracy
+        Wanted relative error of each vector.
+
+    Raises
+    ------
+    LoopError
+        A number is missing or not finite, or a radius is not positive.
+    MissingValueError
+        A parameter of the frame has no value.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from geomtorsion.geometry import Frame
+    >>> x, y, z = sp.symbols("x y z")
+    >>> frame = Frame([x, y, z], [[1, 0, 0], [0, 1, 0], [-y, x, 1]])
+    >>> found = burgers_vectors(frame, [[0, 0, 0], [1, 2, 3]], [1e-6, 1.0])
+    >>> found.vectors[2] / found.areas
+    array([2., 2.])
+    """
+    import numpy as np
+
+    places = _array(centres, "centres", 2)
+    radii = np.broadcast_to(_array(radius, "radius"), places.shape[:1])
+    if not (radii > 0).all():
+        first = int(np.argmin(radii > 0))
+        raise LoopError(f"radius: circle {first} has radius {radii[first]}; give positive ones.")
+    _check_dimension(frame, places.shape[1])
+    directions = np.array(intake.orthonormal(*intake.rows(plane, frame.dimension)))
+    axes = np.stack([radii, radii])
+    return _survey(frame, DISK, places.T, axes, directions, accuracy, parameters)
+
+
+def burgers_map(
+    frame: Frame,
+    edges: tuple[Any, Any],
+    plane: tuple[Any, Any] = (0, 1),
+    at: Sequence[float] | None = None,
+    accuracy: float = 1e-10,
+    *,
+    parameters: Mapping[Any, Any] | None = None,
+) -> BurgersMap:
+    """Burgers vectors of all plaquettes of a grid: the density of dislocations over a surface.
+
+    Parameters
+    ----------
+    edges
+        Where the lines of the grid lie along both directions of the plane: two increasing arrays
+        of k + 1 and m + 1 numbers, counted from the point `at`.
+    plane
+        Two coordinates, or two vectors of shape (n,), taken as given.
+    at
+        Coordinates of the point from which the edges count; the origin if not given.
+
+    Returns
+    -------
+    BurgersMap of shape (k, m).
+
+    Raises
+    ------
+    LoopError
+        The edges do not increase, or a number is missing or not finite.
+    MissingValueError
+        A parameter of the frame has no value.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from geomtorsion.spaces import load
+    >>> grid = np.linspace(-1, 1, 12)
+    >>> found = burgers_map(load("screw_dislocation").frame, (grid, grid), parameters={"b": 3})
+    >>> found.areas.shape, found.enclosed.sum(), abs(found.total).round(9)
+    ((11, 11), np.int64(1), array([0., 0., 3.]))
+    """
+    import numpy as np
+
+    if not hasattr(edges, "__len__") or isinstance(edges, str) or len(edges) != 2:
+        raise LoopError("edges: two arrays were needed, one for each direction of the plane.")
+    lines = [_array(side, f"edges[{k}]", 1) for k, side in enumerate(edges)]
+    for k, side in enumerate(lines):
+        if len(side) < 2 or not (np.diff(side) > 0).all():
+            raise LoopError(f"edges[{k}]: at least two increasing numbers were needed.")
+    n = frame.dimension
+    place = np.zeros(n) if at is None else np.array(intake.vector(at, "at", n))
+    directions = np.array(intake.rows(plane, n))
+    middles = np.meshgrid(*((side[1:] + side[:-1]) / 2 for side in lines), indexing="ij")
+    steps = np.stack(np.meshgrid(*(np.diff(side) for side in lines), indexing="ij"))
+    centres = place[:, None, None] + np.einsum("an,akm->nkm", directions, np.stack(middles))
+    return _survey(frame, SQUARE, centres, steps, directions, accuracy, parameters)
+
+
+def _survey(
+    frame: Frame,
+    cell: Cell,
+    centres: np.ndarray,
+    axes: np.ndarray,
+    plane: np.ndarray,
+    accuracy: float,
+    parameters: Mapping[Any, Any] | None,
+) -> BurgersMap:
+    """Do all loops piece by piece; on Ctrl-C keep what is done."""
+    import numpy as np
+
+    start = time.perf_counter()
+    if not 1e-14 <= accuracy < 1:
+        raise LoopError(f"accuracy: 1e-14 to below 1 was needed, but {accuracy!r} came.")
+    batch = Batch.of(frame, cell, plane, accuracy, parameters)
+    shape, n = centres.shape[1:], frame.dimension
+    places, sizes = centres.reshape(n, -1), axes.reshape(2, -1)
+    count = sizes.shape[1]
+    empty = np.full((n, count), np.nan, dtype=complex if frame.complex else float)
+    found = Found(empty, empty.copy(), np.full(count, np.inf), empty.copy(), np.zeros(count, bool))
+    done = 0
+    try:
+        with counted(f"{count} loops", count) as advance:
+            for first in range(0, count, TOGETHER):
+                chosen = slice(first, first + TOGETHER)
+                piece = batch.solve(places[:, chosen], sizes[:, chosen])
+                found.fill(chosen, piece)
+                done = min(count, first + TOGETHER)
+                advance(piece.errors.size)
+    except KeyboardInterrupt:
+        # What is finished is worth more than the interruption; `complete` tells.
+        pass
+    return BurgersMap(
+        frame=frame,
+        plane=plane,
+        centres=centres,
+        areas=(cell.area * sizes[0] * sizes[1]).reshape(shape),
+        vectors=found.vectors.reshape(n, *shape),
+        density=found.density.reshape(n, *shape),
+        errors=found.errors.reshape(shape),
+        expected=found.expected.reshape(n, *shape),
+        enclosed=found.enclosed.reshape(shape),
+        accuracy=accuracy,
+        done=done,
+        evaluations=batch.spent[0],
+        seconds=time.perf_counter() - start,
+    )
+
+
+def _array(values: Any, where: str, rank: int | None = None) -> np.ndarray:
+    """An array of finite floats of a given rank."""
+    import numpy as np
+
+    try:
+        result = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise LoopError(f"{where}: an array of numbers was needed.") from None
+    if rank is not None and result.ndim != rank:
+        raise LoopError(f"{where}: {rank} axes were needed, but the shape is {result.shape}.")
+    if not np.isfinite(result).all():
+        place = tuple(int(k) for k in np.argwhere(~np.isfinite(result))[0])
+        raise LoopError(f"{where}{list(place)}: {result[place]} is not finite.")
+    if rank is None and result.ndim > 1:
+        raise LoopError(f"{where}: one number, or one for each loop, was needed.")
+    return result
+
+
+def _check_dimension(frame: Frame, dimension: int) -> None:
+    """Refuse points in another number of coordinates than the frame has."""
+    if dimension != frame.dimension:
+        raise LoopError(
+            f"centres have {dimension} coordinates, the frame {frame.dimension}: "
+            "give an array of shape (loops, coordinates)."
+        )
