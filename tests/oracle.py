@@ -1,4 +1,4 @@
-"""Oracle: the geometry of a numeric coframe by central differences, sharing nothing with the package.
+"""Oracle: the geometry of a numeric coframe by central differences, apart from the package.
 
 A coframe is a callable q -> rows e[i][mu] of mpmath numbers. Derivatives are nested central
 differences at 90 digits: steps 1e-25 inside and 1e-15 outside leave about 28 right digits in
@@ -10,69 +10,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property, wraps
-from itertools import permutations
-from math import factorial
 from typing import Any
 
 import mpmath
 import numpy as np
-import sympy as sp
 
-DIGITS = 90
-INNER_STEP = mpmath.mpf(10) ** -25
-OUTER_STEP = mpmath.mpf(10) ** -15
-SAME = 1e-15  # a float carries 16 digits; the oracle is right to about 28
-
-Point = Sequence[Any]
-Field = Callable[[Point], np.ndarray]
-
-
-def array(rows: Any) -> np.ndarray:
-    """Any nested sequence of numbers as an object array of mpmath numbers."""
-    return np.vectorize(mpmath.mpmathify, otypes=[object])(np.array(rows, dtype=object))
-
-
-def difference(field: Field, step: mpmath.mpf) -> Field:
-    """The gradient by central differences; the new index comes first."""
-
-    def gradient(point: Point) -> np.ndarray:
-        slopes = []
-        for axis in range(len(point)):
-            ahead, behind = list(point), list(point)
-            ahead[axis] += step
-            behind[axis] -= step
-            slopes.append((field(ahead) - field(behind)) / (2 * step))
-        return np.array(slopes, dtype=object)
-
-    return gradient
-
-
-def inverse(matrix: np.ndarray) -> np.ndarray:
-    """Inverse of a square matrix at the working precision."""
-    return np.array((mpmath.matrix(matrix.tolist()) ** -1).tolist(), dtype=object).reshape(
-        matrix.shape
-    )
-
-
-def quantity(compute: Callable[[Any], Any]) -> cached_property:
-    """A property computed once, at DIGITS digits."""
-
-    @wraps(compute)
-    def at_full_precision(self: Any) -> Any:
-        with mpmath.workdps(DIGITS):
-            return compute(self)
-
-    return cached_property(at_full_precision)
-
-
-def antisymmetrised(tensor: np.ndarray) -> np.ndarray:
-    """Totally antisymmetric part of a rank-3 array, weight one."""
-    total = 0 * tensor
-    for order in permutations(range(3)):
-        sign = (order[1] - order[0]) * (order[2] - order[0]) * (order[2] - order[1]) // 2
-        total = total + sign * tensor.transpose(order)
-    return total / factorial(3)
+from tests.differences import (
+    DIGITS,
+    INNER_STEP,
+    OUTER_STEP,
+    Field,
+    Point,
+    antisymmetrised,
+    array,
+    difference,
+    inverse,
+    quantity,
+)
 
 
 @dataclass(frozen=True)
@@ -175,6 +129,11 @@ class Oracle:
         return 2 * self.torsion @ self.metric
 
     @quantity
+    def torsion_whole(self) -> np.ndarray:
+        """T = 2 S."""
+        return 2 * self.torsion
+
+    @quantity
     def torsion_vector(self) -> np.ndarray:
         """v_a = T_ab^b."""
         return 2 * np.einsum("abb->a", self.torsion)
@@ -183,6 +142,19 @@ class Oracle:
     def torsion_axial(self) -> np.ndarray:
         """T_[abc]."""
         return antisymmetrised(self.torsion_lowered)
+
+    @quantity
+    def torsion_tensor(self) -> np.ndarray:
+        """T_abc without its axial and its vector part."""
+        trace = np.einsum("a,bc->abc", self.torsion_vector, self.metric)
+        vector = (trace - trace.transpose(1, 0, 2)) / (len(self.point) - 1)
+        return self.torsion_lowered - self.torsion_axial - vector
+
+    @quantity
+    def force_coefficients(self) -> np.ndarray:
+        """S_a^c_b + S_b^c_a at [a, b, c]."""
+        mixed = np.einsum("adb,dc->abc", self.torsion @ self.metric, self.inverse_metric)
+        return mixed + mixed.transpose(1, 0, 2)
 
     @quantity
     def torsion_scalar(self) -> Any:
@@ -255,36 +227,24 @@ class Oracle:
         mixed = np.einsum("mnak,al->mnlk", self.riemann, self.inverse_metric)
         return np.einsum("mnlk,lkmn->", mixed, mixed)
 
+    def turned(self, gamma: np.ndarray) -> np.ndarray:
+        """omega[a, i, j] with D_a E_i = omega_ai^j E_j for given coefficients."""
+        slope = difference(lambda q: inverse(self.coframe_at(q)), INNER_STEP)(self.point)
+        moved = slope + np.einsum("abc,bj->acj", gamma, self.legs)  # D_a E_j^c
+        return np.einsum("kc,acj->ajk", self.e, moved)
+
     @quantity
     def spin_connection(self) -> np.ndarray:
-        """omega[a, j, k] with D_a v^k = d_a v^k + omega_aj^k v^j for v^k = e^k_mu v^mu."""
-        slope = difference(lambda q: inverse(self.coframe_at(q)), INNER_STEP)(self.point)
-        moved = slope + np.einsum("abc,bj->acj", self.gamma, self.legs)  # D_a E_j^c
-        return np.einsum("kc,acj->ajk", self.e, moved)
+        """The connection's, in the frame."""
+        return self.turned(self.gamma)
+
+    @quantity
+    def metric_spin_connection(self) -> np.ndarray:
+        """The Levi-Civita connection's, in the frame."""
+        return self.turned(self.christoffel)
 
     def force(self, velocity: Sequence[Any]) -> np.ndarray:
         """f^c = 2 S_a^c_b q'^a q'^b."""
         with mpmath.workdps(DIGITS):
             v = array(list(velocity))
-            mixed = np.einsum("adb,dc->acb", self.torsion @ self.metric, self.inverse_metric)
-            return 2 * np.einsum("acb,a,b->c", mixed, v, v)
-
-
-def numeric_coframe(coframe: Any, coordinates: Sequence[Any], values: dict) -> Callable:
-    """A sympy coframe as an mpmath callable of the coordinates, parameters put in."""
-    matrix = sp.Matrix(coframe).subs(values)
-    return sp.lambdify(list(coordinates), matrix.tolist(), modules="mpmath")
-
-
-def largest(numbers: Any) -> float:
-    """Largest modulus in an array."""
-    flat = np.array(numbers, dtype=object).ravel()
-    return max((float(abs(x)) for x in flat), default=0.0)
-
-
-def agrees(exact: Any, witness: Any, tolerance: float = 1e-11) -> bool:
-    """Whether floats of the package equal the oracle's, relative to the largest of them."""
-    exact, witness = np.array(exact, dtype=object), np.array(witness, dtype=object)
-    if exact.shape != witness.shape:
-        return False
-    return largest(exact - witness) <= tolerance * max(1.0, largest(witness))
+            return np.einsum("abc,a,b->c", self.force_coefficients, v, v)

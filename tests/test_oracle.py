@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 from mpmath import cos, cosh, exp, mpf, sin, sqrt
 
-from tests.oracle import DIGITS, Oracle, largest
+from tests.differences import DIGITS, largest
+from tests.oracle import Oracle
 
 TIGHT = 1e-24  # nested differences leave about 28 digits
 
