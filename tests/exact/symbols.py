@@ -1,0 +1,58 @@
+"""Symbols: the letters, unknown functions and one numeric point that the zero lists share."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import mpmath
+import sympy as sp
+
+x, y, z, t, theta = sp.symbols("x y z t theta", real=True)
+r, m, a, p, q = sp.symbols("r m a p q", positive=True)
+f, g, h = sp.Function("f"), sp.Function("g"), sp.Function("h")
+
+# 0 < x, y, z < pi/4 and r > 2 m > 2 a: every radical of the lists is real and positive here.
+POINT = {
+    x: Fraction(3, 10),
+    y: Fraction(2, 7),
+    z: Fraction(5, 11),
+    t: Fraction(13, 6),
+    theta: Fraction(4, 7),
+    r: Fraction(37, 8),
+    m: Fraction(9, 8),
+    a: Fraction(3, 4),
+    p: Fraction(7, 5),
+    q: Fraction(5, 3),
+}
+
+
+def stand_ins(expression: sp.Expr) -> sp.Expr:
+    """The unknown functions replaced by definite ones, so that numbers can be put in."""
+    u, v = sp.Dummy("u"), sp.Dummy("v")
+    known = {
+        f: sp.Lambda(u, 2 + sp.sin(u) + u**3 / 7),
+        g: sp.Lambda(u, 3 + u**2 / 5 + sp.cos(2 * u)),
+        h: sp.Lambda((u, v), 4 + sp.sin(u * v) + u * v**2),
+    }
+    expression = sp.sympify(expression)
+    for name, value in known.items():
+        expression = expression.replace(name, value)
+    return expression.doit()
+
+
+def number(expression: sp.Expr, digits: int = 60, point: dict = POINT) -> mpmath.mpf | mpmath.mpc:
+    """The value at POINT by mpmath, without the package."""
+    expression = stand_ins(expression)
+    order = sorted(expression.free_symbols, key=str)
+    with mpmath.workdps(digits):
+        values = [
+            mpmath.mpf(point[s].numerator) / point[s].denominator if s in point else None
+            for s in order
+        ]
+        return mpmath.mpmathify(sp.lambdify(order, expression, modules="mpmath")(*values))
+
+
+def plain(expression: sp.Expr) -> sp.Expr:
+    """The same expression in symbols about which sympy knows nothing."""
+    expression = sp.sympify(expression)
+    return expression.xreplace({s: sp.Symbol(s.name) for s in expression.free_symbols})

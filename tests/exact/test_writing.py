@@ -1,0 +1,142 @@
+"""Writing: short forms as a person would write them, JSON and NumPy functions of equal value."""
+
+import json
+
+import numpy as np
+import pytest
+import sympy as sp
+from sympy import cos, cosh, cot, exp, log, sin, sinh, sqrt, tan
+
+from geomtorsion.exact import Field, numpy_function, parse_expression
+from tests.exact.symbols import POINT, a, f, g, m, number, p, r, theta, x, y
+from tests.exact.test_reading import CONSTRUCTS
+
+phi2 = sp.Symbol("phi2", real=True)
+
+SHORT = {
+    "cotangent of the paper": (cos(phi2) / sin(phi2), "cos(phi2)/sin(phi2)"),
+    "cotangent": (cot(phi2), "cos(phi2)/sin(phi2)"),
+    "reciprocal sine": (-1 / sin(phi2), "-1/sin(phi2)"),
+    "one minus cosine squared": (1 - cos(x) ** 2, "sin(x)**2"),
+    "product to sine squared": ((1 - cos(x)) * (1 + cos(x)), "sin(x)**2"),
+    "one minus sine squared": (1 - sin(x) ** 2, "cos(x)**2"),
+    "r squared sine squared": (r**2 - r**2 * cos(x) ** 2, "r**2*sin(x)**2"),
+    "reciprocal of one minus cosine squared": (1 / (1 - cos(x) ** 2), "sin(x)**(-2)"),
+    "cosh squared minus one": (cosh(x) ** 2 - 1, "sinh(x)**2"),
+    "double angle kept": (sin(2 * x) / 2, "sin(2*x)/2"),
+    "double angle beside the single": (sin(2 * x) + sin(x), "(2*cos(x) + 1)*sin(x)"),
+    "tangent": (tan(x), "sin(x)/cos(x)"),
+    "difference": (x - y, "x - y"),
+    "Kerr's Sigma": (r**2 + a**2 * cos(theta) ** 2, "a**2*cos(theta)**2 + r**2"),
+    "derivative": (sp.diff(f(r), r) / f(r), "Derivative(f(r), r)/f(r)"),
+    "half": (x / 2, "x/2"),
+    "power": (r**p, "r**p"),
+    "root": (sqrt(r**2 + a**2), "sqrt(a**2 + r**2)"),
+    "exponential": (exp(2 * x) * y, "y*exp(2*x)"),
+    "reciprocal exponential": (exp(-x), "exp(-x)"),
+    "zero": (sin(x) ** 2 + cos(x) ** 2 - 1, "0"),
+}
+
+
+@pytest.mark.parametrize("label", SHORT)
+def test_short_forms(label):
+    """Each prints as a person would write it, up to sympy's own order of terms."""
+    expression, wanted = SHORT[label]
+    expression = sp.sympify(expression)
+    field = Field(sorted(expression.free_symbols | {x, y}, key=str), sample=POINT)
+    assert str(field.read(expression).sympy) == str(
+        sp.sympify(
+            wanted,
+            locals={str(s): s for s in expression.free_symbols | {x, y}} | {"f": f, "g": g},
+        )
+    )
+
+
+def test_schwarzschild_stays_short():
+    """1 - 2M/r, its inverse and its root print in at most the length of the textbook's form."""
+    field = Field([r, m], sample=POINT)
+    for expression in (
+        1 - 2 * m / r,
+        1 / (1 - 2 * m / r),
+        sqrt(1 - 2 * m / r),
+        1 / sqrt(1 - 2 * m / r),
+        m / (r**2 * sqrt(1 - 2 * m / r)),
+    ):
+        printed = str(field.read(expression).sympy)
+        assert len(printed) <= len(str(expression)) + 8, printed
+
+
+def test_factors_are_kept():
+    """A product of many factors is not multiplied out."""
+    field = Field([x, y])
+    product = field.read((x + y) ** 9 * (x - 2 * y) ** 7 / (1 + x**2) ** 5)
+    assert len(str(product.sympy)) < 60
+
+
+@pytest.mark.parametrize("label", CONSTRUCTS)
+def test_json_round_trip(label):
+    """to_json survives json.dumps and gives the same element back."""
+    expression = CONSTRUCTS[label]
+    field = Field(sorted(expression.free_symbols, key=str), sample=POINT)
+    element = field.read(expression)
+    data = json.loads(json.dumps(element.to_json()))
+    assert field.from_json(data, functions=("f", "g", "h")) == element
+
+
+def test_numpy_function_is_vectorised_and_right():
+    """Arrays in, one array per element out; every number against mpmath."""
+    expressions = [e for e in CONSTRUCTS.values() if not e.atoms(sp.core.function.AppliedUndef)]
+    symbols = sorted(set().union(*(e.free_symbols for e in expressions)), key=str)
+    field = Field(symbols, sample=POINT)
+    elements = field.read_all([(f"[{i}]", e) for i, e in enumerate(expressions)])
+    function = numpy_function(elements, symbols)
+    scale = np.array([0.9, 1.0, 1.05])
+    values = function(*(float(POINT[s]) * scale for s in symbols))
+    assert values.shape == (len(elements), 3)
+    for column, factor in enumerate(scale):
+        point = {s: sp.Rational(float(POINT[s]) * factor) for s in symbols}
+        for row, expression in enumerate(expressions):
+            wanted = float(number(expression, 30, {s: _fraction(v) for s, v in point.items()}))
+            assert values[row, column] == pytest.approx(wanted, rel=1e-10), expression
+
+
+def _fraction(value):
+    """A sympy rational as a Fraction."""
+    from fractions import Fraction
+
+    return Fraction(int(value.p), int(value.q))
+
+
+def test_numpy_function_broadcasts():
+    """Grids and scalars broadcast; constants fill the shape."""
+    field = Field([x, y])
+    function = numpy_function([field.read(x * y), field.read(3), field.read(sin(x))], [x, y])
+    grid = function(np.linspace(0, 1, 4)[:, None], np.linspace(0, 1, 5)[None, :])
+    assert grid.shape == (3, 4, 5)
+    assert (grid[1] == 3).all()
+    single = function(0.5, 2.0)
+    assert np.shape(single) == (3,)
+    assert single[0] == 1.0
+
+
+def test_numpy_function_of_complex_elements():
+    """Complex elements give complex arrays."""
+    field = Field([x, y], complex=True)
+    function = numpy_function([field.read(exp(sp.I * x) / (x + sp.I * y))], [x, y])
+    value = function(np.array([0.3]), np.array([0.7]))[0, 0]
+    assert abs(value - np.exp(0.3j) / (0.3 + 0.7j)) < 1e-15
+
+
+def test_parsed_text_is_read_like_sympy():
+    """Text from the whitelist parser and sympy's own expression give one element."""
+    field = Field([r, m, theta], sample=POINT)
+    names = {"r": r, "m": m, "theta": theta}
+    text = "sqrt(1 - 2*m/r)*sin(theta)**2 + f(r)/r"
+    parsed = parse_expression(text, symbols=names, functions={"f": f})
+    assert field.read(parsed) == field.read(sqrt(1 - 2 * m / r) * sin(theta) ** 2 + f(r) / r)
+
+
+def test_conversion_is_memoised():
+    """The second conversion returns the same object."""
+    element = Field([x]).read(log(1 + sinh(x) ** 2))
+    assert element.sympy is element.sympy
