@@ -1,0 +1,264 @@
+"""Bad input: each refused by an error that names entry, reason and remedy; nothing half-done."""
+
+import re
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import geomtorsion as gt
+from geomtorsion.errors import (
+    CoframeError,
+    CoordinateError,
+    ExpressionError,
+    GeomtorsionError,
+    LimitError,
+    MetricError,
+    MissingValueError,
+    ShapeError,
+    SignatureError,
+    StructureConstantError,
+)
+
+x, y, z = sp.symbols("x y z", real=True)
+r, m = sp.symbols("r M", positive=True)
+UNIT = [[1, 0], [0, 1]]
+
+
+@pytest.mark.parametrize(
+    "coframe",
+    [[[1, 0]], [[1, 0, 0], [0, 1, 0]], [[1, 0], [0]], [[1], [0, 1]], sp.zeros(2, 3)],
+    ids=["one row", "two by three", "short last row", "short first row", "matrix"],
+)
+def test_coframe_that_is_not_square(coframe):
+    """A coframe needs one row and one column per coordinate."""
+    with pytest.raises((CoframeError, ShapeError), match=r"(?i)square|row|column|2"):
+        gt.Frame([x, y], coframe)
+
+
+def test_wrong_number_of_coordinates():
+    """Three coordinates and a two by two coframe do not fit; both numbers are named."""
+    with pytest.raises(GeomtorsionError, match=r"(?s)3.*2|2.*3|three.*two|two.*three"):
+        gt.Frame([x, y, z], UNIT)
+
+
+def test_no_coordinates():
+    """No coordinates at all."""
+    with pytest.raises(GeomtorsionError, match="coordinate"):
+        gt.Frame([], [])
+
+
+def test_repeated_coordinate():
+    """A coordinate given twice is named."""
+    with pytest.raises(CoordinateError, match=r"\bx\b"):
+        gt.Frame([x, y, x], sp.eye(3))
+
+
+def test_coordinate_that_is_also_a_parameter():
+    """One symbol cannot be both coordinate and parameter."""
+    with pytest.raises(CoordinateError, match=r"\by\b"):
+        gt.Frame([x, y], [[1, 0], [0, y]], parameters=[y])
+
+
+@pytest.mark.parametrize("bad", [3, x**2, None, sp.Function("f")(x)], ids=str)
+def test_coordinate_that_is_no_symbol(bad):
+    """Numbers and expressions are no coordinates."""
+    with pytest.raises(CoordinateError, match="(?i)symbol|name"):
+        gt.Frame([x, bad], UNIT)
+
+
+def test_singular_coframe_names_the_dependent_rows():
+    """The determinant vanishes identically: which rows depend is said."""
+    rows = [[1, x, 0], [0, sp.sin(y), 1], [2, 2 * x, 0]]
+    with pytest.raises(CoframeError, match=r"(?is)row.*(0.*2|2.*0|1.*3|3.*1)"):
+        gt.Frame([x, y, z], rows)
+
+
+def test_singular_coframe_by_an_identity():
+    """A determinant that is zero only by a trigonometric identity is seen."""
+    rows = [[sp.sin(2 * x), 2 * sp.sin(x)], [sp.cos(x), 1]]
+    with pytest.raises(CoframeError, match="(?i)singular|vanish|depend"):
+        gt.Frame([x, y], rows)
+
+
+def test_zero_row_is_named():
+    """A row of zeros makes it singular."""
+    with pytest.raises(CoframeError, match="(?i)row"):
+        gt.Frame([x, y], [[1, 0], [0, 0]])
+
+
+def test_free_symbols_are_parameters():
+    """In Python a free symbol is a parameter; evaluating without its value names it."""
+    frame = gt.Frame([r, x], [[1, 0], [0, sp.sqrt(1 - 2 * m / r)]])
+    assert m in frame.parameters
+    with pytest.raises(MissingValueError, match=r"\bM\b"):
+        frame.metric.at({r: 3})
+    with pytest.raises(MissingValueError, match=r"\br\b"):
+        frame.metric.at({m: 1})
+
+
+@pytest.mark.parametrize(
+    ("entry", "part"),
+    [
+        (sp.Abs(x), "Abs"),
+        (1 + sp.sign(y), "sign"),
+        (sp.Piecewise((x, x > 0), (1, True)), "Piecewise"),
+        (sp.floor(x), "floor"),
+        (sp.Max(x, 1), "Max"),
+        (sp.Heaviside(x), "Heaviside"),
+        (sp.oo, "oo"),
+        (sp.nan, "nan"),
+    ],
+    ids=lambda value: str(value)[:20],
+)
+def test_entries_that_are_not_smooth(entry, part):
+    """Non-smooth entries: the message names the entry by its place and the part."""
+    with pytest.raises(ExpressionError, match=part) as caught:
+        gt.Frame([x, y], [[1, 0], [entry, 1]])
+    assert re.search(r"1, 0", str(caught.value)), str(caught.value)
+
+
+def test_complex_entry_in_a_real_frame():
+    """I needs complex=True, and the message says so."""
+    coframe = [[1, sp.I * x], [0, 1]]
+    with pytest.raises(ExpressionError, match="complex") as caught:
+        gt.Frame([x, y], coframe)
+    assert "0, 1" in str(caught.value)
+    assert gt.Frame([x, y], coframe, complex=True).dimension == 2
+
+
+@pytest.mark.parametrize(
+    ("entry", "rational"),
+    [(0.5, "1/2"), (sp.Float("0.25"), "1/4"), (1 + 0.1 * x, "1/10"), (sp.sin(x / 0.3), "10/3")],
+    ids=str,
+)
+def test_float_entry_is_offered_as_a_rational(entry, rational):
+    """A float entry: its place, and the exact rational to write instead."""
+    with pytest.raises(ExpressionError, match=rational) as caught:
+        gt.Frame([x, y], [[1, 0], [0, entry]])
+    assert "1, 1" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "entry", ["x", None, object(), [1]], ids=["text", "None", "object", "list"]
+)
+def test_entry_that_is_no_expression(entry):
+    """Text, None and the like as entries are refused by an error of ours."""
+    with pytest.raises(GeomtorsionError):
+        gt.Frame([x, y], [[1, 0], [0, entry]])
+
+
+def test_numpy_floats_and_integers():
+    """NumPy integers are exact; NumPy floats are refused like others."""
+    assert gt.Frame([x, y], np.array([[1, 0], [0, 2]])).metric[1, 1] == 4
+    with pytest.raises(ExpressionError, match="1/2"):
+        gt.Frame([x, y], np.array([[0.5, 0], [0, 2]]))
+
+
+def test_metric_that_is_not_symmetric():
+    """The two unequal entries are named."""
+    with pytest.raises(MetricError, match=r"(?i)symmetric"):
+        gt.Frame.from_metric([x, y], [[1, x], [0, 1]])
+
+
+def test_metric_that_is_degenerate():
+    """A metric without inverse is refused."""
+    with pytest.raises((MetricError, CoframeError), match="(?i)degenerate|singular|determinant"):
+        gt.Frame.from_metric([x, y], [[1, 1], [1, 1]])
+
+
+def test_metric_of_wrong_signature():
+    """A Lorentzian metric is not Euclidean; the message names the signature."""
+    with pytest.raises((MetricError, SignatureError), match="(?i)signature"):
+        gt.Frame.from_metric([x, y], [[-1, 0], [0, 1]], signature=(1, 1))
+
+
+def test_metric_of_wrong_shape():
+    """A metric is square and as large as there are coordinates."""
+    with pytest.raises((MetricError, ShapeError), match=r"2|square"):
+        gt.Frame.from_metric([x, y], sp.eye(3))
+
+
+@pytest.mark.parametrize(
+    "signature",
+    [(1,), (1, 2), (1, 0), [[1, 1], [0, 1]], [[1, 1], [1, 1]], [[x, 0], [0, 1]], "euclidean"],
+    ids=str,
+)
+def test_signature_that_is_none(signature):
+    """eta must be constant, symmetric, non-degenerate and of the right size."""
+    with pytest.raises(SignatureError, match="(?i)signature|eta"):
+        gt.Frame([x, y], UNIT, signature=signature)
+
+
+def structure_constants(**entries):
+    """C[i][j][k] = C_ij^k from names like _01_2=value."""
+    c = np.zeros((3, 3, 3), dtype=object)
+    for name, value in entries.items():
+        _, lower, k = name.split("_")
+        i, j = int(lower[0]), int(lower[1])
+        c[i, j, int(k)] = value
+        c[j, i, int(k)] = -value
+    return c.tolist()
+
+
+def test_structure_constants_violating_jacobi():
+    """[e0, e1] = e1, [e1, e2] = e0 is no Lie algebra: the triple is named."""
+    with pytest.raises(StructureConstantError, match="(?i)jacobi"):
+        gt.Frame.from_structure_constants(structure_constants(_01_1=1, _12_0=1))
+
+
+def test_structure_constants_that_are_not_antisymmetric():
+    """C_ij^k = -C_ji^k is needed."""
+    c = structure_constants(_01_2=1)
+    c[1][0][2] = 1
+    with pytest.raises(StructureConstantError, match="(?i)antisymmetric"):
+        gt.Frame.from_structure_constants(c)
+
+
+def test_structure_constants_of_wrong_shape():
+    """Three indices, all of one range."""
+    with pytest.raises((ShapeError, StructureConstantError), match="(?i)shape|index|indices|3"):
+        gt.Frame.from_structure_constants([[1, 0], [0, 1]])
+
+
+def test_structure_constants_that_are_not_constant():
+    """A symbol may be a parameter, never a coordinate or a float."""
+    with pytest.raises(GeomtorsionError, match="1/2"):
+        gt.Frame.from_structure_constants(structure_constants(_01_2=0.5))
+
+
+def test_huge_expression_works_or_states_its_limit():
+    """A sum of 3,000 terms is read, or refused by a limit that is stated."""
+    huge = sp.Add(*(x**n / (n + 1) for n in range(3000)))
+    try:
+        frame = gt.Frame([x, y], [[1, 0], [0, 1 + huge]])
+    except LimitError as error:
+        limit = str(error)
+    else:
+        limit = "0"
+        assert frame.coframe.element(1, 1).diff(x).evaluate({x: 0}) == 0.5
+    assert re.search(r"\d", limit)
+
+
+def test_messages_name_remedies():
+    """Every message has the three parts: long enough to say what was needed and what to do."""
+    attempts = [
+        lambda: gt.Frame([x, y], [[1, 0]]),
+        lambda: gt.Frame([x, x], UNIT),
+        lambda: gt.Frame([x, y], [[1, 0], [2, 0]]),
+        lambda: gt.Frame([x, y], [[1, sp.Abs(x)], [0, 1]]),
+        lambda: gt.Frame([x, y], UNIT, signature=(1, 5)),
+        lambda: gt.Frame.from_metric([x, y], [[1, x], [0, 1]]),
+    ]
+    for attempt in attempts:
+        with pytest.raises(GeomtorsionError) as caught:
+            attempt()
+        assert len(str(caught.value)) > 40, str(caught.value)
+
+
+def test_nothing_half_computed_is_left():
+    """After a refusal the same inputs, repaired, work."""
+    bad, good = [[1, 0], [0, sp.Abs(x)]], [[1, 0], [0, 1 + x**2]]
+    with pytest.raises(ExpressionError):
+        gt.Frame([x, y], bad)
+    assert gt.Frame([x, y], good).metric[1, 1] == (1 + x**2) ** 2

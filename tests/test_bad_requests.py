@@ -1,0 +1,101 @@
+"""Bad requests: names, indices, contractions, points and shapes that do not fit are refused."""
+
+from typing import Any
+
+import pytest
+import sympy as sp
+
+import geomtorsion as gt
+from geomtorsion.errors import (
+    GeomtorsionError,
+    ShapeError,
+    SingularPointError,
+    TensorIndexError,
+    UnknownNameError,
+)
+
+x, y = sp.symbols("x y", real=True)
+r = sp.Symbol("r", positive=True)
+UNIT = [[1, 0], [0, 1]]
+
+
+def test_unknown_space_lists_near_names():
+    """A misspelt space is answered with near ones."""
+    with pytest.raises(UnknownNameError, match="kerr"):
+        gt.spaces.load("ker")
+
+
+def test_unknown_quantity_lists_near_names():
+    """A misspelt quantity is answered with near ones."""
+    with pytest.raises(UnknownNameError, match="ricci"):
+        gt.Frame([x, y], UNIT).quantity("ricc")
+
+
+def test_index_out_of_range_or_too_few():
+    """Component access is checked; negative numbers are no indices."""
+    metric = gt.Frame([x, y], UNIT).metric
+    bad: list[Any] = [(0, 2), (0,), (0, 0, 0), (0, -1), ("x", 0), (0.0, 1)]
+    for index in bad:
+        with pytest.raises(TensorIndexError, match="2"):
+            metric[index]
+
+
+def test_contraction_that_does_not_fit():
+    """An upper index must meet a lower one of the same kind; letters once or twice."""
+    frame = gt.Frame([r, x], [[1, 0], [0, r]])
+    s, g = gt.cartan(frame).torsion.S, frame.metric
+    with pytest.raises(TensorIndexError, match="(?i)down|lower|upper"):
+        gt.contract("abc,bd->acd", s, g)  # lower meets lower
+    with pytest.raises(TensorIndexError, match="(?i)frame|kind"):
+        gt.contract("abc,cd->abd", s, g.in_frame())  # coordinate meets frame
+    with pytest.raises(TensorIndexError):
+        gt.contract("ab,cd->abd", s, g)  # too few letters
+    with pytest.raises(TensorIndexError):
+        gt.contract("abc,cd->abe", s, g)  # a letter from nowhere
+    with pytest.raises(TensorIndexError):
+        gt.contract("abc,cc->ab", s, g)  # a letter three times
+    with pytest.raises(TensorIndexError):
+        gt.contract("abc,cd", s, g, g)  # too many tensors
+    assert gt.contract("abc,cd->abd", s, g).slots == "ddd"
+
+
+def test_tensors_of_two_frames_do_not_mix():
+    """Adding tensors of two frames is refused."""
+    one, two = gt.Frame([x, y], UNIT), gt.Frame([x, y], UNIT)
+    with pytest.raises(TensorIndexError, match="frame"):
+        _ = one.metric + two.metric
+
+
+def test_singular_point():
+    """At the edge of the chart the error says so; no infinity is returned."""
+    frame = gt.Frame([r, x], [[1, 0], [0, sp.sin(r)]])
+    with pytest.raises(SingularPointError, match="(?i)finite|singular|vanish"):
+        frame.inverse_metric.at({r: 0, x: 0})
+
+
+def test_connection_coefficients_of_wrong_shape():
+    """Gamma needs n x n x n entries."""
+    frame = gt.Frame([x, y], UNIT)
+    with pytest.raises((ShapeError, TensorIndexError), match="2"):
+        gt.from_coefficients(frame, [[0, 0], [0, 0]])
+
+
+def test_spin_connection_of_wrong_shape():
+    """omega needs one matrix per coordinate."""
+    frame = gt.Frame([x, y], UNIT)
+    with pytest.raises((ShapeError, TensorIndexError), match="2"):
+        gt.from_spin_connection(frame, [[0, 0], [0, 0]])
+
+
+def test_blend_of_two_frames():
+    """Connections of two frames cannot be blended."""
+    one, two = gt.Frame([x, y], UNIT), gt.Frame([x, y], UNIT)
+    with pytest.raises(GeomtorsionError, match="frame"):
+        gt.blend(gt.cartan(one), gt.levi_civita(two), sp.Rational(1, 2))
+
+
+def test_velocity_of_wrong_length():
+    """The torsion force needs one velocity per coordinate."""
+    frame = gt.Frame([x, y], UNIT)
+    with pytest.raises(ShapeError, match="2"):
+        gt.cartan(frame).torsion.force([1, 2, 3])
