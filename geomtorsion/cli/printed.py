@@ -1,0 +1,98 @@
+"""printed: statements as the paper prints them, compared and written in its notation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import permutations
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+if TYPE_CHECKING:
+    from geomtorsion.geometry import Tensor
+
+Index = tuple[int, ...]
+Components = Mapping[Index, Any]
+
+PHI = phi1, phi2, phi3 = sp.symbols("phi1 phi2 phi3", real=True)
+c1, s1, c2, s2 = sp.cos(phi1), sp.sin(phi1), sp.cos(phi2), sp.sin(phi2)
+SHORT = dict(zip((c1, s1, c2, s2), sp.symbols("c1 s1 c2 s2"), strict=True))
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One statement of the paper, compared with what the generic classes compute.
+
+    Fields
+    ------
+    equation
+        Number as LaTeX prints it, or the place near it.
+    says
+        The statement as printed, in one line.
+    verdict
+        "agrees", or "misprint: ..." with what is wrong in print.
+    right
+        The formula as it was recomputed.
+    note
+        A condition, or how the print is to be read; may be empty.
+
+    Examples
+    --------
+    >>> Claim("(12)", "2 S_ijk = -eps_ijk", "agrees", "2 S_123 = -1").agrees
+    True
+    """
+
+    equation: str
+    says: str
+    verdict: str
+    right: str
+    note: str = ""
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the print is right."""
+        return self.verdict == "agrees"
+
+
+def epsilon(scale: Any) -> dict[Index, Any]:
+    """Components of scale * eps_abc."""
+    return {i: scale * sp.LeviCivita(*i) for i in permutations(range(3))}
+
+
+def same(tensor: Tensor, printed: Components) -> bool:
+    """Whether a tensor has exactly these components and no others."""
+    from geomtorsion.geometry import Tensor
+
+    return tensor == Tensor(tensor.frame, tensor.slots, printed)
+
+
+def short(expression: Any) -> str:
+    """An expression with c1, s1, c2, s2 for cosines and sines."""
+    return str(sp.sympify(expression).xreplace(SHORT))
+
+
+def rows(tensor: Tensor) -> str:
+    """A matrix, row by row."""
+    n = range(tensor.frame.dimension)
+    return "[" + ", ".join("[" + ", ".join(short(tensor[i, j]) for j in n) + "]" for i in n) + "]"
+
+
+def listed(symbol: str, tensor: Tensor) -> str:
+    """Nonzero components with their indices counted from 1, equal values together."""
+    heights = ["^" if slot in "uU" else "_" for slot in tensor.slots]
+    groups: dict[str, list[str]] = {}
+    for index, value in tensor.nonzero().items():
+        place, last = "", ""
+        for k, height in zip(index, heights, strict=True):
+            place += (height if height != last else "") + str(k + 1)
+            last = height
+        groups.setdefault(short(value), []).append(symbol + place)
+    if not groups:
+        return f"{symbol} = 0"
+    return "; ".join(f"{' = '.join(names)} = {value}" for value, names in groups.items())
+
+
+def verdict(holds: bool, wrong: str = "the print differs from the formula on the right") -> str:
+    """ "agrees", or what is wrong."""
+    return "agrees" if holds else f"misprint: {wrong}"
