@@ -1,0 +1,59 @@
+"""Examples: each runs from the command line, ends well and says its known answer."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = sorted((Path(__file__).parent.parent / "examples").glob("*.py"))
+EXPECTED = 2
+
+
+def test_examples_are_found_and_numbered():
+    """None is lost: numbers run from 01 without a gap."""
+    assert len(EXAMPLES) >= EXPECTED
+    assert [path.name[:3] for path in EXAMPLES] == [f"{n + 1:02}_" for n in range(len(EXAMPLES))]
+
+
+def run(path: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """One example in a fresh process."""
+    return subprocess.run(
+        [sys.executable, "-W", "error", str(path), *arguments],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+        cwd=path.parent.parent,
+    )
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_example_runs(path):
+    """It prints something, warns of nothing and ends with code 0."""
+    done = run(path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip()
+    assert not done.stderr
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_example_is_a_lesson(path):
+    """Each has a docstring, main(), a command line and an assertion in main."""
+    text = path.read_text(encoding="utf-8")
+    assert text.startswith('"""')
+    assert "argparse.ArgumentParser" in text
+    assert re.search(r"^def main\(", text, re.MULTILINE)
+    assert re.search(r"^    assert ", text.split("def main(")[1], re.MULTILINE)
+    assert text.rstrip().endswith("main()")
+    assert run(path, "--help").returncode == 0
+
+
+def test_options_of_the_first_examples():
+    """The options do something."""
+    any_tetrad, paper = EXAMPLES[:2]
+    done = run(any_tetrad, "--throat", "1/2", "--at", "0")
+    assert done.returncode == 0, done.stderr
+    assert "192" in done.stdout  # 12 / b^4 at the throat
+    assert run(paper, "--order", "zxz").returncode == 0
