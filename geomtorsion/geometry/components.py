@@ -88,19 +88,24 @@ class Components:
         return found
 
     @cached_property
+    def support(self) -> tuple[Index, ...]:
+        """Indices of all non-vanishing components in order; no value is negated for it."""
+        independent, canonical = self.independent, self._orbits.canonical
+        if canonical is None:
+            return tuple(sorted(independent))
+        return tuple(
+            sorted(
+                index
+                for index, (sign, representative) in canonical.items()
+                if sign and representative in independent
+            )
+        )
+
+    @cached_property
     def nonzero(self) -> dict[Index, Element]:
         """All non-vanishing components, in order of their indices."""
-        canonical = self._orbits.canonical
-        independent = self.independent
-        if canonical is None:
-            return dict(sorted(independent.items()))
-        found = {}
-        for index, (sign, representative) in canonical.items():
-            if sign and representative in independent:
-                value = self.get(index)
-                if value is not None:
-                    found[index] = value
-        return dict(sorted(found.items()))
+        found = {index: self.get(index) for index in self.support}
+        return {index: value for index, value in found.items() if value is not None}
 
     @cached_property
     def rows(self) -> tuple[Row, ...]:

@@ -181,8 +181,8 @@ class Curvature:
             mixed = self.riemann.raised(2).components
             get = mixed.get
             terms = []
-            for a, b, c, d in mixed.nonzero:
-                if a < b and c < d and (a, b) <= (c, d):
+            for a, b, c, d in mixed.independent:
+                if (a, b) <= (c, d):
                     first, second = get((a, b, c, d)), get((c, d, a, b))
                     if first is not None and second is not None:
                         terms.append((4 if (a, b) == (c, d) else 8, first, second))

@@ -24,7 +24,7 @@ def evaluated(tensor: Tensor, point: Mapping[Any, Any]) -> np.ndarray:
     n, rank = tensor.frame.dimension, len(tensor.slots)
     result = np.zeros((n,) * rank, dtype=complex if tensor.frame.complex else float)
     numbers = {i: _number(tensor, i, v, values) for i, v in independent.items()}
-    for index in tensor.components.nonzero:
+    for index in tensor.components.support:
         sign, representative = tensor.components.representative(index)
         result[index] = sign * numbers[representative]
     return result

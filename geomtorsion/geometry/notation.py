@@ -51,7 +51,7 @@ def text(tensor: Tensor) -> str:
     for index in list(independent)[:SHOWN]:
         place = f"[{', '.join(map(str, index))}]" if index else ""
         lines.append(f"  {tensor.symbol}{place} = {tensor[index]}")
-    total = len(tensor.components.nonzero)
+    total = len(tensor.components.support)
     hidden = len(independent) - min(SHOWN, len(independent))
     if hidden:
         lines.append(f"  and {hidden} more independent components")

@@ -128,7 +128,7 @@ class Tensor:
 
     def nonzero(self) -> dict[Index, sp.Expr]:
         """All components that do not vanish: index -> sympy expression."""
-        return {index: self._expression(index) for index in self.components.nonzero}
+        return {index: self._expression(index) for index in self.components.support}
 
     @cached_property
     def is_zero(self) -> bool | None:

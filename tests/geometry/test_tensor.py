@@ -158,6 +158,13 @@ def test_numbers_of_a_scalar(frame: Frame) -> None:
     assert float(frame.determinant.at({r: 2})) == 2.0
 
 
+def test_numbers_of_an_antisymmetric_tensor(frame: Frame) -> None:
+    """Signs of components that follow from others are right."""
+    torsion = cartan(frame).torsion.T.at({r: 2})
+    assert torsion[0, 1, 1] == 0.5
+    assert torsion[1, 0, 1] == -0.5
+
+
 def test_given_components_follow_the_symmetry(frame: Frame) -> None:
     """A mapping may name any representative."""
     tensor = Tensor(frame, "dd", {(1, 0): r}, antisymmetric(2))
