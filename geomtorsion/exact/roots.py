@@ -106,7 +106,9 @@ def _state(
     outer: Element | None = None,
 ) -> None:
     """Notes the branch, unless the symbols' assumptions leave only one."""
+    if radical is None:
+        return
     shown = (value if outer is None else outer).sympy
-    if radical is None or shown.is_nonnegative:
+    if shown.is_nonnegative:
         return
     field.state_branch(Branch(radical, value.sympy, f"{shown} >= 0"))
