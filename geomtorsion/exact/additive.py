@@ -15,7 +15,7 @@ import sympy
 from flint import fmpq, fmpz
 
 from geomtorsion.errors import ExpressionError
-from geomtorsion.exact.generators import Generator
+from geomtorsion.exact.generators import Branch, Generator
 from geomtorsion.exact.linear import express
 
 if TYPE_CHECKING:
@@ -70,6 +70,8 @@ class Additive:
         for base, exponent in powers:
             if not field.sample.is_positive(base):
                 base, value = -base, value * (-1) ** (exponent % 2)
+            if len(powers) > 1 or exponent != 1:
+                self._state(element, base)
             total.append((exponent, self._log_of_factor(base)))
         if value < 0:
             total.append((1, self._imaginary_turn(element)))
@@ -78,6 +80,14 @@ class Additive:
         for prime, exponent in fmpz(value.q).factor():
             total.append((-exponent, self._log_of_prime(int(prime))))
         return field.sum(total)
+
+    def _state(self, element: Element, base: Element) -> None:
+        """Notes that a logarithm was split, unless the factor is positive by assumption."""
+        shown = base.sympy
+        if not shown.is_positive:
+            whole = sympy.log(element.sympy)
+            split = sympy.expand_log(whole, force=True)
+            self._field.state_branch(Branch(whole, split, f"{shown} > 0"))
 
     def _imaginary_turn(self, element: Element) -> Element:
         """log(-1) = i pi."""
@@ -130,7 +140,8 @@ class Additive:
     ) -> Element:
         known = self._by_argument.get((name, arguments))
         if known is None:
-            shown = getattr(sympy, name)(*(part.sympy for part in arguments))
+            # Unevaluated, so that its type stays the name: sympy turns asinh(-u) round.
+            shown = getattr(sympy, name)(*(part.sympy for part in arguments), evaluate=False)
             slopes = tuple(slope * inner.diff(s) for s in self._field.symbols)
             data = (inner, slope, arguments)
             known = self._added(name, shown, arguments, slopes, data)

@@ -109,7 +109,10 @@ class Field(Ring):
     def add_root(
         self, tail: Element, order: int, sure: bool, base: tuple[Element, int] | None = None
     ) -> Element:
-        """Adds w with w**order = tail; base = (f, n) says that w is the n-th root of f."""
+        """w with w**order = tail, added if new; base = (f, n): w is the n-th root of f."""
+        for known in self.generators:
+            if known.kind == "root" and known.degree == order and known.tail == tail:
+                return self.generator_element(known)
         shown = tail.sympy ** sympy.Rational(1, order)
         if base is not None:
             shown = base[0].sympy ** sympy.Rational(1, base[1])
