@@ -1,5 +1,6 @@
 """Motion: curves and their solutions."""
 
+from geomtorsion.motion.batch import Bundle, solve_many
 from geomtorsion.motion.charts import Atlas, Change, Chart
 from geomtorsion.motion.curves import (
     autoparallel,
@@ -16,6 +17,7 @@ from geomtorsion.motion.solve import solve
 
 __all__ = [
     "Atlas",
+    "Bundle",
     "Change",
     "Chart",
     "Connecting",
@@ -37,4 +39,5 @@ __all__ = [
     "holonomy",
     "parallel_transport",
     "solve",
+    "solve_many",
 ]

@@ -23,14 +23,14 @@ def difference(one: Journey, two: Journey) -> tuple[float, int]:
         return float("inf"), 0
     worst = 0.0
     for first, second, blocks in pairs(one, two, count):
+        sizes, gaps = np.abs(first).max(axis=0), np.abs(first - second).max(axis=0)
         for block in blocks:
-            index = list(block)
-            size = np.abs(first[:, index]).max()
-            gap = np.abs(first[:, index] - second[:, index]).max()
-            if not np.isfinite(float(gap)):
+            index = slice(block[0], block[-1] + 1)
+            gap, size = float(gaps[index].max()), float(sizes[index].max())
+            if not gap < float("inf"):
                 return float("inf"), count
             if gap > 0:
-                worst = max(worst, float(gap / size) if size > 0 else float("inf"))
+                worst = max(worst, gap / size if size > 0 else float("inf"))
     return worst, count
 
 

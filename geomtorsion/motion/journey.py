@@ -130,6 +130,10 @@ State = tuple[list[Any], list[Any], list[Any]]
 
 def beginning(problem: Problem, precision: int) -> tuple[str, State]:
     """The chart in which to begin, and the state there."""
+    return problem.kept(("beginning", precision), lambda: _beginning(problem, precision))
+
+
+def _beginning(problem: Problem, precision: int) -> tuple[str, State]:
     speed = problem.speed
     velocities = [_divided(u, speed) for u in problem.frame_velocity]
     riders: list[Any] = []

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -84,11 +84,18 @@ class Problem:
         """Names of the coordinates."""
         return tuple(symbol.name for symbol in self.frame.coordinates)
 
-    @property
+    @cached_property
     def speed(self) -> float:
         """A power of two near the largest frame velocity: time is measured in its inverse."""
         size = max((abs(float(u)) for u in self.frame_velocity), default=0.0)
         return 2.0 ** round(math.log2(size)) if size else 1.0
+
+    def kept(self, key: Any, maker: Callable[[], Any]) -> Any:
+        """A thing that follows from this problem: made on first use, then kept."""
+        table = self.__dict__.setdefault("_kept", {})
+        if key not in table:
+            table[key] = maker()
+        return table[key]
 
     @cached_property
     def velocity(self) -> np.ndarray:
@@ -202,7 +209,7 @@ class Problem:
         if missing:
             example = ", ".join(f"{name!r}: 1.0" for name in missing)
             raise StartError(
-                f"{', '.join(missing)} has no value. Give parameters={{{example}}} or other numbers."
+                f"{', '.join(missing)} has no value. Give parameters={{{example}}}, for example."
             )
 
 

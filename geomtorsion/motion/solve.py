@@ -147,24 +147,26 @@ def candidates(
 
 def _is_stiff(problem: Problem, times: Any) -> bool:
     """Whether some direction decays much faster than the motion lasts; False if unknown."""
+    rate = problem.kept("decay", lambda: fastest_decay(problem))
+    return rate * abs(float(times[-1])) > STIFF
+
+
+def fastest_decay(problem: Problem) -> float:
+    """The largest rate at which a neighbouring motion decays towards this one, at the start."""
     import numpy as np
 
     name, state = beginning(problem, 53)
     equations = problem.equations(name)
     if not equations.moves and not equations.passengers:
-        return False
-    table = equations.system.__dict__.setdefault("_stiffness", {})
+        return 0.0
     vector = [*state[0], *(state[1] if equations.moves else []), *state[2]]
-    key = tuple(float(x) for x in vector)
-    if key not in table:
-        table.clear()
-        values = [float(x) for x in values_of(problem, equations, state[1])]
-        try:
-            matrix = equations.system.scalar_jacobian(values)(0.0, np.array(key))
-            table[key] = float(-np.linalg.eigvals(matrix).real.min())
-        except (ArithmeticError, ValueError):
-            table[key] = 0.0
-    return table[key] * abs(float(times[-1])) > STIFF
+    values = [float(x) for x in values_of(problem, equations, state[1])]
+    try:
+        jacobian = equations.system.scalar_jacobian(values)
+        matrix = jacobian(0.0, np.array([float(x) for x in vector]))
+    except (ArithmeticError, ValueError):
+        return 0.0
+    return float(-np.linalg.eigvals(matrix).real.min()) if np.isfinite(matrix).all() else 0.0
 
 
 def checked_accuracy(accuracy: Any) -> float:

@@ -26,7 +26,7 @@ class System:
     states: names of the unknowns, in order; a coefficient knows them as symbols of that name.
     parameters: names of everything else that occurs.
     rates: for each state a sum of products (element, names that multiply it).
-    blocks: index sets whose sizes are measured together (coordinates; velocities; ...).
+    blocks: runs of indices whose sizes are measured together (coordinates; velocities; ...).
     edge: a product sum that is positive inside the chart, or None.
     """
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections import OrderedDict
 from collections.abc import Sequence
@@ -16,23 +17,43 @@ from geomtorsion.motion.system import System, mpf
 
 # Compiled integrators that are kept; each is some hundred kilobytes.
 KEPT = 128
-# Longer code is compiled in compact mode: seconds become tenths, at half the speed.
-LONGEST_UNROLLED = 1500
+# Larger equations (characters of code times order) are compiled without optimisation first: a few
+# tenths of a second instead of several, at half the speed.
+LARGE = 6000
+# Seconds of running after which optimising pays.
+PROVEN = 1.0
+# Code longer than this is not unrolled at all.
+LONGEST_UNROLLED = 4000
+# Bytes of compiled code that heyoka may leave on the disk; its own default is 21 gigabytes.
+DISK = 2**30
 # Between looks at whether a run still gets anywhere.
 STEPS_AT_ONCE = 20_000
 
-_kept: OrderedDict[tuple[Any, ...], Any] = OrderedDict()
+
+@dataclass
+class _Compiled:
+    """A compiled integrator, whether it is optimised, and for how long it has run."""
+
+    integrator: Any
+    optimised: bool
+    used: float = 0.0
+
+
+_kept: OrderedDict[tuple[Any, ...], _Compiled] = OrderedDict()
 
 
 def heyoka() -> Any:
     """The heyoka module, or an error that names the extra."""
     try:
-        return import_module("heyoka")
+        module = import_module("heyoka")
     except ImportError:
         raise MissingExtraError(
             "the Taylor engine needs heyoka, which is not installed. "
             "Run `pip install geomtorsion[fast]` (Linux), or use engine=RungeKutta()."
         ) from None
+    if module.llvm_state.get_diskcache_limit() > DISK:
+        module.llvm_state.set_diskcache_limit(DISK)
+    return module
 
 
 def is_available() -> bool:
@@ -47,7 +68,8 @@ class Taylor:
     """Adaptive Taylor series by heyoka (extra `fast`).
 
     precision: bits of the mantissa: 53 (double), 64 (long double), 113 (quadruple) or more.
-    compact: whether to compile small and fast code; None decides by the size of the equations.
+    optimised: whether to compile for speed at once; None: at once for small equations, for
+        large ones when they have run for a second.
     max_steps: after so many steps a run is given up.
 
     Examples
@@ -57,7 +79,7 @@ class Taylor:
     """
 
     precision: int = 53
-    compact: bool | None = None
+    optimised: bool | None = None
     max_steps: int = 5_000_000
 
     @property
@@ -100,18 +122,37 @@ class Taylor:
 
     def integrator(self, system: System, tolerance: float, batch: int = 0) -> tuple[Any, float]:
         """The compiled integrator of a system, from the store or made now; seconds it took."""
-        key = (system.key, tolerance, self.precision, self.compact, batch)
-        if key in _kept:
+        kept, seconds = self._ready(system, tolerance, batch)
+        return kept.integrator, seconds
+
+    def _ready(self, system: System, tolerance: float, batch: int) -> tuple[_Compiled, float]:
+        """The compiled integrator with its history; optimised when that has come to pay."""
+        key = (system.key, tolerance, self.precision, batch)
+        found = _kept.get(key)
+        if found is not None and (found.optimised or not self._wants_speed(found)):
             _kept.move_to_end(key)
-            return _kept[key], 0.0
+            return found, 0.0
         began = time.perf_counter()
-        made = self._compiled(system, tolerance, batch)
+        if found is None:
+            optimised = self.optimised
+            if optimised is None:
+                order = 1 - math.log(tolerance) / 2
+                optimised = bool(batch) or len(system.code[0]) * order < LARGE
+        else:
+            optimised = True
+        made = _Compiled(self._compiled(system, tolerance, batch, optimised), optimised)
         _kept[key] = made
         while len(_kept) > KEPT:
             _kept.popitem(last=False)
         return made, time.perf_counter() - began
 
-    def _compiled(self, system: System, tolerance: float, batch: int) -> Any:
+    def _wants_speed(self, found: _Compiled) -> bool:
+        """Whether an integrator that is not optimised should be."""
+        if self.precision > 64 or self.optimised is False:
+            return False
+        return self.optimised is True or found.used > PROVEN
+
+    def _compiled(self, system: System, tolerance: float, batch: int, optimised: bool) -> Any:
         import numpy as np
 
         hy = heyoka()
@@ -125,10 +166,11 @@ class Taylor:
             (variable, writer.products(rate))
             for variable, rate in zip(variables, system.rates, strict=True)
         ]
-        compact = self.compact
-        if compact is None:
-            compact = len(system.code[0]) > LONGEST_UNROLLED
-        options: dict[str, Any] = {"tol": self.number(tolerance), "compact_mode": compact}
+        options: dict[str, Any] = {
+            "tol": self.number(tolerance),
+            "compact_mode": len(system.code[0]) > LONGEST_UNROLLED,
+            "opt_level": 3 if optimised else 0,
+        }
         if batch:
             return hy.taylor_adaptive_batch(
                 equations,
@@ -169,7 +211,8 @@ class Taylor:
         """See `Engine.run`."""
         import numpy as np
 
-        integrator, compiling = self.integrator(system, tolerance)
+        compiled, compiling = self._ready(system, tolerance, 0)
+        integrator = compiled.integrator
         began = time.perf_counter()
         grid = np.asarray(times, dtype=float) if self.precision == 53 else self.array(times)
         integrator.time = grid[0]
@@ -187,6 +230,7 @@ class Taylor:
             integrator.state[:] = self.array(start)
         states, outcome, steps, reason = self._propagated(integrator, grid)
         ended = time.perf_counter()
+        compiled.used += ended - began
         return Run(
             grid[: len(states)],
             states,

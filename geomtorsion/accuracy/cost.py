@@ -1,0 +1,199 @@
+"""Cost: engines against accuracies, with the errors that were really made."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.accuracy.truth import Truth, truth_of
+from geomtorsion.errors import AccuracyError, GeomtorsionError
+from geomtorsion.motion import Engine, Problem, RungeKutta, Solution, Taylor, solve
+from geomtorsion.motion.engines.taylor import is_available
+from geomtorsion.motion.solve import checked_accuracy
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+ACCURACIES = (1e-3, 1e-6, 1e-9, 1e-12)
+# Each solution is repeated for at least this long, in seconds, and the fastest counts.
+WATCHED = 0.02
+
+
+@dataclass(frozen=True)
+class CostRow:
+    """One engine at one accuracy.
+
+    asked: accuracy asked for; achieved: error against the truth; estimated: what `solve` said.
+    seconds: integration of the answer; total_seconds: `solve` as a whole, error estimate included.
+    compile_seconds: the first time, if anything was compiled.
+    note: why there is no answer, or nothing.
+    """
+
+    engine: str
+    asked: float
+    achieved: float | None
+    estimated: float | None
+    seconds: float | None
+    total_seconds: float | None
+    compile_seconds: float
+    steps: int
+    evaluations: int
+    note: str = ""
+
+    @property
+    def holds(self) -> bool:
+        """Whether the answer is as accurate as asked."""
+        return self.achieved is not None and self.achieved <= self.asked
+
+
+@dataclass(frozen=True)
+class CostTable:
+    """What accuracy costs for one problem.
+
+    problem: what was solved; t: how far; truth: what errors were measured against.
+    rows: one per engine and accuracy.
+    """
+
+    problem: str
+    t: float
+    truth: str
+    rows: tuple[CostRow, ...]
+
+    def __str__(self) -> str:
+        columns = ("asked", 9), ("achieved", 10), ("estimate", 10), ("solve", 11)
+        columns = *columns, ("+ check", 11), ("compile", 10), ("steps", 8)
+        head = "engine".ljust(14) + "".join(name.rjust(width) for name, width in columns)
+        lines = [f"{self.problem}, to t = {self.t:g}; errors against {self.truth}", head]
+        for row in self.rows:
+            if row.seconds is None or row.total_seconds is None:
+                lines.append(f"{row.engine:<14}{row.asked:>9.0e}   {row.note}")
+                continue
+            lines.append(
+                f"{row.engine:<14}{row.asked:>9.0e}{row.achieved:>10.1e}{row.estimated:>10.1e}"
+                f"{_time(row.seconds):>11}{_time(row.total_seconds):>11}"
+                f"{_time(row.compile_seconds):>10}{row.steps:>8}"
+            )
+        return "\n".join([*lines, self.recommendation])
+
+    __repr__ = __str__
+
+    @property
+    def recommendation(self) -> str:
+        """One line: which engine, how fast, and how much faster than the next."""
+        finest = sorted({row.asked for row in self.rows})
+        for asked in finest:
+            good = [r for r in self.rows if r.asked == asked and r.holds and r.total_seconds]
+            if not good:
+                continue
+            good.sort(key=lambda row: row.total_seconds or 0.0)
+            best = good[0]
+            line = f"Take {best.engine}: {asked:.0e} in {_time(best.total_seconds or 0.0)}"
+            if len(good) > 1:
+                ratio = (good[1].total_seconds or 0.0) / (best.total_seconds or 1.0)
+                line += f", {ratio:.3g} times faster than {good[1].engine}"
+            elif len({row.engine for row in self.rows}) > 1:
+                line += "; no other engine gets there"
+            return line + "."
+        return "No engine reaches any of these accuracies; ask for less."
+
+    def to_json(self) -> dict[str, Any]:
+        """The table as a JSON-ready mapping."""
+        return asdict(self) | {"recommendation": self.recommendation}
+
+    def plot(self) -> Figure:
+        """Work against precision, log-log, as a matplotlib figure.
+
+        Raises
+        ------
+        MissingExtraError
+            matplotlib is not installed.
+        """
+        from geomtorsion.accuracy.picture import work_precision
+
+        return work_precision(self)
+
+
+def _time(seconds: float) -> str:
+    """Seconds as a person reads them."""
+    for unit, size in (("s", 1.0), ("ms", 1e-3)):
+        if seconds >= size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds * 1e6:.3g} us" if seconds else "-"
+
+
+def accuracy_cost(
+    problem: Problem,
+    t: float = 10.0,
+    engines: Sequence[Engine] | None = None,
+    accuracies: Sequence[float] = ACCURACIES,
+) -> CostTable:
+    """Measure what each accuracy costs with each engine.
+
+    Parameters
+    ----------
+    problem
+        a motion.
+    t
+        how far to follow it.
+    engines
+        Taylor() (if installed) and RungeKutta() if not given.
+    accuracies
+        what to ask `solve` for.
+
+    Returns
+    -------
+    CostTable; errors are measured against a closed form where the problem has one, else against
+    quadruple precision, else (without heyoka) against the most accurate Runge-Kutta solution.
+
+    Raises
+    ------
+    AccuracyError
+        an accuracy is not a positive number, or none is given.
+
+    Examples
+    --------
+    >>> from geomtorsion.motion import RungeKutta, geodesic
+    >>> from geomtorsion.spaces import load
+    >>> p = geodesic(load("so3").frame, frame_velocity=[1, 2, 3], metric=[1, 2, 3])
+    >>> table = accuracy_cost(p, 1.0, engines=[RungeKutta()], accuracies=[1e-6])
+    >>> table.rows[0].holds
+    True
+    """
+    asked = [checked_accuracy(accuracy) for accuracy in accuracies]
+    if not asked:
+        raise AccuracyError("no accuracy was given; give some, such as [1e-6, 1e-9].")
+    solvers = list(engines or ([Taylor()] if is_available() else []) + [RungeKutta()])
+    truth = truth_of(problem, float(t))
+    rows = [_row(problem, float(t), solver, x, truth) for solver in solvers for x in asked]
+    return CostTable(str(problem), float(t), truth.name, tuple(rows))
+
+
+def _row(problem: Problem, t: float, engine: Engine, accuracy: float, truth: Truth) -> CostRow:
+    """Solve, repeat for the clock, measure the error."""
+    try:
+        first = solve(problem, t, accuracy, engine)
+    except GeomtorsionError as error:
+        note = str(error).split(". ")[0]
+        return CostRow(engine.name, accuracy, None, None, None, None, 0.0, 0, 0, note)
+    best: Solution = first
+    total = float("inf")
+    began = time.perf_counter()
+    while total == float("inf") or time.perf_counter() - began < WATCHED:
+        start = time.perf_counter()
+        found = solve(problem, t, accuracy, engine)
+        total = min(total, time.perf_counter() - start)
+        if found.cost.run_seconds < best.cost.run_seconds:
+            best = found
+    return CostRow(
+        engine.name,
+        accuracy,
+        truth.error(best),
+        best.error,
+        best.cost.run_seconds,
+        total,
+        first.cost.compile_seconds,
+        best.cost.steps,
+        best.cost.evaluations,
+    )

@@ -1,0 +1,213 @@
+"""Many: lanes of equal motions through one batch integrator or one stacked system."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import GeomtorsionError, StartError
+from geomtorsion.motion.engines import Engine, Taylor
+from geomtorsion.motion.engines.rungekutta import error_scales
+from geomtorsion.motion.engines.taylor import heyoka, int_of
+from geomtorsion.motion.equations import Equations
+from geomtorsion.motion.problem import Problem
+from geomtorsion.motion.reading import converted
+
+if TYPE_CHECKING:
+    import numpy as np
+
+# Motions in one stacked Runge-Kutta system.
+STACKED = 2048
+Show = Callable[[int], None] | None
+
+
+@dataclass(frozen=True, eq=False)
+class Lanes:
+    """Starts of many motions in one chart.
+
+    velocities: in units of speeds, shape (number, n); states: shape (number, size).
+    parameters: shape (number, parameters); speeds: powers of two, shape (number,).
+    """
+
+    problem: Problem
+    chart: str
+    equations: Equations
+    velocities: np.ndarray
+    states: np.ndarray
+    parameters: np.ndarray
+    speeds: np.ndarray
+
+    @classmethod
+    def laid_out(cls, problem: Problem, place: Any, velocities: Any) -> Lanes:
+        """Starts in the home chart, moved to the chart of preference."""
+        import numpy as np
+
+        if problem.passengers is not None:
+            raise StartError("batches carry no passengers; solve such problems one by one.")
+        sizes = np.abs(velocities).max(axis=1)
+        speeds = np.where(sizes > 0, 2.0 ** np.round(np.log2(np.where(sizes > 0, sizes, 1))), 1.0)
+        scaled = velocities / speeds[:, None]
+        chart = problem.charts[0] if place is not None else ""
+        if place is not None and chart != problem.atlas.home:
+            place, scaled = converted(problem, problem.atlas.home, chart, place, scaled)
+        equations = problem.equations(chart)
+        parts = [part for part in (place, scaled if equations.moves else None) if part is not None]
+        table: dict[str, Any] = dict(problem.parameters) | dict(equations.constants)
+        if not equations.moves:
+            table |= dict(zip(equations.velocities, scaled.T, strict=True))
+        names = equations.system.parameters
+        number = len(scaled)
+        columns = [np.broadcast_to(np.asarray(table[x], dtype=float), number) for x in names]
+        parameters = np.array(columns).T if columns else np.zeros((number, 0))
+        states = np.concatenate(parts, axis=1)
+        return cls(problem, chart, equations, scaled, states, parameters, speeds)
+
+    def only(self, index: Any) -> Lanes:
+        """Some of the lanes."""
+        return replace(
+            self,
+            velocities=self.velocities[index],
+            states=self.states[index],
+            parameters=self.parameters[index],
+            speeds=self.speeds[index],
+        )
+
+
+def run_lanes(
+    engine: Engine, lanes: Lanes, grid: Any, tolerance: float, show: Show
+) -> tuple[Any, Any, bool, float]:
+    """States (number, times, size), which lanes finished, whether interrupted, compile time."""
+    import numpy as np
+
+    number = len(lanes.states)
+    result = np.zeros((number, len(grid), lanes.equations.system.size))
+    finished = np.zeros(number, dtype=bool)
+    compiling, interrupted = 0.0, False
+    try:
+        if isinstance(engine, Taylor):
+            width = _batch_width(lanes)
+            system = lanes.equations.system.without_edge
+            integrator, compiling = engine.integrator(system, tolerance, width)
+            _taylor(integrator, width, lanes, grid, result, finished, show)
+        else:
+            for first in range(0, number, STACKED):
+                part = slice(first, min(first + STACKED, number))
+                _stacked(lanes, part, grid, tolerance, result, finished)
+                if show is not None:
+                    show(part.stop)
+        for k in np.flatnonzero(~finished):
+            _alone(engine, lanes, int(k), grid, tolerance, result, finished)
+    except KeyboardInterrupt:
+        interrupted = True
+    result[~finished] = 0.0
+    return result, finished, interrupted, compiling
+
+
+def _batch_width(lanes: Lanes) -> int:
+    """Lanes in one call: two registers for small systems, one for large ones."""
+    simd = int(heyoka().recommended_simd_size())
+    return 2 * simd if lanes.equations.system.size <= 4 else simd
+
+
+def _taylor(
+    integrator: Any, width: int, lanes: Lanes, grid: Any, result: Any, finished: Any, show: Show
+) -> None:
+    """All lanes, some at a time, through heyoka's batch integrator."""
+    import numpy as np
+
+    number = len(lanes.states)
+    full = -(-number // width) * width
+    index = np.minimum(np.arange(full), number - 1)
+    # One contiguous block per call, lanes last.
+    states = np.ascontiguousarray(
+        lanes.states[index].T.reshape(-1, full // width, width).swapaxes(0, 1)
+    )
+    values = lanes.parameters[index].T.reshape(-1, full // width, width).swapaxes(0, 1)
+    times = np.multiply.outer(grid, lanes.speeds[index]).reshape(len(grid), -1, width)
+    own, pars = integrator.state, integrator.pars
+    several = len(grid) > 2
+    plain = "time_limit"
+    last = time.perf_counter()
+    for k in range(full // width):
+        own[:] = states[k]
+        if values.shape[1]:
+            pars[:] = values[k]
+        integrator.set_time(0.0)
+        lanes_here = slice(k * width, min((k + 1) * width, number))
+        count = lanes_here.stop - lanes_here.start
+        if several:
+            out = integrator.propagate_grid(np.ascontiguousarray(times[:, k]))[1]
+            good = [int_of(r[0]) == plain for r in integrator.propagate_res[:count]]
+            if all(good):
+                result[lanes_here] = out[:, :, :count].transpose(2, 0, 1)
+        else:
+            integrator.propagate_until(times[-1, k])
+            good = [int_of(r[0]) == plain for r in integrator.propagate_res[:count]]
+            result[lanes_here, -1] = own.T[:count]
+            result[lanes_here, 0] = states[k].T[:count]
+        if all(good) and bool(np.isfinite(own).all()):
+            finished[lanes_here] = True
+        if show is not None and time.perf_counter() - last > 0.2:
+            last = time.perf_counter()
+            show(lanes_here.stop)
+
+
+def _stacked(
+    lanes: Lanes, part: slice, grid: Any, tolerance: float, result: Any, finished: Any
+) -> None:
+    """Some lanes as one system of scipy's DOP853; time in units of the fastest."""
+    import numpy as np
+    from scipy.integrate import solve_ivp
+
+    y0 = lanes.states[part].T
+    size, count = y0.shape
+    speeds = lanes.speeds[part]
+    top = float(speeds.max())
+    slow = speeds / top
+    parameters = list(lanes.parameters[part].T)
+    function = lanes.equations.system.array_rates
+
+    def rates(_: float, y: Any) -> Any:
+        found = function(*y.reshape(size, count), *parameters)
+        out = np.empty((size, count))
+        for row, value in enumerate(found):
+            out[row] = value
+        out *= slow
+        return out.ravel()
+
+    with np.errstate(all="ignore"):
+        first = rates(0.0, y0.ravel()).reshape(size, count)
+        if not np.isfinite(first).all():
+            return
+        duration = float(grid[-1]) * top
+        scales = error_scales(lanes.equations.system, y0, first, duration)
+        found = solve_ivp(
+            rates,
+            (0.0, duration),
+            y0.ravel(),
+            "DOP853",
+            t_eval=grid * top,
+            rtol=max(tolerance, 2.3e-14),
+            atol=(max(tolerance, 2.3e-14) * scales).ravel(),
+        )
+    if found.status == 0 and np.isfinite(found.y).all():
+        result[part] = found.y.reshape(size, count, len(grid)).transpose(1, 2, 0)
+        finished[part] = True
+
+
+def _alone(
+    engine: Engine, lanes: Lanes, k: int, grid: Any, tolerance: float, result: Any, finished: Any
+) -> None:
+    """One lane by itself, after the batch in which it was got stuck."""
+    system = lanes.equations.system.without_edge
+    try:
+        run = engine.run(
+            system, lanes.states[k], lanes.parameters[k], grid * lanes.speeds[k], tolerance
+        )
+    except GeomtorsionError:
+        return
+    if run.outcome == "done":
+        result[k] = run.states
+        finished[k] = True
