@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from geomtorsion.exact import Element
@@ -14,6 +16,8 @@ from geomtorsion.geometry.tensor import Tensor
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.frame import Frame
+
+HALF = Fraction(1, 2)
 
 
 def metric(frame: Frame) -> Components:
@@ -37,22 +41,89 @@ def inverse_metric(frame: Frame) -> Components:
     return Components.known(2, frame.dimension, upper, symmetric(2))
 
 
+def coframe(frame: Frame) -> Components:
+    """e^i_a: as given, or the completed squares of the metric times their roots."""
+    entries = frame.given.get("coframe")
+    if entries is None:
+        scales = _scales(frame)
+        entries = {(i, mu): value * scales[i] for (i, mu), value in frame.given["rows"].items()}
+    return Components.known(2, frame.dimension, entries)
+
+
+def _scales(frame: Frame) -> list[Element]:
+    """sqrt|q_i| of the completed squares."""
+
+    def make() -> list[Element]:
+        squares, eta = frame.given["squares"], frame.given["eta"]
+        return [(squares[i, i] * eta[i, i]).sqrt() for i in range(frame.dimension)]
+
+    return frame.derived("scales", make)
+
+
 def legs(frame: Frame) -> Components:
     """E_i^a: as given, the inverse of the coframe, or g^ab e_ib where the metric is simpler."""
     n = frame.dimension
     entries = frame.given.get("legs")
-    if entries is None and goes_through_metric(frame):
-        get = frame.coframe.lowered(0).components.get
-        entries = {}
-        for mu, row in enumerate(frame.inverse_metric.components.rows):
-            for i in range(n):
-                pairs = [(x, get((i, nu))) for nu, x in row]
-                value = total(frame.field, [(1, x, y) for x, y in pairs if y is not None])
-                if value is not None:
-                    entries[mu, i] = value
+    if entries is None and "rows" in frame.given:
+        inverses = [scale.inverse() for scale in _scales(frame)]
+        duals = parallel_rows(frame).duals.nonzero
+        entries = {(mu, i): value * inverses[i] for (mu, i), value in duals.items()}
+    elif entries is None and goes_through_metric(frame):
+        entries = _raised(frame, frame.coframe.lowered(0).components)
     elif entries is None:
         entries = inverse(frame.field, frame.given["coframe"], n)
     return Components.known(2, n, entries)
+
+
+def _raised(frame: Frame, rows: Components) -> dict[Index, Element]:
+    """g^ab r_ib at (a, i)."""
+    entries = {}
+    for mu, row in enumerate(frame.inverse_metric.components.rows):
+        for i in range(frame.dimension):
+            pairs = [(x, rows.get((i, nu))) for nu, x in row]
+            value = total(frame.field, [(1, x, y) for x, y in pairs if y is not None])
+            if value is not None:
+                entries[mu, i] = value
+    return entries
+
+
+@dataclass(frozen=True)
+class ParallelRows:
+    """Rows r^i with e^i = f_i r^i, chosen so that no square root is met.
+
+    forms: r^i_b at (i, b). duals: f_i E_i^b at (b, i). derivative: (d_a e^i_b) / f_i at (a, i, b).
+    """
+
+    forms: Components
+    duals: Components
+    derivative: Components
+
+
+def parallel_rows(frame: Frame) -> ParallelRows:
+    """Rows to make a connection with parallel legs from: the factors f_i drop out of it."""
+    if "rows" not in frame.given:
+        legs_, derivative = frame.legs.components, frame.coframe_derivative
+        return ParallelRows(frame.coframe.components, legs_, derivative)
+
+    def make() -> ParallelRows:
+        n, rows, squares = frame.dimension, frame.given["rows"], frame.given["squares"]
+        lowered = {(i, a): value * squares[i, i] for (i, a), value in rows.items()}
+        duals = _raised(frame, Components.known(2, n, lowered))
+        halves = [squares[i, i].inverse() * HALF for i in range(n)]
+
+        def rule(index: Index) -> Element | None:
+            a, i, b = index
+            row = rows.get((i, b))
+            if row is None:
+                return None
+            along = frame.coordinates[a]
+            slope = squares[i, i].diff(along)
+            return frame.field.sum([(1, row.diff(along)), (1, slope, halves[i], row)])
+
+        forms = Components.known(2, n, rows)
+        return ParallelRows(forms, Components.known(2, n, duals), Components(3, n, rule))
+
+    return frame.derived("parallel_rows", make)
 
 
 def inverts_metric(frame: Frame) -> bool:
@@ -84,6 +155,14 @@ def _squared(frame: Frame, rows: Sequence[Row], constants: Entries) -> dict[Inde
 
 def coframe_derivative(frame: Frame) -> Components:
     """d_a e^i_b at (a, i, b)."""
+    if "rows" in frame.given:
+        unscaled, scales = parallel_rows(frame).derivative.get, _scales(frame)
+
+        def scaled(index: Index) -> Element | None:
+            value = unscaled(index)
+            return None if value is None else value * scales[index[1]]
+
+        return Components(3, frame.dimension, scaled)
     get, coordinates = frame.coframe.components.get, frame.coordinates
 
     def rule(index: Index) -> Element | None:
@@ -105,6 +184,11 @@ def anholonomy(frame: Frame) -> Tensor:
         return -two if one is None else frame.field.sum([(1, one), (-1, two)])
 
     return Tensor(frame, "ddU", curl, antisymmetric(3), "C", "anholonomy").in_frame()
+
+
+def coframe_determinant(frame: Frame) -> Element:
+    """det e^i_a."""
+    return determinant(frame.field, frame.coframe.components.nonzero, frame.dimension)
 
 
 def volume(frame: Frame) -> Element:

@@ -12,6 +12,8 @@ import sympy as sp
 from geomtorsion.exact import Element
 from geomtorsion.geometry import riemannian
 from geomtorsion.geometry.arrays import total
+from geomtorsion.geometry.bases import parallel_rows
+from geomtorsion.geometry.components import Components, Rule
 from geomtorsion.geometry.covariant import covariant_derivative
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.symmetry import Index, antisymmetric, symmetric
@@ -124,27 +126,30 @@ class Connection:
 
     @cached_property
     def coframe_deviation(self) -> Tensor:
-        """W_ab^j = Gamma_ab^m e^j_m - d_a e^j_b, slots ddU: minus the derivative of the coframe.
+        """W_ab^j = Gamma_ab^m e^j_m - d_a e^j_b, slots ddU: minus the derivative of the coframe."""
+        rule = self._deviation(self.frame.coframe.components, self.frame.coframe_derivative)
+        return Tensor(self.frame, "ddU", rule, (), "W", "coframe deviation", anchored=(1, 2))
 
-        It vanishes exactly when all legs are parallel.
-        """
-        coefficients = self.coefficients.components.get
-        rows = self.frame.coframe.components.rows
-        derivative = self.frame.coframe_derivative.get
+    @cached_property
+    def has_parallel_legs(self) -> bool | None:
+        """Whether all legs of the frame are parallel: then, and by that, it is flat."""
+        rows = parallel_rows(self.frame)
+        return Tensor(self.frame, "ddU", self._deviation(rows.forms, rows.derivative)).is_zero
+
+    def _deviation(self, forms: Components, derivatives: Components) -> Rule:
+        """Gamma_ab^m r^j_m - (derivative of r)_ajb for rows r^j of one-forms."""
+        coefficients, derivative = self.coefficients.components.get, derivatives.get
 
         def rule(index: Index) -> Element | None:
             a, b, j = index
-            terms = []
-            for m, leg in rows[j]:
-                value = coefficients((a, b, m))
-                if value is not None:
-                    terms.append((1, value, leg))
+            pairs = [(coefficients((a, b, m)), leg) for m, leg in forms.rows[j]]
+            terms: list = [(1, value, leg) for value, leg in pairs if value is not None]
             change = derivative((a, j, b))
             if change is not None:
                 terms.append((-1, change))
             return total(self.frame.field, terms)
 
-        return Tensor(self.frame, "ddU", rule, (), "W", "coframe deviation", anchored=(1, 2))
+        return rule
 
     @cached_property
     def spin_connection(self) -> Tensor:

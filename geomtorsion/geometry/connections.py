@@ -9,6 +9,7 @@ from geomtorsion.errors import ShapeError, TensorIndexError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import riemannian
 from geomtorsion.geometry.arrays import total
+from geomtorsion.geometry.bases import parallel_rows
 from geomtorsion.geometry.connection import Connection
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.nested import tensor_from_array
@@ -40,11 +41,12 @@ def cartan(frame: Frame) -> Connection:
     """
 
     def make() -> Connection:
-        derivative, legs = frame.coframe_derivative.get, frame.legs.components
+        rows = parallel_rows(frame)
+        derivative, duals = rows.derivative.get, rows.duals
 
         def rule(index: Index) -> Element | None:
             a, b, c = index
-            pairs = [(x, derivative((a, i, b))) for i, x in legs.rows[c]]
+            pairs = [(x, derivative((a, i, b))) for i, x in duals.rows[c]]
             return total(frame.field, [(1, x, y) for x, y in pairs if y is not None])
 
         coefficients = _coefficients(frame, rule, "\\Gamma", "Cartan")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from geomtorsion.exact import Element
 from geomtorsion.geometry import riemannian
 from geomtorsion.geometry.arrays import total
+from geomtorsion.geometry.components import Rule
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.symmetry import RIEMANN, Index, Symmetry, antisymmetric, symmetric
 from geomtorsion.geometry.tensor import Tensor
@@ -57,12 +58,11 @@ class Curvature:
             rule = self._unless_parallel(rule)
         return Tensor(frame, "dddu", rule, self._symmetry, "R", "curvature")
 
-    def _unless_parallel(self, rule):
+    def _unless_parallel(self, rule: Rule) -> Rule:
         """The rule, save where all legs are found parallel: such a connection is flat."""
-        deviation = self.connection.coframe_deviation
 
         def shorter(index: Index) -> Element | None:
-            return None if deviation.is_zero else rule(index)
+            return None if self.connection.has_parallel_legs else rule(index)
 
         return shorter
 
@@ -202,7 +202,7 @@ class Curvature:
         return self.riemann._repr_latex_()
 
 
-def curvature_rule(connection: Connection):
+def curvature_rule(connection: Connection) -> Rule:
     """R_mnl^k from the coefficients alone: right for any connection.
 
     The rule differentiates each coefficient once.

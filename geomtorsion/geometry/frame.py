@@ -12,7 +12,7 @@ import sympy as sp
 from geomtorsion.exact import Branch, Element, Field
 from geomtorsion.geometry import bases, intake, makers, notation, sampling
 from geomtorsion.geometry.components import Components
-from geomtorsion.geometry.matrices import determinant, inverse
+from geomtorsion.geometry.matrices import inverse
 from geomtorsion.geometry.symmetry import symmetric
 from geomtorsion.geometry.tensor import Tensor
 
@@ -32,7 +32,7 @@ class Frame:
     complex: whether legs may be complex (null tetrads).
     name: what it is called in messages and pages.
     field: the exact field in which all components live.
-    given: the matrices it was made from, as exact elements: coframe, eta, perhaps legs, metric.
+    given: the matrices it was made from, as exact elements: eta and coframe, legs or metric.
 
     To make one: coframe (rows i, columns mu) as nested lists or a sympy matrix; signature None
     (all +1), a tuple of signs, or a constant symmetric matrix eta; domain one relation or several;
@@ -123,8 +123,7 @@ class Frame:
     @cached_property
     def coframe(self) -> Tensor:
         """e^i_mu, slots Ud: rows i, columns mu; inverse to legs."""
-        components = Components.known(2, self.dimension, self.given["coframe"])
-        return Tensor(self, "Ud", components, (), "e", "coframe")
+        return Tensor(self, "Ud", bases.coframe(self), (), "e", "coframe")
 
     @cached_property
     def eta(self) -> Tensor:
@@ -174,8 +173,7 @@ class Frame:
     @cached_property
     def determinant(self) -> Tensor:
         """det e^i_mu, a scalar density (rank 0)."""
-        entries, n = self.given["coframe"], self.dimension
-        return self.scalar(lambda: determinant(self.field, entries, n), "e", "determinant")
+        return self.scalar(lambda: bases.coframe_determinant(self), "e", "determinant")
 
     @cached_property
     def volume(self) -> Tensor:

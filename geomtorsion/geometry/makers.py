@@ -10,7 +10,7 @@ import sympy as sp
 from geomtorsion.geometry import intake
 from geomtorsion.geometry.groups import invariant_coframe
 from geomtorsion.geometry.matrices import inverse
-from geomtorsion.geometry.squares import orthonormal_coframe
+from geomtorsion.geometry.squares import orthonormal_rows
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.frame import Frame
@@ -60,7 +60,8 @@ def from_metric(
 ) -> Frame:
     """Orthonormal frame of a metric g_{mu nu}, by completing squares (Lagrange, LDL).
 
-    The metric is kept as given, so that Levi-Civita quantities never see the square roots.
+    The metric is kept as given, so that Levi-Civita quantities never see the square roots; they
+    are taken when the coframe itself is asked for.
     Without a signature the rows have the signs that the metric has in the domain.
 
     Raises
@@ -81,9 +82,9 @@ def from_metric(
     elements = intake.read_matrix(opened.field, entries, "metric")
     intake.check_symmetric(elements, n)
     signs = None if signature is None else tuple(signature)
-    coframe, eta = orthonormal_coframe(opened.field, elements, n, opened.points(), signs)
+    rows, squares, eta = orthonormal_rows(opened.field, elements, n, opened.points(), signs)
     frame = object.__new__(cls)
-    frame.fill(opened, name, {"coframe": coframe, "metric": elements, "eta": eta})
+    frame.fill(opened, name, {"metric": elements, "rows": rows, "squares": squares, "eta": eta})
     return frame
 
 

@@ -166,6 +166,10 @@ def needs(frame: Frame, name: str) -> tuple[str, ...]:
             return ()
         if name == "coframe":
             return ("metric",)
+        if name in ("legs", "cartan_connection"):
+            return ("metric", "inverse_metric", *(["coframe"] if name == "legs" else []))
+        if name == "cartan_curvature":
+            return ("cartan_connection",)
     if name == "legs" and "legs" in frame.given:
         return ()
     if name == "coframe" and "legs" in frame.given:

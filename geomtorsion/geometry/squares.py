@@ -13,34 +13,29 @@ Elements = dict[tuple[int, int], Element]
 Row = dict[int, Element]
 
 
-def orthonormal_coframe(
+def orthonormal_rows(
     field: Field,
     metric: Elements,
     n: int,
     points: Iterable[Point],
     signature: tuple[int, ...] | None,
-) -> tuple[Elements, Elements]:
-    """Coframe and eta with e^T eta e = g: rows sqrt|q| times the completed one-forms.
+) -> tuple[Elements, Elements, Elements]:
+    """Rows theta^i, squares q_i (diagonal) and eta with g = sum q_i theta^i theta^i.
 
-    Signs are those at a point of the domain; a signature that is asked for orders the rows.
+    The orthonormal coframe is sqrt|q_i| theta^i, with no root taken before it is needed. Signs
+    are those at a point of the domain; a signature that is asked for orders the rows.
     """
     forms = completed_squares(field, metric, n)
     signs = _signs(forms, points, signature, n)
-    coframe: Elements = {}
-    for place, (square, form) in forms.items():
-        # e(w) = +sqrt|q| in the direction w of each step, whatever the sign of q.
-        size = square * signs[place]
-        scale = size.sqrt().inverse() * signs[place]
-        for column, value in form.items():
-            coframe[place, column] = value * scale
     order = _row_order(signs, signature, n)
-    coframe = {(order[i], mu): value for (i, mu), value in coframe.items()}
-    signs = {order[i]: sign for i, sign in signs.items()}
-    return coframe, {(i, i): field.rational(signs[i]) for i in range(n)}
+    rows = {(order[i], mu): x for i, (_, form) in forms.items() for mu, x in form.items()}
+    squares = {(order[i], order[i]): square for i, (square, _) in forms.items()}
+    eta = {(order[i], order[i]): field.rational(sign) for i, sign in signs.items()}
+    return rows, squares, eta
 
 
 def completed_squares(field: Field, metric: Entries, n: int) -> dict[int, tuple[Element, Row]]:
-    """g = sum of form^2 / q over n one-forms: row -> (q, form), form = g(w, .), q = g(w, w)."""
+    """g = sum of q theta^2 over n one-forms: row -> (q, theta), theta(w) = 1, q = g(w, w)."""
     rest = dict(metric)
     found: dict[int, tuple[Element, Row]] = {}
     for _ in range(n):
@@ -53,9 +48,10 @@ def completed_squares(field: Field, metric: Entries, n: int) -> dict[int, tuple[
         form = _added_rows(field, [_row(rest, i, n) for i in direction])
         square = field.sum([(1, form[i]) for i in direction if i in form])
         reciprocal = square.inverse()
+        theta = {j: value * reciprocal for j, value in form.items()}
         for i, first in form.items():
-            for j, second in form.items():
-                terms: list = [(-1, first, second, reciprocal)]
+            for j, second in theta.items():
+                terms: list = [(-1, first, second)]
                 if (i, j) in rest:
                     terms.append((1, rest[i, j]))
                 value = field.sum(terms)
@@ -63,7 +59,7 @@ def completed_squares(field: Field, metric: Entries, n: int) -> dict[int, tuple[
                 if value.is_zero:
                     del rest[i, j]
         place = next(i for i in (*direction, *range(n)) if i not in found)
-        found[place] = (square, form)
+        found[place] = (square, theta)
     return found
 
 
