@@ -1,0 +1,92 @@
+"""Images: the curve that a loop draws in the frame, from its start to where it fails to close."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from geomtorsion.loops.forms import forms, parameter_values
+from geomtorsion.loops.line import line_at
+from geomtorsion.loops.quadrature import kronrod_rule
+from geomtorsion.loops.result import BurgersVector
+
+if TYPE_CHECKING:
+    import numpy as np
+
+POINTS = 360
+# Smaller loops are drawn at this size: their deviation from the linear image scales as its square.
+LEAST_SIZE = 1e-5
+# A gap below this share of the picture is magnified to SHOWN of it.
+VISIBLE, SHOWN = 0.02, 0.25
+
+
+@dataclass(frozen=True, eq=False)
+class Image:
+    """A loop and its image, ready to be drawn.
+
+    path: offsets from the centre in units of `unit`, shape (n, k).
+    image: X^i along the loop in the same unit, shape (n, k); it starts at 0.
+    centre: coordinates from which the path counts.
+    unit: what the axes count, as text: empty for 1.
+    magnified: by how much the gap and all that is not linear was enlarged.
+    """
+
+    path: np.ndarray
+    image: np.ndarray
+    centre: tuple[float, ...]
+    unit: str
+    magnified: float
+
+
+def image(b: BurgersVector, points: int = POINTS) -> Image:
+    """The image of a loop in the frame, with its gap enlarged where it could not be seen."""
+    import numpy as np
+
+    loop, compiled = b.loop, forms(b.frame)
+    numbers = parameter_values(b.frame, compiled.parameters, b.parameters)
+    stretches = list(loop.walk())
+    each = max(2, points // len(stretches))
+    path, steps, linear = [], [], []
+    grown = max(1.0, LEAST_SIZE / loop.size) if b.power == 2 else 1.0
+    first = loop.parts[0]
+    base = tuple(replace(first, size=first.size * grown).base.tolist())
+    for part, side, backwards in stretches:
+        larger = replace(part, size=part.size * grown)
+        nodes, weights, _ = kronrod_rule()
+        s = (np.arange(each)[:, None] + nodes).ravel() / each
+        offsets, slopes = side.shape(s)
+        values = line_at(compiled, larger, numbers, offsets, slopes)
+        rows = values.reshape(len(values), each, -1) @ weights / each
+        # The frame at the base point, taken as constant, gives a linear image that closes.
+        fixed = replace(part, size=0.0, centre=base)
+        flat = line_at(compiled, fixed, numbers, offsets, slopes)
+        flat = flat.reshape(len(flat), each, -1) @ weights / each
+        share = part.size / loop.size
+        sign = -1 if backwards else 1
+        order = slice(None, None, sign)
+        shift = (np.array(part.centre) - np.array(loop.centre)) / loop.size
+        ends, _ = side.shape(np.arange(each + 1) / each)
+        path.append((shift[:, None] + share * ends)[:, order])
+        linear.append(sign * share * flat[:, order])
+        steps.append(sign * share * ((rows - flat) / grown)[:, order])
+    curved = _running(np.concatenate(steps, axis=1))
+    straight = _running(np.concatenate(linear, axis=1))
+    way = np.concatenate([path[0][:, :1], *(piece[:, 1:] for piece in path)], axis=1)
+    extent = float(np.ptp(straight + curved, axis=1).max()) or 1.0
+    gap = float(np.abs(b.reduced).max()) * (b.size if b.power == 2 else 1.0)
+    magnified = 1.0
+    if 0 < gap < VISIBLE * extent and not b.vanishes:
+        magnified = float(10.0 ** np.floor(np.log10(SHOWN * extent / gap) + 0.5))
+    plain = 1e-3 <= loop.size <= 1e3
+    size = loop.size if plain else 1.0
+    unit = "" if plain else f"{loop.size:.3g}"
+    return Image(
+        way * size, np.real(straight + magnified * curved) * size, loop.centre, unit, magnified
+    )
+
+
+def _running(steps: np.ndarray) -> np.ndarray:
+    """Running sum from zero, along the last axis."""
+    import numpy as np
+
+    return np.concatenate([np.zeros((len(steps), 1)), np.cumsum(steps, axis=1)], axis=1)

@@ -1,0 +1,319 @@
+"""Loops: a loop and its image that does not close, the density of Burgers vectors, and costs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from sympy import latex
+
+from geomtorsion.errors import LoopError, MissingExtraError
+from geomtorsion.loops import BurgersMap, BurgersVector, Loop, burgers_vector
+from geomtorsion.loops.images import Image, image
+
+if TYPE_CHECKING:
+    from geomtorsion.accuracy.loops import LoopCosts
+    from geomtorsion.geometry import Frame
+
+# Colours that stay apart in print and for every eye (Okabe and Ito).
+PATH, IMAGE, GAP, START = "#0072B2", "#009E73", "#D55E00", "#1d2330"
+# Below this share of the largest, an extent or a component is not worth an axis.
+FLAT = 1e-6
+
+
+def new_figure(**options: Any) -> Any:
+    """An empty matplotlib figure that belongs to no window.
+
+    Raises
+    ------
+    MissingExtraError
+        matplotlib is not installed.
+    """
+    try:
+        module = import_module("matplotlib.figure")
+    except ImportError:
+        raise MissingExtraError(
+            "pictures need matplotlib, which is not installed. "
+            "Run `pip install geomtorsion[plots]`."
+        ) from None
+    return module.Figure(layout="constrained", **options)
+
+
+def draw_closure(b: BurgersVector) -> Any:
+    """The loop in coordinates, and its image in the frame with the gap as an arrow.
+
+    The image is the curve X^i(s), integral of e^i_mu dq^mu along the loop so far. Where the gap is
+    too small to see it is magnified, together with all that is not linear; the title says so.
+
+    Returns
+    -------
+    A matplotlib figure.
+
+    Raises
+    ------
+    MissingExtraError
+        matplotlib is not installed.
+    """
+    drawn = image(b)
+    figure = new_figure(figsize=(9.6, 4.6))
+    names = [latex(symbol) for symbol in b.frame.coordinates]
+    _draw_path(_axes(figure, 121, drawn.path), drawn, names)
+    _draw_image(_axes(figure, 122, drawn.image), drawn, b)
+    return figure
+
+
+def _extents(points: Any) -> list[int]:
+    """The two or three directions in which there is something to see, in order."""
+    import numpy as np
+
+    widths = np.ptp(points, axis=1)
+    wide = [int(k) for k in np.argsort(-widths, kind="stable") if widths[k] > FLAT * widths.max()]
+    chosen = wide[:3]
+    for k in range(len(widths)):
+        if len(chosen) < 2 and k not in chosen:
+            chosen.append(k)
+    return sorted(chosen)
+
+
+def _axes(figure: Any, place: int, points: Any) -> Any:
+    """Axes in two or three dimensions, as the points need."""
+    if len(_extents(points)) > 2:
+        import_module("mpl_toolkits.mplot3d")
+        axes = figure.add_subplot(place, projection="3d")
+        axes.view_init(elev=24, azim=-60)
+        axes.set_proj_type("ortho")
+        for side in (axes.xaxis, axes.yaxis, axes.zaxis):
+            side.set_pane_color((1, 1, 1, 0))
+        axes.locator_params(nbins=4)
+        axes.tick_params(labelsize=8, pad=0)
+        axes.set_aspect("equal")
+        axes.set_box_aspect(None, zoom=0.82)
+        return axes
+    axes = figure.add_subplot(place)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.grid(True, color="#e4e5e0", linewidth=0.6)
+    axes.set_axisbelow(True)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+    return axes
+
+
+def _draw_path(axes: Any, drawn: Image, names: list[str]) -> None:
+    """The loop in coordinates, with its base point and its sense."""
+    chosen = _extents(drawn.path)
+    points = drawn.path[chosen]
+    axes.plot(*points, color=PATH, linewidth=2)
+    _sense(axes, points, PATH)
+    axes.plot(*points[:, :1], "o", color=START, markersize=5)
+    unit = drawn.unit
+    labels = [_offset_label(names[k], drawn.centre[k], unit) for k in chosen]
+    _label(axes, labels)
+    axes.set_title("the loop, in coordinates: closed", fontsize=11)
+
+
+def _offset_label(name: str, centre: float, unit: str) -> str:
+    """Name of an axis that counts from the centre."""
+    shift = "" if centre == 0 else f" {'-' if centre > 0 else '+'} {abs(centre):.4g}"
+    inner = f"({name}{shift})" if shift and unit else f"{name}{shift}"
+    return f"${inner}${_over(unit)}"
+
+
+def _over(unit: str) -> str:
+    """The unit of an axis."""
+    return f" / {unit}" if unit else ""
+
+
+def _power(value: float) -> str:
+    """A power of ten, or a short number."""
+    exponent = round(math.log10(value))
+    return f"$10^{{{exponent}}}$" if exponent > 3 else f"{value:g}"
+
+
+def _draw_image(axes: Any, drawn: Image, b: BurgersVector) -> None:
+    """The image in the frame, and the gap as an arrow from its start to its end."""
+    chosen = _extents(drawn.image)
+    points = drawn.image[chosen]
+    axes.plot(*points, color=IMAGE, linewidth=2)
+    _sense(axes, points, IMAGE)
+    start, end = points[:, 0], points[:, -1]
+    step = end - start
+    if abs(step).max() > 1e-9 * abs(points).max():
+        if len(chosen) == 3:
+            axes.quiver(*start, *step, color=GAP, linewidth=2.4, arrow_length_ratio=0.16, zorder=5)
+        else:
+            axes.annotate(
+                "",
+                xy=end,
+                xytext=start,
+                arrowprops={
+                    "arrowstyle": "-|>",
+                    "color": GAP,
+                    "linewidth": 2.4,
+                    "mutation_scale": 16,
+                    "shrinkA": 0,
+                    "shrinkB": 0,
+                },
+                zorder=5,
+            )
+    axes.plot(*points[:, :1], "o", color=START, markersize=5)
+    _label(axes, [f"$X^{k}${_over(drawn.unit)}" for k in chosen])
+    size = f"|b| = {b.magnitude:.4g}" if b.magnitude else "|b| = 0"
+    if b.magnitude and not b.vanishes and b.magnitude > 1e-300:
+        size += f" ± {b.error:.0e}" if b.error else ""
+    grown = "" if drawn.magnified == 1 else f", gap enlarged {_power(drawn.magnified)} times"
+    axes.set_title(f"its image in the frame{grown}\n{size}", fontsize=11, color="#1d2330")
+
+
+def _sense(axes: Any, points: Any, colour: str) -> None:
+    """A small arrow head that shows the sense in which a curve is run through."""
+    if len(points) != 2:
+        return
+    k = points.shape[1] // 6
+    axes.annotate(
+        "",
+        xy=points[:, k + 1],
+        xytext=points[:, k],
+        arrowprops={"arrowstyle": "-|>", "color": colour, "mutation_scale": 15},
+    )
+
+
+def _label(axes: Any, labels: list[str]) -> None:
+    """Names of the axes."""
+    for name, label in zip("xyz", labels, strict=False):
+        getattr(axes, f"set_{name}label")(label)
+
+
+def draw_map(survey: BurgersMap, *, relative: bool = False) -> Any:
+    """Burgers vectors per area over a grid, one panel for each component that does not vanish.
+
+    Cells that enclose a defect are ringed. relative: show instead by how much the density differs
+    from 2 S_{mn}^i at the centre of each cell.
+
+    Returns
+    -------
+    A matplotlib figure.
+
+    Raises
+    ------
+    LoopError
+        The survey is no grid.
+    MissingExtraError
+        matplotlib is not installed.
+    """
+    import numpy as np
+
+    if survey.areas.ndim != 2:
+        raise LoopError("only a survey over a grid (burgers_map) can be drawn as a map.")
+    density = np.real(survey.density)
+    if relative:
+        density = density - np.real(survey.expected) / survey.areas
+    sizes = np.nanmax(np.abs(np.where(survey.enclosed, np.nan, density)), axis=(1, 2), initial=0.0)
+    strong = np.nanmax(np.abs(density), axis=(1, 2), initial=0.0)
+    shown = [k for k in range(len(strong)) if strong[k] > FLAT * strong.max()] or [0]
+    figure = new_figure(figsize=(min(4.7 * len(shown) + 0.6, 15), 4.3))
+    names = [f"${latex(symbol)}$" for symbol in survey.frame.coordinates]
+    corners, labels = _corners(survey, names)
+    for place, k in enumerate(shown[:3]):
+        axes = figure.add_subplot(1, len(shown[:3]), place + 1)
+        limit = sizes[k] if sizes[k] > FLAT * strong[k] else strong[k] or 1.0
+        mesh = axes.pcolormesh(*corners, density[k].T, cmap="RdBu_r", vmin=-limit, vmax=limit)
+        axes.set_aspect("equal" if _similar(corners) else "auto")
+        bar = figure.colorbar(mesh, ax=axes, shrink=0.86, extend=_extend(strong[k], limit))
+        bar.ax.tick_params(labelsize=8)
+        what = "per area, minus $2S$ at the centre" if relative else "per area"
+        axes.set_title(f"$b^{k}$ {what}", fontsize=11)
+        axes.locator_params(nbins=5)
+        axes.set_xlabel(labels[0])
+        axes.set_ylabel(labels[1] if not place else "")
+        _ring(axes, survey, corners, k)
+    return figure
+
+
+def _extend(largest: float, limit: float) -> str:
+    """Whether a colour bar ends in arrows."""
+    return "both" if largest > 1.0000001 * limit else "neither"
+
+
+def _corners(survey: BurgersMap, names: list[str]) -> tuple[tuple[Any, Any], list[str]]:
+    """Corners of the cells, and what the two axes show."""
+    import numpy as np
+
+    labels, lines = [], []
+    for axis in (0, 1):
+        direction = survey.plane[axis]
+        middles = np.tensordot(direction, survey.centres, axes=(0, 0)) / (direction @ direction)
+        row = middles[:, 0] if axis == 0 else middles[0]
+        lines.append(_edges(row, survey.areas, axis))
+        units = np.flatnonzero(direction)
+        labels.append(names[int(units[0])] if len(units) == 1 else f"direction {axis + 1}")
+    return (lines[0], lines[1]), labels
+
+
+def _edges(middles: Any, areas: Any, axis: int) -> Any:
+    """Edges of cells from their middles, from the widths that the areas tell."""
+    import numpy as np
+
+    widths = np.abs(areas.sum(axis=1 - axis))
+    if len(middles) > 1:
+        span = middles[-1] - middles[0]
+        widths = widths * span / (widths.sum() - (widths[0] + widths[-1]) / 2)
+    edges = np.concatenate([[0.0], np.cumsum(widths)])
+    return edges + middles[0] - widths[0] / 2
+
+
+def _similar(corners: tuple[Any, Any]) -> bool:
+    """Whether both axes have comparable lengths."""
+    spans = [float(side[-1] - side[0]) for side in corners]
+    return max(spans) < 5 * min(spans)
+
+
+def _ring(axes: Any, survey: BurgersMap, corners: tuple[Any, Any], k: int) -> None:
+    """Rings round the cells that enclose a defect, with its strength."""
+    import numpy as np
+
+    for row, column in np.argwhere(survey.enclosed)[:40]:
+        x = (corners[0][row] + corners[0][row + 1]) / 2
+        y = (corners[1][column] + corners[1][column + 1]) / 2
+        strength = float(np.real(survey.vectors[k, row, column]))
+        axes.plot(x, y, "o", markersize=13, fillstyle="none", color=START, markeredgewidth=1.4)
+        axes.annotate(f"b = {strength:.3g}", (x, y), (9, 7), textcoords="offset points", fontsize=9)
+
+
+def draw_costs(costs: LoopCosts) -> Any:
+    """Error against number of points and against time, one line for each rule.
+
+    Returns
+    -------
+    A matplotlib figure.
+
+    Raises
+    ------
+    MissingExtraError
+        matplotlib is not installed.
+    """
+    figure = new_figure(figsize=(9.6, 4.4))
+    colours = (PATH, IMAGE, GAP, "#CC79A7", "#E69F00", START)
+    left, right = figure.add_subplot(121), figure.add_subplot(122, sharey=None)
+    for axes, what in ((left, "points"), (right, "milliseconds")):
+        for number, rule in enumerate(dict.fromkeys(row.rule for row in costs.rows)):
+            rows = [row for row in costs.rows if row.rule == rule]
+            spent = [row.points if what == "points" else row.seconds * 1e3 for row in rows]
+            errors = [max(row.error, 1e-17) for row in rows]
+            marks = "s--" if rows[0].asked is not None else "o-"
+            colour = colours[number % len(colours)]
+            axes.loglog(spent, errors, marks, color=colour, label=rule, markersize=4, linewidth=1.4)
+        axes.set_xlabel(what)
+        axes.set_ylabel("relative error" if axes is left else "")
+        axes.grid(True, color="#e4e5e0", linewidth=0.6)
+        for side in ("top", "right"):
+            axes.spines[side].set_visible(False)
+    right.legend(fontsize=8, frameon=False)
+    figure.suptitle(costs.name, fontsize=11)
+    return figure
+
+
+def draw_loop(frame: Frame, loop: Loop, *, parameters: Mapping[Any, Any] | None = None) -> Any:
+    """The picture of `draw_closure` straight from a frame and a loop."""
+    return draw_closure(burgers_vector(frame, loop, parameters=parameters))
