@@ -162,9 +162,7 @@ class Additive:
         for argument in arguments:
             depends |= argument.symbols
         if not any(slope._num for slope in slopes):
-            from geomtorsion.exact.opaque import opaque
-
-            return opaque(field, shown, ()) if name != "log" else self._constant_log(shown, data)
+            return self._constant_function(name, shown, data)
         value = self._number(name, arguments)
         combination = self._combination(slopes)
         sure = True
@@ -180,18 +178,14 @@ class Additive:
             self._known.append((element, slopes))
         return element
 
-    def _constant_log(self, shown: sympy.Expr, data: Element) -> Element:
-        """The logarithm of a constant that is no rational number."""
-        from geomtorsion.exact.opaque import opaque
-
+    def _constant_function(self, name: str, shown: sympy.Expr, data: Any) -> Element:
+        """A logarithm or inverse function of a constant; of log(pi) alone more is believed."""
         field = self._field
         pi = field.by_name.get("pi")
-        if pi is not None and data == field.generator_element(pi):
-            for generator in field.generators:
-                if generator.kind == "constant" and generator.shown == shown:
-                    return field.generator_element(generator)
-            return field.add(Generator("constant", field.next_name("number"), shown, frozenset()))
-        return opaque(field, shown, ())
+        sure = name == "log" and pi is not None and data == field.generator_element(pi)
+        kind = "log" if name == "log" else "primitive"
+        new = field.next_name(kind)
+        return field.add(Generator(kind, new, shown, frozenset(), argument=data, sure=sure))
 
     def _combination(self, slopes: tuple[Element, ...]) -> Element | None:
         """Known functions with the same derivatives, combined; or None."""

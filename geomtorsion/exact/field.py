@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -90,7 +91,12 @@ class Field(Ring):
         self.symbols = (*self.symbols, *symbols)
 
     def add(self, generator: Generator) -> Element:
-        """Adds one generator and returns it as an element."""
+        """Adds one generator and returns it as an element.
+
+        What is built from a generator whose independence is not proved is not proved either.
+        """
+        if generator.sure and not self.all_sure and self._rests_on_unsure(generator):
+            generator = replace(generator, sure=False)
         self._grow(generator.name)
         self.generators.insert(0, generator)
         self.by_name[generator.name] = generator
@@ -105,6 +111,17 @@ class Field(Ring):
                     relation = relation - w**power * value
                 self._algebraic.append((position, known.degree, relation))
         return Element(self, self.ctx.gen(0), (), self.level)
+
+    def _rests_on_unsure(self, generator: Generator) -> bool:
+        """Whether the relation or the argument of a generator contains unproved ones."""
+        argument = generator.argument
+        parts = [generator.tail, *(argument if isinstance(argument, tuple) else (argument,))]
+        return any(
+            not known.sure
+            for part in parts
+            if isinstance(part, Element)
+            for known in self.generators_of(part)
+        )
 
     def add_root(
         self, tail: Element, order: int, sure: bool, base: tuple[Element, int] | None = None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import comb
+from math import comb, prod
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import LimitError
@@ -39,8 +39,17 @@ def check_power(base: Element, exponent: int) -> None:
     LimitError
         more than LARGEST_POWER_TERMS terms are to be expected.
     """
-    terms = max(len(base._num), 1 + bool(base._den))
-    if terms > 1 and comb(exponent + terms - 1, terms - 1) > LARGEST_POWER_TERMS:
+    terms = len(base._num)
+    if terms < 2:
+        return
+    field = base.field
+    # What relations reduce stays below their degree.
+    dense = prod(
+        generator.degree or exponent * int(degree) + 1
+        for generator, degree in zip(field.generators, field.lift(base).degrees(), strict=True)
+        if degree
+    )
+    if min(comb(exponent + terms - 1, terms - 1), dense) > LARGEST_POWER_TERMS:
         raise LimitError(
             f"the power {exponent} of an expression of {terms} terms would have more than "
             f"{LARGEST_POWER_TERMS} terms; write the power as a parameter or a new symbol"
