@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 # cos(n x) is a polynomial of degree n in cos(x).
 LARGEST_MULTIPLE = 1000
-LARGEST_POWER_TERMS = 200_000
+LARGEST_POWER_TERMS = 1_000_000
 
 
 def check_multiple(n: int, kind: str, atom: Element, unit: Any) -> None:
