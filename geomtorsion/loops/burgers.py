@@ -176,11 +176,11 @@ def _chosen(
     largest = float(np.abs(line.value).max())
     if flux_error <= line.error:
         if line.error > accuracy * largest:
-            lost = f"{line.error / largest:.0e}" if largest else "all"
+            lost = f"{line.error / largest:.0e}" if largest else "no digit"
             return (
                 flux,
                 True,
-                (f"flux: the loop is so small that the line integral cancels to {lost} of b"),
+                (f"flux: the loop is so small that the line integral is good to {lost} of b only"),
             )
         return flux, True, "flux: both routes agree, its error is the smaller"
     return line, True, "line: both routes agree, its error is the smaller"
