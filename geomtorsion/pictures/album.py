@@ -1,0 +1,135 @@
+"""album: the pictures of a pair of motions, and the files that `geomtorsion curve` writes."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Callable, Mapping
+from importlib.util import find_spec
+from itertools import zip_longest
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.pictures.attitude import attitude_picture
+from geomtorsion.pictures.curves import coordinates_picture, paths_picture
+from geomtorsion.pictures.ink import save
+from geomtorsion.pictures.quality import coincide, distance_picture, quality_picture
+
+if TYPE_CHECKING:
+    from geomtorsion.motion import Solution
+    from geomtorsion.pictures.pair import Pair
+
+Drawn = Callable[["Pair"], Any]
+
+
+def album(pair: Pair) -> dict[str, tuple[Drawn, str]]:
+    """Which pictures this pair has: name -> (how to draw it, what it shows).
+
+    Examples
+    --------
+    >>> from geomtorsion.motion import RungeKutta
+    >>> from geomtorsion.pictures.pair import follow
+    >>> from geomtorsion.spaces import load
+    >>> list(album(follow(load("so3"), engine=RungeKutta())))
+    ['paths', 'attitude', 'coordinates', 'distance', 'quality']
+    """
+    embedding = pair.embedding
+    shown: dict[str, tuple[Drawn, str]] = {}
+    if len(pair.symbols) <= 3 or (embedding is not None and embedding.place):
+        shown["paths"] = (paths_picture, "Autoparallel and geodesic from one start.")
+    if embedding is not None and embedding.attitude is not None:
+        shown["attitude"] = (attitude_picture, "Where the axes of the body point on their way.")
+    shown["coordinates"] = (coordinates_picture, "Each coordinate over the curve parameter.")
+    shown["distance"] = (distance_picture, "How far apart the two motions are.")
+    shown["quality"] = (quality_picture, "Error estimate, and drift of what should be constant.")
+    return shown
+
+
+def can_draw() -> bool:
+    """Whether matplotlib is installed."""
+    return find_spec("matplotlib") is not None
+
+
+def write_curves(
+    pair: Pair,
+    directory: Path,
+    form: str = "png",
+    progress: Callable[[str], object] = lambda _: None,
+) -> list[Path]:
+    """Write curve.csv, curve.json and, where matplotlib is installed, the pictures.
+
+    Nothing is written before everything is computed; the directory is made if it is missing.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from geomtorsion.motion import RungeKutta
+    >>> from geomtorsion.pictures.pair import follow
+    >>> from geomtorsion.spaces import load
+    >>> pair = follow(load("s2"), engine=RungeKutta(), samples=5)
+    >>> with TemporaryDirectory() as folder:
+    ...     [path.name for path in write_curves(pair, Path(folder))][:2]
+    ['curve.csv', 'curve.json']
+    """
+    table = pair.columns()
+    figures = {}
+    if can_draw():
+        for name, (draw, _) in album(pair).items():
+            progress(f"drawing {name}")
+            figures[f"{name}.{form}"] = draw(pair)
+    facts = metadata(pair) | {"table": "curve.csv", "pictures": list(figures)}
+    directory.mkdir(parents=True, exist_ok=True)
+    written = [directory / "curve.csv", directory / "curve.json"]
+    with written[0].open("w", encoding="utf-8", newline="") as file:
+        _write_csv(file, table)
+    written[1].write_text(json.dumps(facts, indent=2, ensure_ascii=False) + "\n", "utf-8")
+    for name, figure in figures.items():
+        save(figure, directory / name)
+        written.append(directory / name)
+    return written
+
+
+def _write_csv(file: Any, table: Mapping[str, Any]) -> None:
+    """Every number with all its digits; cells of a curve that stopped early stay empty."""
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow(table)
+    columns = [[repr(float(x)) for x in column] for column in table.values()]
+    writer.writerows(zip_longest(*columns, fillvalue=""))
+
+
+def metadata(pair: Pair) -> dict[str, Any]:
+    """What was solved, how, and how well, ready for JSON."""
+    problem = pair.problem
+    return {
+        "space": pair.space.name,
+        "coordinates": list(problem.coordinates),
+        "chart": pair.chart,
+        "columns": "t is the curve parameter; q, q' and u^i (frame, from 0) for each curve; "
+        "distance is measured by the coframe half way between the two",
+        "parameters": pair.parameters,
+        "start": [float(x) for x in problem.start or ()],
+        "velocity": problem.velocity.tolist(),
+        "frame_velocity": [float(x) for x in problem.frame_velocity],
+        "t": float(pair.times[-1]),
+        "chosen": list(pair.chosen),
+        "accuracy": pair.straight.accuracy,
+        "largest_distance": float(pair.distance.max()),
+        "coincide": coincide(pair),
+        "curves": {name: _facts(pair, name, found) for name, found in pair.curves.items()},
+    }
+
+
+def _facts(pair: Pair, name: str, solution: Solution) -> dict[str, Any]:
+    return {
+        "law": solution.problem.law.text,
+        "equations": solution.problem.text,
+        "engine": solution.engine,
+        "why": solution.why,
+        "charts": list(solution.charts),
+        "error": solution.error,
+        "drift": {key: float(value) for key, value in solution.drift.items()},
+        "cost": {key: float(value) for key, value in vars(solution.cost).items()},
+        "complete": solution.complete,
+        "stopped": pair.stops.get(name, ""),
+    }

@@ -1,0 +1,49 @@
+"""attitude: the axes of a turning body, traced on the unit sphere of space."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.pictures.ink import SERIES, caption, captioned, legend, new_figure
+from geomtorsion.pictures.sphere import curve_on, globe, space_axes, towards
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from geomtorsion.pictures.pair import Pair
+
+NAMES = ("first", "second", "third")
+
+
+def attitude_picture(pair: Pair) -> Figure:
+    """Two globes side by side: where the body's axes point, as it turns by each of the curves.
+
+    Examples
+    --------
+    >>> from geomtorsion.motion import RungeKutta
+    >>> from geomtorsion.pictures.pair import follow
+    >>> from geomtorsion.spaces import load
+    >>> len(attitude_picture(follow(load("so3"), engine=RungeKutta())).axes)
+    2
+    """
+    figure = new_figure(9.2, 5.4)
+    embedding = pair.embedding
+    assert embedding is not None
+    first = None
+    turns = {
+        name: embedding.attitudes(points, pair.parameters)
+        for name, points in pair.coordinates.items()
+    }
+    facing = towards([turn[:, :, axis] for turn in turns.values() for axis in range(3)])
+    for k, (name, turn) in enumerate(turns.items()):
+        axes: Any = figure.add_subplot(1, 2, k + 1, projection="3d")
+        first = first or axes
+        viewer = globe(axes, 1.0, facing)
+        space_axes(axes, 1.0, viewer)
+        for axis, stroke in enumerate(SERIES[:3]):
+            curve_on(axes, turn[:, :, axis], viewer, stroke, f"{NAMES[axis]} axis of the body")
+        axes.set_title(name, fontsize=11)
+    legend(figure, first)
+    lines = caption(pair)
+    captioned(figure, [*lines, "Dots: start; pale: behind the globe; x, y, z are fixed in space."])
+    return figure

@@ -1,0 +1,126 @@
+"""work precision: what accuracy costs, achieved error against time, log-log."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Protocol
+
+from geomtorsion.pictures.ink import SERIES, captioned, new_figure, quiet
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+MARKS = "osD^vP"
+# An error that is no more than rounding is drawn here.
+LEAST = 1e-17
+
+
+class Row(Protocol):
+    """One engine at one accuracy, as `accuracy_cost` measures it."""
+
+    @property
+    def engine(self) -> str:
+        """Its name."""
+        ...
+
+    @property
+    def asked(self) -> float:
+        """Accuracy asked for."""
+        ...
+
+    @property
+    def achieved(self) -> float | None:
+        """Error that was really made; None where there is no answer."""
+        ...
+
+    @property
+    def seconds(self) -> float | None:
+        """Time of the answer alone."""
+        ...
+
+    @property
+    def total_seconds(self) -> float | None:
+        """Time with the error estimate."""
+        ...
+
+
+class Table(Protocol):
+    """What `accuracy_cost` returns."""
+
+    @property
+    def problem(self) -> str:
+        """What was solved."""
+        ...
+
+    @property
+    def t(self) -> float:
+        """How far."""
+        ...
+
+    @property
+    def truth(self) -> str:
+        """What errors were measured against."""
+        ...
+
+    @property
+    def rows(self) -> Sequence[Row]:
+        """One per engine and accuracy."""
+        ...
+
+
+def work_precision_picture(table: Table) -> Figure:
+    """Time upwards, accuracy to the right: whatever is lower and further right is better.
+
+    Full lines: time with error estimate; thin lines: of the answer alone. A small bar leads from
+    each mark to the accuracy that was asked for.
+
+    Examples
+    --------
+    >>> from geomtorsion.accuracy import accuracy_cost
+    >>> from geomtorsion.motion import RungeKutta, geodesic
+    >>> from geomtorsion.spaces import load
+    >>> p = geodesic(load("so3").frame, frame_velocity=[1, 2, 3], metric=[1, 2, 3])
+    >>> table = accuracy_cost(p, 1.0, engines=[RungeKutta()], accuracies=[1e-3, 1e-6])
+    >>> work_precision_picture(table).axes[0].get_xscale()
+    'log'
+    """
+    figure = new_figure(7.0, 5.0)
+    axes: Any = figure.add_subplot()
+    names = list(dict.fromkeys(row.engine for row in table.rows))
+    for name, stroke, mark in zip(names, SERIES * len(names), MARKS * len(names), strict=False):
+        rows = [
+            row for row in table.rows if row.engine == name and row.seconds and row.total_seconds
+        ]
+        if not rows:
+            continue
+        errors = [max(row.achieved or 0.0, LEAST) for row in rows]
+        total = [1e3 * (row.total_seconds or 0.0) for row in rows]
+        alone = [1e3 * (row.seconds or 0.0) for row in rows]
+        axes.plot(errors, total, **stroke.line, marker=mark, markersize=7, label=name)
+        axes.plot(
+            errors, alone, color=stroke.color, linewidth=0.8, linestyle=stroke.dashes, marker=mark,
+            markersize=4, markerfacecolor="white", label=f"{name}, without error estimate",
+        )  # fmt: skip
+        asked = [row.asked for row in rows]
+        axes.hlines(total, asked, errors, color=stroke.color, linewidth=0.8, alpha=0.45)
+        axes.plot(asked, total, linestyle="", marker="|", color=stroke.color, alpha=0.6)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.invert_xaxis()
+    axes.set_xlabel(f"error, relative, against {table.truth}")
+    axes.set_ylabel("time in ms")
+    axes.grid(axis="both", which="major")
+    quiet(axes)
+    if names:
+        figure.legend(
+            *axes.get_legend_handles_labels(), loc="outside upper center", ncols=2, frameon=False,
+            fontsize=9, handlelength=3.6,
+        )  # fmt: skip
+    captioned(
+        figure,
+        [
+            f"{table.problem}; to t = {table.t:g}.",
+            "Bars lead to the accuracy asked for; lower and further right is better.",
+        ],
+    )
+    return figure

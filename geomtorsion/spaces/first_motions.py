@@ -1,0 +1,103 @@
+"""first motions: a start, a velocity and a time with which to have a first look at a space."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import sympy as sp
+
+from geomtorsion.geometry import Frame
+
+# Duration, and directions of the legs, where nothing better is known.
+DURATION = 2.0
+DIRECTION = (3, 2, 1, 2, 1, 2, 1)
+
+
+@dataclass(frozen=True)
+class FirstMotion:
+    """Where a motion begins, how, and for how long.
+
+    start: coordinates q^mu.
+    frame_velocity: u^i = e^i_mu q'^mu.
+    t: last value of the curve parameter.
+    parameters: name -> number.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> first_motion(load("s2").frame).parameters
+    {'R': 1.0}
+    """
+
+    start: tuple[float, ...]
+    frame_velocity: tuple[float, ...]
+    t: float
+    parameters: Mapping[str, float] = field(default_factory=dict)
+
+
+_ORBIT = ((0.0, 10.0, 1.5707963267948966, 0.0), (1.0628, 0.0, 0.0, 0.36), 700.0)
+
+# Chosen so that the two kinds of curves part visibly, or agree on a long way.
+MOTIONS: dict[str, FirstMotion] = {
+    "so3": FirstMotion((0.3, 1.0, 0.2), (0.4, 0.3, 1.0), 5.0),
+    "r3xso3": FirstMotion((0.0, 1.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.6, 2.0, 0.8, 0.2, 0.8), 10.0),
+    "flat_polar": FirstMotion((1.0, 0.0), (0.3, 1.0), 8.0),
+    "flat_cylindrical": FirstMotion((1.0, 0.0, 0.0), (0.1, 1.0, 0.2), 9.0),
+    "flat_spherical": FirstMotion((2.0, 1.9, 0.0), (0.1, -0.3, 1.0), 9.0),
+    "s2": FirstMotion((1.9, 0.0), (-0.2, 1.0), 6.0, {"R": 1.0}),
+    "s3": FirstMotion((0.5, 0.0, 0.0), (0.5, 1.0, 0.3), 5.0),
+    "heisenberg": FirstMotion((0.0, 0.0, 0.0), (1.0, 0.3, 1.0), 9.0),
+    "schwarzschild": FirstMotion(*_ORBIT, {"M": 1.0}),
+    "kerr": FirstMotion(*_ORBIT, {"M": 1.0, "a": 0.9}),
+}
+
+
+def first_motion(frame: Frame) -> FirstMotion:
+    """The motion chosen for a space of this name, or one from the frame's own sample point.
+
+    The sample point is rounded to hundredths where that stays inside the domain. The direction is
+    fixed, of length one, and in a Lorentzian frame timelike.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> first_motion(load("ax_plus_b").frame)
+    FirstMotion(start=(1.66, 0.91), frame_velocity=(0.832, 0.555), t=2.0, parameters={})
+    """
+    chosen = MOTIONS.get(frame.name or "")
+    if chosen is not None and _fits(chosen, frame):
+        return chosen
+    point = {symbol: float(value) for symbol, value in frame.sample_point.items()}
+    rounded = {symbol: round(value, 2) for symbol, value in point.items()}
+    if all(relation.subs(rounded) == sp.true for relation in frame.domain):
+        point = rounded
+    return FirstMotion(
+        tuple(point[symbol] for symbol in frame.coordinates),
+        _direction(frame),
+        DURATION,
+        {symbol.name: point[symbol] for symbol in frame.parameters},
+    )
+
+
+def _fits(motion: FirstMotion, frame: Frame) -> bool:
+    """Whether the numbers are as many as this frame, which may only share the name, needs."""
+    names = {symbol.name for symbol in frame.parameters}
+    return len(motion.start) == frame.dimension and set(motion.parameters) == names
+
+
+def _direction(frame: Frame) -> tuple[float, ...]:
+    """A direction of length one, or timelike of length minus one."""
+    n = frame.dimension
+    signs = [float(frame.eta[i, i]) for i in range(n)]
+    weights = [float(DIRECTION[i % len(DIRECTION)]) for i in range(n)]
+    times = [i for i in range(n) if signs[i] < 0]
+    spatial = [0.0 if i in times else weight for i, weight in enumerate(weights)]
+    length = math.sqrt(sum(x * x for x in spatial)) or 1.0
+    if len(times) != 1:
+        return tuple(round(x / math.hypot(*weights), 3) for x in weights)
+    speed = 0.75
+    values = [speed * x / length for x in spatial]
+    values[times[0]] = 1.25
+    return tuple(round(x, 3) for x in values)
