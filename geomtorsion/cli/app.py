@@ -7,7 +7,9 @@ from typing import Annotated
 
 import typer
 
+from geomtorsion.cli.accuracy import accuracy
 from geomtorsion.cli.check import check
+from geomtorsion.cli.curve import curve
 from geomtorsion.cli.geometry import geometry
 from geomtorsion.cli.guard import guarded
 from geomtorsion.cli.paper import paper
@@ -58,6 +60,6 @@ def geomtorsion(
     """
 
 
-for _command in (spaces, geometry, check, plan, report):
+for _command in (spaces, geometry, check, plan, report, curve, accuracy):
     app.command()(guarded(_command))
 app.command(short_help="Recompute the equations of the paper.")(guarded(paper))
