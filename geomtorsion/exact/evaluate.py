@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from numbers import Rational
 from typing import TYPE_CHECKING, Any
 
 import mpmath
 import sympy
+from flint import fmpq
 
 from geomtorsion.errors import MissingValueError, SingularPointError
 
@@ -141,16 +143,18 @@ def _given(point: Mapping[Any, Any], generator: Generator) -> Any:
     """The value that the user gave for a symbol or a jet."""
     for key in (generator.shown, str(generator.shown)):
         if key in point:
-            value: Any = point[key]
-            if hasattr(value, "_mpf_") or hasattr(value, "_mpc_"):
-                return value
-            if hasattr(value, "p") and hasattr(value, "q"):
-                return mpmath.mpf(int(value.p)) / int(value.q)
-            if hasattr(value, "numerator") and not isinstance(value, float):
-                return mpmath.mpf(int(value.numerator)) / int(value.denominator)
-            if isinstance(value, sympy.Expr):
-                return mpmath.mpmathify(value.evalf(int(mpmath.mp.dps) + 5))
-            return mpmath.mpmathify(value)
+            return _number(point[key])
     raise MissingValueError(
         f"{generator.shown} has no value at this point; add it: {{..., {generator.shown}: number}}"
     )
+
+
+def _number(value: Any) -> Any:
+    """A number of any kind as mpmath takes it, exact ones to the working precision."""
+    if isinstance(value, sympy.Basic):
+        return mpmath.mpmathify(value.evalf(int(mpmath.mp.dps) + 5))
+    if isinstance(value, Rational):
+        return mpmath.mpf(int(value.numerator)) / int(value.denominator)
+    if type(value).__name__ in ("fmpq", "fmpz"):
+        return mpmath.mpf(int(fmpq(value).p)) / int(fmpq(value).q)
+    return mpmath.mpmathify(value)
