@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from geomtorsion.cli.accuracy import accuracy
+from geomtorsion.cli.burgers import burgers
 from geomtorsion.cli.check import check
 from geomtorsion.cli.curve import curve
 from geomtorsion.cli.geometry import geometry
@@ -60,6 +61,6 @@ def geomtorsion(
     """
 
 
-for _command in (spaces, geometry, check, plan, report, curve, accuracy):
+for _command in (spaces, geometry, check, plan, report, curve, accuracy, burgers):
     app.command()(guarded(_command))
 app.command(short_help="Recompute the equations of the paper.")(guarded(paper))
