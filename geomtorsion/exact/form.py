@@ -156,9 +156,8 @@ def _sum(field: Field, table: Radicals, poly: Any) -> tuple[Sum, int]:
     terms = {tuple(map(int, m)): fmpq(c) for m, c in poly.to_dict().items()}
     for cos, sin, sign in table.partners:
         if len(terms) <= _LONGEST_REWRITTEN and any(m[cos] > 1 for m in terms):
-            other = _rewritten(terms, cos, sin, sign)
-            if len(other) < len(terms):
-                terms = other
+            others = (_paired(terms, cos, sin, sign), _rewritten(terms, cos, sin, sign))
+            terms = min((terms, *others), key=len)
     positive = sum(1 for value in terms.values() if value > 0)
     sign = -1 if 2 * positive < len(terms) else 1
     named = tuple(
@@ -187,4 +186,27 @@ def _rewritten(
             else:
                 result.pop(key, None)
             factor = factor * sign * (half - k) / (k + 1)
+    return result
+
+
+def _paired(
+    terms: dict[tuple[int, ...], fmpq], cos: int, sin: int, sign: int
+) -> dict[tuple[int, ...], fmpq]:
+    """A - A cos**2 replaced with A sin**2, pair by pair (A cosh**2 - A with A sinh**2)."""
+    result = dict(terms)
+    for monomial in sorted(terms, key=lambda m: -m[cos]):
+        value = result.get(monomial, fmpq(0))
+        lower = list(monomial)
+        lower[cos] -= 2
+        partner = tuple(lower)
+        if monomial[cos] < 2 or not value or result.get(partner) != -value:
+            continue
+        del result[monomial], result[partner]
+        lower[sin] += 2
+        key = tuple(lower)
+        total = result.get(key, fmpq(0)) + value * sign
+        if total:
+            result[key] = total
+        else:
+            result.pop(key, None)
     return result

@@ -31,7 +31,7 @@ DERIVATIVE_NAMES = frozenset({"diff", "Derivative"})
 
 _SIGN = "Give the symbol a sign among the parameters (positive, negative) and write it without."
 _SQUARE = "Write sqrt(x**2) with x positive, or the branch you mean."
-NOT_SMOOTH = MappingProxyType(
+NOT_SMOOTH: MappingProxyType[str, str] = MappingProxyType(
     dict.fromkeys(("Abs", "abs"), _SQUARE)
     | dict.fromkeys(("sign", "Max", "Min", "max", "min"), _SIGN)
     | dict.fromkeys(
