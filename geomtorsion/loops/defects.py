@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from geomtorsion.errors import LoopError, MissingValueError, SingularPointError
+from geomtorsion.errors import LoopError, MissingValueError
+from geomtorsion.loops.intake import rows
 from geomtorsion.loops.loop import Loop, shown
 from geomtorsion.loops.motions import Motion
+from geomtorsion.loops.turning import turns_round
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Connection, Frame
@@ -83,14 +85,11 @@ class Defect:
                 f"{self}: a loop winds round a line (a point in the plane), not round this. "
                 "Surround it with a closed surface instead."
             )
-        try:
-            return loop.winding(self.place(parameters), self.across)
-        except LoopError as error:
-            if "meets the axis" not in str(error):
-                raise
-            raise SingularPointError(
-                f"the loop passes through the {self}: {error}. Lead it past the defect."
-            ) from None
+        import numpy as np
+
+        place = self.place(parameters)
+        across = np.array(rows(self.across, len(place)))
+        return turns_round(loop, place, across, str(self))
 
     def __str__(self) -> str:
         names = self.fixed or tuple(f"q{k}" for k in range(len(self.point)))
@@ -176,11 +175,10 @@ def isolated_zero(
     definite = all(s == 1 for s in signs) or all(s == (-1) ** (k + 1) for k, s in enumerate(signs))
     if not definite:
         return None
-    gradient = [factor.diff(symbol) for symbol in used]
-    point = sp.solve(gradient, used, dict=True)
-    if len(point) != 1 or sp.simplify(factor.subs(point[0])) != 0:
-        return None
-    return point[0]
+    origin = dict.fromkeys(used, 0)
+    slope = sp.Matrix([factor.diff(symbol).subs(origin) for symbol in used])
+    point = dict(zip(used, map(sp.cancel, hessian.LUsolve(-slope)), strict=True))
+    return point if sp.cancel(sp.expand(factor.subs(point))) == 0 else None
 
 
 def enclosed_defects(
@@ -256,7 +254,6 @@ def charge(
 
     from geomtorsion.loops.affine import AffineForm
     from geomtorsion.loops.cone import line_rate
-    from geomtorsion.loops.intake import rows
     from geomtorsion.loops.transport import transported
 
     if defect.across is None:

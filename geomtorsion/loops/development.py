@@ -15,8 +15,9 @@ from geomtorsion.loops.forms import forms, parameter_values
 from geomtorsion.loops.line import refuse_poles
 from geomtorsion.loops.loop import Loop, Part
 from geomtorsion.loops.motions import Motion
+from geomtorsion.loops.routes import agree, along_line, better, joined, repeated
 from geomtorsion.loops.sides import Straight
-from geomtorsion.loops.transport import EPS, Transported, transported
+from geomtorsion.loops.transport import Transported, transported
 
 if TYPE_CHECKING:
     import numpy as np
@@ -24,8 +25,6 @@ if TYPE_CHECKING:
     from geomtorsion.geometry import Connection
     from geomtorsion.loops.defects import Defect, Enclosed
 
-# Two routes disagree when they differ by more than this many times their errors together.
-DISAGREE = 30
 LEAST_ACCURACY = 1e-15
 
 
@@ -181,18 +180,17 @@ def develop(
     for part in loop.parts:
         refuse_poles(compiled, part, values)
     form = AffineForm(connection, parameters)
-    lines = [_repeated(_line(form, part, accuracy), part.times) for part in loop.parts]
+    lines = [repeated(along_line(form, part, accuracy), part.times) for part in loop.parts]
     cones = [around_cone(form, part, accuracy) for part in loop.parts]
     cones = [
-        None if cone is None else _repeated(cone, part.times)
+        None if cone is None else repeated(cone, part.times)
         for cone, part in zip(cones, loop.parts, strict=True)
     ]
     agrees = [
-        None if cone is None else _agree(line, cone)
-        for line, cone in zip(lines, cones, strict=True)
+        None if cone is None else agree(line, cone) for line, cone in zip(lines, cones, strict=True)
     ]
     chosen = [
-        cone if cone is not None and fits and _better(cone, line) else line
+        cone if cone is not None and fits and better(cone, line) else line
         for line, cone, fits in zip(lines, cones, agrees, strict=True)
     ]
     enclosed: tuple[Enclosed, ...] = ()
@@ -201,7 +199,7 @@ def develop(
 
         enclosed = enclosed_defects(frame, loop, parameters, defects=defects, connection=connection)
     routes = ["cone" if one is cone else "line" for one, cone in zip(chosen, cones, strict=True)]
-    total = _joined(chosen)
+    total = joined(chosen)
     check = _check(lines, cones, agrees, enclosed)
     return Development(
         connection, loop, total.motion, total.error, total.turn_error,
@@ -257,59 +255,6 @@ def develop_path(
     return transported(sides, line_rate(form, part), accuracy).motion
 
 
-def _line(form: AffineForm, part: Part, accuracy: float) -> Transported:
-    """The development once round along the line, with what rounding of the points does."""
-    import numpy as np
-
-    found = transported(part.sides, line_rate(form, part), accuracy)
-    place = np.abs(np.array(part.centre)).max() / part.size
-    noise = 2 * EPS * found.scale * (1 + min(place, 4.0))
-    return Transported(
-        found.motion, found.error + noise, found.turn_error, found.scale, found.points
-    )
-
-
-def _repeated(once: Transported, times: int) -> Transported:
-    """The same path several times, or backwards."""
-    motion = once.motion if times > 0 else once.motion.inverse
-    total = motion
-    for _ in range(abs(times) - 1):
-        total = total @ motion
-    share = abs(times)
-    return Transported(
-        total, share * once.error, share * once.turn_error, share * once.scale, once.points
-    )
-
-
-def _joined(parts: Sequence[Transported]) -> Transported:
-    """One path after the other."""
-    total = parts[0]
-    for part in parts[1:]:
-        total = Transported(
-            total.motion @ part.motion,
-            total.error + part.error + total.turn_error * part.scale,
-            total.turn_error + part.turn_error,
-            total.scale + part.scale,
-            total.points + part.points,
-        )
-    return total
-
-
-def _agree(line: Transported, cone: Transported) -> bool:
-    """Whether both routes give the same motion within their errors."""
-    import numpy as np
-
-    apart = np.abs(line.motion.increment - cone.motion.increment)
-    shift = float(apart[:-1, -1].max()) <= DISAGREE * (line.error + cone.error)
-    turn = float(apart[:-1, :-1].max()) <= DISAGREE * (line.turn_error + cone.turn_error)
-    return shift and turn
-
-
-def _better(cone: Transported, line: Transported) -> bool:
-    """Whether the cone has the smaller error of the translation."""
-    return cone.error <= line.error
-
-
 def _check(
     lines: Sequence[Transported],
     cones: Sequence[Transported | None],
@@ -317,9 +262,9 @@ def _check(
     enclosed: tuple[Enclosed, ...],
 ) -> RouteCheck:
     """The comparison of both routes over the whole loop, in words."""
-    line = _joined(lines).motion
+    line = joined(lines).motion
     present = [cone for cone in cones if cone is not None]
-    cone = _joined(present).motion if len(present) == len(cones) else None
+    cone = joined(present).motion if len(present) == len(cones) else None
     places = "; ".join(str(one) for one in enclosed)
     if all(agrees):
         return RouteCheck(line, cone, True, "line integral and cone over the loop agree")

@@ -20,6 +20,8 @@ PIECE = 2**13
 # Gauss points of each level; edges that do not converge are halved up to this often.
 FEW, MANY = 4, 7
 HALVINGS = 30
+# An edge that comes this close to a line, as share of its distance, goes through it.
+TOUCHES = 1e-13
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +65,43 @@ def edge_integrals(
         vectors[part], errors[part] = found.vectors, found.errors
         evaluations += found.evaluations
     return EdgeIntegrals(vectors, errors, evaluations)
+
+
+def refuse_touching(
+    frame: Frame, starts: np.ndarray, ends: np.ndarray, parameters: Mapping[Any, Any] | None
+) -> None:
+    """Refuse edges that go through a line on which the coframe is singular.
+
+    Raises
+    ------
+    SingularPointError
+        An edge does; the message names edge, point and line.
+    """
+    import numpy as np
+
+    from geomtorsion.loops.defects import find_defects
+    from geomtorsion.loops.intake import rows
+    from geomtorsion.loops.loop import shown
+
+    for defect in find_defects(frame):
+        if defect.across is None:
+            continue
+        across = np.array(rows(defect.across, frame.dimension))
+        place = np.array(defect.place(parameters))
+        first, last = (starts - place) @ across.T, (ends - place) @ across.T
+        step = last - first
+        square = np.maximum((step * step).sum(axis=1), np.finfo(float).tiny)
+        share = np.clip(-(first * step).sum(axis=1) / square, 0, 1)
+        near = np.abs(first + share[:, None] * step).max(axis=1)
+        size = np.maximum(np.abs(first).max(axis=1), np.abs(last).max(axis=1))
+        bad = np.flatnonzero(near <= TOUCHES * size)
+        if len(bad):
+            k = int(bad[0])
+            where = starts[k] + share[k] * (ends[k] - starts[k])
+            raise SingularPointError(
+                f"edge {k} passes through the {defect}, at {shown(where)}, where the coframe has "
+                "no finite value. Lead it past that point."
+            )
 
 
 def _piece(

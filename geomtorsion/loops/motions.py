@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 SMALL = 0.3
 # A linear part stretches if it changes lengths by more than this share of what it turns.
 ROTATION = 1e-6
+# Where the parts of a loop cancel, rounding alone is left of the turn.
+ROUNDING = 1e-14
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,7 +198,7 @@ class Motion:
 
         turn = self.turn
         stretch = np.abs(turn + turn.T + turn @ turn.T).max(initial=0.0)
-        if not stretch <= ROTATION * max(float(np.abs(turn).max(initial=0.0)), 1e-300):
+        if not stretch <= ROTATION * float(np.abs(turn).max(initial=0.0)) + ROUNDING:
             raise LoopError(
                 "the linear part is no rotation: the connection does not keep Euclidean lengths. "
                 "Use .frank, the logarithm, which has a meaning for boosts and shears as well."

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import LimitError, NetworkError
 from geomtorsion.loops.edge_list import EdgeList, edge_list
-from geomtorsion.loops.edges import EdgeIntegrals, edge_integrals
+from geomtorsion.loops.edges import EdgeIntegrals, edge_integrals, refuse_touching
 from geomtorsion.loops.loop import Loop, shown
 from geomtorsion.loops.potentials import Forest, spanning_forest
 
@@ -90,10 +90,9 @@ class Network:
     def integrals(self) -> EdgeIntegrals:
         """The integral of the coframe along every edge, from its first node to its second."""
         places, pairs = self.edges.positions, self.edges.pairs
-        return edge_integrals(
-            self.frame, places[pairs[:, 0]], places[pairs[:, 1]], self.accuracy,
-            parameters=self.parameters,
-        )  # fmt: skip
+        starts, ends = places[pairs[:, 0]], places[pairs[:, 1]]
+        refuse_touching(self.frame, starts, ends, self.parameters)
+        return edge_integrals(self.frame, starts, ends, self.accuracy, parameters=self.parameters)
 
     def edge(self, start: Hashable, end: Hashable) -> np.ndarray:
         """The integral from one node to a neighbour, shape (n,).

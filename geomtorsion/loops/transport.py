@@ -24,6 +24,10 @@ PIECE = 2**15
 MOST_STRETCHES = 2**17
 NARROWEST = 2.0**-40
 EPS = 2.0**-52
+# Halving gains a factor of 2**16 on a smooth stretch. One that gains less than this twice, and
+# differs by less than this share of its size, has come to the rounding of its points.
+GAIN = 16.0
+NOISE = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +77,7 @@ def transported(sides: Sequence[Side], integrand: Integrand, accuracy: float) ->
     done: list[_Stretches] = []
     errors: list[np.ndarray] = []
     total = np.maximum(waiting.size.sum(axis=0), np.finfo(float).tiny)
+    before = earlier = np.full((len(owner), 2), np.inf)
     while len(waiting.owner):
         halves = _halved(sides, integrand, waiting)
         points += len(halves.owner) * STAGES
@@ -84,7 +89,9 @@ def transported(sides: Sequence[Side], integrand: Integrand, accuracy: float) ->
         allowed = np.maximum(
             accuracy * total * waiting.width[:, None] / len(sides), 16 * EPS * waiting.size
         )
-        good = np.asarray((found <= allowed).all(axis=1))
+        slow = (found > before / GAIN) & (before > earlier / GAIN)
+        stalled = slow & (found <= NOISE * waiting.size)
+        good = np.asarray(((found <= allowed) | stalled).all(axis=1))
         narrow = ~good & (waiting.width < NARROWEST)
         if narrow.any() or len(waiting.owner) > MOST_STRETCHES or not np.isfinite(found).all():
             worst = int(np.argmax(np.where(np.isfinite(found[:, 1]), found.max(axis=1), np.inf)))
@@ -92,6 +99,7 @@ def transported(sides: Sequence[Side], integrand: Integrand, accuracy: float) ->
         done.append(_chosen(waiting, good, joined))
         errors.append(found[good] + 2 * EPS * waiting.size[good])
         waiting = _chosen(halves, np.repeat(~good, 2))
+        before, earlier = (np.repeat(x[~good], 2, axis=0) for x in (found, before))
     return _assembled(done, errors, points)
 
 
@@ -179,11 +187,13 @@ def at_sides(
 
 def _stuck(sides: Sequence[Side], stretches: _Stretches, worst: int) -> LoopError:
     """The error for a path along which the integral does not converge."""
+    import numpy as np
+
     from geomtorsion.loops.loop import shown
 
     side = sides[int(stretches.owner[worst])]
     middle = float(stretches.low[worst] + stretches.width[worst] / 2)
-    place = shown(side.shape([middle])[0][:, 0])  # type: ignore[arg-type]
+    place = shown(side.shape(np.array([middle]))[0][:, 0])
     return LoopError(
         f"the development does not converge near offset {place} from the centre of the loop: the "
         "frame is singular there, or turns without end. Move the loop away from that point."

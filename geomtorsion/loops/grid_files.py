@@ -1,0 +1,144 @@
+"""Grid files: sampled frames from NPZ and NetCDF, with errors that name file and array."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import FileFormatError, MissingExtraError
+
+if TYPE_CHECKING:
+    import numpy as np
+
+Grid = tuple[list[Any], Any, tuple[str, ...], bool]
+HDF5 = b"\x89HDF"
+
+
+def read_grid(path: Path) -> Grid:
+    """Axes, values, names of the axes, and whether the values are a distortion.
+
+    NPZ: an array `coframe` or `distortion` of shape (rows, d, N_1, ..., N_d), and one array
+    `axis_x`, `axis_y`, ... for each axis, in the order in which `names` lists them (or in which
+    they stand in the file). NetCDF: a variable `coframe` or `distortion` with dimensions
+    (row, column, x, y, ...) and a coordinate variable for each dimension of the grid.
+
+    Raises
+    ------
+    FileFormatError
+        The file is missing, truncated or malformed, or lacks an array.
+    """
+    if not path.is_file():
+        raise FileFormatError(f"{path}: there is no such file.")
+    kind = path.suffix.lower()
+    if kind == ".npz":
+        return _npz(path)
+    if kind in (".nc", ".cdf", ".netcdf"):
+        return _netcdf(path)
+    raise FileFormatError(
+        f"{path}: .npz or .nc was needed, but the name ends in {path.suffix!r}. "
+        "For arrays in memory use SampledFrame(axes, coframe)."
+    )
+
+
+def _npz(path: Path) -> Grid:
+    """A grid from an NPZ file."""
+    import numpy as np
+
+    def load() -> dict[str, np.ndarray]:
+        with np.load(path, allow_pickle=False) as content:
+            return {name: content[name] for name in content.files}
+
+    arrays = _guarded(path, load)
+    if not isinstance(arrays, dict):
+        raise FileFormatError(f"{path}: an NPZ archive was needed.")
+    key = _key(path, arrays)
+    if "names" in arrays:
+        names = tuple(str(name) for name in np.atleast_1d(arrays["names"]))
+    else:
+        names = tuple(name.removeprefix("axis_") for name in arrays if name.startswith("axis_"))
+    axes = []
+    for name in names:
+        if f"axis_{name}" not in arrays:
+            raise FileFormatError(f"{path}: the array axis_{name} is missing; names lists {names}.")
+        axes.append(arrays[f"axis_{name}"])
+    if not axes:
+        raise FileFormatError(
+            f"{path}: no axes; arrays axis_x, axis_y, ... were needed, but the file has "
+            f"{', '.join(sorted(arrays))}."
+        )
+    return axes, arrays[key], names, key == "distortion"
+
+
+def _netcdf(path: Path) -> Grid:
+    """A grid from a NetCDF file: by xarray if it is installed, classic files by scipy otherwise."""
+    try:
+        xarray = import_module("xarray")
+    except ImportError:
+        return _classic(path)
+
+    def load() -> Any:
+        with xarray.open_dataset(path) as data:
+            return data.load()
+
+    data = _guarded(path, load)
+    key = _key(path, data.variables)
+    variable = data[key]
+    names = tuple(str(name) for name in variable.dims[2:])
+    for name in names:
+        if name not in data.coords:
+            raise FileFormatError(f"{path}: dimension {name} of {key} has no coordinates.")
+    return [data[name].values for name in names], variable.values, names, key == "distortion"
+
+
+def _classic(path: Path) -> Grid:
+    """A grid from a classic NetCDF file, by scipy."""
+    from scipy.io import netcdf_file
+
+    with path.open("rb") as stream:
+        if stream.read(4) == HDF5:
+            raise MissingExtraError(
+                f"{path}: this is NetCDF 4, which needs xarray with a backend. "
+                "Install them: pip install xarray netcdf4."
+            )
+
+    def load() -> tuple[dict[str, Any], dict[str, tuple[str, ...]]]:
+        with netcdf_file(path, mmap=False) as data:
+            arrays = {name: variable[:].copy() for name, variable in data.variables.items()}
+            sizes = {name: variable.dimensions for name, variable in data.variables.items()}
+            return arrays, sizes
+
+    arrays, dimensions = _guarded(path, load)
+    key = _key(path, arrays)
+    names = tuple(dimensions[key][2:])
+    for name in names:
+        if name not in arrays:
+            raise FileFormatError(f"{path}: dimension {name} of {key} has no coordinate variable.")
+    return [arrays[name] for name in names], arrays[key], names, key == "distortion"
+
+
+def _guarded(path: Path, load: Callable[[], Any]) -> Any:
+    """What a reader returns, with its failures as an error of ours."""
+    try:
+        return load()
+    except (
+        OSError, EOFError, ValueError, TypeError, KeyError, IndexError, AssertionError,
+        zipfile.BadZipFile, zipfile.zlib.error,  # type: ignore[attr-defined]
+    ) as error:  # fmt: skip
+        raise FileFormatError(
+            f"{path}: it cannot be read, it is truncated or no file of this kind "
+            f"({type(error).__name__}: {error})."
+        ) from None
+
+
+def _key(path: Path, arrays: Mapping[str, Any]) -> str:
+    """Which array holds the values."""
+    found = [key for key in ("coframe", "distortion") if key in arrays]
+    if len(found) != 1:
+        present = ", ".join(sorted(map(str, arrays))) or "nothing"
+        raise FileFormatError(
+            f"{path}: exactly one of coframe and distortion was needed, but the file has {present}."
+        )
+    return found[0]

@@ -1,0 +1,303 @@
+"""Sampled: a coframe known on a regular grid, such as a measured distortion field."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import GridError
+from geomtorsion.loops.grid_intake import (
+    check_finite,
+    check_names,
+    check_shape,
+    numbers,
+    regular_axis,
+)
+from geomtorsion.loops.stencils import applied, differentiation, integration
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from geomtorsion.geometry import Frame
+    from geomtorsion.loops.loop import Loop
+    from geomtorsion.loops.sampled_loop import SampledBurgers
+
+ORDERS = (2, 4, 6, 8)
+
+
+@dataclass(frozen=True, eq=False)
+class Plaquettes:
+    """Burgers vectors of all cells of a grid in one coordinate plane.
+
+    vectors: b^i, shape (rows, cells..., nodes of the other axes...), axes in the order of the grid.
+    errors: bound on the largest component, from a rule of another order, without the first axis.
+    area: of one cell; plane: the two axes, turned from the first to the second.
+    """
+
+    vectors: np.ndarray
+    errors: np.ndarray
+    area: float
+    plane: tuple[int, int]
+
+    @property
+    def density(self) -> np.ndarray:
+        """b^i per area: the torsion 2 S_ab^i averaged over each cell."""
+        return self.vectors / self.area
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SampledFrame:
+    """A coframe on a regular grid, interpolated by local polynomials.
+
+    axes: coordinates of the grid, one increasing or decreasing array each, equally spaced.
+    coframe: e^i_mu at the nodes, shape (rows, d, N_1, ..., N_d): i, mu, then the grid.
+    order: order of interpolation, quadrature and differences in the spacing: 2, 4, 6 or 8. Every
+        error is measured against another order (the next lower one; for 2 the next higher one).
+    names: of the axes.
+
+    Raises
+    ------
+    GridError
+        Shapes do not fit, an axis is not regular or too short, or a value is not finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> axes = [np.linspace(-1, 1, 9), np.linspace(-1, 1, 11)]
+    >>> x, y = np.meshgrid(*axes, indexing="ij")
+    >>> distortion = np.array([[-y, x]]) / 2      # e = dx^i + (x dy - y dx) / 2: torsion 1
+    >>> grid = SampledFrame(axes, distortion)
+    >>> grid.plaquettes().density.round(12).min(), grid.plaquettes().density.round(12).max()
+    (np.float64(1.0), np.float64(1.0))
+    """
+
+    axes: Sequence[np.ndarray]
+    coframe: np.ndarray
+    order: int = 4
+    names: Sequence[str] = ()
+
+    def __post_init__(self) -> None:
+        """Check axes and values once."""
+
+        if self.order not in ORDERS:
+            raise GridError(f"order: one of {ORDERS} was needed, but {self.order!r} came.")
+        names = tuple(self.names) or tuple("xyzuvw"[: len(self.axes)])
+        check_names(self.axes, names)
+        values = numbers(self.coframe, "coframe")
+        axes = tuple(regular_axis(x, name) for x, name in zip(self.axes, names, strict=True))
+        check_shape(values, axes, names, max(self.order, self.other_order) + 1, self.order)
+        check_finite(values, axes, names)
+        for key, value in (("axes", axes), ("coframe", values), ("names", names)):
+            object.__setattr__(self, key, value)
+
+    # -- makers -----------------------------------------------------------------------------------
+
+    @classmethod
+    def from_distortion(
+        cls, axes: Sequence[Any], distortion: Any, order: int = 4, names: Sequence[str] = ()
+    ) -> SampledFrame:
+        """From a distortion beta^i_mu = d_mu u^i (row: displacement, column: derivative).
+
+        The coframe is e = 1 + beta: it maps a step in the crystal as it is to the ideal lattice
+        when u points from the real to the ideal place. For displacements from ideal to real places
+        give -beta (small distortions), or the inverse of (1 + beta) minus 1.
+        """
+        import numpy as np
+
+        values = numbers(distortion, "distortion")
+        if values.ndim < 3:
+            raise GridError(
+                f"distortion: shape (rows, columns, grid...) was needed, but {values.shape} came."
+            )
+        unit = np.eye(*values.shape[:2]).reshape(*values.shape[:2], *(1,) * (values.ndim - 2))
+        return cls(axes, values + unit, order, names)
+
+    @classmethod
+    def from_frame(
+        cls,
+        frame: Frame,
+        axes: Sequence[Any],
+        order: int = 4,
+        *,
+        parameters: Mapping[Any, Any] | None = None,
+    ) -> SampledFrame:
+        """Samples of an exact frame, one axis for each coordinate.
+
+        Raises
+        ------
+        SingularPointError
+            The frame has no finite value at a node.
+        """
+        import numpy as np
+
+        from geomtorsion.loops.forms import forms, parameter_values
+
+        lines = [np.asarray(axis, dtype=float) for axis in axes]
+        if len(lines) != frame.dimension:
+            raise GridError(
+                f"one axis for each of {frame.dimension} coordinates was needed, but "
+                f"{len(lines)} came."
+            )
+        compiled = forms(frame)
+        numbers = parameter_values(frame, compiled.parameters, parameters)
+        nodes = np.meshgrid(*lines, indexing="ij")
+        found = compiled.coframe.function(*nodes, *numbers)
+        values = np.zeros((frame.dimension, frame.dimension, *nodes[0].shape))
+        values[compiled.coframe.rows, compiled.coframe.columns] = found
+        return cls(lines, values, order, tuple(symbol.name for symbol in frame.coordinates))
+
+    @classmethod
+    def read(cls, path: str | Path, order: int = 4) -> SampledFrame:
+        """From an NPZ or NetCDF file (see `grid_files.read_grid` for its contents).
+
+        Raises
+        ------
+        FileFormatError
+            The file is missing, truncated or malformed, or lacks an array.
+        GridError
+            What it holds is no regular grid of finite numbers.
+        """
+        from geomtorsion.loops.grid_files import read_grid
+
+        axes, values, names, is_distortion = read_grid(Path(path))
+        if is_distortion:
+            return cls.from_distortion(axes, values, order, names)
+        return cls(axes, values, order, names)
+
+    def save(self, path: str | Path) -> None:
+        """Write an NPZ file that `read` reads back."""
+        import numpy as np
+
+        lines = {f"axis_{name}": axis for name, axis in zip(self.names, self.axes, strict=True)}
+        content: dict[str, Any] = {"coframe": self.coframe, "names": np.array(self.names), **lines}
+        np.savez_compressed(path, **content)
+
+    # -- what it is -------------------------------------------------------------------------------
+
+    @property
+    def dimension(self) -> int:
+        """Number of axes."""
+        return len(self.axes)
+
+    @property
+    def rows(self) -> int:
+        """Number of frame indices."""
+        return len(self.coframe)
+
+    @cached_property
+    def steps(self) -> tuple[float, ...]:
+        """Spacing of each axis; negative where it decreases."""
+        return tuple(float(axis[-1] - axis[0]) / (len(axis) - 1) for axis in self.axes)
+
+    @property
+    def other_order(self) -> int:
+        """The order against which errors are measured."""
+        return self.order - 2 if self.order > 2 else 4
+
+    # -- closure ----------------------------------------------------------------------------------
+
+    def plaquettes(self, plane: tuple[int, int] = (0, 1)) -> Plaquettes:
+        """Burgers vector of every cell in a coordinate plane, by integrals along its four edges.
+
+        Neighbouring cells share edges, so that the sum over a region is the loop round it.
+
+        Raises
+        ------
+        GridError
+            The plane does not name two different axes.
+        """
+        import numpy as np
+
+        a, b = self._plane(plane)
+        vectors = self._cells(a, b, self.order)
+        errors = np.abs(vectors - self._cells(a, b, self.other_order)).max(axis=0)
+        scale = np.abs(self._bent).max() * max(abs(self.steps[a]), abs(self.steps[b]))
+        return Plaquettes(vectors, errors + 2.0**-50 * scale, self.steps[a] * self.steps[b], (a, b))
+
+    def _cells(self, a: int, b: int, order: int) -> np.ndarray:
+        """Closure of all cells, by quadrature of one order along the edges."""
+        import numpy as np
+
+        along_a, along_b = (
+            self.steps[k] * applied(integration(order, len(self.axes[k])), self._bent[:, k], 1 + k)
+            for k in (a, b)
+        )
+        return np.diff(along_b, axis=1 + a) - np.diff(along_a, axis=1 + b)
+
+    @cached_property
+    def _bent(self) -> np.ndarray:
+        """The coframe without its mean: constant parts close exactly, and need not be rounded."""
+        inner = tuple(range(2, self.coframe.ndim))
+        return self.coframe - self.coframe.mean(axis=inner, keepdims=True)
+
+    def torsion(self, plane: tuple[int, int] = (0, 1)) -> tuple[np.ndarray, np.ndarray]:
+        """Torsion 2 S_ab^i = d_a e^i_b - d_b e^i_a at the nodes, and its error.
+
+        Returns
+        -------
+        Arrays of shape (rows, N_1, ..., N_d): the values, and their distance from differences of
+        another order.
+        """
+        import numpy as np
+
+        a, b = self._plane(plane)
+        fine, other = (self._curl(a, b, order) for order in (self.order, self.other_order))
+        return fine, np.abs(fine - other)
+
+    def _curl(self, a: int, b: int, order: int) -> np.ndarray:
+        """d_a e_b - d_b e_a by differences of one order."""
+        one, two = (
+            applied(differentiation(order, len(self.axes[k])), self._bent[:, m], 1 + k)
+            / self.steps[k]
+            for k, m in ((a, b), (b, a))
+        )
+        return one - two
+
+    @cached_property
+    def nye(self) -> np.ndarray:
+        """Nye tensor alpha^{ik} = eps^{kab} d_a e^i_b, shape (rows, 3, N_1, N_2, N_3).
+
+        b^i of a small area with normal n_k is alpha^{ik} n_k A. On a plane grid (two axes) only
+        k = 2 is known, and the shape is (rows, 1, N_1, N_2).
+        """
+        import numpy as np
+
+        if self.dimension == 2:
+            return self.torsion((0, 1))[0][:, None]
+        if self.dimension != 3:
+            raise GridError(
+                f"the Nye tensor belongs to two or three dimensions, the grid has {self.dimension}."
+                " Use .torsion(plane)."
+            )
+        return np.stack([self.torsion(pair)[0] for pair in ((1, 2), (2, 0), (0, 1))], axis=1)
+
+    def burgers(self, loop: Loop) -> SampledBurgers:
+        """Burgers vector of a loop through the grid, with interpolation and quadrature error.
+
+        Raises
+        ------
+        GridError
+            The loop leaves the grid, or has another dimension; the message names the point.
+        """
+        from geomtorsion.loops.sampled_loop import sampled_burgers
+
+        return sampled_burgers(self, loop)
+
+    def _plane(self, plane: Any) -> tuple[int, int]:
+        """Two different axes."""
+        pair = tuple(plane) if hasattr(plane, "__len__") else ()
+        if len(pair) != 2 or pair[0] == pair[1] or not set(pair) <= set(range(self.dimension)):
+            raise GridError(
+                f"plane: two different axes from 0 to {self.dimension - 1} were needed, but "
+                f"{plane!r} came."
+            )
+        return pair[0], pair[1]
+
+    def __repr__(self) -> str:
+        sizes = " x ".join(
+            f"{name}: {len(axis)}" for name, axis in zip(self.names, self.axes, strict=True)
+        )
+        return f"SampledFrame({sizes}, {self.rows} rows, order {self.order})"

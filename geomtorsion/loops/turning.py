@@ -1,0 +1,97 @@
+"""Turning: how often a loop winds round a line, however near it comes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from geomtorsion.errors import SingularPointError
+from geomtorsion.loops.loop import Loop, Part, shown
+from geomtorsion.loops.sides import Side, Straight
+
+if TYPE_CHECKING:
+    import numpy as np
+
+# Points per side at first, and how often stretches that turn too far may be halved.
+FIRST_POINTS = 33
+HALVINGS = 48
+# A loop that comes this close to a line, as share of its size, goes through it.
+TOUCHES = 1e-13
+
+
+def turns_round(loop: Loop, place: Sequence[float], across: np.ndarray, name: str) -> int:
+    """Winding number round the line through a place on which both covectors are constant.
+
+    Parameters
+    ----------
+    across
+        Two covectors, shape (2, n).
+
+    Raises
+    ------
+    SingularPointError
+        The loop goes through the line; the message has its name and the point.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> loop = Loop.circle([1 - 1e-9, 0, 0], 1)
+    >>> turns_round(loop, [0, 0, 0], np.eye(3)[:2], "axis")
+    1
+    """
+    import numpy as np
+
+    total = 0
+    for part in loop.parts:
+        offset = across @ ((np.array(part.centre) - np.array(place)) / part.size)
+        angle = sum(_turned(part, side, across, offset, name) for side in part.sides)
+        total += part.times * round(angle / (2 * np.pi))
+    return total
+
+
+def _turned(part: Part, side: Side, across: np.ndarray, offset: np.ndarray, name: str) -> float:
+    """The angle by which one side turns round the line."""
+    import numpy as np
+
+    def plane(s: np.ndarray) -> np.ndarray:
+        return across @ side.shape(s)[0] + offset[:, None]
+
+    count = 2 if isinstance(side, Straight) else max(FIRST_POINTS, 8 * side.waves + 1)
+    s = np.linspace(0, 1, count)
+    low, high = s[:-1], s[1:]
+    angle = 0.0
+    for _ in range(HALVINGS):
+        one, two = plane(low), plane(high)
+        cross = one[0] * two[1] - one[1] * two[0]
+        turned = np.arctan2(cross, (one * two).sum(axis=0))
+        step = two - one
+        square = np.maximum((step * step).sum(axis=0), np.finfo(float).tiny)
+        share = np.clip(-(one * step).sum(axis=0) / square, 0, 1)
+        near = np.abs(one + share * step).max(axis=0)
+        touching = near <= TOUCHES
+        if touching.any() and (isinstance(side, Straight) or (high - low).max() < 2.0**-20):
+            k = int(np.flatnonzero(touching)[0])
+            raise _through(part, side, float(low[k] + share[k] * (high[k] - low[k])), name)
+        if isinstance(side, Straight):
+            return float(turned.sum())
+        good = (np.abs(turned) < np.pi / 4) & ~touching
+        angle += float(turned[good].sum())
+        if good.all():
+            return angle
+        middle = (low + high) / 2
+        low, high = (
+            np.concatenate([low[~good], middle[~good]]),
+            np.concatenate([middle[~good], high[~good]]),
+        )
+    raise _through(part, side, float(low[0]), name)
+
+
+def _through(part: Part, side: Side, s: float, name: str) -> SingularPointError:
+    """The error for a loop that goes through the line."""
+    import numpy as np
+
+    place = shown(part.points(side, np.array([s]))[0][:, 0])
+    return SingularPointError(
+        f"the loop passes through the {name}, at {place}: it has no winding number round it, and "
+        "the coframe has no finite value there. Lead it past that point."
+    )
