@@ -11,7 +11,7 @@ from geomtorsion.accuracy.truth import Truth, truth_of
 from geomtorsion.errors import AccuracyError, GeomtorsionError
 from geomtorsion.motion import Engine, Problem, RungeKutta, Solution, Taylor, solve
 from geomtorsion.motion.engines.taylor import is_available
-from geomtorsion.motion.solve import checked_accuracy
+from geomtorsion.motion.solving import checked_accuracy
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

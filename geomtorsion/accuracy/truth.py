@@ -11,7 +11,7 @@ from geomtorsion.motion.compare import difference
 from geomtorsion.motion.engines import RungeKutta, Taylor
 from geomtorsion.motion.engines.taylor import is_available
 from geomtorsion.motion.journey import travel
-from geomtorsion.motion.solve import SAMPLES
+from geomtorsion.motion.solving import SAMPLES
 
 if TYPE_CHECKING:
     from geomtorsion.motion import Problem, Solution

@@ -13,7 +13,7 @@ from geomtorsion.motion.exponential import Connecting, connecting, exponential_m
 from geomtorsion.motion.problem import Problem
 from geomtorsion.motion.recorded import Recorded
 from geomtorsion.motion.solution import Cost, Moment, Solution, distance_apart
-from geomtorsion.motion.solve import solve
+from geomtorsion.motion.solving import solve
 
 __all__ = [
     "Atlas",

@@ -11,7 +11,7 @@ from geomtorsion.errors import AccuracyError, ChartEdgeError, ShapeError, StartE
 from geomtorsion.exact import Field
 from geomtorsion.motion.engines import RungeKutta, Taylor
 from geomtorsion.motion.engines.taylor import is_available
-from geomtorsion.motion.solve import CAUTION, MARGIN, checked_accuracy, tolerances
+from geomtorsion.motion.solving import CAUTION, MARGIN, checked_accuracy, tolerances
 from geomtorsion.motion.start import checked_parameters
 from geomtorsion.motion.system import System
 
@@ -68,7 +68,7 @@ def transport_system(connection: Connection, path: Sequence[Any]) -> System:
     n = frame.dimension
     if len(path) != n:
         raise ShapeError(f"path: {n} expressions were needed, {len(path)} came.")
-    curve = [sp.sympify(x) for x in path]
+    curve = [_without_floats(sp.sympify(x)) for x in path]
     free = {s for x in curve for s in x.free_symbols} - set(frame.parameters)
     if len(free) > 1:
         raise StartError(
@@ -101,3 +101,8 @@ def transport_system(connection: Connection, path: Sequence[Any]) -> System:
         (((field.one, ()),), *map(tuple, rates)),
         blocks,
     )
+
+
+def _without_floats(expression: sp.Expr) -> sp.Expr:
+    """Floats as the fractions that they are."""
+    return expression.xreplace({x: sp.Rational(float(x)) for x in expression.atoms(sp.Float)})

@@ -14,7 +14,7 @@ from geomtorsion.motion.engines import Engine, RungeKutta, Taylor
 from geomtorsion.motion.engines.taylor import is_available
 from geomtorsion.motion.many import Lanes, run_lanes
 from geomtorsion.motion.problem import Problem
-from geomtorsion.motion.solve import CAUTION, MARGIN, checked_accuracy, checked_times, tolerances
+from geomtorsion.motion.solving import CAUTION, MARGIN, checked_accuracy, checked_times, tolerances
 
 if TYPE_CHECKING:
     import numpy as np

@@ -10,7 +10,7 @@ from geomtorsion.errors import EndpointError, GeomtorsionError
 from geomtorsion.motion.curves import autoparallel, parallel_transport
 from geomtorsion.motion.problem import Problem
 from geomtorsion.motion.solution import Solution
-from geomtorsion.motion.solve import solve
+from geomtorsion.motion.solving import solve
 from geomtorsion.motion.start import checked_numbers, checked_start
 
 if TYPE_CHECKING:

@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
+from zipfile import BadZipFile
 
 from geomtorsion.errors import FileFormatError
 
@@ -63,10 +64,10 @@ class Recorded:
         import numpy as np
 
         try:
-            with np.load(path, allow_pickle=False) as data:
+            with open(path, "rb") as file, np.load(file, allow_pickle=False) as data:
                 arrays = {name: data[name] for name in ARRAYS}
                 metadata = json.loads(str(data["metadata"]))
-        except (OSError, KeyError, ValueError, EOFError) as error:
+        except (OSError, KeyError, ValueError, EOFError, BadZipFile) as error:
             raise FileFormatError(
                 f"{path}: this is no motion saved by Solution.save ({error}). "
                 "Save the solution again."

@@ -155,7 +155,7 @@ def test_perihelion_advance(engine):
     assert turn - 2 * np.pi == pytest.approx(weak, rel=0.15)
     frame = load("schwarzschild").frame
     problem = geodesic(frame, start, velocity, parameters={"M": mass}, causal="timelike")
-    sol = solve(problem, 2500.0, 1e-11, engine)
+    sol = solve(problem, 2500.0, 1e-10, engine)
     times = np.linspace(1500, 2500, 4001)
     k = times[int(np.argmin(sol.at(times).coordinates[:, 1]))]
     low, high = k - 1, k + 1

@@ -1,4 +1,4 @@
-"""Solve: an answer to the accuracy asked for, or an error that says what can be had."""
+"""Solving: an answer to the accuracy asked for, or an error that says what can be had."""
 
 from __future__ import annotations
 

@@ -1,0 +1,65 @@
+"""accuracy_cost: measured errors, times, a recommendation."""
+
+import json
+import sys
+
+import pytest
+
+from geomtorsion.accuracy import accuracy_cost
+from geomtorsion.errors import AccuracyError, MissingExtraError
+from geomtorsion.geometry import cartan
+from geomtorsion.motion import RungeKutta, autoparallel, geodesic
+from geomtorsion.motion.engines.taylor import is_available
+from geomtorsion.spaces import load
+
+SO3 = load("so3").frame
+TURN = autoparallel(cartan(SO3), [0.3, 1.0, 0.2], [0.1, 0.5, -0.2])
+TOP = geodesic(SO3, frame_velocity=[1.0, 0.2, 0.1], metric=[1, 2, 3])
+
+
+def test_errors_are_measured():
+    """Against the closed form; every accuracy asked for is kept."""
+    table = accuracy_cost(TURN, 5.0, accuracies=[1e-4, 1e-8])
+    assert table.truth == "the closed form"
+    assert len(table.rows) == (4 if is_available() else 2)
+    assert all(row.holds for row in table.rows)
+    assert all(row.estimated >= row.achieved / 10 for row in table.rows)
+    assert table.recommendation.startswith("Take ")
+
+
+def test_what_cannot_be_had_stands_in_the_table():
+    """Runge-Kutta at 1e-17 is a row with a note."""
+    table = accuracy_cost(TOP, 5.0, [RungeKutta()], [1e-6, 1e-17])
+    assert [row.holds for row in table.rows] == [True, False]
+    assert "gets to" in table.rows[1].note
+    assert "gets to" in str(table)
+    expected = "quadruple precision" if is_available() else "the finest Runge-Kutta solution"
+    assert table.truth == expected
+
+
+def test_json():
+    """The table is plain data."""
+    table = accuracy_cost(TOP, 1.0, [RungeKutta()], [1e-6])
+    data = json.loads(json.dumps(table.to_json()))
+    assert data["rows"][0]["engine"] == "RungeKutta"
+    assert data["recommendation"]
+
+
+def test_refused():
+    """No accuracy, or none that is positive."""
+    with pytest.raises(AccuracyError, match="no accuracy was given"):
+        accuracy_cost(TOP, 1.0, [RungeKutta()], [])
+    with pytest.raises(AccuracyError, match="positive"):
+        accuracy_cost(TOP, 1.0, [RungeKutta()], [-1e-6])
+
+
+def test_picture(monkeypatch):
+    """A figure where matplotlib is there; else an error that names the extra."""
+    table = accuracy_cost(TOP, 1.0, [RungeKutta()], [1e-4, 1e-6])
+    pytest.importorskip("matplotlib")
+    (axes,) = table.plot().axes
+    assert axes.get_xscale() == axes.get_yscale() == "log"
+    assert "RungeKutta" in [text.get_text() for text in axes.get_legend().get_texts()]
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    with pytest.raises(MissingExtraError, match="plots"):
+        table.plot()

@@ -1,0 +1,107 @@
+"""Solution and Problem: files, tables, text."""
+
+import sys
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import FileFormatError, MissingExtraError
+from geomtorsion.geometry import cartan
+from geomtorsion.motion import Recorded, RungeKutta, Taylor, autoparallel, geodesic, solve
+from geomtorsion.motion.engines import taylor
+from geomtorsion.spaces import load
+
+SO3 = load("so3").frame
+PROBLEM = autoparallel(cartan(SO3), [0.3, 1.0, 0.2], [0.1, 0.5, -0.2])
+
+
+def test_saved_and_read(tmp_path):
+    """Arrays come back bit by bit, metadata as text and numbers."""
+    sol = solve(PROBLEM, 3.0, engine=RungeKutta())
+    sol.save(tmp_path / "motion.npz")
+    back = Recorded.load(tmp_path / "motion.npz")
+    assert (back.coordinates == sol.coordinates).all()
+    assert (back.frame_velocity == sol.frame_velocity).all()
+    assert (back.velocity == sol.velocity).all()
+    assert back.error == sol.error
+    assert back.metadata["space"] == "so3"
+    assert back.metadata["coordinates"] == ["phi1", "phi2", "phi3"]
+
+
+def test_files_that_are_none(tmp_path):
+    """Missing, truncated and foreign files are told by name."""
+    path = tmp_path / "motion.npz"
+    with pytest.raises(FileFormatError, match=r"motion\.npz"):
+        Recorded.load(path)
+    path.write_bytes(b"PK\x03\x04 nothing")
+    with pytest.raises(FileFormatError, match="no motion saved"):
+        Recorded.load(path)
+    np.savez(path, times=np.zeros(3))
+    with pytest.raises(FileFormatError, match="no motion saved"):
+        Recorded.load(path)
+
+
+def test_pandas(monkeypatch):
+    """A table where pandas is there; else an error that says how to get it."""
+    sol = solve(PROBLEM, 1.0, engine=RungeKutta())
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(MissingExtraError, match="pip install pandas"):
+        sol.to_pandas()
+
+    class Pandas:
+        DataFrame = dict
+
+    monkeypatch.setitem(sys.modules, "pandas", Pandas())
+    assert list(sol.to_pandas()) == [
+        "t", "phi1", "phi2", "phi3", "phi1'", "phi2'", "phi3'", "u1", "u2", "u3",
+    ]  # fmt: skip
+
+
+def test_without_heyoka(monkeypatch):
+    """engine=None goes on with Runge-Kutta; Taylor by name says what to install."""
+    monkeypatch.setitem(sys.modules, "heyoka", None)
+    with pytest.raises(MissingExtraError, match=r"geomtorsion\[fast\]"):
+        solve(PROBLEM, 1.5, 1.7e-9, engine=Taylor())
+    monkeypatch.setattr("geomtorsion.motion.solving.is_available", lambda: False)
+    sol = solve(PROBLEM, 1.0, 1e-9)
+    assert sol.engine == "RungeKutta"
+    assert "heyoka is not installed" in sol.why
+    assert taylor.heyoka is not None
+
+
+def test_equations_in_words():
+    """Text and LaTeX show every state once."""
+    text = PROBLEM.text
+    assert text.count("=") == 6
+    assert "u3' = 0" in text
+    assert PROBLEM.latex.count(r"\dot") == 6
+    top = geodesic(SO3, frame_velocity=[1, 2, 3], metric=[[2, 1, 0], [1, 3, 0], [0, 0, 4]])
+    assert top.text.count("'") == 3
+
+
+def test_velocity_of_the_start():
+    """Coordinate velocity from frame velocity and back."""
+    assert PROBLEM.velocity == pytest.approx([0.1, 0.5, -0.2], abs=1e-15)
+
+
+def test_velocities_alone():
+    """On a group the velocities need no coordinates."""
+    top = geodesic(SO3, frame_velocity=[1.0, 0.1, 0.2], metric=[1, 2, 3])
+    sol = solve(top, 10.0, 1e-10, RungeKutta())
+    assert sol.coordinates.shape == (65, 0)
+    both = solve(
+        geodesic(SO3, [0.3, 1, 0.2], frame_velocity=[1.0, 0.1, 0.2], metric=[1, 2, 3]), 10.0, 1e-10
+    )
+    assert sol.frame_velocity == pytest.approx(both.frame_velocity, abs=1e-9)
+    assert set(sol.drift) == {"energy", "angular momentum squared"}
+
+
+def test_full_kinetic_metric():
+    """A metric with off-diagonal entries is the diagonal one in turned axes."""
+    turn = np.array([[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, 1.0]])
+    moments = turn @ np.diag([1.0, 2.0, 3.0]) @ turn.T
+    moments = (moments + moments.T) / 2
+    u = np.array([0.3, 0.8, 0.5])
+    turned = solve(geodesic(SO3, frame_velocity=turn @ u, metric=moments), 8.0, 1e-10)
+    plain = solve(geodesic(SO3, frame_velocity=u, metric=[1, 2, 3]), 8.0, 1e-10)
+    assert turned.frame_velocity == pytest.approx(plain.frame_velocity @ turn.T, abs=1e-8)
