@@ -13,6 +13,8 @@ from geomtorsion.geometry.symmetry import Index, Symmetry
 
 def total(field: Field, terms: list) -> Element | None:
     """Sum of products, or None if there is nothing to add."""
+    if len(terms) == 1 and len(terms[0]) == 2 and terms[0][0] == 1:
+        return terms[0][1]
     return field.sum(terms) if terms else None
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 def tensor_from_array(
     frame: Frame, slots: str, values: Any, name: str, symmetry: Symmetry = (), symbol: str = "t"
 ) -> Tensor:
-    """Tensor from nested lists (or a sympy array) of expressions, read together.
+    """Tensor from nested lists, or a sympy or NumPy array, of expressions read together.
 
     Raises
     ------
@@ -34,6 +34,8 @@ def tensor_from_array(
     >>> tensor_from_array(frame, "u", [0, x], "velocity").nonzero()
     {(1,): x}
     """
+    if hasattr(values, "tolist"):
+        values = values.tolist()
     flat = dict(_entries(values, (), len(slots), frame.dimension, name))
     named = [(f"{name}{list(index)}", value) for index, value in flat.items()]
     elements = dict(zip(flat, frame.read(named), strict=True))

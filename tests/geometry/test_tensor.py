@@ -172,6 +172,14 @@ def test_given_components_follow_the_symmetry(frame: Frame) -> None:
     assert tensor[1, 0] == r
 
 
+def test_arrays_come_back(frame: Frame) -> None:
+    """to_sympy and reading are inverse to each other; NumPy arrays of exact numbers are read."""
+    torsion = cartan(frame).torsion.T
+    assert tensor_from_array(frame, "ddu", torsion.to_sympy(), "T") == torsion
+    assert tensor_from_array(frame, "d", np.array([0, 2]), "w").nonzero() == {(1,): 2}
+    assert frame.determinant.to_sympy() == r
+
+
 def test_nested_lists_are_checked(frame: Frame) -> None:
     """Wrong shapes are refused with the place."""
     with pytest.raises(ShapeError, match=r"v\[1\]"):
