@@ -4,7 +4,9 @@
     python -m tests.benchmarks.compare --cases so3 goedel --limit 20
     python -m tests.benchmarks.compare --keep results.jsonl  go on where an earlier call ended
 
-Times are the best round of the whole work in a warm process, objects fresh in every round.
+Times are those of the best round of the whole work in a warm process, objects fresh in every
+round: wall seconds below a tenth of a second, CPU seconds above, so that a busy machine errs, if
+at all, in favour of the slow.
 geomtorsion does both connections, torsion, contortion, both curvatures and converts every
 component to sympy; the others do what they can: Christoffel, Riemann, Ricci, Kretschmann.
 """
@@ -36,15 +38,15 @@ def seconds(value: float) -> str:
     return f"{value * 1000:.0f} ms" if value < 1 else f"{value:.2g} s"
 
 
-def cell(result: Result | None, ours: Result | None, limit: float) -> str:
+def cell(result: Result | None, ours: Result | None = None) -> str:
     """What the table says of one race."""
     if result is None:
         return "-"
     if result.failure and not result.rounds:
         return "error"
     if result.best is None:
-        last = result.reached[0] if result.reached else "nothing"
-        return f"> {limit:.0f} s ({last})"
+        done = f" ({result.reached[0]} done)" if result.reached else ""
+        return f"> {result.limit:.0f} s{done}"
     words = seconds(result.best)
     if ours is not None and ours.best is not None and result.contestant != ours.contestant:
         words += f" ({_figures(result.best / ours.best)} x)"
@@ -59,7 +61,7 @@ def _figures(ratio: float) -> str:
     return f"{float(f'{ratio:.2g}'):,g}" if ratio >= 1 else f"{ratio:.2g}"
 
 
-def table(results: dict[tuple[str, str], Result], limit: float) -> str:
+def table(results: dict[tuple[str, str], Result]) -> str:
     """The Markdown table: a row a case, a column a contestant that took part."""
     present = [c for c in ALL if any(name == c.name for name, _ in results)]
     cases = [name for name in NAMES if any(case == name for _, case in results)]
@@ -73,7 +75,7 @@ def table(results: dict[tuple[str, str], Result], limit: float) -> str:
             if contestant.name == "maxima_frame" and load(case).coframe is None:
                 row.append("-")
                 continue
-            row.append(cell(results.get((contestant.name, shown)), ours, limit))
+            row.append(cell(results.get((contestant.name, shown)), ours))
         rows.append(row)
     return "\n".join("| " + " | ".join(row) + " |" for row in rows)
 
@@ -108,7 +110,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--cases", nargs="+", default=NAMES, choices=NAMES, metavar="CASE")
     parser.add_argument("--contestants", nargs="+", default=[c.name for c in ALL], metavar="NAME")
-    parser.add_argument("--limit", type=float, default=60.0, help="seconds for one race")
+    parser.add_argument("--limit", type=float, default=60.0, help="CPU seconds for a race")
     parser.add_argument("--keep", type=Path, help="file of results to go on from")
     chosen = parser.parse_args()
     results = _kept(chosen.keep)
@@ -120,11 +122,11 @@ def main() -> None:
             if not contestant.is_installed or not is_wanted(contestant, case):
                 continue
             results[key] = race(*key, limit=chosen.limit)
-            print(cell(results[key], None, chosen.limit), *key, file=sys.stderr)
+            print(cell(results[key]), *key, file=sys.stderr)
             if chosen.keep is not None:
                 with chosen.keep.open("a") as file:
                     file.write(to_json(results[key]) + "\n")
-    print(table(results, chosen.limit))
+    print(table(results))
     print(f"\n{versions()}")
 
 

@@ -6,5 +6,5 @@ import pytest
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """`--limit`: seconds after which a competitor is stopped."""
-    parser.addoption("--limit", type=float, default=60.0, help="seconds for one competitor")
+    """`--limit`: CPU seconds after which a competitor is stopped."""
+    parser.addoption("--limit", type=float, default=60.0, help="CPU seconds for one competitor")

@@ -15,8 +15,8 @@ from tests.benchmarks.outcome import Outcome, Reached
 # A measurement ends after this many rounds, or after the round that passes this many seconds.
 ROUNDS, ENOUGH = 20, 3.0
 
-# How a measurement speaks: say("stage", "ricci", 0.2), say("round", "", 0.3).
-Say = Callable[[str, str, float], None]
+# How a measurement speaks: say("stage", "ricci", seconds), say("round", cpu seconds, seconds).
+Say = Callable[[str, str | float, float], None]
 Work = Callable[[Case, Reached], Outcome]
 
 
@@ -46,7 +46,7 @@ def _in_python(work: Work, case: Case, say: Say) -> Outcome:
     work(sphere(), lambda _: None)
     spent, turn = 0.0, 0
     while True:
-        start = time.perf_counter()
+        start, cpu = time.perf_counter(), time.process_time()
 
         def reached(stage: str, start: float = start, loud: bool = turn == 0) -> None:
             if loud:
@@ -54,7 +54,7 @@ def _in_python(work: Work, case: Case, say: Say) -> Outcome:
 
         outcome = work(case, reached)
         seconds = time.perf_counter() - start
-        say("round", "", seconds)
+        say("round", time.process_time() - cpu, seconds)
         spent, turn = spent + seconds, turn + 1
         if turn == ROUNDS or spent > ENOUGH:
             return outcome
@@ -78,10 +78,10 @@ def _maxima_session(frame: bool, case: Case, say: Say, rounds: int) -> tuple[Out
         elif stage == "scalar":
             scalar = rest
         elif warm:
-            say("stage", stage, float(rest))
+            cpu, total = map(float, rest.split())
+            say("stage", stage, total)
             if stage == "kretschmann":
-                total = float(rest)
-                say("round", "", total)
+                say("round", cpu, total)
     return Outcome(maxima.to_sympy(scalar, case), () if empty else (1,)), total
 
 
