@@ -1,5 +1,7 @@
 """Errors: every failure a user can cause, each saying what was needed, what came, what to do."""
 
+from typing import Any
+
 
 class GeomtorsionError(Exception):
     """Base of every error this package raises on purpose.
@@ -93,9 +95,9 @@ class AccuracyError(GeomtorsionError, ArithmeticError):
 class ChartEdgeError(GeomtorsionError, ArithmeticError):
     """A motion ran out of its chart; `solution` holds everything computed so far, or None."""
 
-    def __init__(self, message: str, solution: object = None) -> None:
+    def __init__(self, message: str, solution: Any = None) -> None:
         super().__init__(message)
-        self.solution = solution
+        self.solution: Any = solution
 
 
 class EndpointError(GeomtorsionError, ArithmeticError):

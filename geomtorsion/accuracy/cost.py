@@ -5,16 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from geomtorsion.accuracy.truth import Truth, truth_of
 from geomtorsion.errors import AccuracyError, GeomtorsionError
 from geomtorsion.motion import Engine, Problem, RungeKutta, Solution, Taylor, solve
 from geomtorsion.motion.engines.taylor import is_available
 from geomtorsion.motion.solving import checked_accuracy
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 ACCURACIES = (1e-3, 1e-6, 1e-9, 1e-12)
 # Each solution is repeated for at least this long, in seconds, and the fastest counts.
@@ -102,7 +99,7 @@ class CostTable:
         """The table as a JSON-ready mapping."""
         return asdict(self) | {"recommendation": self.recommendation}
 
-    def plot(self) -> Figure:
+    def plot(self) -> Any:
         """Work against precision, log-log, as a matplotlib figure.
 
         Raises

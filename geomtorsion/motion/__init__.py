@@ -9,9 +9,10 @@ from geomtorsion.motion.curves import (
     parallel_transport,
 )
 from geomtorsion.motion.engines import Engine, RungeKutta, Stiff, Taylor
-from geomtorsion.motion.exponential import Connecting, connecting, exponential_map, holonomy
+from geomtorsion.motion.exponential import exponential_map, holonomy
 from geomtorsion.motion.problem import Problem
 from geomtorsion.motion.recorded import Recorded
+from geomtorsion.motion.shooting import Connecting, connecting
 from geomtorsion.motion.solution import Cost, Moment, Solution, distance_apart
 from geomtorsion.motion.solving import solve
 

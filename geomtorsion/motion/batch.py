@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.errors import AccuracyError, ShapeError, StartError, TimeError
+from geomtorsion.errors import AccuracyError, StartError, TimeError
 from geomtorsion.motion import reading
 from geomtorsion.motion.engines import Engine, RungeKutta, Taylor
 from geomtorsion.motion.engines.taylor import is_available
+from geomtorsion.motion.lists import start_lists
 from geomtorsion.motion.many import Lanes, run_lanes
 from geomtorsion.motion.problem import Problem
+from geomtorsion.motion.progress import Bar
 from geomtorsion.motion.solving import CAUTION, MARGIN, checked_accuracy, checked_times, tolerances
 
 if TYPE_CHECKING:
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
 
 # So many motions, spread over all, are solved twice for the error estimate.
 CHECKED = 48
-# Progress is shown for work that takes longer than this, in seconds.
-PATIENCE = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,14 +169,14 @@ def solve_many(
     if np.ndim(t) == 0 and len(grid) > 1:
         times, grid = times[-1:], np.array([0.0, float(times[-1])])
     solver, why = _engine(engine)
-    place, speed = _lists(problem, starts, velocities, frame_velocities)
+    place, speed = start_lists(problem, starts, velocities, frame_velocities)
     lanes = Lanes.laid_out(problem, place, speed)
     number = len(lanes.velocities)
     few = np.unique(np.linspace(0, number - 1, min(check or number, number)).astype(int))
     began = time.perf_counter()
     tolerance, error, compiling = _tolerance(solver, lanes, grid, few, accuracy)
     checked = time.perf_counter()
-    show = _Bar(number, progress)
+    show = Bar(number, progress)
     states, finished, interrupted, more = run_lanes(solver, lanes, grid, tolerance, show)
     ended = time.perf_counter()
     show.close()
@@ -212,66 +211,6 @@ def _engine(engine: Engine | None) -> tuple[Engine, str]:
     if is_available():
         return Taylor(), "heyoka is installed: several motions in one instruction"
     return RungeKutta(), "heyoka is not installed: motions stacked into one system"
-
-
-def _lists(problem: Problem, starts: Any, velocities: Any, frame_velocities: Any) -> Any:
-    """Coordinates (or None) and frame velocities, both with one row per motion."""
-    import numpy as np
-
-    n = problem.frame.dimension
-    given = {"starts": starts, "velocities": velocities, "frame_velocities": frame_velocities}
-    if velocities is not None and frame_velocities is not None:
-        raise StartError("velocities and frame_velocities were both given; give one of them.")
-    arrays = {key: _rows(value, n, key) for key, value in given.items() if value is not None}
-    if not arrays:
-        raise StartError("give starts, velocities or frame_velocities: one row per motion.")
-    counts = {key: len(value) for key, value in arrays.items()}
-    if len(set(counts.values())) > 1:
-        raise ShapeError(f"lists of different length came: {counts}. Give one row per motion.")
-    number = next(iter(counts.values()))
-    place = arrays.get("starts")
-    if problem.start is None and place is not None:
-        raise StartError("the problem follows velocities alone; make it with a start.")
-    if place is None and problem.start is not None:
-        place = np.tile([float(x) for x in problem.start], (number, 1))
-    if "velocities" in arrays:
-        if place is None:
-            raise StartError("velocities need coordinates; give frame_velocities.")
-        speed = _in_frame(problem, place, arrays["velocities"])
-    else:
-        own = np.tile([float(x) for x in problem.frame_velocity], (number, 1))
-        speed = arrays.get("frame_velocities", own)
-    return place, speed
-
-
-def _rows(values: Any, n: int, what: str) -> Any:
-    """An array of shape (number, n) of finite numbers."""
-    import numpy as np
-
-    try:
-        array = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
-        raise ShapeError(f"{what}: rows of {n} numbers were needed.") from None
-    if array.ndim != 2 or array.shape[1] != n or not len(array):
-        raise ShapeError(f"{what}: shape (number, {n}) was needed, {array.shape} came.")
-    if not np.isfinite(array).all():
-        row, column = (int(k) for k in np.argwhere(~np.isfinite(array))[0])
-        raise StartError(f"{what}[{row}, {column}] = {array[row, column]} is not finite.")
-    return array
-
-
-def _in_frame(problem: Problem, place: Any, rates: Any) -> Any:
-    """u^i = e^i_mu q'^mu for many points."""
-    import numpy as np
-
-    from geomtorsion.motion.system import evaluated
-
-    values: dict[str, Any] = dict(zip(problem.coordinates, place.T, strict=True))
-    values |= {key: float(value) for key, value in problem.parameters.items()}
-    result = np.zeros(place.shape)
-    for (i, mu), value in problem.frame.coframe.components.nonzero.items():
-        result[:, i] += evaluated([((value, ()),)], values)[0] * rates[:, mu]
-    return result
 
 
 def _tolerance(
@@ -313,27 +252,3 @@ def _worst(lanes: Lanes, one: Any, two: Any) -> float:
         ratio = gap / np.where(size > 0, size, 1.0)
         worst = max(worst, float(ratio.max()))
     return worst
-
-
-class _Bar:
-    """A bar on the terminal, shown for long work only."""
-
-    def __init__(self, number: int, wanted: bool | None) -> None:
-        self.number = number
-        self.shown = False
-        self.wanted = sys.stderr.isatty() if wanted is None else wanted
-        self.began = self.last = time.perf_counter()
-        self.patience = 0.0 if wanted else PATIENCE
-
-    def __call__(self, done: int) -> None:
-        now = time.perf_counter()
-        if self.wanted and now - self.began >= self.patience and now - self.last > 0.2:
-            part = int(40 * done / self.number)
-            sys.stderr.write(f"\r[{'=' * part}{' ' * (40 - part)}] {done} of {self.number}")
-            sys.stderr.flush()
-            self.shown, self.last = True, now
-
-    def close(self) -> None:
-        """End the line."""
-        if self.shown:
-            sys.stderr.write("\n")

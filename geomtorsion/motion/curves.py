@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
@@ -23,8 +23,7 @@ from geomtorsion.motion.system import exact
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Connection, Frame
-
-Numbers = Sequence[Any]
+    from geomtorsion.motion.system import Numbers
 
 
 def autoparallel(

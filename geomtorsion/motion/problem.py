@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.errors import ChartEdgeError, ShapeError, StartError
-from geomtorsion.motion.charts import Atlas, Change, Chart
+from geomtorsion.errors import StartError
+from geomtorsion.motion.charts import Atlas, Change
 from geomtorsion.motion.equations import Equations, velocity_names, written
 from geomtorsion.motion.laws import Law
 from geomtorsion.motion.passengers import Passengers, boarded
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from geomtorsion.geometry import Frame
+    from geomtorsion.motion.system import Numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,9 +128,9 @@ class Problem:
 
     def moved(
         self,
-        start: Sequence[Any] | None = None,
-        velocity: Sequence[Any] | None = None,
-        frame_velocity: Sequence[Any] | None = None,
+        start: Numbers | None = None,
+        velocity: Numbers | None = None,
+        frame_velocity: Numbers | None = None,
     ) -> Problem:
         """The same law from another start; nothing is compiled anew.
 
@@ -152,10 +153,6 @@ class Problem:
     def with_charts(self, *names: str) -> Problem:
         """The same motion, followed in these charts only, in this order of preference."""
         return replace(self, atlas=self.atlas.only(*names), _written={})
-
-    def chart_of(self, name: str) -> Chart:
-        """The chart of a name."""
-        return self.atlas.chart(name)
 
     # -- showing --------------------------------------------------------------------------------
 
@@ -211,15 +208,3 @@ class Problem:
             raise StartError(
                 f"{', '.join(missing)} has no value. Give parameters={{{example}}}, for example."
             )
-
-
-def needs_home(problem: Problem, what: str) -> None:
-    """Refuse what is stated in the home chart only."""
-    if problem.start is None:
-        raise ChartEdgeError(f"{what} needs coordinates; give the problem a start.")
-
-
-def check_length(values: Sequence[Any], wanted: int, what: str) -> None:
-    """Refuse a list of the wrong length."""
-    if len(values) != wanted:
-        raise ShapeError(f"{what}: {wanted} numbers were needed, {len(values)} came.")

@@ -9,7 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import MissingExtraError, TimeError, UnknownNameError
-from geomtorsion.motion import reading
+from geomtorsion.motion import measures, reading
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -166,7 +166,7 @@ class Solution:
     @cached_property
     def drift(self) -> Mapping[str, float]:
         """For each known invariant its largest change, relative to the size of its terms."""
-        return reading.drifts(self)
+        return measures.drifts(self)
 
     def __str__(self) -> str:
         reach = f"to t = {float(self.times[-1]):.6g}, {len(self.times)} times"
@@ -210,7 +210,7 @@ class Solution:
             raise MissingExtraError(
                 "to_pandas needs pandas, which is not installed. Run `pip install pandas`."
             ) from None
-        return pandas.DataFrame(reading.columns(self))
+        return pandas.DataFrame(measures.columns(self))
 
     def save(self, path: str | Path) -> None:
         """Write an NPZ file with arrays and metadata; `Recorded.load` reads it."""
@@ -257,4 +257,4 @@ def distance_apart(one: Solution, two: Solution, chart: str | None = None) -> np
             f"the second solution ends at t = {other:.6g}, the first at {last:.6g}. "
             "Solve both to the same time."
         )
-    return reading.gaps(one, two, chart)
+    return measures.gaps(one, two, chart)

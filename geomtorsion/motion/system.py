@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from geomtorsion.exact.engine_code import (
     Products,
@@ -17,6 +17,12 @@ from geomtorsion.exact.engine_code import (
 )
 
 Values = Mapping[str, Any]
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    # What users give for coordinates and velocities.
+    Numbers = Sequence[Any] | np.ndarray
 
 
 @dataclass(frozen=True, eq=False)

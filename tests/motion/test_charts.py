@@ -7,7 +7,7 @@ from geomtorsion.errors import ChartEdgeError, UnknownNameError
 from geomtorsion.geometry import cartan
 from geomtorsion.motion import autoparallel, geodesic, solve
 from geomtorsion.motion.charts import atlas_of
-from geomtorsion.motion.journey import coframe_at, _legs_at
+from geomtorsion.motion.journey import _legs_at, coframe_at
 from geomtorsion.spaces import load
 from geomtorsion.spaces.atlases import ATLASES
 from tests.motion.engines import every_engine

@@ -11,7 +11,6 @@ from geomtorsion.errors import LimitError
 from geomtorsion.motion.engines.protocol import Run
 from geomtorsion.motion.system import System, floats
 
-
 # scipy accepts no smaller relative tolerance.
 FLOOR = 2.3e-14
 

@@ -13,6 +13,7 @@ from typing import Any
 from geomtorsion.errors import LimitError, MissingExtraError
 from geomtorsion.exact.engine_code import HeyokaWriter
 from geomtorsion.motion.engines.protocol import Run
+from geomtorsion.motion.engines.record import Record
 from geomtorsion.motion.system import System, mpf
 
 # Compiled integrators that are kept; each is some hundred kilobytes.
@@ -224,7 +225,7 @@ class Taylor:
         record = None
         if dense:
             # The steps are the same with and without the grid, so this comes first.
-            record = _Record(integrator, grid[0])
+            record = Record(integrator, grid[0])
             integrator.propagate_until(grid[-1], callback=record, write_tc=True)
             integrator.time = grid[0]
             integrator.state[:] = self.array(start)
@@ -286,39 +287,3 @@ TIME_LIMIT, STEP_LIMIT, NOT_FINITE = "time_limit", "step_limit", "err_nf_state"
 def int_of(outcome: Any) -> str:
     """The name of heyoka's outcome; terminal events have none."""
     return str(getattr(outcome, "name", "event"))
-
-
-class _Record:
-    """Callback that keeps the Taylor coefficients of every step."""
-
-    def __init__(self, integrator: Any, start: Any) -> None:
-        self.times = [start]
-        self.coefficients: list[Any] = []
-        self.integrator = integrator
-
-    def __call__(self, integrator: Any) -> bool:
-        self.coefficients.append(integrator.tc.copy())
-        self.times.append(integrator.time)
-        return True
-
-    def dense(self) -> Any:
-        """Function of times, by the polynomial of the step in which each lies."""
-        import numpy as np
-
-        times = np.array(self.times, dtype=type(self.times[0]))
-        table = np.array(self.coefficients, dtype=self.integrator.state.dtype)
-        forward = bool(times[-1] >= times[0])
-
-        def values(t: Any) -> Any:
-            t = np.asarray(t, dtype=times.dtype)
-            order = times.astype(float) if forward else -times.astype(float)
-            place = np.searchsorted(order, (t if forward else -t).astype(float), "right") - 1
-            place = np.clip(place, 0, len(table) - 1)
-            h = (t - times[place])[..., None]
-            rows = table[place]
-            result = rows[..., -1]
-            for k in range(rows.shape[-1] - 2, -1, -1):
-                result = result * h + rows[..., k]
-            return result
-
-        return values

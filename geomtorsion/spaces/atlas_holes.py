@@ -1,0 +1,109 @@
+"""atlas_holes: horizon-penetrating charts of black holes."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from geomtorsion.geometry import Frame
+from geomtorsion.motion.charts import Atlas, Change, Chart
+from geomtorsion.spaces.atlas_curvilinear import spherical
+
+
+def _length(one: sp.Expr, two: sp.Expr) -> sp.Expr:
+    return sp.sqrt(one**2 + two**2)
+
+
+def schwarzschild(frame: Frame) -> Atlas:
+    """Ingoing Kerr-Schild coordinates: through the horizon and the poles."""
+    t, r, theta, phi = frame.coordinates
+    (mass,) = frame.parameters
+    inner = sp.symbols("T x_ y_ z_", real=True)
+    radius = sp.sqrt(sum(x**2 for x in inner[1:]))
+    lower = [sp.S.One, *(x / radius for x in inner[1:])]
+    upper = [-sp.S.One, *lower[1:]]
+    entries = [
+        [sp.S(int(a == b)) + mass / radius * upper[a] * lower[b] for b in range(4)]
+        for a in range(4)
+    ]
+
+    def far() -> Chart:
+        frame_ = Frame(
+            inner, entries, signature=(-1, 1, 1, 1), parameters=(mass,), name="kerr_schild"
+        )
+        return Chart.of(frame_, keeps_frame=False)
+
+    delay = 2 * mass * sp.log(r / (2 * mass) - 1)
+    there = (t + delay, *spherical(r, theta, phi))
+    back = (
+        inner[0] - delay.subs(r, radius),
+        radius,
+        sp.atan2(_length(inner[1], inner[2]), inner[3]),
+        sp.atan2(inner[2], inner[1]),
+    )
+    outside = {mass: 1, r: 5, t: 0, theta: 1, phi: 1}
+    beyond = dict(zip(inner, (0, 3, 3, 3), strict=True)) | {mass: 1}
+    edge = (1 - 2 * mass / r) * sp.sin(theta)
+    makers = {
+        "schwarzschild": lambda: Chart.of(frame, edge=edge, margin=0.1),
+        "kerr_schild": far,
+    }
+    maps = (
+        Change("schwarzschild", "kerr_schild", (t, r, theta, phi), there, (mass,), (), outside),
+        Change("kerr_schild", "schwarzschild", inner, back, (mass,), (3,), beyond),
+    )
+    return Atlas("schwarzschild", makers, lambda: maps)
+
+
+def kerr(frame: Frame) -> Atlas:
+    """Ingoing Kerr coordinates: through the horizon."""
+    t, r, theta, phi = frame.coordinates
+    mass, a = frame.parameters
+    inner = sp.symbols("v r_in theta_in phi_in", real=True)
+    _, radius, polar, _ = inner
+    s, c = sp.sin(polar), sp.cos(polar)
+    sigma = radius**2 + a**2 * c**2
+    delta = radius**2 - 2 * mass * radius + a**2
+    # -Delta/Sigma w^2 + 2 w dr = f1^2 - f0^2 with w = dv - a sin^2 dphi.
+    w = [1, 0, 0, -a * s**2]
+    other = [-delta / (2 * sigma) * x for x in w]
+    other[1] += 1
+    turn = [-a * s / sp.sqrt(sigma), 0, 0, (radius**2 + a**2) * s / sp.sqrt(sigma)]
+    half = sp.Rational(1, 2)
+    entries = [
+        [half * x - y for x, y in zip(w, other, strict=True)],
+        [half * x + y for x, y in zip(w, other, strict=True)],
+        [0, 0, sp.sqrt(sigma), 0],
+        turn,
+    ]
+
+    def through() -> Chart:
+        frame_ = Frame(
+            inner, entries, signature=(-1, 1, 1, 1), parameters=(mass, a), name="ingoing"
+        )
+        return Chart.of(frame_, keeps_frame=False)
+
+    gap = sp.sqrt(mass**2 - a**2)
+    outer, cauchy = mass + gap, mass - gap
+
+    def delay(x: sp.Expr) -> sp.Expr:
+        terms = outer * sp.log(x - outer) - cauchy * sp.log(x - cauchy)
+        return x + mass / gap * terms
+
+    def lag(x: sp.Expr) -> sp.Expr:
+        return a / (2 * gap) * (sp.log(x - outer) - sp.log(x - cauchy))
+
+    there = (t + delay(r), r, theta, phi + lag(r))
+    back = (inner[0] - delay(radius), radius, polar, inner[3] - lag(radius))
+    values = (0, 5, 1, 1)
+    numbers = {mass: 1, a: sp.Rational(1, 2)}
+    samples = [dict(zip(q, values, strict=True)) | numbers for q in (frame.coordinates, inner)]
+    edge = 1 - 2 * mass / r + a**2 / r**2
+    makers = {
+        "kerr": lambda: Chart.of(frame, edge=edge, margin=0.05),
+        "ingoing": through,
+    }
+    maps = (
+        Change("kerr", "ingoing", frame.coordinates, there, (mass, a), (), samples[0]),
+        Change("ingoing", "kerr", inner, back, (mass, a), (3,), samples[1]),
+    )
+    return Atlas("kerr", makers, lambda: maps)
