@@ -25,7 +25,7 @@ _LARGEST_BITS = 2**12
 def evaluate(element: Element, point: Mapping[Any, Any], precision: int = 53) -> Any:
     """The value of an element at a point; see `Element.evaluate`."""
     value = settled_value(
-        lambda: values(element, lambda generator: _given(point, generator), {}),
+        lambda: _written_value(element, lambda generator: _given(point, generator), {}),
         precision,
         _LARGEST_BITS,
     )
@@ -65,6 +65,31 @@ def settled_value(compute: Callable[[], Any], precision: int, largest: int) -> A
                         "move the point away from the edge of the chart"
                     )
         before, bits = value, 2 * bits
+
+
+def _written_value(element: Element, given: Callable[[Generator], Any], known: Any) -> Any:
+    """The value of the written form, which has fewer removable singularities."""
+    from geomtorsion.exact.form import Sum, form
+
+    written = form(element)
+    result = mpmath.mpf(int(written.coefficient.p)) / int(written.coefficient.q)
+    for base, exponent in written.powers:
+        if isinstance(base, Sum):
+            value = mpmath.mpf(0)
+            for coefficient, monomial in base.terms:
+                term = mpmath.mpf(int(coefficient.p)) / int(coefficient.q)
+                for generator, power in monomial:
+                    term *= _generator(generator, given, known) ** power
+                value += term
+        else:
+            value = _generator(base, given, known)
+        if not value and exponent < 0:
+            raise SingularPointError(
+                f"{element} has no finite value here: its denominator vanishes; "
+                "move the point away from the edge of the chart"
+            )
+        result *= value**exponent
+    return result
 
 
 def values(element: Element, given: Callable[[Generator], Any], known: dict[str, Any]) -> Any:

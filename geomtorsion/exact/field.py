@@ -66,6 +66,8 @@ class Field(Ring):
         self._factor_diffs: dict[tuple[int, sympy.Symbol], Element] = {}
         self._branches: dict[sympy.Expr, Branch] = {}
         self.tables: dict[str, Any] = {}
+        self.rooted: list[Element] = []
+        self._rooted_keys: set[Element] = set()
         self.all_sure = True
         self.symbols: tuple[sympy.Symbol, ...] = ()
         self._symbol_elements: dict[sympy.Symbol, Element] = {}
@@ -202,6 +204,12 @@ class Field(Ring):
     def branches(self) -> tuple[Branch, ...]:
         """The signs with which roots were read, where the symbols' assumptions left a choice."""
         return tuple(self._branches.values())
+
+    def note_rooted(self, denominator: Element) -> None:
+        """Notes a denominator that contains roots, so that it can be written as it was."""
+        if denominator not in self._rooted_keys:
+            self._rooted_keys.add(denominator)
+            self.rooted.append(denominator)
 
     def state_branch(self, branch: Branch) -> None:
         """Notes the sign with which a root was read."""

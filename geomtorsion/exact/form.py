@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from flint import fmpq
 
 from geomtorsion.exact.inversion import monic
+from geomtorsion.exact.norms import roots_restored
 
 if TYPE_CHECKING:
     from geomtorsion.exact.element import Element
@@ -66,9 +67,13 @@ class Radicals:
 
 
 def form(element: Element) -> Form:
-    """The written form of an element, made once."""
+    """The written form of an element, made once for all that are equal."""
     if element._form is None:
-        element._form = _made(element)
+        known = element.field.tables.setdefault("forms", {})
+        key = (str(element.field.lift(element)), element._den)
+        if key not in known:
+            known[key] = _made(element)
+        element._form = known[key]
     return element._form
 
 
@@ -83,13 +88,13 @@ def radicals(field: Field) -> Radicals:
 
 def _made(element: Element) -> Form:
     field = element.field
-    num = field.lift(element)
+    num, den, below = roots_restored(element)
     if not num:
         return Form(fmpq(0), ())
     table = radicals(field)
     polys: dict[str, Any] = {}
     exponents: dict[str, int] = {}
-    if len(num) == 1 and not element._den:
+    if len(num) == 1 and not den and not below:
         return _monomial(field, num)
     # A long polynomial is written as it is: its factors would cost more than they explain.
     content, factors = num.factor() if len(num) <= _LONGEST_FACTORED else (fmpq(1), [(num, 1)])
@@ -98,8 +103,8 @@ def _made(element: Element) -> Form:
         content = content * sign if exponent % 2 else content
         key = str(positive)
         polys[key], exponents[key] = positive, exponent
-    for index, exponent in element._den:
-        factor = field.factors[index]
+    divisors = [(field.factors[index], exponent) for index, exponent in den]
+    for factor, exponent in [*divisors, *below.values()]:
         key = str(factor)
         polys[key] = factor
         exponents[key] = exponents.get(key, 0) - exponent

@@ -15,6 +15,10 @@ def inverse(field: Field, element: Element) -> Element:
     den = field.cofactor(element._den, ())
     multiplier = field.ctx.constant(1)
     degrees = num.degrees()
+    if len(num) > 1 and any(
+        g.degree and d > 0 for g, d in zip(field.generators, degrees, strict=True)
+    ):
+        field.note_rooted(field.polynomial(num))
     for position, generator in enumerate(field.generators):
         if generator.degree and degrees[position] > 0:
             if generator.degree > 2:

@@ -20,10 +20,27 @@ def square_root_inside(field: Field, element: Element) -> Element | None:
     In F(w), w**2 = P: A is a square if A or A P is one in F; A + B w is one exactly if
     A**2 - B**2 P = n**2 in F and (A + n)/2 or (A - n)/2 is a square there.
     """
-    quadratic = [g for g in reversed(field.generators) if g.degree == 2]
+    quadratic = [g for g in reversed(field.generators) if g.degree == 2 and _plain(field, g)]
+    if any(
+        g not in quadratic if g.degree == 2 else g.degree and not _plain(field, g)
+        for g in field.generators_of(element)
+    ):
+        return None
     base = [g for g in quadratic if g.tail is not None and not _algebraic(field, g.tail)]
     nested = [g for g in quadratic if g not in base]
     return _inside(field, element, base, nested)
+
+
+def _plain(field: Field, generator: Generator) -> bool:
+    """Whether the tower below an algebraic generator is quadratic throughout.
+
+    A higher root must stand on no other root: its powers would bring those back.
+    """
+    assert generator.tail is not None
+    below = [g for g in field.generators_of(generator.tail) if g.degree]
+    if generator.degree > 2:
+        return not below
+    return all(g.degree == 2 and _plain(field, g) for g in below)
 
 
 def _algebraic(field: Field, element: Element) -> bool:
