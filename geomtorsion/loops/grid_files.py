@@ -48,7 +48,7 @@ def _npz(path: Path) -> Grid:
     import numpy as np
 
     def load() -> dict[str, np.ndarray]:
-        with np.load(path, allow_pickle=False) as content:
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as content:
             return {name: content[name] for name in content.files}
 
     arrays = _guarded(path, load)

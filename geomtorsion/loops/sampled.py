@@ -236,10 +236,8 @@ class SampledFrame:
     def torsion(self, plane: tuple[int, int] = (0, 1)) -> tuple[np.ndarray, np.ndarray]:
         """Torsion 2 S_ab^i = d_a e^i_b - d_b e^i_a at the nodes, and its error.
 
-        Returns
-        -------
-        Arrays of shape (rows, N_1, ..., N_d): the values, and their distance from differences of
-        another order.
+        Returns arrays of shape (rows, N_1, ..., N_d): the values, and their distance from
+        differences of another order.
         """
         import numpy as np
 
@@ -297,7 +295,5 @@ class SampledFrame:
         return pair[0], pair[1]
 
     def __repr__(self) -> str:
-        sizes = " x ".join(
-            f"{name}: {len(axis)}" for name, axis in zip(self.names, self.axes, strict=True)
-        )
-        return f"SampledFrame({sizes}, {self.rows} rows, order {self.order})"
+        sizes = " x ".join(str(len(axis)) for axis in self.axes)
+        return f"SampledFrame({sizes} nodes, {self.rows} rows, order {self.order})"
