@@ -10,7 +10,7 @@ from geomtorsion.errors import GeomtorsionError, SingularPointError
 from geomtorsion.exact import numpy_function
 from geomtorsion.loops.burgers import DISAGREE, burgers_vector
 from geomtorsion.loops.cells import LEVELS, Cell, Rule
-from geomtorsion.loops.forms import curl, parameter_values
+from geomtorsion.loops.forms import curl, forms, parameter_values
 from geomtorsion.loops.line import EPS, SHAKE
 from geomtorsion.loops.loop import Loop
 
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
     from geomtorsion.geometry import Frame
 
+# Where a denominator falls below this share of its largest value, a loop is looked at alone.
+NEAR_POLE = 0.05
 Values = Callable[..., tuple["np.ndarray", "np.ndarray"]]
 
 
@@ -48,6 +50,7 @@ class Batch:
     frame, cell, plane, accuracy, parameters: as the user gave them.
     line: e^i along both directions of the plane, from points (n, k) to (2, n, k), and its noise.
     flux: (de)^i over the plane, from points to (1, n, k), and its noise; None if it vanishes.
+    poles: denominators of the coframe, from points (n, k) to (poles, k), or None.
     spent: how many points were evaluated so far, in a list of one.
     """
 
@@ -58,6 +61,7 @@ class Batch:
     parameters: Mapping[Any, Any] | None
     line: Values
     flux: Values | None
+    poles: Callable[[np.ndarray], np.ndarray] | None
     spent: list[int]
 
     @classmethod
@@ -89,7 +93,25 @@ class Batch:
             if (value := curl(frame, i, a, b)).is_zero is not True
         ]
         flux = _weighted(frame, curls, parameters, spent) if curls else None
-        return cls(frame, cell, plane, accuracy, parameters, line, flux, spent)
+        compiled = forms(frame)
+        numbers = parameter_values(frame, compiled.parameters, parameters)
+
+        def poles(points: np.ndarray) -> np.ndarray:
+            spent[0] += points.shape[1]
+            assert compiled.poles is not None
+            return compiled.poles(*points, *numbers)
+
+        return cls(
+            frame,
+            cell,
+            plane,
+            accuracy,
+            parameters,
+            line,
+            flux,
+            poles if compiled.poles else None,
+            spent,
+        )
 
     def solve(self, centres: np.ndarray, axes: np.ndarray) -> Found:
         """All loops with these centres, shape (n, k), and axes, shape (2, k)."""
@@ -119,9 +141,24 @@ class Batch:
         )
         largest = np.abs(value).max(axis=0)
         unsure = ~(error <= np.maximum(self.accuracy * largest, 0)) & ~(largest <= error)
-        for k in np.flatnonzero(unsure | ~np.isfinite(flux_error)):
+        unsure |= ~np.isfinite(flux_error) | self._near_poles(centres, axes)
+        for k in np.flatnonzero(unsure):
             self._single(result, int(k), centres[:, k], axes[:, k])
         return result
+
+    def _near_poles(self, centres: np.ndarray, axes: np.ndarray) -> np.ndarray:
+        """Loops on which a denominator of the coframe comes close to zero, shape (k,)."""
+        import numpy as np
+
+        if self.poles is None:
+            return np.zeros(axes.shape[1], dtype=bool)
+        points = self._points(self.cell.rim(2), centres, axes)
+        values = self.poles(points).reshape(-1, axes.shape[1], points.shape[1] // axes.shape[1])
+        sizes = np.abs(values)
+        near = ~(sizes.min(axis=2) >= NEAR_POLE * sizes.max(axis=2))
+        if not np.iscomplexobj(values):
+            near |= (values.min(axis=2) < 0) & (values.max(axis=2) > 0)
+        return near.any(axis=0)
 
     def _refined(
         self,

@@ -59,7 +59,7 @@ def _circle(level: int) -> Rule:
     import numpy as np
 
     count = (9, 15, 25, 41, 67)[level]
-    angle = 2 * np.pi * np.arange(count) / count
+    angle = 2 * np.pi * (np.arange(count) + 0.382 * level) / count
     points = np.stack([np.cos(angle), np.sin(angle)])
     return Rule(points, np.stack([-points[1], points[0]]) * (2 * np.pi / count))
 

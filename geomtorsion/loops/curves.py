@@ -13,6 +13,7 @@ from geomtorsion.exact import parse_expression
 from geomtorsion.exact.names import FUNCTIONS
 from geomtorsion.loops import intake
 from geomtorsion.loops.loop import Part, shown
+from geomtorsion.loops.quadrature import kronrod
 from geomtorsion.loops.sides import Curve, exact_number
 
 if TYPE_CHECKING:
@@ -183,14 +184,35 @@ def _resolved(side: Curve) -> Curve:
         for one, two in zip(here, after, strict=True)
     )
     if not periodic:
+        _check_length(side)
         return side
     found = [_highest(side, samples) for samples in SAMPLES[:2]]
     for samples in SAMPLES[2:]:
         if found[-1] is not None and found[-1] == found[-2]:
             break
         found.append(_highest(side, samples))
-    waves = found[-1] if found[-1] is not None else SAMPLES[-1] // 3
+    waves = found[-1]
+    if waves is None:
+        _check_length(side)
+        waves = SAMPLES[-1] // 3
     return replace(side, is_periodic=True, waves=waves)
+
+
+def _check_length(side: Curve) -> None:
+    """Refuse a curve whose length does not converge: it runs through a pole."""
+    import numpy as np
+
+    def speed(_: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+        return np.sqrt((slopes * slopes).sum(axis=0))[None]
+
+    with np.errstate(all="ignore"):
+        found = kronrod((side,), speed, 1e-3, 0.0, SAMPLES[-1])
+    if not found.converged:
+        place = side.start + (side.end - side.start) * (found.worst[1] if found.worst else 0.0)
+        raise LoopError(
+            f"curve: its length is not finite near {side.parameter} = {float(place):.6g}. "
+            "Choose an interval on which every expression is finite."
+        )
 
 
 def _highest(side: Curve, samples: int) -> int | None:

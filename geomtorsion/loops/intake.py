@@ -16,6 +16,10 @@ if TYPE_CHECKING:
 
 def number(value: Any, where: str) -> float:
     """A finite float from an int, Fraction, float or sympy number."""
+    if is_symbolic(value):
+        raise LoopError(
+            f"{where}: {value} contains symbols; only circles, ellipses and curves may."
+        )
     try:
         result = float(value)
     except (TypeError, ValueError, OverflowError):

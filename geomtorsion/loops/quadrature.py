@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -17,8 +18,10 @@ Integrand = Callable[["np.ndarray", "np.ndarray"], "np.ndarray"]
 # How many points an integral may take, and how many are evaluated at once.
 MOST_POINTS = 2**25
 PIECE = 2**15
-# Trapezoid rules are compared with one of 1.6 times the points: no frequency hides from both.
+# Trapezoid rules are compared with one of 1.6 times the points, shifted by the golden section:
+# no frequency hides from both.
 GROWTH = 1.6
+SHIFT = 0.3819660112501051
 FIRST_TRAPEZOID = 16
 # Beyond this many times the points that the curve needs, the integrand has a narrow peak.
 PATIENCE = 100
@@ -81,11 +84,15 @@ def integrate(
     most
         Largest number of points.
     """
-    if len(sides) == 1 and sides[0].is_periodic:
-        found = trapezoid(sides[0], integrand, accuracy, floor, most)
-        if found.converged:
-            return found
-    return kronrod(sides, integrand, accuracy, floor, most)
+    import numpy as np
+
+    # What is not finite is looked at, and never counts as converged.
+    with np.errstate(all="ignore"):
+        if len(sides) == 1 and sides[0].is_periodic:
+            found = trapezoid(sides[0], integrand, accuracy, floor, most)
+            if found.converged:
+                return found
+        return kronrod(sides, integrand, accuracy, floor, most)
 
 
 def trapezoid(
@@ -97,13 +104,13 @@ def trapezoid(
     few = max(FIRST_TRAPEZOID, 3 * side.waves + 1)
     last = min(most, PATIENCE * few)
     many = _next(few)
-    s = np.concatenate([np.arange(few) / few, np.arange(many) / many])
+    s = np.concatenate([np.arange(few) / few, (np.arange(many) + SHIFT) / many])
     values = _values(side, integrand, s)
     coarse, fine = values[:, :few].mean(axis=1), values[:, few:].mean(axis=1)
     points = few + many
     while True:
         truncation = _norm(fine - coarse)
-        done = truncation <= max(accuracy * _norm(fine), floor)
+        done = math.isfinite(truncation) and truncation <= max(accuracy * _norm(fine), floor)
         if done or _next(many) > last:
             return Integral(fine, truncation, points, done, f"trapezoid, {many} points")
         many = _next(many)
@@ -122,7 +129,7 @@ def _mean(side: Side, integrand: Integrand, points: int) -> np.ndarray:
 
     total = 0.0
     for start in range(0, points, PIECE):
-        s = np.arange(start, min(points, start + PIECE)) / points
+        s = (np.arange(start, min(points, start + PIECE)) + SHIFT) / points
         total = total + _values(side, integrand, s).sum(axis=1)
     return np.asarray(total / points)
 
@@ -174,11 +181,12 @@ def kronrod(
     points = 15 * len(owner)
     while True:
         fine, truncation = values.sum(axis=1), float(errors.sum())
-        allowed = max(accuracy * _norm(fine), floor)
+        finite = np.isfinite(errors)
+        allowed = max(accuracy * _norm(values[:, finite].sum(axis=1)), floor)
         rule = f"Gauss-Kronrod, {len(owner)} intervals"
-        if truncation <= allowed:
+        if truncation <= allowed and finite.all():
             return Integral(fine, truncation, points, True, rule)
-        bad = ~(errors <= allowed / (2 * len(owner)))
+        bad = ~finite | (errors > allowed / (2 * len(owner)))
         narrow = width[bad].min() < NARROWEST
         if narrow or points + 30 * int(bad.sum()) > most:
             worst = int(np.argmax(np.where(np.isfinite(errors), errors, np.inf)))

@@ -1,0 +1,131 @@
+"""Closed forms: Burgers vectors as expressions, and an error where there is none."""
+
+import pytest
+import sympy as sp
+
+from geomtorsion.errors import LoopError, MissingValueError, UndecidedError
+from geomtorsion.geometry import Frame
+from geomtorsion.loops import Loop, burgers_vector, exact_burgers_vector
+from geomtorsion.loops.closed_forms import OutOfTimeError, deadline, definite
+from geomtorsion.spaces import load
+
+R, b = sp.symbols("R b", positive=True)
+t = sp.Symbol("t", real=True)
+J1 = sp.besselj(1, R)
+THIRD = sp.Rational(3, 10)
+
+
+@pytest.mark.parametrize(
+    ("space", "loop", "expected"),
+    [
+        ("screw_dislocation", Loop.circle([0, 0, 0], R), (0, 0, b)),
+        ("screw_dislocation", Loop.circle([0.3, 0.1, 0], 1).times(-2), (0, 0, -2 * b)),
+        ("screw_dislocation", Loop.circle([3, 0.1, 0], 1), (0, 0, 0)),
+        ("heisenberg", Loop.circle([7, 2, 0], R), (0, 0, -sp.pi * R**2)),
+        ("heisenberg", Loop.ellipse([0, 0, 0], (0.3, 0.1)), (0, 0, -3 * sp.pi / 100)),
+        (
+            "heisenberg",
+            Loop.circle([0, 0, 0], 1, ([1, 1, 0], [0, 1, 1])),
+            (0, 0, -sp.pi / sp.sqrt(3)),
+        ),
+        ("heisenberg", Loop.polygon([[0, 0, 0], [1, 0, 0], [0.5, 1, 2]]), (0, 0, -sp.S.Half)),
+        (
+            "so3",
+            Loop.circle([0.3, 1, 0.2], R),
+            (2 * sp.pi * R * sp.cos(THIRD) * J1, -2 * sp.pi * R * sp.sin(THIRD) * J1, 0),
+        ),
+        ("flat_polar", Loop.plaquette([1, 0], (2, 3)), (0, 6)),
+        ("flat_polar", Loop.polygon([[1, 0], [2, 0], [2, 3], [1, 3]]), (0, 3)),
+    ],
+    ids=lambda value: value if isinstance(value, str) else getattr(value, "name", ""),
+)
+def test_closed_forms(space: str, loop: Loop, expected: tuple[sp.Expr, ...]) -> None:
+    """What a person would have found by hand, and found in tables for Bessel functions."""
+    found = burgers_vector(load(space).frame, loop, exact=True)
+    for one, two in zip(found.vector, expected, strict=True):
+        assert sp.simplify(one - two) == 0, found
+
+
+def test_closed_form_and_numbers_agree() -> None:
+    """A frame without symmetry: both ways to the same numbers."""
+    frame = load("so3").frame
+    loop = Loop.circle([0.3, 1, 0.2], R, (1, 2))
+    closed = exact_burgers_vector(frame, loop).at({"R": 0.5})
+    assert closed == pytest.approx(burgers_vector(frame, loop.at({"R": 0.5})).vector, rel=1e-14)
+
+
+def test_so3_in_exponential_coordinates() -> None:
+    """Flat circle of radius R: -2 pi (1 - cos R)."""
+    x, y = sp.symbols("x y", real=True)
+    w = sp.sqrt(x**2 + y**2)
+    third = [(1 - sp.cos(w)) / w**2 * y, -(1 - sp.cos(w)) / w**2 * x]
+    frame = Frame([x, y, "z"], [[1, 0, 0], [0, 1, 0], [*third, 1]])
+    found = exact_burgers_vector(frame, Loop.circle([0, 0, 0], R))
+    assert sp.simplify(found.vector[2] + 2 * sp.pi * (1 - sp.cos(R))) == 0
+
+
+@pytest.mark.parametrize(
+    ("integrand", "expected"),
+    [
+        (sp.cos(t) ** 4, 3 * sp.pi / 4),
+        (sp.sin(3 * t) * sp.sin(t) ** 3, -sp.pi / 4),
+        (sp.cos(R * sp.cos(t)), 2 * sp.pi * sp.besselj(0, R)),
+        (sp.sin(R * sp.sin(t)) * sp.sin(t), 2 * sp.pi * J1),
+        (sp.cos(3 * sp.cos(t) + 4 * sp.sin(t)), 2 * sp.pi * sp.besselj(0, 5)),
+        (1 / (2 + sp.cos(t)), 2 * sp.pi / sp.sqrt(3)),
+        (1 / (5 - 4 * sp.cos(t)) ** 2, 10 * sp.pi / 27),
+        (sp.exp(sp.cos(t)), 2 * sp.pi * sp.besseli(0, 1)),
+        (t**2, 8 * sp.pi**3 / 3),
+        (t * sp.cos(t), 0),
+    ],
+)
+def test_integrals_over_one_turn(integrand: sp.Expr, expected: sp.Expr) -> None:
+    """Tables of integrals (Gradshteyn and Ryzhik, 3.6 and 3.9)."""
+    found = definite(integrand, t, sp.S.Zero, 2 * sp.pi)
+    assert found is not None
+    assert abs((found - expected).subs(R, 2).evalf(30)) < 1e-25
+
+
+def test_no_closed_form_is_an_error_that_says_so() -> None:
+    """Neither a half-done integral nor a number in disguise."""
+    x, y = sp.symbols("x y", real=True)
+    frame = Frame([x, y], [[1, sp.exp(sp.sin(x * y) + x**4)], [0, 1]])
+    with pytest.raises(UndecidedError, match="Ask for numbers"):
+        exact_burgers_vector(frame, Loop.circle([0, 1], 1), seconds=2)
+
+
+def test_a_spline_has_no_closed_form() -> None:
+    """It is known by numbers only."""
+    spline = Loop.spline([[0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    with pytest.raises(LoopError, match="known by numbers only"):
+        exact_burgers_vector(load("so3").frame, spline)
+    with pytest.raises(LoopError, match="the loop has 2 coordinates"):
+        exact_burgers_vector(load("so3").frame, Loop.circle([0, 0], 1))
+
+
+def test_numbers_from_a_closed_form() -> None:
+    """Every symbol needs a value."""
+    found = exact_burgers_vector(load("screw_dislocation").frame, Loop.circle([0, 0, 0], R))
+    assert found.at({"b": 3}).tolist() == [0, 0, 3]
+    with pytest.raises(MissingValueError, match="b has no value"):
+        found.at()
+    assert repr(found) == "ExactBurgersVector([0, 0, b])"
+    assert "b = " in found._repr_latex_()
+
+
+def test_the_deadline_holds_in_threads_too() -> None:
+    """Where there is no timer, calls look at the clock."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    def count() -> str:
+        total = sp.S.Zero
+        try:
+            with deadline(0.05):
+                while True:
+                    total = total + sp.sin(total + 1)
+        except OutOfTimeError:
+            return "stopped"
+
+    assert count() == "stopped"
+    with ThreadPoolExecutor(1) as pool:
+        assert pool.submit(count).result(timeout=20) == "stopped"

@@ -1,0 +1,138 @@
+"""Files of loops: JSON and CSV, what they mean and what is refused."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from geomtorsion.errors import ExpressionError, FileFormatError, GeomtorsionError, LoopError
+from geomtorsion.geometry import Frame
+from geomtorsion.loops import burgers_vector
+from geomtorsion.loops.files import loops_from_csv, loops_from_json, read_loops
+
+PLANE = Frame("x y", [[1, 0], [0, 1]])
+
+
+def test_every_kind_of_loop() -> None:
+    """All kinds come through JSON, with names, multiples, planes by name and exact numbers."""
+    text = json.dumps(
+        {
+            "loops": [
+                {"circle": {"centre": [0, 0], "radius": "pi/2", "plane": ["y", "x"]}, "name": "c"},
+                {"ellipse": {"centre": ["1/2", 0], "axes": [2, 1]}, "times": -2},
+                {"polygon": {"vertices": [[0, 0], [1, 0], [0, 1]]}},
+                {"polygon": {"vertices": [[0, 0], [1, 0], [0, 1]], "centre": [5, 5], "size": 1e-9}},
+                {"plaquette": {"corner": [0, 0], "steps": [1, 2], "plane": [[1, 0], [1, 1]]}},
+                {"curve": {"expressions": ["cos(t)", "sin(t)"], "parameter": "t",
+                           "interval": [0, "2*pi"]}},
+                {"spline": {"points": [[1, 0], [0, 1], [-1, 0], [0, -1]]}},
+            ],
+            "parameters": {"R": "3/2", "b": 1},
+            "accuracy": 1e-9,
+        }
+    )  # fmt: skip
+    read = loops_from_json(PLANE, text)
+    areas = [loop.area[0, 1] for loop in read.loops]
+    pi = 3.141592653589793
+    expected = [-(pi**3) / 4, -4 * pi, 0.5, 0.5e-18, 2, pi, 3.05]
+    assert areas == pytest.approx(expected, rel=1e-3)
+    assert read.loops[0].name == "c"
+    assert read.accuracy == 1e-9
+    assert float(read.parameters["R"]) == 1.5
+
+
+def test_csv_of_circles_and_polygons(tmp_path: Path) -> None:
+    """One circle a row, or one vertex a row."""
+    circles = loops_from_csv(PLANE, "name, x, y, radius, plane\na, 0, 0, 1,\nb, 1/2, 0, 2, y x\n")
+    assert [loop.area[0, 1] > 0 for loop in circles.loops] == [True, False]
+    file = tmp_path / "loops.csv"
+    file.write_text("loop,x,y\nt,0,0\nt,1,0\nt,0,1\nu,0,0\nu,2,0\nu,0,2\n", "utf-8")
+    read = read_loops(PLANE, file)
+    assert [loop.name for loop in read.loops] == ["t", "u"]
+    assert read.loops[1].area[0, 1] == pytest.approx(2)
+
+
+def test_json_from_a_file(tmp_path: Path) -> None:
+    """The suffix says what it is."""
+    file = tmp_path / "loops.json"
+    file.write_text('[{"circle": {"centre": [0, 0], "radius": 1}}]', "utf-8")
+    assert burgers_vector(PLANE, read_loops(PLANE, file).loops[0]).vanishes
+
+
+JSON = [
+    ('[{"circle": {"centre": [0, 0], "radius": 1}', "line 1, column .* Is the file complete"),
+    ("", "this is no JSON"),
+    ("{}", "a list of loops was needed"),
+    ("[]", "at least one"),
+    ("3", "a list of loops"),
+    ('[{"circl": {}}]', "unknown key 'circl'. Did you mean circle"),
+    ('[{"circle": {"centre": [0, 0]}}]', "the key 'radius' is missing"),
+    ('[{"circle": {"centre": [0, 0], "radius": NaN}}]', "NaN is no number"),
+    ('[{"circle": {"centre": [0, 0], "radius": true}}]', "a number was needed, but True"),
+    ('[{"circle": {"centre": [0, null], "radius": 1}}]', r"centre\[1\]: a number was needed"),
+    ('[{"circle": {"centre": [0, 0], "radius": 1, "plane": ["x", "q"]}}]', "'q' is no coordinate"),
+    ('[{"circle": {"centre": [0, 0], "radius": 1, "plane": "xy"}}]', "plane: two coordinates"),
+    ('[{"circle": 3}]', "a mapping was needed"),
+    ("[3]", "a mapping was needed"),
+    ('[{"times": 3}]', "exactly one of .* none came"),
+    ('[{"circle": {"centre": [0, 0], "radius": 1}, "name": 3}]', "name: a text"),
+    ('{"loops": [1], "q": 3}', "unknown key 'q'"),
+    ('{"loops": [1], "parameters": 3}', "parameters: names and values"),
+    ('{"loops": [1], "accuracy": "x"}', "accuracy: a number"),
+    ("[" * 100000, "nested too deeply|no JSON"),
+]
+
+
+@pytest.mark.parametrize(("text", "message"), JSON)
+def test_malformed_json(text: str, message: str) -> None:
+    """Truncated, unknown, missing, of the wrong kind."""
+    with pytest.raises(GeomtorsionError, match=message):
+        loops_from_json(PLANE, text)
+
+
+def test_code_is_not_run() -> None:
+    """Numbers and expressions come through the whitelist."""
+    for text in (
+        '[{"circle": {"centre": [0, 0], "radius": "__import__(\'os\')"}}]',
+        '[{"curve": {"expressions": ["exec(1)", "s"]}}]',
+    ):
+        with pytest.raises(ExpressionError):
+            loops_from_json(PLANE, text)
+
+
+def test_a_bad_loop_is_named() -> None:
+    """Which of many loops it was."""
+    good = '{"circle": {"centre": [0, 0], "radius": 1}}'
+    with pytest.raises(LoopError, match=r"loops\[1\]: radius: a positive length"):
+        loops_from_json(PLANE, f"[{good}, {good.replace('1}', '-1}')}]")
+
+
+CSV = [
+    ("", "the file is empty"),
+    ("x,radius\n0,1\n", "needed are x, y and either radius"),
+    ("x,y\n0,1\n", "needed are x, y and either radius"),
+    ("x,y,radius\n", "no rows"),
+    ("x,y,radius\n0,0,1\n0,0", "line 3: 3 columns were needed, but 2 came"),
+    ("x,y,radius\n0,0,\n", "line 2: radius"),
+    ("x,y,radius\n0,0,-1\n", "line 2: radius: a positive length"),
+    ("x,y,radius\n0,0,nan\n", "a finite number"),
+    ("loop,x,y\na,0,0\na,1,1\n", "loop a: vertices: at least three"),
+    ("x,y,radius,plane\n0,0,1,x z\n", "'z' is no coordinate"),
+]
+
+
+@pytest.mark.parametrize(("text", "message"), CSV)
+def test_malformed_csv(text: str, message: str) -> None:
+    """Headers, rows and cells."""
+    with pytest.raises(GeomtorsionError, match=message):
+        loops_from_csv(PLANE, text)
+
+
+def test_files_that_cannot_be_read(tmp_path: Path) -> None:
+    """Missing, or not text."""
+    with pytest.raises(FileFormatError, match="cannot be read"):
+        read_loops(PLANE, tmp_path / "none.json")
+    binary = tmp_path / "binary.json"
+    binary.write_bytes(b"\xff\xfe\x00\x01")
+    with pytest.raises(FileFormatError, match="no UTF-8"):
+        read_loops(PLANE, binary)
