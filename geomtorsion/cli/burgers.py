@@ -221,12 +221,13 @@ def _save(document: dict[str, Any], found: list[Any], output: Path) -> None:
     names = []
     if drawn:
         from geomtorsion.errors import MissingExtraError
+        from geomtorsion.pictures.ink import save
         from geomtorsion.pictures.loops import draw_closure
 
         try:
             for k, b in enumerate(drawn):
                 names.append(f"loop-{k + 1}.svg")
-                draw_closure(b).savefig(output / names[-1])
+                save(draw_closure(b), output / names[-1])
         except MissingExtraError as error:
             names.clear()
             typer.echo(f"no pictures: {error}", err=True)

@@ -9,36 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 from sympy import latex
 
-from geomtorsion.errors import LoopError, MissingExtraError
+from geomtorsion.errors import LoopError
 from geomtorsion.loops import BurgersMap, BurgersVector, Loop, burgers_vector
 from geomtorsion.loops.images import Image, image
+from geomtorsion.pictures.ink import new_figure, quiet
 
 if TYPE_CHECKING:
-    from geomtorsion.accuracy.loops import LoopCosts
     from geomtorsion.geometry import Frame
 
 # Colours that stay apart in print and for every eye (Okabe and Ito).
-PATH, IMAGE, GAP, START = "#0072B2", "#009E73", "#D55E00", "#1d2330"
+PATH, IMAGE, GAP, START = "#0072B2", "#007a59", "#D55E00", "#222222"
 # Below this share of the largest, an extent or a component is not worth an axis.
 FLAT = 1e-6
-
-
-def new_figure(**options: Any) -> Any:
-    """An empty matplotlib figure that belongs to no window.
-
-    Raises
-    ------
-    MissingExtraError
-        matplotlib is not installed.
-    """
-    try:
-        module = import_module("matplotlib.figure")
-    except ImportError:
-        raise MissingExtraError(
-            "pictures need matplotlib, which is not installed. "
-            "Run `pip install geomtorsion[plots]`."
-        ) from None
-    return module.Figure(layout="constrained", **options)
 
 
 def draw_closure(b: BurgersVector) -> Any:
@@ -57,7 +39,7 @@ def draw_closure(b: BurgersVector) -> Any:
         matplotlib is not installed.
     """
     drawn = image(b)
-    figure = new_figure(figsize=(9.6, 4.6))
+    figure = new_figure(9.6, 4.6)
     names = [latex(symbol) for symbol in b.frame.coordinates]
     _draw_path(_axes(figure, 121, drawn.path), drawn, names)
     _draw_image(_axes(figure, 122, drawn.image), drawn, b)
@@ -93,10 +75,7 @@ def _axes(figure: Any, place: int, points: Any) -> Any:
         return axes
     axes = figure.add_subplot(place)
     axes.set_aspect("equal", adjustable="datalim")
-    axes.grid(True, color="#e4e5e0", linewidth=0.6)
-    axes.set_axisbelow(True)
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
+    quiet(axes)
     return axes
 
 
@@ -163,7 +142,7 @@ def _draw_image(axes: Any, drawn: Image, b: BurgersVector) -> None:
     if b.magnitude and not b.vanishes and b.magnitude > 1e-300:
         size += f" ± {b.error:.0e}" if b.error else ""
     grown = "" if drawn.magnified == 1 else f", gap enlarged {_power(drawn.magnified)} times"
-    axes.set_title(f"its image in the frame{grown}\n{size}", fontsize=11, color="#1d2330")
+    axes.set_title(f"its image in the frame{grown}\n{size}", fontsize=11, color=START)
 
 
 def _sense(axes: Any, points: Any, colour: str) -> None:
@@ -212,7 +191,7 @@ def draw_map(survey: BurgersMap, *, relative: bool = False) -> Any:
     sizes = np.nanmax(np.abs(np.where(survey.enclosed, np.nan, density)), axis=(1, 2), initial=0.0)
     strong = np.nanmax(np.abs(density), axis=(1, 2), initial=0.0)
     shown = [k for k in range(len(strong)) if strong[k] > FLAT * strong.max()] or [0]
-    figure = new_figure(figsize=(min(4.7 * len(shown) + 0.6, 15), 4.3))
+    figure = new_figure(min(4.7 * len(shown) + 0.6, 15), 4.3)
     names = [f"${latex(symbol)}$" for symbol in survey.frame.coordinates]
     corners, labels = _corners(survey, names)
     for place, k in enumerate(shown[:3]):
@@ -279,39 +258,6 @@ def _ring(axes: Any, survey: BurgersMap, corners: tuple[Any, Any], k: int) -> No
         strength = float(np.real(survey.vectors[k, row, column]))
         axes.plot(x, y, "o", markersize=13, fillstyle="none", color=START, markeredgewidth=1.4)
         axes.annotate(f"b = {strength:.3g}", (x, y), (9, 7), textcoords="offset points", fontsize=9)
-
-
-def draw_costs(costs: LoopCosts) -> Any:
-    """Error against number of points and against time, one line for each rule.
-
-    Returns
-    -------
-    A matplotlib figure.
-
-    Raises
-    ------
-    MissingExtraError
-        matplotlib is not installed.
-    """
-    figure = new_figure(figsize=(9.6, 4.4))
-    colours = (PATH, IMAGE, GAP, "#CC79A7", "#E69F00", START)
-    left, right = figure.add_subplot(121), figure.add_subplot(122, sharey=None)
-    for axes, what in ((left, "points"), (right, "milliseconds")):
-        for number, rule in enumerate(dict.fromkeys(row.rule for row in costs.rows)):
-            rows = [row for row in costs.rows if row.rule == rule]
-            spent = [row.points if what == "points" else row.seconds * 1e3 for row in rows]
-            errors = [max(row.error, 1e-17) for row in rows]
-            marks = "s--" if rows[0].asked is not None else "o-"
-            colour = colours[number % len(colours)]
-            axes.loglog(spent, errors, marks, color=colour, label=rule, markersize=4, linewidth=1.4)
-        axes.set_xlabel(what)
-        axes.set_ylabel("relative error" if axes is left else "")
-        axes.grid(True, color="#e4e5e0", linewidth=0.6)
-        for side in ("top", "right"):
-            axes.spines[side].set_visible(False)
-    right.legend(fontsize=8, frameon=False)
-    figure.suptitle(costs.name, fontsize=11)
-    return figure
 
 
 def draw_loop(frame: Frame, loop: Loop, *, parameters: Mapping[Any, Any] | None = None) -> Any:
