@@ -18,13 +18,10 @@ NAMES = ("first", "second", "third")
 def attitude_picture(pair: Pair) -> Figure:
     """Two globes side by side: where the body's axes point, as it turns by each of the curves.
 
-    Examples
-    --------
-    >>> from geomtorsion.motion import RungeKutta
-    >>> from geomtorsion.pictures.pair import follow
-    >>> from geomtorsion.spaces import load
-    >>> len(attitude_picture(follow(load("so3"), engine=RungeKutta())).axes)
-    2
+    Raises
+    ------
+    MissingExtraError
+        matplotlib is not installed.
     """
     figure = new_figure(9.2, 5.4)
     embedding = pair.embedding

@@ -34,13 +34,10 @@ def paths_picture(pair: Pair) -> Figure | None:
 
     None where there is nothing to be seen at once: more than three coordinates and no embedding.
 
-    Examples
-    --------
-    >>> from geomtorsion.motion import RungeKutta
-    >>> from geomtorsion.pictures.pair import follow
-    >>> from geomtorsion.spaces import load
-    >>> len(paths_picture(follow(load("s2"), engine=RungeKutta())).axes)
-    2
+    Raises
+    ------
+    MissingExtraError
+        matplotlib is not installed.
     """
     views = []
     embedding = pair.embedding
@@ -73,13 +70,10 @@ def paths_picture(pair: Pair) -> Figure | None:
 def coordinates_picture(pair: Pair) -> Figure:
     """Each coordinate against t, both curves in one panel.
 
-    Examples
-    --------
-    >>> from geomtorsion.motion import RungeKutta
-    >>> from geomtorsion.pictures.pair import follow
-    >>> from geomtorsion.spaces import load
-    >>> len(coordinates_picture(follow(load("so3"), engine=RungeKutta())).axes)
-    3
+    Raises
+    ------
+    MissingExtraError
+        matplotlib is not installed.
     """
     points = continued(pair)
     names = [symbol.name for symbol in pair.symbols]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.motion.compare import pairs
-from geomtorsion.motion.solve import CAUTION
+from geomtorsion.motion.solving import CAUTION
 from geomtorsion.motion.system import evaluated
 
 if TYPE_CHECKING:

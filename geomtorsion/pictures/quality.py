@@ -40,13 +40,10 @@ def coincide(pair: Pair) -> bool:
 def distance_picture(pair: Pair) -> Figure:
     """Distance of the two motions over time; logarithmic where there is next to none.
 
-    Examples
-    --------
-    >>> from geomtorsion.motion import RungeKutta
-    >>> from geomtorsion.pictures.pair import follow
-    >>> from geomtorsion.spaces import load
-    >>> distance_picture(follow(load("s2"), engine=RungeKutta())).axes[0].get_yscale()
-    'linear'
+    Raises
+    ------
+    MissingExtraError
+        matplotlib is not installed.
     """
     figure = new_figure(6.6, 4.2)
     axes: Any = figure.add_subplot()
@@ -77,13 +74,10 @@ def distance_picture(pair: Pair) -> Figure:
 def quality_picture(pair: Pair) -> Figure:
     """Error estimates of both motions, and the drift of every known invariant, over time.
 
-    Examples
-    --------
-    >>> from geomtorsion.motion import RungeKutta
-    >>> from geomtorsion.pictures.pair import follow
-    >>> from geomtorsion.spaces import load
-    >>> len(quality_picture(follow(load("s2"), engine=RungeKutta())).axes)
-    2
+    Raises
+    ------
+    MissingExtraError
+        matplotlib is not installed.
     """
     drifts = [
         (f"{curve}: {greek(name)}", solution.times, values)

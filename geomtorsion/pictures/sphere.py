@@ -101,7 +101,7 @@ def parted(points: Any, viewer: Any) -> list[tuple[Any, bool]]:
     >>> turn = np.linspace(0, 2 * np.pi, 9)[:, None]
     >>> ring = np.hstack([np.cos(turn), np.sin(turn), 0 * turn])
     >>> [(len(part), front) for part, front in parted(ring, np.array([0.9, 0.1, 0.4]))]
-    [(5, False), (3, True), (4, True)]
+    [(5, False), (3, True), (3, True)]
     """
     import numpy as np
 

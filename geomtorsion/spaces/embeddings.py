@@ -12,7 +12,8 @@ import sympy as sp
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.exact import Field, numpy_function
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.atlases import EULER, from_angles, rotation, spherical
+from geomtorsion.spaces.atlas_curvilinear import spherical
+from geomtorsion.spaces.atlas_rotations import EULER, from_angles, rotation
 
 Symbols = tuple[sp.Symbol, ...]
 
@@ -33,7 +34,7 @@ class Embedding:
     >>> from geomtorsion.spaces import load
     >>> sphere = embedding_of(load("s2").frame)
     >>> sphere.place
-    (R*sin(theta)*cos(phi), R*sin(theta)*sin(phi), R*cos(theta))
+    (R*sin(theta)*cos(phi), R*sin(phi)*sin(theta), R*cos(theta))
     """
 
     coordinates: Symbols

@@ -1,0 +1,122 @@
+"""The pictures: each space gets those that suit it, and they show something."""
+
+import numpy as np
+import pytest
+
+from geomtorsion.motion import RungeKutta
+from geomtorsion.pictures.album import album
+from geomtorsion.pictures.curves import continued
+from geomtorsion.pictures.ink import SERIES, STROKES, caption, mathematics, number, save
+from geomtorsion.pictures.pair import follow
+from geomtorsion.pictures.sphere import parted, towards
+from geomtorsion.spaces import load, names
+from geomtorsion.spaces.first_motions import first_motion
+
+SHOWN = {
+    "s2": ["paths", "coordinates", "distance", "quality"],
+    "r3xso3": ["paths", "attitude", "coordinates", "distance", "quality"],
+    "ax_plus_b": ["paths", "coordinates", "distance", "quality"],
+    "goedel": ["coordinates", "distance", "quality"],
+}
+
+
+def pair_of(name, **options):
+    """The usual pair, cheaply."""
+    return follow(load(name), engine=RungeKutta(), accuracy=1e-6, samples=21, **options)
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_every_picture_is_written_and_shows_something(name, tmp_path):
+    """Not blank: ink in every picture, in more than one colour."""
+    pytest.importorskip("matplotlib")
+    from matplotlib.image import imread
+
+    pair = pair_of(name)
+    assert list(album(pair)) == SHOWN[name]
+    for key, (draw, says) in album(pair).items():
+        assert says.endswith(".")
+        save(draw(pair), tmp_path / f"{key}.png")
+        pixels = imread(tmp_path / f"{key}.png")[::2, ::2, :3].reshape(-1, 3)
+        assert len(np.unique((pixels * 15).round() @ [1, 16, 256])) > 10
+        assert (pixels.min(axis=1) < 0.5).mean() > 0.002
+
+
+def test_a_picture_is_the_same_each_time(tmp_path):
+    """No date and no random names: written twice, the files are equal."""
+    pytest.importorskip("matplotlib")
+    pair = pair_of("ax_plus_b")
+    for form in ("svg", "png"):
+        files = [tmp_path / f"{k}.{form}" for k in (1, 2)]
+        for file in files:
+            save(album(pair)["distance"][0](pair), file)
+        assert files[0].read_bytes() == files[1].read_bytes()
+
+
+def test_labels_do_not_overlap():
+    """Legend, titles and caption of the pictures of s2 keep apart."""
+    pytest.importorskip("matplotlib")
+    pair = pair_of("s2")
+    for draw, _ in album(pair).values():
+        figure = draw(pair)
+        figure.draw_without_rendering()
+        boxes = [text.get_window_extent() for text in figure.texts]
+        boxes += [legend.get_window_extent() for legend in figure.legends]
+        boxes += [axes.title.get_window_extent() for axes in figure.axes if axes.get_title()]
+        for k, one in enumerate(boxes):
+            assert not any(one.overlaps(other) for other in boxes[:k])
+            assert figure.bbox.padded(2).fully_overlaps(one)
+
+
+def test_lines_differ_without_colour():
+    """Dashes tell the lines apart where colours are not seen."""
+    assert len({str(stroke.dashes) for stroke in STROKES.values()}) == len(STROKES)
+    assert len({str(stroke.dashes) for stroke in SERIES}) == len(SERIES)
+
+
+def test_the_caption_says_all():
+    """Start, velocity, parameters, accuracy and stops."""
+    lines = " ".join(caption(pair_of("s2", start=[0.5, 0.0], velocity=[-0.2, 1.0], t=6)))
+    lines = lines.replace("\xa0", " ")
+    for part in ("θ = 0.5", "φ′ = 1", "R = 1", "1e−6 asked", "autoparallel stopped at t = 2.4"):
+        assert part in lines
+
+
+def test_angles_go_on():
+    """More than a full turn of the azimuth, followed by quaternions, has no jumps."""
+    for points in continued(pair_of("so3", t=20)).values():
+        assert np.abs(np.diff(points, axis=0)).max() < np.pi
+
+
+def test_numbers_and_names():
+    """A true minus sign; Greek as mathematics."""
+    assert number(-1.5e-7) == "−1.5e−7"
+    assert mathematics("theta") == r"$\theta$"
+
+
+def test_parts_of_a_curve_join():
+    """Pieces in front and behind share their ends, so that no gap is seen."""
+    turn = np.linspace(0, 2 * np.pi, 50)[:, None]
+    ring = np.hstack([np.cos(turn), np.sin(turn), 0 * turn])
+    pieces = parted(ring, np.array([1.0, 0.2, 0.3]))
+    assert [front for _, front in pieces] == [False, True, True]
+    assert sum(len(part) for part, _ in pieces) == 50 + 2
+    assert towards([ring[:10]]) @ ring[5] > 0.8
+
+
+@pytest.mark.parametrize("name", names())
+def test_every_space_has_a_first_motion(name):
+    """Inside the domain, regular, and of the right size; timelike where there is time."""
+    frame = load(name).frame
+    first = first_motion(frame)
+    values = dict(zip(frame.coordinates, first.start, strict=True))
+    values |= {symbol: first.parameters[symbol.name] for symbol in frame.parameters}
+    # Functions of the coordinates, such as a(t), have no numbers; azimuths may start at zero.
+    for relation in frame.domain:
+        assert relation.subs(values) or 0 in first.start
+    assert len(first.frame_velocity) == frame.dimension
+    eta = np.array(
+        [[float(frame.eta[i, j]) for j in range(frame.dimension)] for i in range(frame.dimension)]
+    )
+    if np.sum(np.linalg.eigvalsh(eta) < 0) == 1 and not frame.complex:
+        u = np.array(first.frame_velocity)
+        assert u @ eta @ u == pytest.approx(-1, abs=0.01)

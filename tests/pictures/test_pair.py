@@ -1,0 +1,121 @@
+"""Pairs of motions: what is chosen is said, numbers are the library's, stops are kept."""
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import AccuracyError, ShapeError, StartError
+from geomtorsion.geometry import cartan
+from geomtorsion.motion import RungeKutta, autoparallel, distance_apart, geodesic, solve
+from geomtorsion.pictures.drift import drift_over_time, error_over_time
+from geomtorsion.pictures.pair import follow
+from geomtorsion.pictures.quality import coincide
+from geomtorsion.spaces import load
+
+ENGINE = RungeKutta()
+
+
+@pytest.fixture(scope="module")
+def sphere():
+    """The usual pair on s2."""
+    return follow(load("s2"), engine=ENGINE, accuracy=1e-9, samples=41)
+
+
+def test_what_is_chosen_is_said():
+    """Only what was not given is called chosen."""
+    space = load("s2")
+    options = {"engine": ENGINE, "accuracy": 1e-6, "samples": 3, "t": 1}
+    assert follow(space, [1, 0], [0, 1], parameters={"R": 2}, **options).chosen == ()
+    assert follow(space, [1, 0], **options).chosen == ("velocity", "parameters")
+
+
+def test_numbers_are_those_of_the_library(sphere):
+    """Both curves and their distance, solved by hand."""
+    frame, first = load("s2").frame, sphere.problem
+    begin = {"frame_velocity": first.frame_velocity, "parameters": {"R": 1.0}}
+    one = solve(autoparallel(cartan(frame), first.start, **begin), sphere.times, 1e-9, ENGINE)
+    two = solve(geodesic(frame, first.start, **begin), sphere.times, 1e-9, ENGINE)
+    table = sphere.columns()
+    assert np.array_equal(table["autoparallel theta"], one.coordinates[:, 0])
+    assert np.array_equal(table["geodesic phi'"], two.velocity[:, 1])
+    assert np.array_equal(table["geodesic u0"], two.frame_velocity[:, 0])
+    assert np.array_equal(table["distance"], distance_apart(one, two))
+
+
+def test_a_loxodrome_and_a_great_circle(sphere):
+    """The closed forms: theta is linear along the one, the other lies in a plane."""
+    table = sphere.columns()
+    assert table["autoparallel theta"] == pytest.approx(1.9 - 0.2 * table["t"], abs=1e-8)
+    places = sphere.embedding.places(sphere.coordinates["geodesic"], {"R": 1.0})
+    # The smallest singular value of points in a plane through the centre vanishes.
+    assert np.linalg.svd(places)[1][-1] < 1e-7
+
+
+def test_errors_and_drifts_over_time_have_the_known_maxima(sphere):
+    """What is drawn is what `Solution.error` and `Solution.drift` say in one number."""
+    for solution in sphere.curves.values():
+        errors = error_over_time(solution)
+        assert errors is not None
+        assert errors.shape == sphere.times.shape
+        assert errors.max() == pytest.approx(solution.error, rel=1e-12)
+        drifts = drift_over_time(solution)
+        assert {name: values.max() for name, values in drifts.items()} == pytest.approx(
+            dict(solution.drift)
+        )
+
+
+def test_drift_over_several_charts():
+    """Charts that a motion passes through are joined: one value for each time."""
+    space = load("s2")
+    over_pole = follow(space, [1.5, 1e-3], [-1.0, 0.0], parameters={"R": 1}, t=2, samples=21)
+    solution = over_pole.shortest
+    assert len(solution.charts) > 1
+    for values in drift_over_time(solution).values():
+        assert values.shape == (21,)
+
+
+def test_on_so3_the_two_are_one():
+    """Totally antisymmetric torsion has no force; unequal moments part them."""
+    options = {"engine": ENGINE, "accuracy": 1e-8, "samples": 11, "t": 2}
+    assert coincide(follow(load("so3"), **options))
+    assert not coincide(follow(load("so3"), moments=[1, 2, 3], **options))
+
+
+def test_a_motion_that_stops_is_kept():
+    """A loxodrome ends in the pole; the other curve goes on, the table has both."""
+    pair = follow(load("s2"), [0.5, 0.0], [-0.2, 1.0], t=6, engine=ENGINE, samples=25)
+    assert "chart 's2' ends" in pair.stops["autoparallel"]
+    table = pair.columns()
+    assert len(table["autoparallel phi"]) == len(table["distance"]) < 25
+    assert len(table["geodesic phi"]) == len(table["t"]) == 25
+
+
+def test_the_connection_of_the_space_is_followed(tmp_path):
+    """A space with a connection of its own is about that one."""
+    from geomtorsion.spaces import read_file
+
+    file = tmp_path / "bent.toml"
+    file.write_text(
+        'coordinates = ["x", "y"]\ncoframe = [[1, 0], [0, 1]]\nconnection = {"0,0,1" = "1"}\n'
+    )
+    pair = follow(read_file(file), [0, 0], [1, 0], t=1, engine=ENGINE, samples=3)
+    # y'' = -x'^2 with x' = 1.
+    assert pair.straight.coordinates[-1] == pytest.approx([1.0, -0.5], abs=1e-9)
+    assert pair.shortest.coordinates[-1] == pytest.approx([1.0, 0.0], abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "error", "says"),
+    [
+        ("frw", {}, StartError, "unknown function a"),
+        ("kerr_kinnersley", {}, StartError, "complex"),
+        ("s2", {"start": [1]}, ShapeError, "2 numbers"),
+        ("s2", {"t": 0}, StartError, "some time"),
+        ("s2", {"samples": 1}, StartError, "two at least"),
+        ("s2", {"parameters": {"Q": 1}}, StartError, "'Q' is no parameter"),
+        ("s2", {"accuracy": -1}, AccuracyError, "positive"),
+    ],
+)
+def test_bad_input(name, options, error, says):
+    """Each with what came and what to do."""
+    with pytest.raises(error, match=says):
+        follow(load(name), **options)

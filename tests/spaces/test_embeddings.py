@@ -1,0 +1,81 @@
+"""Embeddings: what is drawn is the space, checked against its coframe by differences."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from geomtorsion.spaces import load
+from geomtorsion.spaces.embeddings import EMBEDDINGS, embedding_of
+
+STEP = 1e-6
+SPACE_FIXED = ("so3_right",)
+
+
+def at_sample(name):
+    """Embedding, sample point, parameters, and the coframe there."""
+    frame = load(name).frame
+    embedding = embedding_of(frame)
+    assert embedding is not None
+    values = {symbol.name: float(value) for symbol, value in frame.sample_point.items()}
+    point = np.array([values[symbol.name] for symbol in frame.coordinates])
+    return embedding, point, values, np.real(frame.coframe.at(values))
+
+
+def slopes(function, point, values):
+    """Central differences of a function of points, one entry for each coordinate."""
+    steps = STEP * np.eye(len(point))
+    ahead, behind = function(point + steps, values), function(point - steps, values)
+    return (ahead - behind) / (2 * STEP)
+
+
+@pytest.mark.parametrize("name", [n for n in EMBEDDINGS if n.startswith(("so3", "r3xso3"))])
+def test_attitudes_turn_as_the_coframe_says(name):
+    """R is a rotation, and its angular velocity is the coframe: R^T dR, or dR R^T in space."""
+    embedding, point, values, coframe = at_sample(name)
+    turn = embedding.attitudes(point[None], values)[0]
+    # Differences are good to about 1e-9.
+    assert np.allclose(turn @ turn.T, np.eye(3), atol=1e-14)
+    assert np.linalg.det(turn) == pytest.approx(1)
+    for k, rate in enumerate(slopes(embedding.attitudes, point, values)):
+        spin = rate @ turn.T if name in SPACE_FIXED else turn.T @ rate
+        assert [spin[2, 1], spin[0, 2], spin[1, 0]] == pytest.approx(coframe[:3, k], abs=1e-8)
+
+
+# The scale of frw is an unknown function: nothing is claimed, nothing can be checked.
+@pytest.mark.parametrize("name", sorted(set(EMBEDDINGS) - {"frw"}))
+def test_isometric_means_isometric(name):
+    """Lengths in the picture are lengths in the metric where that is claimed."""
+    embedding, point, values, coframe = at_sample(name)
+    if not embedding.place:
+        return
+    rows = slopes(embedding.places, point, values)
+    metric = coframe.T @ coframe
+    if name == "r3xso3":
+        # Only the place is drawn in space; attitudes are drawn on the globe.
+        rows, metric = rows[3:], metric[3:, 3:]
+    assert np.allclose(rows @ rows.T, metric, atol=1e-8) == embedding.isometric
+
+
+def test_a_name_is_not_enough():
+    """A frame that is only called s2 is not drawn on a sphere."""
+    from geomtorsion.geometry import Frame
+
+    frame = load("s2").frame
+    impostor = Frame(frame.coordinates, [[1, 0], [0, 1]], name="s2")
+    assert embedding_of(impostor) is None
+    assert embedding_of(load("goedel").frame) is None
+
+
+def test_a_file_that_is_the_sphere_is_drawn_as_one(tmp_path):
+    """The coframe decides, not where it came from."""
+    from geomtorsion.spaces import read_file
+
+    file = tmp_path / "s2.toml"
+    file.write_text(
+        'name = "s2"\ncoordinates = ["theta", "phi"]\nparameters = {R = "positive"}\n'
+        'coframe = [["R", 0], [0, "R*sin(theta)"]]\n'
+    )
+    space = read_file(file)
+    assert embedding_of(space.frame) is not None
+    assert replace(space, title="").frame is space.frame
