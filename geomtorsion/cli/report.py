@@ -24,11 +24,14 @@ def report(
             help="Directory to write to, made if it is missing; default: NAME-report.",
         ),
     ] = None,
+    pictures: Annotated[
+        bool, typer.Option("--pictures/--no-pictures", help="Motions and a loop, drawn.")
+    ] = True,
 ) -> None:
-    """Write the whole geometry of a space as a page.
+    """Write the whole geometry of a space as a page, with motions and a loop.
 
     The page, index.html, is one file that needs no network; geometry.json beside it holds the
-    same as data.
+    geometry as data. Pictures need the extra `plots`.
 
     \b
     Examples:
@@ -40,5 +43,5 @@ def report(
     with working(source) as progress:
         space = open_space(source)
         default = re.sub(r"[^\w-]+", "-", space.name) + "-report"
-        written = write_report(space, output or default, progress)
+        written = write_report(space, output or default, progress, pictures=pictures)
     typer.echo(f"{space.name}: wrote {written} and {written.with_name('geometry.json')}")

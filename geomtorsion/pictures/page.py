@@ -28,25 +28,31 @@ _CONVENTIONS = (
 
 
 def page(
-    space: Space, quantities: Sequence[Chosen], verdicts: Mapping[str, Sequence[Verdict]]
+    space: Space,
+    quantities: Sequence[Chosen],
+    verdicts: Mapping[str, Sequence[Verdict]],
+    seen: Mapping[str, str] | None = None,
 ) -> str:
-    """The whole report as HTML text."""
+    """The whole report as HTML text; `seen` are further sections, title -> HTML."""
     sections = [
         (section, [chosen for chosen in quantities if chosen.entry.section == section])
         for section in SECTIONS
     ]
     filled = [(section, found) for section, found in sections if found]
-    body = [_header(space, [section for section, _ in filled]), "<main>"]
+    titles = [*(section for section, _ in filled), *(seen or {})]
+    body = [_header(space, titles), "<main>"]
     for section, found in filled:
         body.append(f'<h2 id="{_anchor(section)}">{section}</h2>')
         body += [card(chosen) for chosen in found]
+    for title, html in (seen or {}).items():
+        body.append(f'<h2 id="{_anchor(title)}">{title}</h2>{html}')
     body += [_checks(verdicts), _branches(space), "</main>", _footer()]
     return (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         # The page promises to load nothing; the browser holds it to that.
         '<meta http-equiv="Content-Security-Policy" '
-        "content=\"default-src 'none'; style-src 'unsafe-inline'\">"
+        "content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:\">"
         f"<title>{escape(space.name)}: {escape(space.title)}</title><style>{CSS}</style></head>\n"
         f"<body>{''.join(body)}</body></html>\n"
     )

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from geomtorsion.pictures.chosen import choose
 from geomtorsion.pictures.document import document
+from geomtorsion.pictures.figures import loop_card, motions_card
 from geomtorsion.pictures.page import page
 from geomtorsion.pictures.verdicts import verdicts
 
@@ -21,24 +22,31 @@ def write_report(
     space: Space,
     directory: str | PathLike[str],
     progress: Callable[[str], object] = lambda _: None,
+    *,
+    pictures: bool = True,
 ) -> Path:
     """Write index.html and geometry.json and return the path of the page.
 
-    The page needs no network: mathematics is MathML, the style is inside. The directory is made
-    if it is missing; nothing is written before everything is computed.
+    The page needs no network: mathematics is MathML, style and pictures are inside. Without
+    matplotlib the pictures are missing, and the page says so; ``pictures=False`` leaves out motions
+    and loops. The directory is made if it is missing; nothing is written before everything is
+    computed.
 
     Examples
     --------
     >>> from tempfile import TemporaryDirectory
     >>> from geomtorsion.spaces import load
     >>> with TemporaryDirectory() as folder:
-    ...     write_report(load("s2"), folder).name
+    ...     write_report(load("s2"), folder, pictures=False).name
     'index.html'
     """
     quantities = choose(space, progress=progress)
     checked = verdicts(space, progress)
+    seen = {}
+    if pictures:
+        seen = {"Motions": motions_card(space, progress), "Closure": loop_card(space, progress)}
     progress("writing")
-    html = page(space, quantities, checked)
+    html = page(space, quantities, checked, seen)
     data = document(space, quantities)
     data["checks"] = {
         title: [{"name": v.name, "holds": v.holds, "detail": v.detail} for v in found]

@@ -58,6 +58,10 @@ dl.facts dd { margin: 0; min-width: 0; overflow-wrap: anywhere; }
 .components > .wide { grid-column: 1 / -1; }
 .card.scroll { padding: 0.8rem 1rem; }
 small { color: var(--soft); padding-left: 0.6rem; }
+.figure {
+  display: block; max-width: 100%; height: auto; margin: 0.8rem auto;
+  background: #ffffff; border-radius: 0.5rem;
+}
 .zero { color: var(--soft); }
 math { font-size: 1.12em; font-family: "Latin Modern Math", "STIX Two Math", "Cambria Math", math; }
 math[display="block"] { margin: 0; text-align: left; width: max-content; }

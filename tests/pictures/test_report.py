@@ -27,14 +27,17 @@ class Structure(HTMLParser):
         self.ids: list[str] = []
         self.links: list[str] = []
         self.loads: list[str] = []
+        self.pictures: list[str] = []
         self.text = ""
 
     def handle_starttag(self, tag, attrs):
         given = {name: value or "" for name, value in attrs}
         self.ids += [given["id"]] if "id" in given else []
         self.links += [given["href"]] if tag == "a" else []
-        self.loads += [tag] if {"src", "srcset", "data"} & given.keys() else []
-        self.loads += [tag] if tag in ("script", "link", "iframe", "object", "img") else []
+        inside = tag == "img" and given["src"].startswith("data:image/svg+xml;base64,")
+        self.pictures += [given["alt"]] if inside else []
+        self.loads += [tag] if {"src", "srcset", "data"} & given.keys() and not inside else []
+        self.loads += [tag] if tag in ("script", "link", "iframe", "object") else []
         if tag not in VOID:
             self.open.append(tag)
 
@@ -78,7 +81,7 @@ def test_the_page_is_well_formed(so3):
 
 
 def test_the_page_loads_nothing(so3):
-    """No script, no image, no address; and the page forbids the browser to load any."""
+    """No script, no address, images inside; and the page forbids the browser to load any."""
     assert not structure(so3[0]).loads
     assert "http://" not in so3[0]
     assert "https://" not in so3[0]
@@ -109,7 +112,7 @@ def test_the_data_is_the_same(so3):
 
 def test_branches_of_roots_are_stated(tmp_path):
     """Kerr's page says where its root is positive."""
-    text = write_report(load("kerr"), tmp_path).read_text("utf-8")
+    text = write_report(load("kerr"), tmp_path, pictures=False).read_text("utf-8")
     assert "Branches of roots" in text
     assert "is read as" in text
     structure(text)
@@ -119,7 +122,7 @@ def test_branches_of_roots_are_stated(tmp_path):
 def test_pages_of_files(name, tmp_path):
     """Unknown functions, null frames, own connections and plain metrics make good pages."""
     space = read_file(DATA / f"{name}.toml")
-    html = write_report(space, tmp_path).read_text("utf-8")
+    html = write_report(space, tmp_path, pictures=False).read_text("utf-8")
     page = structure(html)
     for formula in re.findall(r"<math[^>]*>(.*?)</math>", html):
         parsed(formula)
@@ -130,7 +133,7 @@ def test_text_from_a_file_is_escaped(tmp_path):
     """A story cannot smuggle markup into the page."""
     evil = "<script>alert(1)</script>"
     space = replace(load("s2"), title=evil, story=evil, source=evil, notes=evil)
-    html = write_report(space, tmp_path).read_text("utf-8")
+    html = write_report(space, tmp_path, pictures=False).read_text("utf-8")
     assert "<script" not in html
     structure(html)
 
@@ -148,3 +151,21 @@ def test_nothing_is_written_when_it_fails(tmp_path):
     with pytest.raises(Stop):
         write_report(load("s2"), tmp_path / "report", stop)
     assert not (tmp_path / "report").exists()
+
+
+def test_the_page_shows_motions_and_a_loop(so3):
+    """Both sections are there, in words and, where matplotlib is installed, in pictures."""
+    page = structure(so3[0])
+    assert {"about-motions", "about-closure"} <= set(page.ids)
+    assert "straightest and shortest path are one" in page.text
+    assert "fails to close by b = (" in page.text
+    if "Pictures need matplotlib" not in page.text:
+        assert len(page.pictures) == 4
+        assert all(page.pictures)
+
+
+@pytest.mark.parametrize("name", ["universe", "null"])
+def test_why_there_are_no_motions(name, tmp_path):
+    """Unknown functions and null tetrads have none; the page says why and is there."""
+    html = write_report(read_file(DATA / f"{name}.toml"), tmp_path).read_text("utf-8")
+    assert "No motions: " in structure(html).text
