@@ -91,7 +91,7 @@ class DislocationNetwork:
         cls,
         lines: Iterable[tuple[Hashable, Hashable, Sequence[Any]]],
         surface: Iterable[Hashable] = (),
-        positions: Mapping[Hashable, Sequence[float]] | None = None,
+        positions: Mapping[Any, Sequence[float]] | None = None,
     ) -> DislocationNetwork:
         """From lines (start, end, b); `surface` names the nodes where lines leave the crystal."""
         import networkx as nx

@@ -1,0 +1,185 @@
+"""Development: a loop rolled out, with the frames along it, the gap and the turn."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from sympy import latex
+
+from geomtorsion.loops import Loop, develop
+from geomtorsion.loops.rolling import RolledPath, roll_out
+from geomtorsion.pictures.ink import new_figure
+from geomtorsion.pictures.loops import GAP, IMAGE, PATH, START
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from geomtorsion.geometry import Connection
+    from geomtorsion.loops import Development
+
+SOFT = "#5c6475"
+
+
+def draw_development(
+    connection: Connection,
+    loop: Loop,
+    *,
+    parameters: Mapping[Any, Any] | None = None,
+    frames: int = 12,
+) -> Any:
+    """A loop in coordinates, and rolled out into the frame at its base point.
+
+    The rolled-out path does not close: the gap is the Burgers vector, and the frame that arrives
+    (orange) is turned against the one that set out (black).
+
+    Parameters
+    ----------
+    frames
+        How many frames are drawn along the path.
+
+    Returns
+    -------
+    A matplotlib figure.
+
+    Raises
+    ------
+    MissingExtraError
+        matplotlib is not installed.
+    """
+    turn = develop(connection, loop, parameters=parameters)
+    path = roll_out(connection, loop, 600, parameters=parameters)
+    figure = new_figure(10.4, 5.0)
+    left, right = figure.subplots(1, 2)
+    _draw_loop(left, path, [latex(symbol) for symbol in connection.frame.coordinates], frames)
+    _draw_rolled(right, path, frames)
+    _tell(right, turn)
+    figure.suptitle(f"{loop.name}, rolled out: {connection.name}", color=START)
+    return figure
+
+
+def _plane(points: np.ndarray) -> tuple[int, int]:
+    """The two directions in which most is to be seen, that of the gap among them."""
+    import numpy as np
+
+    widths, gap = np.ptp(points, axis=1), np.abs(points[:, -1] - points[:, 0])
+    order = [int(k) for k in np.argsort(-widths, kind="stable")]
+    first = int(gap.argmax()) if gap.max() > 0.01 * widths.max() else order[0]
+    second = next(k for k in order if k != first)
+    return min(first, second), max(first, second)
+
+
+def _marks(count: int, frames: int) -> list[int]:
+    """Numbers of the points at which frames are drawn, without the ends."""
+    return [round(k * (count - 1) / frames) for k in range(1, frames)]
+
+
+def _draw_loop(axes: Any, path: RolledPath, names: list[str], frames: int) -> None:
+    """The loop in coordinates, with the points at which frames are drawn."""
+    a, b = _plane(path.points)
+    x, y = path.points[a], path.points[b]
+    axes.plot(x, y, color=PATH, lw=2)
+    marks = _marks(len(x), frames)
+    axes.plot(x[marks], y[marks], "o", color=PATH, ms=4)
+    axes.plot(x[0], y[0], "o", color=START, ms=8)
+    ahead = len(x) // 14
+    axes.annotate(
+        "",
+        (x[ahead + 4], y[ahead + 4]),
+        (x[ahead], y[ahead]),
+        arrowprops={
+            "arrowstyle": "-|>",
+            "color": PATH,
+            "mutation_scale": 18,
+            "shrinkA": 0,
+            "shrinkB": 0,
+        },
+    )
+    axes.set_xlabel(f"${names[a]}$")
+    axes.set_ylabel(f"${names[b]}$")
+    axes.set_title("the loop, closed in the coordinates", fontsize=11)
+    _plain(axes)
+
+
+def _draw_rolled(axes: Any, path: RolledPath, frames: int) -> None:
+    """The rolled-out path, the frames along it, and the gap."""
+    import numpy as np
+
+    a, b = _plane(path.places)
+    x, y = path.places[a], path.places[b]
+    span = max(float(np.ptp(x)), float(np.ptp(y)))
+    axes.plot(x, y, color=IMAGE, lw=2)
+    for k in _marks(len(x), frames):
+        _draw_frame(axes, path, k, (a, b), 0.07 * span, SOFT, 1.0)
+    _draw_frame(axes, path, 0, (a, b), 0.15 * span, START, 2.2)
+    _draw_frame(axes, path, len(x) - 1, (a, b), 0.15 * span, GAP, 2.2)
+    if np.hypot(x[-1] - x[0], y[-1] - y[0]) > 0.01 * span:
+        axes.annotate(
+            "",
+            (x[-1], y[-1]),
+            (x[0], y[0]),
+            arrowprops={
+                "arrowstyle": "-|>",
+                "color": GAP,
+                "lw": 2.4,
+                "mutation_scale": 18,
+                "shrinkA": 0,
+                "shrinkB": 0,
+            },
+        )
+        across = np.array([y[0] - y[-1], x[-1] - x[0]])
+        across *= 14 / np.linalg.norm(across)
+        axes.annotate(
+            "$b$",
+            ((x[-1] + x[0]) / 2, (y[-1] + y[0]) / 2),
+            tuple(across),
+            textcoords="offset points",
+            color=GAP,
+            fontsize=15,
+            ha="center",
+            va="center",
+        )
+    axes.set_xlabel(f"$e^{{{a + 1}}}$ at the start")
+    axes.set_ylabel(f"$e^{{{b + 1}}}$ at the start")
+    axes.margins(0.12)
+    _plain(axes)
+
+
+def _draw_frame(
+    axes: Any, path: RolledPath, k: int, plane: tuple[int, int], size: float, ink: str, width: float
+) -> None:
+    """The legs of one frame that lie in the plane of the picture."""
+    a, b = plane
+    x, y = path.places[a, k], path.places[b, k]
+    for leg, style in ((a, "-"), (b, (0, (2, 1.2)))):
+        u, v = size * path.legs[k, a, leg], size * path.legs[k, b, leg]
+        axes.plot([x, x + u], [y, y + v], color=ink, lw=width, ls=style, solid_capstyle="round")
+    axes.plot(x, y, "o", color=ink, ms=2.5 * width)
+
+
+def _tell(axes: Any, turn: Development) -> None:
+    """Gap and turn in numbers, and what lies inside."""
+    import numpy as np
+
+    size = float(np.linalg.norm(turn.burgers))
+    told = f"|b| = {size:.4g}" if size > turn.error else "b = 0"
+    rotated = float(np.abs(turn.motion.turn).max())
+    if rotated > max(turn.turn_error, 1e-13):
+        if turn.connection.keeps_lengths and len(turn.burgers) in (2, 3):
+            told += f",  turn = {np.degrees(turn.angle):.4g}°"
+        else:
+            told += f",  |R - 1| = {rotated:.4g}"
+    else:
+        told += ",  no turn"
+    if turn.enclosed:
+        told += f";  encloses {len(turn.enclosed)} defect{'s' * (len(turn.enclosed) > 1)}"
+    axes.set_title(told, fontsize=11)
+
+
+def _plain(axes: Any) -> None:
+    """Equal scales, a quiet grid, no box."""
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.grid(color="#e2e3de", lw=0.6)
+    axes.set_axisbelow(True)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)

@@ -1,0 +1,203 @@
+"""Network: graphs laid into a frame with the cycles that miss, and dislocation networks."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import LimitError, NetworkError
+from geomtorsion.loops.reaction import size, written
+from geomtorsion.pictures.ink import new_figure
+from geomtorsion.pictures.loops import GAP, PATH, START
+
+if TYPE_CHECKING:
+    from geomtorsion.loops import DislocationNetwork, Network
+
+SOFT, GOOD = "#9ca5b6", "#1c7a43"
+# More edges than this make a picture black.
+MOST_EDGES = 5000
+# A cycle whose vector is below this share of the largest counts as closed in the picture.
+FLAT = 1e-9
+
+
+def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = (0, 1)) -> Any:
+    """A network in two of its coordinates; cycles that do not close are filled by |b|.
+
+    Parameters
+    ----------
+    basis
+        Which cycles are drawn: "minimum" (small networks) or "fundamental".
+    plane
+        The two coordinates that are drawn.
+
+    Returns
+    -------
+    A matplotlib figure.
+
+    Raises
+    ------
+    LimitError
+        The network has too many edges for a picture, or for a minimum basis.
+    MissingExtraError
+        matplotlib is not installed.
+    """
+    import numpy as np
+
+    if len(net.edges.pairs) > MOST_EDGES:
+        raise LimitError(
+            f"a picture of {len(net.edges.pairs)} edges shows nothing; the limit is {MOST_EDGES}."
+        )
+    found = net.basis_burgers(basis)
+    sizes = [float(np.linalg.norm(one.vector)) for one in found]
+    largest = max(sizes, default=0.0)
+    figure = new_figure(7.6, 6.2)
+    axes = figure.subplots()
+    places = net.edges.positions[:, list(plane)]
+    edges = places[net.edges.pairs]
+    axes.plot(edges[..., 0].T, edges[..., 1].T, color=SOFT, lw=1, zorder=1)
+    axes.plot(*places.T, "o", color=START, ms=4, zorder=3)
+    shades = _shades(figure, axes, largest)
+    for one, length in zip(found, sizes, strict=True):
+        if length > max(FLAT * largest, one.error):
+            corners = np.array([places[net.edges.numbers[node]] for node in one.cycle])
+            axes.fill(*corners.T, color=shades(length), alpha=0.85, zorder=2, lw=0)
+            axes.annotate(
+                f"{length:.3g}",
+                corners.mean(axis=0),
+                ha="center",
+                va="center",
+                fontsize=9,
+                zorder=4,
+            )
+    missed = sum(
+        length > max(FLAT * largest, one.error) for one, length in zip(found, sizes, strict=True)
+    )
+    names = [symbol.name for symbol in net.frame.coordinates]
+    axes.set_xlabel(names[plane[0]])
+    axes.set_ylabel(names[plane[1]])
+    axes.set_title(f"{len(found)} cycles of a {basis} basis, {missed} do not close", fontsize=11)
+    axes.set_aspect("equal")
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+    return figure
+
+
+def _shades(figure: Any, axes: Any, largest: float) -> Any:
+    """A scale of colours from 0 to the largest |b|, with its bar."""
+    from importlib import import_module
+
+    colours, scale = import_module("matplotlib.colors"), import_module("matplotlib.cm")
+    ramp = colours.LinearSegmentedColormap.from_list("b", ["#fff4e6", "#f2a65e", GAP])
+    mapped = scale.ScalarMappable(colours.Normalize(0, largest or 1.0), ramp)
+    if largest:
+        figure.colorbar(mapped, ax=axes, label="|b|", shrink=0.8)
+    return mapped.to_rgba
+
+
+def draw_dislocations(
+    net: DislocationNetwork,
+    positions: Mapping[Any, Sequence[float]] | None = None,
+    plane: tuple[int, int] = (0, 1),
+) -> Any:
+    """Dislocation lines with sense (arrow), Burgers vector and strength (width); nodes by the rule.
+
+    Green junctions conserve b, orange ones do not and show the excess; open circles lie at the
+    surface.
+
+    Parameters
+    ----------
+    positions
+        Where the nodes lie; their attribute `position`, or a spring layout, if not given.
+    plane
+        The two coordinates that are drawn.
+
+    Returns
+    -------
+    A matplotlib figure.
+    """
+    places = _places(net, positions, plane)
+    figure = new_figure(7.6, 6.2)
+    axes = figure.subplots()
+    strongest = max((size(b) for *_, b in net.lines), default=1.0)
+    seen: dict[frozenset[Hashable], int] = {}
+    for start, end, _, b in net.lines:
+        pair = frozenset((start, end))
+        rank = seen.get(pair, 0)
+        seen[pair] = rank + 1
+        # Lines between the same nodes bend to either side in turn.
+        bend = 0.22 * ((rank + 1) // 2) * (-1 if rank % 2 else 1)
+        bend = bend if str(start) <= str(end) else -bend
+        _draw_line(
+            axes, places[start], places[end], bend, 1.2 + 2 * size(b) / strongest, written(b)
+        )
+    violations = {one.node: one.excess for one in net.node_rule()}
+    for node, data in net.graph.nodes(data=True):
+        x, y = places[node]
+        if node in violations:
+            axes.plot(x, y, "o", color=GAP, ms=13, zorder=4)
+            axes.annotate(
+                f"{node}: {written(violations[node])} too much", (x, y), (12, -14),
+                textcoords="offset points", color=GAP, fontsize=10,
+            )  # fmt: skip
+        elif data.get("surface"):
+            axes.plot(x, y, "o", mfc="white", mec=START, ms=8, zorder=4)
+        else:
+            axes.plot(x, y, "o", color=GOOD, ms=9, zorder=4)
+    held = "b is conserved at every inner node"
+    broken = f"b is not conserved at {len(violations)} node{'s' * (len(violations) > 1)}"
+    axes.set_title(broken if violations else held, fontsize=11)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.margins(0.15)
+    axes.axis("off")
+    return figure
+
+
+def _places(
+    net: DislocationNetwork,
+    positions: Mapping[Any, Sequence[float]] | None,
+    plane: tuple[int, int],
+) -> dict[Hashable, tuple[float, float]]:
+    """Where the nodes are drawn."""
+    import networkx as nx
+
+    given = positions or dict(net.graph.nodes(data="position"))
+    if all(place is None for place in given.values()):
+        layout = nx.kamada_kawai_layout(nx.Graph(net.graph))
+        return {node: (float(x), float(y)) for node, (x, y) in layout.items()}
+    missing = [node for node in net.graph if given.get(node) is None]
+    if missing:
+        raise NetworkError(f"node {missing[0]!r} has no position. Give all of them, or none.")
+    return {node: (float(place[plane[0]]), float(place[plane[1]])) for node, place in given.items()}
+
+
+def _draw_line(
+    axes: Any,
+    start: tuple[float, float],
+    end: tuple[float, float],
+    bend: float,
+    width: float,
+    label: str,
+) -> None:
+    """One line: a curve with an arrow half way and its Burgers vector beside it."""
+    import numpy as np
+
+    one, two = np.array(start), np.array(end)
+    across = np.array([one[1] - two[1], two[0] - one[0]])
+    middle = (one + two) / 2 + bend * across
+    t = np.linspace(0, 1, 41)[:, None]
+    curve = (1 - t) ** 2 * one + 2 * t * (1 - t) * (2 * middle - (one + two) / 2) + t**2 * two
+    axes.plot(*curve.T, color=PATH, lw=width, zorder=2, solid_capstyle="round")
+    axes.annotate(
+        "", tuple(curve[23]), tuple(curve[19]), zorder=3,
+        arrowprops={
+            "arrowstyle": "-|>", "color": PATH, "mutation_scale": 12 + 3 * width,
+            "shrinkA": 0, "shrinkB": 0,
+        },
+    )  # fmt: skip
+    side = across / max(float(np.linalg.norm(across)), 1e-300) * (1 if bend >= 0 else -1)
+    axes.annotate(
+        label, tuple(curve[20]), tuple(13 * side), textcoords="offset points",
+        ha="left" if side[0] > 0.3 else "right" if side[0] < -0.3 else "center",
+        va="bottom" if side[1] > 0.3 else "top" if side[1] < -0.3 else "center", fontsize=10,
+        zorder=5,
+    )  # fmt: skip

@@ -1,0 +1,102 @@
+"""Networks: a million edges, bases of cycles, developments; ratios in one run."""
+
+from __future__ import annotations
+
+import time
+
+import networkx as nx
+import numpy as np
+import pytest
+from pytest_benchmark.fixture import BenchmarkFixture
+
+from geomtorsion.geometry import Connection, cartan, levi_civita
+from geomtorsion.loops import EdgeList, Loop, Network, SampledFrame, develop
+from geomtorsion.spaces import load
+
+
+def square_net(edges: int) -> EdgeList:
+    """A net in the plane z = 0.1 with about that many edges, off the origin."""
+    side = round((edges / 2) ** 0.5)
+    line = np.linspace(-1, 1, side) + 0.1 / side
+    x, y = np.meshgrid(line, line, indexing="ij")
+    places = np.stack([x.ravel(), y.ravel(), np.full(side**2, 0.1)], axis=1)
+    number = np.arange(side**2).reshape(side, side)
+    along = [np.stack([number[:-1], number[1:]], -1), np.stack([number[:, :-1], number[:, 1:]], -1)]
+    return EdgeList(places, np.concatenate([pairs.reshape(-1, 2) for pairs in along]))
+
+
+@pytest.mark.parametrize("edges", [10_000, 100_000, 1_000_000])
+def test_all_cycles_of_a_large_network(benchmark: BenchmarkFixture, edges: int) -> None:
+    """From positions to the closure of every fundamental cycle; a million edges in seconds."""
+    frame, net = load("screw_dislocation").frame, square_net(edges)
+
+    def closures() -> Network:
+        network = Network(frame, net, parameters={"b": 1.0})
+        _ = network.forest
+        return network
+
+    found = benchmark.pedantic(closures, rounds=2, warmup_rounds=1 if edges < 10**6 else 0)
+    # Torsion sits on the axis alone: every cycle has 0 or 1 turns of it.
+    windings = found.forest.closure[:, 2]
+    assert np.abs(windings - windings.round()).max() < 1e-9
+    assert windings.round().any()
+    assert shortest(benchmark) < 10
+
+
+def shortest(benchmark: BenchmarkFixture) -> float:
+    """The shortest round, in seconds."""
+    assert benchmark.stats is not None
+    return float(benchmark.stats["min"])
+
+
+def test_forest_against_networkx(benchmark: BenchmarkFixture) -> None:
+    """The forest of scipy and pointer doubling against networkx walking every cycle."""
+    frame, net = load("heisenberg").frame, square_net(20_000)
+    values = {symbol.name: 1.0 for symbol in frame.parameters}
+    network = Network(frame, net, parameters=values)
+    vectors = network.integrals.vectors
+    forest = benchmark.pedantic(lambda: _fresh(network).forest, rounds=3)
+    ours = shortest(benchmark)
+    start = time.perf_counter()
+    graph = nx.Graph()
+    graph.add_edges_from((a, b, {"k": k}) for k, (a, b) in enumerate(net.pairs.tolist()))
+    basis = nx.cycle_basis(graph)
+    for cycle in basis:
+        for a, b in zip(cycle, (*cycle[1:], cycle[0]), strict=True):
+            k = graph[a][b]["k"]
+            _ = vectors[k] if net.pairs[k, 0] == a else -vectors[k]
+    theirs = time.perf_counter() - start
+    assert len(basis) == len(forest.chords)
+    assert theirs > 10 * ours, f"networkx {theirs:.2f} s, forest {ours:.2f} s"
+
+
+def _fresh(network: Network) -> Network:
+    """The same network with nothing computed but its integrals."""
+    again = Network(network.frame, network.graph, parameters=network.parameters)
+    again.__dict__["integrals"] = network.integrals
+    return again
+
+
+CONNECTIONS = {"so3, Cartan": ("so3", cartan), "so3, Levi-Civita": ("so3", levi_civita)}
+
+
+@pytest.mark.parametrize("name", list(CONNECTIONS))
+@pytest.mark.parametrize("radius", [0.3, 1e-6])
+def test_one_development(benchmark: BenchmarkFixture, name: str, radius: float) -> None:
+    """One loop by both routes, once compiled, to twelve digits."""
+    space, maker = CONNECTIONS[name]
+    connection: Connection = maker(load(space).frame)
+    loop = Loop.circle([0.3, 1.0, 0.2], radius, (1, 2))
+    turn = benchmark(develop, connection, loop)
+    assert turn.check.agrees
+    assert turn.error < 1e-12 * radius
+
+
+def test_plaquettes_of_a_large_grid(benchmark: BenchmarkFixture) -> None:
+    """A distortion field on 512 x 512 nodes: every cell with its error."""
+    axes = [np.linspace(-1, 1, 512)] * 2
+    x, y = np.meshgrid(*axes, indexing="ij")
+    grid = SampledFrame(axes, np.array([[np.cos(y), x * y], [np.sin(x * y), 1 + x]]))
+    cells = benchmark.pedantic(lambda: SampledFrame(grid.axes, grid.coframe).plaquettes(), rounds=3)
+    exact = (y + np.sin(y))[:-1, :-1], (1 - x * np.cos(x * y))[:-1, :-1]
+    assert np.abs(cells.density - np.array(exact)).max() < 1e-2

@@ -1,0 +1,96 @@
+"""Pictures of developments and networks: what is drawn is what was computed."""
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from geomtorsion.errors import LimitError, NetworkError
+from geomtorsion.geometry import Frame, levi_civita
+from geomtorsion.loops import (
+    DislocationNetwork,
+    EdgeList,
+    Loop,
+    Network,
+    develop,
+    dispiration,
+    parallel_screws,
+)
+from geomtorsion.loops.rolling import roll_out
+
+pytest.importorskip("matplotlib")
+
+SQUARES = np.array([[x, y, 0.0] for y in (-1, 0, 1) for x in (-1, 0.2, 1)])
+SIDES = [(k, k + 1) for k in range(9) if k % 3 < 2] + [(k, k + 3) for k in range(6)]
+
+
+@pytest.fixture(scope="module")
+def net() -> Network:
+    crystal = parallel_screws([(0.5, 0.5), (-0.5, -0.5)], [1, "1/2"])
+    return Network(crystal, EdgeList(SQUARES, np.array(SIDES)))
+
+
+def texts(figure) -> str:
+    """All words in a figure."""
+    return " | ".join(t.get_text() for axes in figure.axes for t in [*axes.texts, axes.title])
+
+
+def test_rolled_path_ends_where_the_development_does():
+    """The last place is the Burgers vector, the last frame the rotation; many steps or few."""
+    theta, phi = sp.symbols("theta phi")
+    sphere = levi_civita(Frame([theta, phi], [[1, 0], [0, sp.sin(theta)]]))
+    for loop in (Loop.circle([1, 0.5], 0.6), Loop.plaquette([1, 0], (0.3, 0.4)).reversed()):
+        turn = develop(sphere, loop)
+        path = roll_out(sphere, loop, 60)
+        assert np.abs(path.places[:, -1] - turn.burgers).max() < 1e-12
+        assert np.abs(path.legs[-1] - turn.rotation).max() < 1e-12
+        assert np.abs(path.points[:, 0] - path.points[:, -1]).max() < 1e-12
+
+
+def test_development_shows_gap_and_turn(tmp_path):
+    """Size of the gap and angle stand above; the gap is an arrow between the two frames."""
+    from geomtorsion.pictures.development import draw_development
+
+    figure = draw_development(levi_civita(dispiration("5/6", 0)), Loop.circle([0, 0, 0], 1))
+    said = texts(figure)
+    assert "|b| = 1," in said
+    assert "turn = 60°" in said
+    assert "encloses 1 defect" in said
+    arrow = next(t for t in figure.axes[1].texts if not t.get_text())
+    assert np.abs(np.array(arrow.xy) - [-0.5, -np.sqrt(0.75)]).max() < 1e-12  # type: ignore[attr-defined]
+    figure.savefig(tmp_path / "development.png")
+    assert (tmp_path / "development.png").stat().st_size > 10_000
+
+
+def test_network_fills_the_cycles_that_do_not_close(net, tmp_path):
+    """Two of four meshes hold a line; each is filled and labelled with its |b|."""
+    from geomtorsion.pictures.network import draw_network
+
+    figure = draw_network(net)
+    assert "4 cycles of a minimum basis, 2 do not close" in texts(figure)
+    assert len(figure.axes[0].patches) == 2
+    assert sorted(t.get_text() for t in figure.axes[0].texts) == ["0.5", "1"]
+    figure.savefig(tmp_path / "network.png")
+    many = EdgeList(
+        np.random.default_rng(1).random((6000, 3)), np.arange(6000)[:, None] + [[0, -1]]
+    )
+    with pytest.raises(LimitError, match="shows nothing"):
+        draw_network(Network(net.frame, EdgeList(many.positions, np.abs(many.pairs))))
+
+
+def test_dislocations_show_sense_strength_and_violations(tmp_path):
+    """Every line has its b; a node that violates the rule says by how much."""
+    from geomtorsion.pictures.network import draw_dislocations
+
+    lines = [("a", "j", (1, 0, 0)), ("b", "j", (0, 1, 0)), ("j", "c", (1, 2, 0))]
+    places = {"a": (0, 1), "b": (0, -1), "j": (1, 0), "c": (2, 0)}
+    broken = DislocationNetwork.of_lines(lines, "abc", places)
+    figure = draw_dislocations(broken)
+    said = texts(figure)
+    assert "b is not conserved at 1 node" in said
+    assert "j: (0, 1, 0) too much" in said
+    assert all(b in said for b in ("(1, 0, 0)", "(0, 1, 0)", "(1, 2, 0)"))
+    figure.savefig(tmp_path / "dislocations.png")
+    whole = DislocationNetwork.of_lines([*lines[:2], ("j", "c", (1, 1, 0))], "abc")
+    assert "conserved at every inner node" in texts(draw_dislocations(whole))
+    with pytest.raises(NetworkError, match="no position"):
+        draw_dislocations(broken, {"a": (0, 0)})
