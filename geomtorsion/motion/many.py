@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from geomtorsion.errors import GeomtorsionError, StartError
 from geomtorsion.motion.engines import Engine, Taylor
 from geomtorsion.motion.engines.rungekutta import error_scales
-from geomtorsion.motion.engines.taylor import heyoka, int_of
+from geomtorsion.motion.engines.taylor import heyoka
 from geomtorsion.motion.equations import Equations
 from geomtorsion.motion.problem import Problem
 from geomtorsion.motion.reading import converted
@@ -18,8 +18,8 @@ from geomtorsion.motion.reading import converted
 if TYPE_CHECKING:
     import numpy as np
 
-# Motions in one stacked Runge-Kutta system.
-STACKED = 2048
+# States in one stacked Runge-Kutta system: larger ones leave the cache and set BLAS threads off.
+STACKED = 6144
 Show = Callable[[int], None] | None
 
 
@@ -92,8 +92,9 @@ def run_lanes(
             integrator, compiling = engine.integrator(system, tolerance, width)
             _taylor(integrator, width, lanes, grid, result, finished, show)
         else:
-            for first in range(0, number, STACKED):
-                part = slice(first, min(first + STACKED, number))
+            share = max(1, STACKED // lanes.equations.system.size)
+            for first in range(0, number, share):
+                part = slice(first, min(first + share, number))
                 _stacked(lanes, part, grid, tolerance, result, finished)
                 if show is not None:
                     show(part.stop)
@@ -118,40 +119,57 @@ def _taylor(
     import numpy as np
 
     number = len(lanes.states)
-    full = -(-number // width) * width
-    index = np.minimum(np.arange(full), number - 1)
-    # One contiguous block per call, lanes last.
-    states = np.ascontiguousarray(
-        lanes.states[index].T.reshape(-1, full // width, width).swapaxes(0, 1)
+    # Lanes of a call wait for the slowest: fast ones are put together.
+    order = np.argsort(np.abs(lanes.velocities * lanes.speeds[:, None]).sum(axis=1))
+    count = -(-number // width)
+    index = order[np.minimum(np.arange(count * width), number - 1)]
+    states, values = (
+        _in_calls(lanes.states[index], width),
+        _in_calls(lanes.parameters[index], width),
     )
-    values = lanes.parameters[index].T.reshape(-1, full // width, width).swapaxes(0, 1)
-    times = np.multiply.outer(grid, lanes.speeds[index]).reshape(len(grid), -1, width)
-    own, pars = integrator.state, integrator.pars
+    times = np.multiply.outer(grid, lanes.speeds[index]).reshape(len(grid), count, width)
+    own, pars, until = integrator.state, integrator.pars, integrator.propagate_until
+    ends, clocks = times[-1], np.zeros((count, width))
     several = len(grid) > 2
-    plain = "time_limit"
-    last = time.perf_counter()
-    for k in range(full // width):
-        own[:] = states[k]
-        if values.shape[1]:
-            pars[:] = values[k]
-        integrator.set_time(0.0)
-        lanes_here = slice(k * width, min((k + 1) * width, number))
-        count = lanes_here.stop - lanes_here.start
+    found = np.zeros((count, len(grid) if several else 1, lanes.states.shape[1], width))
+    last, done = time.perf_counter(), 0
+    try:
+        for k in range(count):
+            own[:] = states[k]
+            if values.shape[1]:
+                pars[:] = values[k]
+            integrator.set_time(0.0)
+            if several:
+                rows = integrator.propagate_grid(np.ascontiguousarray(times[:, k]))[1]
+                found[k, : len(rows)] = rows
+            else:
+                until(ends[k])
+                found[k, 0] = own
+            clocks[k] = integrator.time
+            done = k + 1
+            if show is not None and time.perf_counter() - last > 0.2:
+                last = time.perf_counter()
+                show(min(done * width, number))
+    finally:
+        # Also after Ctrl-C: what is done is kept.
+        arrived = (clocks == ends) & np.isfinite(found).all(axis=(1, 2))
+        arrived[done:] = False
+        good = arrived.reshape(-1)
+        rows = found.transpose(0, 3, 1, 2).reshape(count * width, found.shape[1], -1)
+        finished[index[good]] = True
         if several:
-            out = integrator.propagate_grid(np.ascontiguousarray(times[:, k]))[1]
-            good = [int_of(r[0]) == plain for r in integrator.propagate_res[:count]]
-            if all(good):
-                result[lanes_here] = out[:, :, :count].transpose(2, 0, 1)
+            result[index[good]] = rows[good]
         else:
-            integrator.propagate_until(times[-1, k])
-            good = [int_of(r[0]) == plain for r in integrator.propagate_res[:count]]
-            result[lanes_here, -1] = own.T[:count]
-            result[lanes_here, 0] = states[k].T[:count]
-        if all(good) and bool(np.isfinite(own).all()):
-            finished[lanes_here] = True
-        if show is not None and time.perf_counter() - last > 0.2:
-            last = time.perf_counter()
-            show(lanes_here.stop)
+            result[index[good], 0] = lanes.states[index[good]]
+            result[index[good], -1] = rows[good, 0]
+
+
+def _in_calls(array: Any, width: int) -> Any:
+    """Rows of lanes as one contiguous block per call, lanes last."""
+    import numpy as np
+
+    blocks = array.reshape(-1, width, array.shape[1])
+    return np.ascontiguousarray(blocks.swapaxes(1, 2))
 
 
 def _stacked(

@@ -117,7 +117,7 @@ def test_zero_velocity(engine):
         geodesic(load("s2").frame, [1.0, 0.3], [0, 0], parameters={"R": 1}),
     ):
         sol = solve(problem, 10.0, 1e-12, engine)
-        rest = np.array([float(x) for x in problem.start])
+        rest = np.array([float(x) for x in problem.start or ()])
         assert np.abs(sol.coordinates - rest).max() < 1e-15
         assert (sol.frame_velocity == 0).all()
         assert sol.error < 1e-15

@@ -80,7 +80,7 @@ def test_what_does_not_arrive_is_told_apart(engine):
 
 def test_interruption_returns_what_is_finished(monkeypatch):
     """Ctrl-C in the second stack: the first is there."""
-    monkeypatch.setattr(lanes_module, "STACKED", 4)
+    monkeypatch.setattr(lanes_module, "STACKED", 12)
     inner, calls = lanes_module._stacked, []
 
     def stopped(lanes, part, *rest):

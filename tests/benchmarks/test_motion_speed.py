@@ -1,0 +1,119 @@
+"""Speed of motions: solve against hand-written heyoka and scipy on Christoffel symbols.
+
+Run with `python -m pytest tests/benchmarks/test_motion_speed.py -s`. Ratios are taken in one run;
+what is asserted are errors, not times.
+"""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+
+from geomtorsion.motion import RungeKutta, Taylor, geodesic, solve, solve_many
+from geomtorsion.motion.engines.taylor import _kept
+from geomtorsion.motion.many import run_lanes
+from geomtorsion.spaces import load
+from tests.benchmarks.motions import (
+    MOMENTS,
+    best_time,
+    cases,
+    heyoka_by_hand,
+    scipy_on_christoffel,
+    true_error,
+)
+
+hy = pytest.importorskip("heyoka")
+ACCURACIES = (1e-6, 1e-9, 1e-12)
+
+
+def _ms(seconds: float | None) -> str:
+    return "-" if seconds is None else f"{1e3 * seconds:.3g}"
+
+
+@pytest.mark.parametrize("case", cases(), ids=lambda case: case.name)
+def test_against_rivals(case, capsys):
+    """CPU milliseconds; the error is below the accuracy and its estimate holds."""
+    hy.llvm_state.set_diskcache_enabled(False)
+    hy.llvm_state.clear_memcache()
+    _kept.clear()
+    rows = []
+    for accuracy in ACCURACIES:
+        first = solve(case.problem, case.t, accuracy, Taylor())
+        fast = Taylor(optimised=True)
+        solve(case.problem, case.t, accuracy, fast)
+        sol = solve(case.problem, case.t, accuracy, fast)
+        run = min(solve(case.problem, case.t, accuracy, fast).cost.run_seconds for _ in range(100))
+        total = best_time(lambda a=accuracy, e=fast: solve(case.problem, case.t, a, e))
+        plain = min(
+            (solve(case.problem, case.t, accuracy, RungeKutta()) for _ in range(3)),
+            key=lambda solution: solution.cost.run_seconds,
+        )
+        slow = best_time(lambda a=accuracy: solve(case.problem, case.t, a, RungeKutta()), 0.3)
+        error = true_error(case, sol)
+        hand = heyoka_by_hand(case, accuracy)
+        christoffel = scipy_on_christoffel(case, accuracy)
+        rows.append(
+            f"{accuracy:.0e}  error {error:.1e} (said {sol.error:.1e})  solve {_ms(run)} "
+            f"with check {_ms(total)}  by hand {_ms(hand)}  "
+            f"compile {first.cost.compile_seconds:.2f} s  "
+            f"RungeKutta {_ms(plain.cost.run_seconds)} with check {_ms(slow)}  scipy on Christoffel {_ms(christoffel)}"
+        )
+        assert error <= accuracy
+        assert sol.error >= 0.1 * error
+        assert sol.error <= 100 * error or error < 1e-15
+        assert true_error(case, plain) <= accuracy
+    with capsys.disabled():
+        print(f"\n{case.name}, t = {case.t:g}, milliseconds")
+        print("\n".join(rows))
+
+
+@pytest.mark.parametrize("accuracy", ACCURACIES)
+@pytest.mark.parametrize("with_attitude", [False, True], ids=["rates", "attitude"])
+def test_batch(accuracy, with_attitude, capsys):
+    """Ten thousand tops to t = 10 against a plain loop over a hand-written batch integrator."""
+    spins = np.random.default_rng(0).normal(size=(10_000, 3))
+    start = [0.3, 1.0, 0.2] if with_attitude else None
+    problem = geodesic(load("so3").frame, start, frame_velocity=[1, 0, 0], metric=MOMENTS)
+    many = solve_many(problem, None, 10.0, accuracy, frame_velocities=spins)
+    assert many.error <= accuracy
+    rate, hand = 0.0, 0.0
+    for _ in range(4):
+        rate = max(rate, _lanes(Taylor(), many))
+        hand = max(hand, _by_hand(spins, many.tolerance, with_attitude))
+    stacked = _lanes(RungeKutta(), many)
+    with capsys.disabled():
+        print(
+            f"\n{accuracy:.0e} {'attitude' if with_attitude else 'rates'}: {rate:.3g} per second, "
+            f"by hand {hand:.3g} at the same tolerance (ratio {rate / hand:.2f}), "
+            f"stacked RungeKutta {stacked:.3g}"
+        )
+
+
+def _lanes(engine, many):
+    """Trajectories per CPU second of our batches at a tolerance, without the error estimate."""
+    began = time.process_time()
+    run_lanes(engine, many.lanes, np.array([0.0, 10.0]), many.tolerance, None)
+    return len(many) / (time.process_time() - began)
+
+
+def _by_hand(spins, tolerance, with_attitude):
+    """Trajectories per second of heyoka's batch mode in a plain loop."""
+    from tests.benchmarks.motions import attitude, euler_rates
+
+    lanes = 8 if with_attitude else 16
+    rates, start, values = (attitude if with_attitude else euler_rates)(hy)
+    size = len(start)
+    pars = np.tile(np.array(values)[:, None], lanes)
+    integrator = hy.taylor_adaptive_batch(rates, np.zeros((size, lanes)), pars=pars, tol=tolerance)
+    columns = np.tile(np.array(start)[:, None], len(spins))
+    columns[-3:] = spins.T
+    out = np.zeros(columns.shape)
+    began = time.process_time()
+    for k in range(0, len(spins), lanes):
+        integrator.set_time(0.0)
+        integrator.state[:] = columns[:, k : k + lanes]
+        integrator.propagate_until(10.0)
+        out[:, k : k + lanes] = integrator.state
+    return len(spins) / (time.process_time() - began)
