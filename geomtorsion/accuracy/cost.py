@@ -107,9 +107,9 @@ class CostTable:
         MissingExtraError
             matplotlib is not installed.
         """
-        from geomtorsion.accuracy.picture import work_precision
+        from geomtorsion.pictures.work_precision import work_precision_picture
 
-        return work_precision(self)
+        return work_precision_picture(self)
 
 
 def _time(seconds: float) -> str:

@@ -116,7 +116,6 @@ def _write(table: CostTable, directory: Path, form: str) -> list[str]:
     """Table as data, and the picture where matplotlib is installed."""
     from geomtorsion.pictures.album import can_draw
     from geomtorsion.pictures.ink import save
-    from geomtorsion.pictures.work_precision import work_precision_picture
 
     directory.mkdir(parents=True, exist_ok=True)
     data = directory / "accuracy.json"
@@ -125,5 +124,5 @@ def _write(table: CostTable, directory: Path, form: str) -> list[str]:
         missing = "No picture: matplotlib is not installed. `pip install geomtorsion[plots]`."
         return [f"wrote {data}", missing]
     picture = directory / f"accuracy.{form}"
-    save(work_precision_picture(table), picture)
+    save(table.plot(), picture)
     return [f"wrote {data}", f"wrote {picture}"]

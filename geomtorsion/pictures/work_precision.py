@@ -107,9 +107,9 @@ def work_precision_picture(table: Table) -> Figure:
     axes.grid(axis="both", which="major")
     quiet(axes)
     if names:
-        figure.legend(
-            *axes.get_legend_handles_labels(), loc="outside upper center", ncols=2, frameon=False,
-            fontsize=9, handlelength=3.6,
+        axes.legend(
+            loc="lower center", bbox_to_anchor=(0.5, 1.01), ncols=2, frameon=False, fontsize=9,
+            handlelength=3.6,
         )  # fmt: skip
     captioned(
         figure,

@@ -16,7 +16,7 @@ from geomtorsion.spaces import names
 
 ROOT = Path(__file__).parent.parent.parent
 DATA = ROOT / "tests" / "data"
-COMMANDS = ("spaces", "geometry", "check", "plan", "report", "paper")
+COMMANDS = ("spaces", "geometry", "check", "plan", "report", "paper", "curve", "accuracy")
 
 
 def run(*arguments: str, code: int = 0):
