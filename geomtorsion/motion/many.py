@@ -168,7 +168,7 @@ def _in_calls(array: Any, width: int) -> Any:
     """Rows of lanes as one contiguous block per call, lanes last."""
     import numpy as np
 
-    blocks = array.reshape(-1, width, array.shape[1])
+    blocks = array.reshape(len(array) // width, width, array.shape[1])
     return np.ascontiguousarray(blocks.swapaxes(1, 2))
 
 

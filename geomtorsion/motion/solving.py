@@ -258,12 +258,12 @@ def stopped(solution: Solution) -> str:
     pairs = zip(names, last, strict=True)
     place = ", ".join(f"{name} = {x:.6g}" for name, x in pairs if math.isfinite(x))
     time = journey.reached / solution.problem.speed
-    others = [name for name in solution.problem.atlas.makers if name != segment.chart]
-    advice = (
-        "Start it in another chart or stop earlier."
-        if others
-        else "The space has one chart only; give an atlas with another, or stop earlier."
-    )
+    problem = solution.problem
+    advice = "The space has one chart only; give an atlas with another, or stop earlier."
+    if len(problem.charts) > 1:
+        advice = "No other chart of the space reaches further; stop earlier."
+    elif len(problem.atlas.makers) > 1:
+        advice = "The law is about this very frame, which ends here; stop earlier."
     return (
         f"the motion stops at t = {time:.6g}, at {place}: chart {segment.chart!r} ends there "
         f"({journey.reason}). {advice} What was computed is in the error's `solution`."

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -155,7 +156,7 @@ def best_time(function: Callable[[], Any], seconds: float = 0.15) -> float:
 
 def heyoka_by_hand(case: Case, accuracy: float) -> float | None:
     """CPU seconds of the loosest tolerance that reaches the accuracy, compiled and warm."""
-    import heyoka as hy
+    hy = import_module("heyoka")
 
     rates, start, values = case.by_hand(hy)
     grid = np.linspace(0, case.t, SAMPLES)
@@ -175,7 +176,7 @@ def heyoka_by_hand(case: Case, accuracy: float) -> float | None:
 
 def _truth(rates: Any, start: Any, values: Any, grid: Any) -> Any:
     """The rival's own equations to 1e-18."""
-    import heyoka as hy
+    hy = import_module("heyoka")
 
     tight = hy.taylor_adaptive(
         rates,

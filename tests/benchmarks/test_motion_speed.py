@@ -58,7 +58,8 @@ def test_against_rivals(case, capsys):
             f"{accuracy:.0e}  error {error:.1e} (said {sol.error:.1e})  solve {_ms(run)} "
             f"with check {_ms(total)}  by hand {_ms(hand)}  "
             f"compile {first.cost.compile_seconds:.2f} s  "
-            f"RungeKutta {_ms(plain.cost.run_seconds)} with check {_ms(slow)}  scipy on Christoffel {_ms(christoffel)}"
+            f"RungeKutta {_ms(plain.cost.run_seconds)} with check {_ms(slow)}  "
+            f"scipy on Christoffel {_ms(christoffel)}"
         )
         assert error <= accuracy
         assert sol.error >= 0.1 * error

@@ -1,0 +1,45 @@
+"""What accuracy costs: the same rotation with every engine, errors measured, times taken.
+
+    python examples/04_what_accuracy_costs.py
+    python examples/04_what_accuracy_costs.py --time 100 --picture cost.png
+
+A body turns at constant rate: the attitude is an exponential, known to any number of digits. So
+each error in the table is a true one, and the estimate beside it can be judged.
+"""
+
+import argparse
+
+import geomtorsion as gt
+from geomtorsion.accuracy import accuracy_cost
+from geomtorsion.motion import autoparallel
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Measure, print the table, and check every row against what was asked."""
+    parser = argparse.ArgumentParser(description="What accuracy costs in time.")
+    parser.add_argument("--time", type=float, default=50.0)
+    parser.add_argument("--accuracies", type=float, nargs="+", default=[1e-3, 1e-6, 1e-9, 1e-12])
+    parser.add_argument("--picture", help="file for the work-precision picture (needs matplotlib)")
+    options = parser.parse_args(arguments)
+
+    so3 = gt.spaces.load("so3").frame
+    turning = autoparallel(gt.cartan(so3), [0.3, 1.0, 0.2], [0.1, 0.5, -0.2])
+    table = accuracy_cost(turning, options.time, accuracies=options.accuracies)
+    print(table)
+    if options.picture:
+        table.plot().savefig(options.picture, dpi=150)
+
+    # Known: R(t) = R(0) exp(t [Omega]x). The errors in the table are against that.
+    assert table.truth == "the closed form"
+    for row in table.rows:
+        assert row.holds, f"{row.engine} promised {row.asked} and made {row.achieved}"
+        assert row.estimated is not None
+        assert row.achieved is not None
+        # Below 1e-15 only the rounding of single numbers is left.
+        assert 0.1 * row.achieved <= row.estimated
+        assert row.estimated <= max(100 * row.achieved, 1e-15)
+    print("\nevery error is below what was asked; every estimate is within its factor of 100")
+
+
+if __name__ == "__main__":
+    main()

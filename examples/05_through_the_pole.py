@@ -1,0 +1,63 @@
+"""Through the pole: charts end, motions do not.
+
+    python examples/05_through_the_pole.py
+    python examples/05_through_the_pole.py --bearing 45
+
+A geodesic of the sphere goes over the pole, where colatitude and longitude end, and round to where
+it began. A ship that keeps a compass bearing has no such luck: at the pole the compass itself ends.
+"""
+
+import argparse
+
+import numpy as np
+
+import geomtorsion as gt
+from geomtorsion.errors import ChartEdgeError
+from geomtorsion.motion import autoparallel, geodesic, solve
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """A great circle, a loxodrome, and a fall through a horizon."""
+    parser = argparse.ArgumentParser(description="Motions that outlive their charts.")
+    parser.add_argument("--bearing", type=float, default=60.0, help="degrees east of north")
+    options = parser.parse_args(arguments)
+    sphere = gt.spaces.load("s2").frame
+
+    circle = geodesic(sphere, [1.0, 0.5], [-1.0, 0.0], parameters={"R": 1})
+    sol = solve(circle, 2 * np.pi, accuracy=1e-11)
+    print(sol)
+    print(f"charts on the way: {' -> '.join(sol.charts)}")
+    home = sol.coordinates[-1]
+    print(f"after once round: theta = {home[0]:.12f}, phi = {home[1]:.12f}")
+    assert np.abs(home - [1.0, 0.5]).max() < 1e-10
+
+    # With one chart only, the motion stops cleanly and keeps what it has.
+    bearing = np.radians(options.bearing)
+    u = [-np.cos(bearing), np.sin(bearing)]  # north is down in colatitude
+    ship = autoparallel(gt.cartan(sphere), [1.0, 0.0], frame_velocity=u, parameters={"R": 1})
+    try:
+        course = solve(ship, 100.0, accuracy=1e-8)
+        print("\nthe bearing leads along a parallel: no pole on the way")
+        theta = course.coordinates[:, 0]
+    except ChartEdgeError as stop:
+        print(f"\n{stop}")
+        course = stop.solution
+        theta = course.coordinates[:, 0]
+    # Known: the distance to the pole falls in proportion to the way made good northwards.
+    assert np.abs(theta - (1.0 - np.cos(bearing) * course.times)).max() < 1e-6
+
+    hole = gt.spaces.load("schwarzschild").frame
+    fall = geodesic(
+        hole, [0, 8, 1.2, 0.3], [4 / 3, -0.5, 0, 0], parameters={"M": 1}, causal="timelike"
+    )
+    sol = solve(fall, 9.8, accuracy=1e-9)
+    radius = np.linalg.norm(sol.in_chart("kerr_schild")[:, 1:], axis=1)
+    print(f"\ndust falls from r = 8 M to {radius[-1]:.6f} M: {' -> '.join(sol.charts)}")
+    # Known: from rest at infinity r^(3/2) falls linearly in proper time.
+    expected = (8**1.5 - 1.5 * np.sqrt(2) * sol.times) ** (2 / 3)
+    assert np.abs(radius - expected).max() < 1e-7
+    print("the fall agrees with r^(3/2) = r0^(3/2) - (3/2) sqrt(2 M) t, horizon and all")
+
+
+if __name__ == "__main__":
+    main()
