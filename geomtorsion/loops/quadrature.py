@@ -26,6 +26,9 @@ FIRST_TRAPEZOID = 16
 # Beyond this many times the points that the curve needs, the integrand has a narrow peak.
 PATIENCE = 100
 NARROWEST = 2.0**-44
+# Errors of an interval below this share of its integral are rounding; so are those below SMALL
+# that halving does not reduce.
+FLOOR, SMALL = 1e-15, 1e-8
 
 # Kronrod's 15 nodes on (0, 1) with the 7 of Gauss among them (QUADPACK, routine qk15).
 KRONROD_NODES = (
@@ -177,16 +180,17 @@ def kronrod(
     if pieces > 1:
         owner, low = np.repeat(owner, pieces), np.tile(np.arange(pieces) / pieces, len(sides))
         width = np.full(len(owner), 1 / pieces)
-    values, errors = _panels(sides, integrand, owner, low, width)
+    values, errors, sizes = _panels(sides, integrand, owner, low, width)
+    stuck = np.zeros(len(owner), dtype=bool)
     points = 15 * len(owner)
     while True:
         fine, truncation = values.sum(axis=1), float(errors.sum())
         finite = np.isfinite(errors)
         allowed = max(accuracy * _norm(values[:, finite].sum(axis=1)), floor)
         rule = f"Gauss-Kronrod, {len(owner)} intervals"
-        if truncation <= allowed and finite.all():
+        bad = ~finite | ((errors > allowed / (2 * len(owner))) & (errors > FLOOR * sizes) & ~stuck)
+        if (truncation <= allowed and finite.all()) or not bad.any():
             return Integral(fine, truncation, points, True, rule)
-        bad = ~finite | (errors > allowed / (2 * len(owner)))
         narrow = width[bad].min() < NARROWEST
         if narrow or points + 30 * int(bad.sum()) > most:
             worst = int(np.argmax(np.where(np.isfinite(errors), errors, np.inf)))
@@ -196,11 +200,16 @@ def kronrod(
         starts = np.repeat(low[bad], 2)
         starts[1::2] += halves[1::2]
         owners = np.repeat(owner[bad], 2)
-        new_values, new_errors = _panels(sides, integrand, owners, starts, halves)
+        new_values, new_errors, new_sizes = _panels(sides, integrand, owners, starts, halves)
+        # Halving that helps no more, where the error is small, has met rounding.
+        pairs = new_errors.reshape(-1, 2).sum(axis=1)
+        held = (pairs > errors[bad] / 2) & (pairs < SMALL * new_sizes.reshape(-1, 2).sum(axis=1))
         points += 15 * len(owners)
         good = ~bad
         owner, low = np.append(owner[good], owners), np.append(low[good], starts)
         width, errors = np.append(width[good], halves), np.append(errors[good], new_errors)
+        sizes = np.append(sizes[good], new_sizes)
+        stuck = np.append(stuck[good], np.repeat(held, 2))
         values = np.concatenate([values[:, good], new_values], axis=1)
 
 
@@ -210,8 +219,8 @@ def _panels(
     owner: np.ndarray,
     low: np.ndarray,
     width: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Value, shape (m, panels), and error of the integral over each interval."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Value, shape (m, panels), error, and integral of the absolute value over each interval."""
     import numpy as np
 
     nodes, fine, coarse = kronrod_rule()
@@ -222,9 +231,10 @@ def _panels(
         s = low[chosen, None] + width[chosen, None] * nodes
         offsets, slopes = _at(sides, owner[chosen], s)
         values = integrand(offsets, slopes).reshape(-1, *s.shape) * width[chosen, None]
-        found.append((values @ fine, np.abs(values @ (fine - coarse)).max(axis=0)))
-    values, errors = (np.concatenate(parts, axis=-1) for parts in zip(*found, strict=True))
-    return values, np.where(np.isfinite(errors), errors, np.inf)
+        errors = np.abs(values @ (fine - coarse)).max(axis=0)
+        found.append((values @ fine, errors, (np.abs(values) @ fine).max(axis=0)))
+    values, errors, sizes = (np.concatenate(parts, axis=-1) for parts in zip(*found, strict=True))
+    return values, np.where(np.isfinite(errors), errors, np.inf), sizes
 
 
 def _at(sides: Sequence[Side], owner: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
