@@ -8,7 +8,7 @@ from geomtorsion.loops.defect_frames import (
     parallel_screws,
 )
 from geomtorsion.loops.defects import Defect, Enclosed, enclosed_defects, find_defects
-from geomtorsion.loops.development import Development, develop, develop_path
+from geomtorsion.loops.development import Development, develop
 from geomtorsion.loops.dislocation_network import DislocationNetwork
 from geomtorsion.loops.edge_list import EdgeList
 from geomtorsion.loops.exact_integral import ExactBurgersVector, exact_burgers_vector
@@ -16,8 +16,10 @@ from geomtorsion.loops.loop import Loop, Part
 from geomtorsion.loops.motions import Motion
 from geomtorsion.loops.network import Network
 from geomtorsion.loops.node_rule import NodeRule
+from geomtorsion.loops.paths import develop_path, develop_round
 from geomtorsion.loops.reaction import Reaction
 from geomtorsion.loops.result import BurgersVector, Check
+from geomtorsion.loops.sampled import SampledFrame
 from geomtorsion.loops.sides import Side
 from geomtorsion.loops.survey import BurgersMap, burgers_map, burgers_vectors
 
@@ -37,12 +39,14 @@ __all__ = [
     "NodeRule",
     "Part",
     "Reaction",
+    "SampledFrame",
     "Side",
     "burgers_map",
     "burgers_vector",
     "burgers_vectors",
     "develop",
     "develop_path",
+    "develop_round",
     "dispiration",
     "enclosed_defects",
     "exact_burgers_vector",

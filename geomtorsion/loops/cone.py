@@ -100,7 +100,7 @@ def cone_rate(
     if form.turns:
         turn, shift = _along_rays(form, part, offsets, u)
         turned = turn @ rho @ np.linalg.inv(turn)
-        tau = np.einsum("kuij,kuj->kui", turn, tau) - np.einsum("kuij,kuj->kui", turned, shift)
+        tau = (turn @ tau[..., None] - turned @ shift[..., None])[..., 0]
         rho = turned
     return np.einsum("u,kuij->kij", weights, rho), np.einsum("u,kui->ki", weights, tau)
 
@@ -119,12 +119,12 @@ def _along_rays(
     omega, theta = form.along(places, part.size * x)
     omega, theta = omega.reshape(k, -1, n, n), theta.reshape(k, -1, n)
     inner = inner_turns(omega, integrals)
-    rates = theta + np.einsum("kuij,kuj->kui", inner, theta)
+    rates = theta + (inner @ theta[..., None])[..., 0]
     turn_rates = omega + inner @ omega
     # The polynomials through the nodes, integrated up to the stops.
     upto = integrals_up_to(stops, len(nodes))
-    turn = np.eye(n) + np.einsum("us,ksij->kuij", upto, turn_rates)
-    return turn, np.einsum("us,ksi->kui", upto, rates)
+    turn = np.eye(n) + (upto @ turn_rates.reshape(k, -1, n * n)).reshape(k, -1, n, n)
+    return turn, upto @ rates
 
 
 def integrals_up_to(stops: np.ndarray, stages: int) -> np.ndarray:

@@ -5,19 +5,17 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import LoopError
 from geomtorsion.loops.affine import AffineForm
-from geomtorsion.loops.cone import around_cone, line_rate
+from geomtorsion.loops.cone import around_cone
 from geomtorsion.loops.forms import forms, parameter_values
 from geomtorsion.loops.line import refuse_poles
-from geomtorsion.loops.loop import Loop, Part
+from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.motions import Motion
 from geomtorsion.loops.routes import agree, along_line, better, joined, repeated
-from geomtorsion.loops.sides import Straight
-from geomtorsion.loops.transport import Transported, transported
+from geomtorsion.loops.transport import Transported
 
 if TYPE_CHECKING:
     import numpy as np
@@ -207,52 +205,6 @@ def develop(
         sum(one.points for one in (*lines, *cones) if one is not None),
         time.perf_counter() - start,
     )  # fmt: skip
-
-
-def develop_path(
-    connection: Connection,
-    points: Sequence[Sequence[float]],
-    accuracy: float = 1e-12,
-    *,
-    parameters: Mapping[Any, Any] | None = None,
-) -> Motion:
-    """Development of an open path through points, straight in the coordinates between them.
-
-    Returns
-    -------
-    Motion: rotation and place of the frame at the end, seen from the frame at the start. A loop's
-    development from the end of the path is `turn.seen_from(path)`.
-
-    Raises
-    ------
-    LoopError
-        There are fewer than two points, or two neighbours coincide.
-
-    Examples
-    --------
-    >>> import sympy as sp
-    >>> from geomtorsion.geometry import Frame, levi_civita
-    >>> r, phi = sp.symbols("r phi", positive=True)
-    >>> plane = levi_civita(Frame([r, phi], [[1, 0], [0, r]]))
-    >>> quarter = develop_path(plane, [[2, 0], [2, sp.pi / 2]])
-    >>> quarter.burgers.round(12).tolist(), round(quarter.angle, 12)
-    ([-2.0, 2.0], -1.570796326795)
-    """
-    from geomtorsion.loops.intake import vector
-
-    n = connection.frame.dimension
-    rows = [vector(point, f"points[{k}]", n) for k, point in enumerate(points)]
-    if len(rows) < 2 or any(one == two for one, two in pairwise(rows)):
-        raise LoopError(
-            f"a path needs two points or more, and neighbours that differ, but {len(rows)} came: "
-            f"{rows}."
-        )
-    centre = rows[0]
-    offsets = [tuple(x - c for x, c in zip(row, centre, strict=True)) for row in rows]
-    sides = tuple(Straight(a, b) for a, b in pairwise(offsets))
-    part = Part(centre, 1.0, sides)
-    form = AffineForm(connection, parameters)
-    return transported(sides, line_rate(form, part), accuracy).motion
 
 
 def _check(

@@ -139,7 +139,7 @@ class Motion:
         if n == 2:
             return float(np.arctan2((turn[0, 1] - turn[1, 0]) / 2, 1 + np.trace(turn) / 2))
         if n == 3:
-            sine = np.linalg.norm(_axial(turn))
+            sine = _length(_axial(turn))
             return float(np.arctan2(sine, 1 + np.trace(turn) / 2))
         return float(np.linalg.norm(self.frank) / np.sqrt(2))
 
@@ -150,7 +150,7 @@ class Motion:
 
         self._needs(3, "axis")
         vector = -_axial(self._rotating)
-        size, cosine = float(np.linalg.norm(vector)), 1 + float(np.trace(self.turn)) / 2
+        size, cosine = _length(vector), 1 + float(np.trace(self.turn)) / 2
         if size == 0.0 and cosine > 0:
             return None
         if cosine > -0.9:
@@ -164,10 +164,8 @@ class Motion:
     @property
     def along_axis(self) -> float:
         """Translation along the axis: the same from every base point; |b| without a turn."""
-        import numpy as np
-
         axis = self.axis
-        return float(np.linalg.norm(self.burgers)) if axis is None else float(axis @ self.burgers)
+        return _length(self.burgers) if axis is None else float(axis @ self.burgers)
 
     @property
     def centre(self) -> np.ndarray | None:
@@ -221,6 +219,14 @@ def _axial(turn: np.ndarray) -> np.ndarray:
 
     pairs = (turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1])
     return np.array(pairs) / 2
+
+
+def _length(vector: np.ndarray) -> float:
+    """The length of a vector whose squares may underflow."""
+    import numpy as np
+
+    scale = float(np.abs(vector).max())
+    return scale * float(np.linalg.norm(vector / scale)) if scale else 0.0
 
 
 def logarithm(turn: np.ndarray) -> np.ndarray:

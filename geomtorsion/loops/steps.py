@@ -35,13 +35,15 @@ def inner_turns(omega: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """
     import numpy as np
 
-    first = np.einsum("kl,mlij->mkij", weights, omega)
+    # Matrices as rows: a product of weights with all stretches at once, much faster than einsum.
+    flat = (*omega.shape[:2], -1)
+    first = (weights @ omega.reshape(flat)).reshape(omega.shape)
     found = first
     for _ in range(SWEEPS):
-        after = first + np.einsum("kl,mlij->mkij", weights, found @ omega)
+        after = first + (weights @ (found @ omega).reshape(flat)).reshape(omega.shape)
         change = np.abs(after - found).max(initial=0.0)
         found = after
-        if change <= 1e-17 * np.abs(found).max(initial=0.0):
+        if change <= 2.0**-54 * np.abs(found).max(initial=0.0):
             return found
     return _solved(omega, weights)
 

@@ -1,0 +1,137 @@
+"""Paths: development along open paths, and round periodic coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import LoopError
+from geomtorsion.loops.affine import AffineForm
+from geomtorsion.loops.cone import line_rate
+from geomtorsion.loops.intake import number, vector
+from geomtorsion.loops.loop import Part, shown
+from geomtorsion.loops.motions import Motion
+from geomtorsion.loops.sides import Straight
+from geomtorsion.loops.transport import transported
+
+if TYPE_CHECKING:
+    from geomtorsion.geometry import Connection
+
+# Ends may differ from a whole number of periods by this share of the period.
+SAME = 1e-12
+
+
+def develop_path(
+    connection: Connection,
+    points: Sequence[Sequence[float]],
+    accuracy: float = 1e-12,
+    *,
+    parameters: Mapping[Any, Any] | None = None,
+) -> Motion:
+    """Development of an open path through points, straight in the coordinates between them.
+
+    Returns
+    -------
+    Motion: rotation and place of the frame at the end, seen from the frame at the start. A loop's
+    development from the end of the path is `turn.seen_from(path)`.
+
+    Raises
+    ------
+    LoopError
+        There are fewer than two points, or two neighbours coincide.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from geomtorsion.geometry import Frame, levi_civita
+    >>> r, phi = sp.symbols("r phi", positive=True)
+    >>> plane = levi_civita(Frame([r, phi], [[1, 0], [0, r]]))
+    >>> quarter = develop_path(plane, [[2, 0], [2, sp.pi / 2]])
+    >>> quarter.burgers.round(12).tolist(), round(quarter.angle, 12)
+    ([-2.0, 2.0], -1.570796326795)
+    """
+    n = connection.frame.dimension
+    rows = [vector(point, f"points[{k}]", n) for k, point in enumerate(points)]
+    if len(rows) < 2 or any(one == two for one, two in pairwise(rows)):
+        raise LoopError(
+            f"a path needs two points or more, and neighbours that differ, but {len(rows)} came: "
+            f"{rows}."
+        )
+    centre = rows[0]
+    offsets = [tuple(x - c for x, c in zip(row, centre, strict=True)) for row in rows]
+    sides = tuple(Straight(a, b) for a, b in pairwise(offsets))
+    part = Part(centre, 1.0, sides)
+    form = AffineForm(connection, parameters)
+    return transported(sides, line_rate(form, part), accuracy).motion
+
+
+def develop_round(
+    connection: Connection,
+    points: Sequence[Sequence[float]],
+    periods: Mapping[Any, Any],
+    accuracy: float = 1e-12,
+    *,
+    parameters: Mapping[Any, Any] | None = None,
+) -> Motion:
+    """Development of a path that closes only because coordinates are periodic, such as angles.
+
+    The legs may come back turned (a multivalued frame): then the turn from the legs at the start
+    to those at the end belongs to the motion.
+
+    Parameters
+    ----------
+    points
+        Corners of the path, straight in the coordinates between them; the last one is the first
+        one again, whole periods later.
+    periods
+        {coordinate or its name: period}.
+
+    Returns
+    -------
+    Motion: Burgers vector and rotation in the frame at the start, as of a closed loop.
+
+    Raises
+    ------
+    LoopError
+        The path does not end whole periods from its start; the message names the gap.
+
+    Examples
+    --------
+    Round the tip of a cone that lacks a sixth, in polar coordinates:
+
+    >>> import math
+    >>> from geomtorsion.geometry import levi_civita
+    >>> from geomtorsion.spaces import load
+    >>> cone = levi_civita(load("wedge_disclination").frame)
+    >>> circle = [[2, 0, 0], [2, 2 * math.pi, 0]]
+    >>> turn = develop_round(cone, circle, {"phi": 2 * math.pi}, parameters={"alpha": 5 / 6})
+    >>> round(math.degrees(turn.angle), 9), turn.burgers.round(9).tolist()
+    (60.0, [-1.0, -1.732050808, 0.0])
+    """
+    import numpy as np
+
+    frame = connection.frame
+    names = {symbol.name: k for k, symbol in enumerate(frame.coordinates)}
+    lengths: dict[int, float] = {}
+    for key, value in periods.items():
+        name = key if isinstance(key, str) else getattr(key, "name", str(key))
+        if name not in names:
+            raise LoopError(f"periods: {name} is no coordinate; they are {', '.join(names)}.")
+        lengths[names[name]] = number(value, f"period of {name}")
+    rows = [vector(point, f"points[{k}]", frame.dimension) for k, point in enumerate(points)]
+    open_ = develop_path(connection, rows, accuracy, parameters=parameters)
+    gap = np.array(rows[-1]) - np.array(rows[0])
+    for k, period in lengths.items():
+        gap[k] -= period * round(gap[k] / period)
+    sizes = np.array([lengths.get(k, 1.0) for k in range(frame.dimension)])
+    if (np.abs(gap) > SAME * np.maximum(np.abs(sizes), np.abs(rows[0]))).any():
+        raise LoopError(
+            f"the path does not close: whole periods from its start {shown(rows[0])} a gap of "
+            f"{shown(gap)} is left. Let it end where it began, in every coordinate up to periods."
+        )
+    form = AffineForm(connection, parameters)
+    start, end = (form.coframe(np.array(row)) for row in (rows[0], rows[-1]))
+    # Components of the legs at the start in those at the end: both sit at the same point.
+    back = np.linalg.solve(start.T, (end - start).T).T
+    return open_ @ Motion.of(back, np.zeros(frame.dimension))
