@@ -79,7 +79,20 @@ class Additive:
             total.append((exponent, self._log_of_prime(int(prime))))
         for prime, exponent in fmpz(value.q).factor():
             total.append((-exponent, self._log_of_prime(int(prime))))
-        return field.sum(total)
+        return self._principal(element, field.sum(total))
+
+    def _principal(self, element: Element, value: Element) -> Element:
+        """A sum of complex logarithms brought back to an angle between -pi and pi."""
+        field = self._field
+        if not field.is_complex:
+            return value
+        try:
+            with mpmath.workprec(_BITS):
+                excess = field.sample.value(value) - mpmath.log(field.sample.value(element))
+                turns = int(mpmath.nint(mpmath.im(excess) / (2 * mpmath.pi)))
+        except (ArithmeticError, ValueError):
+            return value
+        return value - field.read(2 * sympy.pi) * field.imaginary * turns
 
     def _state(self, element: Element, base: Element) -> None:
         """Notes that a logarithm was split, unless the factor is positive by assumption."""
@@ -87,7 +100,10 @@ class Additive:
         if not shown.is_positive:
             whole = sympy.log(element.sympy)
             split = sympy.expand_log(whole, force=True)
-            self._field.state_branch(Branch(whole, split, f"{shown} > 0"))
+            condition = f"{shown} > 0"
+            if self._field.is_complex:
+                condition = self._field.sample.place_in_words()
+            self._field.state_branch(Branch(whole, split, condition))
 
     def _imaginary_turn(self, element: Element) -> Element:
         """log(-1) = i pi."""
@@ -115,6 +131,8 @@ class Additive:
         if known is not None:
             return known
         for generator in field.generators_of(base):
+            if generator.kind == "imaginary" and base == field.imaginary:
+                return field.read(sympy.pi / 2) * field.imaginary
             if base == field.generator_element(generator):
                 if generator.kind == "exp":
                     return generator.argument
@@ -169,7 +187,9 @@ class Additive:
         if combination is not None:
             constant = None if value is None else self._constant(value, combination)
             if constant is not None:
-                return combination + constant
+                result = combination + constant
+                self._field.state_branch(Branch(shown, result.sympy, field.sample.place_in_words()))
+                return result
             sure = False
         kind = "log" if name == "log" else "primitive"
         generator = Generator(kind, field.next_name(kind), shown, depends, argument=data, sure=sure)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import mpmath
 import sympy
 from flint import fmpq
 
 from geomtorsion.exact import limits
-from geomtorsion.exact.atoms import Atoms, terms
+from geomtorsion.exact.atoms import Atoms, single_generator, terms
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.roots import square_root_inside
 
@@ -31,8 +31,9 @@ class Angles:
 
     def prepare(self, angles: list[Element]) -> None:
         """Chooses units that serve all these angles at once."""
-        for angle in angles:
-            _, rest = self._turn_taken_out(angle)
+        rests = [self._turn_taken_out(angle)[1] for angle in angles]
+        self.atoms.choose(rests)
+        for rest in rests:
             for coefficient, index in self.atoms.decompose(rest):
                 if index not in self._finest:
                     self.atoms.refine_unit(index, coefficient)
@@ -197,14 +198,6 @@ def _of_inverse_function(field: Field, atom: Element) -> Pair | None:
     if name in ("asin", "acos"):
         root = (1 - inner * inner).sqrt()
         return (root, inner) if name == "asin" else (inner, root)
-    return None
-
-
-def single_generator(field: Field, atom: Element) -> Any:
-    """The generator that the element is, or None."""
-    used = field.generators_of(atom)
-    if len(used) == 1 and atom == field.generator_element(used[0]):
-        return used[0]
     return None
 
 

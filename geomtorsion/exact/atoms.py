@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from math import gcd
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+import sympy
 from flint import fmpq
 
 from geomtorsion.exact.element import Element
@@ -41,6 +42,36 @@ class Atoms:
             assert found is not None
         return [(value, index) for index, value in enumerate(found) if value]
 
+    def choose(self, elements: list[Element]) -> None:
+        """Adds atoms for all these at once: whole sums where these are fewer than their terms.
+
+        cos(k*x - w*t) alone keeps its angle; cos(x), cos(y) and cos(x + y) are split.  Terms
+        that are a single log or inverse function always stand alone, as exp undoes them.
+        """
+        whole: list[Element] = []
+        monomials: list[Element] = []
+        for element in elements:
+            rest = element
+            for value, part in terms(element):
+                if undone_by_exp(self._field, part):
+                    self._add_new(part)
+                    rest = rest - part * value
+            if rest._num and self._express(rest) is None:
+                trial = [*self.elements, *whole]
+                if express(self._field, [rest], [[atom] for atom in trial]) is None:
+                    whole.append(rest)
+                for _, part in terms(rest):
+                    trial = [*self.elements, *monomials]
+                    if express(self._field, [part], [[atom] for atom in trial]) is None:
+                        monomials.append(part)
+        for atom in whole if len(whole) < len(monomials) else monomials:
+            self._add_new(atom)
+
+    def _add_new(self, atom: Element) -> None:
+        """Adds an atom that the present ones do not span."""
+        if self._express(atom) is None:
+            self._add(atom)
+
     def _express(self, element: Element) -> list[fmpq] | None:
         return express(self._field, [element], [[atom] for atom in self.elements])
 
@@ -48,11 +79,28 @@ class Atoms:
         self._index[atom] = len(self.elements)
         self.elements.append(atom)
         self.units.append(fmpq(0))
-        self._all_monomials = self._all_monomials and not atom._den
+        single = len(self._field.lift(atom)) == 1 and not atom._den
+        self._all_monomials = self._all_monomials and single
 
     def refine_unit(self, index: int, coefficient: fmpq) -> None:
         """Makes the unit of an atom divide a coefficient; only before the unit is in use."""
         self.units[index] = rational_gcd(self.units[index], coefficient)
+
+
+def undone_by_exp(field: Field, atom: Element) -> bool:
+    """Whether the atom is a single logarithm or inverse function."""
+    generator = single_generator(field, atom)
+    if generator is None:
+        return False
+    return generator.kind in ("log", "primitive") or isinstance(generator.shown, sympy.log)
+
+
+def single_generator(field: Field, atom: Element) -> Any:
+    """The generator that the element is, or None."""
+    used = field.generators_of(atom)
+    if len(used) == 1 and atom == field.generator_element(used[0]):
+        return used[0]
+    return None
 
 
 def rational_gcd(a: fmpq, b: fmpq) -> fmpq:

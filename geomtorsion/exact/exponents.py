@@ -8,8 +8,7 @@ import sympy
 from flint import fmpq
 
 from geomtorsion.exact import limits
-from geomtorsion.exact.angles import single_generator
-from geomtorsion.exact.atoms import Atoms
+from geomtorsion.exact.atoms import Atoms, single_generator
 from geomtorsion.exact.generators import Generator
 
 if TYPE_CHECKING:
@@ -33,6 +32,7 @@ class Exponents:
 
     def prepare(self, exponents: list[Element], hyperbolic: list[Element]) -> None:
         """Chooses units that serve all these at once, and which atoms take exp."""
+        self.atoms.choose([*exponents, *hyperbolic])
         for plain, batch in ((True, exponents), (False, hyperbolic)):
             for exponent in batch:
                 for coefficient, index in self.atoms.decompose(exponent):

@@ -236,10 +236,12 @@ class Field(Ring):
         return [g for g, here in zip(self.generators, used, strict=True) if here]
 
     def conjugate(self, element: Element) -> Element:
-        """The element with I replaced by -I."""
-        if "I" not in self.by_name:
+        """The element with I replaced by -I, also inside roots, logs and exponents."""
+        if not self.is_complex:
             return element
         position = self.generators.index(self.by_name["I"])
+        if any(g.shown.has(sympy.I) and g.kind != "imaginary" for g in self.generators_of(element)):
+            return self.read(element.sympy.xreplace({sympy.I: -sympy.I}))
         flipped = {
             tuple(m): (-c if m[position] & 1 else c)
             for m, c in self.lift(element).to_dict().items()

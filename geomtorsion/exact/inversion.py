@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from itertools import combinations
 from typing import TYPE_CHECKING, Any
+
+from geomtorsion.exact.limits import check_size
 
 if TYPE_CHECKING:
     from geomtorsion.exact.element import Element
@@ -22,8 +25,12 @@ def inverse(field: Field, element: Element) -> Element:
     for position, generator in enumerate(field.generators):
         if generator.degree and degrees[position] > 0:
             if generator.degree > 2:
-                norm = _by_linear_system(field, num, position)
-                return norm * field.polynomial(multiplier * den)
+                num, conjugate = _conjugate(field, num, position)
+                multiplier = field.reduced(multiplier * conjugate)
+                check_size(num)
+                check_size(multiplier)
+                degrees = num.degrees()
+                continue
             tail = field.lift(generator.tail)  # type: ignore[arg-type]
             w = field.ctx.gen(position)
             below, above = split(field, num, position)
@@ -33,6 +40,8 @@ def inverse(field: Field, element: Element) -> Element:
             else:
                 num = field.reduced(below * below - above * above * tail)
                 multiplier = field.reduced(multiplier * (below - above * w))
+            check_size(num)
+            check_size(multiplier)
             degrees = num.degrees()
     content, factors = num.factor()
     signed = []
@@ -64,34 +73,46 @@ def coefficients(field: Field, poly: Any, position: int, degree: int) -> list[An
     return [field.ctx.from_dict(part) for part in parts]
 
 
-def _by_linear_system(field: Field, num: Any, position: int) -> Element:
-    """The inverse in an extension of degree n: solves (num * x = 1) for n coefficients."""
+def _conjugate(field: Field, num: Any, position: int) -> tuple[Any, Any]:
+    """(norm, c) with num * c = norm, free of the generator w of degree n at the position.
+
+    Multiplication by num is an n by n matrix on the powers of w; c is made of the cofactors
+    of its first row and the norm is its determinant, both without any division.
+    """
     generator = field.generators[position]
     n = generator.degree
-    w = field.generator_element(generator)
-    # Column k holds the coefficients of num * w**k; the solution is x = sum x_k w**k.
+    w = field.ctx.gen(position)
     columns = []
-    power = field.polynomial(num)
+    power = num
     for _ in range(n):
-        columns.append([field.polynomial(c) for c in coefficients(field, power._num, position, n)])
-        power = power * w
-    rows = [
-        [columns[k][i] for k in range(n)] + [field.one if i == 0 else field.zero] for i in range(n)
-    ]
-    solution = _solved(rows)
-    return field.sum((1, x, w**k) for k, x in enumerate(solution))
+        columns.append(coefficients(field, power, position, n))
+        power = field.reduced(power * w)
+    # minors[S]: determinant of the last len(S) rows in the columns S, built row by row.
+    minors: dict[tuple[int, ...], Any] = {(): field.ctx.constant(1)}
+    for size in range(1, n):
+        row = n - size
+        minors = {
+            chosen: _expanded(field, [columns[k][row] for k in chosen], chosen, minors)
+            for chosen in combinations(range(n), size)
+        }
+    norm = conjugate = field.ctx.constant(0)
+    for k in range(n):
+        minor = minors[tuple(j for j in range(n) if j != k)]
+        cofactor = -minor if k % 2 else minor
+        norm = norm + columns[k][0] * cofactor
+        conjugate = conjugate + cofactor * w**k
+    return field.reduced(norm), field.reduced(conjugate)
 
 
-def _solved(rows: list[list[Element]]) -> list[Element]:
-    """The solution of a regular linear system, by elimination over the field."""
-    n = len(rows)
-    for column in range(n):
-        pivot = next(i for i in range(column, n) if rows[i][column]._num)
-        rows[column], rows[pivot] = rows[pivot], rows[column]
-        scale = rows[column][column].inverse()
-        rows[column] = [scale * entry for entry in rows[column]]
-        for i in range(n):
-            factor = rows[i][column]
-            if i != column and factor._num:
-                rows[i] = [a - factor * b for a, b in zip(rows[i], rows[column], strict=True)]
-    return [row[n] for row in rows]
+def _expanded(
+    field: Field, row: list[Any], chosen: tuple[int, ...], minors: dict[tuple[int, ...], Any]
+) -> Any:
+    """A determinant expanded along its first row."""
+    total = field.ctx.constant(0)
+    for place, entry in enumerate(row):
+        if entry:
+            product = entry * minors[chosen[:place] + chosen[place + 1 :]]
+            total = total - product if place % 2 else total + product
+    total = field.reduced(total)
+    check_size(total)
+    return total

@@ -54,3 +54,18 @@ def check_power(base: Element, exponent: int) -> None:
             f"the power {exponent} of an expression of {terms} terms would have more than "
             f"{LARGEST_POWER_TERMS} terms; write the power as a parameter or a new symbol"
         )
+
+
+def check_size(poly: Any) -> None:
+    """Refuses to go on with a polynomial that would fill the memory.
+
+    Raises
+    ------
+    LimitError
+        it has more than LARGEST_POWER_TERMS terms.
+    """
+    if len(poly) > LARGEST_POWER_TERMS:
+        raise LimitError(
+            f"clearing the roots from a denominator gave more than {LARGEST_POWER_TERMS} terms; "
+            "name one of the roots by a parameter"
+        )

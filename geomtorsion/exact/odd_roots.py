@@ -5,9 +5,11 @@ from __future__ import annotations
 from math import lcm
 from typing import TYPE_CHECKING, Any
 
+import sympy
 from flint import fmpq, fmpz
 
 from geomtorsion.errors import ExpressionError
+from geomtorsion.exact.generators import Branch
 
 if TYPE_CHECKING:
     from geomtorsion.exact.element import Element
@@ -37,6 +39,9 @@ def odd_root(field: Field, element: Element, order: int) -> Element:
             base = -base
             sign *= -1 if exponent % 2 else 1
         result = result * _factor_power(field, base, exponent, order)
+    if sign < 0 and not field.is_complex:
+        shown = element.sympy ** sympy.Rational(1, order)
+        field.state_branch(Branch(shown, (-result).sympy, f"{element} <= 0: the real root"))
     if sign < 0 and field.is_complex:
         raise ExpressionError(
             f"the root of order {order} of {element} is that of a negative number at the sample "

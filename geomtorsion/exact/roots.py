@@ -44,8 +44,8 @@ def _square_root(field: Field, element: Element, radical: sympy.Expr | None) -> 
         return positive
     outer, content, tail = _squares_taken_out(field, element)
     if content < 0 and field.is_complex:
-        turned = _square_root(field, -element, None)
-        return turned * field.imaginary
+        turned = _square_root(field, -element, None) * field.imaginary
+        return turned if _matches_principal(field, turned, element) else -turned
     generator = field.add_root(tail, 2, _is_decided(field, tail))
     value = outer * generator
     if not outer.is_rational:

@@ -52,6 +52,14 @@ class Sample:
         """The value at the working precision."""
         return values(element, self._value_of, self._known.setdefault(mpmath.mp.prec, {}))
 
+    def place_in_words(self) -> str:
+        """The point, for stating where a branch was chosen."""
+        values = ", ".join(
+            f"{s} = {mpmath.nstr(self.value(self._field.symbol(s)), 4)}"
+            for s in self._field.symbols
+        )
+        return f"the function is continued from {values}"
+
     def is_positive(self, element: Element) -> bool:
         """Whether the element is positive at the point; the answer binds the point."""
         sign = self._sign(element)
