@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.pictures.ink import SERIES, caption, captioned, legend, new_figure
-from geomtorsion.pictures.sphere import curve_on, globe, space_axes, towards
+from geomtorsion.pictures.sphere import curve_on, globe, numbered, space_axes, towards
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from geomtorsion.pictures.pair import Pair
 
-NAMES = ("first", "second", "third")
+NAMES = ("first axis of the body, 1", "second axis, 2", "third axis, 3")
 
 
 def attitude_picture(pair: Pair) -> Figure:
@@ -38,7 +38,9 @@ def attitude_picture(pair: Pair) -> Figure:
         viewer = globe(axes, 1.0, facing)
         space_axes(axes, 1.0, viewer)
         for axis, stroke in enumerate(SERIES[:3]):
-            curve_on(axes, turn[:, :, axis], viewer, stroke, f"{NAMES[axis]} axis of the body")
+            curve_on(axes, turn[:, :, axis], viewer, stroke, NAMES[axis])
+            # Where a curve goes round often its dashes fill up: the number stays legible.
+            numbered(axes, turn[0, :, axis], viewer, str(axis + 1), stroke)
         axes.set_title(name, fontsize=11)
     legend(figure, first)
     lines = caption(pair)

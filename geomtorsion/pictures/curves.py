@@ -77,7 +77,7 @@ def coordinates_picture(pair: Pair) -> Figure:
     """
     points = continued(pair)
     names = [symbol.name for symbol in pair.symbols]
-    columns = 1 if len(names) == 1 else 3 if len(names) % 3 == 0 else 2
+    columns = 1 if len(names) == 1 else 2 if len(names) in (2, 4) else 3
     rows = math.ceil(len(names) / columns)
     figure = new_figure(3.1 * columns if columns > 1 else 6.0, 1.2 + 2.3 * rows)
     shown: Any = None
@@ -175,7 +175,7 @@ def _in_space(figure: Any, place: Any, paths: Any, labels: Any, title: str, equa
         (axes.xaxis, axes.yaxis, axes.zaxis), setters, labels, strict=True
     ):
         axis.set_rotate_label(False)
-        setter(mathematics(label), labelpad=7, rotation=0)
+        setter(mathematics(label), labelpad=11 if axis is axes.zaxis else 7, rotation=0)
         axis.set_pane_color((1, 1, 1, 0))
         axis.set_major_locator(_few())
         axis._axinfo["grid"]["color"] = "#e3e5e8"

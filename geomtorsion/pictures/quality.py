@@ -54,7 +54,7 @@ def distance_picture(pair: Pair) -> Figure:
         axes.plot(times, visible(pair.distance), **line, label="distance")
         asked = pair.straight.accuracy
         axes.axhline(
-            asked, color="#8b9098", linestyle=(0, (5, 1.6)), linewidth=1.2, label="accuracy asked"
+            asked, color="#666b73", linestyle=(0, (5, 1.6)), linewidth=1.2, label="accuracy asked"
         )
         axes.set_yscale("log")
         axes.set_title("The two motions are one, to the accuracy asked", fontsize=11)
@@ -92,7 +92,13 @@ def quality_picture(pair: Pair) -> Figure:
         if errors is not None:
             label = curve if errors.any() else f"{curve}: no difference at all"
             left.plot(solution.times[: len(errors)], visible(errors), **stroke.line, label=label)
-    left.axhline(pair.straight.accuracy, color="#8b9098", linewidth=1.2, label="accuracy asked")
+    left.axhline(
+        pair.straight.accuracy,
+        color="#666b73",
+        linestyle=(0, (1, 1.6)),
+        linewidth=1.4,
+        label="accuracy asked",
+    )
     left.set_title("Error estimate, relative", fontsize=11)
     right: Any = figure.add_subplot(1, 2, 2, sharey=left)
     for (label, times, values), stroke in zip(drifts, SERIES * 3, strict=False):
@@ -100,6 +106,7 @@ def quality_picture(pair: Pair) -> Figure:
         right.plot(times, visible(values), **stroke.line, label=shown)
     right.set_title("Drift of what should be constant, relative", fontsize=11)
     if not drifts:
+        right.set_axis_off()
         right.text(0.5, 0.5, "no invariant is known", ha="center", transform=right.transAxes)
     for axes in (left, right):
         axes.set_yscale("log")

@@ -60,6 +60,23 @@ def curve_on(axes: Any, points: Any, viewer: Any, stroke: Stroke, label: str = "
         )  # fmt: skip
 
 
+def numbered(axes: Any, place: Any, viewer: Any, text: str, stroke: Stroke) -> None:
+    """A number beside a point of a unit globe, on the side of the point's own direction."""
+    front = float(place @ viewer)
+    # Seen from the side a step outwards is enough; in the middle of the disc it is a step up.
+    step = 0.13 * place + 0.13 * max(front, 0.0) * _upwards(viewer)
+    look = {"color": stroke.color, "alpha": 1.0 if front >= 0 else 0.6, "weight": "bold"}
+    axes.text(*(place + step), text, ha="center", va="center", fontsize=11, zorder=6, **look)
+
+
+def _upwards(viewer: Any) -> Any:
+    """The direction that is up in the picture."""
+    import numpy as np
+
+    up = np.array([0.0, 0.0, 1.0]) - viewer[2] * viewer
+    return up / np.linalg.norm(up)
+
+
 def space_axes(axes: Any, radius: float, viewer: Any) -> None:
     """Short pins on the globe where the axes of space leave it."""
     import numpy as np

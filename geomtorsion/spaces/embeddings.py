@@ -157,7 +157,7 @@ def _cylindrical(frame: Frame) -> Embedding:
 
 def _cut(frame: Frame) -> Embedding:
     """As if nothing had been cut out or put in: angles are right, circles are too long or short."""
-    return replace(_cylindrical(frame), isometric=False, title="before cutting")
+    return replace(_cylindrical(frame), isometric=False, title="r, φ, z drawn as in flat space")
 
 
 def _spherical(frame: Frame) -> Embedding:

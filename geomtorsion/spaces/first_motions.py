@@ -37,20 +37,20 @@ class FirstMotion:
     parameters: Mapping[str, float] = field(default_factory=dict)
 
 
-_ORBIT = ((0.0, 10.0, 1.5707963267948966, 0.0), (1.0628, 0.0, 0.0, 0.36), 700.0)
+_RING = (0.0, 10.0, 1.5707963267948966, 0.0)
 
 # Chosen so that the two kinds of curves part visibly, or agree on a long way.
 MOTIONS: dict[str, FirstMotion] = {
     "so3": FirstMotion((0.3, 1.0, 0.2), (0.4, 0.3, 1.0), 5.0),
-    "r3xso3": FirstMotion((0.0, 1.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.6, 2.0, 0.8, 0.2, 0.8), 10.0),
+    "r3xso3": FirstMotion((0.4, 1.0, 0.5, 0.0, 0.0, 0.0), (0.0, 0.6, 2.0, 0.8, 0.2, 0.8), 10.0),
     "flat_polar": FirstMotion((1.0, 0.0), (0.3, 1.0), 8.0),
     "flat_cylindrical": FirstMotion((1.0, 0.0, 0.0), (0.1, 1.0, 0.2), 9.0),
     "flat_spherical": FirstMotion((2.0, 1.9, 0.0), (0.1, -0.3, 1.0), 9.0),
     "s2": FirstMotion((1.9, 0.0), (-0.2, 1.0), 6.0, {"R": 1.0}),
     "s3": FirstMotion((0.5, 0.0, 0.0), (0.5, 1.0, 0.3), 5.0),
     "heisenberg": FirstMotion((0.0, 0.0, 0.0), (1.0, 0.3, 1.0), 9.0),
-    "schwarzschild": FirstMotion(*_ORBIT, {"M": 1.0}),
-    "kerr": FirstMotion(*_ORBIT, {"M": 1.0, "a": 0.9}),
+    "schwarzschild": FirstMotion(_RING, (1.0628, 0.0, 0.0, 0.36), 700.0, {"M": 1.0}),
+    "kerr": FirstMotion(_RING, (1.0284, 0.0, 0.0, 0.24), 700.0, {"M": 1.0, "a": 0.9}),
 }
 
 
