@@ -4,7 +4,7 @@
     python examples/06_loops_that_fail_to_close.py --radius 0.5 --picture loop.png
 
 Walk a closed loop in coordinates and add up what the frame measures on the way: in a space with
-torsion the sum is not zero. What is missing is the Burgers vector b^i, the integral of e^i_mu dq^mu.
+torsion the sum is not zero. What is missing is the Burgers vector b^i = integral of e^i_mu dq^mu.
 It is computed twice, along the loop and as the flux of torsion through it.
 """
 

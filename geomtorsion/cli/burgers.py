@@ -106,12 +106,13 @@ def burgers(
     makers += _described(space.frame, given, interval)
     if not makers:
         raise typer.BadParameter("no loop was given: use --circle, --polygon, ... or --loops FILE")
+    wanted = 1e-12 if accuracy is None else accuracy
     results, found, stopped = [], [], False
     with working(f"{space.name}: {len(makers)} loops") as progress:
         try:
             for k, loop in enumerate(makers):
                 progress(f"loop {k + 1}")
-                one = _solved(space.frame, loop, accuracy or 1e-12, parameters, exact, len(makers))
+                one = _solved(space.frame, loop, wanted, parameters, exact, len(makers))
                 results.append(one[0])
                 found.append(one[1])
         except KeyboardInterrupt:

@@ -1,0 +1,111 @@
+"""Pictures of loops: the image that does not close, the map, and the costs."""
+
+import numpy as np
+import pytest
+
+from geomtorsion.accuracy.loops import LoopCost, LoopCosts
+from geomtorsion.errors import LoopError
+from geomtorsion.loops import Loop, burgers_map, burgers_vector, burgers_vectors
+from geomtorsion.loops.images import image
+from geomtorsion.pictures.loop_costs import draw_loop_costs
+from geomtorsion.pictures.loops import draw_closure, draw_loop, draw_map
+from geomtorsion.spaces import load
+
+pytest.importorskip("matplotlib")
+
+SEEN = 1e-9  # share of a picture that nobody sees
+
+
+@pytest.mark.parametrize(
+    ("name", "loop", "values"),
+    [
+        ("so3", Loop.circle([0.3, 1, 0.2], 0.5), {}),
+        ("screw_dislocation", Loop.circle([0, 0, 0], 1), {"b": 1}),
+        ("flat_polar", Loop.polygon([[1, 0], [2, 0], [2, 2], [1, 2]]), {}),
+        ("so3", Loop.circle([0.3, 1, 0.2], 0.5).reversed().times(2), {}),
+        ("twisted_bar", Loop.spline([[1, 0, 0], [0, 1, 1], [-1, 0, 0], [0, -1, 2]]), {"kappa": 2}),
+    ],
+    ids=lambda value: value if isinstance(value, str) else getattr(value, "name", ""),
+)
+def test_the_image_ends_at_the_burgers_vector(name: str, loop: Loop, values: dict) -> None:
+    """Start at zero, end at b; the path itself closes."""
+    b = burgers_vector(load(name).frame, loop, parameters=values)
+    drawn = image(b)
+    assert drawn.magnified == 1
+    assert drawn.image[:, 0].tolist() == [0] * loop.dimension
+    assert drawn.image[:, -1] == pytest.approx(b.vector, abs=SEEN)
+    assert drawn.path[:, 0] == pytest.approx(drawn.path[:, -1], abs=SEEN)
+
+
+@pytest.mark.parametrize("radius", [1e-4, 1e-12, 1e-300])
+def test_a_gap_too_small_to_see_is_enlarged(radius: float) -> None:
+    """To about a quarter of the picture, by a power of ten that the title names."""
+    b = burgers_vector(load("so3").frame, Loop.circle([0.3, 1, 0.2], radius))
+    drawn = image(b)
+    gap = drawn.image[:, -1]
+    assert 0.03 < np.abs(gap).max() / np.ptp(drawn.image, axis=1).max() < 0.9
+    direction = b.reduced / np.abs(b.reduced).max()
+    assert gap / np.abs(gap).max() == pytest.approx(direction, abs=1e-3)
+    title = draw_closure(b).axes[1].get_title()
+    assert "gap enlarged" in title
+    assert ("$10^{" in title) == (radius < 1e-5)
+
+
+def test_axes_say_what_they_show() -> None:
+    """Two panels; coordinates with their centre and unit, legs by number; three axes if needed."""
+    figure = draw_loop(load("so3").frame, Loop.circle([0.3, 1, 0.2], 1e-6))
+    left, right = figure.axes
+    assert left.get_xlabel() == r"$(\phi_{1} - 0.3)$ / 1e-06"
+    assert right.name == "3d"
+    assert right.get_zlabel() == "$X^2$ / 1e-06"
+    flat = draw_loop(load("flat_polar").frame, Loop.polygon([[1, 0], [2, 0], [2, 2], [1, 2]]))
+    assert [axes.name for axes in flat.axes] == ["rectilinear"] * 2
+    nothing = draw_loop(load("flat_polar").frame, Loop.polygon([[1, 0], [1, 2], [1, 1]]))
+    assert "|b|" in nothing.axes[1].get_title()
+
+
+def test_a_map_rings_the_defect() -> None:
+    """One panel for the one component, one ring, with its strength; the first axis to the right."""
+    grid = np.linspace(-1, 1, 12)
+    edge = load("edge_dislocation").frame
+    found = burgers_map(edge, (grid, grid[2:]), parameters={"b": 2})
+    figure = draw_map(found)
+    axes, _ = figure.axes
+    assert axes.get_title().startswith("$b^0$")
+    assert [text.get_text() for text in axes.texts] == ["b = 2"]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("$x$", "$y$")
+    assert axes.get_xlim() == pytest.approx((-1, 1))
+    assert axes.get_ylim() == pytest.approx((grid[2], 1))
+
+
+def test_a_map_of_a_smooth_density() -> None:
+    """Values stand where they belong; relative shows the difference from 2 S."""
+    grids = (np.linspace(0, 3, 7), np.linspace(0.5, 2, 5))
+    found = burgers_map(load("so3").frame, grids)
+    first, second = (axes for axes in draw_map(found).axes if axes.get_title())
+    assert (first.get_title(), second.get_title()) == ("$b^0$ per area", "$b^1$ per area")
+    colours = first.collections[0].get_array()
+    assert np.asarray(colours).reshape(4, 6) == pytest.approx(found.density[0].T)
+    assert "minus $2S$" in draw_map(found, relative=True).axes[0].get_title()
+
+
+def test_only_grids_are_maps() -> None:
+    """A list of circles has no picture of this kind."""
+    found = burgers_vectors(load("so3").frame, [[0, 1, 0]], 0.1)
+    with pytest.raises(LoopError, match="only a survey over a grid"):
+        draw_map(found)
+
+
+def test_costs_have_one_line_for_each_rule() -> None:
+    """Points to the left, time to the right; an error of zero has a place."""
+    rows = (
+        LoopCost("Gauss", 4, 1e-3, 1e-4),
+        LoopCost("Gauss", 8, 0.0, 2e-4),
+        LoopCost("flux", 24, 1e-15, 1e-4),
+        LoopCost("scipy.quad", 63, 1e-9, 1e-3, asked=1e-6, claimed=1e-8),
+    )
+    figure = draw_loop_costs(LoopCosts("a loop", rows, ()))
+    left, right = figure.axes
+    assert [line.get_label() for line in left.lines] == ["Gauss", "flux", "scipy.quad"]
+    assert len(right.lines) == 3
+    assert min(left.lines[0].get_ydata()) > 0
