@@ -90,7 +90,7 @@ def accuracy(
             numbers(velocity, "velocity"),
             frame_velocity=numbers(frame_velocity, "frame velocity"),
             t=None if t is None else number(t, "t"),
-            parameters=named_numbers(parameters),
+            parameters=named_numbers(*parameters or ()),
             moments=numbers(moments, "moments"),
         )
         progress("measuring")

@@ -51,9 +51,13 @@ LastTime = Annotated[
     typer.Option("--t", metavar="T", show_default=False, help="Last value of the curve parameter."),
 ]
 Parameters = Annotated[
-    str | None,
+    list[str] | None,
     typer.Option(
-        metavar="NAME=X,...", show_default=False, help="Values of the parameters of the frame."
+        "--set",
+        "--parameters",
+        metavar="NAME=X,...",
+        show_default=False,
+        help="Values of the parameters of the frame; may be given several times.",
     ),
 ]
 Moments = Annotated[
@@ -105,7 +109,7 @@ def curve(
     Examples:
       geomtorsion curve s2 --start 1.9,0 --velocity=-0.2,1.06 --t 6 -o sphere
       geomtorsion curve so3 --moments 1,2,3 --t 20 --accuracy 1e-12
-      geomtorsion curve my-tetrad.toml --parameters M=1 -o curves
+      geomtorsion curve my-tetrad.toml --set M=1 -o curves
     """
     from geomtorsion.pictures.album import can_draw, write_curves
     from geomtorsion.pictures.pair import follow
@@ -120,7 +124,7 @@ def curve(
             numbers(velocity, "velocity"),
             frame_velocity=numbers(frame_velocity, "frame velocity"),
             t=None if t is None else number(t, "t"),
-            parameters=named_numbers(parameters),
+            parameters=named_numbers(*parameters or ()),
             moments=numbers(moments, "moments"),
             accuracy=accuracy,
             engine=engine_of(engine),

@@ -54,8 +54,8 @@ def numbers(text: str | None, what: str) -> list[float] | None:
     return [number(part, what) for part in text.split(",")]
 
 
-def named_numbers(text: str | None, what: str = "parameters") -> dict[str, float]:
-    """name=number pairs separated by commas.
+def named_numbers(*texts: str) -> dict[str, float]:
+    """name=number pairs separated by commas, in one text or in several.
 
     Examples
     --------
@@ -63,18 +63,18 @@ def named_numbers(text: str | None, what: str = "parameters") -> dict[str, float
     {'M': 1.0, 'a': 0.5}
     """
     found: dict[str, float] = {}
-    for part in (text or "").split(","):
+    for part in ",".join(texts).split(","):
         if not part.strip():
             continue
         name, sign, value = part.partition("=")
         name = name.strip()
         if not sign or not name:
             raise StartError(
-                f"{what}: name=number was needed, {part.strip()!r} came. Write M=1,a=0.5."
+                f"parameters: name=number was needed, {part.strip()!r} came. Write M=1,a=0.5."
             )
         if name in found:
-            raise StartError(f"{what}: {name} is given twice. Give it once.")
-        found[name] = number(value, f"{what}, {name}")
+            raise StartError(f"parameters: {name} is given twice. Give it once.")
+        found[name] = number(value, f"parameter {name}")
     return found
 
 

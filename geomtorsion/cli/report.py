@@ -28,7 +28,7 @@ def report(
         bool, typer.Option("--pictures/--no-pictures", help="Motions and a loop, drawn.")
     ] = True,
 ) -> None:
-    """Write the whole geometry of a space as a page, with motions and a loop.
+    """Write geometry, motions and a loop of a space as a page.
 
     The page, index.html, is one file that needs no network; geometry.json beside it holds the
     geometry as data. Pictures need the extra `plots`.

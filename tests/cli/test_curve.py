@@ -71,7 +71,7 @@ def test_pictures_are_written(name, tmp_path):
 def test_what_is_given_is_used():
     """Numbers with pi, parameters, moments; nothing is called chosen then."""
     text = run(
-        "s2", "--start", "pi/2,0", "--velocity=0,-1/2", "--t", "pi", "--parameters", "R=2", *CHEAP
+        "s2", "--start", "pi/2,0", "--velocity=0,-1/2", "--t", "pi", "--set", "R=2", *CHEAP
     ).stdout
     assert "theta = 1.5708" in text
     assert "phi' = -0.5" in text
@@ -130,6 +130,7 @@ def test_numbers_as_people_type_them():
     assert numbers(" 1/2 , -1e-3,2*pi", "start") == pytest.approx([0.5, -1e-3, 6.283185307])
     assert numbers(None, "start") is None
     assert named_numbers("M = 1,a=1/2") == {"M": 1.0, "a": 0.5}
-    assert named_numbers(None) == {}
+    assert named_numbers() == {}
+    assert named_numbers("M=1", "a=2, b=3") == {"M": 1.0, "a": 2.0, "b": 3.0}
     with pytest.raises(StartError, match="came"):
         numbers("1,,2", "start")
