@@ -51,9 +51,16 @@ def edge_integrals(
     ------
     SingularPointError
         An edge passes through a point where the coframe is singular; the message names it.
+    NetworkError
+        The frame is complex.
     """
     import numpy as np
 
+    if frame.complex:
+        raise NetworkError(
+            "networks are summed in real numbers, but the frame is declared complex. "
+            "Use burgers_vector or develop for single loops, or a real frame."
+        )
     compiled = forms(frame)
     values = parameter_values(frame, compiled.parameters, parameters)
     vectors = np.empty(starts.shape)

@@ -135,16 +135,16 @@ class SampledFrame:
 
         from geomtorsion.loops.forms import forms, parameter_values
 
-        lines = [np.asarray(axis, dtype=float) for axis in axes]
+        lines = [numbers(axis, "axis") for axis in axes]
         if len(lines) != frame.dimension:
             raise GridError(
                 f"one axis for each of {frame.dimension} coordinates was needed, but "
                 f"{len(lines)} came."
             )
         compiled = forms(frame)
-        numbers = parameter_values(frame, compiled.parameters, parameters)
+        given = parameter_values(frame, compiled.parameters, parameters)
         nodes = np.meshgrid(*lines, indexing="ij")
-        found = compiled.coframe.function(*nodes, *numbers)
+        found = compiled.coframe.function(*nodes, *given)
         values = np.zeros((frame.dimension, frame.dimension, *nodes[0].shape))
         values[compiled.coframe.rows, compiled.coframe.columns] = found
         return cls(lines, values, order, tuple(symbol.name for symbol in frame.coordinates))

@@ -260,3 +260,15 @@ def test_underflow_is_told_not_hidden(sphere):
     assert turn.route == "line"
     assert turn.check.agrees is None
     assert turn.turn_error > abs(turn.angle)
+
+
+@pytest.mark.parametrize("radius", [1e-7, 1e-10, 1e-13])
+def test_tiny_loops_are_the_flux_at_their_centre(general, radius):
+    """Torsion, curvature and nonmetricity at once: relative error no more than the radius."""
+    centre = [0.3, 0.9, 0.2]
+    unit = np.eye(3)[:, :, None]
+    rho, tau = AffineForm(general).over(np.array(centre)[:, None], unit[0], unit[1])
+    found = develop(general, Loop.circle(centre, radius)).motion.increment / (np.pi * radius**2)
+    expected = _affine(rho[0], tau[0])
+    assert np.abs(found - expected).max() < 20 * radius + 1e-14
+    assert np.abs(expected).max() > 0.5
