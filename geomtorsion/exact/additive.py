@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 import mpmath
 import sympy
-from flint import fmpq, fmpz
+from flint import fmpq
 
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.generators import Branch, Generator
+from geomtorsion.exact.integers import prime_factors
 from geomtorsion.exact.linear import express
 
 if TYPE_CHECKING:
@@ -75,9 +76,9 @@ class Additive:
             total.append((exponent, self._log_of_factor(base)))
         if value < 0:
             total.append((1, self._imaginary_turn(element)))
-        for prime, exponent in abs(fmpz(value.p)).factor():
+        for prime, exponent in prime_factors(abs(value.p)):
             total.append((exponent, self._log_of_prime(int(prime))))
-        for prime, exponent in fmpz(value.q).factor():
+        for prime, exponent in prime_factors(value.q):
             total.append((-exponent, self._log_of_prime(int(prime))))
         return self._principal(element, field.sum(total))
 

@@ -53,7 +53,7 @@ class Angles:
         """(q, rest) with angle = q pi + rest."""
         field = self._field
         circle = field.by_name.get("pi")
-        if circle is None or angle._den:
+        if circle is None:
             return fmpq(0), angle
         pi = field.generator_element(circle)
         for value, monomial in terms(angle):

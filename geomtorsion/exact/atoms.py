@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import sympy
 from flint import fmpq
 
-from geomtorsion.exact.element import Element
+from geomtorsion.exact.element import Denominator, Element
 from geomtorsion.exact.linear import express
 
 if TYPE_CHECKING:
@@ -110,10 +110,18 @@ def rational_gcd(a: fmpq, b: fmpq) -> fmpq:
 
 
 def terms(element: Element) -> list[tuple[fmpq, Element]]:
-    """The element as (rational, monomial over the common denominator)."""
+    """The element as sum of rational * monomial: its polynomial part, then what is over den.
+
+    u/R + pi/3 is kept as (3 u + pi R)/(3 R); division with remainder takes pi/3 out again.
+    """
     field = element.field
-    num = field.lift(element)
+    rest = field.lift(element)
+    parts: list[tuple[Any, Denominator]] = [(rest, element._den)]
+    if element._den:
+        whole, rest = divmod(rest, field.cofactor(element._den, ()))
+        parts = [(whole, ()), (rest, element._den)]
     return [
-        (value, Element(field, field.ctx.from_dict({tuple(m): fmpq(1)}), element._den, field.level))
-        for m, value in num.to_dict().items()
+        (value, Element(field, field.ctx.from_dict({tuple(m): fmpq(1)}), den, field.level))
+        for poly, den in parts
+        for m, value in poly.to_dict().items()
     ]

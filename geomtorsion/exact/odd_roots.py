@@ -6,10 +6,11 @@ from math import lcm
 from typing import TYPE_CHECKING, Any
 
 import sympy
-from flint import fmpq, fmpz
+from flint import fmpq
 
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.generators import Branch
+from geomtorsion.exact.integers import prime_factors
 
 if TYPE_CHECKING:
     from geomtorsion.exact.element import Element
@@ -32,7 +33,7 @@ def odd_root(field: Field, element: Element, order: int) -> Element:
     powers = [(field.polynomial(factor), exponent) for factor, exponent in factors]
     powers += [(field.polynomial(field.factors[i]), -e) for i, e in element._den]
     result, sign = field.one, -1 if value < 0 else 1
-    for prime, exponent in [*abs(fmpz(value.p)).factor(), *_negated(fmpz(value.q).factor())]:
+    for prime, exponent in [*prime_factors(abs(value.p)), *_negated(prime_factors(value.q))]:
         result = result * _factor_power(field, field.rational(fmpq(prime)), exponent, order)
     for base, exponent in powers:
         if not field.sample.is_positive(base):

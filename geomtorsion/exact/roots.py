@@ -8,6 +8,7 @@ import mpmath
 from flint import fmpq, fmpz
 
 from geomtorsion.exact.generators import Branch
+from geomtorsion.exact.integers import prime_factors
 from geomtorsion.exact.odd_roots import odd_root
 from geomtorsion.exact.squares import square_root_inside
 
@@ -76,7 +77,7 @@ def _square_part(value: Any) -> tuple[Any, Any]:
     whole = fmpz(value.p * value.q)
     sign = -1 if whole < 0 else 1
     square, free = fmpz(1), fmpz(sign)
-    for prime, exponent in abs(whole).factor():
+    for prime, exponent in prime_factors(abs(whole)):
         square *= prime ** (exponent // 2)
         free *= prime ** (exponent % 2)
     return fmpq(square, value.q), free

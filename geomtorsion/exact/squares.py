@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from flint import fmpq, fmpz
 
+from geomtorsion.exact.integers import prime_factors
 from geomtorsion.exact.inversion import monic, split
 
 if TYPE_CHECKING:
@@ -122,7 +123,7 @@ def _odd_factors(field: Field, element: Element) -> frozenset[str]:
     odd ^= {str(field.factors[index]) for index, exponent in element._den if exponent % 2}
     if content < 0:
         odd.add("-1")
-    for prime, exponent in fmpz(abs(content.p * content.q)).factor():
+    for prime, exponent in prime_factors(abs(content.p * content.q)):
         if exponent % 2:
             odd.add(str(prime))
     return frozenset(odd)

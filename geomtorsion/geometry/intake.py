@@ -15,6 +15,7 @@ from geomtorsion.errors import (
     MetricError,
     ShapeError,
     SignatureError,
+    UndecidedError,
 )
 from geomtorsion.exact import Element, Field
 from geomtorsion.geometry.matrices import dependence, determinant
@@ -55,6 +56,11 @@ def opened(
     constants = parameter_symbols(parameters, symbols, free)
     # The same generic point decides every sign that a root leaves open.
     sample = next(candidate_points(symbols, constants, relations, fineness=10**12), None)
+    if sample is None and relations:
+        raise CoordinateError(
+            f"no point satisfies the domain {', '.join(map(str, relations))}, as far as was tried. "
+            "Give relations that hold together, for instance bounds of each coordinate by numbers."
+        )
     field = Field((*symbols, *constants), complex=complex_, sample=sample, branches=branches)
     return Opened(symbols, constants, relations, complex_, field)
 
@@ -190,6 +196,11 @@ def check_regular(
 ) -> Element:
     """Determinant of a matrix; an error that says which rows depend and how if it vanishes."""
     det = determinant(field, entries, n)
+    if det.is_zero is None:
+        raise UndecidedError(
+            f"whether the determinant of the {name} vanishes cannot be decided: it is "
+            f"{det}, which is zero or too small to tell. Use functions with known relations."
+        )
     if not det.is_zero:
         return det
     found = dependence(field, entries, n)

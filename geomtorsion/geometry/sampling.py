@@ -51,6 +51,8 @@ def candidate_points(
     relations = tuple(relations)
     symbols = [*coordinates, *parameters]
     ranges = {symbol: _interval(symbol, relations) for symbol in symbols}
+    if any(low is not None and high is not None and low >= high for low, high in ranges.values()):
+        return
     several = [relation for relation in relations if len(relation.free_symbols) > 1]
     for number in range(TRIES):
         stretch = 1 + number // 40
