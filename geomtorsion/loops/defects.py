@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 # A loop as small as this share of the distance to the nearest other defect measures one alone.
 ALONE = 0.25
+SHAPES = {0: "point", 1: "line", 2: "surface"}
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,7 @@ class Defect:
         directions: then loops do not wind round it.
     name: what it is called.
     source: "declared", or the expression whose zero it is.
+    names: of the coordinates; free: numbers of those that vary along it.
 
     Examples
     --------
@@ -45,7 +47,8 @@ class Defect:
     across: tuple[Any, Any] | None
     name: str = "defect"
     source: str = "declared"
-    fixed: tuple[str, ...] = ()
+    names: tuple[str, ...] = ()
+    free: tuple[int, ...] = ()
 
     def place(self, parameters: Mapping[Any, Any] | None = None) -> tuple[float, ...]:
         """The point as numbers.
@@ -92,12 +95,10 @@ class Defect:
         return turns_round(loop, place, across, str(self))
 
     def __str__(self) -> str:
-        names = self.fixed or tuple(f"q{k}" for k in range(len(self.point)))
-        columns = self.across if self.across and isinstance(self.across[0], int) else None
-        chosen = range(len(self.point)) if columns is None else columns
-        if self.across is None and self.fixed:
-            chosen = [k for k, value in enumerate(self.point) if value is not None]
-        return f"{self.name} at " + ", ".join(f"{names[k]} = {self.point[k]}" for k in chosen)
+        names = self.names or tuple(f"q{k}" for k in range(len(self.point)))
+        across = self.across if self.across and isinstance(self.across[0], int) else None
+        shown = across or [k for k in range(len(self.point)) if k not in self.free]
+        return f"{self.name} at " + ", ".join(f"{names[k]} = {self.point[k]}" for k in shown)
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,14 +149,12 @@ def _found(frame: Frame) -> tuple[Defect, ...]:
             continue
         columns = tuple(k for k, symbol in enumerate(frame.coordinates) if symbol in place)
         point = tuple(place.get(symbol, sp.S.Zero) for symbol in frame.coordinates)
-        line = len(columns) == 2
-        across = (columns[0], columns[1]) if line else None
-        if line and frame.dimension > 2:
-            name = "singular line" if frame.dimension == 3 else "singular surface"
-        else:
-            name = "singular point"
+        across = (columns[0], columns[1]) if len(columns) == 2 else None
+        free = tuple(k for k in range(frame.dimension) if k not in columns)
+        name = f"singular {SHAPES.get(len(free), 'set')}"
         names = tuple(symbol.name for symbol in frame.coordinates)
-        found.setdefault((columns, point), Defect(point, across, name, f"zero of {factor}", names))
+        defect = Defect(point, across, name, f"zero of {factor}", names, free)
+        found.setdefault((columns, point), defect)
     return tuple(found.values())
 
 

@@ -134,8 +134,8 @@ def develop(
     parameters
         Values of the frame's parameters, {symbol or name: number}.
     defects
-        Lines to look for inside the loop where both routes differ; those that `find_defects`
-        finds if not given.
+        Lines to look for inside the loop. If not given: those that `find_defects` finds, where
+        both routes differ.
 
     Returns
     -------
@@ -192,7 +192,7 @@ def develop(
         for line, cone, fits in zip(lines, cones, agrees, strict=True)
     ]
     enclosed: tuple[Enclosed, ...] = ()
-    if not all(agrees):
+    if defects is not None or not all(agrees):
         from geomtorsion.loops.defects import enclosed_defects
 
         enclosed = enclosed_defects(frame, loop, parameters, defects=defects, connection=connection)
@@ -219,7 +219,8 @@ def _check(
     cone = joined(present).motion if len(present) == len(cones) else None
     places = "; ".join(str(one) for one in enclosed)
     if all(agrees):
-        return RouteCheck(line, cone, True, "line integral and cone over the loop agree")
+        text = "line integral and cone over the loop agree"
+        return RouteCheck(line, cone, True, text + f"; winds round {places}" * bool(places))
     if False in agrees:
         text = "line integral and cone over the loop differ: "
         text += f"enclosed defect: {places}" if enclosed else "something singular lies inside"

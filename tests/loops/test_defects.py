@@ -170,6 +170,7 @@ def test_point_in_space_is_found_but_not_wound_round():
     frame = Frame([x, y, z], [[1, z / square, 0], [0, 1, 0], [0, 0, 1]])
     (point,) = find_defects(frame)
     assert point.place() == (0, 1, 0)
+    assert str(point) == "singular point at x = 0, y = 1, z = 0"
     assert point.across is None
     assert enclosed_defects(frame, Loop.circle([0, 1, 0], 1)) == ()
 
@@ -189,3 +190,15 @@ def test_bad_lines_are_refused():
         parallel_screws([(0, 0), (0, 0)], [1, 2])
     with pytest.raises(ShapeError, match=r"positions\[0\]"):
         parallel_screws([(0, 0, 0)], [1])
+
+
+def test_declared_lines_are_looked_for_even_where_both_routes_agree():
+    """A smooth frame with a line that the user knows of: turns are told, a hit is an error."""
+    core = cartan(spaces.load("screw_core").frame)
+    values, axis = {"b": 1, "c": 1}, Defect((0, 0, 0), (0, 1), "core")
+    turn = develop(core, Loop.circle([0, 0, 0], 2), parameters=values, defects=[axis])
+    assert turn.check.agrees is True
+    assert "winds round core" in turn.check.text
+    assert [one.turns for one in turn.enclosed] == [1]
+    with pytest.raises(SingularPointError, match="passes through the core at q0 = 0, q1 = 0, at"):
+        develop(core, Loop.circle([2, 0, 0], 2), parameters=values, defects=[axis])
