@@ -74,8 +74,11 @@ def race(contestant: str, case: str, limit: float = 60.0) -> Result:
     ) as process:
         reader = threading.Thread(target=lambda: errors.extend(process.stderr or ()), daemon=True)
         reader.start()
-        _follow(process, result)
-        process.wait()
+        try:
+            _follow(process, result)
+            process.wait()
+        finally:  # Ctrl-C does not reach a session of its own
+            _end(process)
         reader.join()
     if process.returncode > 0 and errors:
         result.failure = errors[-1].strip()
