@@ -76,7 +76,7 @@ class Batch:
         """Compile what a survey needs of a frame."""
         import numpy as np
 
-        n, spent = frame.dimension, [0]
+        n, spent, compiled = frame.dimension, [0], forms(frame)
         entries = frame.coframe.components.nonzero
         line = _weighted(
             frame,
@@ -93,7 +93,6 @@ class Batch:
             if (value := curl(frame, i, a, b)).is_zero is not True
         ]
         flux = _weighted(frame, curls, parameters, spent) if curls else None
-        compiled = forms(frame)
         numbers = parameter_values(frame, compiled.parameters, parameters)
 
         def poles(points: np.ndarray) -> np.ndarray:

@@ -74,7 +74,8 @@ def burgers_vector(
     parameters
         Values of the frame's parameters, {symbol or name: number}.
     exact
-        Give a closed form instead of numbers; see `exact_burgers_vector`.
+        Give a closed form instead of numbers, in which parameters stay symbols; see
+        `exact_burgers_vector`.
 
     Returns
     -------
@@ -113,6 +114,8 @@ def burgers_vector(
             f"accuracy: a relative error from {LEAST_ACCURACY} to below 1 was needed, "
             f"but {accuracy!r} came."
         )
+    import numpy as np
+
     start = time.perf_counter()
     if loop.symbols:
         loop = loop.at(parameters or {})
@@ -127,7 +130,10 @@ def burgers_vector(
     chosen = [_chosen(part, *pair, accuracy) for part, pair in zip(loop.parts, pairs, strict=True)]
     power = 2 if all(route.power == 2 for route, _, _ in chosen) else 1
     picked = [route for route, _, _ in chosen]
-    reduced, error = _total(loop, picked, power)
+    with np.errstate(over="ignore", invalid="ignore"):
+        # Loops beyond 1e154 have vectors beyond all doubles; `numbers` has them.
+        reduced, error = _total(loop, picked, power)
+        check = _check(loop, pairs, [agrees for _, agrees, _ in chosen])
     return BurgersVector(
         frame=frame,
         loop=loop,
@@ -137,7 +143,7 @@ def burgers_vector(
         power=power,
         route=" and ".join(sorted({_name(route) for route in picked}, reverse=True)),
         why="; ".join(dict.fromkeys(why for _, _, why in chosen)),
-        check=_check(loop, pairs, [agrees for _, agrees, _ in chosen]),
+        check=check,
         accuracy=accuracy,
         evaluations=sum(route.points for pair in pairs for route in pair if route is not None),
         seconds=time.perf_counter() - start,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import LoopError, MissingValueError, UnknownNameError
 from geomtorsion.exact import Element, numpy_function
@@ -101,6 +102,12 @@ def _compiled(
     """Entries (row, column) -> element as one function."""
     import numpy as np
 
+    unknown = sorted({str(f) for x in entries.values() for f in x.sympy.atoms(AppliedUndef)})
+    if unknown:
+        raise MissingValueError(
+            f"the frame contains unknown functions ({', '.join(unknown)}), but loops need numbers: "
+            "make a frame with definite functions in their place."
+        )
     function = numpy_function(list(entries.values()), arguments)
     rows, columns = np.array(list(entries)).T
     gather = (rows == np.arange(n)[:, None]).astype(float)

@@ -79,9 +79,12 @@ class BurgersVector:
     @cached_property
     def vector(self) -> np.ndarray:
         """b^i in the frame, shape (n,)."""
-        result = self.reduced * self.size
-        if self.power == 2:
-            result = result * self.size
+        import numpy as np
+
+        with np.errstate(over="ignore"):
+            result = self.reduced * self.size
+            if self.power == 2:
+                result = result * self.size
         result.setflags(write=False)
         return result
 

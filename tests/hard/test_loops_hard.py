@@ -134,6 +134,13 @@ def test_singular_along_a_whole_side() -> None:
     assert burgers_vector(polar, Loop.circle([0, 0], 1), parameters={"R": 1}).reached
 
 
+def test_larger_than_all_doubles() -> None:
+    """Radius 1e200: b is infinite as a double, and right as mpmath number; nothing warns."""
+    b = burgers_vector(load("heisenberg").frame, Loop.circle([0, 0, 0], 1e200))
+    assert np.isinf(b.vector[2])
+    assert float(b.numbers[2] / (mpmath.pi * mpmath.mpf(1e200) ** 2)) == pytest.approx(-1)
+
+
 def test_very_many_corners() -> None:
     """A polygon of two thousand sides is nearly its circle."""
     angles = 2 * np.pi * np.arange(2000) / 2000
