@@ -117,8 +117,8 @@ def test_sample_point_lies_in_the_domain() -> None:
     assert frame.domain == (r > 2 * mass, phi < 2 * sp.pi)
     with pytest.raises(CoordinateError, match="no relation"):
         Frame([x, y], [[1, 0], [0, 1]], domain=[x])
-    with pytest.raises(CoordinateError, match="no point inside"):
-        _ = Frame([x, y], [[1, 0], [0, 1]], domain=[x + y > 1, x + y < 0]).sample_point
+    with pytest.raises(CoordinateError, match="no point satisfies"):
+        Frame([x, y], [[1, 0], [0, 1]], domain=[x + y > 1, x + y < 0])
 
 
 def test_a_frame_does_not_change() -> None:
