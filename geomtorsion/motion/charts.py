@@ -136,9 +136,13 @@ class Change:
         return numpy_function(self.elements, (*self.coordinates, *self.parameters), check=False)
 
     @cached_property
+    def slopes(self) -> list[Element]:
+        """d target / d source, row by row."""
+        return [x.diff(symbol) for x in self.elements for symbol in self.coordinates]
+
+    @cached_property
     def _slopes(self) -> Callable[..., Any]:
-        slopes = [x.diff(symbol) for x in self.elements for symbol in self.coordinates]
-        return numpy_function(slopes, (*self.coordinates, *self.parameters), check=False)
+        return numpy_function(self.slopes, (*self.coordinates, *self.parameters), check=False)
 
     def __call__(self, coordinates: Any, parameters: Mapping[str, float]) -> Any:
         """Target coordinates of points with shape (size, ...)."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.motion.journey import moved_over
+from geomtorsion.motion.crossing import moved_over
 
 if TYPE_CHECKING:
     from geomtorsion.motion.journey import Journey

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import ChartEdgeError
-from geomtorsion.motion.charts import Chart
+from geomtorsion.motion.crossing import State, moved_over
 from geomtorsion.motion.engines.protocol import Engine, Run
 from geomtorsion.motion.equations import Equations
 from geomtorsion.motion.passengers import weights
@@ -124,10 +124,6 @@ def travel(
         rest = np.concatenate(([run.reached], rest[len(run.times) :]))
 
 
-# A state is (coordinates, velocities in units of the speed, passengers).
-State = tuple[list[Any], list[Any], list[Any]]
-
-
 def beginning(problem: Problem, precision: int) -> tuple[str, State]:
     """The chart in which to begin, and the state there."""
     return problem.kept(("beginning", precision), lambda: _beginning(problem, precision))
@@ -180,69 +176,6 @@ def edge_distance(problem: Problem, name: str, state: State) -> float:
     values = dict(zip(chart.names, map(float, state[0]), strict=True))
     values |= {key: float(value) for key, value in problem.parameters.items()}
     return float(evaluated([((chart.edge, ()),)], values)[0]) / chart.margin
-
-
-def moved_over(problem: Problem, source: str, target: str, state: State, bits: int) -> State:
-    """A state in another chart."""
-    import numpy as np
-
-    if source == target:
-        return state
-    coordinates, velocities, riders = state
-    slopes = None
-    for change in problem.route(source, target):
-        numbers = {key: float(value) for key, value in problem.parameters.items()}
-        if slopes is not False and not _same_frame(problem, source, target):
-            step = change.jacobian([float(x) for x in coordinates], numbers)
-            slopes = step if slopes is None else step @ slopes
-        if bits > 53:
-            coordinates = change.precisely(coordinates, problem.parameters, bits)
-        else:
-            coordinates = list(change([float(x) for x in coordinates], numbers))
-    if not np.isfinite([float(x) for x in coordinates]).all():
-        raise ChartEdgeError(f"chart {target!r} does not reach this point")
-    if slopes is not None:
-        rates = (
-            slopes
-            @ _legs_at(problem, problem.atlas.chart(source), state[0])
-            @ np.array([float(u) for u in velocities])
-        )
-        frame = problem.atlas.chart(target).frame
-        assert frame is not None
-        there = dict(zip(problem.atlas.chart(target).names, map(float, coordinates), strict=True))
-        velocities = list(coframe_at(frame, there, problem.parameters) @ rates)
-    return coordinates, velocities, riders
-
-
-def _same_frame(problem: Problem, source: str, target: str) -> bool:
-    return problem.atlas.chart(source).keeps_frame and problem.atlas.chart(target).keeps_frame
-
-
-def _legs_at(problem: Problem, chart: Chart, coordinates: Sequence[Any]) -> Any:
-    """E[mu, i] at a point."""
-    import numpy as np
-
-    values = dict(zip(chart.names, map(float, coordinates), strict=True))
-    values |= {key: float(value) for key, value in problem.parameters.items()}
-    entries = [(mu, i, value) for mu, row in enumerate(chart.legs) for i, value in row]
-    numbers = evaluated([((value, ()),) for _, _, value in entries], values)
-    matrix = np.zeros((len(chart.coordinates), problem.frame.dimension))
-    for (mu, i, _), number in zip(entries, numbers, strict=True):
-        matrix[mu, i] = number
-    return matrix
-
-
-def coframe_at(frame: Any, point: Mapping[str, float], parameters: Mapping[str, Any]) -> Any:
-    """e[i, mu] at a point."""
-    import numpy as np
-
-    values = dict(point) | {key: float(value) for key, value in parameters.items()}
-    entries = frame.coframe.components.nonzero
-    numbers = evaluated([((value, ()),) for value in entries.values()], values)
-    matrix = np.zeros((frame.dimension, frame.dimension))
-    for index, number in zip(entries, numbers, strict=True):
-        matrix[index] = number
-    return matrix
 
 
 def _divided(value: Any, speed: float) -> Any:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.motion.journey import coframe_at
+from geomtorsion.motion.crossing import coframe_at
 from geomtorsion.motion.reading import converted, in_chart
 from geomtorsion.motion.system import evaluated
 
@@ -76,8 +76,8 @@ def gaps(one: Solution, two: Solution, chart: str | None) -> Any:
 
     problem = one.problem
     name = chart or problem.atlas.home
-    first = in_chart(one, name)
-    second = two.at(one.times).coordinates
+    first = in_chart(one, name).astype(float)
+    second = two.at(one.times).coordinates.astype(float)
     if name != two.problem.atlas.home:
         moment = two.at(one.times)
         second, _ = converted(

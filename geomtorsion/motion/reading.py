@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import ChartEdgeError, TimeError
-from geomtorsion.motion.journey import Segment, moved_over
+from geomtorsion.motion.crossing import moved_over, same_frame
+from geomtorsion.motion.journey import Segment
 from geomtorsion.motion.passengers import weights
 from geomtorsion.motion.system import evaluated
 
@@ -95,13 +96,13 @@ def _moment(solution: Solution, times: Any, pieces: list[tuple[Segment, Any]]) -
 
     from geomtorsion.motion.solution import Moment
 
-    problem = solution.problem
-    parts = [_home(problem, segment, states) for segment, states in pieces]
+    problem, bits = solution.problem, solution.journey.engine.precision
+    parts = [_home(problem, segment, states, bits) for segment, states in pieces]
     q, v, u, w = (np.concatenate(values) for values in zip(*parts, strict=True))
     return Moment(times, q, v, u, w)
 
 
-def _home(problem: Problem, segment: Segment, states: Any) -> tuple[Any, Any, Any, Any]:
+def _home(problem: Problem, segment: Segment, states: Any, bits: int) -> tuple[Any, Any, Any, Any]:
     """(q, q', u, passengers) of one segment in the home chart and frame."""
     import numpy as np
 
@@ -109,16 +110,17 @@ def _home(problem: Problem, segment: Segment, states: Any) -> tuple[Any, Any, An
     width = equations.width
     speed = problem.speed
     if equations.moves:
-        u = states[:, width : width + n] * speed
-        riders = states[:, width + n :]
+        u = multiplied(states[:, width : width + n], speed)
+        riders = states[:, width + n :].copy()
     else:
         table = dict(zip(equations.system.parameters, segment.parameters, strict=True))
         constant = [table[name] for name in equations.velocities]
         values = np.array([float(x) for x in constant])
         u = np.tile(values * speed, (len(states), 1))
-        riders = states[:, width:]
-    scales = np.array([speed if weight else 1.0 for weight in weights(problem)])
-    riders = riders * scales if riders.shape[1] else riders
+        riders = states[:, width:].copy()
+    for k, weight in enumerate(weights(problem)):
+        if weight:
+            riders[:, k] = multiplied(riders[:, k], speed)
     if not width:
         empty = np.empty((len(states), 0))
         return empty, empty, u, riders
@@ -126,17 +128,26 @@ def _home(problem: Problem, segment: Segment, states: Any) -> tuple[Any, Any, An
     if segment.chart == home:
         q = states[:, :width]
     else:
-        q, u = converted(problem, segment.chart, home, states[:, :width], u)
+        q, u = converted(problem, segment.chart, home, states[:, :width], u, bits)
     return q, velocities(problem, q, u), u, riders
 
 
-def converted(problem: Problem, source: str, target: str, q: Any, u: Any) -> tuple[Any, Any]:
-    """Coordinates and frame velocities of many points in another chart."""
+def converted(
+    problem: Problem, source: str, target: str, q: Any, u: Any, bits: int = 53
+) -> tuple[Any, Any]:
+    """Coordinates and frame velocities of many points in another chart.
+
+    Above 53 bits the coordinates are mpmath numbers where the charts share the frame.
+    """
     import numpy as np
 
+    if bits > 53 and same_frame(problem, source, target):
+        rows = q
+        for change in problem.route(source, target):
+            rows = [change.precisely(row, problem.parameters, bits) for row in rows]
+        return _turned(problem, source, target, np.array(rows, dtype=object)), u
     q, u = np.asarray(q, dtype=float), np.asarray(u, dtype=float)
-    atlas = problem.atlas
-    if not (atlas.chart(source).keeps_frame and atlas.chart(target).keeps_frame):
+    if not same_frame(problem, source, target):
         rows = [
             moved_over(problem, source, target, (list(a), list(b), []), 53)
             for a, b in zip(q, u, strict=True)
@@ -160,6 +171,7 @@ def converted(problem: Problem, source: str, target: str, q: Any, u: Any) -> tup
 
 def _turned(problem: Problem, source: str, target: str, q: Any) -> Any:
     """Angles of the home chart shifted to within half a turn of the start."""
+    import mpmath
     import numpy as np
 
     route = problem.route(source, target)
@@ -168,8 +180,24 @@ def _turned(problem: Problem, source: str, target: str, q: Any) -> Any:
     q = q.copy()
     for k in route[-1].angles:
         centre = float(problem.start[k])
-        q[:, k] = centre + np.remainder(q[:, k] - centre + np.pi, 2 * np.pi) - np.pi
+        turns = np.round((q[:, k].astype(float) - centre) / (2 * np.pi))
+        if q.dtype != object:
+            q[:, k] -= 2 * np.pi * turns
+            continue
+        with mpmath.workprec(1000):
+            q[:, k] = [
+                x - 2 * mpmath.pi * int(turn) for x, turn in zip(q[:, k], turns, strict=True)
+            ]
     return q
+
+
+def multiplied(values: Any, factor: float) -> Any:
+    """Values of any precision times a power of two, at their own precision."""
+    import numpy as np
+
+    if factor == 1.0 or values.dtype.type in (np.float64, np.longdouble):
+        return values * factor
+    return values * np.full(values.shape, values.dtype.type(factor), dtype=values.dtype)
 
 
 def velocities(problem: Problem, q: Any, u: Any) -> Any:
@@ -208,5 +236,10 @@ def _own(problem: Problem, segment: Segment) -> tuple[Any, Any, Any, Any]:
     width, n = segment.equations.width, problem.frame.dimension
     states = segment.states
     if segment.equations.moves:
-        return states[:, :width], None, states[:, width : width + n] * problem.speed, None
+        return (
+            states[:, :width],
+            None,
+            multiplied(states[:, width : width + n], problem.speed),
+            None,
+        )
     return states[:, :width], None, np.zeros((len(states), n)), None

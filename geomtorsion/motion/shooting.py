@@ -54,8 +54,8 @@ def connecting(
 ) -> Connecting:
     """The motion from one point to another in unit time: the inverse of the exponential map.
 
-    Newton shooting with the exact derivative of the end point (geodesic deviation). Without a
-    guess it is sent off in several directions; near the cut locus, where more than one of the
+    Newton shooting, the derivative of the end by central differences. Without a guess it is sent
+    off in several directions; near the cut locus, where more than one of the
     shortest comes back with the same length, there is no unique answer, and it says so.
 
     Parameters
@@ -124,7 +124,7 @@ def _directions(problem: Problem, target: Any) -> list[Any]:
     """Initial velocities to try: straight there in coordinates, and that turned and lengthened."""
     import numpy as np
 
-    from geomtorsion.motion.journey import coframe_at
+    from geomtorsion.motion.crossing import coframe_at
 
     assert problem.start is not None
     here = np.array([float(x) for x in problem.start])
@@ -213,7 +213,7 @@ def _slopes(problem: Problem, vector: Any, accuracy: float, engine: Engine | Non
 
     n = len(vector)
     size = max(float(np.linalg.norm(vector)), 1e-3)
-    h = 1e-4 * size
+    h = 1e-3 * size
     columns = []
     for i in range(n):
         ends = []
@@ -221,7 +221,7 @@ def _slopes(problem: Problem, vector: Any, accuracy: float, engine: Engine | Non
             shifted = vector.copy()
             shifted[i] += sign * h
             try:
-                found = solve(problem.moved(frame_velocity=shifted), [1.0], 1e-10, engine)
+                found = solve(problem.moved(frame_velocity=shifted), [1.0], 1e-8, engine)
                 ends.append(found.coordinates[-1])
             except GeomtorsionError:
                 return None

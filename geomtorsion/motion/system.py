@@ -140,9 +140,12 @@ def derivative(products: Products, name: str) -> Products:
 
 def evaluated(products: Sequence[Products], values: Values) -> list[Any]:
     """Numbers (or arrays) of product sums; values: name -> number or array."""
+    import numpy as np
+
     names = tuple(values)
     source, functions = python_source(names, products)
-    return list(python_function(source, array_names(functions))(*values.values()))
+    with np.errstate(all="ignore"):
+        return list(python_function(source, array_names(functions))(*values.values()))
 
 
 def exact(value: Any) -> Fraction | None:
@@ -161,6 +164,8 @@ def mpf(value: Any, precision: int) -> Any:
     import mpmath
 
     with mpmath.workprec(precision):
+        if type(value).__name__ in ("longdouble", "real128", "real"):
+            return mpmath.mpf(str(value))
         known = exact(value)
         if known is not None:
             return mpmath.mpf(known.numerator) / known.denominator

@@ -7,7 +7,7 @@ from geomtorsion.errors import ChartEdgeError, UnknownNameError
 from geomtorsion.geometry import cartan
 from geomtorsion.motion import autoparallel, geodesic, solve
 from geomtorsion.motion.charts import atlas_of
-from geomtorsion.motion.journey import _legs_at, coframe_at
+from geomtorsion.motion.crossing import coframe_at, legs_at
 from geomtorsion.spaces import load
 from geomtorsion.spaces.atlases import ATLASES
 from tests.motion.engines import every_engine
@@ -60,10 +60,11 @@ def test_changes_keep_the_frame(name, other):
         back = change(back, numbers)
     assert back == pytest.approx(q, abs=1e-13)
     chart = atlas.chart(other)
-    pushed = slopes @ _legs_at(problem, home, list(q))
+    pushed = slopes @ legs_at(problem, home, list(q))
     if chart.keeps_frame:
-        assert pushed == pytest.approx(_legs_at(problem, chart, list(there)), abs=1e-14)
+        assert pushed == pytest.approx(legs_at(problem, chart, list(there)), abs=1e-14)
     else:
+        assert chart.frame is not None
         point = dict(zip(chart.names, map(float, there), strict=True))
         turn = coframe_at(chart.frame, point, numbers) @ pushed
         eta = np.array(frame.eta.to_sympy().tolist(), dtype=float)

@@ -193,7 +193,7 @@ def test_why_is_said():
 def test_columns():
     """Coordinates and velocities by name."""
     sol = solve(problems()["so3"], 1.0)
-    assert sol.column("phi2")[0] == 1.0
+    assert sol.column("phi2")[0] == pytest.approx(1.0)
     assert sol.column("u1")[0] == pytest.approx(sol.frame_velocity[0, 0])
     with pytest.raises(UnknownNameError, match="phi9"):
         sol.column("phi9")
@@ -206,3 +206,39 @@ def test_kept_integrators_are_compiled_once():
     solve(problem, 5.0, 1e-9, Taylor())
     again = solve(problem.moved(frame_velocity=[1, 0.2, 0.1]), 5.0, 1e-9, Taylor())
     assert again.cost.compile_seconds == 0
+
+
+@needs_heyoka
+def test_all_digits_reach_the_user():
+    """Coordinates, velocities and dense output keep 30 digits, also through the quaternion."""
+    import mpmath
+
+    problem = geodesic(load("so3").frame, [0.3, 1.0, 0.2], frame_velocity=[0, 0.75, 0.5])
+    sol = solve(problem, [1.0, 2.0], 1e-28)
+    again = solve(problem, 2.0, 1e-26, Taylor(160))
+    with mpmath.workprec(200):
+        one, two = sol.coordinates[-1], again.at(2.0).coordinates
+        assert all(abs(x - y) < mpmath.mpf(10) ** -26 for x, y in zip(one, two, strict=True))
+    top = problems()["top"]
+    fine, finer = solve(top, 2.0, 1e-25), solve(top, 2.0, 1e-30, Taylor(140))
+    with mpmath.workprec(200):
+        for t in (0.3, 2.0):
+            one, two = fine.at(t).frame_velocity, finer.at(t).frame_velocity
+            for x, y in zip(one, two, strict=True):
+                assert abs(mpmath.mpf(str(x)) - mpmath.mpf(str(y))) < mpmath.mpf(10) ** -24
+
+
+@needs_heyoka
+def test_changes_of_charts_keep_all_digits():
+    """s2 over the pole and back home with 25 digits."""
+    import mpmath
+
+    problem = geodesic(load("s2").frame, [1.0, 0.5], [-1.0, 0.25], parameters={"R": 1})
+    sol = solve(problem, 3.0, 1e-25, Taylor(113))
+    other = solve(problem.with_charts("s2_x", "s2"), 3.0, 1e-25, Taylor(160))
+    assert set(sol.charts) == set(other.charts) == {"s2", "s2_x"}
+    one, two = sol.journey.segments[-1], other.journey.segments[-1]
+    assert one.chart == two.chart
+    with mpmath.workprec(200):
+        for x, y in zip(one.states[-1], two.states[-1], strict=True):
+            assert abs(mpmath.mpf(str(x)) - mpmath.mpf(str(y))) < mpmath.mpf(10) ** -24

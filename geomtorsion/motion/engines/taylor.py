@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import time
 from collections import OrderedDict
 from collections.abc import Sequence
@@ -18,9 +19,9 @@ from geomtorsion.motion.system import System, mpf
 
 # Compiled integrators that are kept; each is some hundred kilobytes.
 KEPT = 128
-# Larger equations (characters of code times order) are compiled without optimisation first: a few
-# tenths of a second instead of several, at half the speed.
-LARGE = 6000
+# Larger equations (characters of code, a call of a function counted as CALL, times order) are
+# compiled without optimisation first: tenths of a second instead of several, at half the speed.
+LARGE, CALL = 6000, 60
 # Seconds of running after which optimising pays.
 PROVEN = 1.0
 # Code longer than this is not unrolled at all.
@@ -138,7 +139,8 @@ class Taylor:
             optimised = self.optimised
             if optimised is None:
                 order = 1 - math.log(tolerance) / 2
-                optimised = bool(batch) or len(system.code[0]) * order < LARGE
+                size = len(system.code[0]) + CALL * len(re.findall(r"[a-z](?=\()", system.code[0]))
+                optimised = bool(batch) or size * order < LARGE
         else:
             optimised = True
         made = _Compiled(self._compiled(system, tolerance, batch, optimised), optimised)
@@ -169,8 +171,8 @@ class Taylor:
         ]
         options: dict[str, Any] = {
             "tol": self.number(tolerance),
-            "compact_mode": len(system.code[0]) > LONGEST_UNROLLED,
-            "opt_level": 3 if optimised else 0,
+            "compact_mode": self.precision > 64 or len(system.code[0]) > LONGEST_UNROLLED,
+            "opt_level": 3 if optimised and self.precision <= 64 else 0,
         }
         if batch:
             return hy.taylor_adaptive_batch(
