@@ -92,14 +92,16 @@ def _segment_drifts(segment: Any) -> dict[str, Any]:
         first, n = equations.width, len(equations.velocities)
         scales |= dict.fromkeys(equations.velocities, np.abs(states[:, first : first + n]).max())
     found = {}
-    for name, products in equations.invariants.items():
-        total = np.broadcast_to(evaluated([products], values)[0], len(states))
-        size = sum(
-            np.abs(evaluated([((element, ()),)], values)[0])
-            * np.prod([np.abs(scales[factor]).max() for factor in factors])
-            for element, factors in products
-        )
-        change = np.abs(total - total[0])
-        largest = float(np.max(size))
-        found[name] = (change / largest if largest else change)[1:]
+    # On the edge of a chart an invariant may have no value: a gap in the line.
+    with np.errstate(all="ignore"):
+        for name, products in equations.invariants.items():
+            total = np.broadcast_to(evaluated([products], values)[0], len(states))
+            size = sum(
+                np.abs(evaluated([((element, ()),)], values)[0])
+                * np.prod([np.abs(scales[factor]).max() for factor in factors])
+                for element, factors in products
+            )
+            change = np.abs(total - total[0])
+            largest = float(np.max(size))
+            found[name] = (change / largest if largest else change)[1:]
     return found
