@@ -1,5 +1,7 @@
 """Give it any tetrad; get its geometry, its motions and its defects: exactly and fast."""
 
+from typing import Any
+
 from geomtorsion import errors, spaces
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.exact import numpy_function, parse_expression
@@ -21,25 +23,110 @@ from geomtorsion.geometry import (
     levi_civita,
 )
 
+# Imported when first asked for, so that geometry alone starts as fast as sympy does.
+_LATER = {
+    "motion": (
+        "Atlas", "Bundle", "Change", "Chart", "Connecting", "Engine", "Problem", "RungeKutta",
+        "Solution", "Stiff", "Taylor", "autoparallel", "connecting", "distance_apart",
+        "exponential_map", "geodesic", "geodesic_deviation", "holonomy", "parallel_transport",
+        "solve", "solve_many",
+    ),
+    "loops": (
+        "BurgersMap", "BurgersVector", "Defect", "Development", "DislocationNetwork", "EdgeList",
+        "Enclosed", "ExactBurgersVector", "Loop", "Motion", "Network", "NodeRule", "Reaction",
+        "SampledFrame", "burgers_map", "burgers_vector", "burgers_vectors", "develop",
+        "develop_path", "develop_round", "dispiration", "enclosed_defects",
+        "exact_burgers_vector", "find_defects", "parallel_dislocations", "parallel_edges",
+        "parallel_screws",
+    ),
+    "accuracy": ("CostRow", "CostTable", "accuracy_cost"),
+}  # fmt: skip
+_HOME = {name: package for package, names in _LATER.items() for name in names}
+
 __all__ = [
+    "Atlas",
+    "Bundle",
+    "BurgersMap",
+    "BurgersVector",
+    "Change",
+    "Chart",
+    "Connecting",
     "Connection",
+    "CostRow",
+    "CostTable",
     "Curvature",
+    "Defect",
+    "Development",
+    "DislocationNetwork",
+    "EdgeList",
+    "Enclosed",
+    "Engine",
+    "ExactBurgersVector",
     "Frame",
     "GeomtorsionError",
     "Identity",
+    "Loop",
+    "Motion",
+    "Network",
+    "NodeRule",
     "Plan",
+    "Problem",
+    "Reaction",
+    "RungeKutta",
+    "SampledFrame",
+    "Solution",
+    "Stiff",
+    "Taylor",
     "Tensor",
     "Torsion",
+    "accuracy_cost",
+    "autoparallel",
     "blend",
+    "burgers_map",
+    "burgers_vector",
+    "burgers_vectors",
     "cartan",
+    "connecting",
     "contract",
+    "develop",
+    "develop_path",
+    "develop_round",
+    "dispiration",
+    "distance_apart",
+    "enclosed_defects",
     "errors",
+    "exact_burgers_vector",
+    "exponential_map",
+    "find_defects",
     "from_coefficients",
     "from_contortion",
     "from_spin_connection",
+    "geodesic",
+    "geodesic_deviation",
+    "holonomy",
     "identities",
     "levi_civita",
     "numpy_function",
+    "parallel_dislocations",
+    "parallel_edges",
+    "parallel_screws",
+    "parallel_transport",
     "parse_expression",
+    "solve",
+    "solve_many",
     "spaces",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """A name of motion, loops or accuracy, imported on first use."""
+    if name not in _HOME:
+        raise AttributeError(f"module 'geomtorsion' has no attribute {name!r}")
+    from importlib import import_module
+
+    return getattr(import_module(f"geomtorsion.{_HOME[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return list(__all__)
