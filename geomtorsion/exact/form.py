@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from flint import fmpq
 
+from geomtorsion.exact.fourier import HIGHEST_DEGREE, high_pairs, multiple_angles
 from geomtorsion.exact.inversion import monic
 from geomtorsion.exact.norms import roots_restored
 
@@ -20,6 +21,8 @@ Monomial = tuple[tuple["Generator", int], ...]
 # Longer polynomials are not rewritten with sin**2: it would cost more than it shortens.
 _LONGEST_REWRITTEN = 120
 _LONGEST_FACTORED = 2000
+# A product of factors that is a sum of so few multiple angles is written as that sum.
+_FEW_WAVES = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +52,7 @@ class Radicals:
         self.sums: dict[str, tuple[Sum, int]] = {}
         self.table: list[tuple[str, Any, tuple[str, ...]]] = []
         self.partners: list[tuple[int, int, int]] = []
+        self.circular: list[tuple[int, int]] = []
         for position, generator in enumerate(field.generators):
             tail = generator.tail
             if generator.degree != 2 or tail is None or generator.kind == "imaginary":
@@ -63,7 +67,10 @@ class Radicals:
             if generator.kind in ("sin", "sinh"):
                 partner = field.by_name[generator.argument[1]]
                 sign = -1 if generator.kind == "sin" else 1
-                self.partners.append((field.generators.index(partner), position, sign))
+                place = field.generators.index(partner)
+                self.partners.append((place, position, sign))
+                if generator.kind == "sin":
+                    self.circular.append((place, position))
 
 
 def form(element: Element) -> Form:
@@ -98,6 +105,8 @@ def _made(element: Element) -> Form:
         return _monomial(field, num)
     # A long polynomial is written as it is: its factors would cost more than they explain.
     content, factors = num.factor() if len(num) <= _LONGEST_FACTORED else (fmpq(1), [(num, 1)])
+    if len(factors) > 1 and _is_short_wave(field, table, num):
+        content, factors = fmpq(1), [(num, 1)]
     for factor, exponent in factors:
         positive, sign = monic(factor)
         content = content * sign if exponent % 2 else content
@@ -127,6 +136,16 @@ def _made(element: Element) -> Form:
     if content < 0:
         content = content * _sign_absorbed(powers)
     return Form(fmpq(content), tuple(powers))
+
+
+def _is_short_wave(field: Field, table: Radicals, num: Any) -> bool:
+    """Whether a polynomial of high degree in cos and sin is a sum of very few waves."""
+    degrees = num.degrees()
+    if not any(degrees[cos] > HIGHEST_DEGREE for cos, _ in table.circular):
+        return False
+    terms = {tuple(map(int, m)): fmpq(c) for m, c in num.to_dict().items()}
+    high = high_pairs(terms, table.circular)
+    return bool(high) and len(multiple_angles(field, terms, high)) <= _FEW_WAVES
 
 
 def _sign_absorbed(powers: list[tuple[Generator | Sum, int]]) -> int:
@@ -159,6 +178,9 @@ def _base(field: Field, table: Radicals, key: str, poly: Any) -> tuple[Generator
 def _sum(field: Field, table: Radicals, poly: Any) -> tuple[Sum, int]:
     """A polynomial as sum of terms, with sin**2 for 1 - cos**2 where that is shorter."""
     terms = {tuple(map(int, m)): fmpq(c) for m, c in poly.to_dict().items()}
+    high = high_pairs(terms, table.circular)
+    if high:
+        return Sum(tuple(multiple_angles(field, terms, high))), 1
     for cos, sin, sign in table.partners:
         if len(terms) <= _LONGEST_REWRITTEN and any(m[cos] > 1 for m in terms):
             others = (_paired(terms, cos, sin, sign), _rewritten(terms, cos, sin, sign))
