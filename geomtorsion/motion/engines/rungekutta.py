@@ -13,6 +13,8 @@ from geomtorsion.motion.system import System, floats
 
 # scipy accepts no smaller relative tolerance.
 FLOOR = 2.3e-14
+# Evaluations between looks at whether time still moves.
+STALL = 20_000
 
 
 @dataclass(frozen=True)
@@ -106,13 +108,19 @@ def _scipy_run(
 
     began = time.perf_counter()
     y0, values = np.array(floats(start)), floats(parameters)
-    rates = _counted(system.scalar_rates(values), most)
+    plain = system.scalar_rates(values)
     options: dict[str, Any] = {}
     if method != "DOP853":
         options["jac"] = system.scalar_jacobian(values)
     if system.edge is not None:
         options["events"] = _edge_event(system, values)
     times = np.asarray(times, dtype=float)
+    duration = abs(times[-1] - times[0])
+
+    def fresh() -> Any:
+        return _counted(plain, most, duration)
+
+    rates = fresh()
     asked, tolerance = tolerance, max(tolerance, FLOOR)
     scales = error_scales(system, y0, rates(times[0], y0), times[-1] - times[0])
     ready = time.perf_counter()
@@ -126,8 +134,9 @@ def _scipy_run(
         # Dense output is of order 7: shorter steps help it where the tolerance no longer can.
         with np.errstate(all="ignore"):
             ends = (times[0], times[-1])
-            count = len(solve_ivp(rates, ends, y0, method, rtol=FLOOR, atol=FLOOR * scales).t)
-        options["max_step"] = abs(times[-1] - times[0]) / count * (asked / FLOOR) ** 0.125
+            trial = solve_ivp(fresh(), ends, y0, method, rtol=FLOOR, atol=FLOOR * scales)
+        if trial.status == 0:
+            options["max_step"] = duration / len(trial.t) * (asked / FLOOR) ** 0.125
     with np.errstate(all="ignore"):
         found = solve_ivp(
             rates,
@@ -152,7 +161,7 @@ def _scipy_run(
         options.pop("events", None)
         with np.errstate(all="ignore"):
             again = solve_ivp(
-                rates, (times[0], times[-1]), y0, method,
+                fresh(), (times[0], times[-1]), y0, method,
                 rtol=tolerance, atol=tolerance * scales, **options,
             )  # fmt: skip
         good = np.flatnonzero(np.isfinite(again.y).all(axis=0))[-1]
@@ -187,19 +196,25 @@ def error_scales(system: System, y0: Any, rates: Any, duration: float) -> Any:
     return scales
 
 
-def _counted(function: Any, most: int) -> Any:
-    """The rates, refusing to be called without end."""
-    calls = 0
+def _counted(function: Any, most: int, duration: float) -> Any:
+    """The rates, refusing to be called without end; no numbers any more where time stands still.
+
+    scipy then gives up with what it has, as it does where the rates themselves end.
+    """
+    calls, mark, stalled = 0, float("-inf"), False
 
     def rates(t: float, y: Any) -> Any:
-        nonlocal calls
+        nonlocal calls, mark, stalled
         calls += 1
-        if calls > most:
-            raise LimitError(
-                f"more than {most} evaluations of the rates were needed by t = {t:.6g}. "
-                "Ask for less accuracy or time, use engine=Stiff(), or raise max_evaluations."
-            )
-        return function(t, y)
+        if calls % STALL == 0:
+            stalled = stalled or abs(t - mark) < 1e-6 * duration
+            mark = t
+            if calls > most:
+                raise LimitError(
+                    f"more than {most} evaluations of the rates were needed by t = {t:.6g}. "
+                    "Ask for less accuracy or time, use engine=Stiff(), or raise max_evaluations."
+                )
+        return y * float("nan") if stalled else function(t, y)
 
     return rates
 
