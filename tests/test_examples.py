@@ -1,5 +1,6 @@
 """Examples: each runs from the command line, ends well and says its known answer."""
 
+import os
 import re
 import runpy
 import subprocess
@@ -19,7 +20,7 @@ def test_examples_are_found_and_numbered():
 
 
 def run(path: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    """One example in a fresh process."""
+    """One example in a fresh process that finds the package where the tests found it."""
     return subprocess.run(
         [sys.executable, "-W", "error", str(path), *arguments],
         capture_output=True,
@@ -27,6 +28,7 @@ def run(path: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
         timeout=60,
         check=False,
         cwd=path.parent.parent,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
     )
 
 
