@@ -64,7 +64,19 @@ class Angles:
     def _constant(self, turn: fmpq) -> Pair:
         """cos and sin of a rational multiple of pi."""
         angle = sympy.pi * sympy.Rational(int(turn.p), int(turn.q))
+        if sympy.cos(angle).has(sympy.cos, sympy.sin) and int(turn.q) % 2 == 0:
+            return self._halved(self._constant(turn * 2), angle)
         return self._constant_value(sympy.cos(angle)), self._constant_value(sympy.sin(angle))
+
+    def _halved(self, whole: Pair, angle: sympy.Expr) -> Pair:
+        """cos and sin of half a constant angle, by roots with the signs of their values."""
+        half = fmpq(1, 2)
+        cos, sin = ((whole[0] + 1) * half).sqrt(), ((1 - whole[0]) * half).sqrt()
+        number = angle.evalf(30)
+        return (
+            cos if sympy.cos(number) > 0 else -cos,
+            sin if sympy.sin(number) > 0 else -sin,
+        )
 
     def _constant_value(self, value: sympy.Expr) -> Element:
         """An algebraic constant, in radicals where sympy knows them."""

@@ -56,7 +56,7 @@ def numpy_function(
     """
     import numpy
 
-    program = _Program(symbols)
+    program = Program(symbols, bool(elements) and elements[0].field.is_complex)
     results = [program.element(element) for element in elements]
     arguments = ", ".join(f"a{k}" for k in range(len(symbols)))
     source = "\n    ".join(
@@ -67,6 +67,10 @@ def numpy_function(
         ]
     )
     names: dict[str, Any] = {name: getattr(numpy, name) for name in program.functions}
+    if program.special:
+        from scipy import special
+
+        names.update({name: getattr(special, name) for name in program.special})
     # The source is made of our own names and numbers; no text of a user gets into it.
     exec(compile(source, "<geomtorsion>", "exec"), names)  # noqa: S102
     inner = names["values"]
@@ -92,14 +96,22 @@ def numpy_function(
     return function
 
 
-class _Program:
+_SCIPY_NAMES = {
+    "erf": "erf", "erfc": "erfc", "erfi": "erfi", "gamma": "gamma", "loggamma": "gammaln",
+    "besselj": "jv", "bessely": "yv", "besseli": "iv", "besselk": "kv", "Ei": "expi",
+}  # fmt: skip
+
+
+class Program:
     """Statements in order, each value computed once."""
 
-    def __init__(self, symbols: Sequence[Any]) -> None:
+    def __init__(self, symbols: Sequence[Any], complex_field: bool = False) -> None:
         self._arguments = {str(symbol): f"a{k}" for k, symbol in enumerate(symbols)}
         self.lines: list[str] = []
         self.functions: set[str] = set()
+        self.special: set[str] = set()
         self.complex = False
+        self._field_is_complex = complex_field
         self._names: dict[Any, str] = {}
 
     def _stored(self, key: Any, code: str) -> str:
@@ -153,6 +165,8 @@ class _Program:
         if shown in self._arguments:
             return self._arguments[shown]
         kind, argument = generator.kind, generator.argument
+        if kind in ("root", "log", "primitive") and self._field_is_complex:
+            self.complex = True
         if kind == "imaginary":
             self.complex = True
             return "1j"
@@ -168,6 +182,16 @@ class _Program:
             return self._primitive(type(generator.shown).__name__, argument)
         if not generator.depends:
             return repr(float(generator.shown))
+        if kind == "opaque" and type(generator.shown).__name__ in _SCIPY_NAMES:
+            read = generator.argument
+            self.special.add(_SCIPY_NAMES[type(generator.shown).__name__])
+            name = _SCIPY_NAMES[type(generator.shown).__name__]
+            return f"{name}({', '.join(self.element(part) for part in read)})"
+        if kind == "opaque":
+            raise MissingValueError(
+                f"{generator.shown} has no NumPy form here; evaluate it point by point with "
+                ".evaluate(point)"
+            )
         raise MissingValueError(
             f"{generator.shown} is not among the arguments "
             f"({', '.join(self._arguments) or 'none'}); add it to the symbols"

@@ -6,7 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import MissingValueError
-from geomtorsion.exact.compile import _Program
+from geomtorsion.exact.compile import Program
 from geomtorsion.exact.form import Sum, form
 from geomtorsion.exact.generators import Generator
 
@@ -34,7 +34,7 @@ def python_source(arguments: Sequence[str], outputs: Sequence[Products]) -> tupl
     def values(a0, a1):
         return (2.0*a0*a1*a1,)
     """
-    program = _Program(arguments)
+    program = Program(arguments)
     place = {name: f"a{k}" for k, name in enumerate(arguments)}
     kept: dict[Element, str] = {}
     results = []

@@ -29,6 +29,11 @@ def evaluate(element: Element, point: Mapping[Any, Any], precision: int = 53) ->
         precision,
         _LARGEST_BITS,
     )
+    if not element.field.is_complex and mpmath.im(value):
+        raise SingularPointError(
+            f"{element} is not real here: a root or logarithm of a negative number occurs; move "
+            "the point into the domain, or declare the frame complex"
+        )
     if precision > 53:
         with mpmath.workprec(precision):
             return +value

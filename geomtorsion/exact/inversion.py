@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.exact.limits import check_size
+from geomtorsion.exact.limits import check_product
 
 if TYPE_CHECKING:
     from geomtorsion.exact.element import Element
@@ -26,9 +26,8 @@ def inverse(field: Field, element: Element) -> Element:
         if generator.degree and degrees[position] > 0:
             if generator.degree > 2:
                 num, conjugate = _conjugate(field, num, position)
+                check_product(multiplier, conjugate)
                 multiplier = field.reduced(multiplier * conjugate)
-                check_size(num)
-                check_size(multiplier)
                 degrees = num.degrees()
                 continue
             tail = field.lift(generator.tail)  # type: ignore[arg-type]
@@ -38,10 +37,10 @@ def inverse(field: Field, element: Element) -> Element:
                 num = field.reduced(above * tail)
                 multiplier = field.reduced(multiplier * w)
             else:
+                check_product(num, num)
+                check_product(multiplier, num)
                 num = field.reduced(below * below - above * above * tail)
                 multiplier = field.reduced(multiplier * (below - above * w))
-            check_size(num)
-            check_size(multiplier)
             degrees = num.degrees()
     content, factors = num.factor()
     signed = []
@@ -111,8 +110,7 @@ def _expanded(
     total = field.ctx.constant(0)
     for place, entry in enumerate(row):
         if entry:
+            check_product(entry, minors[chosen[:place] + chosen[place + 1 :]])
             product = entry * minors[chosen[:place] + chosen[place + 1 :]]
             total = total - product if place % 2 else total + product
-    total = field.reduced(total)
-    check_size(total)
-    return total
+    return field.reduced(total)

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 # cos(n x) is a polynomial of degree n in cos(x).
 LARGEST_MULTIPLE = 1000
 LARGEST_POWER_TERMS = 1_000_000
+LARGEST_PRODUCT = 30_000_000
 
 
 def check_multiple(n: int, kind: str, atom: Element, unit: Any) -> None:
@@ -56,16 +57,16 @@ def check_power(base: Element, exponent: int) -> None:
         )
 
 
-def check_size(poly: Any) -> None:
-    """Refuses to go on with a polynomial that would fill the memory.
+def check_product(a: Any, b: Any) -> None:
+    """Refuses a product of polynomials that would fill the memory.
 
     Raises
     ------
     LimitError
-        it has more than LARGEST_POWER_TERMS terms.
+        more than LARGEST_PRODUCT pairs of terms would be multiplied.
     """
-    if len(poly) > LARGEST_POWER_TERMS:
+    if len(a) * len(b) > LARGEST_PRODUCT:
         raise LimitError(
-            f"clearing the roots from a denominator gave more than {LARGEST_POWER_TERMS} terms; "
-            "name one of the roots by a parameter"
+            f"clearing the roots from a denominator needs a product of {len(a)} by {len(b)} "
+            "terms; name one of the roots by a parameter"
         )

@@ -24,4 +24,6 @@ def opaque(field: Field, shown: sympy.Expr, arguments: Sequence[Element]) -> Ele
     for argument in arguments:
         depends |= argument.symbols
     name = field.next_name("opaque")
-    return field.add(Generator("opaque", name, shown, depends, sure=False))
+    return field.add(
+        Generator("opaque", name, shown, depends, argument=tuple(arguments), sure=False)
+    )

@@ -10,7 +10,7 @@ from flint import fmpq, fmpz
 from geomtorsion.exact.generators import Branch
 from geomtorsion.exact.integers import prime_factors
 from geomtorsion.exact.odd_roots import odd_root
-from geomtorsion.exact.squares import square_root_inside
+from geomtorsion.exact.squares import square_root_inside, without_odd_roots
 
 if TYPE_CHECKING:
     import sympy
@@ -43,6 +43,11 @@ def _square_root(field: Field, element: Element, radical: sympy.Expr | None) -> 
         positive = inside if field.sample.is_positive(inside) else -inside
         _state(field, element, positive, radical)
         return positive
+    taken = without_odd_roots(field, element)
+    if taken is not None and taken[0] != 1:
+        half, rest = taken
+        value = half * _square_root(field, rest, None)
+        return value if _matches_principal(field, value, element) else -value
     outer, content, tail = _squares_taken_out(field, element)
     if content < 0 and field.is_complex:
         turned = _square_root(field, -element, None) * field.imaginary

@@ -129,27 +129,37 @@ def _odd_factors(field: Field, element: Element) -> frozenset[str]:
     return frozenset(odd)
 
 
+def without_odd_roots(field: Field, element: Element) -> tuple[Element, Element] | None:
+    """(half, rest) with element = half**2 * rest and no odd root in rest; None if it cannot be.
+
+    With v**m = f and m odd, v**e is v**(e + m)/f, and one of the two exponents is even.
+    """
+    half, rest = field.one, element
+    for generator in field.generators_of(element):
+        if generator.degree <= 2:
+            continue
+        num = field.lift(rest)
+        position = field.generators.index(generator)
+        powers = {int(m[position]) for m in num.to_dict()}
+        if len(powers) != 1 or generator.kind != "root" or generator.tail is None:
+            return None
+        power = powers.pop()
+        v = field.generator_element(generator)
+        rest = field.polynomial(num / field.ctx.gen(position) ** power) / field.denominator(rest)
+        if power % 2:
+            rest = rest / generator.tail
+            power += generator.degree
+        half = half * v ** (power // 2)
+    return half, rest
+
+
 def _rational_square_root(field: Field, element: Element) -> Element | None:
     """The square root over the transcendental generators: all exponents even."""
+    taken = without_odd_roots(field, element)
+    if taken is None:
+        return None
+    scale, element = taken
     num = field.lift(element)
-    scale = field.one
-    for position, generator in enumerate(field.generators):
-        # v**m = f with m odd: v**e = v**(e + m) / f, whose exponent is even.
-        if generator.degree > 2 and num.degrees()[position]:
-            powers = {int(m[position]) for m in num.to_dict()}
-            if len(powers) != 1 or generator.kind != "root":
-                return None
-            power = powers.pop()
-            v = field.ctx.gen(position)
-            num = num / v**power
-            assert generator.tail is not None
-            up = power + generator.degree if power % 2 else power
-            half = field.generator_element(generator) ** (up // 2)
-            if power % 2:
-                rest = field.polynomial(num) / generator.tail / field.denominator(element)
-                inner = _rational_square_root(field, rest)
-                return None if inner is None else inner * half * scale
-            scale = scale * half
     content, factors = num.factor()
     if any(exponent % 2 for _, exponent in factors) or any(e % 2 for _, e in element._den):
         return None

@@ -55,7 +55,9 @@ def opened(
     symbols = coordinate_symbols(coordinates, n, free)
     constants = parameter_symbols(parameters, symbols, free)
     # The same generic point decides every sign that a root leaves open.
-    sample = next(candidate_points(symbols, constants, relations, fineness=10**12), None)
+    # Without a domain the field looks for a point where its radicands are positive.
+    points = candidate_points(symbols, constants, relations, fineness=10**12)
+    sample = next(points, None) if relations else None
     if sample is None and relations:
         raise CoordinateError(
             f"no point satisfies the domain {', '.join(map(str, relations))}, as far as was tried. "
