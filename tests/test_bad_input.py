@@ -17,7 +17,9 @@ from geomtorsion.errors import (
     MissingValueError,
     ShapeError,
     SignatureError,
+    SingularPointError,
     StructureConstantError,
+    UndecidedError,
 )
 
 x, y, z = sp.symbols("x y z", real=True)
@@ -262,3 +264,33 @@ def test_nothing_half_computed_is_left():
     with pytest.raises(ExpressionError):
         gt.Frame([x, y], bad)
     assert gt.Frame([x, y], good).metric[1, 1] == (1 + x**2) ** 2
+
+
+@pytest.mark.parametrize("root", [sp.sqrt(-1 - x**2), sp.sqrt(sp.sin(y) - 2)], ids=str)
+def test_roots_of_negative_numbers_need_a_complex_frame(root):
+    """A leg that is imaginary everywhere would turn the signature round in silence."""
+    with pytest.raises(ExpressionError, match="complex|negative") as caught:
+        gt.Frame([x, y], [[1, 0], [0, root]])
+    assert "1, 1" in str(caught.value)
+    assert gt.Frame([x, y], [[1, 0], [0, root]], complex=True).dimension == 2
+
+
+def test_real_frames_give_no_complex_numbers():
+    """Outside the domain of a root the error says so; no complex number comes back."""
+    frame = gt.Frame([x, y], [[1, 0], [0, sp.sqrt(x - 1)]])
+    assert frame.coframe.at({x: 5, y: 0})[1, 1] == 2
+    with pytest.raises(SingularPointError, match="real|negative"):
+        frame.coframe.at({x: 0.3, y: 0})
+
+
+def test_contradictory_domain():
+    """A domain without a point is refused."""
+    with pytest.raises(CoordinateError, match="domain"):
+        gt.Frame([x, y], [[x, 0], [0, 1]], domain=[x > 1, x < 0])
+
+
+def test_determinant_that_cannot_be_decided():
+    """A determinant that vanishes by an identity of Bessel functions is not let through."""
+    hidden = sp.besselj(0, x) + sp.besselj(2, x) - 2 * sp.besselj(1, x) / x
+    with pytest.raises((UndecidedError, CoframeError), match="(?i)determinant|singular"):
+        gt.Frame([x, y], [[hidden, 0], [0, 1]])

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import mpmath
 from flint import fmpq, fmpz
 
+from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.generators import Branch
 from geomtorsion.exact.integers import prime_factors
 from geomtorsion.exact.odd_roots import odd_root
@@ -37,7 +38,11 @@ def root(field: Field, element: Element, order: int, radical: sympy.Expr | None 
 
 def _square_root(field: Field, element: Element, radical: sympy.Expr | None) -> Element:
     """The square root: inside the field where it exists there, else a new generator."""
-    field.sample.prefer_positive(element)
+    if not field.sample.prefer_positive(element) and not field.is_complex:
+        raise ExpressionError(
+            f"the square root of {element}, which is negative at every place that was tried; turn "
+            "its sign, give a domain where it is positive, or declare the frame complex"
+        )
     inside = square_root_inside(field, element)
     if inside is not None:
         positive = inside if field.sample.is_positive(inside) else -inside

@@ -16,10 +16,10 @@ from geomtorsion.geometry.intake import free_symbols
 def invariant_coframe(
     constants: Any, coordinates: Sequence[sp.Symbol] | str | None
 ) -> tuple[list[sp.Symbol], sp.Matrix]:
-    """Coordinates of the second kind and the coframe with de^k = (1/2) C_ij^k e^i ^ e^j.
+    """Coordinates of the second kind and the coframe with de^k = -(1/2) C_ij^k e^i ^ e^j.
 
     g = exp(x1 X_1) ... exp(xn X_n) has g^-1 dg = sum_m dx_m exp(-x_n ad_n) ... exp(-x_(m+1)
-    ad_(m+1)) X_m, with [X_i, X_j] = - C_ij^k X_k.
+    ad_(m+1)) X_m, with [X_i, X_j] = C_ij^k X_k.
     """
     table = checked_constants(constants)
     n = len(table)
@@ -28,7 +28,7 @@ def invariant_coframe(
     # Column m of the result passes through every later exponential, the nearest first.
     columns = [sp.eye(n)[:, m] for m in range(n)]
     for later in range(1, n):
-        adjoint = sp.Matrix(n, n, lambda k, j, i=later: -table[i][j][k])
+        adjoint = sp.Matrix(n, n, lambda k, j, i=later: table[i][j][k])
         flow = exponential(-adjoint, symbols[later])
         for m in range(later):
             columns[m] = flow * columns[m]

@@ -95,17 +95,17 @@ def from_structure_constants(
     signature: Any = None,
     name: str | None = None,
 ) -> Frame:
-    """Left-invariant frame of the Lie group with a given object of anholonomy.
+    """Left-invariant frame of the Lie group with given structure constants.
 
     Equation
     --------
-    de^k = (1/2) C_ij^k e^i ^ e^j,  [E_i, E_j] = - C_ij^k E_k     (conventions.py)
+    [E_i, E_j] = C_ij^k E_k,  de^k = -(1/2) C_ij^k e^i ^ e^j     (Maurer and Cartan)
 
     Parameters
     ----------
     constants
-        C_ij^k, shape (n, n, n): the anholonomy that the frame shall have, which is minus the
-        structure constants of its legs. Entries are numbers or parameters.
+        C_ij^k, shape (n, n, n): the brackets of the legs. The object of anholonomy of the frame,
+        2 S of its Cartan connection, is minus these. Entries are numbers or parameters.
     coordinates
         Coordinates of the second kind; x1 ... xn if not given.
 
@@ -120,7 +120,7 @@ def from_structure_constants(
     >>> from geomtorsion.geometry import Frame
     >>> C = [[[0, 0], [0, 1]], [[0, -1], [0, 0]]]
     >>> Frame.from_structure_constants(C).anholonomy.nonzero()
-    {(0, 1, 1): 1, (1, 0, 1): -1}
+    {(0, 1, 1): -1, (1, 0, 1): 1}
     """
     symbols, coframe = invariant_coframe(constants, coordinates)
     return cls(symbols, coframe, signature=signature, name=name)

@@ -119,9 +119,8 @@ def space(name: str, title: str) -> Space:
     """The type of this name."""
     kind = TYPES[name]
     constants = structure_constants(kind.n, kind.a)
-    anholonomy = [[[-entry for entry in row] for row in rows] for rows in constants]
     frame = Frame.from_structure_constants(
-        anholonomy, coordinates=symbols("x1 x2 x3", real=True), name=name
+        constants, coordinates=symbols("x1 x2 x3", real=True), name=name
     )
     half = Rational(1, 2)
     torsion = {

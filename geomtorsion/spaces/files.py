@@ -53,7 +53,7 @@ def read_file(path: str | PathLike[str]) -> Space:
         List of inequalities: ``["r > 2*M", "0 < theta < pi"]``.
     coframe, frame, metric, structure_constants
         Exactly one: e[i][mu] with one-forms as rows; legs[mu][i] with legs as columns; g[mu][nu];
-        C[i][j][k] of de^k = (1/2) C_ij^k e^i ^ e^j, a table ``"0,1,2" = 1`` being completed
+        C[i][j][k] of [E_i, E_j] = C_ij^k E_k, a table ``"0,1,2" = 1`` being completed
         antisymmetrically.
     signature
         List of signs, or a constant symmetric matrix; plus signs if it is left out.

@@ -42,11 +42,11 @@ ALGEBRAS = {
 
 @pytest.mark.parametrize("name", ALGEBRAS)
 def test_anholonomy_is_what_was_given(name: str) -> None:
-    """C_ij^k comes back exactly, also with parameters and irrational or complex roots."""
+    """The anholonomy is -C_ij^k exactly, also with parameters and irrational or complex roots."""
     table = ALGEBRAS[name]
     frame = Frame.from_structure_constants(table)
     for i, j, k in product(range(len(table)), repeat=3):
-        assert frame.anholonomy[i, j, k] == table[i][j][k], (i, j, k)
+        assert frame.anholonomy[i, j, k] == -table[i][j][k], (i, j, k)
     assert cartan(frame).is_flat
 
 
@@ -62,7 +62,7 @@ def test_order_matters_where_later_exponentials_come_first() -> None:
     table = constants(4, _32_1=1, _31_0=1)
     frame = Frame.from_structure_constants(table)
     for i, j, k in product(range(4), repeat=3):
-        assert frame.anholonomy[i, j, k] == table[i][j][k]
+        assert frame.anholonomy[i, j, k] == -table[i][j][k]
 
 
 @pytest.mark.parametrize(

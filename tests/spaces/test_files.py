@@ -93,7 +93,7 @@ def test_structure_constants_are_completed():
 def test_structure_constants_as_nested_lists(read):
     """Nested lists are taken as they stand, both orders given."""
     text = "structure_constants = [[[0, 0], [0, 1]], [[0, -1], [0, 0]]]"
-    assert read(text).frame.anholonomy.nonzero() == {(0, 1, 1): 1, (1, 0, 1): -1}
+    assert read(text).frame.anholonomy.nonzero() == {(0, 1, 1): -1, (1, 0, 1): 1}
     with pytest.raises(StructureConstantError):
         read("structure_constants = [[[0, 0], [0, 1]], [[0, 1], [0, 0]]]")
 
