@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from geomtorsion.geometry import Frame
+    from geomtorsion.loops.defects import Enclosed
     from geomtorsion.loops.loop import Loop
 
 
@@ -113,6 +114,18 @@ class BurgersVector:
         """Whether the vector is zero within its error."""
         return self.relative_error >= 1 or not self.reduced.any()
 
+    @cached_property
+    def enclosed(self) -> tuple[Enclosed, ...]:
+        """Defects inside with place and turns, where line and flux disagree and they are found.
+
+        A loop round a defect has a Burgers vector although the torsion vanishes all along it.
+        """
+        from geomtorsion.loops.defects import enclosed_defects
+
+        if self.check.agrees is not False:
+            return ()
+        return enclosed_defects(self.frame, self.loop, self.parameters)
+
     @property
     def numbers(self) -> tuple[Any, ...]:
         """b^i as mpmath numbers, which do not underflow: for loops of size 1e-300."""
@@ -192,6 +205,7 @@ class BurgersVector:
             "check": {
                 "agrees": self.check.agrees,
                 "text": self.check.text,
+                "enclosed": [str(one) for one in self.enclosed],
                 "line": _plain(self.check.line),
                 "line_error": self.check.line_error,
                 "flux": None if flux is None else _plain(flux),
@@ -204,7 +218,8 @@ class BurgersVector:
 
     def __repr__(self) -> str:
         parts = ", ".join(f"{x:.12g}" for x in self.vector.tolist())
-        return f"BurgersVector([{parts}], error={self.error:.1e}, route={self.route!r})"
+        inside = "".join(f", enclosed defect: {one}" for one in self.enclosed)
+        return f"BurgersVector([{parts}], error={self.error:.1e}, route={self.route!r}{inside})"
 
 
 def _plain(vector: np.ndarray) -> list[Any]:

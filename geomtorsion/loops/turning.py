@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from geomtorsion.errors import SingularPointError
+from geomtorsion.errors import GeomtorsionError, SingularPointError
 from geomtorsion.loops.loop import Loop, Part, shown
 from geomtorsion.loops.sides import Side, Straight
 
@@ -19,18 +19,26 @@ HALVINGS = 48
 TOUCHES = 1e-13
 
 
-def turns_round(loop: Loop, place: Sequence[float], across: np.ndarray, name: str) -> int:
+def turns_round(
+    loop: Loop,
+    place: Sequence[float],
+    across: np.ndarray,
+    name: str,
+    refusal: type[GeomtorsionError] = SingularPointError,
+) -> int:
     """Winding number round the line through a place on which both covectors are constant.
 
     Parameters
     ----------
     across
         Two covectors, shape (2, n).
+    name, refusal
+        What the line is called, and the error for a loop that goes through it.
 
     Raises
     ------
     SingularPointError
-        The loop goes through the line; the message has its name and the point.
+        (or `refusal`) the loop goes through the line; the message has its name and the point.
 
     Examples
     --------
@@ -44,13 +52,18 @@ def turns_round(loop: Loop, place: Sequence[float], across: np.ndarray, name: st
     total = 0
     for part in loop.parts:
         offset = across @ ((np.array(part.centre) - np.array(place)) / part.size)
-        angle = sum(_turned(part, side, across, offset, name) for side in part.sides)
+        angle = 0.0
+        for side in part.sides:
+            turned, met = _turned(side, across, offset)
+            if met is not None:
+                raise refusal(_through(part, side, met, name))
+            angle += turned
         total += part.times * round(angle / (2 * np.pi))
     return total
 
 
-def _turned(part: Part, side: Side, across: np.ndarray, offset: np.ndarray, name: str) -> float:
-    """The angle by which one side turns round the line."""
+def _turned(side: Side, across: np.ndarray, offset: np.ndarray) -> tuple[float, float | None]:
+    """The angle by which one side turns round the line, and the s at which it meets it."""
     import numpy as np
 
     def plane(s: np.ndarray) -> np.ndarray:
@@ -71,27 +84,27 @@ def _turned(part: Part, side: Side, across: np.ndarray, offset: np.ndarray, name
         touching = near <= TOUCHES
         if touching.any() and (isinstance(side, Straight) or (high - low).max() < 2.0**-20):
             k = int(np.flatnonzero(touching)[0])
-            raise _through(part, side, float(low[k] + share[k] * (high[k] - low[k])), name)
+            return angle, float(low[k] + share[k] * (high[k] - low[k]))
         if isinstance(side, Straight):
-            return float(turned.sum())
+            return float(turned.sum()), None
         good = (np.abs(turned) < np.pi / 4) & ~touching
         angle += float(turned[good].sum())
         if good.all():
-            return angle
+            return angle, None
         middle = (low + high) / 2
         low, high = (
             np.concatenate([low[~good], middle[~good]]),
             np.concatenate([middle[~good], high[~good]]),
         )
-    raise _through(part, side, float(low[0]), name)
+    return angle, float(low[0])
 
 
-def _through(part: Part, side: Side, s: float, name: str) -> SingularPointError:
-    """The error for a loop that goes through the line."""
+def _through(part: Part, side: Side, s: float, name: str) -> str:
+    """The message for a loop that goes through the line."""
     import numpy as np
 
     place = shown(part.points(side, np.array([s]))[0][:, 0])
-    return SingularPointError(
-        f"the loop passes through the {name}, at {place}: it has no winding number round it, and "
-        "the coframe has no finite value there. Lead it past that point."
+    return (
+        f"the loop passes through the {name}, at {place}: it has no winding number round it. "
+        "Lead it past that point."
     )

@@ -202,3 +202,23 @@ def test_declared_lines_are_looked_for_even_where_both_routes_agree():
     assert [one.turns for one in turn.enclosed] == [1]
     with pytest.raises(SingularPointError, match="passes through the core at q0 = 0, q1 = 0, at"):
         develop(core, Loop.circle([2, 0, 0], 2), parameters=values, defects=[axis])
+
+
+def test_a_burgers_vector_names_the_defect_inside() -> None:
+    """b of a loop round a screw says where the defect is; beside it nothing is enclosed."""
+    frame = spaces.load("screw_dislocation").frame
+    round_it = burgers_vector(frame, Loop.circle([0.2, 0, 0], 1), parameters={"b": 1})
+    (inside,) = round_it.enclosed
+    assert inside.turns == 1
+    assert "enclosed defect: singular line at x = 0, y = 0" in repr(round_it)
+    assert "x = 0, y = 0" in round_it.to_json()["enclosed"][0]
+    beside = burgers_vector(frame, Loop.circle([3, 0, 0], 1), parameters={"b": 1})
+    assert beside.enclosed == ()
+
+
+def test_a_near_miss_still_has_a_winding_number() -> None:
+    """A circle that passes an axis at 1e-9 of its radius winds round it, or not."""
+    assert Loop.circle([1 - 1e-9, 0, 0], 1).winding([0, 0, 0]) == 1
+    assert Loop.circle([1 + 1e-9, 0, 0], 1).winding([0, 0, 0]) == 0
+    with pytest.raises(LoopError, match="passes through the axis"):
+        Loop.circle([1, 0, 0], 1).winding([0, 0, 0])

@@ -117,7 +117,7 @@ def test_winding() -> None:
 def test_a_loop_through_the_axis_has_no_winding(loop: Loop) -> None:
     """The error names the point at which it meets the axis."""
     axis = [0.0, 1.0]
-    with pytest.raises(LoopError, match=r"meets the axis at"):
+    with pytest.raises(LoopError, match=r"passes through the axis, at"):
         loop.winding(axis)
 
 
