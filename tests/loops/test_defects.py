@@ -211,7 +211,7 @@ def test_a_burgers_vector_names_the_defect_inside() -> None:
     (inside,) = round_it.enclosed
     assert inside.turns == 1
     assert "enclosed defect: singular line at x = 0, y = 0" in repr(round_it)
-    assert "x = 0, y = 0" in round_it.to_json()["enclosed"][0]
+    assert "x = 0, y = 0" in round_it.to_json()["check"]["enclosed"][0]
     beside = burgers_vector(frame, Loop.circle([3, 0, 0], 1), parameters={"b": 1})
     assert beside.enclosed == ()
 
