@@ -195,7 +195,9 @@ def multiplied(values: Any, factor: float) -> Any:
     """Values of any precision times a power of two, at their own precision."""
     import numpy as np
 
-    if factor == 1.0 or values.dtype.type in (np.float64, np.longdouble):
+    if factor == 1.0:
+        return values.copy()
+    if values.dtype.type in (np.float64, np.longdouble):
         return values * factor
     return values * np.full(values.shape, values.dtype.type(factor), dtype=values.dtype)
 

@@ -12,9 +12,10 @@ from importlib import import_module
 from typing import Any
 
 from geomtorsion.errors import LimitError, MissingExtraError
-from geomtorsion.exact.engine_code import HeyokaWriter
+from geomtorsion.motion.engines.last_place import last_regular
 from geomtorsion.motion.engines.protocol import Run
 from geomtorsion.motion.engines.record import Record
+from geomtorsion.motion.engines.writer import SquaringWriter
 from geomtorsion.motion.system import System, mpf
 
 # Compiled integrators that are kept; each is some hundred kilobytes.
@@ -164,7 +165,7 @@ class Taylor:
             variables = [variables] if not isinstance(variables, list) else variables
         known = dict(zip(system.states, variables, strict=True))
         known |= {name: hy.par[k] for k, name in enumerate(system.parameters)}
-        writer = HeyokaWriter(known, self._constant)
+        writer = SquaringWriter(known, self._constant)
         equations = [
             (variable, writer.products(rate))
             for variable, rate in zip(variables, system.rates, strict=True)
@@ -232,6 +233,11 @@ class Taylor:
             integrator.time = grid[0]
             integrator.state[:] = self.array(start)
         states, outcome, steps, reason = self._propagated(integrator, grid)
+        if reason == NO_VALUE:
+            place = last_regular(integrator, grid[0], self.array(start), grid[-1])
+            integrator.time, integrator.state[:] = place
+            lasted = abs(float(place[0] - grid[0]))
+            states = states[np.abs((grid[: len(states)] - grid[0]).astype(float)) <= lasted]
         ended = time.perf_counter()
         compiled.used += ended - began
         return Run(
@@ -270,7 +276,7 @@ class Taylor:
                 if code == NOT_FINITE:
                     good = np.isfinite(states.astype(float)).all(axis=1)
                     keep = len(states) if good.all() else int(np.argmin(good))
-                    return states[:keep], "stuck", steps, "the series has no finite value"
+                    return states[:keep], "stuck", steps, NO_VALUE
                 return states, "edge", steps, ""
             moved = abs(float(integrator.time - before))
             if moved < 1e-7 * abs(float(grid[-1] - grid[0])):
@@ -283,6 +289,7 @@ class Taylor:
             before = integrator.time
 
 
+NO_VALUE = "the series has no finite value"
 TIME_LIMIT, STEP_LIMIT, NOT_FINITE = "time_limit", "step_limit", "err_nf_state"
 
 
