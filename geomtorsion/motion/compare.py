@@ -14,7 +14,7 @@ def difference(one: Journey, two: Journey) -> tuple[float, int]:
     """Largest difference relative to the size of each block, and the samples compared.
 
     Each block (coordinates, velocities, passengers) is measured in the maximum norm, over all
-    samples, in the chart in which the first journey went.
+    samples, in the chart in which the first journey went, from where it entered that chart.
     """
     import numpy as np
 
@@ -22,8 +22,9 @@ def difference(one: Journey, two: Journey) -> tuple[float, int]:
     if count == 0:
         return float("inf"), 0
     worst = 0.0
-    for first, second, blocks in pairs(one, two, count):
-        sizes, gaps = np.abs(first).max(axis=0), np.abs(first - second).max(axis=0)
+    for first, second, blocks, start in _begun(one, two, count):
+        gaps = np.abs(first - second).max(axis=0)
+        sizes = np.maximum(np.abs(first).max(axis=0), np.abs(start))
         for block in blocks:
             index = slice(block[0], block[-1] + 1)
             gap, size = float(gaps[index].max()), float(sizes[index].max())
@@ -36,13 +37,19 @@ def difference(one: Journey, two: Journey) -> tuple[float, int]:
 
 def pairs(one: Journey, two: Journey, count: int) -> list[tuple[Any, Any, Any]]:
     """Sample arrays of both, chart by chart of the first, with the blocks."""
+    return [(first, second, blocks) for first, second, blocks, _ in _begun(one, two, count)]
+
+
+def _begun(one: Journey, two: Journey, count: int) -> list[tuple[Any, Any, Any, Any]]:
+    """The same, with the state at which each chart was entered."""
     import numpy as np
 
     if len(one.segments) == len(two.segments) == 1:
         segment = one.segments[0]
         other = two.segments[0].states
         if segment.chart == two.segments[0].chart:
-            return [(segment.states[:count], other[:count], segment.equations.system.blocks)]
+            states, blocks = segment.states[:count], segment.equations.system.blocks
+            return [(states, other[:count], blocks, segment.run.states[0])]
     found, place = [], 0
     rows = list(_rows(two))
     for segment in one.segments:
@@ -53,7 +60,8 @@ def pairs(one: Journey, two: Journey, count: int) -> list[tuple[Any, Any, Any]]:
         for name, equations, row, parameters in rows[place : place + len(states)]:
             others.append(_converted(one, segment, name, equations, row, parameters))
         place += len(states)
-        found.append((states, np.array(others), segment.equations.system.blocks))
+        blocks = segment.equations.system.blocks
+        found.append((states, np.array(others), blocks, segment.run.states[0]))
     return found
 
 

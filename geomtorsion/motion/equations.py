@@ -89,8 +89,10 @@ def written(frame: Frame, law: Law, chart: Chart | None) -> Equations:
     if rates is not None:
         blocks.append(tuple(range(width, len(states))))
     edge = None
-    if chart is not None and chart.edge is not None and chart.margin:
-        edge = ((chart.edge, ()), (chart.field.rational(-Fraction(chart.margin)), ()))
+    if chart is not None and chart.edge is not None:
+        edge = ((chart.edge, ()),)
+        if chart.margin:
+            edge = (*edge, (chart.field.rational(-Fraction(chart.margin)), ()))
     invariants = dict(law.invariants(base, names)) if rates is not None else {}
     if chart is None:
         invariants = {k: v for k, v in invariants.items() if _is_constant(v, frame)}

@@ -104,7 +104,7 @@ def travel(
     rest, skips = times, 0
     while True:
         equations = problem.equations(name)
-        system = equations.system if several else equations.system.without_edge
+        system = equations.system if several else equations.system.to_the_end
         velocities, vector = _split(problem, equations, state)
         parameters = values_of(problem, equations, velocities)
         run = engine.run(system, vector, parameters, rest, tolerance, dense=dense)
@@ -117,11 +117,19 @@ def travel(
         state = _joined(equations, run.last, velocities)
         target = best_chart(problem, name, state, engine.precision)
         if target is None or len(segments) > MOST_CHANGES:
-            reason = run.reason or "no other chart of the space reaches further"
+            reason = run.reason or _ending(equations)
             return Journey(problem, engine, tolerance, tuple(segments), "stuck", reason)
         state = moved_over(problem, name, target, state, engine.precision)
         name, skips = target, 1
         rest = np.concatenate(([run.reached], rest[len(run.times) :]))
+
+
+def _ending(equations: Equations) -> str:
+    """What is the matter where a chart ends."""
+    chart = equations.chart
+    if chart is None or chart.edge is None:
+        return "no other chart of the space reaches further"
+    return f"{chart.edge.sympy} = 0"
 
 
 def beginning(problem: Problem, precision: int) -> tuple[str, State]:

@@ -102,8 +102,22 @@ def run_lanes(
             _alone(engine, lanes, int(k), grid, tolerance, result, finished)
     except KeyboardInterrupt:
         interrupted = True
+    finished &= ~_beyond(lanes, result)
     result[~finished] = 0.0
     return result, finished, interrupted, compiling
+
+
+def _beyond(lanes: Lanes, result: Any) -> Any:
+    """Which lanes have a sample beyond the end of the only chart of their law."""
+    import numpy as np
+
+    system = lanes.equations.system.to_the_end
+    if system.edge is None or len(lanes.problem.charts) > 1:
+        return np.zeros(len(result), dtype=bool)
+    values = list(lanes.parameters.T[:, :, None])
+    with np.errstate(all="ignore"):
+        edges = system.edge_values(np.moveaxis(result, 2, 0), values)
+    return (np.broadcast_to(edges, result.shape[:2]) < 0).any(axis=1)
 
 
 def _batch_width(lanes: Lanes) -> int:

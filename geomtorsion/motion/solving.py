@@ -262,8 +262,10 @@ def stopped(solution: Solution) -> str:
     advice = "The space has one chart only; give an atlas with another, or stop earlier."
     if len(problem.charts) > 1:
         advice = "No other chart of the space reaches further; stop earlier."
-    elif len(problem.atlas.makers) > 1:
+    elif len(problem.atlas.makers) > 1 and problem.law.keeps_frame:
         advice = "The law is about this very frame, which ends here; stop earlier."
+    elif len(problem.atlas.makers) > 1:
+        advice = f"Allow another chart of {', '.join(problem.atlas.makers)}, or stop earlier."
     return (
         f"the motion stops at t = {time:.6g}, at {place}: chart {segment.chart!r} ends there "
         f"({journey.reason}). {advice} What was computed is in the error's `solution`."

@@ -33,7 +33,8 @@ class System:
     parameters: names of everything else that occurs.
     rates: for each state a sum of products (element, names that multiply it).
     blocks: runs of indices whose sizes are measured together (coordinates; velocities; ...).
-    edge: a product sum that is positive inside the chart, or None.
+    edge: a product sum that is positive inside the chart, or None; the first product vanishes
+        where the chart ends, the second is its margin.
     """
 
     states: tuple[str, ...]
@@ -119,6 +120,13 @@ class System:
     def without_edge(self) -> System:
         """The same equations with nothing to watch."""
         return self if self.edge is None else replace(self, edge=None)
+
+    @cached_property
+    def to_the_end(self) -> System:
+        """The same equations, watched up to where the chart ends and not to its margin."""
+        if self.edge is None or len(self.edge) == 1:
+            return self
+        return replace(self, edge=self.edge[:1])
 
 
 def derivative(products: Products, name: str) -> Products:

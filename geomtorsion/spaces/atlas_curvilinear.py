@@ -9,6 +9,8 @@ from geomtorsion.motion.charts import Atlas, Change, Chart
 
 # Motions leave a compass when the sine of the colatitude falls below this.
 MARGIN = 0.25
+# Motions leave polar coordinates this near to the axis, if another chart is allowed.
+NEAR = 0.1
 
 
 def _length(one: sp.Expr, two: sp.Expr) -> sp.Expr:
@@ -48,25 +50,28 @@ def cartesian(frame: Frame) -> Atlas:
             lambda r, phi: (r * sp.cos(phi), r * sp.sin(phi)),
             (_length(x, y), sp.atan2(y, x)),
             (1,),
+            lambda r, phi: r,
         ),
         "flat_cylindrical": (
             (x, y, z),
             lambda r, phi, height: (r * sp.cos(phi), r * sp.sin(phi), height),
             (_length(x, y), sp.atan2(y, x), z),
             (1,),
+            lambda r, phi, height: r,
         ),
         "flat_spherical": (
             (x, y, z),
             spherical,
             (sp.sqrt(x**2 + y**2 + z**2), sp.atan2(_length(x, y), z), sp.atan2(y, x)),
             (2,),
+            lambda r, theta, phi: r * sp.sin(theta),
         ),
     }
-    plain, there, back, angles = ways[home]
+    plain, there, back, angles, edge = ways[home]
     unit = Frame(plain, sp.eye(len(plain)).tolist(), name="cartesian")
     makers = {
         "cartesian": lambda: Chart.of(unit, keeps_frame=False),
-        home: lambda: Chart.of(frame),
+        home: lambda: Chart.of(frame, edge=edge(*q), margin=NEAR),
     }
     maps = (
         Change(home, "cartesian", q, there(*q)),
