@@ -66,8 +66,10 @@ class Solution:
     problem: what was solved.
     times: shape (m,), as asked for, or 65 of them up to the time asked for.
     accuracy: what was asked for, relative to the size of the solution.
-    error: estimate of the largest error at the times, relative to the size of the solution:
-        coordinates, velocities and passengers each against their own largest value.
+    error: estimate of the largest error at `times`, and at no others, relative to the size of the
+        solution: coordinates, velocities and passengers each against their own largest value.
+        What `at` gives between the times is not part of it: where that counts, ask for more
+        times (one last time gives 65 samples).
     engine, why: what solved it, and why that was chosen.
     cost: steps, evaluations, seconds.
     complete: whether the last time was reached.
@@ -153,6 +155,10 @@ class Solution:
 
     def at(self, time: Any) -> Moment:
         """Coordinates and velocities at any time up to the last; arrays of times are welcome.
+
+        Between the times of the solution these are interpolated by the engine. `error` does not
+        cover them: it is measured at the times alone. Series (Taylor) are as good in between;
+        RungeKutta and Stiff interpolate to a lower order than they step, and may be worse.
 
         Raises
         ------
