@@ -162,7 +162,11 @@ class Element:
 
     @property
     def is_zero(self) -> bool | None:
-        """True or False, decided; None only where an opaque function leaves it undecided."""
+        """True or False, decided; None where an opaque function or constant leaves it open.
+
+        Opaque are functions known by their derivative alone (erf, Bessel), constants such as
+        cos(pi/7) or atan(2), and odd roots of expressions with roots.
+        """
         if not self._num:
             return True
         return False if self._field.all_sure else self._field.decide_zero(self)
