@@ -9,8 +9,9 @@ import pytest
 from geomtorsion.errors import ChartEdgeError
 from geomtorsion.geometry import cartan
 from geomtorsion.motion import Taylor, autoparallel, geodesic, solve, solve_many
+from geomtorsion.motion.engines.taylor import is_available
 from geomtorsion.spaces import load
-from tests.motion.engines import every_engine, needs_heyoka
+from tests.motion.engines import ENGINES, every_engine, needs_heyoka
 
 # A fall with energy E = 1.25 sqrt(f), f = 1/3, and dr/dtau = -0.75 sqrt(f): it ends at r = 0.
 FALL = {"frame_velocity": [1.25, -0.75, 0, 0], "parameters": {"M": 1.0}, "causal": "timelike"}
@@ -54,9 +55,12 @@ def test_radial_infall_precisely(precision):
     assert proper_time(radius) == pytest.approx(3.0, abs=1e-11)
 
 
-@every_engine
-@pytest.mark.parametrize("phi", [0.0, 0.4])
-def test_the_singularity_is_where_it_is(phi, engine):
+ENDINGS = [(engine, phi) for engine in ENGINES for phi in (0.0, 0.4)]
+ENDINGS += [(Taylor(64), 0.4)] if is_available() else []
+
+
+@pytest.mark.parametrize(("engine", "phi"), ENDINGS)
+def test_the_singularity_is_where_it_is(engine, phi):
     """The message names the last regular place: r near 0, at the proper time of the fall."""
     with pytest.raises(ChartEdgeError) as caught:
         solve(fall(1.2, phi), 10.0, 1e-9, engine)

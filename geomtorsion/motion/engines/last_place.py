@@ -6,7 +6,7 @@ from collections import deque
 from typing import Any
 
 # Steps before the end that are looked at.
-LOOKED_AT = 2000
+LOOKED_AT = 100_000
 # A step that leads back to within this part of where it came from was a good one.
 CLOSE = 1e-6
 # Steps that the way back of one step may take.
