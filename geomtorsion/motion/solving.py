@@ -264,6 +264,8 @@ def stopped(solution: Solution) -> str:
         advice = "No other chart of the space reaches further; stop earlier."
     elif len(problem.atlas.makers) > 1 and problem.law.keeps_frame:
         advice = "The law is about this very frame, which ends here; stop earlier."
+    elif problem.passengers is not None and not problem.passengers.any_chart:
+        advice = "What rides along is given in this very frame, which ends here; stop earlier."
     elif len(problem.atlas.makers) > 1:
         advice = f"Allow another chart of {', '.join(problem.atlas.makers)}, or stop earlier."
     return (

@@ -8,7 +8,7 @@ import pytest
 
 from geomtorsion.errors import ChartEdgeError
 from geomtorsion.geometry import cartan
-from geomtorsion.motion import Taylor, autoparallel, geodesic, solve, solve_many
+from geomtorsion.motion import Taylor, autoparallel, geodesic, geodesic_deviation, solve, solve_many
 from geomtorsion.motion.engines.taylor import is_available
 from geomtorsion.spaces import load
 from tests.motion.engines import ENGINES, every_engine, needs_heyoka
@@ -95,6 +95,15 @@ def test_autoparallels_end_with_their_frame(name, engine):
     assert sol.coordinates[:, 0] == pytest.approx([1.0, 0.75, 0.5], abs=1e-10)
     assert sol.at(0.9).coordinates[0] == pytest.approx(0.1, abs=1e-9)
     assert solve(problem, 0.99, 1e-10, engine).complete
+
+
+def test_the_advice_fits():
+    """What can be done depends on what holds the motion to its chart."""
+    through = geodesic(load("flat_polar").frame, [1.0, 0.4], [-1.0, 0.0])
+    with pytest.raises(ChartEdgeError, match="Allow another chart of cartesian"):
+        solve(through.with_charts("flat_polar"), 2.0)
+    with pytest.raises(ChartEdgeError, match="What rides along"):
+        solve(geodesic_deviation(through, [0.0, 0.1], [0.0, 0.0]), 2.0)
 
 
 @every_engine
