@@ -82,6 +82,8 @@ def _maxima_session(frame: bool, case: Case, say: Say, rounds: int) -> tuple[Out
             say("stage", stage, total)
             if stage == "kretschmann":
                 say("round", cpu, total)
+    if not scalar:
+        raise TimeoutError("Maxima ended without an answer")
     return Outcome(maxima.to_sympy(scalar, case), () if empty else (1,)), total
 
 

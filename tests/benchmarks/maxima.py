@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import resource
 import shutil
 import subprocess
 from collections.abc import Iterator
@@ -81,7 +82,10 @@ def run(case: Case, frame: bool, rounds: int) -> Iterator[tuple[str, str]]:
     work = _script(case, frame)
     text = _PRELUDE + _script(sphere(), frame) + 'print("@ warm")$\n'
     text += declared + "\n" + work * rounds + _REPORT
-    command = ["maxima", "--very-quiet"]
+    # Its Lisp outlives the signal of a limit that may be raised, so the limit is made final.
+    soft, _ = resource.getrlimit(resource.RLIMIT_CPU)
+    final = "unlimited" if soft == resource.RLIM_INFINITY else soft
+    command = ["sh", "-c", f"ulimit -t {final}; exec maxima --very-quiet"]
     with subprocess.Popen(
         command,
         stdin=subprocess.PIPE,

@@ -124,7 +124,10 @@ def main(name: str, case_name: str, limit: str) -> None:
     assert case.metric is not None
     soft = int(float(limit)) + 1
     resource.setrlimit(resource.RLIMIT_CPU, (soft, resource.RLIM_INFINITY))
-    outcome = find(name).measure(case, _say)
+    try:
+        outcome = find(name).measure(case, _say)
+    except TimeoutError:
+        return
     resource.setrlimit(resource.RLIMIT_CPU, (int(soft + CHECK), resource.RLIM_INFINITY))
     who = resource.RUSAGE_CHILDREN if name.startswith("maxima") else resource.RUSAGE_SELF
     _say("done", outcome.ricci_is_zero, resource.getrusage(who).ru_maxrss / 1024)
