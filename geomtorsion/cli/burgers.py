@@ -39,26 +39,26 @@ def burgers(
     source: SpaceOrFile,
     circle: Annotated[
         Texts, _option("CENTRE:RADIUS[:PLANE]", "A circle: 0.3,1,0.2:1e-8:phi1,phi2")
-    ] = [],  # noqa: B006 - typer copies it
-    ellipse: Annotated[Texts, _option("CENTRE:A,B[:PLANE]", "An ellipse: 0,0,0:2,1")] = [],  # noqa: B006
-    polygon: Annotated[Texts, _option("POINT;POINT;...", "A polygon: '0,0;1,0;0,1'")] = [],  # noqa: B006
+    ] = [],
+    ellipse: Annotated[Texts, _option("CENTRE:A,B[:PLANE]", "An ellipse: 0,0,0:2,1")] = [],
+    polygon: Annotated[Texts, _option("POINT;POINT;...", "A polygon: '0,0;1,0;0,1'")] = [],
     plaquette: Annotated[
         Texts, _option("CORNER:STEPS[:PLANE]", "A parallelogram: 0,0,0:1,1:x,y")
-    ] = [],  # noqa: B006
+    ] = [],
     curve: Annotated[
         Texts, _option("EXPR;EXPR;...", "A closed curve in s: 'cos(s);sin(s);0'")
-    ] = [],  # noqa: B006
-    spline: Annotated[Texts, _option("POINT;POINT;...", "A spline through points.")] = [],  # noqa: B006
+    ] = [],
+    spline: Annotated[Texts, _option("POINT;POINT;...", "A spline through points.")] = [],
     interval: Annotated[
         str, typer.Option(metavar="START,END", help="Bounds of s in --curve.")
     ] = "0,2*pi",
     loops: Annotated[
         list[Path], _option("FILE", "Loops from a JSON or CSV file; - for JSON on standard input.")
-    ] = [],  # noqa: B006
+    ] = [],
     values: Annotated[
         Texts,
         typer.Option("--set", metavar="NAME=VALUE", show_default=False, help="Parameter value."),
-    ] = [],  # noqa: B006
+    ] = [],
     accuracy: Annotated[
         float | None,
         typer.Option(show_default=False, help="Wanted relative error; default: 1e-12."),

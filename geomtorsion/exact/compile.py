@@ -183,10 +183,9 @@ class Program:
         if not generator.depends:
             return repr(float(generator.shown))
         if kind == "opaque" and type(generator.shown).__name__ in _SCIPY_NAMES:
-            read = generator.argument
-            self.special.add(_SCIPY_NAMES[type(generator.shown).__name__])
             name = _SCIPY_NAMES[type(generator.shown).__name__]
-            return f"{name}({', '.join(self.element(part) for part in read)})"
+            self.special.add(name)
+            return f"{name}({', '.join(self.element(part) for part in argument)})"
         if kind == "opaque":
             raise MissingValueError(
                 f"{generator.shown} has no NumPy form here; evaluate it point by point with "

@@ -30,7 +30,8 @@ def inverse(field: Field, element: Element) -> Element:
                 multiplier = field.reduced(multiplier * conjugate)
                 degrees = num.degrees()
                 continue
-            tail = field.lift(generator.tail)  # type: ignore[arg-type]
+            assert generator.tail is not None
+            tail = field.lift(generator.tail)
             w = field.ctx.gen(position)
             below, above = split(field, num, position)
             if not below:
