@@ -110,3 +110,7 @@ class NetworkError(GeomtorsionError, ValueError):
 
 class GridError(GeomtorsionError, ValueError):
     """A sampled frame has no regular grid, holds no finite values, or is left by a loop."""
+
+
+class UnitError(GeomtorsionError, ValueError):
+    """A unit is unknown, or does not measure what the field measures."""

@@ -1,0 +1,262 @@
+"""Units: numbers with units as a person writes them, in the units of this package (SI)."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from geomtorsion.errors import ExpressionError, UnitError
+from geomtorsion.exact import parse_expression
+from geomtorsion.exact.names import near_names
+
+# Exponents of kilogram, metre, second, ampere and angle.
+_Powers = tuple[int, int, int, int, int]
+_NONE: _Powers = (0, 0, 0, 0, 0)
+_BASES = ("kg", "m", "s", "A", "rad")
+
+_NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
+_GLUED = re.compile(rf"\s*([-+]?{_NUMBER})([^\W0-9_].*|°.*)", re.DOTALL)
+_PLAIN = re.compile(rf"\s*[-+]?{_NUMBER}\s*")
+_DECIMAL = re.compile(rf"(?<![\w.]){_NUMBER}")
+_PIECE = re.compile(
+    r"\s*(?:([*/·])\s*)?(?:(1(?![0-9.]))|([^\W0-9_]+|°)(?:(?:\^|\*\*)([-+]?[0-9]+))?)"
+)
+_HERTZ = "Hz leaves open whether turns or radians are meant: write rad/s, rpm or turn/s"
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit: how much it is in SI units, and of which kind.
+
+    text: as it was written. scale: its size in kg, m, s, A, rad. powers: of these five.
+    """
+
+    text: str
+    scale: float
+    powers: _Powers
+
+    @property
+    def kind(self) -> str:
+        """The unit in base units, for messages.
+
+        Examples
+        --------
+        >>> unit("N m").kind, unit("rpm").kind
+        ('kg*m^2/s^2', 'rad/s')
+        """
+        above, below = "", ""
+        for base, power in zip(_BASES, self.powers, strict=True):
+            mark = base if abs(power) == 1 else f"{base}^{abs(power)}"
+            above += f"*{mark}" if power > 0 else ""
+            below += f"/{mark}" if power < 0 else ""
+        return (above.removeprefix("*") or "1") + below
+
+
+def _table() -> dict[str, tuple[float, _Powers]]:
+    """Every unit by name."""
+    mass, length, time, current, angle = (tuple(int(k == n) for k in range(5)) for n in range(5))
+    force, energy, power = (1, 1, -2, 0, 0), (1, 2, -2, 0, 0), (1, 2, -3, 0, 0)
+    found: dict[str, Any] = {
+        "kg": (1.0, mass), "g": (1e-3, mass), "mg": (1e-6, mass),
+        "m": (1.0, length), "mm": (1e-3, length), "cm": (1e-2, length), "km": (1e3, length),
+        "s": (1.0, time), "ms": (1e-3, time), "us": (1e-6, time), "µs": (1e-6, time),
+        "min": (60.0, time), "h": (3600.0, time), "day": (86400.0, time),
+        "rad": (1.0, angle), "mrad": (1e-3, angle),
+        "deg": (math.pi / 180, angle), "°": (math.pi / 180, angle),
+        "turn": (2 * math.pi, angle), "rev": (2 * math.pi, angle),
+        "rpm": (2 * math.pi / 60, (0, 0, -1, 0, 1)),
+        "N": (1.0, force), "mN": (1e-3, force), "kN": (1e3, force),
+        "J": (1.0, energy), "mJ": (1e-3, energy), "kJ": (1e3, energy), "W": (1.0, power),
+        "A": (1.0, current), "mA": (1e-3, current),
+        "T": (1.0, (1, 0, -2, -1, 0)), "mT": (1e-3, (1, 0, -2, -1, 0)),
+        "uT": (1e-6, (1, 0, -2, -1, 0)), "µT": (1e-6, (1, 0, -2, -1, 0)),
+        "nT": (1e-9, (1, 0, -2, -1, 0)),
+        "Hz": (1.0, (0, 0, -1, 0, 0)),
+    }  # fmt: skip
+    return found
+
+
+UNITS: Mapping[str, tuple[float, _Powers]] = _table()
+
+
+@cache
+def unit(text: str) -> Unit:
+    """Read a unit.
+
+    Raises
+    ------
+    UnitError
+        A part of it is no unit that is known here; the message names the nearest.
+
+    Examples
+    --------
+    >>> unit("km/h").scale * 36
+    10.0
+    >>> unit("m s^-2") == unit("m/s^2")
+    False
+    >>> unit("m s^-2").powers == unit("m/s^2").powers
+    True
+    """
+    scale, powers, place = 1.0, list(_NONE), 0
+    text = text.strip()
+    while place < len(text):
+        piece = _PIECE.match(text, place)
+        if piece is None:
+            raise UnitError(f"{text!r} is no unit. Write for instance m/s^2, kg m^2 or rad/s.")
+        sign, one, name, exponent = piece.groups()
+        place = piece.end()
+        if one:
+            continue
+        if name not in UNITS:
+            near = near_names(name, list(UNITS))
+            hint = f"Did you mean {near}? " if near else ""
+            raise UnitError(f"{name!r} is no unit. {hint}Known are {', '.join(UNITS)}.")
+        power = int(exponent or 1) * (-1 if sign == "/" else 1)
+        size, kind = UNITS[name]
+        scale *= size**power
+        powers = [a + power * b for a, b in zip(powers, kind, strict=True)]
+    return Unit(text, scale, (powers[0], powers[1], powers[2], powers[3], powers[4]))
+
+
+def with_unit(text: str) -> tuple[str, Unit | None]:
+    """Part an expression from the unit behind it; None where there is no unit.
+
+    Examples
+    --------
+    >>> with_unit("9.81 m/s^2")[0], with_unit("2*pi rad/s")[1].text, with_unit("3rpm")[0]
+    ('9.81', 'rad/s', '3')
+    >>> with_unit("sqrt(2)/2")
+    ('sqrt(2)/2', None)
+    """
+    if _PLAIN.fullmatch(text):
+        return text, None
+    for head, tail in _splits(text):
+        # Two words side by side are no expression: the second can only be meant as a unit.
+        if re.match(r"[^\W0-9_]|°|1\s*/", tail) and _is_unit(tail):
+            return head, unit(tail)
+    return text, None
+
+
+def _splits(text: str) -> Iterator[tuple[str, str]]:
+    """Places at which a unit may begin: behind a number, behind any blank."""
+    glued = _GLUED.fullmatch(text)
+    if glued is not None:
+        yield glued[1], glued[2]
+    for blank in re.finditer(r"\s+", text):
+        head, tail = text[: blank.start()], text[blank.end() :]
+        if head.strip() and head.rstrip()[-1] not in "+-*/^(," and tail:
+            yield head, tail
+
+
+def _is_unit(text: str) -> bool:
+    """Whether a text is made of pieces of units only, known ones or not."""
+    place = 0
+    while place < len(text):
+        piece = _PIECE.match(text, place)
+        if piece is None or piece.end() == place:
+            return False
+        place = piece.end()
+    return True
+
+
+def scale_of(given: Unit, field: str) -> float:
+    """How many of a field's units one of the given units is.
+
+    Raises
+    ------
+    UnitError
+        The two do not measure the same.
+
+    Examples
+    --------
+    >>> scale_of(unit("cm"), "m")
+    0.01
+    >>> scale_of(unit("m/s"), "m/s^2")
+    Traceback (most recent call last):
+    geomtorsion.errors.UnitError: the unit m/s does not fit: this is measured in m/s^2.
+    """
+    wanted = unit(field)
+    if given.powers[:4] == wanted.powers[:4]:
+        if "Hz" in given.text and wanted.powers[4]:
+            raise UnitError(f"{_HERTZ}.")
+        # Angles may go without a name, as in 1/s; they may not turn up where none is measured.
+        if given.powers[4] in (0, wanted.powers[4]):
+            return given.scale / wanted.scale
+    shown = f"in {field}" if field else "as a plain number, without a unit"
+    raise UnitError(f"the unit {given.text} does not fit: this is measured {shown}.")
+
+
+def exact(text: str) -> str:
+    """An expression with its decimals as exact fractions.
+
+    Examples
+    --------
+    >>> exact("0.25*sin(t) + 1e-3"), exact("x1 + 2")
+    ('(1/4)*sin(t) + (1/1000)', 'x1 + 2')
+    """
+    from fractions import Fraction
+
+    def fraction(found: re.Match[str]) -> str:
+        if found[0].isdigit():
+            return found[0]
+        value = Fraction(found[0])
+        return f"({value.numerator}/{value.denominator})" if value.denominator > 1 else str(value)
+
+    return _DECIMAL.sub(fraction, text)
+
+
+def quantity(value: Any, field: str = "") -> float:
+    """A number in the unit of a field: a number as it is, or text such as "9.81 m/s^2".
+
+    Parameters
+    ----------
+    value
+        A number, or an expression without names (pi and sqrt may occur), with a unit or without.
+    field
+        The unit in which the field is measured, for instance "m/s^2"; empty for plain numbers.
+
+    Raises
+    ------
+    UnitError
+        The unit is unknown, or measures something else.
+    ExpressionError
+        The text is no number.
+
+    Examples
+    --------
+    >>> quantity("30 deg", "rad") == 30 * math.pi / 180, quantity("1/4"), quantity(2)
+    (True, 0.25, 2)
+    >>> quantity("3 rpm", "m")
+    Traceback (most recent call last):
+    geomtorsion.errors.UnitError: the unit rpm does not fit: this is measured in m.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise ExpressionError(
+            f'a number was needed, {value!r} came. Write 9.81, "sqrt(2)/2" or "9.81 m/s^2".'
+        )
+    if not isinstance(value, str):
+        number: float = value
+        given = None
+    else:
+        expression, given = with_unit(value)
+        number = _value(expression)
+    if given is not None:
+        number = number * scale_of(given, field)
+    if not math.isfinite(number):
+        raise ExpressionError(f"a finite number was needed, {value} came.")
+    return number
+
+
+def _value(text: str) -> float:
+    """The value of an expression without names."""
+    if _PLAIN.fullmatch(text):
+        return float(text)
+    read = parse_expression(exact(text), {}, {}, where="number")
+    if not read.is_real:
+        raise ExpressionError(f"a real number was needed, {text!r} came.")
+    # Thirty digits first, so that the double is the nearest one.
+    return float(read.evalf(30))

@@ -1,0 +1,88 @@
+"""Units: what is written comes out in SI, and what does not fit is refused."""
+
+import math
+
+import pytest
+
+from geomtorsion.errors import ExpressionError, LimitError, UnitError
+from geomtorsion.scenes.units import exact, quantity, unit, with_unit
+
+
+@pytest.mark.parametrize(
+    ("given", "field", "value"),
+    [
+        ("9.81 m/s^2", "m/s^2", 9.81),
+        ("9.81m/s^2", "m/s^2", 9.81),
+        ("9.81 m s^-2", "m/s^2", 9.81),
+        ("981 cm/s**2", "m/s^2", 9.81),
+        ("3 rpm", "rad/s", 3 * 2 * math.pi / 60),
+        ("-2 turn/s", "rad/s", -4 * math.pi),
+        ("20 deg", "rad", math.radians(20)),
+        ("20°", "rad", math.radians(20)),
+        ("pi/2", "rad", math.pi / 2),
+        ("2 * pi rad/s", "rad/s", 2 * math.pi),
+        ("sqrt(2)/2 kg m^2", "kg m^2", math.sqrt(2) / 2),
+        ("1.5e3 g", "kg", 1.5),
+        ("90 min", "s", 5400.0),
+        ("72 km/h", "m/s", 20.0),
+        ("0.25 N m", "N m", 0.25),
+        ("50 uT", "T", 5e-5),
+        ("2 A m^2", "J/T", 2.0),
+        ("5 1/s", "rad/s", 5.0),
+        ("5", "m", 5.0),
+        (7, "kg", 7),
+        (0.1, "", 0.1),
+        ("1e-3", "", 1e-3),
+        ("1/3", "", 1 / 3),
+    ],
+)
+def test_quantities(given, field, value):
+    """Each as a person writes it, in the unit of its field; to a rounding or two."""
+    assert quantity(given, field) == pytest.approx(value, rel=4e-16)
+
+
+@pytest.mark.parametrize(
+    ("given", "field", "says"),
+    [
+        ("9.81 m/s", "m/s^2", "the unit m/s does not fit: this is measured in m/s\\^2"),
+        ("3 rpm", "m", "this is measured in m"),
+        ("3 rad/s", "1/s", "this is measured in 1/s"),
+        ("3 deg", "", "as a plain number"),
+        ("3 Hz", "rad/s", "whether turns or radians"),
+        ("3 metre", "m", "'metre' is no unit"),
+        ("3 Deg", "rad", "Did you mean deg"),
+        ("3 m/sek", "m/s", "'sek' is no unit"),
+    ],
+)
+def test_units_that_do_not_fit(given, field, says):
+    """The message names both units, or the nearest one."""
+    with pytest.raises(UnitError, match=says):
+        quantity(given, field)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [True, None, [1], "", "x", "t", "1 +", "__import__('os')", "1/0", "sqrt(-1)", "inf", "nan",
+     float("nan"), float("inf"), "1e999", "2**2**2**2**2**2"],
+)  # fmt: skip
+def test_what_is_no_number(given):
+    """Names, code, and numbers that are not finite: an error of ours."""
+    with pytest.raises((ExpressionError, LimitError, UnitError)):
+        quantity(given, "m")
+
+
+def test_expressions_keep_their_text():
+    """What depends on time is parted from its unit and stays an expression."""
+    assert with_unit("5*exp(-t/2) N")[0] == "5*exp(-t/2)"
+    assert with_unit("5*sin(2*t) + 1") == ("5*sin(2*t) + 1", None)
+    assert with_unit("1e-3") == ("1e-3", None)
+    assert exact("0.5*t + a1") == "(1/2)*t + a1"
+
+
+def test_kinds_of_derived_units():
+    """Derived units against base units."""
+    assert unit("N").kind == unit("kg m/s^2").kind == "kg*m/s^2"
+    assert unit("T").powers == unit("N A^-1 m^-1").powers
+    assert unit("J/T").powers == unit("A m^2").powers
+    assert unit("W").powers == unit("J/s").powers
+    assert unit("m/m").kind == "1"
