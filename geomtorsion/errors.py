@@ -114,3 +114,11 @@ class GridError(GeomtorsionError, ValueError):
 
 class UnitError(GeomtorsionError, ValueError):
     """A unit is unknown, or does not measure what the field measures."""
+
+
+class BodyError(GeomtorsionError, ValueError):
+    """A body has no mass, or moments of inertia that no body can have."""
+
+
+class SceneError(GeomtorsionError, ValueError):
+    """A scene contradicts itself or lacks something: effects, start, or what is watched."""

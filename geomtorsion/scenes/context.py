@@ -1,0 +1,188 @@
+"""Context: the symbols in which effects write their equations, and the values of parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from geomtorsion.errors import SceneError
+
+if TYPE_CHECKING:
+    from geomtorsion.scenes.body import Body
+    from geomtorsion.scenes.effects.protocol import Contribution
+
+OMEGA = sp.symbols("Omega1:4")
+ATTITUDE = sp.Matrix(3, 3, sp.symbols("R1:3(1:4) n1:4"))
+VERTICAL = tuple(ATTITUDE[2, :])
+QUATERNION = sp.symbols("q0:4")
+POSITION = sp.symbols("x y z")
+VELOCITY = sp.symbols("vx vy vz")
+TIME = sp.Symbol("t")
+
+# What each group of states is made of; rows 1 and 2 of R stand for the whole attitude.
+GROUPS: Mapping[str, frozenset[Any]] = {
+    "omega": frozenset(OMEGA),
+    "vertical": frozenset(VERTICAL),
+    "attitude": frozenset((*ATTITUDE[0, :], *ATTITUDE[1, :], *QUATERNION)),
+    "position": frozenset(POSITION),
+    "velocity": frozenset(VELOCITY),
+    "time": frozenset((TIME,)),
+}
+
+
+class Context:
+    """What an effect is told: symbols for the state of the body, and a way to name numbers.
+
+    Omega: body angular velocity, body axes, three symbols (rad/s).
+    R: attitude, 3 x 3 symbols, body to space; its last row is `vertical`.
+    vertical: the upward direction (space axis 3) seen from the body, n1, n2, n3.
+    position, velocity: of the centre of mass, space axes (m, m/s).
+    t: time (s).
+    mass: symbol m (kg); inertia: 3 x 3 about the centre of mass, body axes (kg m^2).
+    body: the body, for its numbers.
+
+    An effect that uses only `vertical` costs 3 equations; one that uses other rows of R costs 4.
+
+    Examples
+    --------
+    >>> from geomtorsion.scenes import Body
+    >>> context = Context(Body(mass=2.0, moments=(1, 2, 3)))
+    >>> g = context.parameter("g", 9.81)
+    >>> context.mass * g * context.position[2]
+    g*m*z
+    >>> context.inertia
+    Matrix([
+    [I1,  0,  0],
+    [ 0, I2,  0],
+    [ 0,  0, I3]])
+    """
+
+    Omega = OMEGA
+    R = ATTITUDE
+    vertical = VERTICAL
+    position = POSITION
+    velocity = VELOCITY
+    t = TIME
+
+    def __init__(self, body: Body) -> None:
+        self.body = body
+        self.values: dict[str, Any] = {}
+        self.key = ""
+        self._taken = {s.name for group in GROUPS.values() for s in group} | {"work"}
+        self.mass = self.parameter("m", body.mass)
+        self.inertia = self._inertia()
+
+    def parameter(self, name: str, value: Any) -> Any:
+        """A symbol for a number, so that another value needs no new equations; 0 stays 0.
+
+        A name that is taken gets the key of the effect after it: `k`, then `k_spring2`.
+        """
+        number = exact(value, name)
+        if number == 0:
+            return sp.S.Zero
+        return self._named(name, number)
+
+    def switchable(self, name: str, value: Any = 0) -> Any:
+        """Like `parameter`, and a symbol even for 0: for numbers that switches change."""
+        return self._named(name, exact(value, name))
+
+    def vector(self, name: str, values: Sequence[Any]) -> Any:
+        """Three numbers as a column of symbols name1, name2, name3; zeros stay zeros."""
+        values = tuple(values)
+        if len(values) != 3:
+            raise SceneError(f"{name} has {len(values)} components; three are needed.")
+        return sp.Matrix([self.parameter(f"{name}{k}", v) for k, v in enumerate(values, 1)])
+
+    def state(self, name: str) -> Any:
+        """A symbol for a state of the effect's own."""
+        self._free(name)
+        return sp.Symbol(name)
+
+    def in_body(self, vector: Iterable[Any]) -> Any:
+        """A vector given in space axes, as column in body axes: R^T v."""
+        return self.R.T * sp.Matrix(list(vector))
+
+    def in_space(self, vector: Iterable[Any]) -> Any:
+        """A vector given in body axes, as column in space axes: R v."""
+        return self.R * sp.Matrix(list(vector))
+
+    def _named(self, name: str, number: Any) -> Any:
+        if name in self._taken:
+            name = f"{name}_{self.key}" if self.key else f"{name}_"
+        self._free(name)
+        self.values[name] = number
+        return sp.Symbol(name)
+
+    def _free(self, name: str) -> None:
+        """Take a name, once."""
+        if name in self._taken:
+            raise SceneError(
+                f"the name {name!r} stands for something else already. Choose another."
+            )
+        self._taken.add(name)
+
+    def _inertia(self) -> Any:
+        """Symbols of the inertia tensor: equal moments share one, zeros stay zeros."""
+        tensor = self.body.exact_tensor
+        diagonal = all(tensor[i][j] == 0 for i in range(3) for j in range(3) if i != j)
+        rows = sp.zeros(3, 3)
+        known: dict[Any, Any] = {}
+        for i in range(3):
+            value = tensor[i][i]
+            name = f"I{i + 1}" if diagonal else f"I{i + 1}{i + 1}"
+            if not (diagonal and value in known):
+                known[value] = self.parameter(name, value)
+            rows[i, i] = known[value]
+            for j in range(i):
+                rows[i, j] = rows[j, i] = self.parameter(f"I{j + 1}{i + 1}", tensor[i][j])
+        return rows
+
+
+def exact(value: Any, name: str) -> Any:
+    """A finite number as an exact rational; what is no plain number as sympy has it."""
+    if isinstance(value, bool) or value is None:
+        raise SceneError(f"{name} = {value!r} is no number.")
+    if isinstance(value, Fraction):
+        return sp.Rational(value.numerator, value.denominator)
+    try:
+        if isinstance(value, sp.Expr):
+            number: Any = value
+        elif hasattr(value, "_mpf_"):
+            number = sp.Rational(*_ratio(value))
+        else:
+            number = sp.Rational(*float(value).as_integer_ratio())
+    except (TypeError, ValueError, OverflowError):
+        raise SceneError(f"{name} = {value!r}: a finite number was needed.") from None
+    if not number.is_number or not number.is_finite or not number.is_real:
+        raise SceneError(f"{name} = {value!r}: a finite number was needed.")
+    return number
+
+
+def _ratio(value: Any) -> tuple[int, int]:
+    """Numerator and denominator of an mpmath number."""
+    sign, mantissa, exponent, _ = value._mpf_
+    mantissa = -int(mantissa) if sign else int(mantissa)
+    return (mantissa << exponent, 1) if exponent >= 0 else (mantissa, 1 << -exponent)
+
+
+def groups_in(context: Context, contribution: Contribution) -> frozenset[str]:
+    """Groups of states that occur in a contribution."""
+    found = symbols_in(contribution)
+    own = {name for name, members in GROUPS.items() if members & found}
+    return frozenset(own - {"vertical"} if "attitude" in own else own)
+
+
+def symbols_in(thing: Any) -> set[Any]:
+    """All symbols in expressions, however they are nested in dataclasses, mappings, sequences."""
+    if isinstance(thing, sp.Basic | sp.MatrixBase):
+        return set(thing.free_symbols)
+    if isinstance(thing, Mapping):
+        return set().union(*(symbols_in(value) for value in thing.values()))
+    if hasattr(thing, "__dataclass_fields__"):
+        return set().union(*(symbols_in(getattr(thing, k)) for k in thing.__dataclass_fields__))
+    if isinstance(thing, tuple | list):
+        return set().union(*(symbols_in(value) for value in thing))
+    return set()

@@ -1,0 +1,37 @@
+"""Drift: the body is free to move away."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from geomtorsion.scenes.effects.protocol import Contribution, Effect
+
+if TYPE_CHECKING:
+    from geomtorsion.scenes.context import Context
+
+
+@dataclass(frozen=True)
+class Drift(Effect):
+    """The centre of mass moves freely, as Newton says: m v' = F in space axes.
+
+    A body that nothing holds drifts without being told; naming it makes a scene that also holds
+    the body (pivot, rolling) an error.
+
+    Equation
+    --------
+    P' + Omega x P = F, body axes                              [FizievKleinert1994], (2)
+
+    Examples
+    --------
+    >>> sorted(Drift.excludes)
+    ['knife_edge', 'pivot', 'rolling']
+    """
+
+    key: ClassVar[str] = "drift"
+    title: ClassVar[str] = "free translation of the centre of mass (Newton)"
+    excludes: ClassVar[frozenset[str]] = frozenset({"pivot", "rolling", "knife_edge"})
+
+    def adds(self, context: Context) -> Contribution:
+        """Nothing beyond the equations that every free body obeys."""
+        return Contribution()

@@ -1,0 +1,43 @@
+"""Gravity: a uniform field, straight down."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from geomtorsion.scenes.effects.protocol import Contribution, Effect, quantity
+
+if TYPE_CHECKING:
+    from geomtorsion.scenes.context import Context
+
+
+@dataclass(frozen=True)
+class Gravity(Effect):
+    """Uniform gravity along the negative third space axis.
+
+    A free body falls and its rotation does not notice; a body on a pivot is turned.
+
+    Equation
+    --------
+    F = -m g e_z (space axes), potential m g z
+
+    Parameters
+    ----------
+    g
+        acceleration, m/s^2; positive is downwards.
+
+    Examples
+    --------
+    >>> Gravity(1.62).g
+    1.62
+    """
+
+    key: ClassVar[str] = "gravity"
+    title: ClassVar[str] = "uniform gravity, downwards"
+
+    g: Any = quantity("m/s^2", 9.81)
+
+    def adds(self, context: Context) -> Contribution:
+        """A force at the centre of mass, with its potential."""
+        weight = context.mass * context.parameter("g", self.g)
+        return Contribution(force=(0, 0, -weight), energy=weight * context.position[2])

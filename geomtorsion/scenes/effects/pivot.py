@@ -1,0 +1,91 @@
+"""Pivot: one point of the body is held in space."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import sympy as sp
+
+from geomtorsion.errors import SceneError
+from geomtorsion.scenes.effects.protocol import Constraint, Contribution, Effect, quantity
+
+if TYPE_CHECKING:
+    from geomtorsion.scenes.context import Context
+
+
+@dataclass(frozen=True)
+class Pivot(Effect):
+    """A body that turns about a fixed point: with gravity, the heavy top.
+
+    Equation
+    --------
+    (I + m (|a|^2 - a a^T)) Omega' + Omega x L = M + a x R^T F, a the arm
+
+    Parameters
+    ----------
+    arm
+        from the pivot to the centre of mass, body axes, m. A top that stands on its tip with its
+        axis along the third body axis has (0, 0, height).
+    place
+        where the pivot is in space, m.
+    moments_at
+        "centre": the body's moments are about its centre of mass, Steiner's part is added;
+        "pivot": they are about the pivot already.
+
+    Raises
+    ------
+    SceneError
+        the arm is no vector, or moments_at is something else.
+
+    Examples
+    --------
+    >>> Pivot([0, 0, 0.1]).arm
+    (0, 0, 0.1)
+    >>> sorted(Pivot([0, 0, 0.1]).needs()), Pivot.units()["arm"]
+    (['attitude', 'omega'], 'm')
+    """
+
+    key: ClassVar[str] = "pivot"
+    title: ClassVar[str] = "one point of the body is held"
+    excludes: ClassVar[frozenset[str]] = frozenset({"drift", "rolling", "knife_edge"})
+
+    arm: Sequence[Any] = quantity("m")
+    place: Sequence[Any] = quantity("m", (0, 0, 0))
+    moments_at: str = "centre"
+
+    def __post_init__(self) -> None:
+        """Tuples of three numbers, and one of two words."""
+        for name in ("arm", "place"):
+            value = getattr(self, name)
+            try:
+                value = tuple(value)
+            except TypeError:
+                value = (value,)
+            if len(value) != 3:
+                raise SceneError(
+                    f"pivot.{name} = {getattr(self, name)!r}: three components (m) were needed."
+                )
+            object.__setattr__(self, name, value)
+        if self.moments_at not in ("centre", "pivot"):
+            raise SceneError(
+                f'pivot.moments_at = {self.moments_at!r}: say "centre" or "pivot", the point about '
+                "which the moments of the body are given."
+            )
+
+    def adds(self, context: Context) -> Contribution:
+        """The constraint v = Omega x a; inertia is taken back where it counts Steiner's part."""
+        arm = context.vector("a", self.arm)
+        place = context.vector("place", self.place)
+        held = Constraint(
+            speeds=tuple(symbol.name for symbol in context.Omega),
+            omega=context.Omega,
+            velocity=tuple(sp.Matrix(context.Omega).cross(arm)),
+            position=tuple(place + context.in_space(arm)),
+        )
+        steiner = None
+        if self.moments_at == "pivot":
+            matrix = context.mass * (arm * arm.T - arm.dot(arm) * sp.eye(3))
+            steiner = tuple(tuple(matrix[i, :]) for i in range(3))
+        return Contribution(constraint=held, inertia=steiner)

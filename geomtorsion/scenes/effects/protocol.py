@@ -1,0 +1,129 @@
+"""Protocol: what an effect is asked for, what it is told, and what it answers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, field, fields
+from typing import TYPE_CHECKING, Any, ClassVar
+
+if TYPE_CHECKING:
+    from geomtorsion.scenes.body import Body
+    from geomtorsion.scenes.context import Context
+
+Expression = Any
+Triple = tuple[Expression, Expression, Expression]
+Switch = tuple[Any, Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """A restriction linear in the velocities: how the body moves, by fewer speeds.
+
+    The equations are projected on the speeds that remain (d'Alembert, Kane), so that forces of
+    constraint never appear.
+
+    speeds: names of the states that remain: "Omega1".."Omega3" or names of the effect's own.
+    omega: body angular velocity, body axes (rad/s), linear in the speeds.
+    velocity: velocity of the centre of mass, in BODY axes (m/s), linear in the speeds; may depend
+        on the attitude or the vertical.
+    position: place of the centre of mass, space axes (m), where the constraint fixes it; None
+        where it follows from the velocity.
+    start: speeds of the effect's own -> value at the start.
+
+    Examples
+    --------
+    A point `arm` away from the centre of mass is held: velocity = Omega x arm, and
+    position = R arm. A ball rolls: velocity = Omega x (radius * vertical).
+    """
+
+    speeds: tuple[str, ...]
+    omega: Triple
+    velocity: Triple
+    position: Triple | None = None
+    start: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Contribution:
+    """What one effect adds to the equations of a body. Whatever is not given is nothing.
+
+    moment: moment about the centre of mass, body axes (N m).
+    force: force at the centre of mass, space axes (N). Where a constraint ties the centre of mass
+        to the rotation, its moment is worked out from it.
+    momentum: internal angular momentum, body axes (N m s), added to I Omega (a rotor); the
+        moments that follow, -Omega x h - h', are worked out.
+    inertia: 3 x 3, added to the body's inertia tensor (kg m^2).
+    states, start: states of its own -> rate, and -> value at the start.
+    energy: energy stored in it (J): potentials, energy of rotors; its power is then `power` or 0.
+    power: what it puts in (W; drag puts in less than nothing). None: 0 if energy is given, else
+        moment . Omega + force . velocity.
+    outputs: further quantities that can be watched -> expression or several.
+    switches: ((time, {name: value}), ...): parameters (as `context.parameter` named them) or
+        states that change at exact times.
+    constraint: the velocities that it leaves.
+    replaces: state -> rate, in place of what is worked out: for laws that are no mechanics.
+    stop: the motion stops where this falls through zero.
+    """
+
+    moment: Triple | None = None
+    force: Triple | None = None
+    momentum: Triple | None = None
+    inertia: tuple[Triple, Triple, Triple] | None = None
+    states: Mapping[str, Expression] = field(default_factory=dict)
+    start: Mapping[str, Any] = field(default_factory=dict)
+    energy: Expression | None = None
+    power: Expression | None = None
+    outputs: Mapping[str, Any] = field(default_factory=dict)
+    switches: tuple[Switch, ...] = ()
+    constraint: Constraint | None = None
+    replaces: Mapping[str, Expression] = field(default_factory=dict)
+    stop: Expression | None = None
+
+
+@dataclass(frozen=True)
+class Effect:
+    """Outline of an effect: a frozen dataclass whose fields are its numbers, with their units.
+
+    key: how files and dotted paths call it ("gravity").
+    title: one line for tables.
+    several: whether a scene may have more than one of the kind.
+    excludes: keys of effects that contradict it.
+
+    Examples
+    --------
+    >>> from geomtorsion.scenes.effects import Gravity
+    >>> Gravity.key, Gravity.units(), sorted(Gravity(9.81).needs())
+    ('gravity', {'g': 'm/s^2'}, ['position'])
+    """
+
+    key: ClassVar[str] = ""
+    title: ClassVar[str] = ""
+    several: ClassVar[bool] = False
+    excludes: ClassVar[frozenset[str]] = frozenset()
+
+    def adds(self, context: Context) -> Contribution:
+        """What it adds to the equations, in the symbols of the context."""
+        raise NotImplementedError
+
+    def needs(self, body: Body | None = None) -> frozenset[str]:
+        """Groups of states that its contribution depends on, read off the expressions.
+
+        Some of "omega", "vertical", "attitude", "position", "velocity", "time".
+        """
+        from geomtorsion.scenes.body import Body
+        from geomtorsion.scenes.context import Context, groups_in
+
+        context = Context(body or Body(mass=1.0, moments=(2, 3, 4)))
+        return groups_in(context, self.adds(context))
+
+    @classmethod
+    def units(cls) -> dict[str, str]:
+        """Field -> unit (SI); "" for pure numbers; fields that are no quantities are left out."""
+        return {item.name: item.metadata["unit"] for item in fields(cls) if "unit" in item.metadata}
+
+
+def quantity(unit: str, default: Any = MISSING) -> Any:
+    """A dataclass field that is a number, or several, in this unit."""
+    if default is MISSING:
+        return field(metadata={"unit": unit})
+    return field(default=default, metadata={"unit": unit})

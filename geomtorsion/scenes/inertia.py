@@ -1,0 +1,180 @@
+"""Inertia: tensors that a body can have, their principal axes, and those of simple shapes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import BodyError
+
+if TYPE_CHECKING:
+    import numpy as np
+
+# A plate has A + B = C; rounding may leave it this much (relative to C) on the wrong side.
+ROUNDING = 1e-12
+
+
+def positive(value: Any, name: str, unit: str) -> Any:
+    """A positive finite number, as it came."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise BodyError(f"{name} = {value!r} is no number; give it in {unit}.") from None
+    if isinstance(value, bool) or not (math.isfinite(number) and number > 0):
+        raise BodyError(f"{name} = {value!r}: a positive number ({unit}) was needed.")
+    return value
+
+
+def checked_moments(moments: Any) -> tuple[Any, Any, Any]:
+    """Three principal moments that some body can have."""
+    try:
+        values = tuple(moments)
+    except TypeError:
+        values = (moments,)
+    if len(values) != 3:
+        raise BodyError(
+            f"moments = {moments!r}: three principal moments of inertia (kg m^2) were needed."
+        )
+    for k, value in enumerate(values):
+        positive(value, f"moments[{k}]", "kg m^2")
+    check_triangle([float(v) for v in values], "moments")
+    return values
+
+
+def checked_tensor(inertia: Any) -> tuple[tuple[Any, ...], ...]:
+    """A symmetric 3 x 3 tensor, positive, that some body can have."""
+    import numpy as np
+
+    try:
+        matrix = np.array(inertia, dtype=float)
+    except (TypeError, ValueError):
+        matrix = np.empty(0)
+    if matrix.shape != (3, 3):
+        raise BodyError(f"inertia = {inertia!r}: 3 rows of 3 numbers (kg m^2) were needed.")
+    if not np.isfinite(matrix).all():
+        raise BodyError(f"inertia contains a number that is not finite: {matrix.tolist()}.")
+    if np.abs(matrix - matrix.T).max() > ROUNDING * np.abs(matrix).max():
+        i, j = np.unravel_index(int(np.abs(matrix - matrix.T).argmax()), (3, 3))
+        raise BodyError(
+            f"inertia is not symmetric: [{i}][{j}] = {matrix[i, j]:.6g}, "
+            f"[{j}][{i}] = {matrix[j, i]:.6g}. Give the same value twice."
+        )
+    moments = np.linalg.eigvalsh(matrix)
+    if moments[0] <= 0:
+        raise BodyError(
+            f"inertia has the principal moments {_listed(moments)}: all must be positive. "
+            "Products of inertia enter with a minus sign: I12 = -sum m x y."
+        )
+    check_triangle(moments.tolist(), "inertia")
+    rows = [list(row) for row in inertia]
+    # One of two values that differ by rounding is as good as the other: the upper one is kept.
+    return tuple(tuple(rows[min(i, j)][max(i, j)] for j in range(3)) for i in range(3))
+
+
+def check_triangle(moments: Sequence[float], what: str) -> None:
+    """The largest moment is at most the sum of the others: I1 + I2 - I3 = 2 sum m z^2 >= 0."""
+    small, middle, large = sorted(moments)
+    if large > (small + middle) + ROUNDING * large:
+        raise BodyError(
+            f"{what}: principal moments {_listed(moments)} are impossible, for "
+            f"{large:.6g} > {small:.6g} + {middle:.6g}. No distribution of mass has them; "
+            "the largest may be at most the sum of the other two."
+        )
+
+
+def principal(tensor: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Principal moments, rising, and their axes as columns of a rotation matrix.
+
+    A tensor that is diagonal already keeps its axes (in the order of rising moments).
+    """
+    import numpy as np
+
+    matrix = np.asarray(tensor, dtype=float)
+    if np.count_nonzero(matrix - np.diag(np.diagonal(matrix))) == 0:
+        order = np.argsort(np.diagonal(matrix), kind="stable")
+        moments, axes = np.diagonal(matrix)[order], np.eye(3)[:, order]
+    else:
+        moments, axes = np.linalg.eigh(matrix)
+    if np.linalg.det(axes) < 0:
+        axes = axes * np.array([1.0, 1.0, -1.0])
+    return moments, axes
+
+
+def box(mass: Any, sides: Sequence[Any]) -> tuple[Any, ...]:
+    """Moments of a homogeneous box: I1 = m (b^2 + c^2) / 12 and so on."""
+    m, (a, b, c) = _exact(mass), _three(sides, "sides")
+    return _plain(m * (b * b + c * c) / 12, m * (c * c + a * a) / 12, m * (a * a + b * b) / 12)
+
+
+def ellipsoid(mass: Any, semiaxes: Sequence[Any]) -> tuple[Any, ...]:
+    """Moments of a homogeneous ellipsoid: I1 = m (b^2 + c^2) / 5 and so on."""
+    m, (a, b, c) = _exact(mass), _three(semiaxes, "semiaxes")
+    return _plain(m * (b * b + c * c) / 5, m * (c * c + a * a) / 5, m * (a * a + b * b) / 5)
+
+
+def cylinder(mass: Any, radius: Any, height: Any) -> tuple[Any, ...]:
+    """Moments of a homogeneous cylinder about the third axis; height 0 is a disc."""
+    m, r = _exact(mass), _exact(positive(radius, "radius", "m"))
+    try:
+        h = _exact(height)
+    except (TypeError, ValueError, OverflowError):
+        h = Fraction(-1)
+    if h < 0:
+        raise BodyError(f"height = {height!r}: a positive number (m), or 0 for a disc, was needed.")
+    across = m * (3 * r * r + h * h) / 12
+    return _plain(across, across, m * r * r / 2)
+
+
+def points(masses: Any) -> tuple[Any, tuple[tuple[Any, ...], ...], tuple[Any, ...]]:
+    """Total mass, inertia tensor about the centre of mass, and that centre, of point masses."""
+    try:
+        listed = [(m, tuple(place)) for m, place in masses]
+    except (TypeError, ValueError):
+        raise BodyError(
+            f"points = {masses!r}: a list of (mass, (x, y, z)) was needed, kg and m."
+        ) from None
+    if not listed or any(len(place) != 3 for _, place in listed):
+        raise BodyError("points: at least one (mass, (x, y, z)) was needed, each with 3 numbers.")
+    try:
+        weights = [_exact(positive(m, f"mass {k}", "kg")) for k, (m, _) in enumerate(listed)]
+        places = [tuple(_exact(x) for x in place) for _, place in listed]
+    except (TypeError, OverflowError) as problem:
+        raise BodyError(f"points: finite numbers were needed ({problem}).") from None
+    total = sum(weights, Fraction(0))
+    centre = [sum((m * p[k] for m, p in zip(weights, places, strict=True)), Fraction(0)) / total
+              for k in range(3)]  # fmt: skip
+    tensor = [[Fraction(0)] * 3 for _ in range(3)]
+    for m, place in zip(weights, places, strict=True):
+        d = [x - c for x, c in zip(place, centre, strict=True)]
+        square = sum(x * x for x in d)
+        for i in range(3):
+            for j in range(3):
+                tensor[i][j] += m * ((square if i == j else 0) - d[i] * d[j])
+    rows = tuple(_plain(*row) for row in tensor)
+    return float(total), rows, _plain(*centre)
+
+
+def _three(values: Any, name: str) -> list[Fraction]:
+    """Three positive lengths."""
+    try:
+        listed = list(values)
+    except TypeError:
+        listed = [values]
+    if len(listed) != 3:
+        raise BodyError(f"{name} = {values!r}: three lengths (m) were needed.")
+    return [_exact(positive(v, f"{name}[{k}]", "m")) for k, v in enumerate(listed)]
+
+
+def _exact(value: Any) -> Fraction:
+    """A number as a fraction, so that equal sides give equal moments."""
+    return value if isinstance(value, Fraction) else Fraction(float(value))
+
+
+def _plain(*values: Fraction) -> tuple[float, ...]:
+    return tuple(float(v) for v in values)
+
+
+def _listed(values: Any) -> str:
+    return ", ".join(f"{float(v):.6g}" for v in values)
