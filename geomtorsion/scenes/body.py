@@ -35,10 +35,9 @@ class Body:
     [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 3.0]]
     >>> Body.box(12.0, (1, 2, 3)).moments
     (13.0, 10.0, 5.0)
-    >>> Body(mass=1.0, moments=(1, 2, 4))
+    >>> Body(mass=1.0, moments=(1, 2, -4))
     Traceback (most recent call last):
-    geomtorsion.errors.BodyError: moments: principal moments 1, 2, 4 are impossible, for 4 > 1 + 2. \
-No distribution of mass has them; the largest may be at most the sum of the other two.
+    geomtorsion.errors.BodyError: moments[2] = -4: a positive number (kg m^2) was needed.
     """
 
     mass: Any = 1.0

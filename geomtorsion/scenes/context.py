@@ -119,9 +119,7 @@ class Context:
     def _free(self, name: str) -> None:
         """Take a name, once."""
         if name in self._taken:
-            raise SceneError(
-                f"the name {name!r} stands for something else already. Choose another."
-            )
+            raise SceneError(f"the name {name!r} is taken already. Choose another.")
         self._taken.add(name)
 
     def _inertia(self) -> Any:

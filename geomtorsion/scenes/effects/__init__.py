@@ -3,7 +3,7 @@
 from geomtorsion.scenes.effects.drift import Drift
 from geomtorsion.scenes.effects.gravity import Gravity
 from geomtorsion.scenes.effects.pivot import Pivot
-from geomtorsion.scenes.effects.protocol import Constraint, Contribution, Effect, quantity
+from geomtorsion.scenes.effects.protocol import Constraint, Contribution, Effect, unit
 from geomtorsion.scenes.effects.spin import Spin
 
 # A new effect is one file, and one line here.
@@ -23,5 +23,5 @@ __all__ = [
     "Gravity",
     "Pivot",
     "Spin",
-    "quantity",
+    "unit",
 ]

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from geomtorsion.scenes.effects.protocol import Contribution, Effect, quantity
+from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
 
 if TYPE_CHECKING:
     from geomtorsion.scenes.context import Context
@@ -35,7 +35,7 @@ class Gravity(Effect):
     key: ClassVar[str] = "gravity"
     title: ClassVar[str] = "uniform gravity, downwards"
 
-    g: Any = quantity("m/s^2", 9.81)
+    g: Any = field(default=9.81, metadata=unit("m/s^2"))
 
     def adds(self, context: Context) -> Contribution:
         """A force at the centre of mass, with its potential."""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import sympy as sp
 
 from geomtorsion.errors import SceneError
-from geomtorsion.scenes.effects.protocol import Constraint, Contribution, Effect, quantity
+from geomtorsion.scenes.effects.protocol import Constraint, Contribution, Effect, unit
 
 if TYPE_CHECKING:
     from geomtorsion.scenes.context import Context
@@ -51,8 +51,8 @@ class Pivot(Effect):
     title: ClassVar[str] = "one point of the body is held"
     excludes: ClassVar[frozenset[str]] = frozenset({"drift", "rolling", "knife_edge"})
 
-    arm: Sequence[Any] = quantity("m")
-    place: Sequence[Any] = quantity("m", (0, 0, 0))
+    arm: Sequence[Any] = field(metadata=unit("m"))
+    place: Sequence[Any] = field(default=(0, 0, 0), metadata=unit("m"))
     moments_at: str = "centre"
 
     def __post_init__(self) -> None:

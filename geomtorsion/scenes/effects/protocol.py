@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, field, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, ClassVar
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ class Contribution:
     moment: Triple | None = None
     force: Triple | None = None
     momentum: Triple | None = None
-    inertia: tuple[Triple, Triple, Triple] | None = None
+    inertia: Sequence[Sequence[Expression]] | None = None
     states: Mapping[str, Expression] = field(default_factory=dict)
     start: Mapping[str, Any] = field(default_factory=dict)
     energy: Expression | None = None
@@ -82,7 +82,7 @@ class Contribution:
 
 @dataclass(frozen=True)
 class Effect:
-    """Outline of an effect: a frozen dataclass whose fields are its numbers, with their units.
+    """Outline of an effect: a frozen dataclass; its fields are numbers with units (`unit`).
 
     key: how files and dotted paths call it ("gravity").
     title: one line for tables.
@@ -122,8 +122,6 @@ class Effect:
         return {item.name: item.metadata["unit"] for item in fields(cls) if "unit" in item.metadata}
 
 
-def quantity(unit: str, default: Any = MISSING) -> Any:
-    """A dataclass field that is a number, or several, in this unit."""
-    if default is MISSING:
-        return field(metadata={"unit": unit})
-    return field(default=default, metadata={"unit": unit})
+def unit(text: str) -> dict[str, str]:
+    """Metadata of a dataclass field whose numbers are in this unit: field(metadata=unit("m"))."""
+    return {"unit": text}
