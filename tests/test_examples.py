@@ -9,7 +9,10 @@ from pathlib import Path
 
 import pytest
 
-EXAMPLES = sorted((Path(__file__).parent.parent / "examples").glob("*.py"))
+FOLDER = Path(__file__).parent.parent / "examples"
+EXAMPLES = sorted(FOLDER.glob("*.py"))
+SCENES = sorted((FOLDER / "scenes").glob("*.py"))
+ALL = [*EXAMPLES, *SCENES]
 EXPECTED = 9
 
 
@@ -27,12 +30,12 @@ def run(path: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
         text=True,
         timeout=60,
         check=False,
-        cwd=path.parent.parent,
+        cwd=FOLDER.parent,
         env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
     )
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", ALL, ids=lambda path: path.stem)
 def test_example_runs(path):
     """It prints something, warns of nothing and ends with code 0."""
     done = run(path)
@@ -41,7 +44,7 @@ def test_example_runs(path):
     assert not done.stderr
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", ALL, ids=lambda path: path.stem)
 def test_example_is_a_lesson(path, monkeypatch, capsys):
     """Each has a docstring, main(), a command line and an assertion in main."""
     text = path.read_text(encoding="utf-8")
