@@ -2,5 +2,6 @@
 
 from geomtorsion.scenes import effects
 from geomtorsion.scenes.body import Body
+from geomtorsion.scenes.state import State
 
-__all__ = ["Body", "effects"]
+__all__ = ["Body", "State", "effects"]

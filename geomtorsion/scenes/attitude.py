@@ -1,0 +1,299 @@
+"""Attitude: quaternions, matrices and Euler angles of all 24 conventions, one into another.
+
+Quaternions are (q0, q1, q2, q3), scalar first; q and the matrix R map body to space. Arrays may
+have any leading shape. Conventions are named as in scipy: three small letters turn about space
+axes in the order written, three capitals about body axes. The paper's angles (phi1, phi2, phi3),
+R = Rz(phi3) Ry(phi2) Rz(phi1), are "zyz".
+"""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import ShapeError, StartError, UnknownNameError
+
+if TYPE_CHECKING:
+    import numpy as np
+
+PAPER = "zyz"
+_SMALL = tuple(
+    "".join(letters) for letters in product("xyz", repeat=3)
+    if letters[0] != letters[1] != letters[2]
+)  # fmt: skip
+CONVENTIONS: tuple[str, ...] = (*_SMALL, *(name.upper() for name in _SMALL))
+# Input that is this far from a unit quaternion or a rotation matrix is taken for rounded.
+ROUNDED = 1e-6
+# Below this an angle at gimbal lock is made of rounding alone.
+LOCKED = 1e-14
+
+
+def checked_convention(name: Any) -> str:
+    """One of the 24 names; "paper" is "zyz".
+
+    Examples
+    --------
+    >>> checked_convention("paper"), len(CONVENTIONS)
+    ('zyz', 24)
+    """
+    if name == "paper":
+        return PAPER
+    if name in CONVENTIONS:
+        return str(name)
+    near = get_close_matches(str(name), CONVENTIONS, n=1, cutoff=0.3)
+    hint = f"Did you mean {near[0]!r}? " if near else ""
+    raise UnknownNameError(
+        f"there are no Euler angles called {name!r}. {hint}Three letters name the axes: small for "
+        'space axes in the order of the angles ("zyz", the paper\'s), capitals for body axes.'
+    )
+
+
+def matrix_from_quaternion(quaternion: Any) -> np.ndarray:
+    """R of shape (..., 3, 3) from q of shape (..., 4), of any length but 0.
+
+    Examples
+    --------
+    >>> matrix_from_quaternion([1, 0, 0, 0]).tolist()
+    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    """
+    import numpy as np
+
+    q = _array(quaternion, (4,), "quaternion")
+    w, x, y, z = np.moveaxis(q / np.linalg.norm(q, axis=-1, keepdims=True), -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(row, -1) for row in rows], -2)
+
+
+def quaternion_from_matrix(matrix: Any) -> np.ndarray:
+    """q of shape (..., 4), q0 >= 0, from R of shape (..., 3, 3).
+
+    The largest of the four components is found first, so that no sum cancels.
+
+    Examples
+    --------
+    >>> quaternion_from_matrix([[0, -1, 0], [1, 0, 0], [0, 0, 1]]).round(12).tolist()
+    [0.707106781187, 0.0, 0.0, 0.707106781187]
+    """
+    import numpy as np
+
+    r = _array(matrix, (3, 3), "matrix")
+    d0, d1, d2 = r[..., 0, 0], r[..., 1, 1], r[..., 2, 2]
+    plus = {(i, j): r[..., i, j] + r[..., j, i] for i, j in ((0, 1), (0, 2), (1, 2))}
+    x, y, z = (
+        r[..., 2, 1] - r[..., 1, 2], r[..., 0, 2] - r[..., 2, 0], r[..., 1, 0] - r[..., 0, 1]
+    )  # fmt: skip
+    # Row k of the symmetric matrix 4 q q^T is proportional to q; the longest is the safest.
+    table = np.stack(
+        [
+            np.stack([1 + d0 + d1 + d2, x, y, z], -1),
+            np.stack([x, 1 + d0 - d1 - d2, plus[0, 1], plus[0, 2]], -1),
+            np.stack([y, plus[0, 1], 1 - d0 + d1 - d2, plus[1, 2]], -1),
+            np.stack([z, plus[0, 2], plus[1, 2], 1 - d0 - d1 + d2], -1),
+        ],
+        -2,
+    )
+    best = np.argmax(np.diagonal(table, axis1=-2, axis2=-1), axis=-1)
+    q = np.take_along_axis(table, best[..., None, None], axis=-2)[..., 0, :]
+    q = q / np.linalg.norm(q, axis=-1, keepdims=True)
+    return np.where(q[..., :1] < 0, -q, q) + 0.0
+
+
+def product_of(left: Any, right: Any) -> np.ndarray:
+    """Quaternion product: turn by `right` first, then by `left` (space axes)."""
+    import numpy as np
+
+    a, b = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
+    v, w = a[..., 1:], b[..., 1:]
+    scalar = a[..., :1] * b[..., :1] - (v * w).sum(-1, keepdims=True)
+    return np.concatenate([scalar, a[..., :1] * w + b[..., :1] * v + np.cross(v, w)], axis=-1)
+
+
+def quaternion_from_euler(angles: Any, convention: str = PAPER) -> np.ndarray:
+    """q of shape (..., 4) from angles of shape (..., 3), rad.
+
+    Examples
+    --------
+    >>> quaternion_from_euler([0, 0.2, 0]).round(6).tolist()  # phi2 tilts about y
+    [0.995004, 0.0, 0.099833, 0.0]
+    """
+    import numpy as np
+
+    name = checked_convention(convention)
+    turns = _array(angles, (3,), "angles")
+    order = [0, 1, 2] if name.islower() else [2, 1, 0]
+    q = np.zeros((*turns.shape[:-1], 4))
+    q[..., 0] = 1.0
+    for k in order:
+        step = np.zeros_like(q)
+        step[..., 0] = np.cos(turns[..., k] / 2)
+        step[..., 1 + "xyz".index(name.lower()[k])] = np.sin(turns[..., k] / 2)
+        q = product_of(step, q)
+    return q
+
+
+def euler_from_quaternion(
+    quaternion: Any, convention: str = PAPER, *, continuous: bool = False
+) -> np.ndarray:
+    """Angles of shape (..., 3), rad, from q of shape (..., 4); accurate at gimbal lock too.
+
+    The middle angle is in [0, pi] ("zyz" and its like) or [-pi/2, pi/2] ("xyz" and its like), the
+    others in (-pi, pi]. Where they are locked, only their sum or difference means something: they
+    keep the part that is lost from the attitude before (or after) in the array, else the third
+    angle is 0.
+
+    Equation
+    --------
+    phi2 = 2 atan2(|(q1, q2)|, |(q0, q3)|), phi3 + phi1 = 2 atan2(q3, q0), and likewise in the
+    other conventions (Bernardes and Viollet 2022)
+
+    Parameters
+    ----------
+    continuous
+        first and third angle go on beyond pi along the first axis, without jumps by 2 pi.
+
+    Examples
+    --------
+    >>> euler_from_quaternion(quaternion_from_euler([0.1, 1e-9, 0.2])).round(12).tolist()
+    [0.1, 1e-09, 0.2]
+    """
+    import numpy as np
+
+    name = checked_convention(convention)
+    q = _array(quaternion, (4,), "quaternion")
+    i, j, k = ("xyz".index(c) for c in (name if name.islower() else name[::-1].lower()))
+    proper = i == k
+    k = 3 - i - j if proper else k
+    sign = (i - j) * (j - k) * (k - i) // 2
+    w, x, y, z = q[..., 0], q[..., 1 + i], q[..., 1 + j], sign * q[..., 1 + k]
+    a, b, c, d = (w, x, y, z) if proper else (w - y, x + z, y + w, z - x)
+    near, far = np.hypot(a, b), np.hypot(c, d)
+    middle = 2 * np.arctan2(far, near)
+    size = LOCKED * np.hypot(near, far)
+    half_sum = _kept(np.arctan2(b, a), near <= size)
+    half_difference = _kept(np.arctan2(d, c), far <= size)
+    half_sum = np.where(np.isnan(half_sum), -half_difference, half_sum)
+    half_difference = np.where(np.isnan(half_difference), -half_sum, half_difference)
+    first, third = half_sum - half_difference, half_sum + half_difference
+    if not proper:
+        third, middle = sign * third, middle - np.pi / 2
+    # -pi and rounding beyond it count as pi.
+    first, third = (np.pi - np.mod(np.pi - angle, 2 * np.pi) for angle in (first, third))
+    if continuous and q.ndim > 1:
+        first, third = np.unwrap(first, axis=0), np.unwrap(third, axis=0)
+    found = (first, middle, third) if name.islower() else (third, middle, first)
+    return np.stack(found, -1) + 0.0
+
+
+def matrix_from_euler(angles: Any, convention: str = PAPER) -> np.ndarray:
+    """R of shape (..., 3, 3) from angles of shape (..., 3), rad."""
+    return matrix_from_quaternion(quaternion_from_euler(angles, convention))
+
+
+def euler_from_matrix(
+    matrix: Any, convention: str = PAPER, *, continuous: bool = False
+) -> np.ndarray:
+    """Angles of shape (..., 3), rad, from R of shape (..., 3, 3)."""
+    return euler_from_quaternion(quaternion_from_matrix(matrix), convention, continuous=continuous)
+
+
+def euler_from_euler(angles: Any, given: str, wanted: str = PAPER) -> np.ndarray:
+    """Angles of one convention as those of another.
+
+    Examples
+    --------
+    >>> euler_from_euler([0.1, 0.2, 0.3], "xyz", "ZYX").round(12).tolist()
+    [0.3, 0.2, 0.1]
+    """
+    return euler_from_quaternion(quaternion_from_euler(angles, given), wanted)
+
+
+def checked_quaternion(quaternion: Any) -> np.ndarray:
+    """A unit quaternion, shape (4,); rounding in the input is taken out.
+
+    Raises
+    ------
+    StartError
+        it is 0, not finite, or not of unit length.
+    """
+    import numpy as np
+
+    q = _numbers(quaternion, (4,), "quaternion", "four numbers, scalar first")
+    length = float(np.linalg.norm(q))
+    if length == 0:
+        raise StartError("the quaternion is 0, which is no attitude. (1, 0, 0, 0) turns nothing.")
+    if abs(length - 1) > ROUNDED:
+        shown = ", ".join(f"{x:.9g}" for x in q / length)
+        raise StartError(
+            f"the quaternion has length {length:.9g}; an attitude has length 1. "
+            f"Divide by it: ({shown})."
+        )
+    return q / length
+
+
+def checked_matrix(matrix: Any) -> np.ndarray:
+    """The unit quaternion, shape (4,), of a rotation matrix; rounding is taken out.
+
+    Raises
+    ------
+    StartError
+        its columns are not orthonormal, or it is a reflection.
+    """
+    import numpy as np
+
+    r = _numbers(matrix, (3, 3), "matrix", "3 x 3 numbers, body to space")
+    excess = float(np.abs(r.T @ r - np.eye(3)).max())
+    if excess > ROUNDED:
+        raise StartError(
+            f"the attitude matrix is no rotation: R^T R differs from 1 by {excess:.3g}. "
+            "Its columns are the body axes in space: orthogonal, of length 1."
+        )
+    if np.linalg.det(r) < 0:
+        raise StartError(
+            "the attitude matrix is a reflection (its determinant is -1). Change the sign of a "
+            "column so that the body axes are right-handed."
+        )
+    left, _, right = np.linalg.svd(r)
+    return quaternion_from_matrix(left @ right)
+
+
+def _kept(angles: Any, lost: Any) -> Any:
+    """Angles, lost ones replaced by the one before (else after) along the first axis, else nan."""
+    import numpy as np
+
+    angles = np.where(lost, np.nan, angles)
+    if angles.ndim != 1 or not lost.any() or lost.all():
+        return angles
+    known = np.flatnonzero(~lost)
+    before = np.searchsorted(known, np.arange(len(angles)), "right") - 1
+    return angles[known[np.maximum(before, 0)]]
+
+
+def _array(values: Any, shape: tuple[int, ...], name: str) -> np.ndarray:
+    """An array of floats that ends in this shape."""
+    import numpy as np
+
+    array = np.asarray(values, dtype=float)
+    if array.shape[-len(shape) :] != shape:
+        wanted = ", ".join(["...", *map(str, shape)])
+        raise ShapeError(f"{name} has shape {array.shape}; ({wanted}) was needed.")
+    return array
+
+
+def _numbers(values: Any, shape: tuple[int, ...], name: str, wanted: str) -> np.ndarray:
+    """Finite numbers of this shape, as part of a start."""
+    import numpy as np
+
+    try:
+        array = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        array = np.empty(0)
+    if array.shape != shape:
+        raise StartError(f"{name} = {values!r}: {wanted} were needed.")
+    if not np.isfinite(array).all():
+        raise StartError(f"{name} = {values!r} contains a number that is not finite.")
+    return array

@@ -1,0 +1,100 @@
+"""State: where a body is, how it stands and how it moves, at the start of a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import StartError
+from geomtorsion.scenes import attitude
+from geomtorsion.scenes.context import exact
+
+if TYPE_CHECKING:
+    import numpy as np
+
+
+@dataclass(frozen=True)
+class State:
+    """The start of a motion. The attitude is given in one way, or not at all.
+
+    omega: angular velocity in body axes, rad/s.
+    euler: three angles, rad; by default the paper's (phi1, phi2, phi3), z-y-z,
+        R = Rz(phi3) Ry(phi2) Rz(phi1); other conventions by `euler_convention`.
+    quaternion: (q0, q1, q2, q3), scalar first, body to space, length 1.
+    matrix: 3 x 3 rotation, body to space.
+    position, velocity: of the centre of mass in space axes, m and m/s; 0 if not given.
+    euler_convention: one of 24 names, see `geomtorsion.scenes.attitude`.
+
+    Raises
+    ------
+    StartError
+        a number is not finite, there are too few or too many, or the attitude is none.
+    UnknownNameError
+        no convention is called so.
+
+    Examples
+    --------
+    >>> State(omega=(0, 0, 20), euler=(0, 0.3, 0)).attitude.round(6).tolist()
+    [0.988771, 0.0, 0.149438, 0.0]
+    >>> State(omega=(0, 0, 1), quaternion=(0, 0, 0, 0))
+    Traceback (most recent call last):
+    geomtorsion.errors.StartError: the quaternion is 0, which is no attitude. (1, 0, 0, 0) turns \
+nothing.
+    """
+
+    omega: Sequence[Any] | None = None
+    euler: Sequence[Any] | None = None
+    quaternion: Sequence[Any] | None = None
+    matrix: Any = None
+    position: Sequence[Any] | None = None
+    velocity: Sequence[Any] | None = None
+    euler_convention: str = attitude.PAPER
+
+    def __post_init__(self) -> None:
+        """Check, and keep tuples."""
+        name = attitude.checked_convention(self.euler_convention)
+        object.__setattr__(self, "euler_convention", name)
+        for key, unit in (
+            ("omega", "rad/s"), ("euler", "rad"), ("position", "m"), ("velocity", "m/s"),
+        ):  # fmt: skip
+            if getattr(self, key) is not None:
+                object.__setattr__(self, key, _three(getattr(self, key), key, unit))
+        given = [k for k in ("euler", "quaternion", "matrix") if getattr(self, k) is not None]
+        if len(given) > 1:
+            raise StartError(f"the attitude is given as {' and as '.join(given)}; give it once.")
+        if self.quaternion is not None:
+            attitude.checked_quaternion(self.quaternion)
+            object.__setattr__(self, "quaternion", tuple(self.quaternion))
+        if self.matrix is not None:
+            attitude.checked_matrix(self.matrix)
+            object.__setattr__(self, "matrix", tuple(tuple(row) for row in self.matrix))
+
+    @cached_property
+    def attitude(self) -> np.ndarray | None:
+        """The attitude as unit quaternion, shape (4,), body to space; None if not given."""
+        if self.quaternion is not None:
+            return attitude.checked_quaternion(self.quaternion)
+        if self.matrix is not None:
+            return attitude.checked_matrix(self.matrix)
+        if self.euler is not None:
+            angles = [float(x) for x in self.euler]
+            return attitude.quaternion_from_euler(angles, self.euler_convention)
+        return None
+
+
+def _three(values: Any, name: str, unit: str) -> tuple[Any, Any, Any]:
+    """Three finite numbers, as they came."""
+    try:
+        listed = tuple(values)
+    except TypeError:
+        listed = (values,)
+    if len(listed) != 3 or isinstance(values, str):
+        raise StartError(f"{name} = {values!r}: three numbers ({unit}) were needed.")
+    for k, value in enumerate(listed):
+        try:
+            exact(value, f"{name}[{k}]")
+        except ValueError as problem:
+            raise StartError(f"start: {problem}") from None
+    return listed

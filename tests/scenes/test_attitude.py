@@ -1,0 +1,135 @@
+"""Attitude: every convention against matrices multiplied out and against scipy, at the lock too."""
+
+import mpmath
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from geomtorsion.errors import ShapeError, StartError, UnknownNameError
+from geomtorsion.scenes import attitude as att
+
+ANGLES = np.random.default_rng(5).uniform(-3.1, 3.1, (40, 3))
+
+
+def turn(axis, angle):
+    """The matrix of a turn about one axis, multiplied out by hand."""
+    c, s = np.cos(angle), np.sin(angle)
+    matrix = np.eye(3)
+    i, j = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[axis]
+    matrix[i, i] = matrix[j, j] = c
+    matrix[j, i], matrix[i, j] = s, -s
+    return matrix
+
+
+def test_the_papers_angles():
+    """R = Rz(phi3) Ry(phi2) Rz(phi1), as READING has it; "zyz" and "paper" are it."""
+    for phi1, phi2, phi3 in ANGLES[:5]:
+        expected = turn("z", phi3) @ turn("y", phi2) @ turn("z", phi1)
+        for name in ("zyz", "paper"):
+            assert np.allclose(
+                att.matrix_from_euler([phi1, phi2, phi3], name), expected, atol=4e-16
+            )
+
+
+@pytest.mark.parametrize("name", att.CONVENTIONS)
+def test_all_conventions(name):
+    """Angles to matrix as multiplied out and as scipy has it; back to equal attitudes."""
+    assert len(set(att.CONVENTIONS)) == 24
+    matrices = att.matrix_from_euler(ANGLES, name)
+    for angles, matrix in zip(ANGLES, matrices, strict=True):
+        one, two, three = (turn(c, a) for c, a in zip(name.lower(), angles, strict=True))
+        by_hand = three @ two @ one if name.islower() else one @ two @ three
+        assert np.abs(matrix - by_hand).max() < 1e-15
+    assert np.abs(matrices - Rotation.from_euler(name, ANGLES).as_matrix()).max() < 2e-15
+    back = att.euler_from_matrix(matrices, name)
+    assert np.abs(back - Rotation.from_matrix(matrices).as_euler(name)).max() < 1e-12
+    assert np.abs(att.matrix_from_euler(back, name) - matrices).max() < 4e-15
+
+
+@pytest.mark.parametrize("name", ["zyz", "ZXZ", "xyz", "ZYX"])
+@pytest.mark.parametrize("gap", [0.0, 1e-300, 1e-17, 1e-12, 1e-8, 1e-3])
+@pytest.mark.parametrize("side", [0, 1])
+def test_near_the_lock(name, gap, side):
+    """The middle angle keeps its relative accuracy and the attitude is given back."""
+    proper = name[0] == name[2]
+    lock = side * np.pi if proper else (2 * side - 1) * np.pi / 2
+    middle = lock + gap * (1 - 2 * side)
+    angles = np.array([0.4, middle, 1.1])
+    q = att.quaternion_from_euler(angles, name)
+    back = att.euler_from_quaternion(q, name)
+    assert np.abs(att.matrix_from_euler(back, name) - att.matrix_from_euler(angles, name)).max() < (
+        1e-15
+    )
+    if proper and side == 0:
+        assert back[1] == pytest.approx(gap, rel=1e-14, abs=0)
+        if gap > 1e-13:
+            assert np.allclose(back, angles, atol=1e-14 / max(gap, 1e-2))
+
+
+def test_middle_angle_in_thirty_digits():
+    """phi2 of a quaternion near the lock against mpmath: no arc cosine, no loss."""
+    q = att.quaternion_from_euler([0.3, 1e-7, 0.2])
+    with mpmath.workdps(40):
+        w, x, y, z = (mpmath.mpf(float(v)) for v in q)
+        true = 2 * mpmath.atan2(mpmath.hypot(x, y), mpmath.hypot(w, z))
+    assert abs(float(att.euler_from_quaternion(q)[1] - true)) < 1e-22
+
+
+def test_angles_go_on_without_jumps():
+    """A top that spins ten turns: the continuous angles count them, the others do not."""
+    spin = np.linspace(0, 20 * np.pi, 501)
+    angles = np.stack([spin, 0.4 + 0 * spin, -0.5 * spin], -1)
+    q = att.quaternion_from_euler(angles)
+    assert np.abs(att.euler_from_quaternion(q, continuous=True) - angles).max() < 1e-12
+    assert np.abs(att.euler_from_quaternion(q)).max() <= np.pi
+
+
+def test_through_the_lock_in_a_series():
+    """Samples exactly at the lock take the lost angle from their neighbours, not from rounding."""
+    tilt = np.linspace(-0.2, 0.2, 5)
+    q = att.quaternion_from_euler(np.stack([0.3 + 0 * tilt, tilt, 0.9 + 0 * tilt], -1))
+    found = att.euler_from_quaternion(q)
+    assert tilt[2] == 0
+    assert np.allclose(found[2], found[1] * [1, 0, 1], atol=1e-15)
+
+
+def test_quaternions_of_half_turns():
+    """Where the scalar part vanishes each component can be the largest."""
+    for axis in np.vstack([np.eye(3), np.ones(3) / np.sqrt(3)]):
+        matrix = 2 * np.outer(axis, axis) - np.eye(3)
+        q = att.quaternion_from_matrix(matrix)
+        assert np.abs(att.matrix_from_quaternion(q) - matrix).max() < 1e-15
+        assert abs(np.linalg.norm(q) - 1) < 3e-16
+    many = Rotation.random(300, random_state=1)
+    q = att.quaternion_from_matrix(many.as_matrix())
+    assert np.abs(q - many.as_quat(canonical=True, scalar_first=True)).max() < 2e-15
+
+
+def test_bad_attitudes():
+    """Each is refused with what came and what to do."""
+    with pytest.raises(StartError, match="is 0, which is no attitude"):
+        att.checked_quaternion([0, 0, 0, 0])
+    with pytest.raises(StartError, match="length 2; .* Divide by it: \\(1, 0, 0, 0\\)"):
+        att.checked_quaternion([2, 0, 0, 0])
+    with pytest.raises(StartError, match="not finite"):
+        att.checked_quaternion([np.nan, 0, 0, 0])
+    with pytest.raises(StartError, match="reflection"):
+        att.checked_matrix(-np.eye(3))
+    with pytest.raises(StartError, match="differs from 1 by 0.21"):
+        att.checked_matrix(np.diag([1.1, 1, 1]))
+    with pytest.raises(StartError, match="3 x 3 numbers"):
+        att.checked_matrix([[1, 2], [3, 4]])
+    with pytest.raises(UnknownNameError, match="'zzy'.*Did you mean"):
+        att.euler_from_quaternion([1, 0, 0, 0], "zzy")
+    with pytest.raises(ShapeError, match="shape \\(3,\\)"):
+        att.matrix_from_quaternion([1, 0, 0])
+
+
+def test_rounded_input_is_normalised():
+    """Seven printed digits are good enough and come out as a rotation to the last place."""
+    q = att.checked_quaternion([0.7071068, 0, 0.7071068, 0])
+    assert abs(np.linalg.norm(q) - 1) < 3e-16
+    matrix = np.round(att.matrix_from_euler([0.1, 0.2, 0.3]), 7)
+    r = att.matrix_from_quaternion(att.checked_matrix(matrix))
+    assert np.abs(r.T @ r - np.eye(3)).max() < 5e-16
+    assert np.abs(r - matrix).max() < 1e-7
