@@ -26,10 +26,10 @@ from geomtorsion.geometry import (
 # Imported when first asked for, so that geometry alone starts as fast as sympy does.
 _LATER = {
     "motion": (
-        "Atlas", "Bundle", "Change", "Chart", "Connecting", "Engine", "Problem", "RungeKutta",
-        "Solution", "Stiff", "Taylor", "autoparallel", "connecting", "distance_apart",
-        "exponential_map", "geodesic", "geodesic_deviation", "holonomy", "parallel_transport",
-        "solve", "solve_many",
+        "Atlas", "Bundle", "Change", "Chart", "Connecting", "Engine", "Flow", "FlowSolution",
+        "Problem", "RungeKutta", "Solution", "Stiff", "Taylor", "autoparallel", "connecting",
+        "distance_apart", "exponential_map", "flow", "geodesic", "geodesic_deviation", "holonomy",
+        "parallel_transport", "solve", "solve_many",
     ),
     "loops": (
         "BurgersMap", "BurgersVector", "Defect", "Development", "DislocationNetwork", "EdgeList",

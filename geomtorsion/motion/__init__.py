@@ -8,13 +8,14 @@ from geomtorsion.motion.curves import (
     geodesic_deviation,
     parallel_transport,
 )
+from geomtorsion.motion.dispatch import solve
 from geomtorsion.motion.engines import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.motion.exponential import exponential_map, holonomy
+from geomtorsion.motion.flows import Flow, FlowMoment, FlowSolution, flow
 from geomtorsion.motion.problem import Problem
 from geomtorsion.motion.recorded import Recorded
 from geomtorsion.motion.shooting import Connecting, connecting
 from geomtorsion.motion.solution import Cost, Moment, Solution, distance_apart
-from geomtorsion.motion.solving import solve
 
 __all__ = [
     "Atlas",
@@ -24,6 +25,9 @@ __all__ = [
     "Connecting",
     "Cost",
     "Engine",
+    "Flow",
+    "FlowMoment",
+    "FlowSolution",
     "Moment",
     "Problem",
     "Recorded",
@@ -35,6 +39,7 @@ __all__ = [
     "connecting",
     "distance_apart",
     "exponential_map",
+    "flow",
     "geodesic",
     "geodesic_deviation",
     "holonomy",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import AccuracyError, ChartEdgeError, TimeError
@@ -83,7 +83,7 @@ def solve(
             return solution
     raise AccuracyError(
         f"accuracy {accuracy:.3g} was asked for; {_tried(spent)} gets to {best:.2g}. "
-        + _remedy(engine)
+        + remedy(engine)
     )
 
 
@@ -128,10 +128,17 @@ def candidates(
     problem: Problem, times: Any, accuracy: float, engine: Engine | None
 ) -> Iterator[tuple[Engine, str]]:
     """Engines in the order in which to try them, each with the reason."""
+    return choices(lambda: _is_stiff(problem, times), accuracy, engine)
+
+
+def choices(
+    stiff: Callable[[], bool], accuracy: float, engine: Engine | None
+) -> Iterator[tuple[Engine, str]]:
+    """The same for equations of any kind; stiff is asked only where it matters."""
     if engine is not None:
         yield engine, "as asked"
         return
-    if _is_stiff(problem, times):
+    if stiff():
         yield Stiff(), "the equations are stiff at the start"
     if not is_available():
         if accuracy > 1e-13:
@@ -279,7 +286,8 @@ def _tried(spent: list[Journey]) -> str:
     return ", then ".join(names) or "no engine at hand"
 
 
-def _remedy(engine: Engine | None) -> str:
+def remedy(engine: Engine | None) -> str:
+    """What to do where an accuracy is not reached."""
     if engine is None and not is_available():
         return "Install heyoka (geomtorsion[fast]) for more digits, or ask for fewer."
     return "Ask for less, for a shorter time, or use Taylor(precision=113) or more."

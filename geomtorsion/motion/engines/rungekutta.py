@@ -122,7 +122,10 @@ def _scipy_run(
 
     rates = fresh()
     asked, tolerance = tolerance, max(tolerance, FLOOR)
-    scales = error_scales(system, y0, rates(times[0], y0), times[-1] - times[0])
+    span = times[-1] - times[0]
+    if method != "DOP853":
+        span = _settling(options["jac"](times[0], y0), span)
+    scales = error_scales(system, y0, rates(times[0], y0), span)
     ready = time.perf_counter()
     if times[0] == times[-1] or not np.isfinite(rates(times[0], y0)).all():
         stuck = times[0] != times[-1]
@@ -179,6 +182,16 @@ def _scipy_run(
         _transposed(found.sol) if dense else None,
         reason,
     )
+
+
+def _settling(jacobian: Any, duration: float) -> float:
+    """The time after which the fastest part has settled: rates do not last any longer."""
+    import numpy as np
+
+    if not np.isfinite(jacobian).all():
+        return duration
+    fastest = float(np.abs(np.linalg.eigvals(jacobian)).max())
+    return duration if fastest * abs(duration) < 1 else 1 / fastest
 
 
 def error_scales(system: System, y0: Any, rates: Any, duration: float) -> Any:

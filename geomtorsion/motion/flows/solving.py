@@ -1,0 +1,204 @@
+"""Solving flows: to the accuracy asked for, or an error that says what can be had."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from geomtorsion.errors import AccuracyError, StuckError
+from geomtorsion.motion.engines.protocol import Engine
+from geomtorsion.motion.flows.flow import Flow
+from geomtorsion.motion.flows.solution import FlowSolution
+from geomtorsion.motion.flows.travel import Leg, Trip, legs_of, travel, unit_rows
+from geomtorsion.motion.solution import Cost
+from geomtorsion.motion.solving import (
+    CAUTION,
+    MARGIN,
+    STIFF,
+    checked_accuracy,
+    checked_times,
+    choices,
+    remedy,
+    tolerances,
+)
+
+Progress = Callable[[float], None]
+Travel = Callable[[Engine, float], Trip]
+
+
+def solve_flow(
+    flow: Flow,
+    t: Any,
+    accuracy: float = 1e-10,
+    engine: Engine | None = None,
+    checkpoint: str | Path | None = None,
+    progress: Progress | None = None,
+) -> FlowSolution:
+    """Solve a flow; see `solve`."""
+    accuracy = checked_accuracy(accuracy)
+    times, grid = checked_times(t)
+    legs = legs_of(flow, float(grid[-1]))
+    learned = flow.system.__dict__.setdefault("_learned", {})
+
+    def go(solver: Engine, tolerance: float) -> Trip:
+        return travel(flow, solver, tolerance, grid, legs)
+
+    spent: list[Trip] = []
+    best = math.inf
+    for candidate, why in choices(lambda: is_stiff(flow, legs), accuracy, engine):
+        answer, witness, error = _refined(go, candidate, accuracy, spent, learned)
+        best = min(best, error)
+        if error <= accuracy or answer.outcome == "stuck":
+            solution = _solution(flow, times, accuracy, error, why, answer, witness, spent)
+            if not solution.complete:
+                raise StuckError(_stuck(solution), solution)
+            return solution
+    names = dict.fromkeys(trip.engine.name for trip in spent)
+    raise AccuracyError(
+        f"accuracy {accuracy:.3g} was asked for; {', then '.join(names) or 'no engine at hand'} "
+        f"gets to {best:.2g}. " + remedy(engine)
+    )
+
+
+def _refined(
+    go: Travel, engine: Engine, accuracy: float, spent: list[Trip], learned: dict[Any, float]
+) -> tuple[Trip, Trip, float]:
+    """Answer, witness and error of the first tolerance that is good enough, or of the last."""
+    key = (engine.name, round(math.log10(accuracy), 1))
+    steps = tolerances(learned.get(key, accuracy * MARGIN), engine.finest)
+    answer = before = go(engine, next(steps))
+    spent.append(answer)
+    error = math.inf
+    for tolerance in steps:
+        witness = go(engine, tolerance)
+        spent.append(witness)
+        error = max(CAUTION * difference(answer, witness), 2.0**-engine.precision)
+        if error <= accuracy:
+            learned[key] = answer.tolerance
+            return answer, witness, error
+        answer, before = witness, answer
+    return before, answer, error
+
+
+def difference(one: Trip, two: Trip) -> float:
+    """Largest difference of two trips, relative to the size of each block.
+
+    Where both were stopped, by when and where that was.
+    """
+    import numpy as np
+
+    flow = one.flow
+    count = min(one.count, two.count)
+    if not count or (one.outcome != two.outcome and "stopped" in (one.outcome, two.outcome)):
+        return math.inf
+    first, second = _rows(one, count), _rows(two, count)
+    worst = 0.0
+    if one.outcome == two.outcome == "stopped":
+        gap = abs(float(one.pieces[-1].run.reached - two.pieces[-1].run.reached))
+        worst = gap / abs(one.reached) if gap else 0.0
+    gaps = np.abs(first - second).max(axis=0)
+    if not np.isfinite(gaps).all():
+        return math.inf
+    sizes = np.maximum(np.abs(first).max(axis=0), np.abs([float(x) for x in flow.start]))
+    for block in flow.system.blocks:
+        index = [k for k in block if k < flow.size]
+        gap = float(gaps[index].max()) if index else 0.0
+        if gap > 0:
+            size = float(sizes[index].max())
+            worst = max(worst, gap / size if size > 0 else math.inf)
+    return worst
+
+
+def _rows(trip: Trip, count: int) -> Any:
+    """Samples of a trip, and where it was stopped."""
+    import numpy as np
+
+    states = np.asarray(trip.states)[:count]
+    if trip.outcome == "stopped":
+        last = np.asarray(trip.pieces[-1].run.last)[None, : trip.flow.size]
+        states = np.concatenate((states, last))
+    return unit_rows(trip.flow, states) if trip.engine.precision <= 64 else states
+
+
+def is_stiff(flow: Flow, legs: tuple[Leg, ...]) -> bool:
+    """Whether some direction decays much faster than the motion lasts; False if unknown."""
+    return any(
+        decay_rate(flow, leg) * abs(leg.end - leg.begin) > STIFF
+        for k, leg in enumerate(legs)
+        if k == 0 or leg.numbers is not legs[k - 1].numbers
+    )
+
+
+def decay_rate(flow: Flow, leg: Leg) -> float:
+    """The largest rate at which a neighbouring motion decays towards this one, at the start."""
+    import numpy as np
+
+    values = [float(x) for x in leg.numbers]
+    state = [float(x) for x in flow.start] + ([leg.begin] if flow.law.clock else [])
+    try:
+        matrix = flow.system.scalar_jacobian(values)(0.0, np.array(state))
+    except (ArithmeticError, ValueError):
+        return 0.0
+    return float(-np.linalg.eigvals(matrix).real.min()) if np.isfinite(matrix).all() else 0.0
+
+
+def _solution(
+    flow: Flow,
+    times: Any,
+    accuracy: float,
+    error: float,
+    why: str,
+    answer: Trip,
+    witness: Trip,
+    spent: list[Trip],
+) -> FlowSolution:
+    """The answer with what is known about it."""
+    import numpy as np
+
+    rows = np.asarray(answer.states)
+    if accuracy >= 2.0**-53:
+        rows = rows.astype(float)
+    skip = 1 if times[0] != 0 and len(rows) else 0
+    rows, reached = rows[skip:], times[: max(len(rows) - skip, 0)]
+    if answer.outcome == "stopped" and (not len(reached) or reached[-1] != answer.reached):
+        last = np.asarray(answer.pieces[-1].run.last)[None, : flow.size].astype(rows.dtype)
+        rows = np.concatenate((rows, last))
+        reached = np.concatenate((reached, [answer.reached]))
+    if rows.dtype == float:
+        rows = unit_rows(flow, rows)
+    cost = Cost(
+        answer.steps,
+        answer.evaluations,
+        sum(trip.compile_seconds for trip in spent),
+        answer.run_seconds,
+        sum(trip.run_seconds for trip in spent) - answer.run_seconds,
+    )
+    return FlowSolution(
+        flow,
+        reached,
+        rows,
+        accuracy,
+        error,
+        answer.engine.name,
+        why,
+        cost,
+        answer.outcome,
+        answer.reason,
+        answer,
+        witness,
+    )
+
+
+def _stuck(solution: FlowSolution) -> str:
+    """Where a motion got stuck, why, and what can be done."""
+    trip, names = solution.trip, solution.flow.states
+    last = [float(x) for x in list(trip.pieces[-1].run.last)[: len(names)]]
+    pairs = zip(names, last, strict=True)
+    place = ", ".join(f"{name} = {x:.6g}" for name, x in pairs if math.isfinite(x))
+    return (
+        f"the motion cannot go on at t = {trip.reached:.6g}, at {place}: {trip.reason}. Stop "
+        "earlier, or give stop=... for where it ends. What was computed is in the error's "
+        "`solution`."
+    )

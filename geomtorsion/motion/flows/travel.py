@@ -1,0 +1,202 @@
+"""Travel: one integration of a flow, piece by piece from switch to switch."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.motion.engines.protocol import Engine, Run
+from geomtorsion.motion.system import exact
+
+if TYPE_CHECKING:
+    from geomtorsion.motion.flows.flow import Flow
+
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Leg:
+    """What is to be integrated without a break.
+
+    begin, end: times; parameters: name -> number; numbers: those of the system.
+    jumps: state -> number, new values at the beginning.
+    """
+
+    begin: float
+    end: float
+    parameters: Mapping[str, Any]
+    numbers: Sequence[Any]
+    jumps: Mapping[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """One leg with what was computed.
+
+    start: the states at its beginning, of the engine's kind, as a list; clock included.
+    times, states: samples asked for, shapes (m,) and (m, size of the system).
+    """
+
+    leg: Leg
+    start: Sequence[Any]
+    run: Run
+    times: Any
+    states: Any
+
+
+@dataclass(frozen=True, eq=False)
+class Trip:
+    """Pieces in order, and how it ended: "done", "stopped" or "stuck"."""
+
+    flow: Flow
+    engine: Engine
+    tolerance: float
+    pieces: tuple[Piece, ...]
+    outcome: str
+    reason: str
+
+    @property
+    def count(self) -> int:
+        """Number of samples reached."""
+        return sum(len(piece.times) for piece in self.pieces)
+
+    @property
+    def steps(self) -> int:
+        """Steps of all pieces."""
+        return sum(piece.run.steps for piece in self.pieces)
+
+    @property
+    def evaluations(self) -> int:
+        """Evaluations of all pieces."""
+        return sum(piece.run.evaluations for piece in self.pieces)
+
+    @property
+    def compile_seconds(self) -> float:
+        """Time spent on compilation."""
+        return sum(piece.run.compile_seconds for piece in self.pieces)
+
+    @property
+    def run_seconds(self) -> float:
+        """Time spent on integration."""
+        return sum(piece.run.run_seconds for piece in self.pieces)
+
+    @property
+    def reached(self) -> float:
+        """The last time."""
+        return float(self.pieces[-1].run.reached)
+
+    @property
+    def states(self) -> Any:
+        """States at the samples, shape (m, size of the flow), of the engine's kind."""
+        import numpy as np
+
+        size = self.flow.size
+        parts = [piece.states[:, :size] for piece in self.pieces]
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+
+def legs_of(flow: Flow, end: float, breaks: Sequence[float] = ()) -> tuple[Leg, ...]:
+    """The flow from 0 to a last time, cut at switches and at other breaks."""
+    sign = -1.0 if end < 0 else 1.0
+    parameters = dict(flow.parameters)
+    table = {at: values for at, values in flow.switches if at == 0 or 0 < at * sign < end * sign}
+    cuts = sorted({0.0, *table, *breaks}, key=lambda at: at * sign)
+    found, names = [], flow.law.parameters
+    numbers = None
+    for k, begin in enumerate(cuts):
+        values = table.get(begin, {})
+        if numbers is None or any(name in values for name in names):
+            parameters = parameters | {name: values[name] for name in values if name in names}
+            numbers = flow.numbers_of(parameters)
+        jumps = {name: value for name, value in values.items() if name not in names}
+        last = cuts[k + 1] if k + 1 < len(cuts) else end
+        found.append(Leg(begin, last, parameters, numbers, jumps))
+    return tuple(found)
+
+
+def travel(
+    flow: Flow,
+    engine: Engine,
+    tolerance: float,
+    grid: Any,
+    legs: Sequence[Leg],
+    run_leg: Callable[..., Run] | None = None,
+) -> Trip:
+    """Follow a flow through the times of a grid from 0 on."""
+    import numpy as np
+
+    system, size = flow.system, flow.size
+    sign = -1.0 if legs[-1].end < 0 else 1.0
+    order = sign * grid
+    state: Sequence[Any] = list(flow.start)
+    pieces: list[Piece] = []
+    for k, leg in enumerate(legs):
+        start = list(state[:size])
+        for name, value in leg.jumps.items():
+            start[flow.states.index(name)] = value
+        for places in flow.unit_places:
+            _make_unit(start, places, engine)
+        if flow.law.clock:
+            start.append(leg.begin)
+        final = k + 1 == len(legs)
+        first = int(np.searchsorted(order, sign * leg.begin, "left"))
+        last = int(np.searchsorted(order, sign * leg.end, "right" if final else "left"))
+        inside = grid[first:last]
+        head = 0 if len(inside) and inside[0] == leg.begin else 1
+        times = np.concatenate(([leg.begin], inside)) if head else inside
+        if not final or times[-1] != leg.end:
+            times = np.concatenate((times, [leg.end]))
+        if run_leg is None:
+            run = engine.run(system, start, leg.numbers, times, tolerance)
+        else:
+            run = run_leg(k, engine, start, leg.numbers, times, tolerance)
+        count = min(len(run.times) - head, len(inside))
+        outcome = {"edge": "stopped"}.get(run.outcome, run.outcome)
+        pieces.append(
+            Piece(leg, start, run, inside[:count], np.asarray(run.states)[head : head + count])
+        )
+        if run.outcome != "done":
+            return Trip(flow, engine, tolerance, tuple(pieces), outcome, run.reason)
+        state = list(run.last)
+    return Trip(flow, engine, tolerance, tuple(pieces), "done", "")
+
+
+def _make_unit(state: list[Any], places: Sequence[int], engine: Engine) -> None:
+    """Bring some of the states to length one, to rounding at any precision."""
+    from geomtorsion.motion.system import mpf
+
+    values = [state[k] for k in places]
+    if engine.precision == 53:
+        import math
+
+        numbers = [float(value) for value in values]
+        length = math.hypot(*numbers)
+        scaled = [value / length for value in numbers]
+    elif all(exact(value) is not None and not isinstance(value, float) for value in values) and (
+        sum(exact(value) ** 2 for value in values) == 1  # type: ignore[operator]
+    ):
+        return
+    else:
+        import mpmath
+
+        bits = engine.precision + 20
+        with mpmath.workprec(bits):
+            exact_values = [mpf(value, bits) for value in values]
+            length = mpmath.sqrt(sum(value * value for value in exact_values))
+            scaled = [value / length for value in exact_values]
+    for place, value in zip(places, scaled, strict=True):
+        state[place] = value
+
+
+def unit_rows(flow: Flow, states: Any) -> Any:
+    """The states with those of length one made so, on arrays of doubles."""
+    import numpy as np
+
+    if not flow.unit_places or not len(states):
+        return states
+    states = states.copy()
+    for places in flow.unit_places:
+        part = states[:, places]
+        states[:, places] = part / np.sqrt((part * part).sum(axis=1))[:, None]
+    return states
