@@ -100,6 +100,18 @@ class ChartEdgeError(GeomtorsionError, ArithmeticError):
         self.solution: Any = solution
 
 
+class StuckError(GeomtorsionError, ArithmeticError):
+    """A flow cannot go on; `solution` holds everything computed so far, or None."""
+
+    def __init__(self, message: str, solution: Any = None) -> None:
+        super().__init__(message)
+        self.solution: Any = solution
+
+
+class CheckpointError(GeomtorsionError, ValueError):
+    """A checkpoint cannot be read, or is that of another run."""
+
+
 class EndpointError(GeomtorsionError, ArithmeticError):
     """No motion, or no unique one, leads from one point to another."""
 
@@ -122,3 +134,15 @@ class BodyError(GeomtorsionError, ValueError):
 
 class SceneError(GeomtorsionError, ValueError):
     """A scene contradicts itself or lacks something: effects, start, or what is watched."""
+
+
+class LagrangianError(GeomtorsionError, ValueError):
+    """A Lagrangian or force holds a symbol that means nothing here, or is no expression."""
+
+
+class KineticMatrixError(GeomtorsionError, ValueError):
+    """The kinetic matrix of a Lagrangian is singular: accelerations are not determined."""
+
+
+class ConstraintError(GeomtorsionError, ValueError):
+    """A constraint is not linear in the velocities, or follows from the others."""
