@@ -1,0 +1,174 @@
+"""scene film: a body turning and moving, as an animated picture."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import FileFormatError, MissingExtraError
+from geomtorsion.pictures.ink import SERIES, new_figure
+
+if TYPE_CHECKING:
+    import numpy as np
+
+FRAMES_PER_SECOND = 25
+MOST_FRAMES = 500
+FORMS = (".gif", ".mp4")
+FACES = ("#8fc1e3", "#f2b48a", "#9fd6bd")
+# Corners of a block, and its faces as corners in order round about.
+_CORNERS = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+_FACES = ((0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5))
+
+
+def block_sides(moments: Any) -> np.ndarray:
+    """Half sides of the block with these principal moments, the longest being 1.
+
+    Examples
+    --------
+    >>> block_sides([1.0, 1.0, 1.0]).tolist()
+    [1.0, 1.0, 1.0]
+    """
+    import numpy as np
+
+    inertia = np.asarray(moments, dtype=float)
+    squares = np.maximum(inertia.sum() / 2 - inertia, 0)
+    sides = np.sqrt(squares)
+    # What is thin in truth is drawn thick enough to be seen.
+    return np.maximum(sides / sides.max(), 0.08)
+
+
+def write_film(
+    path: Path,
+    times: Any,
+    matrices: Any,
+    positions: Any = None,
+    sides: Any = (1.0, 1.0, 1.0),
+    seconds: float = 8.0,
+    title: str = "",
+    progress: Callable[[float], object] = lambda _: None,
+) -> int:
+    """Write a film of a block that turns; return the number of frames.
+
+    Parameters
+    ----------
+    path
+        file to write, .gif or .mp4 (which needs ffmpeg).
+    times
+        shape (m,), equally spaced; the film shows them in `seconds`.
+    matrices
+        rotations from body to space, shape (m, 3, 3).
+    positions
+        places in space, shape (m, 3), or None: the block turns on the spot and axis 3 leaves a
+        trace.
+    sides
+        half sides of the block, longest 1.
+
+    Raises
+    ------
+    MissingExtraError
+        matplotlib is not installed, or ffmpeg for .mp4.
+    FileFormatError
+        the suffix is neither .gif nor .mp4.
+    """
+    import numpy as np
+
+    writer = _writer(path)
+    frames = int(min(max(seconds * FRAMES_PER_SECOND, 2), MOST_FRAMES, len(times)))
+    chosen = np.linspace(0, len(times) - 1, frames).round().astype(int)
+    turn = np.asarray(matrices, dtype=float)
+    clock = np.asarray(times, dtype=float)
+    figure = new_figure(4.6, 4.8)
+    # The frames are drawn one by one: a layout engine would make them jitter.
+    figure.set_layout_engine("none")
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    FigureCanvasAgg(figure)
+    axes: Any = figure.add_axes((0.0, 0.02, 1.0, 0.9), projection="3d")
+    scene = _Stage(axes, turn, positions, np.asarray(sides, dtype=float))
+    label = figure.text(0.5, 0.955, "", ha="center", fontsize=11)
+    partial = path.with_name(f".{path.name}{path.suffix}")
+    try:
+        with writer.saving(figure, str(partial), dpi=100):
+            for count, k in enumerate(chosen.tolist()):
+                scene.show(k)
+                label.set_text(f"{title}   t = {clock[k]:.3g} s".strip())
+                writer.grab_frame()
+                progress((count + 1) / frames)
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
+    return frames
+
+
+def _writer(path: Path) -> Any:
+    """The writer for a suffix."""
+    kind = path.suffix.lower()
+    if kind not in FORMS:
+        raise FileFormatError(f"{path.name}: a film is a .gif or an .mp4. Name it like that.")
+    try:
+        from matplotlib.animation import FFMpegWriter, PillowWriter
+    except ImportError:
+        raise MissingExtraError(
+            "films need matplotlib, which is not installed. Run `pip install geomtorsion[plots]`."
+        ) from None
+    if kind == ".gif":
+        return PillowWriter(fps=FRAMES_PER_SECOND)
+    if not FFMpegWriter.isAvailable():
+        raise MissingExtraError(
+            ".mp4 needs the program ffmpeg, which is not there. Install it, or write a .gif."
+        )
+    return FFMpegWriter(fps=FRAMES_PER_SECOND, bitrate=1800)
+
+
+class _Stage:
+    """The drawing that changes from frame to frame."""
+
+    def __init__(self, axes: Any, turn: np.ndarray, positions: Any, sides: np.ndarray) -> None:
+        import numpy as np
+        from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+        self.turn = turn
+        self.places = (
+            np.zeros((len(turn), 3)) if positions is None else np.asarray(positions, dtype=float)
+        )
+        span = float(np.ptp(self.places, axis=0).max())
+        self.size = 0.55 if span == 0 else 0.13 * span
+        self.corners = self.size * sides * np.array(_CORNERS, dtype=float)
+        self.axes = axes
+        self.block = Poly3DCollection(
+            [np.zeros((4, 3))] * 6, facecolors=[FACES[k // 2] for k in range(6)],
+            edgecolors="#1d2330", linewidths=0.8, alpha=0.92,
+        )  # fmt: skip
+        axes.add_collection3d(self.block)
+        (self.pin,) = axes.plot([], [], [], color="#1d2330", linewidth=2.0)
+        (self.trace,) = axes.plot([], [], [], color=SERIES[0].color, linewidth=1.2)
+        self.tips = self.places + (1.1 if span == 0 else 1.6 * self.size) * turn[:, :, 2]
+        self.path = self.tips if span == 0 else self.places
+        low, high = self.places.min(axis=0), self.places.max(axis=0)
+        centre, half = (low + high) / 2, 0.5 * span + (1.05 if span == 0 else 2 * self.size)
+        for setter, c in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), centre, strict=True):
+            setter(c - half, c + half)
+        axes.set_box_aspect((1, 1, 1), zoom=1.25)
+        axes.set_proj_type("ortho")
+        axes.view_init(elev=22.0, azim=-56.0)
+        axes.set_axis_off()
+        self._frame(centre, half)
+
+    def _frame(self, centre: np.ndarray, half: float) -> None:
+        """Faint axes of space, and the ground."""
+        import numpy as np
+
+        corner = centre - 0.75 * half
+        for k, letter in enumerate("xyz"):
+            end = corner + 0.5 * half * np.eye(3)[k]
+            self.axes.plot(*np.array([corner, end]).T, color="#8b9098", linewidth=1.2)
+            self.axes.text(*(corner + 0.6 * half * np.eye(3)[k]), letter, color="#555555")
+
+    def show(self, k: int) -> None:
+        """Put the block as it is at sample k."""
+        corners = self.places[k] + self.corners @ self.turn[k].T
+        self.block.set_verts([corners[list(face)] for face in _FACES])
+        ends = [self.places[k], self.tips[k]]
+        self.pin.set_data_3d(*zip(*ends, strict=True))
+        self.trace.set_data_3d(*self.path[: k + 1].T)

@@ -1,0 +1,142 @@
+"""scene lines: what is watched in a scene, over time, a panel for each quantity."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.pictures.ink import SERIES, captioned, new_figure, number, quiet
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+# Changes below this share of a value are its rounding: the panel says that it is constant.
+STILL = 1e-9
+PARTS: Mapping[int, tuple[str, ...]] = {
+    1: ("",),
+    3: ("1", "2", "3"),
+    4: ("0", "1", "2", "3"),
+}
+# What has these names has its parts along the axes of space.
+IN_SPACE = ("position", "velocity", "axis", "_space")
+
+
+def watched_picture(
+    times: Any,
+    watched: Mapping[str, Any],
+    units: Mapping[str, str] | None = None,
+    title: str = "",
+    notes: Sequence[str] = (),
+) -> Figure:
+    """Each quantity against time in a panel of its own; parts of a vector share one.
+
+    Parameters
+    ----------
+    times
+        shape (m,), seconds.
+    watched
+        name -> values, shape (m,), (m, k) or (m, 3, 3).
+    units
+        name -> unit, written on the axis.
+    notes
+        lines for below the picture.
+
+    Raises
+    ------
+    MissingExtraError
+        matplotlib is not installed.
+
+    Examples
+    --------
+    >>> figure = watched_picture([0, 1, 2], {"energy": [1.0, 1.0, 1.0]})
+    >>> len(figure.axes)
+    1
+    """
+    import numpy as np
+
+    panels = {name: np.asarray(values, dtype=float) for name, values in watched.items()}
+    columns = 1 if len(panels) <= 3 else 2
+    rows = math.ceil(len(panels) / columns)
+    figure = new_figure(8.6 if columns == 1 else 11.0, 1.1 + 2.2 * rows)
+    first: Any = None
+    for place, (name, values) in enumerate(panels.items()):
+        axes = figure.add_subplot(rows, columns, place + 1, sharex=first)
+        first = first or axes
+        _panel(axes, name, np.asarray(times, dtype=float), values, (units or {}).get(name, ""))
+        if place < len(panels) - columns:
+            axes.tick_params(labelbottom=False)
+        else:
+            axes.set_xlabel("$t$ / s")
+    if title:
+        figure.suptitle(title, fontsize=12)
+    captioned(figure, notes)
+    return figure
+
+
+def _panel(axes: Any, name: str, times: Any, values: Any, unit: str) -> None:
+    """One quantity; one that keeps its value is drawn on a scale that shows it so."""
+    import numpy as np
+
+    flat = values.reshape(len(values), -1)
+    for part, stroke in zip(range(flat.shape[1]), SERIES * 2, strict=False):
+        axes.plot(times[: len(flat)], flat[:, part], **stroke.line, label=_part(name, part, flat))
+    axes.set_title(spoken(name), fontsize=10.5, loc="left")
+    axes.set_ylabel(unit, fontsize=9)
+    finite = flat[np.isfinite(flat)]
+    size = float(np.abs(finite).max()) if finite.size else 0.0
+    change = float(np.ptp(finite)) if finite.size else 0.0
+    if flat.shape[1] == 1 and change <= STILL * size:
+        value = float(finite[0])
+        half = 0.5 * abs(value) or 1.0
+        axes.set_ylim(value - half, value + half)
+        axes.text(
+            0.99, 0.95, f"constant: {number(value)}", ha="right", va="top",
+            transform=axes.transAxes, fontsize=9, color="#444444",
+        )  # fmt: skip
+    quiet(axes)
+    axes.margins(x=0.01)
+    axes.ticklabel_format(axis="y", useOffset=False, style="plain" if _plain(size) else "sci")
+    if flat.shape[1] > 1:
+        axes.legend(
+            loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=9,
+            handlelength=2.6, ncols=1 if flat.shape[1] <= 4 else 3,
+        )  # fmt: skip
+
+
+def _plain(size: float) -> bool:
+    return 1e-3 <= size < 1e5 or size == 0
+
+
+def _part(name: str, part: int, flat: Any) -> str:
+    """The name of a component."""
+    count = flat.shape[1]
+    if count == 1:
+        return spoken(name)
+    if count == 3 and any(word in name for word in IN_SPACE):
+        return "xyz"[part]
+    if count == 9:
+        return f"{part // 3 + 1}{part % 3 + 1}"
+    names = PARTS.get(count)
+    return names[part] if names else str(part + 1)
+
+
+def spoken(name: str) -> str:
+    """The name of a quantity as people say it.
+
+    Examples
+    --------
+    >>> spoken("angular_momentum_space"), spoken("omega")
+    ('angular momentum in space', 'angular velocity Ω in the body')
+    """
+    known = {
+        "omega": "angular velocity Ω in the body",
+        "omega_space": "angular velocity in space",
+        "angular_momentum": "angular momentum in the body",
+        "angular_momentum_space": "angular momentum in space",
+        "axis": "axis of the body in space",
+        "quaternion": "quaternion, body to space",
+        "matrix": "rotation matrix, body to space",
+        "vertical": "vertical, seen from the body",
+    }
+    return known.get(name, name.replace("_", " "))

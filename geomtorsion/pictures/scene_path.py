@@ -1,0 +1,155 @@
+"""scene path: where a body goes in space, and how it points on its way."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.pictures.ink import SERIES, Stroke, captioned, legend, new_figure, quiet
+
+if TYPE_CHECKING:
+    import numpy as np
+    from matplotlib.figure import Figure
+
+# A direction in which a path stretches less than this share is not drawn.
+FLAT = 1e-6
+# Bodies shown on the way.
+SHOWN = 13
+AXES = ("#b04a86", "#8a6d00", "#007a59")
+
+
+def path_picture(
+    paths: Mapping[str, Any],
+    matrices: Any = None,
+    title: str = "",
+    notes: Sequence[str] = (),
+) -> Figure:
+    """One or several paths in space, the first with the axes of the body on its way.
+
+    Parameters
+    ----------
+    paths
+        name -> positions, shape (m, 3), metres.
+    matrices
+        rotations from body to space along the first path, shape (m, 3, 3).
+
+    Raises
+    ------
+    MissingExtraError
+        matplotlib is not installed.
+    """
+    import numpy as np
+
+    places = {name: np.asarray(points, dtype=float) for name, points in paths.items()}
+    every = np.concatenate(list(places.values()))
+    stretch = np.ptp(every, axis=0)
+    seen = [k for k in range(3) if stretch[k] > FLAT * max(stretch.max(), 1e-300)]
+    turn = None if matrices is None else np.asarray(matrices, dtype=float)
+    if len(seen) == 3:
+        figure = new_figure(8.0, 6.6)
+        axes: Any = figure.add_subplot(projection="3d")
+        _in_space(axes, places, turn, every)
+    else:
+        seen = sorted((seen + [k for k in (0, 2, 1) if k not in seen])[:2])
+        wide, high = np.maximum(stretch[seen], 0.25 * stretch.max() or 1.0)
+        figure = new_figure(min(1.4 + 5.2 * max(wide / high, 0.5), 9.4), _height(wide / high))
+        axes = figure.add_subplot()
+        _in_plane(axes, places, turn, seen)
+    if title:
+        axes.set_title(title, fontsize=12)
+    if len(places) > 1:
+        legend(figure, axes)
+    lines = ["Dot: start; triangle and square: ends."]
+    if turn is not None:
+        lines.append("Short lines: axes of the body, 1 violet, 2 brown, 3 green and thicker.")
+    captioned(figure, [*notes, *lines])
+    return figure
+
+
+def _height(ratio: float) -> float:
+    """Height of a picture that is a plane this many times as wide as it is high."""
+    return 6.6 if ratio <= 1.5 else 1.6 + 8.0 / ratio
+
+
+def _strokes(places: Mapping[str, Any]) -> list[tuple[str, Any, Stroke]]:
+    pairs = zip(places.items(), SERIES * len(places), strict=False)
+    return [(name, points, stroke) for (name, points), stroke in pairs]
+
+
+def _stations(points: np.ndarray) -> np.ndarray:
+    """Samples at which the body is shown: at equal steps of the way, of time where it stands."""
+    import numpy as np
+
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    if way[-1] == 0:
+        return np.array([0])
+    wanted = np.linspace(0, way[-1], min(SHOWN, len(points)))
+    return np.unique(np.searchsorted(way, wanted).clip(0, len(points) - 1))
+
+
+def _in_space(axes: Any, places: Mapping[str, Any], turn: Any, every: np.ndarray) -> None:
+    import numpy as np
+    from matplotlib.ticker import MaxNLocator
+
+    low, high = every.min(axis=0), every.max(axis=0)
+    # One unit is equally long on all axes; the box is not flatter than a third.
+    size = np.maximum(high - low, (high - low).max() / 3)
+    for name, points, stroke in _strokes(places):
+        axes.plot(*points.T, **stroke.line, label=name)
+    if turn is not None:
+        points = next(iter(places.values()))
+        length = 0.08 * float(np.ptp(points, axis=0).max())
+        for station in _stations(points[: len(turn)]):
+            for k in range(3):
+                tip = points[station] + length * turn[station][:, k]
+                axes.plot(
+                    *np.array([points[station], tip]).T, color=AXES[k], linewidth=1 + (k == 2)
+                )
+    for _, points, stroke in _strokes(places):
+        look = {"edgecolors": "white", "linewidths": 0.8, "depthshade": False, "zorder": 6}
+        axes.scatter(*points[0], s=40, color="#222222", **look)
+        axes.scatter(*points[-1], s=46, marker=stroke.end, color=stroke.color, **look)
+    centre = (low + high) / 2
+    for setter, c, s in zip(
+        (axes.set_xlim, axes.set_ylim, axes.set_zlim), centre, size * 1.08, strict=True
+    ):
+        setter(c - s / 2, c + s / 2)
+    for axis, setter, label in zip(
+        (axes.xaxis, axes.yaxis, axes.zaxis),
+        (axes.set_xlabel, axes.set_ylabel, axes.set_zlabel),
+        "xyz",
+        strict=True,
+    ):
+        axis.set_rotate_label(False)
+        setter(f"${label}$ / m", labelpad=9, rotation=0)
+        axis.set_pane_color((1, 1, 1, 0))
+        axis.set_major_locator(MaxNLocator(4))
+        axis._axinfo["grid"]["color"] = "#e3e5e8"
+    axes.tick_params(labelsize=8, pad=1)
+    axes.set_box_aspect(tuple(size), zoom=0.9)
+    axes.view_init(elev=22.0, azim=-56.0)
+
+
+def _in_plane(axes: Any, places: Mapping[str, Any], turn: Any, seen: Sequence[int]) -> None:
+    import numpy as np
+
+    for name, points, stroke in _strokes(places):
+        axes.plot(*points[:, seen].T, **stroke.line, label=name)
+    flat = np.concatenate([points[:, seen] for points in places.values()])
+    size = float(np.ptp(flat, axis=0).max()) or 1.0
+    if turn is not None:
+        points = next(iter(places.values()))
+        for station in _stations(points[: len(turn)]):
+            place = points[station, seen]
+            for k in range(3):
+                tip = place + 0.05 * size * turn[station][seen, k]
+                axes.plot(*np.array([place, tip]).T, color=AXES[k], linewidth=1 + (k == 2))
+    for _, points, stroke in _strokes(places):
+        look = {"edgecolors": "white", "linewidths": 0.8, "zorder": 6}
+        axes.scatter(*points[0, seen], s=40, color="#222222", **look)
+        axes.scatter(*points[-1, seen], s=46, marker=stroke.end, color=stroke.color, **look)
+    axes.set_xlabel(f"${'xyz'[seen[0]]}$ / m")
+    axes.set_ylabel(f"${'xyz'[seen[1]]}$ / m")
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.margins(0.06)
+    quiet(axes)

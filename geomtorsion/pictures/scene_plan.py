@@ -1,0 +1,109 @@
+"""scene plan: what a scene computes and what it leaves out, as a graph."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.pictures.ink import captioned, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+INK, OUT = "#1d2330", "#9aa0aa"
+FILLS = ("#dcebf7", "#fbe6d6", "#d9efe4", "#efe3ee", "#f3ecd2")
+# Inches for one box and the gap below it.
+ROW, WIDTH, PITCH = 0.62, 2.0, 2.9
+
+
+def plan_picture(
+    columns: Mapping[str, Sequence[str]],
+    edges: Iterable[tuple[str, str]],
+    left_out: Mapping[str, str] | None = None,
+    title: str = "",
+    notes: Sequence[str] = (),
+) -> Figure:
+    """Boxes in columns, arrows from what needs to what is needed; left out: grey, with the reason.
+
+    Parameters
+    ----------
+    columns
+        heading -> boxes below it, for instance watched, effects, states.
+    edges
+        pairs of boxes (from, to).
+    left_out
+        box -> why it is left out; it is drawn dashed.
+
+    Raises
+    ------
+    MissingExtraError
+        matplotlib is not installed.
+
+    Examples
+    --------
+    >>> figure = plan_picture({"watched": ["energy"], "states": ["omega"]}, [("energy", "omega")])
+    >>> [text.get_text() for text in figure.axes[0].texts if text.get_text()]
+    ['watched', 'energy', 'states', 'omega']
+    """
+    reasons = left_out or {}
+    tallest = max((len(boxes) for boxes in columns.values()), default=1)
+    figure = new_figure(1.2 + PITCH * len(columns), 1.3 + ROW * (tallest + 1))
+    axes: Any = figure.add_subplot()
+    places: dict[str, tuple[float, float]] = {}
+    for k, (heading, boxes) in enumerate(columns.items()):
+        axes.text(k * PITCH, ROW, heading, ha="center", va="center", fontsize=11, weight="bold")
+        offset = (tallest - len(boxes)) / 2
+        for row, box in enumerate(boxes):
+            place = (k * PITCH, -ROW * (row + offset))
+            places.setdefault(box, place)
+            _box(axes, place, box, FILLS[k % len(FILLS)], reasons.get(box))
+    for start, end in edges:
+        if start in places and end in places:
+            _arrow(axes, places[start], places[end], start in reasons or end in reasons)
+    axes.set_xlim(-1.2, (len(columns) - 1) * PITCH + 1.7)
+    axes.set_ylim(-ROW * (tallest - 0.3), 1.5 * ROW)
+    axes.set_aspect("equal", adjustable="box")
+    axes.set_axis_off()
+    if title:
+        figure.suptitle(title, fontsize=12)
+    lines = [f"Left out: {box}: {reason}" for box, reason in reasons.items()]
+    captioned(figure, [*notes, *lines])
+    return figure
+
+
+def _box(axes: Any, place: tuple[float, float], text: str, fill: str, reason: str | None) -> None:
+    from matplotlib.patches import FancyBboxPatch
+
+    x, y = place
+    gone = reason is not None
+    axes.add_patch(
+        FancyBboxPatch(
+            (x - WIDTH / 2, y - 0.19), WIDTH, 0.38, boxstyle="round,pad=0.02,rounding_size=0.08",
+            facecolor="white" if gone else fill, edgecolor=OUT if gone else INK,
+            linewidth=0.9, linestyle="--" if gone else "-",
+        )
+    )  # fmt: skip
+    size = 9.5 if len(text) <= 24 else 7.5
+    axes.text(x, y, text, ha="center", va="center", fontsize=size, color=OUT if gone else INK)
+
+
+def _arrow(axes: Any, start: tuple[float, float], end: tuple[float, float], gone: bool) -> None:
+    """From the right edge of one box to the left edge of another, or bent within a column."""
+    (x, y), (u, v) = start, end
+    look = {
+        "arrowstyle": "-|>", "color": OUT if gone else INK, "linewidth": 0.9,
+        "linestyle": "--" if gone else "-", "shrinkA": 0, "shrinkB": 0, "mutation_scale": 10,
+    }  # fmt: skip
+    half = WIDTH / 2 + 0.03
+    if abs(x - u) < 1e-9:
+        # Bent outwards, whether the arrow runs up or down.
+        look["connectionstyle"] = f"arc3,rad={0.6 if v > y else -0.6}"
+        ends = ((x + half, y), (u + half, v))
+    elif u > x:
+        if u - x > PITCH * 1.01:
+            # Round what stands between.
+            look["connectionstyle"] = f"arc3,rad={-0.22 if v >= y else 0.22}"
+        ends = ((x + half, y), (u - half, v))
+    else:
+        ends = ((x - half, y), (u + half, v))
+    axes.annotate("", xy=ends[1], xytext=ends[0], arrowprops=look, zorder=0)

@@ -1,0 +1,147 @@
+"""Pictures of scenes: drawn from plain arrays, with what they should show in them."""
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import FileFormatError, MissingExtraError
+from geomtorsion.pictures.ink import save
+from geomtorsion.pictures.scene_axis import axes_picture, axis_picture
+from geomtorsion.pictures.scene_cones import cones_picture, polhodes
+from geomtorsion.pictures.scene_film import block_sides, write_film
+from geomtorsion.pictures.scene_lines import watched_picture
+from geomtorsion.pictures.scene_path import path_picture
+from geomtorsion.pictures.scene_plan import plan_picture
+from geomtorsion.pictures.scene_sweep import sweep_picture
+from geomtorsion.pictures.scene_trust import change_picture, trust_picture
+
+pytest.importorskip("matplotlib")
+
+TIMES = np.linspace(0, 3, 61)
+COS, SIN, NIL = np.cos(TIMES), np.sin(TIMES), np.zeros_like(TIMES)
+TURN = np.stack([[COS, -SIN, NIL], [SIN, COS, NIL], [NIL, NIL, NIL + 1]]).transpose(2, 0, 1)
+TIPS = np.stack([0.5 * COS, 0.5 * SIN, NIL + np.sqrt(0.75)], axis=1)
+
+
+def words(figure) -> str:
+    """All text of a figure."""
+    found = [text.get_text() for text in figure.texts]
+    for axes in figure.axes:
+        found += [axes.get_title(loc="left"), axes.get_title(), axes.get_xlabel()]
+        found += [text.get_text() for text in axes.texts]
+        found += list(axes.get_legend_handles_labels()[1])
+    return "\n".join(found)
+
+
+def test_watched_quantities_have_a_panel_each():
+    """Vectors share one, what is constant says so, units stand on the axis."""
+    watched = {"omega": TIPS, "energy": NIL + 2.5, "nutation": COS, "matrix": TURN}
+    figure = watched_picture(TIMES, watched, {"energy": "J"}, "A top", ["a note"])
+    assert len(figure.axes) == 4
+    assert [len(axes.lines) for axes in figure.axes] == [3, 1, 1, 9]
+    assert figure.axes[1].get_ylabel() == "J"
+    assert "constant: 2.5" in words(figure)
+    assert "a note" in words(figure)
+
+
+def test_the_tip_of_the_axis_with_its_limits():
+    """The unrolled curve has the angles of the data; long motions are cut on the sphere."""
+    figure = axis_picture(TIMES, TIPS)
+    phi, theta = np.asarray(figure.axes[1].lines[0].get_xydata()).T
+    assert theta == pytest.approx(30.0)
+    assert phi[-1] == pytest.approx(np.degrees(3))
+    many = np.stack([COS, SIN, NIL], axis=1)[np.arange(400) % 61]
+    turning = np.linspace(0, 60, 400)
+    many = np.stack([np.cos(turning), np.sin(turning), 0 * turning], axis=1)
+    assert "the first 3 turns" in words(axis_picture(turning, many, limits=(1.0, 2.0)))
+    assert "axis 2 of the body" in words(axes_picture(TURN))
+
+
+@pytest.mark.parametrize("inertia", [(1, 2, 3), (3, 1, 2), (1, 1, 2), (2, 1, 1)])
+def test_polhodes_lie_on_sphere_and_ellipsoid(inertia):
+    """Both conditions hold on every curve, for every order of the moments."""
+    weights = 1 / np.array(inertia, dtype=float)
+    for share in (0.1, 0.5, 0.9):
+        value = weights.min() + share * np.ptp(weights)
+        for ring, special in polhodes(inertia, value):
+            assert np.linalg.norm(ring, axis=1) == pytest.approx(1, abs=1e-12)
+            assert ring**2 @ weights == pytest.approx(value, abs=1e-12)
+            assert not special or value == np.median(weights)
+    assert polhodes((1, 2, 3), 0.5)[0][1], "the middle value is the separatrix"
+
+
+def test_cones_with_and_without_attitude():
+    """One panel or two; spheres have no family of polhodes."""
+    assert len(cones_picture((1, 2, 3), TIPS).axes) == 1
+    figure = cones_picture((1, 1, 1), TIPS, TURN, "free")
+    assert len(figure.axes) == 2
+    assert "angular velocity" in words(figure)
+
+
+def test_paths_in_plane_and_space():
+    """What does not change is not drawn."""
+    flat = np.stack([TIMES, NIL, TIMES**2], axis=1)
+    figure = path_picture({"flight": flat}, TURN)
+    assert figure.axes[0].get_xlabel() == "$x$ / m"
+    assert figure.axes[0].get_ylabel() == "$z$ / m"
+    helix = np.stack([COS, SIN, TIMES], axis=1)
+    figure = path_picture({"helix": helix, "line": helix + TIMES[:, None]})
+    assert figure.axes[0].name == "3d"
+    assert "helix" in words(figure)
+    assert path_picture({"still": np.zeros((5, 3))}, TURN).axes
+
+
+def test_trust_and_change():
+    """Zero is drawn, and named; two laws are told apart."""
+    figure = trust_picture(TIMES, {"energy": NIL, "momentum": 1e-15 * TIMES}, 1e-12, 1e-10)
+    assert "drift of energy: none" in words(figure)
+    assert np.min(np.asarray(figure.axes[0].lines[0].get_ydata())) == 1e-17
+    figure = change_picture(TIMES, {"energy": {"right": NIL + 1, "naive": 1 + TIMES}})
+    assert figure.axes[0].lines[1].get_ydata() == pytest.approx(TIMES)
+    assert trust_picture(TIMES, {}, 0.0, 1e-10, errors=NIL).axes
+
+
+def test_plans_and_sweeps():
+    """Boxes, reasons, points and curve; a second variation makes a field."""
+    figure = plan_picture(
+        {"watched": ["energy"], "states": ["Omega", "q"]}, [("energy", "Omega")], {"q": "unused"}
+    )
+    assert "Left out: q: unused" in words(figure)
+    tilts = np.logspace(-6, -1, 6)
+    figure = sweep_picture(
+        [("tilt", tilts)], ("period", -np.log(tilts)), ("elliptic", tilts, -np.log(tilts))
+    )
+    assert figure.axes[0].get_xscale() == "log"
+    assert "elliptic" in words(figure)
+    field = sweep_picture([("a", tilts), ("b", [1.0, 2.0])], ("c", np.outer(tilts, [1, 2])))
+    assert len(field.axes) == 2
+
+
+def test_films(tmp_path, monkeypatch):
+    """A GIF has its frames; the sides of a block are those of its moments; others are refused."""
+    from PIL import Image, ImageSequence
+
+    sides = block_sides([13.0, 10.0, 5.0])
+    assert sides == pytest.approx(np.array([1, 2, 3]) / 3)
+    target = tmp_path / "film.gif"
+    seen: list[float] = []
+    frames = write_film(target, TIMES, TURN, TIPS, sides, 0.2, "t", seen.append)
+    with Image.open(target) as film:
+        count = sum(1 for _ in ImageSequence.Iterator(film))
+    assert count == frames == 5
+    assert seen[-1] == 1.0
+    assert [path.name for path in tmp_path.iterdir()] == ["film.gif"]
+    with pytest.raises(FileFormatError, match=r"\.gif or an \.mp4"):
+        write_film(tmp_path / "film.avi", TIMES, TURN)
+    from matplotlib.animation import FFMpegWriter
+
+    monkeypatch.setattr(FFMpegWriter, "isAvailable", lambda: False)
+    with pytest.raises(MissingExtraError, match="ffmpeg"):
+        write_film(tmp_path / "film.mp4", TIMES, TURN)
+
+
+def test_figures_can_be_saved(tmp_path):
+    """They reach the disk, in every format, and are more than an empty page."""
+    for form in ("png", "svg", "pdf"):
+        path = tmp_path / f"axis.{form}"
+        save(axis_picture(TIMES, TIPS, title="Top"), path)
+        assert path.stat().st_size > 8000
