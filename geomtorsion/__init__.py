@@ -27,9 +27,9 @@ from geomtorsion.geometry import (
 _LATER = {
     "motion": (
         "Atlas", "Bundle", "Change", "Chart", "Connecting", "Engine", "Flow", "FlowSolution",
-        "Problem", "RungeKutta", "Solution", "Stiff", "Taylor", "autoparallel", "connecting",
-        "distance_apart", "exponential_map", "flow", "geodesic", "geodesic_deviation", "holonomy",
-        "parallel_transport", "solve", "solve_many",
+        "FreeTop", "Problem", "RungeKutta", "Solution", "Stiff", "Taylor", "autoparallel",
+        "connecting", "distance_apart", "exponential_map", "flow", "free_top", "geodesic",
+        "geodesic_deviation", "holonomy", "parallel_transport", "solve", "solve_many",
     ),
     "loops": (
         "BurgersMap", "BurgersVector", "Defect", "Development", "DislocationNetwork", "EdgeList",
@@ -63,6 +63,7 @@ __all__ = [
     "Engine",
     "ExactBurgersVector",
     "Frame",
+    "FreeTop",
     "GeomtorsionError",
     "Identity",
     "Loop",
@@ -98,6 +99,7 @@ __all__ = [
     "exact_burgers_vector",
     "exponential_map",
     "find_defects",
+    "free_top",
     "from_coefficients",
     "from_contortion",
     "from_spin_connection",

@@ -12,6 +12,7 @@ from geomtorsion.motion.dispatch import solve
 from geomtorsion.motion.engines import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.motion.exponential import exponential_map, holonomy
 from geomtorsion.motion.flows import Flow, FlowMoment, FlowSolution, flow
+from geomtorsion.motion.free_tops import FreeTop, free_top
 from geomtorsion.motion.problem import Problem
 from geomtorsion.motion.recorded import Recorded
 from geomtorsion.motion.shooting import Connecting, connecting
@@ -28,6 +29,7 @@ __all__ = [
     "Flow",
     "FlowMoment",
     "FlowSolution",
+    "FreeTop",
     "Moment",
     "Problem",
     "Recorded",
@@ -40,6 +42,7 @@ __all__ = [
     "distance_apart",
     "exponential_map",
     "flow",
+    "free_top",
     "geodesic",
     "geodesic_deviation",
     "holonomy",

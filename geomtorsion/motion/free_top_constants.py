@@ -1,0 +1,178 @@
+"""Constants of a free top: from exact rational invariants, to forty digits, once."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from geomtorsion.motion.free_top_phase import Long
+
+DIGITS = 50
+
+
+@dataclass(frozen=True)
+class Constants:
+    """What the closed form of a free top that is not steady needs.
+
+    axes: (a, b, c), the axis that the momentum goes around, the middle one, the other one.
+    amplitudes: of Omega_a = A_a dn, Omega_b = A_b sn, Omega_c = A_c cn, signs included.
+    side: +1 if axis a has the largest moment, -1 if the smallest.
+    rate: u = rate * t + const, in 1 / time.
+    modulus2, complement2: k^2 and 1 - k^2.
+    near_one: whether k^2 > 1/2 (the series are turned then).
+    log_nome, scale, shift: of the series; z = scale * u, and theta1(z - i shift) has the phase.
+    half: 2K / rate, the time between two flips; infinite on the separatrix.
+    offset: u / rate at t = 0; |u| <= K.
+    turn: precession in one such time, in units of 4 pi, whole numbers left out.
+    slope: precession per time beside the periodic part, for |u| <= K, in units of 4 pi.
+    momentum: |L|.
+    """
+
+    axes: tuple[int, int, int]
+    amplitudes: tuple[float, float, float]
+    side: int
+    rate: float
+    modulus2: float
+    complement2: float
+    near_one: bool
+    log_nome: float
+    scale: float
+    shift: float
+    half: Long
+    offset: Long
+    turn: Long
+    slope: Long
+    momentum: float
+
+
+def circled_axis(moments: tuple[Fraction, ...], omega: tuple[Fraction, ...]) -> tuple[int, ...]:
+    """Axes (a, b, c): the momentum goes around a; b has the middle moment.
+
+    Equation
+    --------
+    L^2 - 2 T I_b = I_3 (I_3 - I_2) Omega_3^2 - I_1 (I_2 - I_1) Omega_1^2, moments in order.
+
+    Examples
+    --------
+    >>> moments = Fraction(1), Fraction(2), Fraction(3)
+    >>> circled_axis(moments, (Fraction(2), Fraction(1), Fraction(0)))
+    (0, 1, 2)
+    """
+    low, mid, high = sorted(range(3), key=lambda k: moments[k])
+    excess = moments[high] * (moments[high] - moments[mid]) * omega[high] ** 2
+    excess -= moments[low] * (moments[mid] - moments[low]) * omega[low] ** 2
+    around_high = excess > 0 or (excess == 0 and moments[high] != moments[mid])
+    return (high, mid, low) if around_high else (low, mid, high)
+
+
+def is_steady(moments: tuple[Fraction, ...], omega: tuple[Fraction, ...]) -> bool:
+    """Whether the rates stay as they are: Omega x L = 0, exactly."""
+    return all(
+        omega[i] * omega[j] * (moments[i] - moments[j]) == 0 for i, j in ((0, 1), (1, 2), (2, 0))
+    )
+
+
+def constants(moments: tuple[float, ...], omega: tuple[float, ...]) -> Constants:
+    """The constants of a top with these principal moments and rates; not for steady ones.
+
+    Equation
+    --------
+    P = s (L^2 - 2 T I_c), Q = s (2 T I_a - L^2), R = s (L^2 - 2 T I_b) > 0
+    rate^2 = s (I_a - I_b) P / (I_a I_b I_c), k^2 = s (I_b - I_c) Q / (s (I_a - I_b) P)
+    precession of axis c about L: phi' = L / I_c - s L P / (I_c (L^2 - L_c^2)):
+    an integral of the third kind with n = - I_c Q / (I_a P)    [LandauLifshitz1] section 37
+
+    The data are doubles, hence rational: P, Q, R have no rounding error at all, and one minus
+    the modulus is as good next to the separatrix as anywhere else.
+
+    Examples
+    --------
+    >>> top = constants((1.0, 2.0, 3.0), (1.0, 1.0, 1.0))
+    >>> top.axes, top.side, top.modulus2
+    ((2, 1, 0), 1, 0.5)
+    """
+    import mpmath
+
+    inertia = tuple(Fraction(x) for x in moments)
+    rates = tuple(Fraction(x) for x in omega)
+    axes = circled_axis(inertia, rates)
+    ia, ib, ic = (inertia[k] for k in axes)
+    wa, wb, wc = (rates[k] for k in axes)
+    s = 1 if ia > ib else -1
+    p = s * (ib * (ib - ic) * wb**2 + ia * (ia - ic) * wa**2)
+    q = s * (ib * (ia - ib) * wb**2 + ic * (ia - ic) * wc**2)
+    r = s * (ia * (ia - ib) * wa**2 - ic * (ib - ic) * wc**2)
+    k2 = (ib - ic) * q / ((ia - ib) * p)
+    m1 = (ia - ic) * r / ((ia - ib) * p)
+    n = -ic * q / (ia * p)
+    size_a2, size_b2 = p / (ia * s * (ia - ic)), q / (ib * s * (ia - ib))
+    size_c2 = q / (ic * s * (ia - ic))
+    parity = 1 if axes in ((0, 1, 2), (1, 2, 0), (2, 0, 1)) else -1
+    sign_a = 1 if wa > 0 else -1
+    # cos am is positive for |u| < K; its sign goes to the amplitude, so that |u| <= K at t = 0.
+    sign_c = -1 if wc < 0 else 1
+    sign_b = -parity * s * sign_a * sign_c
+
+    digits = DIGITS + 2 * int(max(0.0, math.log10(max(float(1 - n), 1.0))))
+    with mpmath.workdps(digits):
+
+        def real(x: Fraction) -> Any:
+            return mpmath.mpf(x.numerator) / x.denominator
+
+        def root(x: Fraction) -> Any:
+            return mpmath.sqrt(real(x))
+
+        def first_kind(sine2: Fraction, modulus2: Fraction) -> Any:
+            """F for an amplitude below a quarter turn, from the square of its sine."""
+            cosine2, delta2 = real(1 - sine2), real(1 - modulus2 * sine2)
+            return root(sine2) * mpmath.elliprf(cosine2, delta2, 1)
+
+        momentum = root(ia**2 * wa**2 + ib**2 * wb**2 + ic**2 * wc**2)
+        rate = mpmath.sqrt(real(s * (ia - ib) * p / (ia * ib * ic)))
+        zeta = first_kind(1 / (1 - n), m1)
+        u0 = first_kind(wb**2 / size_b2, k2) * (1 if (wb > 0) == (sign_b > 0) else -1)
+        quarter = mpmath.inf if m1 == 0 else mpmath.elliprf(0, real(m1), 1)
+        near_one = k2 > Fraction(1, 2)
+        other = mpmath.inf if k2 == 0 else mpmath.elliprf(0, real(k2), 1)
+        if near_one:
+            log_nome = -mpmath.pi * quarter / other
+            scale = mpmath.pi / (2 * other)
+        else:
+            log_nome = -mpmath.pi * other / quarter
+            scale = mpmath.pi / (2 * quarter)
+        if m1 == 0:
+            turn = mpmath.mpf(0)
+            slope = momentum / real(ib)
+        else:
+            third = mpmath.elliprf(0, real(m1), 1)
+            third += real(n) / 3 * mpmath.elliprj(0, real(m1), 1, real(1 - n))
+            advance = 2 * momentum / rate * (quarter - real((ia - ic) / ia) * third) / real(ic)
+            per_u = (advance + s * mpmath.pi) / (2 * quarter)
+            if near_one:
+                per_u -= s * mpmath.pi * zeta / (2 * quarter * other)
+            slope = per_u * rate
+            turn = advance / (4 * mpmath.pi)
+            turn -= mpmath.nint(turn)
+        return Constants(
+            axes=(axes[0], axes[1], axes[2]),
+            amplitudes=(
+                sign_a * float(root(size_a2)),
+                sign_b * float(root(size_b2)),
+                sign_c * float(root(size_c2)),
+            ),
+            side=s,
+            rate=float(rate),
+            modulus2=float(real(k2)),
+            complement2=float(real(m1)),
+            near_one=near_one,
+            log_nome=float(log_nome),
+            scale=float(scale),
+            shift=float(zeta * scale),
+            half=Long(math.inf, 0.0) if m1 == 0 else Long.of(2 * quarter / rate),
+            offset=Long.of(u0 / rate),
+            turn=Long.of(turn),
+            slope=Long.of(slope / (4 * mpmath.pi)),
+            momentum=float(momentum),
+        )

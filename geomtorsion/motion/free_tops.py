@@ -1,0 +1,277 @@
+"""Free top: rates and attitude of a force-free rigid body at any time, without stepping."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import StartError, TimeError
+from geomtorsion.motion.start import checked_numbers
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from geomtorsion.motion.free_top_constants import Constants
+
+UNIT = 1e-9  # a start attitude further from unit length than this is refused
+FULL = 4 * math.pi  # quaternions come back after two turns
+FLIPS = 2.0**51  # beyond so many half periods doubles no longer tell them apart
+
+
+@dataclass(frozen=True)
+class FreeTop:
+    """A rigid body without moments, in closed form; make one with `free_top`.
+
+    moments: principal moments of inertia, shape (3,); mass times length squared.
+    omega0: body-fixed angular velocity at t = 0, shape (3,); radians per time.
+    quaternion0: attitude at t = 0, body to space, scalar part first, shape (4,).
+    """
+
+    moments: tuple[float, float, float]
+    omega0: tuple[float, float, float]
+    quaternion0: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
+
+    @cached_property
+    def constants(self) -> Constants | None:
+        """Modulus, period, precession; None where the rates are constant."""
+        from fractions import Fraction
+
+        from geomtorsion.motion.free_top_constants import constants, is_steady
+
+        exact = [tuple(Fraction(x) for x in each) for each in (self.moments, self.omega0)]
+        return None if is_steady(exact[0], exact[1]) else constants(self.moments, self.omega0)
+
+    @property
+    def kind(self) -> str:
+        """rest, spherical, steady, symmetric, asymmetric or separatrix.
+
+        Examples
+        --------
+        >>> free_top((1, 2, 3), (0, 1, 0)).kind, free_top((1, 2, 3), (1e-12, 1, 0)).kind
+        ('steady', 'asymmetric')
+        """
+        if not any(self.omega0):
+            return "rest"
+        if len(set(self.moments)) == 1:
+            return "spherical"
+        if self.constants is None:
+            return "steady"
+        if len(set(self.moments)) == 2:
+            return "symmetric"
+        return "separatrix" if self.constants.complement2 == 0 else "asymmetric"
+
+    @property
+    def energy(self) -> float:
+        """Kinetic energy T = (1/2) I_i Omega_i^2."""
+        return math.fsum(i * w * w for i, w in zip(self.moments, self.omega0, strict=True)) / 2
+
+    @property
+    def momentum(self) -> NDArray[Any]:
+        """Angular momentum in space, constant, shape (3,)."""
+        import numpy as np
+
+        from geomtorsion.motion.free_top_attitude import rotated
+
+        body = np.array(self.moments) * np.array(self.omega0)
+        return rotated(np.array(self.quaternion0), body)
+
+    @property
+    def period(self) -> float:
+        """After this time the rates come back; infinite on the separatrix, nan if constant.
+
+        Examples
+        --------
+        >>> round(free_top((1, 2, 3), (1, 1, 1)).period, 6)
+        6.422703
+        """
+        return math.nan if self.constants is None else 2 * self.constants.half.high
+
+    @property
+    def flip_time(self) -> float:
+        """Time between two changes of sign of the rate about the middle axis: half a period.
+
+        Infinite on the separatrix, nan for constant rates. See `first_flip` for when it begins.
+        """
+        return math.nan if self.constants is None else self.constants.half.high
+
+    @property
+    def first_flip(self) -> float:
+        """First time t > 0 at which the rate about the middle axis changes sign.
+
+        nan if it never does.
+
+        Examples
+        --------
+        A racket thrown 1e-12 off its middle axis:
+
+        >>> racket = free_top((1, 2, 3), (1e-12, 1, 0))
+        >>> round(racket.first_flip, 6), round(racket.flip_time, 6)
+        (50.259465, 100.518929)
+        """
+        top = self.constants
+        if top is None:
+            return math.nan
+        if top.offset.high < 0:
+            return -top.offset.high
+        later = (top.half.high - top.offset.high) + (top.half.low - top.offset.low)
+        return later if math.isfinite(later) else math.nan
+
+    def omega(self, times: Any) -> NDArray[Any]:
+        """Body-fixed angular velocity; times of any shape, one more axis of length 3 out.
+
+        Equation
+        --------
+        Omega_a = A_a dn u, Omega_b = A_b sn u, Omega_c = A_c cn u      [Jacobi1849]
+
+        Examples
+        --------
+        >>> top = free_top((1, 2, 3), (1, 1, 1))
+        >>> bool(abs(top.omega(top.period) - 1).max() < 1e-15)
+        True
+        """
+        return self._at(times)[0]
+
+    def quaternion(self, times: Any) -> NDArray[Any]:
+        """Attitude, body to space, scalar part first, continuous in time; shape (..., 4).
+
+        Equation
+        --------
+        Two turns, about L by the precession of axis c (an integral of the third kind, written
+        as the argument of theta1), and in the body by atan2(Omega_b I_b, Omega_a I_a)
+        [LandauLifshitz1] section 37
+
+        Raises
+        ------
+        TimeError
+            A time is not finite, or so late that doubles cannot tell one flip from the next.
+
+        Examples
+        --------
+        >>> top = free_top((1, 1, 2), (0, 0, 3))
+        >>> top.quaternion([0.0, 1.0]).round(12).tolist() == [
+        ...     [1, 0, 0, 0], [round(math.cos(1.5), 12), 0, 0, round(math.sin(1.5), 12)]]
+        True
+        """
+        return self._at(times)[1]
+
+    def states(self, times: Any) -> NDArray[Any]:
+        """Rates, then attitude: shape (..., 7), as Omega1..3, q0..q3."""
+        import numpy as np
+
+        return np.concatenate(self._at(times), axis=-1)
+
+    def _at(self, times: Any) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Rates and attitude."""
+        import numpy as np
+
+        from geomtorsion.motion.free_top_attitude import product
+
+        t = np.asarray(times, dtype=float)
+        if not np.isfinite(t).all():
+            raise TimeError("a time of a free top is not finite. Give finite times.")
+        start = np.array(self.quaternion0)
+        if self.constants is None:
+            omega = np.broadcast_to(np.array(self.omega0), (*t.shape, 3)).copy()
+            return omega, product(start, self._uniform(t))
+        omega, turned = self._moving(t, self.constants)
+        _, begin = self._moving(np.zeros(1), self.constants)
+        space = product(start, begin[0] * np.array([1.0, -1.0, -1.0, -1.0]))
+        return omega, product(space, turned)
+
+    def _uniform(self, t: NDArray[Any]) -> NDArray[Any]:
+        """The turn of constant rates."""
+        import mpmath
+        import numpy as np
+
+        from geomtorsion.motion.free_top_phase import Long, turns
+
+        with mpmath.workdps(40):
+            speed = mpmath.sqrt(sum(mpmath.mpf(w) ** 2 for w in self.omega0))
+            axis = [float(w / speed) if speed else 0.0 for w in self.omega0]
+            half = FULL / 2 * turns(t, Long.of(speed / (4 * mpmath.pi)))
+        return np.stack([np.cos(half), *(np.sin(half) * x for x in axis)], axis=-1)
+
+    def _moving(self, t: NDArray[Any], top: Constants) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Rates, and the turn from the body to axes whose third one is along L."""
+        import numpy as np
+
+        from geomtorsion.motion.free_top_attitude import tilted
+        from geomtorsion.motion.free_top_functions import functions
+        from geomtorsion.motion.free_top_phase import reduced, turns
+
+        if t.size and np.abs(t).max() > FLIPS * top.half.high:
+            raise TimeError(
+                f"times up to {FLIPS * top.half.high:.3g} were needed (the rates come back "
+                f"every {self.period:.6g}), {np.abs(t).max():.3g} came: so late, a double "
+                "does not say where in its period the top is."
+            )
+        count, left, lost = reduced(t, top.offset, top.half)
+        # A half period may hold many turns: they are reduced like the half periods themselves.
+        steady = turns(count, top.turn) + turns(left, top.slope) + lost * top.slope.high
+        sn, cn, dn, phase = functions(top.rate * left, top)
+        sign = 1 - 2 * np.mod(count, 2)
+        a, b, c = top.axes
+        omega = np.empty((*t.shape, 3))
+        size_a, size_b, size_c = top.amplitudes
+        omega[..., a] = size_a * dn
+        omega[..., b] = size_b * sign * sn
+        omega[..., c] = size_c * sign * cn
+        angle = FULL * steady - top.side * phase
+        return omega, tilted(omega * np.array(self.moments), angle, top)
+
+
+def free_top(moments: Any, omega: Any, quaternion: Any = (1.0, 0.0, 0.0, 0.0)) -> FreeTop:
+    """The free top with these principal moments that starts with these rates.
+
+    Equation
+    --------
+    I_i Omega_i' + eps_ijk Omega_j I_k Omega_k = 0, q' = (1/2) q (0, Omega)
+
+    Parameters
+    ----------
+    moments
+        Principal moments of inertia, shape (3,), any order, positive.
+    omega
+        Body-fixed angular velocity at t = 0, shape (3,), radians per time.
+    quaternion
+        Attitude at t = 0, body to space, scalar part first, shape (4,), of unit length.
+
+    Returns
+    -------
+    FreeTop, with `.omega(t)`, `.quaternion(t)`, `.period`, `.flip_time`, `.kind`, `.energy`,
+    `.momentum`. Errors stay at rounding next to the separatrix, for moments that nearly agree,
+    and at any time: no error builds up, for nothing is stepped.
+
+    Raises
+    ------
+    StartError
+        A moment is not positive, a number is not finite, the quaternion has not unit length.
+    ShapeError
+        A list has not the right length.
+
+    Examples
+    --------
+    >>> top = free_top((1, 2, 3), (1e-3, 1, 1e-3))
+    >>> top.kind, round(top.flip_time, 6)
+    ('asymmetric', 27.530841)
+    """
+    sizes = tuple(float(x) for x in checked_numbers(moments, 3, "moments"))
+    rates = tuple(float(x) for x in checked_numbers(omega, 3, "omega"))
+    start = tuple(float(x) for x in checked_numbers(quaternion, 4, "quaternion"))
+    for k, size in enumerate(sizes):
+        if size <= 0:
+            raise StartError(f"moments[{k}] = {size} is not positive. Give positive moments.")
+    length = math.hypot(*start)
+    if not abs(length - 1) <= UNIT:
+        raise StartError(
+            f"the quaternion {start} has length {length:.9g}; an attitude has length 1. "
+            "Divide it by its length."
+        )
+    unit = tuple(x / length for x in start)
+    return FreeTop(
+        (sizes[0], sizes[1], sizes[2]),
+        (rates[0], rates[1], rates[2]),
+        (unit[0], unit[1], unit[2], unit[3]),
+    )
