@@ -25,6 +25,7 @@ from geomtorsion.geometry import (
 
 # Imported when first asked for, so that geometry alone starts as fast as sympy does.
 _LATER = {
+    "action": ("EquationsOfMotion", "Variation", "equations_of_motion", "variation"),
     "motion": (
         "Atlas", "Bundle", "Change", "Chart", "Connecting", "Engine", "Flow", "FlowSolution",
         "FreeTop", "Problem", "RungeKutta", "Solution", "Stiff", "Taylor", "autoparallel",
@@ -61,6 +62,7 @@ __all__ = [
     "EdgeList",
     "Enclosed",
     "Engine",
+    "EquationsOfMotion",
     "ExactBurgersVector",
     "Frame",
     "FreeTop",
@@ -80,6 +82,7 @@ __all__ = [
     "Taylor",
     "Tensor",
     "Torsion",
+    "Variation",
     "accuracy_cost",
     "autoparallel",
     "blend",
@@ -95,6 +98,7 @@ __all__ = [
     "dispiration",
     "distance_apart",
     "enclosed_defects",
+    "equations_of_motion",
     "errors",
     "exact_burgers_vector",
     "exponential_map",
@@ -117,11 +121,12 @@ __all__ = [
     "solve",
     "solve_many",
     "spaces",
+    "variation",
 ]
 
 
 def __getattr__(name: str) -> Any:
-    """A name of motion, loops or accuracy, imported on first use."""
+    """A name of a later floor, imported on first use."""
     if name not in _HOME:
         raise AttributeError(f"module 'geomtorsion' has no attribute {name!r}")
     from importlib import import_module

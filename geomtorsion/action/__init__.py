@@ -1,0 +1,6 @@
+"""Action: variations and the equations of motion that follow from them."""
+
+from geomtorsion.action.equations import EquationsOfMotion, equations_of_motion
+from geomtorsion.action.variations import Variation, variation
+
+__all__ = ["EquationsOfMotion", "Variation", "equations_of_motion", "variation"]

@@ -1,0 +1,228 @@
+"""Equations: the motion that a Lagrangian over a frame leads to, exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from geomtorsion.action import making, writing
+from geomtorsion.action.hamel import Hamel
+from geomtorsion.action.lagrange import Lagrange
+from geomtorsion.action.phase import expressions, opened
+from geomtorsion.action.principles import principle_named
+from geomtorsion.errors import ShapeError
+
+if TYPE_CHECKING:
+    from geomtorsion.geometry import Connection, Frame
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class EquationsOfMotion:
+    """Equations of motion in quasi-velocities u^i = e^i_mu q'^mu, solved and proved.
+
+    frame: the frame whose forms give the velocities.
+    lagrangian: L(q, u, t).
+    forces: F_k(q, u, t), one for each form of the frame: F_k u^k is their power.
+    constraints: expressions linear in u that stay zero.
+    principle: how the action is varied.
+    hamel, lagrange: the two derivations, in exact elements.
+    """
+
+    frame: Frame
+    lagrangian: sp.Expr
+    forces: tuple[sp.Expr, ...]
+    constraints: tuple[sp.Expr, ...]
+    principle: str
+    hamel: Hamel
+    lagrange: Lagrange
+
+    @property
+    def velocities(self) -> tuple[sp.Symbol, ...]:
+        """The quasi-velocities that move: all of them, or those that constraints leave."""
+        return tuple(self.hamel.phase.letters.velocities[i] for i in self.hamel.free)
+
+    @property
+    def time(self) -> sp.Symbol:
+        """The symbol of the time."""
+        return self.hamel.phase.letters.time
+
+    @cached_property
+    def momenta(self) -> tuple[sp.Expr, ...]:
+        """p_i = dL/du^i, for all i; under constraints in the frame adapted to them."""
+        return tuple(value.sympy for value in self.hamel.momenta)
+
+    @cached_property
+    def residuals(self) -> tuple[sp.Expr, ...]:
+        """d/dt p_k - A_kj^i u^j p_i - E_k(L) - F_k, which vanish on a motion (Boltzmann, Hamel).
+
+        u'^k are written u1dot, u2dot, ...; one for each velocity that moves.
+        """
+        dots = self.hamel.phase.letters.accelerations
+        found = []
+        for k in self.hamel.free:
+            pairs, rest = self.hamel.residuals[k]
+            found.append(
+                sp.Add(
+                    *(value.sympy * dots[i] for i, value in pairs),
+                    writing.by_powers(rest, self.velocities),
+                )
+            )
+        return tuple(found)
+
+    @cached_property
+    def accelerations(self) -> tuple[sp.Expr, ...]:
+        """u'^k, one for each velocity that moves."""
+        moving = self.velocities
+        return tuple(writing.by_powers(value, moving) for value in self.hamel.accelerations)
+
+    @cached_property
+    def rates(self) -> Mapping[str, sp.Expr]:
+        """Name of a state -> its rate: q'^mu = E_i^mu u^i, then u'^k."""
+        names = [symbol.name for symbol in (*self.frame.coordinates, *self.velocities)]
+        rates = [writing.by_powers(value, self.velocities) for value in self.hamel.rates]
+        return dict(zip(names, (*rates, *self.accelerations), strict=True))
+
+    @cached_property
+    def euler_lagrange(self) -> tuple[sp.Expr, ...]:
+        """The equations in coordinates, one for each; q'^mu are written phi1dot, q''^mu phi1ddot.
+
+        They are derived from L(q, e q', t) on their own. Under constraints their right sides are
+        the forces of reaction; without, zero.
+        """
+        return tuple(value.sympy for value in self.lagrange.residuals)
+
+    @cached_property
+    def agrees(self) -> bool | None:
+        """Whether both derivations say the same, decided by exact zero; None: not decided."""
+        return self.lagrange.agrees(self.hamel)
+
+    @cached_property
+    def torsion_force(self) -> tuple[sp.Expr, ...]:
+        """C_kj^i u^j p_i in the frame: what Hamilton's principle has and Kleinert's has not.
+
+        With p_i = eta_ij u^j it is minus the torsion force 2 S_a^c_b q'^a q'^b.
+        """
+        from dataclasses import replace
+
+        from geomtorsion.action.twist import twist_of
+
+        hamilton = principle_named("closed_in_coordinates")
+        image = principle_named("closed_in_image")
+        frame, connection = self.hamel.phase.frame, self.lagrange.connection
+        whole = replace(self.hamel, twist=twist_of(frame, hamilton)).gyroscopic
+        flat = replace(self.hamel, twist=twist_of(frame, image, connection)).gyroscopic
+        pairs = zip(whole, flat, strict=True)
+        every = [(one - two).sympy for one, two in pairs]
+        return tuple(every[k] for k in self.hamel.free)
+
+    @cached_property
+    def reactions(self) -> Mapping[str, sp.Expr]:
+        """Forces that keep the constraints, by the velocity whose form each replaces."""
+        names = self.hamel.phase.letters.velocities
+        return {names[k].name: value.sympy for k, value in self.hamel.reactions.items()}
+
+    @property
+    def text(self) -> str:
+        """One line for each rate."""
+        return writing.rate_text(self.rates)
+
+    @property
+    def latex(self) -> str:
+        """The rates as aligned LaTeX."""
+        return writing.rate_latex(self.rates)
+
+    def _repr_latex_(self) -> str:
+        return f"$${self.latex}$$"
+
+    def __str__(self) -> str:
+        return self.text
+
+    def __repr__(self) -> str:
+        where = f" on {self.frame.name}" if self.frame.name else ""
+        return f"equations of motion{where}, {self.principle}:\n{self.text}"
+
+
+def equations_of_motion(
+    frame: Frame,
+    lagrangian: Any,
+    forces: Any = None,
+    principle: str = "closed_in_coordinates",
+    constraints: Any = None,
+    *,
+    parameters: Iterable[Any] | None = None,
+    connection: Connection | None = None,
+) -> EquationsOfMotion:
+    """Equations of motion of any Lagrangian L(q, u, t) in the velocities of a frame.
+
+    Equation
+    --------
+    d/dt p_k = A_kj^i u^j p_i + E_k^mu dL/dq^mu + F_k,  p_i = dL/du^i       (Boltzmann, Hamel)
+    with A_kj^i = 2 S_kj^i of the frame for closed_in_coordinates    [FizievKleinert1994], (17);
+    A = 0 for naive; for closed_in_image the torsion of the image goes off.
+
+    Parameters
+    ----------
+    frame
+        any real frame, n forms.
+    lagrangian
+        expression or text in the coordinates, u1 ... un, t and parameters.
+    forces
+        F_k in the frame, n of them or a mapping k -> F_k (k from 0); they may depend on q, u, t.
+    principle
+        "closed_in_coordinates" (Hamilton, Poincare), "closed_in_image" (Kleinert) or "naive".
+    constraints
+        expressions linear in u that stay zero (rolling, knife edge). The frame is adapted to
+        them; each takes away one velocity, if possible the last whose coefficient is constant.
+    parameters
+        names or symbols that may occur besides; in a text they must be listed, of sympy
+        expressions all other symbols are parameters unless a list is given.
+    connection
+        whose torsion the image has for closed_in_image; the Cartan connection of the frame.
+
+    Raises
+    ------
+    LagrangianError
+        An unknown symbol, or a complex frame.
+    KineticMatrixError
+        The accelerations are not determined; the message says which.
+    ConstraintError
+        A constraint is not linear in u, or follows from the others.
+    ShapeError
+        Not as many forces as forms.
+    UnknownNameError
+        No such principle; the nearest is named.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from geomtorsion.spaces import load
+    >>> u1, u2, u3, I1, I2, I3 = sp.symbols("u1 u2 u3 I1 I2 I3")
+    >>> kinetic = (I1 * u1**2 + I2 * u2**2 + I3 * u3**2) / 2
+    >>> euler = equations_of_motion(load("so3").frame, kinetic)
+    >>> print(*euler.residuals, sep="\\n")
+    I1*u1dot + u2*u3*(-I2 + I3)
+    I2*u2dot + u1*u3*(I1 - I3)
+    I3*u3dot + u1*u2*(-I1 + I2)
+    >>> euler.agrees
+    True
+    >>> equations_of_motion(load("so3").frame, kinetic, principle="naive").accelerations
+    (0, 0, 0)
+    """
+    chosen = principle_named(principle)
+    making.check_real(frame)
+    if connection is not None and connection.frame is not frame:
+        raise ShapeError("the connection belongs to another frame. Build it over this one.")
+    n = frame.dimension
+    pushes = making.force_entries(forces, n)
+    held = making.constraint_entries(constraints, n)
+    read = expressions(frame, [("lagrangian", lagrangian), *pushes, *held], parameters)
+    energy, given, kept = read[0], tuple(read[1 : n + 1]), tuple(read[n + 1 :])
+    phase = opened(frame, read)
+    hamel = making.hamel_of(phase, energy, given, kept, chosen, connection)
+    hamel.accelerations  # noqa: B018  a singular kinetic matrix is refused here, not later
+    lagrange = Lagrange(phase, energy, given, chosen, connection)
+    return EquationsOfMotion(frame, energy, given, kept, principle, hamel, lagrange)

@@ -1,0 +1,147 @@
+"""Restriction: a frame whose last word are the constraints, and a Lagrangian carried over to it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import sympy as sp
+
+from geomtorsion.action.phase import Phase
+from geomtorsion.errors import ConstraintError
+from geomtorsion.geometry import Frame
+from geomtorsion.geometry.intake import Opened
+from geomtorsion.geometry.matrices import inverse
+
+if TYPE_CHECKING:
+    from geomtorsion.exact import Element
+
+Row = dict[int, "Element"]
+
+
+@dataclass(frozen=True, eq=False)
+class Restriction:
+    """A frame in which constraints a^r_i u^i = 0 read w^r = 0; all other forms stay.
+
+    phase: the adapted frame, in the field of the frame before.
+    free: numbers of the forms that stay; the others are replaced by constraints, in order.
+    given: B^i_k with u^i = B^i_k w^k, at (i, k).
+    """
+
+    phase: Phase
+    free: tuple[int, ...]
+    given: Mapping[tuple[int, int], Element]
+
+    def carried(self, values: Sequence[Element]) -> tuple[Element, ...]:
+        """B^i_k v_i: a covector (momenta, forces) in the adapted frame."""
+        n, field = self.phase.dimension, self.phase.field
+        terms: list[list] = [[] for _ in range(n)]
+        for (i, k), value in self.given.items():
+            terms[k].append((1, value, values[i]))
+        return tuple(field.sum(row) for row in terms)
+
+    def turned(self) -> dict[sp.Symbol, sp.Expr]:
+        """u^i = B^i_k w^k, the new velocities under the names of the old ones."""
+        return self._written(range(self.phase.dimension))
+
+    def held(self) -> dict[sp.Symbol, sp.Expr]:
+        """The same where the replaced velocities are zero."""
+        return self._written(self.free)
+
+    def _written(self, columns: Iterable[int]) -> dict[sp.Symbol, sp.Expr]:
+        u, columns = self.phase.letters.velocities, set(columns)
+        terms: list[list[sp.Expr]] = [[] for _ in u]
+        for (i, k), value in self.given.items():
+            if k in columns:
+                terms[i].append(value.sympy * u[k])
+        return {symbol: sp.Add(*row) for symbol, row in zip(u, terms, strict=True)}
+
+
+def restricted(phase: Phase, constraints: Sequence[tuple[str, Element]]) -> Restriction:
+    """The frame adapted to constraints that are linear in the velocities.
+
+    Each constraint takes the place of one form: of one with a constant coefficient if there is
+    any, so that the adapted frame ends where the given one does; the last such.
+
+    Raises
+    ------
+    ConstraintError
+        A constraint is not linear and homogeneous in u, depends on t, or follows from others.
+    """
+    rows = [_coefficients(phase, where, value) for where, value in constraints]
+    replaced = _pivots(phase, rows, [where for where, _ in constraints])
+    n, one = phase.dimension, phase.field.one
+    turn = {(i, i): one for i in range(n) if i not in replaced}
+    for row, place in zip(rows, replaced, strict=True):
+        turn.update(((place, i), value) for i, value in row.items())
+    coframe = {}
+    for (k, i), value in turn.items():
+        for mu, form in phase.frame.coframe.components.rows[i]:
+            coframe.setdefault((k, mu), []).append((1, value, form))
+    summed = {index: phase.field.sum(terms) for index, terms in coframe.items()}
+    free = tuple(i for i in range(n) if i not in replaced)
+    adapted = _reframed(phase.frame, summed)
+    return Restriction(phase.over(adapted), free, inverse(phase.field, turn, n))
+
+
+def _reframed(frame: Frame, coframe: Mapping[tuple[int, int], Element]) -> Frame:
+    """Another coframe over the same coordinates, in the same field."""
+    entries = {index: value for index, value in coframe.items() if not value.is_zero}
+    opened = Opened(frame.coordinates, frame.parameters, frame.domain, frame.complex, frame.field)
+    adapted: Frame = object.__new__(Frame)
+    adapted.fill(opened, frame.name, {"coframe": entries, "eta": dict(frame.given["eta"])})
+    return adapted
+
+
+def _coefficients(phase: Phase, where: str, value: Element) -> Row:
+    """a_i of a_i(q) u^i."""
+    found: Row = {}
+    for i, symbol in enumerate(phase.letters.velocities):
+        slope = value.diff(symbol)
+        if not slope.is_zero:
+            found[i] = slope
+    linear = phase.field.sum([(1, a, phase.velocities[i]) for i, a in found.items()])
+    moving = {*phase.letters.velocities, phase.letters.time}
+    bound = [a for a in found.values() if a.symbols & moving]
+    if linear != value or bound or not found:
+        raise ConstraintError(
+            f"{where}: {value} = 0 is no constraint linear in the velocities. Give a sum of "
+            "coefficients of q times u^i, without a constant part and without the time, as in "
+            "'u2' or 'sin(theta)*u1 - cos(theta)*u2'."
+        )
+    return found
+
+
+def _pivots(phase: Phase, rows: Sequence[Row], names: Sequence[str]) -> list[int]:
+    """For each constraint the form that it replaces, such that what results is a frame."""
+    field, done = phase.field, []
+    places: list[int] = []
+    for name, row in zip(names, rows, strict=True):
+        reduced = dict(row)
+        for place, other in done:
+            factor = reduced.pop(place, None)
+            if factor is None:
+                continue
+            for i, value in other.items():
+                if i != place:
+                    terms = [(1, reduced[i])] if i in reduced else []
+                    reduced[i] = field.sum([*terms, (-1, factor, value)])
+        reduced = {i: value for i, value in reduced.items() if not value.is_zero}
+        if not reduced:
+            raise ConstraintError(
+                f"{name} follows from the constraints before it. Leave it out: each constraint "
+                "must take away one velocity."
+            )
+        place = min(reduced, key=lambda i: (_rank(phase, reduced[i]), -i))
+        scale = reduced[place].inverse()
+        done.append((place, {i: value * scale for i, value in reduced.items()}))
+        places.append(place)
+    return places
+
+
+def _rank(phase: Phase, value: Element) -> int:
+    """0 for a number, 1 for a parameter, 2 for what may vanish somewhere."""
+    if value.is_rational:
+        return 0
+    return 2 if value.symbols & set(phase.frame.coordinates) else 1

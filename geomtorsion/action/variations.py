@@ -1,0 +1,232 @@
+"""Variation: how the velocities of a frame change when a path is varied."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from geomtorsion.action.letters import letters_of
+from geomtorsion.action.phase import opened
+from geomtorsion.action.principles import principle_named
+from geomtorsion.action.twist import torsion_over, twist_of
+from geomtorsion.errors import ShapeError
+from geomtorsion.geometry import Tensor
+
+if TYPE_CHECKING:
+    from geomtorsion.exact import Element
+    from geomtorsion.geometry import Connection, Frame
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Variation:
+    """delta-bar u^i = d/dt dPhi^i + A_kj^i u^j dPhi^k, with dPhi^i = e^i_mu dq^mu.
+
+    frame: the frame of the velocities u^i = e^i_mu q'^mu.
+    principle: which variations have fixed ends.
+    connection: whose torsion the image has, or None for the Cartan connection of the frame.
+    """
+
+    frame: Frame
+    principle: str
+    connection: Connection | None = None
+
+    @property
+    def velocities(self) -> tuple[sp.Symbol, ...]:
+        """u^i."""
+        return letters_of(self.frame).velocities
+
+    @cached_property
+    def images(self) -> tuple[sp.Symbol, ...]:
+        """dPhi^i, the variation read off in the frame."""
+        return self._numbered("dPhi{}")
+
+    @cached_property
+    def image_rates(self) -> tuple[sp.Symbol, ...]:
+        """d/dt dPhi^i."""
+        return self._numbered("dPhi{}dot")
+
+    @cached_property
+    def gaps(self) -> tuple[sp.Symbol, ...]:
+        """b^i: by how much e^i_mu dq^mu misses dPhi^i."""
+        return self._numbered("b{}")
+
+    def _numbered(self, form: str) -> tuple[sp.Symbol, ...]:
+        return tuple(sp.Symbol(form.format(k + 1)) for k in range(self.frame.dimension))
+
+    @cached_property
+    def coefficients(self) -> Tensor:
+        """A_kj^i, slots DDU: index k of dPhi, j of u."""
+        twist = twist_of(self.frame, principle_named(self.principle), self.connection)
+        return Tensor(self.frame, "DDU", dict(twist), (), "A", f"variation {self.principle}")
+
+    @cached_property
+    def changes(self) -> tuple[sp.Expr, ...]:
+        """delta-bar u^i, one for each velocity."""
+        found = _bilinear(self.coefficients, self.velocities, self.images)
+        return tuple(rate + term for rate, term in zip(self.image_rates, found, strict=True))
+
+    @cached_property
+    def coordinates(self) -> tuple[sp.Expr, ...]:
+        """dq^mu: E_i^mu dPhi^i, or E_i^mu (dPhi^i + b^i) where the image closes."""
+        images: Sequence[sp.Expr] = self.images
+        if self.principle == "closed_in_image":
+            images = [one + two for one, two in zip(self.images, self.gaps, strict=True)]
+        legs, n = self.frame.legs, range(self.frame.dimension)
+        return tuple(sp.Add(*(legs[mu, i] * images[i] for i in n)) for mu in n)
+
+    @cached_property
+    def gap_rates(self) -> tuple[sp.Expr, ...]:
+        """d/dt b^i, with b^i = 0 at the start: what a closed variation fails to close by.
+
+        closed_in_coordinates: zero. closed_in_image: - T_kj^i u^j dPhi^k - C_kj^i u^j b^k; at the
+        end b is a Burgers vector. naive: the same with b left out of the reckoning; its dq^mu are
+        no variation of the path unless this vanishes.
+        """
+        n = self.frame.dimension
+        if self.principle == "closed_in_coordinates":
+            return (sp.S.Zero,) * n
+        image = self.connection if self.principle == "closed_in_image" else None
+        torsion = torsion_over(self.frame, image).in_frame()
+        found = _bilinear(torsion, self.velocities, self.images)
+        if self.principle == "naive":
+            return tuple(-term for term in found)
+        carried = _bilinear(self.frame.anholonomy, self.velocities, self.gaps)
+        return tuple(-one - two for one, two in zip(found, carried, strict=True))
+
+    @cached_property
+    def proved(self) -> bool | None:
+        """Whether these changes follow from those of the path, by exact zero.
+
+        delta (e^i_mu q'^mu) and d/dt (e^i_mu dq^mu) are worked out by the chain rule and put
+        together with the gap. False for the naive variation over an anholonomic frame.
+        """
+        verdicts = [value.is_zero for value in self._defects()]
+        if False in verdicts:
+            return False
+        return None if None in verdicts else True
+
+    def _defects(self) -> list[Element]:
+        """delta (e q') as claimed minus as worked out, with q' = E u and dq = E (dPhi + b)."""
+        phase = opened(self.frame, [])
+        field, frame = phase.field, phase.frame
+        field.declare((*self.images, *self.image_rates, *self.gaps))
+        u = phase.velocities
+        images, gaps = ([field.symbol(s) for s in row] for row in (self.images, self.gaps))
+        changing = [field.symbol(s) for s in self.image_rates]
+        claimed = frame.read([("change", value) for value in self.changes])
+        if self.principle == "closed_in_image":
+            images = [one + two for one, two in zip(images, gaps, strict=True)]
+            gap_rates = frame.read([("gap", value) for value in self.gap_rates])
+            changing = [one + two for one, two in zip(changing, gap_rates, strict=True)]
+        rates, moves = phase.rates(u), phase.rates(images)
+        defects = []
+        for i, row in enumerate(frame.coframe.components.rows):
+            terms: list = [(1, claimed[i]), (-1, changing[i])]
+            for mu, value in row:
+                slopes = [value.diff(symbol) for symbol in frame.coordinates]
+                for nu, slope in enumerate(slopes):
+                    terms += [(-1, slope, moves[nu], rates[mu]), (1, slope, rates[nu], moves[mu])]
+            defects.append(field.sum(terms))
+        return defects
+
+    @property
+    def text(self) -> str:
+        """One line for each velocity.
+
+        Examples
+        --------
+        >>> from geomtorsion.spaces import load
+        >>> print(variation(load("so3").frame).text)
+        delta u1 = dPhi1' - dPhi2*u3 + dPhi3*u2
+        delta u2 = dPhi2' + dPhi1*u3 - dPhi3*u1
+        delta u3 = dPhi3' - dPhi1*u2 + dPhi2*u1
+        """
+        lines = []
+        for symbol, image, change in self._rows():
+            rest = f" + {change}".replace("+ -", "- ") if change != 0 else ""
+            lines.append(f"delta {symbol} = {image}'{rest}")
+        return "\n".join(lines)
+
+    @property
+    def latex(self) -> str:
+        """The same as aligned LaTeX."""
+        named = {
+            symbol: sp.Symbol(f"\\delta\\Phi_{{{k + 1}}}") for k, symbol in enumerate(self.images)
+        }
+        lines = []
+        for symbol, image, change in self._rows():
+            shown = sp.latex(change.xreplace(named)) if change != 0 else ""
+            rest = shown if shown.startswith("-") or not shown else f"+ {shown}"
+            head = f"\\bar\\delta {sp.latex(symbol)} &= \\frac{{d}}{{dt}} {named[image].name}"
+            lines.append(f"{head} {rest}".rstrip())
+        return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"
+
+    def _rows(self) -> list[tuple[sp.Symbol, sp.Symbol, Any]]:
+        """Velocity, image and what is added to the rate of the image."""
+        pairs = zip(self.velocities, self.images, self.image_rates, self.changes, strict=True)
+        return [(u, image, change - rate) for u, image, rate, change in pairs]
+
+    def _repr_latex_(self) -> str:
+        return f"$${self.latex}$$"
+
+    def __str__(self) -> str:
+        return self.text
+
+    def __repr__(self) -> str:
+        where = f" on {self.frame.name}" if self.frame.name else ""
+        return f"variation {self.principle}{where}:\n{self.text}"
+
+
+def variation(
+    frame: Frame,
+    principle: str = "closed_in_coordinates",
+    connection: Connection | None = None,
+) -> Variation:
+    """How u^i = e^i_mu q'^mu changes under a variation of the path, derived from the frame.
+
+    Equation
+    --------
+    delta-bar u^i = d/dt dPhi^i + 2 S_kj^i u^j dPhi^k          [FizievKleinert1994], (17)
+
+    Parameters
+    ----------
+    principle
+        "closed_in_coordinates" (Hamilton, Poincare), "closed_in_image" (Kleinert) or "naive".
+    connection
+        for closed_in_image: whose torsion the image has; the Cartan connection of the frame.
+
+    Raises
+    ------
+    UnknownNameError
+        No such principle; the nearest is named.
+    ShapeError
+        The connection belongs to another frame.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> bar = variation(load("r3xso3").frame)
+    >>> bar.changes[3]
+    -dPhi2*u6 + dPhi3*u5 + dPhi4dot - dPhi5*u3 + dPhi6*u2
+    >>> bar.proved, variation(load("so3").frame, "naive").proved
+    (True, False)
+    """
+    chosen = principle_named(principle)
+    if connection is not None and connection.frame is not frame:
+        raise ShapeError("the connection belongs to another frame. Build it over this one.")
+    return Variation(frame, chosen.name, connection)
+
+
+def _bilinear(
+    table: Tensor, velocities: Sequence[sp.Symbol], images: Sequence[sp.Symbol]
+) -> list[sp.Expr]:
+    """t_kj^i u^j dPhi^k for each i."""
+    terms: list[list[sp.Expr]] = [[] for _ in velocities]
+    entries: Mapping[Any, Any] = table.nonzero()
+    for (k, j, i), value in entries.items():
+        terms[i].append(value * velocities[j] * images[k])
+    return [sp.Add(*row) for row in terms]
