@@ -1,0 +1,207 @@
+"""Checking: an answer against the solution, and, where it is wrong, the likely mistake."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from difflib import get_close_matches
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import GeomtorsionError, LimitError
+from geomtorsion.exercises.compare import EQUAL, PARTLY, compare_all, same
+from geomtorsion.exercises.diagnoses import MESSAGES
+from geomtorsion.exercises.equations import equations
+from geomtorsion.exercises.mistakes import scaled
+from geomtorsion.exercises.numbers import ROUNDED, UnitError, deviation, numbers
+from geomtorsion.exercises.reading import completed, components, expression
+from geomtorsion.exercises.verdict import QuestionVerdict
+
+if TYPE_CHECKING:
+    from geomtorsion.exercises.compare import Index, Value
+    from geomtorsion.exercises.question import Mistake, Question
+
+MOST_NAMED = 4
+
+
+def check_question(question: Question, given: Any) -> QuestionVerdict:
+    """What is said about an answer; never raises for what a student may write."""
+    if given is None or (isinstance(given, str) and not given.strip()):
+        return _wrong(question, "empty", "No answer was given.")
+    try:
+        value = read(question, given)
+        if question.kind == "choice":
+            return _check_choice(question, value)
+        if question.kind == "number":
+            return _check_number(question, value)
+        return _check_exactly(question, value)
+    except UnitError as error:
+        return _wrong(question, "unit", str(error))
+    except LimitError as error:
+        return _wrong(question, "too large", str(error))
+    except (GeomtorsionError, ArithmeticError, ValueError, RecursionError) as error:
+        return _wrong(question, "unreadable", str(error) or type(error).__name__)
+
+
+def read(question: Question, given: Any) -> Value:
+    """An answer as index -> expression or number.
+
+    Raises
+    ------
+    ExpressionError
+        It cannot be read.
+    LimitError
+        It is too large.
+    """
+    name = question.name
+    if question.kind == "expression":
+        return _dropped({(): expression(question, given, name)})
+    if question.kind == "equations":
+        return _dropped(equations(question, given, name))
+    if question.kind == "number":
+        return numbers(question, given, name)
+    if question.kind == "choice":
+        return {(): _chosen(question, given)}
+    return _dropped(components(question, given, name))
+
+
+def _dropped(value: Mapping[Index, Any]) -> Value:
+    """Without the components that are zero."""
+    return {key: x for key, x in value.items() if x != 0}
+
+
+def _chosen(question: Question, given: Any) -> str:
+    """The key of the option that was meant."""
+    text = str(given).strip().lower()[:200]
+    for key, option in question.options.items():
+        if text in (key.lower(), option.lower()):
+            return key
+    known = ", ".join(question.options)
+    near = get_close_matches(text, question.options, n=1)
+    hint = f" Did you mean {near[0]}?" if near else ""
+    raise LookupErrorInAnswer(f"{question.name}: one of {known} was needed.{hint}")
+
+
+class LookupErrorInAnswer(GeomtorsionError, ValueError):
+    """A choice that is none of those offered."""
+
+
+def _check_choice(question: Question, value: Value) -> QuestionVerdict:
+    if value == question.solution:
+        return _right(question)
+    found = [m for m in question.mistakes if m.value == value]
+    return _diagnosed(question, found) or _wrong(question, "", "That is not it.")
+
+
+def _check_number(question: Question, value: Value) -> QuestionVerdict:
+    away = deviation(question, value, question.solution)
+    if away <= 1:
+        return _right(question)
+    found = [m for m in question.mistakes if deviation(question, value, m.value) <= 1]
+    said = _diagnosed(question, found)
+    if said is not None:
+        return said
+    if away <= ROUNDED:
+        return _wrong(question, "rounded", MESSAGES["rounded"])
+    if question.shape:
+        return _by_component(question, _agreement(question, value))
+    return _wrong(question, "", "The number is not right.")
+
+
+def _agreement(question: Question, value: Value) -> dict[Index, str]:
+    """Which numbers are right: within the tolerance of the largest."""
+    right = question.solution
+    size = max((abs(float(x)) for x in right.values()), default=0.0) or 1.0
+    allowed = question.tolerance * size
+    keys = sorted({*value, *right})
+    apart = {key: abs(float(value.get(key, 0)) - float(right.get(key, 0))) for key in keys}
+    return {key: EQUAL if apart[key] <= allowed else "different" for key in keys}
+
+
+def _check_exactly(question: Question, value: Value) -> QuestionVerdict:
+    """Exact: right if every difference vanishes and every value agrees over the domain."""
+    ground, given = question.ground, value
+    value = completed(given, question.symmetry)
+    agreement = compare_all(ground, value, question.solution)
+    if all(state == EQUAL for state in agreement.values()):
+        return _right(question)
+    # A mistake may lack the symmetry of the solution: then it counts as it was written.
+    written = (value, given) if len(given) < len(value) else (value,)
+    found = [m for m in question.mistakes if any(same(ground, x, m.value) for x in written)]
+    said = _diagnosed(question, found)
+    if said is not None:
+        return said
+    if question.kind == "components" and "counted" in question.generic:
+        said = _counted_from_zero(question, value)
+        if said is not None:
+            return said
+    if all(state in (EQUAL, PARTLY) for state in agreement.values()):
+        return _wrong(question, "domain", MESSAGES["domain"])
+    return _by_component(question, agreement, value)
+
+
+def _counted_from_zero(question: Question, value: Value) -> QuestionVerdict | None:
+    """The diagnosis of indices that start at 0, if that is what happened."""
+    if not any(k == -1 for key in value for k in key):
+        return None
+    moved = {tuple(k + 1 for k in key): x for key, x in value.items()}
+    inside = all(k < n for key in moved for k, n in zip(key, question.shape, strict=True))
+    if inside and same(question.ground, moved, question.solution):
+        return _wrong(question, "counted", MESSAGES["counted"])
+    return _wrong(question, "counted", "An index is 0: " + MESSAGES["counted"])
+
+
+def _by_component(
+    question: Question, agreement: Mapping[Index, str], value: Value | None = None
+) -> QuestionVerdict:
+    """Which components are right; the mistake that all wrong ones share, if they share one."""
+    wrong = [key for key, state in agreement.items() if state != EQUAL]
+    if not question.shape and question.kind != "equations":
+        return _wrong(question, "", "That is not equal to the solution.")
+    named = ", ".join(_label(question, key) for key in wrong[:MOST_NAMED])
+    more = f" and {len(wrong) - MOST_NAMED} more" if len(wrong) > MOST_NAMED else ""
+    score = round(1 - len(wrong) / len(agreement), 3)
+    text = f"{len(agreement) - len(wrong)} of {len(agreement)} right. Look again at {named}{more}."
+    code = "incomplete"
+    shared = _shared(question, wrong, value) if value is not None else ""
+    if shared:
+        code, text = shared, f"{text} {MESSAGES[shared]}"
+    return QuestionVerdict(question.name, False, score, text, code, (), question.points)
+
+
+def _shared(question: Question, wrong: list[Index], value: Value) -> str:
+    """A sign or a factor 2 by which all wrong components are off."""
+    given = {key: value[key] for key in wrong if key in value}
+    right = {key: question.solution[key] for key in wrong if key in question.solution}
+    for code, factor in (("sign", -1), ("factor", 2)):
+        if code in question.generic and same(question.ground, given, scaled(right, factor)):
+            return code
+    if "factor" in question.generic and same(question.ground, scaled(given, 2), right):
+        return "factor"
+    return ""
+
+
+def _label(question: Question, key: Index) -> str:
+    """A component as a student names it."""
+    if question.unknowns:
+        return question.unknowns[key[0]]
+    return f"{question.label or question.name}[{','.join(str(k + 1) for k in key)}]"
+
+
+def _diagnosed(question: Question, found: list[Mistake]) -> QuestionVerdict | None:
+    """The verdict on an answer that is one of the expected mistakes."""
+    if not found:
+        return None
+    codes = list(dict.fromkeys(mistake.code for mistake in found))
+    says: Callable[[Mistake], str] = lambda m: m.message or MESSAGES[m.code]  # noqa: E731
+    texts = list(dict.fromkeys(says(mistake) for mistake in found))[:2]
+    message = " Or: ".join(texts)
+    return QuestionVerdict(
+        question.name, False, 0.0, message, codes[0], tuple(codes[1:]), question.points
+    )
+
+
+def _right(question: Question) -> QuestionVerdict:
+    return QuestionVerdict(question.name, True, 1.0, "Right.", points=question.points)
+
+
+def _wrong(question: Question, code: str, message: str) -> QuestionVerdict:
+    return QuestionVerdict(question.name, False, 0.0, message, code, (), question.points)

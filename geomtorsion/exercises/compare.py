@@ -1,0 +1,154 @@
+"""Compare: whether two expressions are equal: exactly, everywhere, or on a part of the domain."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import sympy
+
+from geomtorsion.errors import ExpressionError, GeomtorsionError, LimitError
+from geomtorsion.exercises.limits import check_weight
+from geomtorsion.exercises.numeric import at_point, at_points
+
+if TYPE_CHECKING:
+    from geomtorsion.exercises.ground import Ground
+
+Index = tuple[int, ...]
+Value = Mapping[Index, Any]
+
+EQUAL, PARTLY, DIFFERENT = "equal", "partly", "different"
+# Floats closer than this are looked at exactly; it decides nothing by itself.
+NEAR = 1e-7
+# Numbers of 50 digits that differ by more than this are different.
+SURE = 1e-30
+
+
+def compare(ground: Ground, one: Any, two: Any) -> str:
+    """How two expressions are related: EQUAL, PARTLY (on a part of the domain) or DIFFERENT.
+
+    Equal means that the difference vanishes exactly and that both have the same value at every
+    sample point: sqrt(1 - cos(x)**2) is sin(x) for 0 < x < pi, but not for 0 < x < 2 pi.
+
+    Raises
+    ------
+    LimitError
+        They agree at all points, but are too large to be compared exactly.
+
+    Examples
+    --------
+    >>> from geomtorsion.exercises.ground import Ground
+    >>> x = sympy.Symbol("x", real=True)
+    >>> whole, half = Ground((x,), (x > 0, x < 2 * sympy.pi)), Ground((x,), (x > 0, x < sympy.pi))
+    >>> root = sympy.sqrt(1 - sympy.cos(x) ** 2)
+    >>> [compare(ground, root, sympy.sin(x)) for ground in (whole, half)]
+    ['partly', 'equal']
+    """
+    one, two = sympy.sympify(one), sympy.sympify(two)
+    if one == two:
+        return EQUAL
+    near = _near(ground, one, two)
+    if not any(near):
+        return DIFFERENT
+    if not all(near):
+        return PARTLY
+    return EQUAL if _is_zero(ground, one, two) else DIFFERENT
+
+
+def compare_all(ground: Ground, given: Value, right: Value) -> dict[Index, str]:
+    """`compare` for every component that occurs in one of two; what is missing is zero."""
+    keys = sorted({*given, *right})
+    return {key: compare(ground, given.get(key, 0), right.get(key, 0)) for key in keys}
+
+
+def same(ground: Ground, given: Value, right: Value) -> bool:
+    """Whether all components are equal; ends at the first that is not."""
+    return all(
+        compare(ground, given.get(key, 0), right.get(key, 0)) == EQUAL for key in {*given, *right}
+    )
+
+
+def _near(ground: Ground, one: Any, two: Any) -> list[bool]:
+    """At each point where both have a value, whether it is the same; decided in 50 digits."""
+    import numpy as np
+
+    points = ground.points or ({},)
+    arrays = {
+        symbol: np.array([float(point[symbol]) for point in points]) for symbol in ground.symbols
+    }
+    first, second = (np.broadcast_to(at_points(x, arrays), (len(points),)) for x in (one, two))
+    found = []
+    for point, a, b in zip(points, first.tolist(), second.tolist(), strict=True):
+        apart, size = abs(a - b), 1 + abs(a) + abs(b)
+        if apart <= NEAR * size:
+            found.append(True)
+        elif apart > 1e3 * NEAR * size and size < 1e6:
+            # Far beyond rounding, unless something cancelled: one point in many digits will tell.
+            found.append(False)
+        else:
+            settled = _settled(point, one, two)
+            found += [] if settled is None else [settled]
+    if found and not all(found):
+        return _confirmed(points, found, one, two)
+    return found
+
+
+def _confirmed(points: Any, found: list[bool], one: Any, two: Any) -> list[bool]:
+    """The same, after a look in many digits at the first point that seemed different."""
+    if len(found) != len(points):
+        return found
+    place = found.index(False)
+    if _settled(points[place], one, two) is not True:
+        return found
+    settled = [_settled(point, one, two) for point in points]
+    return [near for near in settled if near is not None]
+
+
+def _settled(point: Any, one: Any, two: Any) -> bool | None:
+    """Whether both have one value at a point, in 50 digits; None where one has none."""
+    a, b = at_point(one, point), at_point(two, point)
+    if a is None or b is None:
+        return None
+    return bool(abs(a - b) <= SURE * (1 + abs(a) + abs(b)))
+
+
+def _is_zero(ground: Ground, one: Any, two: Any) -> bool:
+    """Whether the difference vanishes exactly; where nothing decides it, what 50 digits say."""
+    for expr in (one, two):
+        check_weight(expr, "answer")
+    try:
+        first, second = ground.field().read_all(
+            [("answer", _without_sizes(ground, one)), ("solution", _without_sizes(ground, two))]
+        )
+        verdict = (first - second).is_zero
+    except (LimitError, RecursionError) as error:
+        raise LimitError(f"the answer is too large to be compared exactly: {error}") from None
+    except ExpressionError as error:
+        raise ExpressionError(f"the answer cannot be read exactly: {error}") from None
+    except GeomtorsionError:
+        verdict = None
+    if verdict is None:
+        settled = [_settled(point, one, two) for point in ground.points or ({},)]
+        return False not in settled and True in settled
+    return verdict
+
+
+def _without_sizes(ground: Ground, expr: Any) -> Any:
+    """|x| as x or -x, where it has one sign at all points; sympy makes it of sqrt(x**2)."""
+    import numpy as np
+
+    sizes = expr.atoms(sympy.Abs)
+    if not sizes:
+        return expr
+    points = ground.points or ({},)
+    arrays = {
+        symbol: np.array([float(point[symbol]) for point in points]) for symbol in ground.symbols
+    }
+    table = {}
+    for size in sizes:
+        inner = at_points(size.args[0], arrays).real
+        if (inner >= 0).all():
+            table[size] = size.args[0]
+        elif (inner <= 0).all():
+            table[size] = -size.args[0]
+    return expr.xreplace(table)

@@ -1,0 +1,130 @@
+"""Equations: answers that are solved for their rates before they are compared."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import sympy
+
+from geomtorsion.errors import ExpressionError, LimitError
+from geomtorsion.exercises.ground import Ground
+from geomtorsion.exercises.limits import LARGEST_ANSWER, check_weight
+from geomtorsion.exercises.reading import expression, plain_name, shown_name
+
+if TYPE_CHECKING:
+    from geomtorsion.exact import Element
+    from geomtorsion.exercises.compare import Index
+    from geomtorsion.exercises.question import Question
+
+MOST_EQUATIONS = 12
+
+
+def equations(question: Question, given: Any, where: str) -> dict[Index, sympy.Expr]:
+    """The rates that follow from equations: as index of the unknown -> expression.
+
+    Equations are a text ``Omega1' = ...; Omega2' = ...`` (semicolons or lines), a list of such, or
+    a table unknown -> expression. They may be multiplied, exchanged and combined at will.
+
+    Raises
+    ------
+    ExpressionError
+        They cannot be read, are not linear in the unknowns, or do not determine them.
+    LimitError
+        They are too large.
+    """
+    unknowns = [sympy.Symbol(plain_name(name), real=True) for name in question.unknowns]
+    wide = replace(
+        question, ground=Ground((*question.ground.symbols, *unknowns), question.ground.domain)
+    )
+    residuals = []
+    for number, (left, right) in enumerate(_sides(given, where)):
+        place = f"{where}, equation {number + 1}"
+        sides = [expression(wide, side, place) for side in (left, right)]
+        residuals.append((place, sides[0] - sides[1]))
+    if len(residuals) != len(unknowns):
+        raise ExpressionError(
+            f"{where}: {len(unknowns)} equations were needed, for {', '.join(question.unknowns)}, "
+            f"but {len(residuals)} came."
+        )
+    explicit = _explicit(residuals, unknowns)
+    return explicit or _solved(wide.ground, residuals, unknowns, where)
+
+
+def _sides(given: Any, where: str) -> list[tuple[Any, Any]]:
+    """Pairs (left, right) of all equations."""
+    if isinstance(given, dict):
+        pairs = list(given.items())
+    else:
+        texts = given if isinstance(given, list) else [given]
+        if not all(isinstance(text, str) for text in texts):
+            raise ExpressionError(f"{where}: equations in quotes were needed.")
+        if sum(map(len, texts)) > LARGEST_ANSWER:
+            raise LimitError(f"{where}: more than {LARGEST_ANSWER:,} characters. Write it shorter.")
+        lines = [line for text in texts for line in re.split(r"[;\n]", text) if line.strip()]
+        pairs = []
+        for line in lines:
+            left, sign, right = line.partition("=")
+            if not sign or "=" in right:
+                raise ExpressionError(
+                    f"{where}: {line.strip()[:60]!r} is no equation. Write left = right, separated "
+                    "by semicolons."
+                )
+            pairs.append((left, right))
+    if len(pairs) > MOST_EQUATIONS:
+        raise LimitError(f"{where}: {len(pairs)} equations; the limit is {MOST_EQUATIONS}.")
+    return pairs
+
+
+def _explicit(
+    residuals: list[tuple[str, sympy.Expr]], unknowns: list[sympy.Symbol]
+) -> dict[Index, sympy.Expr] | None:
+    """The rates where each equation is unknown = expression, in whatever order."""
+    found: dict[Index, sympy.Expr] = {}
+    for _, residual in residuals:
+        inside = [k for k, unknown in enumerate(unknowns) if residual.has(unknown)]
+        if len(inside) != 1 or (inside[0],) in found:
+            return None
+        rest = unknowns[inside[0]] - residual
+        if rest.has(*unknowns):
+            return None
+        found[inside[0],] = rest
+    return found
+
+
+def _solved(
+    ground: Ground,
+    residuals: list[tuple[str, sympy.Expr]],
+    unknowns: list[sympy.Symbol],
+    where: str,
+) -> dict[Index, sympy.Expr]:
+    """The rates by elimination in the exact field."""
+    for place, residual in residuals:
+        check_weight(residual, place)
+    field = ground.field()
+    rows: list[list[Element]] = []
+    for place, residual in residuals:
+        element = field.read(residual, place)
+        slopes = [element.diff(unknown) for unknown in unknowns]
+        if any(not slope.free_of(unknown) for slope in slopes for unknown in unknowns):
+            raise ExpressionError(f"{place}: not linear in {', '.join(map(str, unknowns))}.")
+        known = element
+        for slope, unknown in zip(slopes, unknowns, strict=True):
+            known = known - slope * field.symbol(unknown)
+        rows.append([*slopes, -known])
+    for k in range(len(unknowns)):
+        pivot = next((r for r in range(k, len(rows)) if not rows[r][k].is_zero), None)
+        if pivot is None:
+            raise ExpressionError(
+                f"{where}: the equations do not determine {shown_name(str(unknowns[k]))}: some of "
+                "them follow from the others."
+            )
+        rows[k], rows[pivot] = rows[pivot], rows[k]
+        scale = rows[k][k].inverse()
+        rows[k] = [entry * scale for entry in rows[k]]
+        for r, row in enumerate(rows):
+            if r != k and not row[k].is_zero:
+                factor = row[k]
+                rows[r] = [x - factor * y for x, y in zip(row, rows[k], strict=True)]
+    return {(k,): rows[k][-1].sympy for k in range(len(unknowns))}

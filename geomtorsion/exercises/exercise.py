@@ -1,0 +1,133 @@
+"""Exercise: a statement with questions, hints and a solution that the library computes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any
+
+from geomtorsion.errors import UnknownNameError
+from geomtorsion.exercises.checking import check_question
+from geomtorsion.exercises.compare import Value
+from geomtorsion.exercises.question import Question
+from geomtorsion.exercises.verdict import Verdict
+
+
+@dataclass(frozen=True, eq=False)
+class Posed:
+    """One variant of an exercise, as its file makes it.
+
+    statement: Markdown with LaTeX between dollar signs.
+    questions: what is asked, in order. hints: one step each, from a nudge to nearly all of it.
+    """
+
+    statement: str
+    questions: tuple[Question, ...]
+    hints: tuple[str, ...]
+
+
+def steps(*hints: str) -> tuple[str, ...]:
+    """Hints, one step each."""
+    return hints
+
+
+@dataclass(frozen=True, eq=False)
+class Exercise:
+    """An exercise in one variant.
+
+    number: "3.2". title, chapter: what it is called and where it stands. level: warm-up, exercise
+    or project. seed: which variant; 0 is the one of the paper. posed: what it says.
+
+    Examples
+    --------
+    >>> from geomtorsion.exercises import load
+    >>> exercise = load("1.1")
+    >>> exercise.check(exercise.answers()).right
+    True
+    """
+
+    number: str
+    title: str
+    chapter: str
+    level: str
+    seed: int
+    posed: Posed
+
+    @property
+    def statement(self) -> str:
+        """What is given and what is asked: Markdown, LaTeX between dollar signs."""
+        return self.posed.statement
+
+    @property
+    def questions(self) -> tuple[Question, ...]:
+        """What is asked, in order."""
+        return self.posed.questions
+
+    @property
+    def hints(self) -> tuple[str, ...]:
+        """Steps, from a nudge to nearly all of it; Markdown with LaTeX."""
+        return self.posed.hints
+
+    def question(self, name: str) -> Question:
+        """The question of a name.
+
+        Raises
+        ------
+        UnknownNameError
+            There is none; the message lists those there are.
+        """
+        for question in self.questions:
+            if question.name == name:
+                return question
+        known = ", ".join(question.name for question in self.questions)
+        near = get_close_matches(name, [question.name for question in self.questions], n=1)
+        hint = f" Did you mean {near[0]}?" if near else ""
+        raise UnknownNameError(
+            f"exercise {self.number} has no question {name[:60]!r}: there is {known}.{hint}"
+        )
+
+    def solution(self) -> dict[str, Value]:
+        """The right answers, computed now: question -> {index counted from 0: expression}."""
+        return {question.name: question.solution for question in self.questions}
+
+    def answers(self) -> dict[str, str]:
+        """The right answers as texts that `check` takes."""
+        from geomtorsion.exercises.writing import answer_text
+
+        return {q.name: answer_text(q, q.solution) for q in self.questions}
+
+    def check(self, answers: Mapping[str, Any] | str) -> Verdict:
+        """What is said about answers; nothing a student may write raises an error.
+
+        Parameters
+        ----------
+        answers
+            question -> answer (text, number, list or table); a single text where there is one
+            question.
+
+        Examples
+        --------
+        >>> from geomtorsion.exercises import load
+        >>> verdict = load("1.1").check({"legs": "[[1, 0], [0, oops]]"})
+        >>> verdict.right, verdict["legs"].diagnosis
+        (False, 'unreadable')
+        """
+        notes = []
+        if not isinstance(answers, Mapping):
+            first, *rest = self.questions
+            if rest:
+                names = ", ".join(question.name for question in self.questions)
+                notes.append(
+                    f"This exercise has several questions ({names}); the answer counts for the "
+                    "first."
+                )
+            answers = {first.name: answers}
+        known = {question.name for question in self.questions}
+        for name in answers:
+            if name not in known:
+                near = get_close_matches(str(name)[:60], known, n=1)
+                hint = f" Did you mean {near[0]}?" if near else ""
+                notes.append(f"There is no question {str(name)[:60]!r}.{hint}")
+        found = tuple(check_question(q, answers.get(q.name)) for q in self.questions)
+        return Verdict(self.number, self.seed, found, tuple(notes))

@@ -1,0 +1,81 @@
+"""1.3: the object of anholonomy, where forms are not closed."""
+
+from random import Random
+
+from geomtorsion.exercises import tex
+from geomtorsion.exercises.exercise import Posed, steps
+from geomtorsion.exercises.ground import Ground
+from geomtorsion.exercises.question import Mistake, Question
+from geomtorsion.exercises.variants import group
+from geomtorsion.geometry import cartan
+
+
+def pose(draw: Random, seed: int) -> Posed:
+    """A left-invariant frame of a small group; the seed chooses group and constants."""
+    frame = group(draw, seed)
+    n = frame.dimension
+    return Posed(
+        statement=(
+            f"Given are, in the coordinates ${tex.symbols(frame)}$, the one-forms"
+            f"\n\n$${tex.forms(frame)}.$$\n\n"
+            "They are not all closed. How much each fails to be is written in the frame itself:"
+            "\n\n"
+            r"$$\mathrm{d}e^k = \tfrac{1}{2}\,C_{ij}{}^k\,e^i\wedge e^j,\qquad "
+            r"C_{ij}{}^k = -C_{ji}{}^k.$$"
+        ),
+        questions=(
+            Question(
+                name="anholonomy",
+                kind="components",
+                prompt=r"All components $C_{ij}{}^k$ that do not vanish, those with $i<j$ at "
+                "least, indices in the frame, in the order $i, j, k$.",
+                ground=Ground.of(frame),
+                answer=lambda: frame.anholonomy,
+                errors=lambda: [
+                    Mistake(
+                        "sign",
+                        -frame.anholonomy,
+                        "The sign is wrong: these are the structure constants of the legs, "
+                        "$[E_i, E_j] = -C_{ij}{}^k E_k$.",
+                    ),
+                    Mistake(
+                        "factor",
+                        frame.anholonomy / 2,
+                        "That is half of it: $S$ rather than $C = 2S$. The half in "
+                        "$\\tfrac12 C_{ij}{}^k e^i\\wedge e^j$ only counts each pair once.",
+                    ),
+                    Mistake("basis", cartan(frame).torsion.T),
+                ],
+                shape=(n, n, n),
+                label="C",
+                symmetry="antisymmetric",
+            ),
+            Question(
+                name="closed",
+                kind="number",
+                prompt="How many of the forms are closed?",
+                answer=lambda: closed_forms(frame),
+                errors=lambda: [
+                    Mistake(
+                        "forgotten",
+                        frame.dimension - closed_forms(frame),
+                        "That is how many are not.",
+                    )
+                ],
+                generic=(),
+                tolerance=1e-9,
+            ),
+        ),
+        hints=steps(
+            r"$\mathrm{d}(f\,\mathrm{d}x) = \partial_\mu f\,\mathrm{d}q^\mu\wedge\mathrm{d}x$.",
+            r"Write each $\mathrm{d}q^\mu\wedge\mathrm{d}q^\nu$ by the forms: "
+            r"$\mathrm{d}q^\mu = E_i{}^\mu e^i$.",
+            r"In $\tfrac12 C_{ij}{}^k e^i\wedge e^j$ each pair occurs twice: what stands before "
+            r"$e^1\wedge e^2$ is $C_{12}{}^k$.",
+        ),
+    )
+
+
+def closed_forms(frame) -> int:
+    """How many forms have no derivative."""
+    return frame.dimension - len({k for _, _, k in frame.anholonomy.nonzero()})

@@ -1,0 +1,51 @@
+"""1.1: the legs of a coframe, a matrix inverse."""
+
+from random import Random
+
+from geomtorsion.exercises import tex
+from geomtorsion.exercises.exercise import Posed, steps
+from geomtorsion.exercises.ground import Ground
+from geomtorsion.exercises.mistakes import reordered
+from geomtorsion.exercises.question import Mistake, Question
+from geomtorsion.exercises.variants import turned_plane
+
+
+def pose(draw: Random, seed: int) -> Posed:
+    """Cartesian one-forms in polar coordinates; other seeds turn, boost and scale them."""
+    frame = turned_plane(draw, seed)
+    n = frame.dimension
+    return Posed(
+        statement=(
+            f"In the coordinates ${tex.symbols(frame)}$ a coframe "
+            r"$e^i = e^i{}_\mu\,\mathrm{d}q^\mu$ is given by the matrix (rows: forms)"
+            f"\n\n$${tex.coframe(frame)}.$$\n\n"
+            r"The legs $E_i = E_i{}^\mu\,\partial_\mu$ are dual to it: "
+            r"$e^i{}_\mu E_j{}^\mu = \delta^i_j$."
+        ),
+        questions=(
+            Question(
+                name="legs",
+                kind="components",
+                prompt=r"The matrix $E_i{}^\mu$ with one leg per **column**: "
+                r"row $\mu$, column $i$.",
+                ground=Ground.of(frame),
+                answer=lambda: frame.legs,
+                errors=lambda: [
+                    Mistake("inverse", frame.coframe),
+                    Mistake(
+                        "permuted",
+                        reordered(frame.legs, (1, 0)),
+                        "That is the transposed matrix: one leg per row, not per column.",
+                    ),
+                ],
+                shape=(n, n),
+                label="E",
+            ),
+        ),
+        hints=steps(
+            r"Duality says $e\,E = 1$ as matrices, if $E$ has the legs as columns.",
+            r"For two rows: exchange the diagonal, change the sign of the rest, divide by "
+            r"$\det e$.",
+            f"Here the determinant is ${tex.tex(frame.determinant[()])}$.",
+        ),
+    )

@@ -1,0 +1,78 @@
+"""Ground: the symbols an answer may be written with, and where they lie."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import islice
+from typing import TYPE_CHECKING, Any
+
+import sympy
+
+from geomtorsion.exact import Field
+from geomtorsion.geometry.sampling import candidate_points
+
+if TYPE_CHECKING:
+    from geomtorsion.geometry import Frame
+
+# As many points decide where in the domain an answer is right; each exact decision is its own.
+POINTS = 24
+# A generic point for the branches of roots: no small fraction, where accidents happen.
+FINENESS = 10**12
+_LETTERS = dict(
+    zip(
+        "alpha beta gamma delta epsilon theta lambda mu nu rho sigma tau phi chi psi omega "
+        "Gamma Omega Phi Theta".split(),
+        "αβγδεθλμνρστφχψωΓΩΦΘ",
+        strict=True,
+    )
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """Symbols with the domain in which they lie.
+
+    symbols: in order, each of which may occur in an answer.
+    domain: relations between them that hold.
+
+    Examples
+    --------
+    >>> x = sympy.Symbol("x", real=True)
+    >>> ground = Ground((x,), (x > 0, x < 1))
+    >>> all(0 < value < 1 for point in ground.points for value in point.values())
+    True
+    """
+
+    symbols: tuple[sympy.Symbol, ...] = ()
+    domain: tuple[Any, ...] = ()
+
+    @classmethod
+    def of(cls, frame: Frame, *more: sympy.Symbol) -> Ground:
+        """The coordinates and parameters of a frame, and further symbols."""
+        return cls((*frame.coordinates, *frame.parameters, *more), frame.domain)
+
+    @cached_property
+    def names(self) -> Mapping[str, sympy.Symbol]:
+        """Name -> symbol; Greek letters may be written as themselves."""
+        found = {symbol.name: symbol for symbol in self.symbols}
+        for symbol in self.symbols:
+            for word, letter in _LETTERS.items():
+                if symbol.name.startswith(word) and not symbol.name[len(word) :].isalpha():
+                    found.setdefault(letter + symbol.name[len(word) :], symbol)
+        return found
+
+    @cached_property
+    def points(self) -> tuple[Mapping[sympy.Symbol, sympy.Rational], ...]:
+        """Places all over the domain, always the same ones."""
+        return tuple(islice(candidate_points(self.symbols, (), self.domain), POINTS))
+
+    @cached_property
+    def _generic(self) -> Mapping[sympy.Symbol, sympy.Rational]:
+        """The place at which signs of roots are read off."""
+        return next(candidate_points(self.symbols, (), self.domain, FINENESS))
+
+    def field(self) -> Field:
+        """A fresh exact field over the symbols: no answer leaves traces in the next."""
+        return Field(self.symbols, sample=self._generic if self.symbols else None)

@@ -1,0 +1,141 @@
+"""Numeric: values of expressions at points, in floats for all points or in many digits at one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import mpmath
+import sympy
+
+DIGITS = 50
+# Binary exponents beyond this are not followed: exp(exp(exp(9))) would fill the memory.
+LARGEST_EXPONENT = 20_000
+_NUMPY = {
+    "asin": "arcsin", "acos": "arccos", "atan": "arctan", "asinh": "arcsinh", "acosh": "arccosh",
+    "atanh": "arctanh", "Abs": "absolute",
+}  # fmt: skip
+_INVERSE = {"cot": "tan", "sec": "cos", "csc": "sin", "coth": "tanh", "sech": "cosh",
+            "csch": "sinh"}  # fmt: skip
+_TURNED = {"acot": "atan"}
+
+
+def at_points(expr: Any, points: Mapping[sympy.Symbol, Any]) -> Any:
+    """Values at many points at once, complex array; nan or infinite where there is none.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> x = sympy.Symbol("x")
+    >>> at_points(sympy.sqrt(x), {x: np.array([4.0, -1.0])}).tolist()
+    [(2+0j), 1j]
+    """
+    import numpy as np
+
+    size = next(iter(points.values())).shape if points else (1,)
+    values = {symbol: array.astype(complex) for symbol, array in points.items()}
+    with np.errstate(all="ignore"):
+        found = _value(expr, values, _Arrays(), {})
+    return np.broadcast_to(np.asarray(found, dtype=complex), size)
+
+
+def at_point(expr: Any, point: Mapping[sympy.Symbol, Any], digits: int = DIGITS) -> Any:
+    """Value at one point to many digits, None where there is none or it is beyond all size.
+
+    Examples
+    --------
+    >>> x = sympy.Symbol("x")
+    >>> mpmath.nstr(at_point(sympy.exp(x) - 1, {x: sympy.Rational(1, 2)}), 20)
+    '(0.64872127070012814685 + 0.0j)'
+    """
+    with mpmath.workdps(digits):
+        values = {
+            symbol: mpmath.mpc(mpmath.mpf(int(x.p)) / int(x.q)) for symbol, x in point.items()
+        }
+        try:
+            found = _value(expr, values, _Digits(), {})
+        except (ArithmeticError, ValueError):
+            return None
+        return found if mpmath.isfinite(found) else None
+
+
+class _Arrays:
+    """Arithmetic of complex arrays."""
+
+    def number(self, expr: Any) -> Any:
+        return complex(int(expr.p) / int(expr.q)) if expr.is_Rational else complex(expr)
+
+    def power(self, base: Any, exponent: Any) -> Any:
+        import numpy as np
+
+        return np.sqrt(base) if np.ndim(exponent) == 0 and exponent == 0.5 else base**exponent
+
+    def call(self, name: str, arguments: list[Any]) -> Any:
+        import numpy as np
+
+        if name == "atan2":
+            return np.arctan2(arguments[0].real, arguments[1].real)
+        return getattr(np, _NUMPY.get(name, name))(*arguments)
+
+    def checked(self, value: Any) -> Any:
+        return value
+
+
+class _Digits:
+    """Arithmetic of mpmath numbers, with an end to their size."""
+
+    def number(self, expr: Any) -> Any:
+        if expr.is_Rational:
+            return mpmath.mpc(mpmath.mpf(int(expr.p)) / int(expr.q))
+        return mpmath.mpc(expr._to_mpmath(mpmath.mp.prec))
+
+    def power(self, base: Any, exponent: Any) -> Any:
+        real = mpmath.re(exponent)
+        whole = not mpmath.im(exponent) and real == int(real)
+        return base ** int(real) if whole else mpmath.power(base, exponent)
+
+    def call(self, name: str, arguments: list[Any]) -> Any:
+        if name == "atan2":
+            return mpmath.mpc(mpmath.atan2(arguments[0].real, arguments[1].real))
+        return mpmath.mpc(getattr(mpmath, "fabs" if name == "Abs" else name)(*arguments))
+
+    def checked(self, value: Any) -> Any:
+        if value and mpmath.mag(value) > LARGEST_EXPONENT:
+            raise OverflowError("beyond all size")
+        return value
+
+
+def _value(expr: Any, values: Mapping[Any, Any], table: Any, known: dict[Any, Any]) -> Any:
+    """The value of an expression; equal parts are computed once."""
+    if expr in known:
+        return known[expr]
+    if expr.is_Symbol:
+        found = values[expr]
+    elif not expr.args:
+        found = table.number(expr)
+    else:
+        parts = [_value(argument, values, table, known) for argument in expr.args]
+        found = _combined(expr, parts, table)
+    known[expr] = table.checked(found)
+    return known[expr]
+
+
+def _combined(expr: Any, parts: list[Any], table: Any) -> Any:
+    """The value of a sum, product, power or function from those of its parts."""
+    if expr.is_Add:
+        return sum(parts[1:], parts[0])
+    if expr.is_Mul:
+        product = parts[0]
+        for part in parts[1:]:
+            product = product * part
+        return product
+    if expr.is_Pow:
+        return table.power(*parts)
+    name = type(expr).__name__
+    if name in _INVERSE:
+        return 1 / table.call(_INVERSE[name], parts)
+    if name in _TURNED:
+        return table.call(_TURNED[name], [1 / parts[0]])
+    if name == "log" and len(parts) == 2:
+        return table.call("log", parts[:1]) / table.call("log", parts[1:])
+    return table.call(name, parts)

@@ -1,0 +1,113 @@
+"""registry: the list of chapters and exercises, and their lazy loading."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from difflib import get_close_matches
+from functools import lru_cache
+from importlib import import_module
+from random import Random
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import UnknownNameError
+
+if TYPE_CHECKING:
+    from geomtorsion.exercises.exercise import Exercise
+    from geomtorsion.exercises.verdict import Verdict
+
+LARGEST_SEED = 10**9
+# number, what it is about
+CHAPTERS: tuple[tuple[str, str], ...] = (
+    ("1", "Frames and anholonomy"),
+    ("2", "Cartan connection and torsion"),
+    ("3", "Curvature, Cartan and Riemann"),
+    ("4", "Straightest and shortest"),
+    ("5", "Loops that fail to close"),
+    ("6", "The action principle and the top"),
+    ("7", "What accuracy costs"),
+)
+# number, module of this package, title, level
+EXERCISES: tuple[tuple[str, str, str, str], ...] = (
+    ("1.1", "frames.legs", "The legs of a coframe", "warm-up"),
+    ("1.2", "frames.metric", "The metric of a coframe", "exercise"),
+    ("1.3", "frames.anholonomy", "Forms that are not closed", "exercise"),
+    ("1.4", "frames.body_rates", "The angular velocity of a body", "exercise"),
+)
+
+
+def names() -> tuple[str, ...]:
+    """Numbers of all exercises, in order; loads none of them.
+
+    Examples
+    --------
+    >>> names()[0]
+    '1.1'
+    """
+    return tuple(number for number, _, _, _ in EXERCISES)
+
+
+def titles() -> dict[str, str]:
+    """Number -> title; loads nothing.
+
+    Examples
+    --------
+    >>> titles()["1.1"]
+    'The legs of a coframe'
+    """
+    return {number: title for number, _, title, _ in EXERCISES}
+
+
+def chapter_of(number: str) -> str:
+    """Title of the chapter in which an exercise stands."""
+    return dict(CHAPTERS)[number.partition(".")[0]]
+
+
+def load(number: str, seed: int = 0) -> Exercise:
+    """An exercise in the variant of a seed; nothing is solved before an answer is checked.
+
+    Raises
+    ------
+    UnknownNameError
+        There is no such exercise, or no such seed; the message says what there is.
+
+    Examples
+    --------
+    >>> load("1.1").title, load("1.1", seed=7).seed
+    ('The legs of a coframe', 7)
+    """
+    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= LARGEST_SEED:
+        raise UnknownNameError(
+            f"seed: a whole number from 0 to {LARGEST_SEED:,} was needed, but {str(seed)[:40]!r} "
+            "came."
+        )
+    for known, module, title, level in EXERCISES:
+        if known == number:
+            return _loaded(known, module, title, level, seed)
+    near = get_close_matches(str(number)[:20], names(), n=3)
+    hint = f" Near: {', '.join(near)}." if near else ""
+    raise UnknownNameError(
+        f"no exercise has the number {str(number)[:20]!r}.{hint} There are {names()[0]} to "
+        f"{names()[-1]}; `geomtorsion exercises` lists them."
+    )
+
+
+@lru_cache(maxsize=512)
+def _loaded(number: str, module: str, title: str, level: str, seed: int) -> Exercise:
+    """An exercise, kept: what was computed for one student serves the next."""
+    from geomtorsion.exercises.exercise import Exercise
+
+    # Text as seed: the same draws on every platform and for every version of Python.
+    draw = Random(f"{number}/{seed}")
+    posed = import_module(f"geomtorsion.exercises.{module}").pose(draw, seed)
+    return Exercise(number, title, chapter_of(number), level, seed, posed)
+
+
+def check(number: str, answers: Mapping[str, Any] | str, seed: int = 0) -> Verdict:
+    """What is said about the answers to an exercise; see `Exercise.check`.
+
+    Examples
+    --------
+    >>> check("1.1", "[[1, 0], [0, 1]]").right
+    False
+    """
+    return load(number, seed).check(answers)
