@@ -32,6 +32,8 @@ def solve(
     engine: Engine | None = None,
     checkpoint: str | Path | None = None,
     progress: Progress | None = None,
+    *,
+    overwrite: bool = False,
 ) -> FlowSolution: ...
 def solve(
     problem: Problem | Flow,
@@ -40,6 +42,8 @@ def solve(
     engine: Engine | None = None,
     checkpoint: str | Path | None = None,
     progress: Progress | None = None,
+    *,
+    overwrite: bool = False,
 ) -> Solution | FlowSolution:
     """Solve a motion so that the result, not each step, is as accurate as asked.
 
@@ -60,7 +64,7 @@ def solve(
         (flows) a file into which the run is written as it goes; a later call with the same flow,
         times, accuracy and engine goes on from there, to the same result.
     progress
-        (flows) is called with the part that is done, from 0 to 1.
+        (flows) called with the part that is done, from 0 to 1.
 
     Raises
     ------
@@ -81,7 +85,7 @@ def solve(
     0.36787944
     """
     if isinstance(problem, Flow):
-        return solve_flow(problem, t, accuracy, engine, checkpoint, progress)
+        return solve_flow(problem, t, accuracy, engine, checkpoint, progress, overwrite=overwrite)
     if not isinstance(problem, Problem):
         raise StartError(
             f"solve: a problem (autoparallel, geodesic, ...) or a flow was needed, {problem!r} "

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from geomtorsion.errors import AccuracyError, StuckError
 from geomtorsion.motion.engines.protocol import Engine
+from geomtorsion.motion.engines.rungekutta import Stiff
+from geomtorsion.motion.flows.checkpoint import LEGS, Checkpoint, Keeper, fingerprint, steady
 from geomtorsion.motion.flows.flow import Flow
 from geomtorsion.motion.flows.solution import FlowSolution
 from geomtorsion.motion.flows.travel import Leg, Trip, legs_of, travel, unit_rows
@@ -25,6 +27,7 @@ from geomtorsion.motion.solving import (
 )
 
 Progress = Callable[[float], None]
+Engines = Iterator[tuple[Engine, str]]
 Travel = Callable[[Engine, float], Trip]
 
 
@@ -35,19 +38,63 @@ def solve_flow(
     engine: Engine | None = None,
     checkpoint: str | Path | None = None,
     progress: Progress | None = None,
+    *,
+    overwrite: bool = False,
 ) -> FlowSolution:
     """Solve a flow; see `solve`."""
     accuracy = checked_accuracy(accuracy)
     times, grid = checked_times(t)
-    legs = legs_of(flow, float(grid[-1]))
-    learned = flow.system.__dict__.setdefault("_learned", {})
+    end = float(grid[-1])
+    if checkpoint is None and progress is None:
+        legs = legs_of(flow, end)
+        learned = flow.system.__dict__.setdefault("_learned", {})
+        return _solved(flow, times, grid, legs, accuracy, engine, learned, None)
+    legs = legs_of(flow, end, [end * k / LEGS for k in range(1, LEGS)] if end else [])
+    kept = None
+    if checkpoint is not None:
+        kept = Checkpoint(
+            checkpoint, fingerprint(flow, times, accuracy, engine), overwrite=overwrite
+        )
+    keeper = Keeper(flow, kept, len(legs), progress)
+    try:
+        # What other runs have taught is left aside: this one must end the same in any company.
+        solution = _solved(flow, times, grid, legs, accuracy, engine, {}, keeper)
+    finally:
+        if kept is not None:
+            kept.write()
+    keeper.tell(1.0)
+    return solution
+
+
+def engines(flow: Flow, legs: Sequence[Leg], accuracy: float, engine: Engine | None) -> Engines:
+    """Engines in the order in which to try them, each with the reason."""
+    for candidate, why in choices(lambda: is_stiff(flow, legs), accuracy, engine):
+        if engine is None and isinstance(candidate, Stiff):
+            # Of higher order than Radau, and as good between its steps as at them.
+            yield Stiff("LSODA"), why
+        yield candidate, why
+
+
+def _solved(
+    flow: Flow,
+    times: Any,
+    grid: Any,
+    legs: Sequence[Leg],
+    accuracy: float,
+    engine: Engine | None,
+    learned: dict[Any, float],
+    keeper: Keeper | None,
+) -> FlowSolution:
+    """The answer of the first engine and tolerance that are good enough."""
 
     def go(solver: Engine, tolerance: float) -> Trip:
-        return travel(flow, solver, tolerance, grid, legs)
+        return travel(flow, solver, tolerance, grid, legs, keeper)
 
     spent: list[Trip] = []
     best = math.inf
-    for candidate, why in choices(lambda: is_stiff(flow, legs), accuracy, engine):
+    for candidate, why in engines(flow, legs, accuracy, engine):
+        if keeper is not None:
+            candidate = steady(candidate)
         answer, witness, error = _refined(go, candidate, accuracy, spent, learned)
         best = min(best, error)
         if error <= accuracy or answer.outcome == "stuck":
@@ -122,7 +169,7 @@ def _rows(trip: Trip, count: int) -> Any:
     return unit_rows(trip.flow, states) if trip.engine.precision <= 64 else states
 
 
-def is_stiff(flow: Flow, legs: tuple[Leg, ...]) -> bool:
+def is_stiff(flow: Flow, legs: Sequence[Leg]) -> bool:
     """Whether some direction decays much faster than the motion lasts; False if unknown."""
     return any(
         decay_rate(flow, leg) * abs(leg.end - leg.begin) > STIFF

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.motion.engines.protocol import Engine, Run
-from geomtorsion.motion.system import exact
+from geomtorsion.motion.system import mpf
 
 if TYPE_CHECKING:
     from geomtorsion.motion.flows.flow import Flow
 
-Progress = Callable[[float], None]
+RunLeg = Callable[[int, Engine, Sequence[Any], Sequence[Any], Any, float], Run]
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +122,7 @@ def travel(
     tolerance: float,
     grid: Any,
     legs: Sequence[Leg],
-    run_leg: Callable[..., Run] | None = None,
+    run_leg: RunLeg | None = None,
 ) -> Trip:
     """Follow a flow through the times of a grid from 0 on."""
     import numpy as np
@@ -164,19 +165,11 @@ def travel(
 
 def _make_unit(state: list[Any], places: Sequence[int], engine: Engine) -> None:
     """Bring some of the states to length one, to rounding at any precision."""
-    from geomtorsion.motion.system import mpf
-
     values = [state[k] for k in places]
     if engine.precision == 53:
-        import math
-
         numbers = [float(value) for value in values]
         length = math.hypot(*numbers)
         scaled = [value / length for value in numbers]
-    elif all(exact(value) is not None and not isinstance(value, float) for value in values) and (
-        sum(exact(value) ** 2 for value in values) == 1  # type: ignore[operator]
-    ):
-        return
     else:
         import mpmath
 
