@@ -42,6 +42,8 @@ _LATER = {
     ),
     "accuracy": ("CostRow", "CostTable", "accuracy_cost"),
 }  # fmt: skip
+# Packages that are asked for by name, as spaces is.
+_PACKAGES = ("exercises",)
 _HOME = {name: package for package, names in _LATER.items() for name in names}
 
 __all__ = [
@@ -101,6 +103,7 @@ __all__ = [
     "equations_of_motion",
     "errors",
     "exact_burgers_vector",
+    "exercises",
     "exponential_map",
     "find_defects",
     "free_top",
@@ -127,10 +130,12 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """A name of a later floor, imported on first use."""
-    if name not in _HOME:
-        raise AttributeError(f"module 'geomtorsion' has no attribute {name!r}")
     from importlib import import_module
 
+    if name in _PACKAGES:
+        return import_module(f"geomtorsion.{name}")
+    if name not in _HOME:
+        raise AttributeError(f"module 'geomtorsion' has no attribute {name!r}")
     return getattr(import_module(f"geomtorsion.{_HOME[name]}"), name)
 
 
