@@ -7,19 +7,13 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.pictures.ink import SERIES, captioned, new_figure, number, quiet
+from geomtorsion.pictures.scene_names import UNITS, part_names, spoken
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # Changes below this share of a value are its rounding: the panel says that it is constant.
 STILL = 1e-9
-PARTS: Mapping[int, tuple[str, ...]] = {
-    1: ("",),
-    3: ("1", "2", "3"),
-    4: ("0", "1", "2", "3"),
-}
-# What has these names has its parts along the axes of space.
-IN_SPACE = ("position", "velocity", "axis", "_space")
 
 
 def watched_picture(
@@ -38,7 +32,7 @@ def watched_picture(
     watched
         name -> values, shape (m,), (m, k) or (m, 3, 3).
     units
-        name -> unit, written on the axis.
+        name -> unit, written on the axis; those of common quantities, if not given.
     notes
         lines for below the picture.
 
@@ -63,7 +57,7 @@ def watched_picture(
     for place, (name, values) in enumerate(panels.items()):
         axes = figure.add_subplot(rows, columns, place + 1, sharex=first)
         first = first or axes
-        _panel(axes, name, np.asarray(times, dtype=float), values, (units or {}).get(name, ""))
+        _panel(axes, name, np.asarray(times, dtype=float), values, (units or UNITS).get(name, ""))
         if place < len(panels) - columns:
             axes.tick_params(labelbottom=False)
         else:
@@ -79,8 +73,9 @@ def _panel(axes: Any, name: str, times: Any, values: Any, unit: str) -> None:
     import numpy as np
 
     flat = values.reshape(len(values), -1)
+    names = part_names(name, flat.shape[1])
     for part, stroke in zip(range(flat.shape[1]), SERIES * 2, strict=False):
-        axes.plot(times[: len(flat)], flat[:, part], **stroke.line, label=_part(name, part, flat))
+        axes.plot(times[: len(flat)], flat[:, part], **stroke.line, label=names[part])
     axes.set_title(spoken(name), fontsize=10.5, loc="left")
     axes.set_ylabel(unit, fontsize=9)
     finite = flat[np.isfinite(flat)]
@@ -106,37 +101,3 @@ def _panel(axes: Any, name: str, times: Any, values: Any, unit: str) -> None:
 
 def _plain(size: float) -> bool:
     return 1e-3 <= size < 1e5 or size == 0
-
-
-def _part(name: str, part: int, flat: Any) -> str:
-    """The name of a component."""
-    count = flat.shape[1]
-    if count == 1:
-        return spoken(name)
-    if count == 3 and any(word in name for word in IN_SPACE):
-        return "xyz"[part]
-    if count == 9:
-        return f"{part // 3 + 1}{part % 3 + 1}"
-    names = PARTS.get(count)
-    return names[part] if names else str(part + 1)
-
-
-def spoken(name: str) -> str:
-    """The name of a quantity as people say it.
-
-    Examples
-    --------
-    >>> spoken("angular_momentum_space"), spoken("omega")
-    ('angular momentum in space', 'angular velocity Ω in the body')
-    """
-    known = {
-        "omega": "angular velocity Ω in the body",
-        "omega_space": "angular velocity in space",
-        "angular_momentum": "angular momentum in the body",
-        "angular_momentum_space": "angular momentum in space",
-        "axis": "axis of the body in space",
-        "quaternion": "quaternion, body to space",
-        "matrix": "rotation matrix, body to space",
-        "vertical": "vertical, seen from the body",
-    }
-    return known.get(name, name.replace("_", " "))
