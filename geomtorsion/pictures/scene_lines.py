@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.pictures.ink import SERIES, captioned, new_figure, number, quiet
-from geomtorsion.pictures.scene_names import UNITS, part_names, spoken
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -20,6 +19,8 @@ def watched_picture(
     times: Any,
     watched: Mapping[str, Any],
     units: Mapping[str, str] | None = None,
+    labels: Mapping[str, Sequence[str]] | None = None,
+    meanings: Mapping[str, str] | None = None,
     title: str = "",
     notes: Sequence[str] = (),
 ) -> Figure:
@@ -32,7 +33,11 @@ def watched_picture(
     watched
         name -> values, shape (m,), (m, k) or (m, 3, 3).
     units
-        name -> unit, written on the axis; those of common quantities, if not given.
+        name -> unit, written on the axis.
+    labels
+        name -> what its components are called; numbers from 1, if not given.
+    meanings
+        name -> what it is, in words; the name, if not given.
     notes
         lines for below the picture.
 
@@ -57,7 +62,11 @@ def watched_picture(
     for place, (name, values) in enumerate(panels.items()):
         axes = figure.add_subplot(rows, columns, place + 1, sharex=first)
         first = first or axes
-        _panel(axes, name, np.asarray(times, dtype=float), values, (units or UNITS).get(name, ""))
+        heading = (meanings or {}).get(name, name.replace("_", " "))
+        count = values[0].size if len(values) else 1
+        parts = (labels or {}).get(name) or [str(k + 1) for k in range(count)]
+        unit = (units or {}).get(name, "")
+        _panel(axes, heading, np.asarray(times, dtype=float), values, unit, parts)
         if place < len(panels) - columns:
             axes.tick_params(labelbottom=False)
         else:
@@ -68,15 +77,16 @@ def watched_picture(
     return figure
 
 
-def _panel(axes: Any, name: str, times: Any, values: Any, unit: str) -> None:
+def _panel(
+    axes: Any, heading: str, times: Any, values: Any, unit: str, parts: Sequence[str]
+) -> None:
     """One quantity; one that keeps its value is drawn on a scale that shows it so."""
     import numpy as np
 
     flat = values.reshape(len(values), -1)
-    names = part_names(name, flat.shape[1])
     for part, stroke in zip(range(flat.shape[1]), SERIES * 2, strict=False):
-        axes.plot(times[: len(flat)], flat[:, part], **stroke.line, label=names[part])
-    axes.set_title(spoken(name), fontsize=10.5, loc="left")
+        axes.plot(times[: len(flat)], flat[:, part], **stroke.line, label=parts[part])
+    axes.set_title(heading, fontsize=10.5, loc="left")
     axes.set_ylabel(unit, fontsize=9)
     finite = flat[np.isfinite(flat)]
     size = float(np.abs(finite).max()) if finite.size else 0.0

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-from geomtorsion.pictures.scene_names import part_names
 
 if TYPE_CHECKING:
     import numpy as np
 
 
-def columns(times: Any, watched: Mapping[str, Any]) -> dict[str, np.ndarray]:
+def columns(
+    times: Any, watched: Mapping[str, Any], labels: Mapping[str, Sequence[str]] | None = None
+) -> dict[str, np.ndarray]:
     """Columns of a table: t, then each number that is watched.
 
     Parameters
@@ -22,19 +22,25 @@ def columns(times: Any, watched: Mapping[str, Any]) -> dict[str, np.ndarray]:
         shape (m,), seconds.
     watched
         name -> values, shape (m,), (m, k) or (m, 3, 3).
+    labels
+        name -> what its components are called; numbers from 1, if not given.
 
     Examples
     --------
-    >>> list(columns([0.0, 1.0], {"energy": [1.0, 1.0], "omega": [[1, 2, 3], [1, 2, 3]]}))
-    ['t', 'energy', 'omega_1', 'omega_2', 'omega_3']
+    >>> watched = {"energy": [1.0, 1.0], "omega": [[1, 2, 3], [1, 2, 3]]}
+    >>> list(columns([0.0, 1.0], watched, {"omega": "xyz"}))
+    ['t', 'energy', 'omega_x', 'omega_y', 'omega_z']
     """
     import numpy as np
 
     found = {"t": np.asarray(times, dtype=float)}
     for name, values in watched.items():
         flat = np.asarray(values, dtype=float).reshape(len(found["t"]), -1)
-        for part, column in zip(part_names(name, flat.shape[1]), flat.T, strict=True):
-            found[f"{name}_{part}" if part else name] = column
+        if flat.shape[1] == 1:
+            found[name] = flat[:, 0]
+            continue
+        parts = (labels or {}).get(name) or [str(k + 1) for k in range(flat.shape[1])]
+        found |= {f"{name}_{part}": x for part, x in zip(parts, flat.T, strict=True)}
     return found
 
 
