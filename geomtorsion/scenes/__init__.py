@@ -2,6 +2,8 @@
 
 from geomtorsion.scenes import effects
 from geomtorsion.scenes.body import Body
+from geomtorsion.scenes.plan import ScenePlan
+from geomtorsion.scenes.scene import Scene
 from geomtorsion.scenes.state import State
 
-__all__ = ["Body", "State", "effects"]
+__all__ = ["Body", "Scene", "ScenePlan", "State", "effects"]

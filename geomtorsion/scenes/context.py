@@ -70,6 +70,7 @@ class Context:
     def __init__(self, body: Body) -> None:
         self.body = body
         self.values: dict[str, Any] = {}
+        self.switched: set[Any] = set()
         self.key = ""
         self._taken = {s.name for group in GROUPS.values() for s in group} | {"work"}
         self.mass = self.parameter("m", body.mass)
@@ -87,7 +88,9 @@ class Context:
 
     def switchable(self, name: str, value: Any = 0) -> Any:
         """Like `parameter`, and a symbol even for 0: for numbers that switches change."""
-        return self._named(name, exact(value, name))
+        symbol = self._named(name, exact(value, name))
+        self.switched.add(symbol)
+        return symbol
 
     def vector(self, name: str, values: Sequence[Any]) -> Any:
         """Three numbers as a column of symbols name1, name2, name3; zeros stay zeros."""

@@ -83,6 +83,7 @@ class Pivot(Effect):
             omega=context.Omega,
             velocity=tuple(sp.Matrix(context.Omega).cross(arm)),
             position=tuple(place + context.in_space(arm)),
+            arm=tuple(arm),
         )
         steiner = None
         if self.moments_at == "pivot":

@@ -28,6 +28,8 @@ class Constraint:
         on the attitude or the vertical.
     position: place of the centre of mass, space axes (m), where the constraint fixes it; None
         where it follows from the velocity.
+    arm: from a point that is fixed in space to the centre of mass, body axes (m); angular momentum
+        then counts about that point. None: about the centre of mass.
     start: speeds of the effect's own -> value at the start.
 
     Examples
@@ -40,6 +42,7 @@ class Constraint:
     omega: Triple
     velocity: Triple
     position: Triple | None = None
+    arm: Triple | None = None
     start: Mapping[str, Any] = field(default_factory=dict)
 
 

@@ -1,0 +1,264 @@
+"""Assembly: the equations of a body from what its effects add, before anything is left out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from geomtorsion.errors import SceneError
+from geomtorsion.scenes.context import (
+    ATTITUDE,
+    OMEGA,
+    POSITION,
+    QUATERNION,
+    TIME,
+    VELOCITY,
+    Context,
+)
+
+if TYPE_CHECKING:
+    from geomtorsion.scenes.body import Body
+    from geomtorsion.scenes.effects.protocol import Constraint, Contribution, Effect
+
+WORK = sp.Symbol("work")
+NOTHING = sp.zeros(3, 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Assembly:
+    """Everything that can be said of a body under its effects, in symbols.
+
+    context: symbols and values of parameters.
+    parts: key of each effect -> what it adds.
+    constraint: the one that ties the velocities, if there is one.
+    rates: state -> rate. Rows 1 and 2 of R (attitude) and n (vertical) turn with the body and have
+        their rates from `turning`.
+    start: states of effects -> value at the start.
+    ties: angular velocity, velocity and position where a constraint gives them.
+
+    Equation
+    --------
+    omega_k . (I a + omega x L + h' - M) + v_k . (m v' + m omega x v - R^T F) = 0 for each speed,
+    omega_k, v_k the partial velocities (body axes), L = I omega + h        [KaneLevinson1985]
+    """
+
+    context: Context
+    parts: Mapping[str, Contribution]
+    constraint: Constraint | None
+    rates: Mapping[Any, Any]
+    start: Mapping[str, Any]
+    ties: Mapping[Any, Any]
+
+    @property
+    def values(self) -> Mapping[str, Any]:
+        """Parameter -> exact number."""
+        return self.context.values
+
+    @property
+    def speeds(self) -> tuple[Any, ...]:
+        """Symbols of the speeds of rotation (or of the constraint)."""
+        if self.constraint is None:
+            return tuple(OMEGA)
+        return tuple(sp.Symbol(name) for name in self.constraint.speeds)
+
+    def tied(self, expression: Any) -> Any:
+        """An expression with what the constraint fixes put in."""
+        return sp.sympify(expression).xreplace(dict(self.ties))
+
+    @cached_property
+    def inertia(self) -> Any:
+        """Inertia tensor about the centre of mass, with what effects add."""
+        return _inertia(self.context, self.parts.values())
+
+    @cached_property
+    def omega(self) -> Any:
+        """Body angular velocity, body axes."""
+        return sp.Matrix([self.tied(symbol) for symbol in OMEGA])
+
+    @cached_property
+    def velocity_body(self) -> Any:
+        """Velocity of the centre of mass, body axes."""
+        if self.constraint is not None:
+            return sp.Matrix(self.constraint.velocity)
+        return ATTITUDE.T * sp.Matrix(VELOCITY)
+
+    @cached_property
+    def angular_momentum(self) -> Any:
+        """L in body axes, about the fixed point if there is one, else about the centre of mass."""
+        total = self.inertia * self.omega + self.tied(vector_sum(self.parts.values(), "momentum"))
+        if self.constraint is not None and self.constraint.arm is not None:
+            arm = sp.Matrix(self.constraint.arm)
+            total += self.context.mass * arm.cross(self.velocity_body)
+        return total
+
+    @cached_property
+    def rotational_energy(self) -> Any:
+        """Energy of rotation about the centre of mass."""
+        return (self.omega.T * self.inertia * self.omega)[0] / 2
+
+    @cached_property
+    def kinetic_energy(self) -> Any:
+        """Energy of rotation and translation."""
+        free = self.constraint is None
+        v = sp.Matrix(VELOCITY) if free else self.velocity_body
+        return self.rotational_energy + self.context.mass * v.dot(v) / 2
+
+    @cached_property
+    def potential_energy(self) -> Any:
+        """Energy stored in the effects."""
+        stored = [part.energy for part in self.parts.values() if part.energy is not None]
+        return self.tied(sp.Add(*map(sp.sympify, stored)))
+
+    @cached_property
+    def power(self) -> Any:
+        """What the effects put in per time; 0 for what has a potential."""
+        return self.tied(sp.Add(*(power_of(part) for part in self.parts.values())))
+
+    def turning(self, symbol: Any) -> Any:
+        """Rate of an element of R, or of the vertical: R' = R [Omega]x."""
+        for i in range(3):
+            for j in range(3):
+                if ATTITUDE[i, j] == symbol:
+                    a, b = (j + 1) % 3, (j + 2) % 3
+                    return ATTITUDE[i, a] * self.omega[b] - ATTITUDE[i, b] * self.omega[a]
+        raise KeyError(symbol)
+
+    def rate_of(self, symbol: Any) -> Any:
+        """Rate of any state; 0 for parameters."""
+        if symbol == TIME:
+            return sp.S.One
+        if symbol in self.rates:
+            return self.rates[symbol]
+        return self.turning(symbol) if symbol in tuple(ATTITUDE) else sp.S.Zero
+
+    def derivative(self, expression: Any) -> Any:
+        """Time derivative of an expression along the motion."""
+        return sp.Add(*(sp.diff(expression, s) * self.rate_of(s) for s in expression.free_symbols))
+
+
+def power_of(part: Contribution) -> Any:
+    """What a contribution puts in per time."""
+    if part.power is not None:
+        return sp.sympify(part.power)
+    if part.energy is not None:
+        return sp.S.Zero
+    moment, force = sp.Matrix(part.moment or NOTHING), sp.Matrix(part.force or NOTHING)
+    return moment.dot(sp.Matrix(OMEGA)) + force.dot(sp.Matrix(VELOCITY))
+
+
+def assemble(body: Body, effects: Mapping[str, Effect]) -> Assembly:
+    """The equations of a body under these effects (key -> effect).
+
+    Raises
+    ------
+    SceneError
+        two effects tie the body, or two give the same state.
+
+    Examples
+    --------
+    >>> from geomtorsion.scenes import Body
+    >>> free = assemble(Body(moments=(1, 2, 3)), {})
+    >>> free.rates[free.context.Omega[0]]
+    (I2*Omega2*Omega3 - I3*Omega2*Omega3)/I1
+    """
+    from geomtorsion.scenes.kane import accelerations
+
+    context = Context(body)
+    parts: dict[str, Contribution] = {}
+    for key, effect in effects.items():
+        context.key = key
+        parts[key] = effect.adds(context)
+    holding = [key for key, part in parts.items() if part.constraint is not None]
+    if len(holding) > 1:
+        raise SceneError(
+            f"{' and '.join(holding)} both tie the velocities of the body. Keep one of them."
+        )
+    constraint = parts[holding[0]].constraint if holding else None
+    rates: dict[Any, Any] = {}
+    start: dict[str, Any] = {}
+    for key, part in parts.items():
+        for name, rate in part.states.items():
+            if name in start:
+                raise SceneError(f"{key} brings the state {name!r}, which another effect has.")
+            if name not in part.start:
+                raise SceneError(f"{key} brings the state {name!r} without a start.")
+            rates[sp.Symbol(name)] = sp.sympify(rate)
+            start[name] = part.start[name]
+    ties = _ties(constraint)
+    made = Assembly(context, parts, constraint, rates, start, ties)
+    own = {s: made.tied(r) for s, r in rates.items()}
+    made = Assembly(context, parts, constraint, own, start, ties)
+    own |= dict(zip(made.speeds, accelerations(made), strict=True))
+    if constraint is None:
+        force = vector_sum(parts.values(), "force")
+        own |= {v: f / context.mass for v, f in zip(VELOCITY, force, strict=True)}
+        own |= dict(zip(POSITION, VELOCITY, strict=True))
+    else:
+        start |= constraint.start
+        if constraint.position is None:
+            own |= dict(zip(POSITION, ATTITUDE * made.velocity_body, strict=True))
+    if made.power == 0:
+        ties[WORK] = sp.S.Zero
+    else:
+        own[WORK] = made.power
+        start[WORK.name] = 0
+    for part in parts.values():
+        own |= {sp.Symbol(name): made.tied(rate) for name, rate in part.replaces.items()}
+    own = {symbol: sp.sympify(rate) for symbol, rate in own.items()}
+    return Assembly(context, parts, constraint, own, start, ties)
+
+
+def _ties(constraint: Constraint | None) -> dict[Any, Any]:
+    """What a constraint says of angular velocity, velocity and position."""
+    if constraint is None:
+        return {}
+    ties = dict(zip(OMEGA, map(sp.sympify, constraint.omega), strict=True))
+    ties |= dict(zip(VELOCITY, ATTITUDE * sp.Matrix(constraint.velocity), strict=True))
+    if constraint.position is not None:
+        ties |= dict(zip(POSITION, map(sp.sympify, constraint.position), strict=True))
+    return {symbol: value for symbol, value in ties.items() if symbol != value}
+
+
+def _inertia(context: Context, parts: Any) -> Any:
+    total = context.inertia
+    for part in parts:
+        if part.inertia is not None:
+            total = total + sp.Matrix([list(row) for row in part.inertia])
+    return total
+
+
+def vector_sum(parts: Any, name: str) -> Any:
+    """Sum of one kind of vector over all contributions."""
+    total = NOTHING
+    for part in parts:
+        vector = getattr(part, name)
+        if vector is not None:
+            total = total + sp.Matrix(list(vector))
+    return total
+
+
+def quaternion_rates(omega: Any) -> list[Any]:
+    """q' = q (0, Omega) / 2."""
+    q0, q1, q2, q3 = QUATERNION
+    a, b, c = omega
+    return [
+        (-q1 * a - q2 * b - q3 * c) / 2,
+        (q0 * a + q2 * c - q3 * b) / 2,
+        (q0 * b + q3 * a - q1 * c) / 2,
+        (q0 * c + q1 * b - q2 * a) / 2,
+    ]
+
+
+def by_quaternion() -> dict[Any, Any]:
+    """Elements of R (and with them the vertical) as polynomials of the unit quaternion."""
+    w, x, y, z = QUATERNION
+    rows = [
+        [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z],
+    ]
+    return {ATTITUDE[i, j]: rows[i][j] for i in range(3) for j in range(3)}

@@ -1,0 +1,220 @@
+"""Plan: which states and effects a scene needs, which it leaves out, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.scenes.assembly import WORK, Assembly, power_of
+from geomtorsion.scenes.context import (
+    ATTITUDE,
+    POSITION,
+    QUATERNION,
+    TIME,
+    VELOCITY,
+    VERTICAL,
+)
+from geomtorsion.scenes.watch import Quantity
+
+if TYPE_CHECKING:
+    import networkx as nx
+
+# Names of groups whose states come in or stay out together; other states stand for themselves.
+_TOGETHER = {
+    **dict.fromkeys((*ATTITUDE[0, :], *ATTITUDE[1, :], *QUATERNION), "attitude"),
+    **dict.fromkeys(VERTICAL, "vertical"),
+}
+
+
+@dataclass(frozen=True)
+class PlanRow:
+    """One line of a plan.
+
+    kind: "effect" or "states"; name: what it is; inside: whether it is in the equations; why.
+    """
+
+    kind: str
+    name: str
+    inside: bool
+    why: str
+
+
+@dataclass(frozen=True, eq=False)
+class ScenePlan:
+    """What a scene solves: what is watched, what that needs, and nothing else.
+
+    title: of the scene.
+    assembly: all equations, before anything is left out.
+    watch: the quantities asked for.
+    titles: key of each effect -> what it is.
+
+    Examples
+    --------
+    >>> from geomtorsion.scenes import Body, Scene, State
+    >>> body = Body(moments=(1, 2, 3))
+    >>> scene = Scene(body, start=State(omega=(0, 1, 1e-3)), watch=["omega"], t=9)
+    >>> scene.plan().states
+    ('Omega1', 'Omega2', 'Omega3')
+    """
+
+    title: str
+    assembly: Assembly
+    watch: tuple[Quantity, ...]
+    titles: Mapping[str, str]
+
+    # -- the graph -------------------------------------------------------------------------------
+
+    @cached_property
+    def graph(self) -> nx.DiGraph:
+        """Quantities, states and effects, with edges from what is needed to what needs it."""
+        import networkx as nx
+
+        graph = nx.DiGraph()
+        for item in self.watch:
+            graph.add_node(f"watch {item.name}", kind="watch")
+            self._needs(graph, f"watch {item.name}", item.made_of(self.assembly))
+        if self.assembly.constraint is None:
+            for symbol in VELOCITY:
+                graph.add_node(symbol.name, kind="state")
+        for symbol, rate in self.assembly.rates.items():
+            graph.add_node(symbol.name, kind="state")
+            self._needs(graph, symbol.name, (rate,))
+        for name, symbols in (("vertical", VERTICAL), ("attitude", tuple(ATTITUDE[:2, :]))):
+            graph.add_node(name, kind="state")
+            omega = tuple(self.assembly.omega)
+            if any(self.assembly.turning(symbol) != 0 for symbol in symbols):
+                self._needs(graph, name, omega)
+        graph.add_edge("attitude", "vertical", kind="gives")
+        for key in self.titles:
+            graph.add_node(f"effect {key}", kind="effect")
+            for name in self._touched(key):
+                graph.add_edge(f"effect {key}", name)
+        return graph
+
+    def _needs(self, graph: nx.DiGraph, name: str, expressions: Sequence[Any]) -> None:
+        """Edges from every state in the expressions to the node."""
+        for expression in expressions:
+            for symbol in expression.free_symbols:
+                needed = _TOGETHER.get(symbol, symbol.name)
+                if symbol.name not in self.assembly.values and symbol != TIME and needed != name:
+                    graph.add_edge(needed, name)
+
+    def _touched(self, key: str) -> set[str]:
+        """States whose rates an effect takes part in."""
+        if key == "spin":
+            return {symbol.name for symbol in self.assembly.speeds}
+        free = self.assembly.constraint is None
+        if key == "drift":
+            return {symbol.name for symbol in (*POSITION, *VELOCITY)} if free else set()
+        part = self.assembly.parts[key]
+        found = {*part.states, *part.replaces}
+        speeds = {symbol.name for symbol in self.assembly.speeds}
+        if any(v is not None for v in (part.moment, part.momentum, part.inertia, part.constraint)):
+            found |= speeds
+        if part.force is not None:
+            pairs = zip(VELOCITY, part.force, strict=True)
+            found |= {v.name for v, f in pairs if f != 0} if free else speeds
+        if power_of(part) != 0:
+            found.add(WORK.name)
+        return found
+
+    @cached_property
+    def _needed(self) -> frozenset[str]:
+        """Nodes from which a watched quantity can be reached, but for vertical in attitude."""
+        import networkx as nx
+
+        graph = nx.subgraph_view(
+            self.graph,
+            filter_node=lambda n: self.graph.nodes[n].get("kind") != "effect",
+            filter_edge=lambda a, b: self.graph.edges[a, b].get("kind") != "gives",
+        )
+        found: set[str] = set()
+        for item in self.watch:
+            found |= nx.ancestors(graph, f"watch {item.name}")
+        return frozenset(found)
+
+    # -- what follows from it --------------------------------------------------------------------
+
+    @cached_property
+    def symbols(self) -> tuple[Any, ...]:
+        """States in the order in which they are solved for."""
+        needed = self._needed
+        rates = self.assembly.rates
+        found = [s for s in self.assembly.speeds if s.name in needed]
+        if "attitude" in needed:
+            found += QUATERNION
+        elif "vertical" in needed:
+            found += VERTICAL
+        found += [s for s in (*POSITION, *VELOCITY) if s.name in needed and s in rates]
+        found += [s for s in rates if s.name in needed and s not in found]
+        moving = [s for s in found if not (s in VELOCITY and rates[s] == 0)]
+        return tuple(moving or found)
+
+    @cached_property
+    def constants(self) -> tuple[Any, ...]:
+        """Components of the velocity that are needed, but do not change."""
+        known = {*self.assembly.rates} - {*self.symbols}
+        return tuple(s for s in VELOCITY if s.name in self._needed and s in known)
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states that are solved for."""
+        return tuple(symbol.name for symbol in self.symbols)
+
+    @property
+    def uses_quaternion(self) -> bool:
+        """Whether the whole attitude is followed."""
+        return "attitude" in self._needed
+
+    @cached_property
+    def effects(self) -> tuple[str, ...]:
+        """Keys of the effects that take part."""
+        solved = {*self.states, *(s.name for s in self.constants)}
+        provided = {item.name for item in self.watch}
+        found = []
+        for key in self.titles:
+            part = self.assembly.parts.get(key)
+            outputs = set(part.outputs) if part else set()
+            if self._touched(key) & solved or outputs & provided:
+                found.append(key)
+        return tuple(found)
+
+    @cached_property
+    def rows(self) -> tuple[PlanRow, ...]:
+        """Every effect and every group of states, with the reason."""
+        from geomtorsion.scenes.plan_reasons import rows
+
+        return rows(self)
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """Names of the effects and groups of states that are left out."""
+        return tuple(row.name for row in self.rows if not row.inside)
+
+    def draw(self) -> str:
+        """The graph as SVG text: what is in and, in grey, what is left out."""
+        from geomtorsion.scenes.plan_drawing import drawn
+
+        return drawn(self)
+
+    def _repr_svg_(self) -> str:
+        return self.draw()
+
+    def __str__(self) -> str:
+        count = len(self.states)
+        asked = ", ".join(item.name for item in self.watch)
+        heading = f"{self.title or 'scene'}: {count} equation{'s' * (count != 1)} for {asked}"
+        width = max(len(row.name) for row in self.rows)
+        lines = [heading]
+        for inside, mark in ((True, "in"), (False, "left out")):
+            lines += [
+                f"{mark:<9} {row.kind:<7} {row.name:<{width}}  {row.why}"
+                for row in self.rows
+                if row.inside == inside
+            ]
+        return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        return str(self)

@@ -1,0 +1,239 @@
+"""Scene: a body, what acts on it, how it starts and what is watched."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import SceneError, StartError
+from geomtorsion.scenes.assembly import Assembly, assemble
+from geomtorsion.scenes.body import Body
+from geomtorsion.scenes.effects import EFFECTS, Drift, Effect, Spin
+from geomtorsion.scenes.plan import ScenePlan
+from geomtorsion.scenes.state import State
+from geomtorsion.scenes.watch import watched
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from geomtorsion.motion import Engine
+    from geomtorsion.motion.flows import Flow
+    from geomtorsion.scenes.cost import SceneCost
+    from geomtorsion.scenes.result import SceneResult
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A rigid body in motion, with exactly the states and effects that are asked for.
+
+    body: what moves.
+    effects: what acts on it; rotation by its own inertia (spin) is always there.
+    start: how it starts.
+    watch: names of the quantities to report, see `geomtorsion.scenes.watch`.
+    t: last time (s), or all times at which to report, from 0 on.
+    accuracy: largest error of the states, relative to their size.
+    name, title: for lists and tables.
+    samples: number of times to report if t is one number.
+
+    Raises
+    ------
+    SceneError
+        no start; an effect twice, or two that contradict each other; no effect at all.
+    UnknownNameError
+        something to be watched that no effect provides; the message names near ones.
+
+    Examples
+    --------
+    >>> from geomtorsion.scenes import effects
+    >>> top = Scene(Body(moments=(1, 1, 0.5)), [effects.Gravity(9.81), effects.Pivot([0, 0, 0.1])],
+    ...             State(omega=(0, 0, 20), euler=(0, 0.3, 0)), watch=["nutation"], t=1)
+    >>> top.plan().states
+    ('Omega1', 'Omega2', 'Omega3', 'n1', 'n2', 'n3')
+    >>> top.replaced({"gravity.g": 0.0, "start.omega[2]": 0.0}).start.omega
+    (0, 0, 0.0)
+    """
+
+    body: Body
+    effects: Sequence[Effect] = ()
+    start: State | None = None
+    watch: Sequence[str] = ("omega",)
+    t: Any = 10.0
+    accuracy: float = 1e-10
+    name: str = ""
+    title: str = ""
+    samples: int = 201
+
+    def __post_init__(self) -> None:
+        """Check everything that can be checked without solving."""
+        from geomtorsion.motion.solving import checked_accuracy, checked_times
+
+        if not isinstance(self.body, Body):
+            raise SceneError(
+                f"body = {self.body!r}: a Body was needed, as Body(moments=(1, 2, 3))."
+            )
+        object.__setattr__(self, "effects", _effect_list(self.effects))
+        names = (self.watch,) if isinstance(self.watch, str) else tuple(self.watch)
+        if not names:
+            raise SceneError('watch is empty: name what to report, for instance "omega".')
+        object.__setattr__(self, "watch", tuple(dict.fromkeys(names)))
+        if not isinstance(self.start, State):
+            raise SceneError(
+                f"start = {self.start!r}: a scene starts from a State, as State(omega=(0, 0, 1))."
+            )
+        object.__setattr__(self, "accuracy", checked_accuracy(self.accuracy))
+        checked_times(self.t)
+        if not (isinstance(self.samples, int) and self.samples >= 2):
+            raise SceneError(f"samples = {self.samples!r}: a whole number from 2 on was needed.")
+        _ = self._plan
+
+    # -- what is solved --------------------------------------------------------------------------
+
+    @cached_property
+    def keyed(self) -> Mapping[str, Effect]:
+        """Effects by key; a second one of a kind is `spring2`."""
+        found: dict[str, Effect] = {}
+        for effect in self.effects:
+            key, count = effect.key, 1
+            while key in found:
+                count += 1
+                key = f"{effect.key}{count}"
+            found[key] = effect
+        return found
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        """All equations in symbols, before anything is left out."""
+        return assemble(self.body, self.keyed)
+
+    @cached_property
+    def _plan(self) -> ScenePlan:
+        titles = {"spin": Spin.title}
+        if self.assembly.constraint is None:
+            titles["drift"] = Drift.title
+        titles |= {key: effect.title for key, effect in self.keyed.items()}
+        quantities = tuple(watched(name, self.assembly) for name in self.watch)
+        return ScenePlan(self.title or self.name, self.assembly, quantities, titles)
+
+    def plan(self) -> ScenePlan:
+        """Which states and effects are in, which are left out, and why; prints as a table."""
+        return self._plan
+
+    @cached_property
+    def flow(self) -> Flow:
+        """The equations that are solved, with start, parameters and invariants."""
+        from geomtorsion.scenes.flowing import flow_of
+
+        return flow_of(self)
+
+    @property
+    def equations(self) -> Mapping[str, Any]:
+        """State -> rate as sympy expression, of the states that are solved for."""
+        from geomtorsion.scenes.flowing import pruned_rates
+
+        return pruned_rates(self._plan)
+
+    @property
+    def numbers(self) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
+        """Start of each state and value of each parameter: what differs between equal scenes."""
+        from geomtorsion.scenes.flowing import parameters_of, start_of
+
+        return start_of(self), parameters_of(self)
+
+    @property
+    def times(self) -> Any:
+        """Times that are reported, shape (m,)."""
+        import numpy as np
+
+        t = np.asarray(self.t, dtype=float)
+        return t if t.ndim else np.linspace(0.0, float(t), self.samples if t else 1)
+
+    # -- doing it --------------------------------------------------------------------------------
+
+    def run(
+        self,
+        engine: Engine | None = None,
+        checkpoint: str | Path | None = None,
+        progress: Callable[[float], None] | None = None,
+    ) -> SceneResult:
+        """Solve the scene; what was watched is in the result by name.
+
+        A free body is solved in closed form, and checked against the integrator on the first part
+        of the times. An engine that is named is used.
+
+        Parameters
+        ----------
+        engine, checkpoint, progress
+            as in `geomtorsion.solve`.
+
+        Raises
+        ------
+        AccuracyError
+            the accuracy is not to be had.
+        StartError
+            the start lacks something that the plan needs.
+        """
+        from geomtorsion.scenes.running import run
+
+        return run(self, engine, checkpoint, progress)
+
+    def cost(self, engine: Engine | None = None, repeats: int = 5) -> SceneCost:
+        """States and run time with the effects added one by one; prints as a table."""
+        from geomtorsion.scenes.cost import scene_cost
+
+        return scene_cost(self, engine, repeats)
+
+    def replaced(self, changes: Mapping[str, Any] | None = None, **fields: Any) -> Scene:
+        """The same scene with other values, named by dotted paths.
+
+        Parameters
+        ----------
+        changes
+            path -> value: "body.moments[2]", "gravity.g", "start.omega[0]", "t", "accuracy".
+
+        Raises
+        ------
+        UnknownNameError
+            a path leads nowhere; the message names what is there.
+        """
+        from geomtorsion.scenes.replacing import replaced
+
+        return replaced(self, {**(changes or {}), **fields})
+
+    def __str__(self) -> str:
+        acting = ", ".join(self.keyed) or "no effects"
+        return f"{self.title or self.name or 'scene'}: {acting}; watched: {', '.join(self.watch)}"
+
+
+def _effect_list(effects: Any) -> tuple[Effect, ...]:
+    """Effects, each at most once unless it may be there several times, none against another."""
+    if isinstance(effects, Effect):
+        effects = (effects,)
+    listed = tuple(effects)
+    for effect in listed:
+        if not isinstance(effect, Effect):
+            name = getattr(effect, "__name__", repr(effect))
+            hint = f" Write {name}(...)." if isinstance(effect, type) else ""
+            known = ", ".join(kind.__name__ for kind in EFFECTS)
+            raise SceneError(f"effects: {name} is no effect.{hint} There are {known}.")
+    keys = [effect.key for effect in listed]
+    for effect in listed:
+        if keys.count(effect.key) > 1 and not effect.several:
+            raise SceneError(f"the effect {effect.key} is there twice. Keep one of them.")
+        for other in listed:
+            if other.key in effect.excludes:
+                raise SceneError(
+                    f"{effect.key} and {other.key} contradict each other: {effect.title}; "
+                    f"{other.title}. Keep one of them."
+                )
+    return listed
+
+
+def missing_attitude(plan: ScenePlan) -> StartError:
+    """The error that the start says nothing of the attitude."""
+    who = [row.why for row in plan.rows if row.inside and row.name in ("attitude", "vertical")]
+    return StartError(
+        f"the start has no attitude, which is needed ({'; '.join(who)}). "
+        "Give State(..., euler=(0, 0, 0)), a quaternion or a matrix."
+    )

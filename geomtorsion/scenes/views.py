@@ -1,0 +1,83 @@
+"""Views: angles of an axis, and vectors seen from axes that tilt but do not spin with the body."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.scenes.attitude import euler_from_quaternion
+
+if TYPE_CHECKING:
+    import numpy as np
+
+
+def nutation(vertical: Any) -> np.ndarray:
+    """phi2, the angle between the third body axis and the vertical n, shape (m,), rad.
+
+    Equation
+    --------
+    phi2 = atan2(|(n1, n2)|, n3): as accurate at 0 and pi as elsewhere
+
+    Examples
+    --------
+    >>> nutation([[1e-9, 0, 1.0]]).tolist()
+    [1e-09]
+    """
+    import numpy as np
+
+    n = np.asarray(vertical, dtype=float)
+    return np.arctan2(np.hypot(n[..., 0], n[..., 1]), n[..., 2])
+
+
+def spin(vertical: Any) -> np.ndarray:
+    """phi1, the angle of rotation about the third body axis, without jumps, shape (m,), rad.
+
+    Equation
+    --------
+    n = (-sin phi2 cos phi1, sin phi2 sin phi1, cos phi2)
+
+    Examples
+    --------
+    >>> spin([[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).round(6).tolist()
+    [0.0, 1.570796]
+    """
+    import numpy as np
+
+    n = np.asarray(vertical, dtype=float)
+    return np.unwrap(np.arctan2(n[..., 1], -n[..., 0] + 0.0), axis=0)
+
+
+def precession(quaternion: Any) -> np.ndarray:
+    """phi3, the angle of the third body axis about the vertical, without jumps, shape (m,), rad."""
+    return euler_from_quaternion(quaternion, continuous=True)[..., 2]
+
+
+def unspun(vectors: Any) -> np.ndarray:
+    """Components along the line of the tilt, the line of nodes and the third body axis.
+
+    These axes follow the third body axis without spinning with it: Rz(phi3) Ry(phi2) of the
+    paper's angles. Where it is vertical, phi1 counts as 0.
+
+    Parameters
+    ----------
+    vectors
+        shape (m, 6): a vector in body axes and the vertical n in body axes.
+
+    Returns
+    -------
+    Array, shape (m, 3): Rz(phi1) v.
+
+    Examples
+    --------
+    >>> unspun([[1.0, 0.0, 5.0, 0.0, 1.0, 0.0]]).round(12).tolist()  # phi1 is a right angle
+    [[0.0, 1.0, 5.0]]
+    """
+    import numpy as np
+
+    table = np.asarray(vectors, dtype=float)
+    v, n = table[..., :3], table[..., 3:]
+    size = np.hypot(n[..., 0], n[..., 1])
+    upright = size == 0
+    safe = np.where(upright, 1.0, size)
+    cos, sin = np.where(upright, 1.0, -n[..., 0] / safe), n[..., 1] / safe
+    rows = (cos * v[..., 0] - sin * v[..., 1], sin * v[..., 0] + cos * v[..., 1], v[..., 2])
+    return np.stack(rows, -1)

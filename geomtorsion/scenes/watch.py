@@ -1,0 +1,161 @@
+"""Watch: the quantities that a scene can report, what each is made of and how it is finished."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import sympy as sp
+
+from geomtorsion.errors import UnknownNameError
+from geomtorsion.exact.names import near_names
+from geomtorsion.scenes import attitude, views
+from geomtorsion.scenes.assembly import WORK, Assembly
+from geomtorsion.scenes.context import (
+    ATTITUDE,
+    POSITION,
+    QUATERNION,
+    VELOCITY,
+    VERTICAL,
+)
+
+Ingredients = Callable[[Assembly], tuple[Any, ...]]
+Finish = Callable[[Any], Any]
+AXES = ("1", "2", "3")
+SPACE = ("x", "y", "z")
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Something that can be watched.
+
+    name, meaning, unit: how it is asked for, what it is, and in which unit (SI).
+    labels: names of its components; none for one number.
+    made_of: expressions over states and parameters of an assembly.
+    finish: their values, shape (m, k), -> the quantity, (m,) or (m, components); None: as they are.
+    """
+
+    name: str
+    meaning: str
+    unit: str
+    labels: tuple[str, ...]
+    made_of: Ingredients
+    finish: Finish | None = None
+
+
+def _table() -> tuple[Quantity, ...]:
+    """Everything that any body can be asked, whatever acts on it."""
+    q = Quantity
+
+    def in_space(name: str) -> Ingredients:
+        return lambda a: tuple(ATTITUDE * getattr(a, name))
+
+    def with_vertical(name: str) -> Ingredients:
+        return lambda a: (*getattr(a, name), *VERTICAL)
+
+    body_axis = "seen from the axis that tilts but does not spin with the body"
+    return (
+        q("omega", "angular velocity, body axes", "rad/s", AXES, lambda a: tuple(a.omega)),
+        q("omega_space", "angular velocity, space axes", "rad/s", SPACE, in_space("omega")),
+        q("omega_axis", f"angular velocity, {body_axis}", "rad/s", AXES,
+          with_vertical("omega"), views.unspun),
+        q("angular_momentum", "angular momentum, body axes", "N m s", AXES,
+          lambda a: tuple(a.angular_momentum)),
+        q("angular_momentum_space", "angular momentum, space axes", "N m s", SPACE,
+          in_space("angular_momentum")),
+        q("angular_momentum_axis", f"angular momentum, {body_axis}", "N m s", AXES,
+          with_vertical("angular_momentum"), views.unspun),
+        q("quaternion", "attitude, body to space, scalar first", "", ("0", *AXES),
+          lambda _: tuple(QUATERNION)),
+        q("matrix", "attitude as rotation matrix, body to space", "",
+          tuple(f"{i}{j}" for i in AXES for j in AXES),
+          lambda _: tuple(QUATERNION), attitude.matrix_from_quaternion),
+        euler("euler", attitude.PAPER),
+        q("nutation", "angle between the third body axis and the vertical", "rad", (),
+          lambda _: tuple(VERTICAL), views.nutation),
+        q("spin", "angle of rotation about the third body axis, phi1", "rad", (),
+          lambda _: tuple(VERTICAL), views.spin),
+        q("precession", "angle of the third body axis about the vertical, phi3", "rad", (),
+          lambda _: tuple(QUATERNION), views.precession),
+        q("axis", "axis of symmetry (else third body axis) in space", "", SPACE,
+          lambda a: tuple(ATTITUDE * sp.Matrix(_axis(a)))),
+        q("vertical", "upward direction, body axes", "", AXES, lambda _: tuple(VERTICAL)),
+        q("energy", "all energy", "J", (), lambda a: (a.kinetic_energy + a.potential_energy,)),
+        q("kinetic_energy", "energy of rotation and translation", "J", (),
+          lambda a: (a.kinetic_energy,)),
+        q("rotational_energy", "energy of rotation about the centre of mass", "J", (),
+          lambda a: (a.rotational_energy,)),
+        q("potential_energy", "energy stored in the effects", "J", (),
+          lambda a: (a.potential_energy,)),
+        q("work", "energy put in by effects since the start", "J", (), lambda _: (WORK,)),
+        q("energy_balance", "all energy less what effects put in: constant", "J", (),
+          lambda a: (a.kinetic_energy + a.potential_energy - WORK,)),
+        q("position", "centre of mass", "m", SPACE, lambda a: _tied(a, POSITION)),
+        q("velocity", "of the centre of mass, space axes", "m/s", SPACE,
+          lambda a: _tied(a, VELOCITY)),
+        q("velocity_body", "of the centre of mass, body axes", "m/s", AXES,
+          lambda a: tuple(a.velocity_body)),
+        q("momentum", "mass times velocity, space axes", "N s", SPACE,
+          lambda a: tuple(a.context.mass * v for v in _tied(a, VELOCITY))),
+    )  # fmt: skip
+
+
+def euler(name: str, convention: str) -> Quantity:
+    """Euler angles of a convention; first and third go on beyond pi."""
+    finish = partial(attitude.euler_from_quaternion, convention=convention, continuous=True)
+    meaning = f"Euler angles {convention}" + (" (the paper's)" if convention == "zyz" else "")
+    return Quantity(name, meaning, "rad", AXES, lambda _: tuple(QUATERNION), finish)
+
+
+QUANTITIES: Mapping[str, Quantity] = {item.name: item for item in _table()}
+
+
+def watched(name: str, assembly: Assembly) -> Quantity:
+    """The quantity of this name in a scene: known to all, an effect's own, or a bare state.
+
+    Raises
+    ------
+    UnknownNameError
+        no effect provides it; the message names near ones.
+    """
+    if name in QUANTITIES:
+        return QUANTITIES[name]
+    head, _, convention = name.partition(":")
+    if head == "euler":
+        return euler(name, attitude.checked_convention(convention))
+    for key, part in assembly.parts.items():
+        if name in part.outputs:
+            given = part.outputs[name]
+            many = isinstance(given, list | tuple | sp.MatrixBase)
+            parts = tuple(assembly.tied(x) for x in (given if many else (given,)))
+            labels = tuple(str(k) for k in range(1, len(parts) + 1)) if many else ()
+            return Quantity(name, f"of {key}", "", labels, lambda _, parts=parts: parts)
+    bare = {s.name: s for s in (*assembly.rates, *VERTICAL, *QUATERNION, *assembly.ties)}
+    if name in bare:
+        found = (assembly.tied(bare[name]),)
+        return Quantity(name, "state", "", (), lambda _: found)
+    own = [key for part in assembly.parts.values() for key in part.outputs]
+    raise UnknownNameError(unknown(name, own))
+
+
+def unknown(name: str, own: Iterable[str] = ()) -> str:
+    """The message that nothing of this name can be watched."""
+    known = (*QUANTITIES, *own)
+    near = near_names(str(name), known)
+    hint = f"Did you mean {near}? " if near else ""
+    return (
+        f"nothing called {name!r} can be watched: no effect of the scene provides it. {hint}"
+        f"There are {', '.join(known)}, euler:CONVENTION (as euler:ZXZ) and single states."
+    )
+
+
+def _axis(assembly: Assembly) -> list[Any]:
+    """The body's axis of symmetry, or its third axis, as exact numbers."""
+    axis = assembly.context.body.symmetry_axis
+    return [0, 0, 1] if axis is None else [sp.Rational(float(x)) for x in axis]
+
+
+def _tied(assembly: Assembly, symbols: Iterable[Any]) -> tuple[Any, ...]:
+    return tuple(assembly.tied(symbol) for symbol in symbols)
