@@ -25,7 +25,10 @@ from geomtorsion.geometry import (
 
 # Imported when first asked for, so that geometry alone starts as fast as sympy does.
 _LATER = {
-    "action": ("EquationsOfMotion", "Variation", "equations_of_motion", "variation"),
+    "action": (
+        "EquationsOfMotion", "Variation", "conserved_quantities", "equations_of_motion",
+        "variation",
+    ),
     "motion": (
         "Atlas", "Bundle", "Change", "Chart", "Connecting", "Engine", "Flow", "FlowSolution",
         "FreeTop", "Problem", "RungeKutta", "Solution", "Stiff", "Taylor", "autoparallel",
@@ -93,6 +96,7 @@ __all__ = [
     "burgers_vectors",
     "cartan",
     "connecting",
+    "conserved_quantities",
     "contract",
     "develop",
     "develop_path",

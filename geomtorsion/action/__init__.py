@@ -1,6 +1,16 @@
 """Action: variations and the equations of motion that follow from them."""
 
-from geomtorsion.action.equations import EquationsOfMotion, equations_of_motion
+from geomtorsion.action.equations import (
+    EquationsOfMotion,
+    conserved_quantities,
+    equations_of_motion,
+)
 from geomtorsion.action.variations import Variation, variation
 
-__all__ = ["EquationsOfMotion", "Variation", "equations_of_motion", "variation"]
+__all__ = [
+    "EquationsOfMotion",
+    "Variation",
+    "conserved_quantities",
+    "equations_of_motion",
+    "variation",
+]

@@ -120,6 +120,13 @@ class EquationsOfMotion:
         return tuple(every[k] for k in self.hamel.free)
 
     @cached_property
+    def invariants(self) -> Mapping[str, sp.Expr]:
+        """Name -> f(q, u, t) that the motion keeps, each proved by exact zero."""
+        from geomtorsion.action.invariants import conserved
+
+        return conserved(self.hamel, self.frame, self.lagrange.phase.frame)
+
+    @cached_property
     def reactions(self) -> Mapping[str, sp.Expr]:
         """Forces that keep the constraints, by the velocity whose form each replaces."""
         names = self.hamel.phase.letters.velocities
@@ -226,3 +233,42 @@ def equations_of_motion(
     hamel.accelerations  # noqa: B018  a singular kinetic matrix is refused here, not later
     lagrange = Lagrange(phase, energy, given, chosen, connection)
     return EquationsOfMotion(frame, energy, given, kept, principle, hamel, lagrange)
+
+
+def conserved_quantities(
+    frame: Frame,
+    lagrangian: Any,
+    forces: Any = None,
+    principle: str = "closed_in_coordinates",
+    constraints: Any = None,
+    *,
+    parameters: Iterable[Any] | None = None,
+    connection: Connection | None = None,
+) -> Mapping[str, sp.Expr]:
+    """Name -> f(q, u, t) that the motion keeps: the `invariants` of its equations.
+
+    Energy; momenta of coordinates, of legs, of right-invariant fields on a Lie group, and of
+    other Killing fields that a finite ansatz finds; Casimirs. Each is proved by exact zero;
+    what is not found may still exist.
+
+    Parameters
+    ----------
+    frame, lagrangian, forces, principle, constraints, parameters, connection
+        as in `equations_of_motion`.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> found = conserved_quantities(load("flat_polar").frame, "(u1**2 + u2**2)/2")
+    >>> for name, value in found.items():
+    ...     print(f"{name}: {value}")
+    energy: u1**2/2 + u2**2/2
+    momentum of phi: r*u2
+    killing 1: u1*sin(phi) + u2*cos(phi)
+    killing 2: u1*cos(phi) - u2*sin(phi)
+    """
+    found = equations_of_motion(
+        frame, lagrangian, forces, principle, constraints,
+        parameters=parameters, connection=connection,
+    )  # fmt: skip
+    return found.invariants

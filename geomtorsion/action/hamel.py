@@ -22,6 +22,7 @@ class Hamel:
 
     phase: the frame, adapted to the constraints if there are any.
     free: numbers of the quasi-velocities that move; the others are zero.
+    lagrangian: L, where the held velocities are zero.
     momenta: p_i = dL/du^i for all i, where the held velocities are zero.
     slopes: E_k(L) at fixed u, for all k.
     forces: F_k, for all k.
@@ -30,6 +31,7 @@ class Hamel:
 
     phase: Phase
     free: tuple[int, ...]
+    lagrangian: Element
     momenta: tuple[Element, ...]
     slopes: tuple[Element, ...]
     forces: tuple[Element, ...]

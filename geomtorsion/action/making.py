@@ -102,7 +102,7 @@ def hamel_of(
     momenta = tuple(energy.diff(symbol) for symbol in phase.letters.velocities)
     slopes = tuple(phase.along(k, energy) for k in range(n))
     twist = twist_of(phase.frame, principle, connection)
-    return Hamel(phase, tuple(range(n)), momenta, slopes, tuple(pushes), twist)
+    return Hamel(phase, tuple(range(n)), energy, momenta, slopes, tuple(pushes), twist)
 
 
 def _restricted(
@@ -129,4 +129,4 @@ def _restricted(
     named = [(f"forces[{k}]", value.xreplace(held)) for k, value in enumerate(forces)]
     pushes = restriction.carried(phase.frame.read(named))
     twist = twist_of(phase.frame, principle, connection)
-    return Hamel(phase, restriction.free, momenta, slopes, pushes, twist)
+    return Hamel(phase, restriction.free, still, momenta, slopes, pushes, twist)
