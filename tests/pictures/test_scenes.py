@@ -35,11 +35,15 @@ def words(figure) -> str:
 def test_watched_quantities_have_a_panel_each():
     """Vectors share one, what is constant says so, units stand on the axis."""
     watched = {"omega": TIPS, "energy": NIL + 2.5, "nutation": COS, "matrix": TURN}
-    figure = watched_picture(TIMES, watched, {"energy": "J"}, "A top", ["a note"])
+    figure = watched_picture(
+        TIMES, watched, {"energy": "J"}, {"omega": "xyz"}, {"nutation": "tilt"}, "A top", ["a note"]
+    )
     assert len(figure.axes) == 4
     assert [len(axes.lines) for axes in figure.axes] == [3, 1, 1, 9]
     assert figure.axes[1].get_ylabel() == "J"
     assert "constant: 2.5" in words(figure)
+    assert "tilt" in words(figure)
+    assert figure.axes[0].get_legend_handles_labels()[1] == ["x", "y", "z"]
     assert "a note" in words(figure)
 
 

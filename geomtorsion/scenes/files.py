@@ -1,0 +1,281 @@
+"""Files: a scene file (TOML) read into a scene; nothing in it is ever run as code."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import MISSING, fields
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import FileFormatError, GeomtorsionError
+from geomtorsion.exact.names import CONSTANTS, FUNCTIONS
+from geomtorsion.scenes.body import Body
+from geomtorsion.scenes.effects import EFFECTS, Effect
+from geomtorsion.scenes.places import Key, TomlFile, read_toml
+from geomtorsion.scenes.state import State
+from geomtorsion.scenes.units import quantity, scale_of, with_unit
+
+if TYPE_CHECKING:
+    from geomtorsion.scenes.scene import Scene
+
+TEXT_KEYS = ("name", "title", "story")
+KEYS = (*TEXT_KEYS, "watch", "t", "accuracy", "samples", "body", "effects", "start")
+START_UNITS: Mapping[str, str | None] = {
+    "omega": "rad/s",
+    "euler": "rad",
+    "quaternion": "",
+    "matrix": "",
+    "position": "m",
+    "velocity": "m/s",
+    "euler_convention": None,
+}
+# Shape -> its maker and the keys that it takes, with their units.
+SHAPES: Mapping[str, tuple[Callable[..., Body], Mapping[str, str]]] = {
+    "": (Body, {"mass": "kg", "moments": "kg m^2", "inertia": "kg m^2"}),
+    "box": (Body.box, {"mass": "kg", "sides": "m"}),
+    "ellipsoid": (Body.ellipsoid, {"mass": "kg", "semiaxes": "m"}),
+    "cylinder": (Body.cylinder, {"mass": "kg", "radius": "m", "height": "m"}),
+    "points": (Body.points, {"points": ""}),
+}
+_WORD = re.compile(r"[^\W0-9]\w*")
+
+
+def read_file(path: str | PathLike[str]) -> Scene:
+    """Read a scene from a scene file.
+
+    Keys
+    ----
+    name, title, story
+        Texts; the name defaults to that of the file.
+    watch
+        List of what is watched: "nutation", "energy", ...
+    t, accuracy, samples
+        How long (s), the accuracy of the result (relative), and how many times are reported; t may
+        also be the list of these times.
+    [body]
+        mass with moments or inertia; or shape = "box" with sides, "ellipsoid" with semiaxes,
+        "cylinder" with radius and height (mass with each), "points" with points =
+        [{mass = 1, place = [1, 0, 0]}, ...].
+    [[effects]]
+        kind = "gravity" and so on, with the fields of the effect.
+    [start]
+        omega, euler or quaternion or matrix, position, velocity, euler_convention.
+
+    Numbers are numbers, or texts with an exact expression and a unit: "9.81 m/s^2", "3 rpm",
+    "20 deg", "sqrt(2)/2 kg m^2". A unit that does not measure what the field measures is refused.
+
+    Raises
+    ------
+    FileFormatError
+        The file cannot be read, is no TOML, has an unknown key, a value of the wrong kind or unit,
+        or describes a scene that cannot be; the message names file, line and the nearest key.
+    LimitError
+        The file is too large.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> text = '''watch = ["omega"]
+    ... t = 1
+    ... [body]
+    ... moments = [1, 2, 3]
+    ... [start]
+    ... omega = [0, "30 rpm", 0]
+    ... '''
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder, "top.toml")
+    ...     _ = file.write_text(text)
+    ...     scene = read_file(file)
+    >>> scene.name, round(scene.start.omega[1], 6)
+    ('top', 3.141593)
+    """
+    path = Path(path)
+    return scene_from(read_toml(path), path.stem)
+
+
+def scene_from(file: TomlFile, name: str = "") -> Scene:
+    """The scene that the content of a scene file describes.
+
+    Raises
+    ------
+    FileFormatError
+        As for `read_file`.
+    """
+    from geomtorsion.scenes.scene import Scene
+
+    data = file.data
+    for key in data:
+        if key not in KEYS:
+            file.unknown((key,), KEYS, f"unknown key {key!r}")
+    if "body" not in data:
+        file.fail((), "a scene has a body: [body] and below it moments = [1, 2, 3].")
+    given: dict[str, Any] = {
+        "name": _text(file, "name") or name,
+        "title": _text(file, "title"),
+        "effects": tuple(_effects(file)),
+    }
+    if "watch" in data:
+        given["watch"] = _watch(file)
+    for key, unit in (("t", "s"), ("accuracy", ""), ("samples", "")):
+        if key in data:
+            given[key] = _numbers(file, (key,), data[key], unit)
+    body = _body(file)
+    given["start"] = _start(file)
+    with _placed(file, (), "", KEYS):
+        return Scene(body, **given)
+
+
+def _text(file: TomlFile, key: str) -> str:
+    value = file.data.get(key, "")
+    if not isinstance(value, str):
+        file.fail((key,), f"{key}: a text in quotes was needed, but {value!r} came.")
+    return value
+
+
+def _watch(file: TomlFile) -> list[str]:
+    """What is watched: one text, or a list of them."""
+    value = file.data.get("watch", [])
+    names = [value] if isinstance(value, str) else value
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        file.fail(("watch",), f'watch: a list of names was needed, but {value!r} came: ["energy"].')
+    return names
+
+
+def _body(file: TomlFile) -> Body:
+    table = _table(file, "body", file.data["body"])
+    shape = table.get("shape", "")
+    if shape not in SHAPES:
+        known = [name for name in SHAPES if name]
+        file.fail(("body", "shape"), f"body: {shape!r} is no shape. Known are {', '.join(known)}.")
+    maker, units = SHAPES[shape]
+    for key in table:
+        if key not in units and key != "shape":
+            what = f"body: unknown key {key!r}" + (f" of a {shape}" if shape else "")
+            file.unknown(("body", key), ["shape", *units], what)
+    if shape == "points":
+        with _placed(file, ("body",), "body: ", units):
+            return maker(_points(file, table.get("points")))
+    values = {
+        key: _numbers(file, ("body", key), table[key], unit)
+        for key, unit in units.items()
+        if key in table
+    }
+    missing = [key for key in units if key not in values] if shape else []
+    if missing:
+        file.fail(("body",), f"body: a {shape} needs {', '.join(units)}; {missing[0]} is missing.")
+    with _placed(file, ("body",), "body: ", units):
+        return maker(**values)
+
+
+def _points(file: TomlFile, value: Any) -> list[tuple[Any, Any]]:
+    """Point masses: tables with mass and place."""
+    key: Key = ("body", "points")
+    if not isinstance(value, list) or not value:
+        file.fail(key, "body: points = [{mass = 1, place = [1, 0, 0]}, ...] was needed.")
+    found = []
+    for number, point in enumerate(value):
+        if not isinstance(point, dict) or set(point) != {"mass", "place"}:
+            file.fail((*key, number), f"body: point {number}: mass and place were needed.")
+        mass = _numbers(file, (*key, number), point["mass"], "kg")
+        found.append((mass, _numbers(file, (*key, number), point["place"], "m")))
+    return found
+
+
+def _effects(file: TomlFile) -> Iterator[Effect]:
+    """Effects in their order."""
+    tables = file.data.get("effects", [])
+    if not isinstance(tables, list):
+        file.fail(("effects",), 'effects: write [[effects]] and below it kind = "gravity".')
+    kinds = {effect.key: effect for effect in EFFECTS}
+    for number, table in enumerate(tables):
+        key: Key = ("effects", number)
+        if not isinstance(table, dict) or not isinstance(table.get("kind"), str):
+            file.fail(key, f'effects[{number}]: kind = "..." is missing: {", ".join(kinds)}.')
+        kind = table["kind"]
+        if kind not in kinds:
+            # The nearest name is looked for as the last part of the key.
+            near = TomlFile(file.name, file.data, {(*key, kind): file.line((*key, "kind"))})
+            near.unknown((*key, kind), list(kinds), f"there is no effect {kind!r}")
+        yield _effect(file, key, kinds[kind], table)
+
+
+def _effect(file: TomlFile, key: Key, maker: type[Effect], table: Mapping[str, Any]) -> Effect:
+    known = {item.name: item for item in fields(maker) if item.init}
+    units = maker.units()
+    values: dict[str, Any] = {}
+    for name, value in table.items():
+        if name == "kind":
+            continue
+        if name not in known:
+            file.unknown((*key, name), ["kind", *known], f"{maker.key}: unknown key {name!r}")
+        values[name] = (
+            _numbers(file, (*key, name), value, units[name], texts=True)
+            if name in units
+            else _plain(value)
+        )
+    for name, item in known.items():
+        if name not in values and item.default is MISSING and item.default_factory is MISSING:
+            unit = f" ({units[name]})" if units.get(name) else ""
+            file.fail(key, f"{maker.key}: {name}{unit} is missing.")
+    with _placed(file, key, f"{maker.key}: ", known):
+        return maker(**values)
+
+
+def _start(file: TomlFile) -> State:
+    table = _table(file, "start", file.data.get("start", {}))
+    values: dict[str, Any] = {}
+    for name, value in table.items():
+        if name not in START_UNITS:
+            file.unknown(("start", name), list(START_UNITS), f"start: unknown key {name!r}")
+        unit = START_UNITS[name]
+        values[name] = value if unit is None else _numbers(file, ("start", name), value, unit)
+    with _placed(file, ("start",), "start: ", START_UNITS):
+        return State(**values)
+
+
+def _table(file: TomlFile, name: str, value: Any) -> Mapping[str, Any]:
+    if not isinstance(value, dict):
+        file.fail((name,), f"{name}: a table was needed, but {value!r} came. Write [{name}].")
+    return value
+
+
+def _numbers(file: TomlFile, key: Key, value: Any, unit: str, *, texts: bool = False) -> Any:
+    """Numbers in the unit of their field, lists as tuples; with texts also expressions."""
+    if isinstance(value, list):
+        return tuple(
+            _numbers(file, (*key, number), part, unit, texts=texts)
+            for number, part in enumerate(value)
+        )
+    name = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in key)
+    with _placed(file, key, f"{name.removeprefix('.')}: "):
+        if texts and isinstance(value, str):
+            expression, given = with_unit(value)
+            names = set(_WORD.findall(expression)) - set(FUNCTIONS) - set(CONSTANTS)
+            if names:
+                scale = 1.0 if given is None else scale_of(given, unit)
+                return expression if scale == 1 else f"({scale!r})*({expression})"
+        return quantity(value, unit)
+
+
+def _plain(value: Any) -> Any:
+    """A value that is no quantity, lists as tuples."""
+    return tuple(_plain(part) for part in value) if isinstance(value, list) else value
+
+
+@contextmanager
+def _placed(file: TomlFile, key: Key, what: str, known: Sequence[str] | Mapping[str, Any] = ()):
+    """Say file and line of what goes wrong inside: that of the first key that is spoken of."""
+    try:
+        yield
+    except FileFormatError:
+        raise
+    except GeomtorsionError as error:
+        text = str(error)
+        named = [word for word in _WORD.findall(text) if word in known]
+        there = [(*key, word) for word in named if (*key, word) in file.lines]
+        prefix = "" if what and text.startswith(what.rstrip(": ")) else what
+        file.fail(there[0] if there else key, f"{prefix}{text}")
