@@ -1,0 +1,70 @@
+"""Angular damping: something thick around the body slows its rotation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from geomtorsion.errors import SceneError
+from geomtorsion.scenes.context import exact
+from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
+
+if TYPE_CHECKING:
+    from geomtorsion.scenes.context import Context
+
+
+@dataclass(frozen=True)
+class AngularDamping(Effect):
+    """A moment against the rotation, in proportion to it.
+
+    Equation
+    --------
+    M_i = -c_i Omega_i, body axes; power -c_i Omega_i^2
+
+    Parameters
+    ----------
+    coefficient
+        c, N m s: one number, or three for the three body axes.
+
+    Raises
+    ------
+    SceneError
+        a coefficient is negative or no number.
+
+    Examples
+    --------
+    >>> sorted(AngularDamping(0.1).needs()), AngularDamping((0, 0, 1)).coefficient
+    (['omega'], (0, 0, 1))
+    """
+
+    key: ClassVar[str] = "angular_damping"
+    title: ClassVar[str] = "damping of the rotation"
+
+    coefficient: Any = field(metadata=unit("N m s"))
+
+    def __post_init__(self) -> None:
+        """One number or three, none of them negative."""
+        value = self.coefficient
+        wanted = f"angular_damping.coefficient = {value!r}: one number >= 0 (N m s) or three were "
+        if hasattr(value, "__iter__") and not isinstance(value, str):
+            object.__setattr__(self, "coefficient", tuple(value))
+        try:
+            numbers = [exact(each, "coefficient") for each in self._three()]
+        except (SceneError, TypeError):
+            raise SceneError(wanted + "needed.") from None
+        if len(numbers) != 3 or any(number < 0 for number in numbers):
+            raise SceneError(wanted + "needed.")
+
+    def _three(self) -> tuple[Any, ...]:
+        """The three coefficients."""
+        value = self.coefficient
+        return value if isinstance(value, tuple) else (value, value, value)
+
+    def adds(self, context: Context) -> Contribution:
+        """A moment."""
+        if isinstance(self.coefficient, tuple):
+            sizes = context.vector("c", self.coefficient)
+        else:
+            sizes = [context.parameter("c", self.coefficient)] * 3
+        moment = [-c * w for c, w in zip(sizes, context.Omega, strict=True)]
+        return Contribution(moment=(moment[0], moment[1], moment[2]))

@@ -1,0 +1,152 @@
+"""Custom: any moment, force, state, energy or quantity that a user writes down."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from geomtorsion.errors import SceneError
+from geomtorsion.scenes.effects.intake import check_vectors, read, read_three
+from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
+
+if TYPE_CHECKING:
+    from geomtorsion.scenes.context import Context
+
+
+@dataclass(frozen=True)
+class Custom(Effect):
+    """An effect of the user's own, in expressions that are read through the whitelist.
+
+    Expressions may contain t, Omega1..3, n1..3 (upwards, seen from the body), R11..R23, q0..q3,
+    x, y, z, vx, vy, vz, m, I1..3, and the names of `parameters` and `states`.
+
+    Parameters
+    ----------
+    moment
+        three expressions, body axes, N m.
+    force
+        three expressions, N, in the axes that `axes` names.
+    axes
+        "space" or "body": of the force.
+    parameters
+        name -> number; a sweep or another start changes them without new equations.
+    states
+        name -> rate, for states of its own (a tank, a current, a controller).
+    start
+        name of such a state -> value at the start.
+    energy
+        potential or other stored energy, J. Without it, what the moment and force put in is
+        booked as work.
+    power
+        what it puts in, W, if that is something else.
+    outputs
+        name -> expression, or three: further quantities to watch.
+    switches
+        (time, {parameter: value}) pairs: parameters change at exact times.
+    stop
+        the motion stops where this expression falls through zero.
+
+    Raises
+    ------
+    SceneError
+        a vector has not three components, a state has no start or the reverse, axes or a
+        switched name is unknown.
+    ExpressionError
+        an expression cannot be read, holds an unknown name, or is code.
+
+    Examples
+    --------
+    >>> wire = Custom(moment=(0, 0, "-k*angle"), parameters={"k": 2.0},
+    ...               states={"angle": "Omega3"}, start={"angle": 0.1}, energy="k*angle**2/2")
+    >>> sorted(wire.needs())
+    ['omega']
+    """
+
+    key: ClassVar[str] = "custom"
+    title: ClassVar[str] = "effect of the user's own"
+    several: ClassVar[bool] = True
+
+    moment: Sequence[Any] = field(default=(0, 0, 0), metadata=unit("N m"))
+    force: Sequence[Any] = field(default=(0, 0, 0), metadata=unit("N"))
+    axes: str = "space"
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    states: Mapping[str, Any] = field(default_factory=dict)
+    start: Mapping[str, Any] = field(default_factory=dict)
+    energy: Any = None
+    power: Any = None
+    outputs: Mapping[str, Any] = field(default_factory=dict)
+    switches: Sequence[Any] = ()
+    stop: Any = None
+
+    def __post_init__(self) -> None:
+        """Check vectors, words and that states and starts agree."""
+        check_vectors(self, "moment", "force")
+        if self.axes not in ("space", "body"):
+            raise SceneError(f'custom.axes = {self.axes!r}: say "space" or "body".')
+        for name in ("parameters", "states", "start", "outputs"):
+            if not isinstance(getattr(self, name), Mapping):
+                raise SceneError(f"custom.{name}: a table of names was needed.")
+        lost = set(self.states) ^ set(self.start)
+        if lost:
+            raise SceneError(
+                f"custom: {', '.join(sorted(lost))} stands in only one of states and start. "
+                "Every state needs a rate and a value at the start."
+            )
+        object.__setattr__(self, "switches", _checked_switches(self.switches, self.parameters))
+
+    def adds(self, context: Context) -> Contribution:
+        """Everything that was written down, in symbols."""
+        own: dict[str, Any] = {}
+        switched = {name for _, changes in self.switches for name in changes}
+        for name, value in self.parameters.items():
+            make = context.switchable if name in switched else context.parameter
+            own[name] = make(name, value)
+        for name in self.states:
+            own[name] = context.state(name)
+
+        def expression(value: Any, what: str) -> Any:
+            return read(value, context, what, f"{self.key}.{what}", own)
+
+        moment = read_three(self.moment, context, "M", f"{self.key}.moment", own)
+        force = read_three(self.force, context, "F", f"{self.key}.force", own)
+        if self.axes == "body":
+            force = context.in_space(force)
+        outputs = {
+            name: tuple(expression(v, name) for v in value)
+            if isinstance(value, Sequence) and not isinstance(value, str)
+            else expression(value, name)
+            for name, value in self.outputs.items()
+        }
+        renamed = {name: symbol.name for name, symbol in own.items() if symbol != 0}
+        return Contribution(
+            moment=tuple(moment) if any(moment) else None,
+            force=tuple(force) if any(force) else None,
+            states={own[k].name: expression(v, k) for k, v in self.states.items()},
+            start=dict(self.start),
+            energy=None if self.energy is None else expression(self.energy, "energy"),
+            power=None if self.power is None else expression(self.power, "power"),
+            outputs=outputs,
+            switches=tuple(
+                (time, {renamed[name]: value for name, value in changes.items()})
+                for time, changes in self.switches
+            ),
+            stop=None if self.stop is None else expression(self.stop, "stop"),
+        )
+
+
+def _checked_switches(switches: Sequence[Any], parameters: Mapping[str, Any]) -> tuple[Any, ...]:
+    """Pairs of a time and parameters to change."""
+    found = []
+    for each in switches:
+        pair = tuple(each)
+        if len(pair) != 2 or not isinstance(pair[1], Mapping):
+            raise SceneError(f"custom.switches: (time, {{name: value}}) was needed, {each!r} came.")
+        for name in pair[1]:
+            if name not in parameters:
+                known = ", ".join(parameters) or "none"
+                raise SceneError(
+                    f"custom.switches: {name!r} is no parameter of it. Known are {known}."
+                )
+        found.append((pair[0], dict(pair[1])))
+    return tuple(found)

@@ -1,0 +1,130 @@
+"""Drag: the air holds back a body that moves, linearly or with the square of its speed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import sympy as sp
+
+from geomtorsion.scenes.effects.intake import check_numbers, check_vectors
+from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
+
+if TYPE_CHECKING:
+    from geomtorsion.scenes.context import Context
+
+
+@dataclass(frozen=True)
+class LinearDrag(Effect):
+    """Resistance in proportion to the speed (slow motion in something thick).
+
+    Equation
+    --------
+    F = -c w at the point `arm` of the body, w = v + R (Omega x arm) - wind: its speed in the air
+
+    Parameters
+    ----------
+    coefficient
+        c, N s/m.
+    arm
+        from the centre of mass to the centre of pressure, body axes, m.
+    wind
+        speed of the air, space axes, m/s.
+
+    Raises
+    ------
+    SceneError
+        the coefficient is negative or no number, a vector has not three components.
+
+    Examples
+    --------
+    >>> sorted(LinearDrag(0.1).needs()), sorted(LinearDrag(0.1, arm=(0, 0, 1)).needs())
+    (['velocity'], ['attitude', 'omega', 'velocity'])
+    """
+
+    key: ClassVar[str] = "linear_drag"
+    title: ClassVar[str] = "drag in proportion to the speed"
+
+    coefficient: Any = field(metadata=unit("N s/m"))
+    arm: Sequence[Any] = field(default=(0, 0, 0), metadata=unit("m"))
+    wind: Sequence[Any] = field(default=(0, 0, 0), metadata=unit("m/s"))
+
+    def __post_init__(self) -> None:
+        """Check numbers and vectors."""
+        check_numbers(self, "coefficient", sign="not negative")
+        check_vectors(self, "arm", "wind")
+
+    def adds(self, context: Context) -> Contribution:
+        """A force at the centre of pressure."""
+        arm = context.vector("arm", self.arm)
+        speed = _through_air(context, arm, self.wind)
+        return _at(context, arm, -context.parameter("c", self.coefficient) * speed)
+
+
+@dataclass(frozen=True)
+class QuadraticDrag(Effect):
+    """Resistance in proportion to the square of the speed (a ball or a stone in air).
+
+    Equation
+    --------
+    F = -c |w| w at the point `arm` of the body, w = v + R (Omega x arm) - wind
+    c = (1/2) density * area * drag coefficient                 [LandauLifshitz6] section 45
+
+    Parameters
+    ----------
+    coefficient
+        c, kg/m.
+    arm
+        from the centre of mass to the centre of pressure, body axes, m.
+    wind
+        speed of the air, space axes, m/s.
+    smoothing
+        |w| becomes sqrt(w^2 + smoothing^2), m/s. |w| has a corner at rest, where series in time
+        end; a body that passes through rest (or starts there) needs a little of it.
+
+    Raises
+    ------
+    SceneError
+        a number is negative or none, a vector has not three components.
+
+    Examples
+    --------
+    >>> sorted(QuadraticDrag(0.01).needs())
+    ['velocity']
+    """
+
+    key: ClassVar[str] = "quadratic_drag"
+    title: ClassVar[str] = "drag in proportion to the square of the speed"
+
+    coefficient: Any = field(metadata=unit("kg/m"))
+    arm: Sequence[Any] = field(default=(0, 0, 0), metadata=unit("m"))
+    wind: Sequence[Any] = field(default=(0, 0, 0), metadata=unit("m/s"))
+    smoothing: Any = field(default=0, metadata=unit("m/s"))
+
+    def __post_init__(self) -> None:
+        """Check numbers and vectors."""
+        check_numbers(self, "coefficient", "smoothing", sign="not negative")
+        check_vectors(self, "arm", "wind")
+
+    def adds(self, context: Context) -> Contribution:
+        """A force at the centre of pressure."""
+        arm = context.vector("arm", self.arm)
+        speed = _through_air(context, arm, self.wind)
+        smooth = context.parameter("smoothing", self.smoothing)
+        size = sp.sqrt(speed.dot(speed) + smooth**2)
+        return _at(context, arm, -context.parameter("c", self.coefficient) * size * speed)
+
+
+def _through_air(context: Context, arm: Any, wind: Sequence[Any]) -> Any:
+    """Velocity of the centre of pressure in the air, space axes."""
+    speed = sp.Matrix(context.velocity) - context.vector("wind", wind)
+    if any(arm):
+        speed += context.in_space(sp.Matrix(context.Omega).cross(arm))
+    return speed
+
+
+def _at(context: Context, arm: Any, force: Any) -> Contribution:
+    """A force at a point of the body."""
+    moment = tuple(arm.cross(context.in_body(force))) if any(arm) else None
+    return Contribution(moment=moment, force=tuple(force))

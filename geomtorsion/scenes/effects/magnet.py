@@ -1,0 +1,74 @@
+"""Magnet: a magnetic moment of the body in a field."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import sympy as sp
+
+from geomtorsion.errors import SceneError
+from geomtorsion.scenes.effects.intake import check_vectors, read_three
+from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
+
+if TYPE_CHECKING:
+    from geomtorsion.scenes.context import Context
+
+
+@dataclass(frozen=True)
+class Magnet(Effect):
+    """A magnetic moment fixed to the body, in a field that is the same everywhere.
+
+    Equation
+    --------
+    M = mu x R^T B, V = -mu . R^T B
+
+    Parameters
+    ----------
+    dipole
+        mu, body axes, A m^2.
+    field
+        B, space axes, T: numbers, or expressions of the time t.
+
+    Raises
+    ------
+    SceneError
+        a vector has not three components, or the field depends on more than the time.
+    ExpressionError
+        an expression cannot be read, or is code.
+
+    Examples
+    --------
+    >>> sorted(Magnet((0, 0, 1), (0, 0, 5e-5)).needs())
+    ['vertical']
+    >>> sorted(Magnet((0, 0, 1), ("cos(t)", 0, 1)).needs())
+    ['attitude', 'time']
+    """
+
+    key: ClassVar[str] = "magnet"
+    title: ClassVar[str] = "magnetic moment in a field"
+    several: ClassVar[bool] = True
+
+    dipole: Sequence[Any] = field(metadata=unit("A m^2"))
+    field: Sequence[Any] = field(metadata=unit("T"))
+
+    def __post_init__(self) -> None:
+        """Check the vectors."""
+        check_vectors(self, "dipole", "field")
+
+    def adds(self, context: Context) -> Contribution:
+        """A moment, its potential, and what a changing field puts in."""
+        dipole = context.vector("mu", self.dipole)
+        outside = read_three(self.field, context, "B", f"{self.key}.field")
+        state = {symbol.name for symbol in outside.free_symbols} - {"t", *context.values}
+        if state:
+            raise SceneError(
+                f"magnet.field contains {', '.join(sorted(state))}: a field that is the same "
+                "everywhere depends on the time t alone. Use Custom for more."
+            )
+        seen = context.in_body(outside)
+        change = context.in_body(sp.diff(outside, context.t))
+        return Contribution(
+            moment=tuple(dipole.cross(seen)), energy=-dipole.dot(seen), power=-dipole.dot(change)
+        )

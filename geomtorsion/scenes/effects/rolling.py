@@ -1,0 +1,82 @@
+"""Rolling: a disc or a ball on a level plane, without slipping."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import sympy as sp
+
+from geomtorsion.errors import SceneError
+from geomtorsion.scenes.effects.intake import check_numbers
+from geomtorsion.scenes.effects.protocol import Constraint, Contribution, Effect, unit
+
+if TYPE_CHECKING:
+    from geomtorsion.scenes.context import Context
+
+SHAPES = ("disc", "ball")
+
+
+@dataclass(frozen=True)
+class Rolling(Effect):
+    """The lowest point of the body is at rest on the plane z = 0: a nonholonomic constraint.
+
+    The axis of a disc is the third body axis; its rim is sharp. The centre of mass is the centre
+    of disc or ball; moments of inertia are free (a hoop, a disc, Chaplygin's ball).
+
+    Equation
+    --------
+    v = c x Omega (body axes), c from the centre to the point of contact:
+    disc: c = -r (n1, n2, 0) / sqrt(n1^2 + n2^2), n upwards; ball: c = -r n    [NeimarkFufaev1972]
+
+    Parameters
+    ----------
+    radius
+        r, m.
+    shape
+        "disc" or "ball".
+
+    Raises
+    ------
+    SceneError
+        the radius is not positive, or the shape is something else.
+
+    Examples
+    --------
+    >>> Rolling(0.3).shape, sorted(Rolling.excludes)
+    ('disc', ['drift', 'knife_edge', 'pivot'])
+    """
+
+    key: ClassVar[str] = "rolling"
+    title: ClassVar[str] = "rolling on a plane without slipping"
+    excludes: ClassVar[frozenset[str]] = frozenset({"drift", "pivot", "knife_edge"})
+
+    radius: Any = field(metadata=unit("m"))
+    shape: str = "disc"
+
+    def __post_init__(self) -> None:
+        """A positive radius and one of two words."""
+        check_numbers(self, "radius", sign="positive")
+        if self.shape not in SHAPES:
+            raise SceneError(f'rolling.shape = {self.shape!r}: say "disc" or "ball".')
+
+    def adds(self, context: Context) -> Contribution:
+        """The constraint; angular velocity is what remains."""
+        r = context.parameter("radius", self.radius)
+        n1, n2, n3 = context.vertical
+        if self.shape == "disc":
+            contact = -r / sp.sqrt(n1**2 + n2**2) * sp.Matrix([n1, n2, 0])
+        else:
+            contact = -r * sp.Matrix([n1, n2, n3])
+        velocity = contact.cross(sp.Matrix(context.Omega))
+        rolled = Constraint(
+            speeds=tuple(symbol.name for symbol in context.Omega),
+            omega=context.Omega,
+            velocity=tuple(velocity),
+        )
+        return Contribution(constraint=rolled, outputs={"contact": self._place(context, contact)})
+
+    def _place(self, context: Context, contact: Any) -> tuple[Any, Any]:
+        """Where it touches the plane: x and y."""
+        place = sp.Matrix(context.position) + context.in_space(contact)
+        return (place[0], place[1])

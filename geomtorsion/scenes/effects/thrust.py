@@ -1,0 +1,130 @@
+"""Thrust: forces and moments that turn with the body, on and off at exact times."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from geomtorsion.errors import SceneError
+from geomtorsion.scenes.effects.intake import between, check_numbers, check_vectors, read_three
+from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
+
+if TYPE_CHECKING:
+    from geomtorsion.scenes.context import Context
+
+
+@dataclass(frozen=True)
+class Thrust(Effect):
+    """A force fixed to the body: the engine of a missile.
+
+    Equation
+    --------
+    P' + Omega x P = F, L' + Omega x L = point x F, body axes      [FizievKleinert1994], (1), (2)
+
+    Parameters
+    ----------
+    force
+        three components in body axes, N: numbers, or expressions such as "20*exp(-t)" of time
+        and state (t, Omega1..3, n1..3, R11..R23, x, y, z, vx, vy, vz, m, I1..3).
+    point
+        where it acts, from the centre of mass, body axes, m.
+    start, end
+        it is on between these times, s; None: from the beginning, to the end. The motion is begun
+        anew at both: nothing is stepped over.
+
+    Raises
+    ------
+    SceneError
+        a vector has not three components, a time is no number, the end is before the start.
+    ExpressionError
+        an expression cannot be read, or is code.
+
+    Examples
+    --------
+    >>> burn = Thrust(force=(0, 0, "20*exp(-t)"), point=(0, 0, -1), end=3)
+    >>> sorted(burn.needs())
+    ['attitude', 'time']
+    """
+
+    key: ClassVar[str] = "thrust"
+    title: ClassVar[str] = "force fixed to the body"
+    several: ClassVar[bool] = True
+
+    force: Sequence[Any] = field(metadata=unit("N"))
+    point: Sequence[Any] = field(default=(0, 0, 0), metadata=unit("m"))
+    start: Any = field(default=None, metadata=unit("s"))
+    end: Any = field(default=None, metadata=unit("s"))
+
+    def __post_init__(self) -> None:
+        """Check vectors and times."""
+        check_vectors(self, "force", "point")
+        _check_times(self)
+
+    def adds(self, context: Context) -> Contribution:
+        """A force, the moment of its arm, and switches."""
+        burn, switches = between(context, "burn", self.start, self.end)
+        force = burn * read_three(self.force, context, "F", f"{self.key}.force")
+        point = context.vector("point", self.point)
+        moment = tuple(point.cross(force)) if any(point) else None
+        return Contribution(moment=moment, force=tuple(context.in_space(force)), switches=switches)
+
+
+@dataclass(frozen=True)
+class BodyMoment(Effect):
+    """A moment fixed to the body: a pair of jets, a motor.
+
+    Equation
+    --------
+    L' + Omega x L = M, body axes                                  [FizievKleinert1994], (1)
+
+    Parameters
+    ----------
+    moment
+        three components in body axes, N m: numbers, or expressions of time and state.
+    start, end
+        it is on between these times, s; None: from the beginning, to the end.
+
+    Raises
+    ------
+    SceneError
+        the moment has not three components, a time is no number, the end is before the start.
+    ExpressionError
+        an expression cannot be read, or is code.
+
+    Examples
+    --------
+    >>> sorted(BodyMoment(("0.1*sin(t)", 0, "-Omega3")).needs())
+    ['omega', 'time']
+    """
+
+    key: ClassVar[str] = "body_moment"
+    title: ClassVar[str] = "moment fixed to the body"
+    several: ClassVar[bool] = True
+
+    moment: Sequence[Any] = field(metadata=unit("N m"))
+    start: Any = field(default=None, metadata=unit("s"))
+    end: Any = field(default=None, metadata=unit("s"))
+
+    def __post_init__(self) -> None:
+        """Check vector and times."""
+        check_vectors(self, "moment")
+        _check_times(self)
+
+    def adds(self, context: Context) -> Contribution:
+        """A moment and switches."""
+        factor, switches = between(context, "motor", self.start, self.end)
+        moment = factor * read_three(self.moment, context, "M", f"{self.key}.moment")
+        return Contribution(moment=tuple(moment), switches=switches)
+
+
+def _check_times(effect: Thrust | BodyMoment) -> None:
+    """Times are numbers or None, in order."""
+    for name in ("start", "end"):
+        if getattr(effect, name) is not None:
+            check_numbers(effect, name)
+    if effect.end is not None and effect.end <= (effect.start or 0):
+        raise SceneError(
+            f"{effect.key} is on from {effect.start or 0} to {effect.end} s: "
+            "it ends before it begins."
+        )

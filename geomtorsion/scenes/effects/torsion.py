@@ -1,0 +1,90 @@
+"""Torsion: what bends geodesics into autoparallels, and the naive law that leaves it out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import sympy as sp
+
+from geomtorsion.scenes.effects.intake import check_numbers
+from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
+
+if TYPE_CHECKING:
+    from geomtorsion.scenes.context import Context
+
+
+@dataclass(frozen=True)
+class Torsion(Effect):
+    """The torsion force of R^3 x SO(3): a free body then moves on an autoparallel.
+
+    Without it a free body goes straight on (a geodesic); with it, Omega and the velocity in body
+    axes stay constant, and its centre draws a helix. Bodies of nature do not feel it.
+
+    Equation
+    --------
+    f^c = 2 S_a^c_b q'^a q'^b                              [FizievKleinert1994], below (6)
+    with the kinetic metric: M = Omega x I Omega, F = m R (Omega x R^T v)
+
+    Parameters
+    ----------
+    strength
+        1 gives the autoparallels, 0 the geodesics; what lies between, a blend.
+
+    Raises
+    ------
+    SceneError
+        the strength is no number.
+
+    Examples
+    --------
+    >>> sorted(Torsion().needs())
+    ['attitude', 'omega', 'velocity']
+    """
+
+    key: ClassVar[str] = "torsion"
+    title: ClassVar[str] = "torsion force (autoparallels instead of geodesics)"
+    excludes: ClassVar[frozenset[str]] = frozenset({"naive", "rolling", "knife_edge", "pivot"})
+
+    strength: Any = field(default=1, metadata=unit(""))
+
+    def __post_init__(self) -> None:
+        """Check the number."""
+        check_numbers(self, "strength")
+
+    def adds(self, context: Context) -> Contribution:
+        """Force and moment; neither does work, being across velocity and rotation."""
+        size = context.parameter("torsion", self.strength)
+        omega = sp.Matrix(context.Omega)
+        moment = size * omega.cross(context.inertia * omega)
+        force = size * context.mass * context.in_space(omega).cross(sp.Matrix(context.velocity))
+        return Contribution(moment=tuple(moment), force=tuple(force), power=sp.S.Zero)
+
+
+@dataclass(frozen=True)
+class Naive(Effect):
+    """The naive law, I Omega' = M: the wrong answer that the paper warns of.
+
+    It is what comes out when variations are closed in the image Phi, which is no coordinate. The
+    angular momentum in space is no longer conserved; the energy is, for what is left out does
+    no work.
+
+    Equation
+    --------
+    I_i Omega_i' = M_i instead of L' + Omega x L = M       [FizievKleinert1994], section 3
+
+    Examples
+    --------
+    >>> sorted(Naive().needs())
+    ['omega']
+    """
+
+    key: ClassVar[str] = "naive"
+    title: ClassVar[str] = "naive law without Omega x L (wrong on purpose)"
+    excludes: ClassVar[frozenset[str]] = frozenset({"torsion", "rolling", "knife_edge"})
+
+    def adds(self, context: Context) -> Contribution:
+        """The moment that takes Omega x L away again."""
+        omega = sp.Matrix(context.Omega)
+        moment = omega.cross(context.inertia * omega)
+        return Contribution(moment=tuple(moment), power=sp.S.Zero)
