@@ -44,13 +44,17 @@ _LATER = {
         "parallel_screws",
     ),
     "accuracy": ("CostRow", "CostTable", "accuracy_cost"),
+    "scenes": (
+        "Body", "Scene", "SceneCost", "ScenePlan", "SceneResult", "State", "effects",
+    ),
 }  # fmt: skip
 # Packages that are asked for by name, as spaces is.
-_PACKAGES = ("exercises",)
+_PACKAGES = ("exercises", "scenes")
 _HOME = {name: package for package, names in _LATER.items() for name in names}
 
 __all__ = [
     "Atlas",
+    "Body",
     "Bundle",
     "BurgersMap",
     "BurgersVector",
@@ -69,6 +73,9 @@ __all__ = [
     "Engine",
     "EquationsOfMotion",
     "ExactBurgersVector",
+    "Flow",
+    "FlowBundle",
+    "FlowSolution",
     "Frame",
     "FreeTop",
     "GeomtorsionError",
@@ -82,7 +89,12 @@ __all__ = [
     "Reaction",
     "RungeKutta",
     "SampledFrame",
+    "Scene",
+    "SceneCost",
+    "ScenePlan",
+    "SceneResult",
     "Solution",
+    "State",
     "Stiff",
     "Taylor",
     "Tensor",
@@ -103,6 +115,7 @@ __all__ = [
     "develop_round",
     "dispiration",
     "distance_apart",
+    "effects",
     "enclosed_defects",
     "equations_of_motion",
     "errors",
@@ -110,6 +123,7 @@ __all__ = [
     "exercises",
     "exponential_map",
     "find_defects",
+    "flow",
     "free_top",
     "from_coefficients",
     "from_contortion",
@@ -125,6 +139,7 @@ __all__ = [
     "parallel_screws",
     "parallel_transport",
     "parse_expression",
+    "scenes",
     "solve",
     "solve_many",
     "spaces",

@@ -1,6 +1,6 @@
 """Motion: curves and their solutions."""
 
-from geomtorsion.motion.batch import Bundle, solve_many
+from geomtorsion.motion.batch import Bundle
 from geomtorsion.motion.charts import Atlas, Change, Chart
 from geomtorsion.motion.curves import (
     autoparallel,
@@ -8,10 +8,10 @@ from geomtorsion.motion.curves import (
     geodesic_deviation,
     parallel_transport,
 )
-from geomtorsion.motion.dispatch import solve
+from geomtorsion.motion.dispatch import solve, solve_many
 from geomtorsion.motion.engines import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.motion.exponential import exponential_map, holonomy
-from geomtorsion.motion.flows import Flow, FlowMoment, FlowSolution, flow
+from geomtorsion.motion.flows import Flow, FlowBundle, FlowMoment, FlowSolution, flow
 from geomtorsion.motion.free_tops import FreeTop, free_top
 from geomtorsion.motion.problem import Problem
 from geomtorsion.motion.recorded import Recorded
@@ -27,6 +27,7 @@ __all__ = [
     "Cost",
     "Engine",
     "Flow",
+    "FlowBundle",
     "FlowMoment",
     "FlowSolution",
     "FreeTop",

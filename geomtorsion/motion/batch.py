@@ -168,7 +168,7 @@ def solve_many(
     times, grid = checked_times(t)
     if np.ndim(t) == 0 and len(grid) > 1:
         times, grid = times[-1:], np.array([0.0, float(times[-1])])
-    solver, why = _engine(engine)
+    solver, why = batch_engine(engine)
     place, speed = start_lists(problem, starts, velocities, frame_velocities)
     lanes = Lanes.laid_out(problem, place, speed)
     number = len(lanes.velocities)
@@ -200,7 +200,7 @@ def solve_many(
     )
 
 
-def _engine(engine: Engine | None) -> tuple[Engine, str]:
+def batch_engine(engine: Engine | None) -> tuple[Engine, str]:
     """The engine asked for, or the fastest at hand."""
     if engine is not None:
         if engine.precision != 53 or isinstance(engine, Taylor | RungeKutta) is False:

@@ -6,9 +6,11 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, overload
 
 from geomtorsion.errors import StartError
-from geomtorsion.motion import solving
+from geomtorsion.motion import batch, solving
+from geomtorsion.motion.batch import CHECKED, Bundle
 from geomtorsion.motion.engines import Engine
 from geomtorsion.motion.flows.flow import Flow
+from geomtorsion.motion.flows.many import FlowBundle, solve_many_flows
 from geomtorsion.motion.flows.solution import FlowSolution
 from geomtorsion.motion.flows.solving import solve_flow
 from geomtorsion.motion.problem import Problem
@@ -94,3 +96,96 @@ def solve(
     if checkpoint is not None or progress is not None:
         raise StartError("checkpoint and progress are for flows; leave them out for this problem.")
     return solving.solve(problem, t, accuracy, engine)
+
+
+@overload
+def solve_many(
+    problem: Problem,
+    starts: Any = None,
+    t: Any = None,
+    accuracy: float = 1e-10,
+    engine: Engine | None = None,
+    *,
+    velocities: Any = None,
+    frame_velocities: Any = None,
+    check: int | None = CHECKED,
+    progress: bool | None = None,
+) -> Bundle: ...
+@overload
+def solve_many(
+    problem: Flow,
+    starts: Any = None,
+    t: Any = None,
+    accuracy: float = 1e-10,
+    engine: Engine | None = None,
+    *,
+    check: int | None = CHECKED,
+    progress: bool | None = None,
+) -> FlowBundle: ...
+def solve_many(
+    problem: Problem | Flow,
+    starts: Any = None,
+    t: Any = None,
+    accuracy: float = 1e-10,
+    engine: Engine | None = None,
+    *,
+    velocities: Any = None,
+    frame_velocities: Any = None,
+    check: int | None = CHECKED,
+    progress: bool | None = None,
+) -> Bundle | FlowBundle:
+    """Solve one problem, or one flow, from many starts at once.
+
+    Parameters
+    ----------
+    problem
+        gives the law and whatever the lists below leave out.
+    starts
+        q^mu, shape (number, n); for flows all states, shape (number, size), or a mapping from
+        states and parameters to lists of numbers.
+    t
+        last time (only the end is kept), or times.
+    accuracy
+        as in `solve`, for every motion that is checked.
+    engine
+        Taylor() or RungeKutta(); None chooses.
+    velocities, frame_velocities
+        (not for flows) q'^mu or u^i, shape (number, n); None: all with that of the problem.
+    check
+        how many motions, evenly spread, are solved twice for the error; None: all.
+    progress
+        show a bar; None: on a terminal, for long work.
+
+    Ctrl-C returns what is finished.
+
+    Raises
+    ------
+    StartError, ShapeError, UnknownNameError
+        lists of different length or shape, numbers that are not finite, or unknown names.
+    AccuracyError
+        the accuracy is not reached by the motions that are checked.
+
+    Examples
+    --------
+    >>> from geomtorsion.motion import flow, solve_many
+    >>> swing = flow({"x": "v", "v": "-k*x"}, [1, 0], parameters={"k": 1})
+    >>> solve_many(swing, {"k": [1.0, 4.0]}, 1.0)["x"][:, -1].round(6).tolist()
+    [0.540302, -0.416147]
+    """
+    if isinstance(problem, Flow):
+        if velocities is not None or frame_velocities is not None:
+            raise StartError("velocities: a flow has states only; give all of them in starts.")
+        return solve_many_flows(
+            problem, starts, t, accuracy, engine, check=check, progress=progress
+        )
+    return batch.solve_many(
+        problem,
+        starts,
+        t,
+        accuracy,
+        engine,
+        velocities=velocities,
+        frame_velocities=frame_velocities,
+        check=check,
+        progress=progress,
+    )

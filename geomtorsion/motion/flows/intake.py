@@ -134,10 +134,12 @@ def _read_terms(
     for key, value in terms.items():
         where = f"{what} {key}"
         if isinstance(value, list | tuple):
-            parts = [expression(x, f"{where}[{k}]", symbols) for k, x in enumerate(value)]
+            parts = [
+                expression(x, f"{where}[{k}]", symbols, smooth=False) for k, x in enumerate(value)
+            ]
             found[key] = tuple(parts)
         else:
-            found[key] = expression(value, where, symbols)
+            found[key] = expression(value, where, symbols, smooth=False)
     return found
 
 

@@ -10,9 +10,12 @@ from typing import TYPE_CHECKING, Any
 from geomtorsion.errors import MissingExtraError, TimeError, UnknownNameError
 from geomtorsion.exact.names import near_names
 from geomtorsion.motion.flows import reading
+from geomtorsion.motion.flows.travel import Recipe
 from geomtorsion.motion.solution import Cost
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     import numpy as np
 
     from geomtorsion.motion.flows.flow import Flow
@@ -58,8 +61,8 @@ class FlowSolution:
         size.
     engine, why: what solved it, and why that was chosen.
     cost: steps, evaluations, seconds.
-    outcome: "done"; "stopped" at the condition of the flow; "stuck" where it could not go on;
-        "interrupted" by Ctrl-C.
+    outcome: "done"; "stopped" at the condition of the flow; "stuck" where it could not go on.
+    recipe: how to make it again; trips: the integration, and the one it was held against.
 
     Examples
     --------
@@ -80,8 +83,14 @@ class FlowSolution:
     cost: Cost
     outcome: str
     reason: str
-    trip: Trip
-    witness: Trip | None = None
+    recipe: Recipe
+    trips: tuple[Trip, ...] = ()
+    _loaded: Mapping[str, Any] | None = None
+
+    @cached_property
+    def trip(self) -> Trip:
+        """The integration, made again where it was loaded from a file."""
+        return self.trips[0] if self.trips else self.recipe.trip(self.flow)
 
     @property
     def complete(self) -> bool:
@@ -101,6 +110,8 @@ class FlowSolution:
 
     @cached_property
     def _read(self) -> Mapping[str, Any]:
+        if self._loaded is not None:
+            return self._loaded
         return reading.outputs(self.flow, self.times, self.states)
 
     # -- between the times -----------------------------------------------------------------------
@@ -135,6 +146,34 @@ class FlowSolution:
         }
         states = states.reshape((*asked.shape, states.shape[-1]))
         return FlowMoment(time, self.flow.states, states, shaped)
+
+    def zeros(self, term: Any, direction: int = 0) -> np.ndarray:
+        """All times at which a term crosses zero, in order.
+
+        Crossings by a jump at a switch do not count, nor a zero at the very beginning or end.
+
+        Parameters
+        ----------
+        term
+            the name of an output, or an expression over states, parameters and the time.
+        direction
+            1: only upwards; -1: only downwards; 0: both.
+
+        Raises
+        ------
+        ExpressionError, UnknownNameError
+            the term cannot be read, is no single number, or has no finite value somewhere.
+
+        Examples
+        --------
+        >>> from geomtorsion.motion import flow, solve
+        >>> swing = solve(flow({"x": "v", "v": "-x"}, [1, 0]), 10.0)
+        >>> swing.zeros("x").round(6).tolist()
+        [1.570796, 4.712389, 7.853982]
+        """
+        from geomtorsion.motion.flows.zeros import zeros
+
+        return zeros(self, term, direction)
 
     # -- how good it is --------------------------------------------------------------------------
 
@@ -179,6 +218,40 @@ class FlowSolution:
                 "to_pandas needs pandas, which is not installed. Run `pip install pandas`."
             ) from None
         return pandas.DataFrame(reading.columns(self))
+
+    def save(self, path: str | Path) -> None:
+        """Write an NPZ file with arrays (as doubles) and metadata; `load` reads it."""
+        from geomtorsion.motion.flows.files import save
+
+        save(self, path)
+
+    @classmethod
+    def load(cls, path: str | Path) -> FlowSolution:
+        """Read what `save` wrote; nothing in the file is run.
+
+        What lies between the times is integrated again when it is asked for.
+
+        Raises
+        ------
+        FileFormatError
+            the file is missing, or was not written by `save`.
+
+        Examples
+        --------
+        >>> import tempfile, pathlib
+        >>> from geomtorsion.motion import FlowSolution, flow, solve
+        >>> path = pathlib.Path(tempfile.mkdtemp()) / "decay.npz"
+        >>> solve(flow({"x": "-x"}, [1]), 1.0).save(path)
+        >>> round(float(FlowSolution.load(path).at(0.5)["x"]), 9)
+        0.60653066
+        """
+        from geomtorsion.motion.flows.files import engine_of, load
+
+        found = load(path)
+        made, grid = found.pop("made"), found.pop("grid")
+        tolerance = float.fromhex(made["tolerance"])
+        recipe = Recipe(engine_of(made["engine"]), tolerance, grid, int(made["cuts"]))
+        return cls(recipe=recipe, _loaded=found.pop("outputs"), **found)
 
 
 def unknown(name: str, known: Any) -> str:

@@ -13,7 +13,7 @@ from geomtorsion.motion.engines.rungekutta import Stiff
 from geomtorsion.motion.flows.checkpoint import LEGS, Checkpoint, Keeper, fingerprint, steady
 from geomtorsion.motion.flows.flow import Flow
 from geomtorsion.motion.flows.solution import FlowSolution
-from geomtorsion.motion.flows.travel import Leg, Trip, legs_of, travel, unit_rows
+from geomtorsion.motion.flows.travel import Leg, Recipe, Trip, cut_legs, travel, unit_rows
 from geomtorsion.motion.solution import Cost
 from geomtorsion.motion.solving import (
     CAUTION,
@@ -46,10 +46,10 @@ def solve_flow(
     times, grid = checked_times(t)
     end = float(grid[-1])
     if checkpoint is None and progress is None:
-        legs = legs_of(flow, end)
+        legs = cut_legs(flow, end, 1)
         learned = flow.system.__dict__.setdefault("_learned", {})
         return _solved(flow, times, grid, legs, accuracy, engine, learned, None)
-    legs = legs_of(flow, end, [end * k / LEGS for k in range(1, LEGS)] if end else [])
+    legs = cut_legs(flow, end, LEGS)
     kept = None
     if checkpoint is not None:
         kept = Checkpoint(
@@ -98,7 +98,9 @@ def _solved(
         answer, witness, error = _refined(go, candidate, accuracy, spent, learned)
         best = min(best, error)
         if error <= accuracy or answer.outcome == "stuck":
-            solution = _solution(flow, times, accuracy, error, why, answer, witness, spent)
+            recipe = Recipe(candidate, answer.tolerance, grid, 1 if keeper is None else LEGS)
+            pair = answer, witness
+            solution = _solution(flow, times, accuracy, error, why, pair, spent, recipe)
             if not solution.complete:
                 raise StuckError(_stuck(solution), solution)
             return solution
@@ -197,12 +199,14 @@ def _solution(
     accuracy: float,
     error: float,
     why: str,
-    answer: Trip,
-    witness: Trip,
+    pair: tuple[Trip, Trip],
     spent: list[Trip],
+    recipe: Recipe,
 ) -> FlowSolution:
     """The answer with what is known about it."""
     import numpy as np
+
+    answer, witness = pair
 
     rows = np.asarray(answer.states)
     if accuracy >= 2.0**-53:
@@ -233,8 +237,8 @@ def _solution(
         cost,
         answer.outcome,
         answer.reason,
-        answer,
-        witness,
+        recipe,
+        (answer, witness),
     )
 
 

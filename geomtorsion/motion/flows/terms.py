@@ -17,6 +17,9 @@ from geomtorsion.exact.names import near_names
 
 # Rationals p/q with smaller p and q are compiled in; all other numbers are given at run time.
 SMALL = 64
+# What may stand in outputs, but not in rates.
+_KINKED = {name: getattr(sp, name) for name in ("Abs", "sign", "Max", "Min", "floor", "ceiling")}
+_KINKED["abs"] = sp.Abs
 _DECIMAL = re.compile(r"(?<![\w.])(\d+\.\d*|\.\d+|\d+(?=[eE][+-]?\d))(?:[eE]([+-]?\d+))?(?![\w.])")
 
 
@@ -38,8 +41,12 @@ def symbol_table(names: Iterable[str]) -> dict[str, sp.Symbol]:
     return table
 
 
-def expression(entry: Any, where: str, symbols: Mapping[str, sp.Symbol]) -> sp.Expr:
+def expression(
+    entry: Any, where: str, symbols: Mapping[str, sp.Symbol], *, smooth: bool = True
+) -> sp.Expr:
     """Text, a sympy expression, an exact element or a number, over the known symbols.
+
+    smooth: whether Abs, sign, Max, Min, floor and ceiling are refused in text.
 
     Raises
     ------
@@ -47,7 +54,8 @@ def expression(entry: Any, where: str, symbols: Mapping[str, sp.Symbol]) -> sp.E
         it is none of these, not finite, or contains a name that is not known.
     """
     if isinstance(entry, str):
-        return parse_expression(_DECIMAL.sub(_as_fraction, entry), symbols, where=where)
+        text = _DECIMAL.sub(_as_fraction, entry)
+        return parse_expression(text, symbols, {} if smooth else _KINKED, where=where)
     if isinstance(entry, Element):
         entry = entry.sympy
     if isinstance(entry, sp.Expr):

@@ -97,6 +97,39 @@ class Trip:
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
+@dataclass(frozen=True, eq=False)
+class Recipe:
+    """What is needed to make a trip again.
+
+    grid: times from 0 on; cuts: whether it was cut into legs for a checkpoint.
+    """
+
+    engine: Engine
+    tolerance: float
+    grid: Any
+    cuts: int
+
+    def trip(self, flow: Flow) -> Trip:
+        """The same trip once more."""
+        legs = cut_legs(flow, float(self.grid[-1]), self.cuts)
+        return travel(flow, self.engine, self.tolerance, self.grid, legs)
+
+    def described(self) -> dict[str, Any]:
+        """Everything but the grid, as text and numbers."""
+        from geomtorsion.motion.flows.files import engine_text
+
+        return {
+            "engine": engine_text(self.engine),
+            "tolerance": self.tolerance.hex(),
+            "cuts": self.cuts,
+        }
+
+
+def cut_legs(flow: Flow, end: float, cuts: int) -> tuple[Leg, ...]:
+    """The flow from 0 to a last time, cut into so many legs of equal length, and at switches."""
+    return legs_of(flow, end, [end * k / cuts for k in range(1, cuts)] if end else [])
+
+
 def legs_of(flow: Flow, end: float, breaks: Sequence[float] = ()) -> tuple[Leg, ...]:
     """The flow from 0 to a last time, cut at switches and at other breaks."""
     sign = -1.0 if end < 0 else 1.0
