@@ -162,12 +162,12 @@ def invariants(plan: ScenePlan, chosen: Mapping[Any, Any]) -> dict[str, Any]:
     for name, parts in wanted.items():
         if name == "energy_balance" and "energy" in found:
             continue
-        free = set().union(*(part.free_symbols for part in parts)) - set(numbers)
+        free = {symbol for part in parts for symbol in part.free_symbols} - set(numbers)
         if not free or not free <= here or {s.name for s in free} & switched:
             continue
         if all(_is_constant(made.derivative(part), numbers) for part in parts):
             given = tuple(part.xreplace(chosen) for part in parts)
-            found[name] = given if len(given) > 1 else given[0]
+            found[name] = list(given) if len(given) > 1 else given[0]
     return found
 
 

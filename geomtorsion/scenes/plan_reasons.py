@@ -11,7 +11,7 @@ from geomtorsion.scenes.plan import PlanRow
 if TYPE_CHECKING:
     from geomtorsion.scenes.plan import ScenePlan
 
-_GROUP_NAMES = {
+_GROUP_NAMES: dict[str, str] = {
     **dict.fromkeys((s.name for s in OMEGA), "rotation"),
     **dict.fromkeys((s.name for s in QUATERNION), "attitude"),
     **dict.fromkeys((s.name for s in VERTICAL), "vertical"),

@@ -1,0 +1,245 @@
+"""SceneResult: what was watched, at the times asked for, with its error and its cost."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import FileFormatError, MissingExtraError, SceneError, UnknownNameError
+from geomtorsion.exact.names import near_names
+from geomtorsion.motion.solution import Cost
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from geomtorsion.motion import FlowSolution
+    from geomtorsion.scenes.plan import ScenePlan
+    from geomtorsion.scenes.running import ClosedForm
+    from geomtorsion.scenes.scene import Scene
+
+# Marks NPZ files of this kind.
+FORMAT = "geomtorsion scene result 1"
+
+
+@dataclass(frozen=True, eq=False)
+class SceneResult:
+    """A scene that was solved.
+
+    scene: what was solved; None if it was loaded from a file.
+    times: shape (m,), s.
+    values: watched quantity -> array, shape (m,) or (m, components), or (m, 3, 3).
+    labels, units: of each watched quantity.
+    accuracy: what was asked for.
+    error: estimate of the largest error of the states at `times`, relative to their size.
+    drift: invariant -> largest relative change.
+    cost: steps, evaluations, seconds.
+    engine, why: what solved it, and why that was chosen.
+    outcome: "done", "stopped" (by a condition of the scene), "stuck" or "interrupted".
+    closed_form: name of the closed form that was used, or None.
+    plan: what was in and what was left out.
+    solved: the solution of the flow; None where the closed form was used.
+
+    Examples
+    --------
+    >>> from geomtorsion.scenes import Body, Scene, State
+    >>> scene = Scene(Body(moments=(1, 2, 3)), start=State(omega=(0.01, 1, 0)), t=9)
+    >>> result = scene.run()
+    >>> result["omega"].shape, result.closed_form
+    ((201, 3), 'free top (Jacobi elliptic functions)')
+    """
+
+    scene: Scene | None
+    times: np.ndarray
+    values: Mapping[str, Any]
+    labels: Mapping[str, tuple[str, ...]]
+    units: Mapping[str, str]
+    accuracy: float
+    error: float
+    drift: Mapping[str, float]
+    cost: Cost
+    engine: str
+    why: str
+    outcome: str
+    closed_form: str | None
+    plan: ScenePlan | str
+    solved: FlowSolution | None = None
+    form: ClosedForm | None = None
+
+    @property
+    def complete(self) -> bool:
+        """Whether the scene was followed to its end: the last time, or where it stops."""
+        return self.outcome in ("done", "stopped")
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """A watched quantity at the times, shape (m,) or (m, components)."""
+        if name in self.values:
+            return self.values[name]
+        near = near_names(name, self.values)
+        hint = f"Did you mean {near}? " if near else ""
+        raise UnknownNameError(
+            f"{name!r} was not watched. {hint}There are {', '.join(self.values)}; "
+            f"add {name!r} to watch and run again."
+        )
+
+    def at(self, time: Any) -> Mapping[str, Any]:
+        """Watched quantities at any times up to the last, by name.
+
+        Between the times of the result they are interpolated by the engine, or exact where there
+        is a closed form. Angles that go on beyond pi start anew in each call.
+
+        Raises
+        ------
+        SceneError
+            the result was loaded from a file.
+        TimeError
+            a time lies outside of what was solved.
+        """
+        import numpy as np
+
+        from geomtorsion.scenes.running import read
+
+        if self.scene is None:
+            raise SceneError("a result from a file has no values between its times; run the scene.")
+        asked = np.asarray(time, dtype=float)
+        flat = np.atleast_1d(asked)
+        if self.form is not None:
+            states = self.form.states(flat)
+        else:
+            states = np.asarray(self.solution.at(flat).states, dtype=float)
+        found = read(self.scene, flat, states)
+        return {k: v.reshape((*asked.shape, *v.shape[1:])) for k, v in found.items()}
+
+    @cached_property
+    def solution(self) -> FlowSolution:
+        """The solved flow: single states, dense output, zeros; integrated now if it was not.
+
+        Raises
+        ------
+        SceneError
+            the result was loaded from a file.
+        """
+        if self.solved is not None:
+            return self.solved
+        if self.scene is None:
+            raise SceneError("a result from a file has no solution; run the scene.")
+        from geomtorsion.motion import solve
+
+        return solve(self.scene.flow, self.times, self.accuracy)
+
+    # -- showing ---------------------------------------------------------------------------------
+
+    def __str__(self) -> str:
+        how = self.closed_form or f"{self.engine} ({self.why})"
+        ended = "" if self.outcome == "done" else f", {self.outcome}"
+        title = getattr(self.plan, "title", "") or "scene"
+        lines = [
+            f"{title}: {', '.join(self.values)}",
+            f"to t = {float(self.times[-1]):.6g} s{ended}, {len(self.times)} times, by {how}",
+            f"error below {self.error:.2g} (asked: {self.accuracy:.2g}); {self.cost}",
+        ]
+        drifts = ", ".join(f"{name} {value:.1e}" for name, value in self.drift.items())
+        return "\n".join([*lines, f"drift: {drifts}"] if drifts else lines)
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    def columns(self) -> dict[str, Any]:
+        """Column name -> array of shape (m,): the time, then each component."""
+        table: dict[str, Any] = {"t": self.times}
+        for name, value in self.values.items():
+            labels = self.labels[name]
+            flat = value.reshape(len(self.times), -1)
+            if not labels:
+                table[name] = flat[:, 0]
+            else:
+                table |= {f"{name}_{label}": flat[:, k] for k, label in enumerate(labels)}
+        return table
+
+    def plot(self, path: str | Path | None = None) -> Any:
+        """Pictures of what was watched, over time; written to `path` if given.
+
+        Raises
+        ------
+        MissingExtraError
+            matplotlib is not installed.
+        """
+        from geomtorsion.scenes.plotting import plot
+
+        return plot(self, path)
+
+    # -- taking it elsewhere ---------------------------------------------------------------------
+
+    def to_pandas(self) -> Any:
+        """A pandas table: times, then each component of what was watched.
+
+        Raises
+        ------
+        MissingExtraError
+            pandas is not installed.
+        """
+        from importlib import import_module
+
+        try:
+            pandas = import_module("pandas")
+        except ImportError:
+            raise MissingExtraError(
+                "to_pandas needs pandas, which is not installed. Run `pip install pandas`."
+            ) from None
+        return pandas.DataFrame(self.columns())
+
+    def save(self, path: str | Path) -> None:
+        """Write an NPZ file with arrays and metadata; `SceneResult.load` reads it."""
+        import numpy as np
+
+        about = {
+            "format": FORMAT,
+            "labels": {k: list(v) for k, v in self.labels.items()},
+            "units": dict(self.units),
+            "accuracy": self.accuracy,
+            "error": self.error,
+            "drift": dict(self.drift),
+            "cost": vars(self.cost),
+            "engine": self.engine,
+            "why": self.why,
+            "outcome": self.outcome,
+            "closed_form": self.closed_form,
+            "plan": str(self.plan),
+            "watch": list(self.values),
+        }
+        arrays = {f"value {name}": value for name, value in self.values.items()}
+        with Path(path).open("wb") as file:
+            np.savez_compressed(file, times=self.times, about=json.dumps(about), **arrays)
+
+    @classmethod
+    def load(cls, path: str | Path) -> SceneResult:
+        """A result from an NPZ file that `save` wrote; its scene and solution are not in it.
+
+        Raises
+        ------
+        FileFormatError
+            the file cannot be read, or is something else.
+        """
+        import zipfile
+
+        import numpy as np
+
+        try:
+            with np.load(path, allow_pickle=False) as data:
+                about = json.loads(str(data["about"]))
+                if about.get("format") != FORMAT:
+                    raise KeyError("format")
+                values = {name: data[f"value {name}"] for name in about.pop("watch")}
+                times = data["times"]
+        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as problem:
+            raise FileFormatError(
+                f"{path}: this is no saved result of a scene ({problem}). "
+                "Write one with SceneResult.save."
+            ) from None
+        del about["format"]
+        about["labels"] = {k: tuple(v) for k, v in about["labels"].items()}
+        about["cost"] = Cost(**about["cost"])
+        return cls(None, times, values, **about)
