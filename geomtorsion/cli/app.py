@@ -13,6 +13,7 @@ from geomtorsion.cli.check import check
 from geomtorsion.cli.curve import curve
 from geomtorsion.cli.geometry import geometry
 from geomtorsion.cli.guard import guarded
+from geomtorsion.cli.lab import lab
 from geomtorsion.cli.paper import paper
 from geomtorsion.cli.plan import plan
 from geomtorsion.cli.report import report
@@ -64,3 +65,4 @@ def geomtorsion(
 for _command in (spaces, geometry, check, plan, report, curve, accuracy, burgers):
     app.command()(guarded(_command))
 app.command(short_help="Recompute the equations of the paper.")(guarded(paper))
+app.command(short_help="A page to play with, for the classroom.")(guarded(lab))

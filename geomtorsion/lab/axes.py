@@ -1,0 +1,195 @@
+"""axes: where things lie in a plot, its ticks, and the finished picture."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.lab.svg import INK, PALE, SOFT, Point, head, marker, polyline, words
+from geomtorsion.pictures.ink import number
+
+if TYPE_CHECKING:
+    from geomtorsion.lab.svg import Look, Plot
+
+_LEFT, _RIGHT, _TOP, _BOTTOM = 66.0, 16.0, 34.0, 46.0
+_LEGEND_ROW = 22.0
+# About how many ticks an axis has.
+_TICKS = 5
+# A logarithmic axis over fewer decades is marked between the powers of ten too.
+_SHORT = 2.2
+
+
+@dataclass(frozen=True)
+class Axes:
+    """A plot with the range of its axes.
+
+    low, high: corners of what is seen, in scaled units; foot: height left for the legend.
+    """
+
+    plot: Plot
+    low: Point
+    high: Point
+    foot: float
+
+    @classmethod
+    def of(cls, plot: Plot) -> Axes:
+        """Axes round everything that is drawn, with a margin."""
+        spans = []
+        for k in (0, 1):
+            values = [point[k] for point in plot.points if math.isfinite(point[k])] or [0.0, 1.0]
+            low, high = min(values), max(values)
+            centre, half = (low + high) / 2, (high - low) / 2
+            half = half or abs(centre) * 0.1 or 1.0
+            spans.append((centre, half * 1.08))
+        foot = _LEGEND_ROW * len(_legend(plot))
+        if plot.equal:
+            room = (plot.width - _LEFT - _RIGHT, plot.height - _TOP - _BOTTOM - foot)
+            unit = max(2 * span[1] / size for span, size in zip(spans, room, strict=True))
+            spans = [(s[0], unit * size / 2) for s, size in zip(spans, room, strict=True)]
+        return cls(
+            plot,
+            (spans[0][0] - spans[0][1], spans[1][0] - spans[1][1]),
+            (spans[0][0] + spans[0][1], spans[1][0] + spans[1][1]),
+            foot,
+        )
+
+    def place(self, point: Point) -> Point:
+        """Where a point lies in the picture."""
+        return self._at(self.plot._scaled(point))
+
+    def _at(self, point: Point) -> Point:
+        wide = self.plot.width - _LEFT - _RIGHT
+        tall = self.plot.height - _TOP - _BOTTOM - self.foot
+        x = (point[0] - self.low[0]) / (self.high[0] - self.low[0])
+        y = (point[1] - self.low[1]) / (self.high[1] - self.low[1])
+        return _LEFT + wide * (1 - x if self.plot.falling else x), _TOP + tall * (1 - y)
+
+    def svg(self) -> str:
+        """The whole picture."""
+        plot = self.plot
+        drawn = "".join(self._part(kind, what) for kind, what in plot.parts)
+        return (
+            f'<svg class="plot" viewBox="0 0 {plot.width:g} {plot.height:g}" role="img" '
+            f'aria-label="{escape(plot.title)}" xmlns="http://www.w3.org/2000/svg" '
+            'font-family="system-ui, sans-serif">'
+            f'<rect width="{plot.width:g}" height="{plot.height:g}" fill="#fff"/>'
+            f"{words(plot.width / 2, 20, plot.title, 'middle', 15, INK, 600)}"
+            f"{self._grid()}{drawn}{self._key()}</svg>"
+        )
+
+    def _part(self, kind: str, what: Any) -> str:
+        if kind == "line":
+            points, look, _ = what
+            return polyline([self.place(point) for point in points], look)
+        if kind == "mark":
+            point, look, mark, text = what
+            x, y = self.place(point)
+            # Near the right edge the text stands on the other side.
+            side, anchor = (-9, "end") if x > 0.85 * self.plot.width else (9, "start")
+            beside = words(x + side, y - 7, text, anchor, 13, look.color) if text else ""
+            return marker((x, y), mark, look.color) + beside
+        if kind == "arrow":
+            return self._arrow(*what)
+        if kind == "sense":
+            start, end, look = what
+            return head(self.place(start), self.place(end), look.color, 13)
+        height, look, _ = what
+        level = self.place((self._first(), height))[1]
+        return polyline([(_LEFT, level), (self.plot.width - _RIGHT, level)], look)
+
+    def _first(self) -> float:
+        return 10 ** self.low[0] if "x" in self.plot.log else self.low[0]
+
+    def _arrow(self, start: Point, end: Point, look: Look, text: str) -> str:
+        one, two = self.place(start), self.place(end)
+        if math.dist(one, two) < 2:
+            return ""
+        size = min(12.0, 0.6 * math.dist(one, two))
+        middle = ((one[0] + two[0]) / 2, (one[1] + two[1]) / 2)
+        beside = words(middle[0] + 10, middle[1] - 6, text, "start", 14, look.color, 600)
+        return polyline([one, two], look) + head(one, two, look.color, size) + beside
+
+    def _grid(self) -> str:
+        """Lines, numbers and names of the axes."""
+        plot = self.plot
+        parts = []
+        bottom = plot.height - _BOTTOM - self.foot
+        for value, text in self._ticks(0):
+            x, _ = self._at((value, self.low[1]))
+            parts.append(_rule((x, _TOP), (x, bottom)))
+            parts.append(words(x, bottom + 17, text, "middle", 12, SOFT))
+        for value, text in self._ticks(1):
+            _, y = self._at((self.low[0], value))
+            parts.append(_rule((_LEFT, y), (plot.width - _RIGHT, y)))
+            parts.append(words(_LEFT - 6, y + 4, text, "end", 12, SOFT))
+        middle = (_LEFT + plot.width - _RIGHT) / 2
+        parts.append(words(middle, bottom + 37, plot.labels[0], "middle", 14))
+        parts.append(words(6, _TOP - 8, plot.labels[1], "start", 14))
+        return "".join(parts)
+
+    def _ticks(self, k: int) -> list[tuple[float, str]]:
+        low, high = self.low[k], self.high[k]
+        if "xy"[k] in self.plot.log:
+            step = max(1, math.ceil((high - low) / 7))
+            first = math.ceil(low / step) * step
+            if high - low < _SHORT:
+                return _between_powers(low, high)
+            return [(e, _power(e)) for e in range(first, math.floor(high) + 1, step)]
+        return [(value, number(value)) for value in nice_ticks(low, high)]
+
+    def _key(self) -> str:
+        """The legend, below the plot."""
+        parts = []
+        top = self.plot.height - self.foot + 6
+        for row, (look, label) in enumerate(_legend(self.plot)):
+            y = top + _LEGEND_ROW * row
+            parts.append(polyline([(_LEFT, y), (_LEFT + 48, y)], look))
+            if look.mark:
+                parts.append(marker((_LEFT + 48, y), look.mark, look.color, 4.5))
+            parts.append(words(_LEFT + 60, y + 5, label, "start", 13))
+        return "".join(parts)
+
+
+def nice_ticks(low: float, high: float) -> list[float]:
+    """Round numbers between two, about five.
+
+    Examples
+    --------
+    >>> nice_ticks(0.0, 1.0)
+    [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]
+    """
+    rough = (high - low) / _TICKS
+    unit = 10.0 ** math.floor(math.log10(rough))
+    step = unit * min((m for m in (1, 2, 5, 10)), key=lambda m: abs(math.log(m * unit / rough)))
+    first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
+    digits = max(0, 2 - math.floor(math.log10(step)))
+    return [round(k * step, digits) + 0.0 for k in range(first, last + 1)]
+
+
+def _between_powers(low: float, high: float) -> list[tuple[float, str]]:
+    """One, two and five times each power of ten in a range, with the numbers themselves."""
+    powers = range(math.floor(low), math.ceil(high) + 1)
+    values = [(math.log10(m) + e, m * 10.0**e) for e in powers for m in (1, 2, 5)]
+    return [(place, number(value)) for place, value in values if low <= place <= high]
+
+
+def _power(exponent: int) -> str:
+    """A power of ten with raised digits."""
+    raised = str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return {0: "1", 1: "10"}.get(exponent, f"10{raised}")
+
+
+def _rule(start: Point, end: Point) -> str:
+    (a, b), (c, d) = start, end
+    return f'<path d="M{a:.1f} {b:.1f}L{c:.1f} {d:.1f}" stroke="{PALE}"/>'
+
+
+def _legend(plot: Plot) -> list[tuple[Look, str]]:
+    """Looks and labels, each label once."""
+    found: dict[str, Look] = {}
+    for kind, what in plot.parts:
+        if kind in ("line", "level") and what[2]:
+            found.setdefault(what[2], what[1])
+    return [(look, label) for label, look in found.items()]

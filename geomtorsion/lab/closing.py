@@ -1,0 +1,176 @@
+"""closing: a circle, its image in the frame that does not close, and by how much, twice."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.lab.facts import space_of
+from geomtorsion.lab.numbers import names_text, shown, table
+from geomtorsion.lab.svg import LOOKS, Look, Plot
+from geomtorsion.pictures.ink import number
+from geomtorsion.pictures.text import greek_name
+from geomtorsion.spaces.first_motions import first_motion
+
+if TYPE_CHECKING:
+    from geomtorsion.geometry import Frame
+    from geomtorsion.loops import BurgersVector
+
+ACCURACY = 1e-12
+PATH, IMAGE = LOOKS[0], LOOKS[2]
+GAP = Look("#C24E00", "", "triangle", 3.4)
+START = Look("#222222", "", "dot")
+
+
+def closing(
+    space: str, centre: Sequence[float], radius: float, plane: Sequence[int]
+) -> dict[str, Any]:
+    """A circle about a point of a shipped space and its Burgers vector, drawn and tabulated.
+
+    Parameters
+    ----------
+    centre, radius
+        In coordinates.
+    plane
+        Two coordinates, by number.
+
+    Returns
+    -------
+    pictures: two svg elements. table: HTML, one row a component. sentence: what is seen.
+    b, expected: b^i and 2 S_{mn}^i A at the centre, as numbers. error: bound on that of b.
+
+    Examples
+    --------
+    >>> found = closing("heisenberg", [0, 0, 0], 0.5, [0, 1])
+    >>> max(abs(x - y) for x, y in zip(found["b"], found["expected"])) < 1e-12
+    True
+    """
+    import numpy as np
+
+    from geomtorsion.loops import Loop, burgers_vector
+    from geomtorsion.loops.images import image
+
+    frame = space_of(space).frame
+    values = dict(first_motion(frame).parameters)
+    first, second = plane
+    loop = Loop.circle([float(x) for x in centre], float(radius), (first, second))
+    b = burgers_vector(frame, loop, ACCURACY, parameters=values)
+    expected = density(frame, b, first, second)
+    names = [greek_name(symbol.name) for symbol in frame.coordinates]
+    drawn = image(b, 160)
+    return {
+        "pictures": [_path(drawn, names, first, second), _image(drawn, b)],
+        "table": _table(b, expected),
+        "sentence": _sentence(b, expected, names, (first, second)),
+        "b": np.real(b.vector).tolist(),
+        "expected": expected,
+        "error": float(b.error),
+    }
+
+
+def density(frame: Frame, b: BurgersVector, first: int, second: int) -> list[float]:
+    """2 S_{mn}^i A at the centre of a loop: what a small one has, frame components.
+
+    Equation
+    --------
+    2 S_{mn}^i = d_m e^i_n - d_n e^i_m, A the oriented area of the loop in its plane.
+    """
+    import numpy as np
+
+    from geomtorsion.loops.forms import forms, parameter_values
+
+    compiled = forms(frame)
+    result = np.zeros(frame.dimension)
+    if compiled.curl is not None:
+        values = parameter_values(frame, compiled.parameters, b.parameters)
+        point = [np.array([float(x)]) for x in b.loop.centre]
+        curls = np.real(np.asarray(compiled.curl.function(*point, *values))[:, 0])
+        m, n = compiled.pairs[:, compiled.curl.columns]
+        sign = ((m == first) & (n == second)) * 1.0 - ((m == second) & (n == first)) * 1.0
+        np.add.at(result, compiled.curl.rows, sign * curls)
+    area = float(b.loop.area[first, second])
+    return [float(x) * area for x in result]
+
+
+def _path(drawn: Any, names: list[str], first: int, second: int) -> str:
+    """The loop in its plane, in coordinates."""
+    unit = f", in {drawn.unit}" if drawn.unit else ""
+    labels = [f"{names[k]} − centre{unit}" for k in (first, second)]
+    points = list(zip(drawn.path[first].tolist(), drawn.path[second].tolist(), strict=True))
+    plot = Plot("The loop, in coordinates: it closes", (labels[0], labels[1]), equal=True)
+    plot.line(points, PATH).sense(points, PATH)
+    plot.mark((0.0, 0.0), LOOKS[3], "cross", "centre")
+    return plot.mark(points[0], START, "dot", "start = end").svg()
+
+
+def _image(drawn: Any, b: BurgersVector) -> str:
+    """The image in the frame, seen from the side from which the gap is widest."""
+    import numpy as np
+
+    curve = np.real(drawn.image)
+    widths = np.ptp(curve, axis=1)
+    gap = np.abs(curve[:, -1] - curve[:, 0])
+    # The gap must be seen: its largest component, and the widest of the other directions.
+    main = int(gap.argmax()) if gap.max() > 1e-9 * widths.max() else int(widths.argmax())
+    others = [k for k in range(len(widths)) if k != main]
+    i, k = sorted((main, max(others, key=lambda j: widths[j])))
+    points = list(zip(curve[i].tolist(), curve[k].tolist(), strict=True))
+    grown = "" if drawn.magnified == 1 else f", gap × {number(drawn.magnified)}"
+    closes = "it closes" if b.vanishes else "it does not close"
+    unit = f", in {drawn.unit}" if drawn.unit else ""
+    labels = (f"X{_raised(i)}{unit}", f"X{_raised(k)}{unit}")
+    plot = Plot(f"Its image in the frame: {closes}{grown}", labels, equal=True)
+    plot.line(points, IMAGE).sense(points, IMAGE)
+    if not b.vanishes:
+        plot.arrow(points[0], points[-1], GAP, "b")
+        plot.mark(points[-1], GAP, "triangle", "end")
+    return plot.mark(points[0], START, "dot", "start").svg()
+
+
+def _raised(k: int) -> str:
+    return str(k).translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
+
+
+def _table(b: BurgersVector, expected: Sequence[float]) -> str:
+    """Both routes, component by component, beside what a small loop has."""
+    import numpy as np
+
+    flux = b.check.flux
+    rows = []
+    for k, value in enumerate(np.real(b.vector)):
+        rows.append(
+            [
+                f"b{_raised(k)}",
+                shown(value, b.error),
+                shown(np.real(b.check.line)[k], b.check.line_error),
+                "–" if flux is None else shown(np.real(flux)[k], b.check.flux_error or 0.0),
+                shown(expected[k], 0.0),
+            ]
+        )
+    heads = ("", "b", "round the loop", "flux of torsion", "2 S A at the centre")
+    return table(heads, rows, "Burgers vector, frame components")
+
+
+def _sentence(
+    b: BurgersVector, expected: Sequence[float], names: Sequence[str], plane: tuple[int, int]
+) -> str:
+    """What the pictures show, in words."""
+    import numpy as np
+
+    around = names_text([names[k] for k in plane])
+    area = float(b.loop.area[plane])
+    said = f"Area A = {number(float(f'{area:.6g}'))} in {around}. "
+    if b.vanishes:
+        return (
+            said
+            + f"The image closes: b = 0, error below {b.error:.0e}. Two routes: {b.check.text}."
+        )
+    said += f"|b| = {b.magnitude:.6g}, error below {b.error:.0e}. "
+    largest = max(abs(x) for x in expected)
+    if largest:
+        apart = max(abs(x - y) for x, y in zip(np.real(b.vector), expected, strict=True)) / largest
+        said += (
+            f"2 S A misses it by {apart:.1%}" if apart > 1e-3 else f"2 S A misses it by {apart:.0e}"
+        )
+        said += ": the smaller the loop, the better it is. "
+    return f"{said}Two routes: {b.check.text}."

@@ -1,0 +1,131 @@
+"""door: what stands between the network and the page, and lets in no more than it should."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Iterable, MutableMapping
+from typing import Any
+from urllib.parse import urlsplit
+
+Scope = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
+Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
+App = Callable[[Scope, Receive, Send], Awaitable[None]]
+
+# Sessions at once, and bytes of one request: a whole tetrad is a hundredth of that.
+MOST_SESSIONS, LARGEST_BODY = 64, 262_144
+# The browser itself is told to load nothing from anywhere else.
+POLICY = (
+    "default-src 'self'; script-src 'self' 'unsafe-inline' 'unsafe-eval' blob:; "
+    "style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; font-src 'self' data:; "
+    "connect-src 'self'; worker-src 'self' blob:; frame-src 'self' data: blob:; "
+    "object-src 'none'; base-uri 'self'; form-action 'self'"
+)
+LOOPBACK = ("127.0.0.1", "localhost", "::1")
+_FULL = (
+    "<!doctype html><meta charset=utf-8><title>Torsion lab</title><p>The lab is full: {most} pages "
+    "are open. Close one and load this page again.</p>"
+)
+
+
+class Door:
+    """An ASGI application before another: hosts, origins, sizes and the number of sessions.
+
+    hosts: names by which the page may be called; empty: any. A page of another site that is open
+    in the same browser has another origin, and is refused.
+    """
+
+    def __init__(
+        self, app: App, hosts: Iterable[str] = LOOPBACK, sessions: int = MOST_SESSIONS
+    ) -> None:
+        self.app = app
+        self.hosts = frozenset(hosts)
+        self.sessions = sessions
+        self.open = 0
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Refuse a request, or hand it on."""
+        if scope["type"] == "lifespan":
+            await self.app(scope, receive, send)
+            return
+        headers = {
+            key.decode("latin-1").lower(): value.decode("latin-1")
+            for key, value in scope["headers"]
+        }
+        reason = self._refused(scope, headers)
+        if scope["type"] == "websocket":
+            await self._session(scope, receive, send, reason)
+        elif reason:
+            await _tell(send, *reason)
+        else:
+            await self.app(scope, _bounded(receive), _guarded(send))
+
+    def _refused(self, scope: Scope, headers: dict[str, str]) -> tuple[int, str] | None:
+        """Status and reason, or None for a request that may pass."""
+        host = headers.get("host", "")
+        name = urlsplit(f"//{host}").hostname or ""
+        if self.hosts and name not in self.hosts:
+            return 421, f"This page is not served as {name!r}."
+        origin = headers.get("origin", "")
+        # The scheme may be changed on the way, the host and port may not.
+        if origin not in ("", "null") and urlsplit(origin).netloc != host:
+            return 403, "Requests of other pages are not answered."
+        if origin == "null" and scope.get("method", "GET") not in ("GET", "HEAD"):
+            return 403, "Requests of pages without a name are not answered."
+        length = headers.get("content-length", "0")
+        if not length.isdigit() or int(length) > LARGEST_BODY:
+            return 413, f"A request may have {LARGEST_BODY:,} bytes."
+        if scope["type"] == "http" and scope["path"] == "/" and self.open >= self.sessions:
+            return 503, _FULL.format(most=self.sessions)
+        return None
+
+    async def _session(
+        self, scope: Scope, receive: Receive, send: Send, reason: tuple[int, str] | None
+    ) -> None:
+        """One session, counted from its start to its end."""
+        if reason or self.open >= self.sessions:
+            await receive()
+            await send({"type": "websocket.close", "code": 1013, "reason": "the lab is full"})
+            return
+        self.open += 1
+        try:
+            await self.app(scope, receive, send)
+        finally:
+            self.open -= 1
+
+
+def _bounded(receive: Receive) -> Receive:
+    """A body that ends where it becomes too long, whatever its header says."""
+    seen = 0
+
+    async def bounded() -> MutableMapping[str, Any]:
+        nonlocal seen
+        message = await receive()
+        seen += len(message.get("body", b""))
+        return {"type": "http.disconnect"} if seen > LARGEST_BODY else message
+
+    return bounded
+
+
+def _guarded(send: Send) -> Send:
+    """An answer with the policy in its head."""
+
+    async def guarded(message: MutableMapping[str, Any]) -> None:
+        if message["type"] == "http.response.start":
+            more = [
+                (b"content-security-policy", POLICY.encode()),
+                (b"referrer-policy", b"no-referrer"),
+                (b"x-content-type-options", b"nosniff"),
+            ]
+            message = {**message, "headers": [*message.get("headers", []), *more]}
+        await send(message)
+
+    return guarded
+
+
+async def _tell(send: Send, status: int, text: str) -> None:
+    """A short answer in words."""
+    kind = b"text/html; charset=utf-8" if text.startswith("<") else b"text/plain; charset=utf-8"
+    await send(
+        {"type": "http.response.start", "status": status, "headers": [(b"content-type", kind)]}
+    )
+    await send({"type": "http.response.body", "body": text.encode()})

@@ -1,0 +1,107 @@
+"""facts: what controls need to know of a space: names, a start, and how far sliders may go."""
+
+from __future__ import annotations
+
+from functools import cache
+from itertools import combinations
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from geomtorsion.pictures.document import plain
+from geomtorsion.spaces import load
+from geomtorsion.spaces.first_motions import first_motion
+from geomtorsion.spaces.registry import SPACES
+
+if TYPE_CHECKING:
+    from geomtorsion.geometry import Frame
+    from geomtorsion.spaces.space import Space
+
+# Sliders reach so many steps to either side of the start; fewer where the domain ends.
+STEPS, STEP = 20, 0.05
+# Shown first, because a lesson begins with them.
+FIRST = ("so3", "s2", "flat_polar", "heisenberg", "screw_dislocation", "r3xso3", "schwarzschild")
+# Complex, or with unknown functions: there is nothing to draw.
+_UNDRAWN = ("kerr_kinnersley", "frw", "frw_flat", "s7")
+
+
+@cache
+def space_of(name: str) -> Space:
+    """A shipped space, kept: what was derived for one request serves the next."""
+    return load(name)
+
+
+def drawable() -> dict[str, str]:
+    """Title of each space whose loops and motions can be drawn -> name, the usual ones first.
+
+    Examples
+    --------
+    >>> list(drawable().values())[:2]
+    ['so3', 's2']
+    """
+    titles = {name: title for name, _, title in SPACES if name not in _UNDRAWN}
+    order = [*FIRST, *(name for name in titles if name not in FIRST)]
+    return {f"{name}: {titles[name]}": name for name in order if name in titles}
+
+
+def facts(space: str) -> dict[str, Any]:
+    """Everything about a shipped space that a control is made of.
+
+    Examples
+    --------
+    >>> found = facts("so3")
+    >>> found["coordinates"], found["start"], found["planes"][0]
+    (['phi1', 'phi2', 'phi3'], [0.3, 1.0, 0.2], [0, 1])
+    """
+    chosen = space_of(space)
+    frame = chosen.frame
+    first = first_motion(frame)
+    n = frame.dimension
+    return {
+        "name": chosen.name,
+        "title": chosen.title,
+        "story": chosen.story,
+        "coordinates": [symbol.name for symbol in frame.coordinates],
+        "parameters": [symbol.name for symbol in frame.parameters],
+        "values": dict(first.parameters),
+        "signature": _signature(frame),
+        "coframe": [[plain(frame.coframe[i, k]) for k in range(n)] for i in range(n)],
+        "start": list(first.start),
+        "ranges": _ranges(frame, list(first.start), dict(first.parameters)),
+        "velocity": list(first.frame_velocity),
+        "t": first.t,
+        "planes": [list(pair) for pair in combinations(range(n), 2)],
+    }
+
+
+def _signature(frame: Frame) -> str:
+    """The frame metric as signs, or as nothing where it is not diagonal with ones."""
+    n = frame.dimension
+    if any(frame.eta[i, k] != 0 for i in range(n) for k in range(i)):
+        return ""
+    signs = {1: "+", -1: "-"}
+    return "".join(signs.get(frame.eta[i, i], "?") for i in range(n))
+
+
+def _ranges(frame: Frame, start: list[float], values: dict[str, float]) -> list[list[float]]:
+    """For each coordinate how far a slider may go, both ways, within the domain."""
+    point = dict(zip(frame.coordinates, start, strict=True))
+    point |= {symbol: values[symbol.name] for symbol in frame.parameters if symbol.name in values}
+    found = []
+    for symbol, value in zip(frame.coordinates, start, strict=True):
+        # The start may lie on the edge of what another coordinate is bound to.
+        own = [relation for relation in frame.domain if symbol in relation.free_symbols]
+        step = STEP * max(1.0, round(abs(value) / 2))
+        ends = []
+        for sign in (-1, 1):
+            count = 0
+            while count < STEPS and _inside(own, point, symbol, value + sign * (count + 1) * step):
+                count += 1
+            ends.append(round(value + sign * count * step, 9))
+        found.append([*ends, step])
+    return found
+
+
+def _inside(own: list[Any], point: dict[Any, float], symbol: Any, value: float) -> bool:
+    """Whether the relations of one coordinate hold where it has this value."""
+    return all(relation.subs(point | {symbol: value}) != sp.false for relation in own)

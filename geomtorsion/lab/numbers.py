@@ -1,0 +1,59 @@
+"""numbers: values, names and tables as a page shows them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from html import escape
+
+from geomtorsion.pictures.ink import number
+
+# Values within so many errors of zero are shown as zero.
+WITHIN = 3.0
+
+
+def shown(value: float, error: float = 0.0) -> str:
+    """A number for people; zero where it is no more than its error.
+
+    Examples
+    --------
+    >>> shown(-0.25), shown(1e-17, 1e-16), shown(float("nan"))
+    ('−0.25', '0', '–')
+    """
+    if not math.isfinite(value):
+        return "–"
+    return "0" if abs(value) <= WITHIN * error else number(value)
+
+
+def names_text(names: Sequence[str]) -> str:
+    """Names as a person lists them.
+
+    Examples
+    --------
+    >>> names_text(["a", "b", "c"])
+    'a, b and c'
+    """
+    if len(names) < 2:
+        return "".join(names)
+    return f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def table(heads: Sequence[str], rows: Sequence[Sequence[str]], caption: str) -> str:
+    """A table whose first column names the rows.
+
+    Examples
+    --------
+    >>> table(("", "b"), [("x", "1")], "it").count("<td")
+    1
+    """
+    head = "".join(f'<th scope="col">{escape(text)}</th>' for text in heads)
+    body = "".join(
+        f'<tr><th scope="row">{escape(first)}</th>'
+        + "".join(f"<td>{escape(text)}</td>" for text in rest)
+        + "</tr>"
+        for first, *rest in rows
+    )
+    return (
+        f'<div class="scroll"><table class="numbers"><caption>{escape(caption)}</caption>'
+        f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>"
+    )

@@ -1,0 +1,187 @@
+"""page: the notebook that marimo serves; each cell calls functions that are tested elsewhere."""
+
+import marimo
+
+app = marimo.App(width="medium", app_title="Torsion lab", css_file="lab.css")
+
+
+@app.cell
+def _():
+    import marimo as mo
+
+    from geomtorsion.lab import controls, views
+    from geomtorsion.lab.desk import common_desk
+
+    desk = common_desk()
+    mo.Html(views.header())
+    return controls, desk, mo, views
+
+
+@app.cell
+def _(controls, mo):
+    tab = controls.tabs(mo)
+    mo.vstack([tab])
+    return (tab,)
+
+
+# -- any tetrad ---------------------------------------------------------------------------------
+
+
+@app.cell
+def _(controls, mo):
+    beginning = controls.beginnings(mo)
+    shown = controls.offered(mo)
+    return beginning, shown
+
+
+@app.cell
+def _(beginning, controls, desk, mo):
+    _chosen = beginning.value
+    tetrad_facts = (
+        controls.blank(_chosen) if isinstance(_chosen, int) else desk.ask("facts", space=_chosen)
+    )
+    names = controls.names(mo, tetrad_facts)
+    entries = controls.entries(mo, tetrad_facts)
+    size = len(tetrad_facts["coordinates"])
+    return entries, names, size
+
+
+@app.cell
+def _(controls, desk, entries, mo, names, shown, size, tab, views):
+    mo.stop(tab.value != views.TETRAD)
+    tetrad_reply = desk.ask(
+        "tetrad",
+        **names.value,
+        entries=controls.rows(entries.value, size),
+        show=[name for name, wanted in shown.value.items() if wanted],
+    )
+    return (tetrad_reply,)
+
+
+@app.cell
+def _(beginning, entries, mo, names, shown, size, tab, tetrad_reply, views):
+    mo.stop(tab.value != views.TETRAD)
+    _cells = [
+        f"{entries[f'{i},{k}']}{views.fault(tetrad_reply, i, k)}"
+        for i in range(size)
+        for k in range(size)
+    ]
+    mo.vstack(
+        [
+            mo.Html(views.controls([beginning, *names.values()])),
+            mo.Html(views.wrapped(views.grid(_cells, size))),
+            mo.accordion({"What to show": mo.Html(views.controls(list(shown.values())))}),
+        ]
+    )
+    return
+
+
+@app.cell
+def _(mo, tab, tetrad_reply, views):
+    mo.stop(tab.value != views.TETRAD)
+    mo.Html(views.tetrad(tetrad_reply))
+    return
+
+
+# -- loops --------------------------------------------------------------------------------------
+
+
+@app.cell
+def _(controls, mo):
+    loop_space = controls.spaces(mo)
+    radius = controls.radius(mo)
+    return loop_space, radius
+
+
+@app.cell
+def _(controls, desk, loop_space, mo):
+    _facts = desk.ask("facts", space=loop_space.value)
+    centre = controls.centre(mo, _facts)
+    plane = controls.plane(mo, _facts)
+    return centre, plane
+
+
+@app.cell
+def _(centre, loop_space, mo, plane, radius, tab, views):
+    mo.stop(tab.value != views.LOOPS)
+    mo.Html(views.controls([loop_space, plane, radius, *centre.values()]))
+    return
+
+
+@app.cell
+def _(centre, controls, loop_space, plane, radius):
+    loop_case = controls.loop_case(loop_space.value, centre.value, radius.value, plane.value)
+    return (loop_case,)
+
+
+@app.cell
+def _(desk, loop_case, mo, tab, views):
+    mo.stop(tab.value != views.LOOPS)
+    mo.Html(views.loop(desk.ask("loop", **loop_case)))
+    return
+
+
+# -- straightest and shortest -------------------------------------------------------------------
+
+
+@app.cell
+def _(controls, mo):
+    path_space = controls.spaces(mo, "r3xso3")
+    return (path_space,)
+
+
+@app.cell
+def _(controls, desk, mo, path_space):
+    velocity = controls.velocity(mo, desk.ask("facts", space=path_space.value))
+    moments = controls.moments(mo, path_space.value)
+    return moments, velocity
+
+
+@app.cell
+def _(mo, moments, path_space, tab, velocity, views):
+    mo.stop(tab.value != views.PATHS)
+    mo.Html(views.controls([path_space, *velocity.values(), *moments.values()]))
+    return
+
+
+@app.cell
+def _(controls, moments, path_space, velocity):
+    path_case = controls.path_case(path_space.value, velocity.value, moments.value)
+    return (path_case,)
+
+
+@app.cell
+def _(desk, mo, path_case, tab, views):
+    mo.stop(tab.value != views.PATHS)
+    _reply = desk.ask("paths", **path_case)
+    _space = views.document(_reply)
+    mo.Html(views.paths(_reply, mo.iframe(_space, height=views.HEIGHT) if _space else ""))
+    return
+
+
+# -- what accuracy costs ------------------------------------------------------------------------
+
+
+@app.cell
+def _(controls, mo):
+    kind = controls.case_kind(mo)
+    return (kind,)
+
+
+@app.cell
+def _(kind, mo, tab, views):
+    mo.stop(tab.value != views.COSTS)
+    mo.Html(views.controls([kind]))
+    return
+
+
+@app.cell
+def _(desk, kind, loop_case, mo, path_case, tab, views):
+    mo.stop(tab.value != views.COSTS)
+    _case = loop_case if kind.value == "loop" else path_case
+    mo.Html(views.costs(desk.ask("costs", kind=kind.value, case=_case)))
+    return
+
+
+if __name__ == "__main__":
+    app.run()

@@ -1,0 +1,197 @@
+"""tetrad: a typed coframe, read entry by entry, and its geometry as mathematics."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from html import escape
+from typing import Any
+
+import sympy as sp
+
+from geomtorsion.errors import CoordinateError, GeomtorsionError, LimitError, SignatureError
+from geomtorsion.exact import parse_expression
+from geomtorsion.exact.tokens import Limits
+from geomtorsion.geometry import Frame
+from geomtorsion.pictures.cards import card
+from geomtorsion.pictures.catalogue import SECTIONS
+from geomtorsion.pictures.chosen import choose
+from geomtorsion.spaces.space import Space
+
+MOST_DIMENSIONS = 6
+# What a person types by hand stays far below these.
+LIMITS = Limits(characters=600, depth=20, exponent=32, digits=40)
+# Quantity -> how the page calls it; the first ones are shown unless others are asked for.
+OFFERED = {
+    "metric": "metric",
+    "cartan_connection": "Cartan connection",
+    "christoffel": "Levi-Civita connection",
+    "torsion": "torsion",
+    "contortion": "contortion",
+    "cartan_curvature": "curvature, Cartan",
+    "riemann": "curvature, Riemann",
+    "ricci": "Ricci tensor",
+    "scalar_curvature": "scalar curvature",
+    "anholonomy": "anholonomy",
+    "torsion_vector": "torsion vector",
+    "torsion_axial": "axial torsion",
+    "torsion_force": "torsion force",
+    "einstein": "Einstein tensor",
+    "weyl": "Weyl tensor",
+    "kretschmann": "Kretschmann scalar",
+}
+USUAL = tuple(OFFERED)[:9]
+_NAME = re.compile(r"[^\W0-9]\w*")
+_PLACE = re.compile(r"coframe\[(\d+), (\d+)\]:?\s*")
+
+
+def tetrad(
+    coordinates: str,
+    entries: Sequence[Sequence[str]],
+    parameters: str = "",
+    signature: str = "",
+    show: Sequence[str] = USUAL,
+) -> dict[str, Any]:
+    """The geometry of a typed coframe as HTML, or what is wrong with which entry.
+
+    Parameters
+    ----------
+    coordinates, parameters
+        Names with commas or blanks between them; parameters are taken to be positive.
+    entries
+        e[i][mu] as text; rows are one-forms.
+    signature
+        One sign for each leg, such as "-+++"; all + if empty.
+    show
+        Names of quantities.
+
+    Returns
+    -------
+    html: cards, empty if something is wrong. errors: "i,mu" -> what is wrong with that entry.
+    problem: what is wrong with the whole, if it is no single entry's fault.
+
+    Examples
+    --------
+    >>> found = tetrad("r, phi", [["1", "0"], ["0", "r"]], show=["torsion"])
+    >>> found["errors"], "<mfrac>" in found["html"]
+    ({}, True)
+    >>> tetrad("r, phi", [["1", "0"], ["0", "rr"]])["errors"]["1,1"].splitlines()[0]
+    'rr is neither a coordinate nor a declared parameter'
+    """
+    errors: dict[str, str] = {}
+    try:
+        names, constants = names_of(coordinates, "coordinates"), names_of(parameters, "parameters")
+        _check_names(names, constants)
+        symbols = {name: sp.Symbol(name, real=True) for name in names}
+        symbols |= {name: sp.Symbol(name, positive=True) for name in constants}
+        signs = signs_of(signature, len(names))
+        rows = _read(entries, symbols, errors)
+        if errors:
+            return {"html": "", "errors": errors}
+        frame = Frame(
+            [symbols[name] for name in names],
+            rows,
+            signature=signs,
+            parameters=[symbols[name] for name in constants],
+            name="your tetrad",
+        )
+        return {"html": _cards(frame, show), "errors": {}}
+    except GeomtorsionError as error:
+        place = _PLACE.match(str(error))
+        if place:
+            return {"html": "", "errors": {f"{place[1]},{place[2]}": str(error)[place.end() :]}}
+        return {"html": "", "errors": errors, "problem": str(error)}
+
+
+def names_of(text: str, what: str = "names") -> list[str]:
+    """Names in a line of text.
+
+    Raises
+    ------
+    CoordinateError
+        Something in it is no name.
+
+    Examples
+    --------
+    >>> names_of("t, r theta")
+    ['t', 'r', 'theta']
+    """
+    found = [name for name in re.split(r"[,\s]+", text.strip()) if name]
+    for name in found:
+        if not _NAME.fullmatch(name) or len(name) > 20:
+            raise CoordinateError(
+                f"{what}: {name[:40]!r} is no name. Write letters first, then letters and digits, "
+                "with commas between names: r, theta, phi1."
+            )
+    return found
+
+
+def signs_of(text: str, dimension: int) -> tuple[int, ...] | None:
+    """One sign per leg, or None for all plus.
+
+    Raises
+    ------
+    SignatureError
+        There are other letters than + and -, or not as many as legs.
+
+    Examples
+    --------
+    >>> signs_of("- + + +", 4)
+    (-1, 1, 1, 1)
+    """
+    signs = re.sub(r"[\s,1()]", "", text).replace("−", "-")
+    if not signs:
+        return None
+    if set(signs) - {"+", "-"} or len(signs) != dimension:
+        raise SignatureError(
+            f"signature: {dimension} signs + or - were needed, one for each row, but {text[:40]!r} "
+            f"came. Write {'-' + '+' * (dimension - 1)} or {'+' * dimension}."
+        )
+    return tuple(1 if sign == "+" else -1 for sign in signs)
+
+
+def _check_names(names: Sequence[str], constants: Sequence[str]) -> None:
+    if not names:
+        raise CoordinateError("coordinates: at least one name was needed, such as r, phi.")
+    if len(names) > MOST_DIMENSIONS:
+        raise LimitError(
+            f"{len(names)} coordinates came; this page reads up to {MOST_DIMENSIONS}. "
+            "`geomtorsion report FILE.toml` takes more."
+        )
+    every = [*names, *constants]
+    twice = next((name for name in every if every.count(name) > 1), None)
+    if twice:
+        raise CoordinateError(
+            f"{twice} stands twice among coordinates and parameters. Name it once."
+        )
+
+
+def _read(entries: Any, symbols: dict[str, sp.Symbol], errors: dict[str, str]) -> list[list[Any]]:
+    """All entries as expressions; what cannot be read is noted under its place."""
+    rows = []
+    for i, row in enumerate(entries):
+        rows.append([])
+        for k, text in enumerate(row):
+            where = f"coframe[{i}, {k}]"
+            try:
+                value = parse_expression(
+                    text.strip() or "0", symbols, {}, where=where, limits=LIMITS
+                )
+            except GeomtorsionError as error:
+                errors[f"{i},{k}"] = _PLACE.sub("", str(error), count=1)
+                continue
+            rows[-1].append(value)
+    return rows
+
+
+def _cards(frame: Frame, show: Sequence[str]) -> str:
+    """Everything asked for, by section."""
+    space = Space("your tetrad", "your tetrad", "", "", frame)
+    chosen = choose(space, [name for name in OFFERED if name in show] or USUAL)
+    parts = []
+    for section in ("", *SECTIONS):
+        found = [one for one in chosen if one.entry.section == section]
+        if found:
+            title = f"<h3>{escape(section)}</h3>" if section else ""
+            parts.append(title + "".join(card(one) for one in found))
+    return "".join(parts)

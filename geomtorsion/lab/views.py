@@ -1,0 +1,122 @@
+"""views: answers of tasks as HTML, the same for the served page and for pages without a server."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+from html import escape
+from pathlib import Path
+from typing import Any
+
+Reply = Mapping[str, Any]
+# Name of a tab -> what is to be done there, in a sentence.
+TABS = {
+    "Any tetrad": "Type one-forms; read metric, connections, torsion and curvature, exactly.",
+    "Loops": "Carry a frame round a circle: its image does not close where there is torsion.",
+    "Straightest and shortest": "Two curves from one start: where torsion pulls, they part.",
+    "The top": "Switch on what a body feels; see what is simulated, and what is left out.",
+    "What accuracy costs": "Error against time for the case that is set on the other tabs.",
+    "Exercises": "The same as on the command line: answer, be told why not, take a hint.",
+}
+# Of a frame round a picture that can be turned.
+HEIGHT = "490px"
+TETRAD, LOOPS, PATHS, TOP, COSTS, EXERCISES = TABS
+
+
+@cache
+def style() -> str:
+    """The style sheet of the page."""
+    return Path(__file__).with_name("lab.css").read_text("utf-8")
+
+
+def wrapped(html: str) -> str:
+    """HTML to which the style sheet applies."""
+    return f'<div class="lab">{html}</div>'
+
+
+def header() -> str:
+    """The title, which stands above all tabs."""
+    return wrapped("<h1>Torsion lab</h1>")
+
+
+def intro(tab: str) -> str:
+    """What to do on a tab."""
+    return wrapped(f'<p class="soft">{escape(TABS[tab])}</p>')
+
+
+def notice(text: str) -> str:
+    """A message about something that cannot be done.
+
+    Examples
+    --------
+    >>> notice("a < b")
+    '<pre class="notice" role="alert">a &lt; b</pre>'
+    """
+    return f'<pre class="notice" role="alert">{escape(text)}</pre>'
+
+
+def problem(reply: Reply) -> str:
+    """The message of a reply that is no answer, or nothing."""
+    return notice(reply["problem"]) if reply.get("problem") else ""
+
+
+def fault(reply: Reply, i: int, k: int) -> str:
+    """What is wrong with one entry of a tetrad, to stand beside it."""
+    text = reply.get("errors", {}).get(f"{i},{k}", "")
+    return f'<pre class="fault" role="alert">✗ {escape(text)}</pre>' if text else ""
+
+
+def tetrad(reply: Reply) -> str:
+    """Cards of a tetrad, or what is wrong."""
+    faults = len(reply.get("errors", {}))
+    told = ""
+    if faults:
+        entries = "1 entry" if faults == 1 else f"{faults} entries"
+        told = notice(f"{entries} cannot be read; the reason stands beside each.")
+    return wrapped(problem(reply) + told + reply.get("html", ""))
+
+
+def loop(reply: Reply) -> str:
+    """A loop, its image and its Burgers vector."""
+    if reply.get("problem"):
+        return wrapped(problem(reply))
+    pictures = "".join(f"<div>{picture}</div>" for picture in reply["pictures"])
+    said = f'<p class="said" id="loop-said">{escape(reply["sentence"])}</p>'
+    return wrapped(f'<div class="pair" id="loop">{pictures}</div>{said}{reply["table"]}')
+
+
+def paths(reply: Reply, frame: Any = "") -> str:
+    """Two curves and how far they are apart; frame: what shows the picture in space, if any."""
+    if reply.get("problem"):
+        return wrapped(problem(reply))
+    said = f'<p class="said" id="paths-said">{escape(reply["sentence"])}</p>'
+    curves = frame or reply.get("picture", "")
+    beside = f"{reply['distance']}{reply['table']}"
+    return wrapped(f'<div class="figures"><div>{curves}</div><div>{said}{beside}</div></div>')
+
+
+def costs(reply: Reply) -> str:
+    """Picture, advice and measurements."""
+    if reply.get("problem"):
+        return wrapped(problem(reply))
+    truth = f" Errors against {escape(reply['truth'])}." if "truth" in reply else ""
+    said = f'<p class="said" id="costs-said">{reply["advice"]}{truth}</p>'
+    return wrapped(f'{said}<div class="one">{reply["picture"]}</div>{reply["table"]}')
+
+
+def document(reply: Reply) -> str:
+    """The turnable picture of a reply as a document of its own, or nothing."""
+    return str(reply.get("space", ""))
+
+
+def grid(cells: Sequence[str], columns: int) -> str:
+    """Pieces of HTML in rows."""
+    inner = "".join(f"<div>{cell}</div>" for cell in cells)
+    template = f"grid-template-columns: repeat({columns}, minmax(0, 1fr))"
+    return f'<div class="tetrad" style="{template}">{inner}</div>'
+
+
+def controls(pieces: Sequence[Any]) -> str:
+    """Controls side by side, in as many rows as they need."""
+    inner = "".join(f"<div>{piece}</div>" for piece in pieces)
+    return wrapped(f'<div class="controls">{inner}</div>')
