@@ -3,9 +3,25 @@
 from geomtorsion.scenes import effects
 from geomtorsion.scenes.body import Body
 from geomtorsion.scenes.cost import SceneCost
+from geomtorsion.scenes.files import read_file
 from geomtorsion.scenes.plan import ScenePlan
 from geomtorsion.scenes.result import SceneResult
 from geomtorsion.scenes.scene import Scene
+from geomtorsion.scenes.shipped import load, names
 from geomtorsion.scenes.state import State
+from geomtorsion.scenes.writing import to_toml, write_file
 
-__all__ = ["Body", "Scene", "SceneCost", "ScenePlan", "SceneResult", "State", "effects"]
+__all__ = [
+    "Body",
+    "Scene",
+    "SceneCost",
+    "ScenePlan",
+    "SceneResult",
+    "State",
+    "effects",
+    "load",
+    "names",
+    "read_file",
+    "to_toml",
+    "write_file",
+]
