@@ -144,7 +144,7 @@ def invariants(plan: ScenePlan, chosen: Mapping[Any, Any]) -> dict[str, Any]:
     if plan.uses_quaternion:
         here |= set(ATTITUDE)
     energy = made.kinetic_energy + made.potential_energy
-    wanted = {
+    wanted: dict[str, tuple[Any, ...]] = {
         "energy": (energy,),
         "energy_balance": (energy - WORK,),
         "rotational_energy": (made.rotational_energy,),

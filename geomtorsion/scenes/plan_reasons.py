@@ -20,6 +20,17 @@ _GROUP_NAMES: dict[str, str] = {
 }
 
 
+def group_of(name: str) -> str:
+    """The group that a state belongs to; other nodes of the graph stand for themselves.
+
+    Examples
+    --------
+    >>> group_of("q2"), group_of("vz"), group_of("work")
+    ('attitude', 'velocity', 'work')
+    """
+    return _GROUP_NAMES.get(name, name)
+
+
 def rows(plan: ScenePlan) -> tuple[PlanRow, ...]:
     """All rows: effects in the order of the scene, then groups of states."""
     found = []
@@ -42,7 +53,7 @@ def _state_rows(plan: ScenePlan) -> Iterable[PlanRow]:
     """Groups of states."""
     groups: dict[str, list[str]] = {}
     for name in plan.states:
-        groups.setdefault(_GROUP_NAMES.get(name, name), []).append(name)
+        groups.setdefault(group_of(name), []).append(name)
     for group, members in groups.items():
         node = group if group in ("attitude", "vertical") else members[0]
         yield PlanRow("states", group, True, f"{_listed(members)}: {_wanted(plan, node)}")
@@ -83,7 +94,7 @@ def _wanted(plan: ScenePlan, node: str) -> str:
         for key in plan.effects
         if key not in ("spin", "drift") and set(users) & plan._touched(key)
     ]
-    groups = dict.fromkeys(_GROUP_NAMES.get(name, name) for name in users)
+    groups = dict.fromkeys(map(group_of, users))
     through = f", through {_listed(helpers)}" if helpers and node != "rotation" else ""
     return f"needed by {_listed(groups)}{through}"
 

@@ -132,12 +132,16 @@ class SceneResult:
 
     # -- showing ---------------------------------------------------------------------------------
 
+    @property
+    def title(self) -> str:
+        """The title of the scene, or its name."""
+        return (self.scene.title or self.scene.name) if self.scene is not None else ""
+
     def __str__(self) -> str:
         how = self.closed_form or f"{self.engine} ({self.why})"
         ended = "" if self.outcome == "done" else f", {self.outcome}"
-        title = getattr(self.plan, "title", "") or "scene"
         lines = [
-            f"{title}: {', '.join(self.values)}",
+            f"{self.title or 'scene'}: {', '.join(self.values)}",
             f"to t = {float(self.times[-1]):.6g} s{ended}, {len(self.times)} times, by {how}",
             f"error below {self.error:.2g} (asked: {self.accuracy:.2g}); {self.cost}",
         ]
@@ -160,16 +164,24 @@ class SceneResult:
         return table
 
     def plot(self, path: str | Path | None = None) -> Any:
-        """Pictures of what was watched, over time; written to `path` if given.
+        """A figure with what was watched over time; written to `path` (png, svg, pdf) if given.
 
         Raises
         ------
         MissingExtraError
             matplotlib is not installed.
         """
-        from geomtorsion.scenes.plotting import plot
+        from geomtorsion.pictures.ink import save
+        from geomtorsion.pictures.scene_lines import watched_picture
 
-        return plot(self, path)
+        how = self.closed_form or self.engine
+        notes = [f"By {how}; accuracy {self.accuracy:.1e} asked, error below {self.error:.1e}."]
+        figure = watched_picture(
+            self.times, self.values, self.units, self.labels, title=self.title, notes=notes
+        )
+        if path is not None:
+            save(figure, Path(path))
+        return figure
 
     # -- taking it elsewhere ---------------------------------------------------------------------
 

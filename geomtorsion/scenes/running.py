@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 CLOSED = "free top (Jacobi elliptic functions)"
 # The closed form is checked up to so many radians of turning, at so many times.
 CHECKED_TURNS, CHECKED_TIMES = 200.0, 33
-# The check is not asked for more than doubles give without effort.
-CHECKED_ACCURACY = 1e-12
+# The integrator that checks is this much more accurate than what is asked for, and at least so.
+CHECKED_PART, CHECKED_ACCURACY = 0.25, 1e-9
 # Rounding of the closed form, on top of what the check can see.
 ROUNDING = 2.0**-48
 
@@ -170,7 +170,7 @@ def _in_closed_form(scene: Scene, form: ClosedForm) -> SceneResult | None:
     spent = perf_counter() - began
     began = perf_counter()
     error, compiled = _checked(scene, form, times)
-    if not error <= max(scene.accuracy, 10 * CHECKED_ACCURACY):
+    if not error <= scene.accuracy:
         return None
     check = perf_counter() - began - compiled
     return _result(
@@ -189,7 +189,7 @@ def _in_closed_form(scene: Scene, form: ClosedForm) -> SceneResult | None:
 
 
 def _checked(scene: Scene, form: ClosedForm, times: Any) -> tuple[float, float]:
-    """Twice the largest difference to the integrator over the first turns; seconds of compiling."""
+    """Difference to the integrator over the first turns, with its error; seconds of compiling."""
     import numpy as np
 
     state: Any = scene.start
@@ -200,7 +200,8 @@ def _checked(scene: Scene, form: ClosedForm, times: Any) -> tuple[float, float]:
         return ROUNDING, 0.0
     some = np.linspace(0.0, math.copysign(reach, last), CHECKED_TIMES)
     try:
-        solved = solve(scene.flow, some, max(min(scene.accuracy, 1e-9), CHECKED_ACCURACY))
+        asked = min(CHECKED_PART * scene.accuracy, CHECKED_ACCURACY)
+        solved = solve(scene.flow, some, asked)
     except AccuracyError:
         return math.inf, 0.0
     ours, theirs = form.states(some), np.asarray(solved.states, dtype=float)
@@ -210,7 +211,7 @@ def _checked(scene: Scene, form: ClosedForm, times: Any) -> tuple[float, float]:
         size = np.abs(theirs[:, places]).max()
         gap = np.abs(ours[:, places] - theirs[:, places]).max()
         worst = max(worst, float(gap / size) if size else float(gap))
-    return 2 * worst + ROUNDING, solved.cost.compile_seconds
+    return worst + solved.error + ROUNDING, solved.cost.compile_seconds
 
 
 def _drifts(scene: Scene, times: Any, states: Any) -> dict[str, float]:
