@@ -1,246 +1,34 @@
-"""claims: what section 2 of the paper says, each statement recomputed by the generic classes."""
+"""claims: what the paper says in its equations (1) to (27), each statement recomputed."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import cache
-from typing import TYPE_CHECKING
 
-import sympy as sp
-
-from geomtorsion.cli.printed import (
-    PHI,
-    Claim,
-    c1,
-    c2,
-    epsilon,
-    listed,
-    phi1,
-    phi2,
-    phi3,
-    rows,
-    s1,
-    s2,
-    same,
-    short,
-    verdict,
-)
-
-if TYPE_CHECKING:
-    from geomtorsion.geometry import Frame
-
-PLACE = sp.symbols("x1 x2 x3", real=True)
-RATES = sp.symbols("w1 w2 w3", real=True)
-WHERE_POSITIVE = "where s2 > 0: there sqrt|g| = s2"
-
-
-def attitude() -> sp.Matrix:
-    """R = Rz(phi3) Ry(phi2) Rz(phi1), from the body to space."""
-
-    def about_z(angle: sp.Expr) -> sp.Matrix:
-        c, s = sp.cos(angle), sp.sin(angle)
-        return sp.Matrix([[c, -s, 0], [s, c, 0], [0, 0, 1]])
-
-    return about_z(phi3) * sp.Matrix([[c2, 0, s2], [0, 1, 0], [-s2, 0, c2]]) * about_z(phi1)
-
-
-@cache
-def rotations() -> Frame:
-    """Section 2: row i, column mu holds the component i of (R^T dR/dphi^mu)^vee."""
-    from geomtorsion.geometry import Frame
-
-    turned = attitude()
-    spins = [turned.T * turned.diff(angle) for angle in PHI]
-    rows = [[spin[(i + 2) % 3, (i + 1) % 3] for spin in spins] for i in range(3)]
-    return Frame(PHI, rows, domain=(phi2 > 0, phi2 < sp.pi), name="so3")
-
-
-@cache
-def motions() -> Frame:
-    """Rotations and translations: the forms (dPhi, dX) in the coordinates (phi, x)."""
-    from geomtorsion.geometry import Frame
-
-    coframe = sp.diag(rotations().coframe.to_sympy().tomatrix(), attitude().T)
-    return Frame((*PHI, *PLACE), coframe, domain=(phi2 > 0, phi2 < sp.pi), name="r3xso3")
-
-
-def _transformation() -> Iterator[Claim]:
-    """Equations (5) to (8): the body's velocities and the anholonomic forms."""
-    frame, wide = rotations(), motions()
-    coframe = frame.coframe
-    w1, w2, w3 = RATES
-    printed = (s1 * w2 - c1 * s2 * w3, c1 * w2 + s1 * s2 * w3, w1 + c2 * w3)
-    omega = {(i, mu): sp.diff(printed[i], RATES[mu]) for i in range(3) for mu in range(3)}
-    yield Claim(
-        "(5)",
-        "Omega^i = e^i_mu w^mu: s1 w2 - c1 s2 w3, c1 w2 + s1 s2 w3, w1 + c2 w3",
-        verdict(same(coframe, omega)),
-        f"e = (R^T R')^vee = {rows(coframe)}",
-        "w^mu are the rates of the Euler angles, not the space-fixed angular velocity",
-    )
-    turn = motions().coframe.to_sympy().tomatrix()[3:, 3:]
-    closed = all(
-        wide.anholonomy[3 + i, j, 3 + k] == 0 for i in range(3) for j in range(3) for k in range(3)
-    )
-    structure = {}
-    for (i, j, k), value in epsilon(1).items():
-        structure[i, j, k] = -value  # d(dPhi^k) = -(1/2) eps_kij dPhi^i ^ dPhi^j
-        structure[k, 3 + j, 3 + i] = value  # d(dX^i) = eps_ijk dPhi^k ^ dX^j
-        structure[3 + j, k, 3 + i] = -value
-    rotation = frame.read([("V", x) for x in turn * turn.T])
-    orthogonal = all(x == int(k % 4 == 0) for k, x in enumerate(rotation))
-    yield Claim(
-        "(6)",
-        "V^i = eps^i_mu v^mu with d_[nu eps^i_mu] != 0",
-        verdict(orthogonal and not closed and same(wide.anholonomy, structure)),
-        "eps = R^T, eps eps^T = 1; d(dX^i) = eps_ijk dPhi^k ^ dX^j, as in the algebra of motions",
-    )
-    yield Claim(
-        "(7)",
-        "dPhi^i = e^i_mu dphi^mu is not integrable: d_mu e^i_nu - d_nu e^i_mu != 0",
-        verdict(frame.anholonomy.is_zero is False),
-        f"in the frame C_ij^k: {listed('C', frame.anholonomy)}",
-    )
-    matrix = {(0, 1): s1, (0, 2): -c1 * s2, (1, 1): c1, (1, 2): s1 * s2, (2, 0): 1, (2, 2): c2}
-    yield Claim(
-        "(8)",
-        "e = [[0, s1, -c1 s2], [0, c1, s1 s2], [1, 0, c2]]",
-        verdict(same(coframe, matrix)),
-        f"e = {rows(coframe)}, det e = {short(frame.determinant[()])}",
-    )
-
-
-def _metric() -> Iterator[Claim]:
-    """Equation (9) and what is said about it."""
-    frame = rotations()
-    inverse, size = frame.inverse_metric, frame.volume * frame.volume[()]
-    unit = {(0, 0): 1, (1, 1): 1, (2, 2): 1, (0, 2): c2, (2, 0): c2}
-    yield Claim(
-        "(9) left",
-        "g = [[1, 0, c2], [0, 1, 0], [c2, 0, 1]]",
-        verdict(same(frame.metric, unit)),
-        f"g = {rows(frame.metric)}",
-    )
-    printed = {(0, 0): 1, (1, 1): s2**2, (2, 2): 1, (0, 2): -c2, (2, 0): -c2}
-    repaired = {index: value / s2**2 for index, value in printed.items()}
-    lost = "the factor 1/|g| = 1/s2**2 is lost"
-    if not same(inverse, repaired):
-        lost = "not even proportional to the inverse of g"
-    yield Claim(
-        "(9) right",
-        "g^-1 = [[1, 0, -c2], [0, s2**2, 0], [-c2, 0, 1]]",
-        verdict(same(inverse, printed), lost),
-        f"g^-1 = {rows(inverse)}",
-    )
-    yield Claim(
-        "after (9)",
-        "|g| = det g = s2**2",
-        verdict(same(size, {(): s2**2})),
-        f"|g| = {short(size[()])}",
-    )
-    yield Claim(
-        "after (9)",
-        "'g^-1 = |g|^-1 is the determinant of g'",
-        verdict(same(size, {(): 1 / s2**2}), "a garbled sentence"),
-        f"|g| = {short(size[()])} is the determinant of g; |g|^-1 is the factor lost in g^-1",
-    )
-
-
-def _riemann() -> Iterator[Claim]:
-    """Below (9): Christoffel symbols, Ricci and scalar curvature."""
-    from geomtorsion.geometry import levi_civita
-
-    frame = rotations()
-    bar = levi_civita(frame)
-    root = frame.volume[()]
-    minus, plus = [(0, 1, 2), (1, 0, 2), (1, 2, 0), (2, 1, 0)], [(0, 2, 1), (2, 0, 1)]
-    printed = dict.fromkeys(minus, -root / 2) | dict.fromkeys(plus, root / 2)
-    gamma = bar.coefficients.lowered(2)
-    yield Claim(
-        "below (9)",
-        "Gamma_bar_mnl = -sqrt|g|/2 on 123, 213, 231, 321; +sqrt|g|/2 on 132, 312",
-        verdict(same(gamma, printed)),
-        listed("Gamma_bar", gamma),
-        WHERE_POSITIVE,
-    )
-    ricci, scalar = bar.curvature.ricci, bar.curvature.scalar
-    yield Claim(
-        "below (9)",
-        "Ricci_bar = g/2",
-        verdict(ricci == frame.metric / 2),
-        f"Ricci_bar = {rows(ricci)}",
-        "positive for spheres: R_nl = R_mnl^m",
-    )
-    yield Claim(
-        "below (9)",
-        "R_bar = 3/2",
-        verdict(same(scalar, {(): sp.Rational(3, 2)})),
-        f"R_bar = {short(scalar[()])}",
-        "the sphere S^3 of radius 2",
-    )
-
-
-def _torsion() -> Iterator[Claim]:
-    """Equations (10) to (12), flatness and the force."""
-    from geomtorsion.geometry import cartan
-
-    frame = rotations()
-    connection = cartan(frame)
-    torsion, gamma = connection.torsion, connection.coefficients
-    printed = {(0, 1, 0): c2 / s2, (1, 2, 2): c2 / s2, (0, 2, 1): s2}
-    printed |= {(0, 1, 2): -1 / s2, (1, 2, 0): -1 / s2}
-    yield Claim(
-        "(10)",
-        "Gamma_12^1 = Gamma_23^3 = c2/s2, Gamma_12^3 = Gamma_23^1 = -1/s2, Gamma_13^2 = s2 only",
-        verdict(same(gamma, printed)),
-        listed("Gamma", gamma),
-    )
-    flat = connection.curvature.riemann
-    yield Claim(
-        "before (10)",
-        "the Cartan curvature vanishes: affine-flat",
-        verdict(flat.is_zero is True),
-        listed("R", flat),
-    )
-    lower = torsion.S.lowered(2)
-    yield Claim(
-        "below (10)",
-        "S_abc = -(1/2) sqrt|g| eps_abc",
-        verdict(same(lower, epsilon(-frame.volume[()] / 2))),
-        listed("S", lower),
-        WHERE_POSITIVE,
-    )
-    framed = torsion.T.in_frame().lowered(2)
-    yield Claim(
-        "(11)",
-        "2 S_ijk = 2 e_i^a e_j^b e_k^m S_abm is the object of anholonomy",
-        verdict(framed == frame.anholonomy.lowered(2)),
-        f"C_ijk: {listed('C', frame.anholonomy.lowered(2))}",
-    )
-    yield Claim(
-        "(12)",
-        "2 S_ijk = -eps_ijk",
-        verdict(same(framed, epsilon(-1))),
-        listed("2 S", framed),
-        "for both signs of s2",
-    )
-    force = torsion.force(RATES)
-    yield Claim(
-        "section 1",
-        "autoparallels and geodesics differ by the torsion force 2 S_a^c_b w^a w^b",
-        verdict(force.is_zero is True),
-        listed("force", force),
-        "it vanishes here, S being totally antisymmetric: the curves are the same",
-    )
+from geomtorsion.cli import claims_geometry, claims_rotation, claims_translation
+from geomtorsion.cli.printed import Claim
 
 
 @cache
 def claims() -> tuple[Claim, ...]:
-    """All claims of section 2, equations (5) to (12), each recomputed now.
+    """All claims in the order of the paper, each recomputed now by the generic classes.
 
     Examples
     --------
     >>> [claim.equation for claim in claims() if not claim.agrees]
-    ['(9) right', 'after (9)']
+    ['(9) right', 'after (9)', '(17)', '(18)', 'around (21)', '(23)', 'under (24)', '(26)', '(27)']
     """
-    return (*_transformation(), *_metric(), *_riemann(), *_torsion())
+    turning, flying = claims_rotation, claims_translation
+    return (
+        *turning.first(),
+        *flying.second(),
+        *turning.third(),
+        *flying.fourth(),
+        *turning.between(),
+        *claims_geometry.claims(),
+        *turning.action(),
+        *turning.variations(),
+        *turning.principle(),
+        *flying.geometry(),
+        *flying.variations(),
+        *flying.action(),
+    )
