@@ -1,51 +1,25 @@
-"""Table: what was watched, a column for each number, as CSV."""
+"""Table: columns of numbers as CSV, every digit kept."""
 
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    import numpy as np
-
-
-def columns(
-    times: Any, watched: Mapping[str, Any], labels: Mapping[str, Sequence[str]] | None = None
-) -> dict[str, np.ndarray]:
-    """Columns of a table: t, then each number that is watched.
-
-    Parameters
-    ----------
-    times
-        shape (m,), seconds.
-    watched
-        name -> values, shape (m,), (m, k) or (m, 3, 3).
-    labels
-        name -> what its components are called; numbers from 1, if not given.
-
-    Examples
-    --------
-    >>> watched = {"energy": [1.0, 1.0], "omega": [[1, 2, 3], [1, 2, 3]]}
-    >>> list(columns([0.0, 1.0], watched, {"omega": "xyz"}))
-    ['t', 'energy', 'omega_x', 'omega_y', 'omega_z']
-    """
-    import numpy as np
-
-    found = {"t": np.asarray(times, dtype=float)}
-    for name, values in watched.items():
-        flat = np.asarray(values, dtype=float).reshape(len(found["t"]), -1)
-        if flat.shape[1] == 1:
-            found[name] = flat[:, 0]
-            continue
-        parts = (labels or {}).get(name) or [str(k + 1) for k in range(flat.shape[1])]
-        found |= {f"{name}_{part}": x for part, x in zip(parts, flat.T, strict=True)}
-    return found
+from typing import Any
 
 
 def write_csv(path: Path, table: Mapping[str, Any]) -> None:
-    """Every number with all its digits."""
+    r"""Write columns of equal length under their names; numbers read back as the same doubles.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder, "table.csv")
+    ...     write_csv(path, {"t": [0.0, 0.1], "engine": ["a", "b"]})
+    ...     path.read_text()
+    't,engine\n0.0,a\n0.1,b\n'
+    """
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(table)

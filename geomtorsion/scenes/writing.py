@@ -102,7 +102,7 @@ def _effect(effect: Effect) -> str:
 
 def _same(value: Any, usual: Any) -> bool:
     """Whether a field has its default; arrays and tuples are compared by what is in them."""
-    if usual is MISSING:
+    if usual is MISSING or usual is None:
         return False
     return _written(value) == _written(usual)
 

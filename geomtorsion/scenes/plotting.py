@@ -1,0 +1,196 @@
+"""Plotting: which pictures a result has, and how they are drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.scenes.drifts import drifts_over_time
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from geomtorsion.scenes.plan import ScenePlan
+    from geomtorsion.scenes.result import SceneResult
+
+Drawn = Callable[["SceneResult"], Any]
+# States that come in and stay out together, by the names of the plan.
+_GROUPS = {
+    **dict.fromkeys(("Omega1", "Omega2", "Omega3"), "rotation"),
+    **dict.fromkeys("xyz", "position"),
+    **dict.fromkeys(("vx", "vy", "vz"), "velocity"),
+}
+
+
+def plot(result: SceneResult, path: str | Path | None = None) -> Figure:
+    """What was watched, over time, in one figure; written to a file if a path is given.
+
+    Raises
+    ------
+    MissingExtraError
+        matplotlib is not installed.
+    """
+    from geomtorsion.pictures.ink import save
+
+    figure = watched(result)
+    if path is not None:
+        save(figure, Path(path))
+    return figure
+
+
+def album(result: SceneResult) -> dict[str, tuple[Drawn, str]]:
+    """Which pictures a result has: name -> (how to draw it, what it shows).
+
+    Examples
+    --------
+    >>> from geomtorsion.scenes import load
+    >>> list(album(load("lagrange_cusp").run()))
+    ['watched', 'axis', 'trust', 'plan']
+    """
+    shown: dict[str, tuple[Drawn, str]] = {
+        "watched": (watched, "Everything that was watched, over time.")
+    }
+    values, scene = result.values, result.scene
+    if "axis" in values and len(result.times) > 1:
+        shown["axis"] = (axis, "The way of the tip of the axis on the sphere.")
+    if "matrix" in values:
+        shown["attitude"] = (attitude, "Where the axes of the body point.")
+    if "omega" in values and scene is not None and scene.body.moments is not None:
+        shown["cones"] = (cones, "How the body turns, seen from itself and from space.")
+    if "position" in values:
+        shown["path"] = (path_in_space, "The way in space.")
+    if scene is not None:
+        shown["trust"] = (trust, "Error, and drift of what should be constant.")
+        shown["plan"] = (plan, "What was computed, and what was left out.")
+    return shown
+
+
+def title_of(result: SceneResult) -> str:
+    """The title of the scene."""
+    return str(getattr(result.plan, "title", ""))
+
+
+def notes_of(result: SceneResult) -> list[str]:
+    """One line on how good the numbers are."""
+    from geomtorsion.pictures.ink import number
+
+    error = number(float(f"{result.error:.1e}"))
+    how = result.closed_form or result.engine
+    ended = "" if result.outcome == "done" else f"; {result.outcome}"
+    return [f"By {how}; error below {error}, {number(result.accuracy)} asked{ended}."]
+
+
+def watched(result: SceneResult) -> Figure:
+    """Everything that was watched, over time."""
+    from geomtorsion.pictures.scene_lines import watched_picture
+
+    quantities = getattr(result.plan, "watch", ())
+    return watched_picture(
+        result.times,
+        result.values,
+        result.units,
+        result.labels,
+        {item.name: f"{item.name.replace('_', ' ')}: {item.meaning}" for item in quantities},
+        title_of(result),
+        notes_of(result),
+    )
+
+
+def axis(result: SceneResult) -> Figure:
+    """The tip of the axis on the sphere."""
+    from geomtorsion.pictures.scene_axis import axis_picture
+
+    return axis_picture(
+        result.times, result["axis"], title=title_of(result), notes=notes_of(result)
+    )
+
+
+def attitude(result: SceneResult) -> Figure:
+    """The axes of the body on the sphere."""
+    from geomtorsion.pictures.scene_axis import axes_picture
+
+    matrix = result["matrix"].reshape(-1, 3, 3)
+    return axes_picture(matrix, title_of(result), notes_of(result))
+
+
+def cones(result: SceneResult) -> Figure:
+    """Polhode and cones."""
+    from geomtorsion.pictures.scene_cones import cones_picture
+
+    assert result.scene is not None
+    moments = [float(x) for x in result.scene.body.moments or ()]
+    matrix = result.values.get("matrix")
+    turned = None if matrix is None else matrix.reshape(-1, 3, 3)
+    return cones_picture(moments, result["omega"], turned, title_of(result), notes_of(result))
+
+
+def path_in_space(result: SceneResult) -> Figure:
+    """The way in space, with the body on it."""
+    from geomtorsion.pictures.scene_path import path_picture
+
+    matrix = result.values.get("matrix")
+    turned = None if matrix is None else matrix.reshape(-1, 3, 3)
+    return path_picture(
+        {"position": result["position"]}, turned, title_of(result), notes_of(result)
+    )
+
+
+def trust(result: SceneResult) -> Figure:
+    """Error and drift over time."""
+    from geomtorsion.pictures.scene_trust import trust_picture
+
+    return trust_picture(
+        result.times,
+        drifts_over_time(result),
+        result.error,
+        result.accuracy,
+        title=title_of(result),
+        notes=notes_of(result),
+    )
+
+
+def plan(result: SceneResult) -> Figure:
+    """What is in and what was left out."""
+    return plan_figure(result.plan)  # type: ignore[arg-type]
+
+
+def plan_figure(shown: ScenePlan) -> Figure:
+    """The plan of a scene as a figure: effects, states, what is watched.
+
+    Raises
+    ------
+    MissingExtraError
+        matplotlib is not installed.
+    """
+    from geomtorsion.pictures.scene_plan import plan_picture
+
+    rows = {row.name: row for row in shown.rows}
+    states = [row.name for row in shown.rows if row.kind == "states"]
+
+    def box(node: str) -> str:
+        name = node.removeprefix("effect ").removeprefix("watch ")
+        name = _GROUPS.get(name, name)
+        # Where the whole attitude is followed, the vertical is read off it.
+        return "attitude" if name == "vertical" and shown.uses_quaternion else name
+
+    columns = {
+        "effects": [row.name for row in shown.rows if row.kind == "effect"],
+        "states": states,
+        "watched": [f"watched: {item.name}" for item in shown.watch],
+    }
+    edges: dict[tuple[str, str], None] = {}
+    for one, other in shown.graph.edges:
+        pair = (
+            box(one),
+            f"watched: {other.removeprefix('watch ')}"
+            if other.startswith("watch ")
+            else box(other),
+        )
+        inside = all(rows[name].inside for name in pair if name in rows)
+        if pair[0] != pair[1] and inside:
+            edges[pair] = None
+    out = {row.name: row.why for row in shown.rows if not row.inside}
+    count = len(shown.states)
+    heading = f"{shown.title or 'scene'}: {count} equation{'s' * (count != 1)}"
+    return plan_picture(columns, edges, out, heading)
