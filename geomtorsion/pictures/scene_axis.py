@@ -16,6 +16,8 @@ TRACE = Stroke("#0072B2", "-", 1.7, "^")
 LIMIT = "#D55E00"
 # Beyond so many turns about the vertical the first ones only are drawn on the globe.
 TURNS = 3.0
+# An axis that stays within this angle of the vertical (radians) is seen best from above.
+UPRIGHT = 0.35
 
 
 def axis_picture(
@@ -59,7 +61,10 @@ def axis_picture(
     curve_on(ball, shown, viewer, TRACE)
     ball.set_title("on the sphere", fontsize=11)
     flat: Any = figure.add_subplot(grid[1])
-    _unrolled(flat, tip, theta, bounds)
+    if max(bounds) < UPRIGHT:
+        _from_above(flat, tip, theta, bounds)
+    else:
+        _unrolled(flat, tip, theta, bounds)
     if title:
         figure.suptitle(title, fontsize=12)
     lines = ["Dot: start; triangle: end; dashed: the angles between which the axis nutates."]
@@ -118,6 +123,26 @@ def _unrolled(axes: Any, tip: np.ndarray, theta: np.ndarray, bounds: Any) -> Non
     axes.set_xlabel("angle about the vertical / degrees")
     axes.set_ylabel("angle from the vertical / degrees")
     axes.set_title("unrolled", fontsize=11)
+    quiet(axes)
+
+
+def _from_above(axes: Any, tip: np.ndarray, theta: np.ndarray, bounds: Any) -> None:
+    """The tip as one who looks down sees it: direction as it is, angle from the vertical as radius."""
+    import numpy as np
+
+    phi, tilt = np.arctan2(tip[:, 1], tip[:, 0]), np.degrees(theta)
+    place = np.column_stack([tilt * np.cos(phi), tilt * np.sin(phi)])
+    axes.plot(*place.T, **TRACE.line)
+    axes.scatter(*place[0], s=36, color="#222222", zorder=5, edgecolors="white")
+    axes.scatter(*place[-1], s=44, marker="^", color=TRACE.color, zorder=5, edgecolors="w")
+    turn = np.linspace(0, 2 * np.pi, 181)
+    for bound in bounds:
+        ring = np.degrees(bound) * np.array([np.cos(turn), np.sin(turn)])
+        axes.plot(*ring, color=LIMIT, linewidth=1.1, linestyle=(0, (4, 2)))
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_xlabel("towards $x$ / degrees")
+    axes.set_ylabel("towards $y$ / degrees")
+    axes.set_title("from above", fontsize=11)
     quiet(axes)
 
 

@@ -15,6 +15,10 @@ if TYPE_CHECKING:
     from geomtorsion.scenes.result import SceneResult
 
 Drawn = Callable[["SceneResult"], Any]
+# So many points make a smooth curve.
+SMOOTH = 1501
+# Directions that change by less than this (relative) are taken to stay.
+STEADY = 1e-6
 # States that come in and stay out together, by the names of the plan.
 _GROUPS = {
     **dict.fromkeys(("Omega1", "Omega2", "Omega3"), "rotation"),
@@ -56,7 +60,7 @@ def album(result: SceneResult) -> dict[str, tuple[Drawn, str]]:
         shown["axis"] = (axis, "The way of the tip of the axis on the sphere.")
     if "matrix" in values:
         shown["attitude"] = (attitude, "Where the axes of the body point.")
-    if "omega" in values and scene is not None and scene.body.moments is not None:
+    if scene is not None and scene.body.moments is not None and _turns(values.get("omega")):
         shown["cones"] = (cones, "How the body turns, seen from itself and from space.")
     if "position" in values:
         shown["path"] = (path_in_space, "The way in space.")
@@ -64,6 +68,26 @@ def album(result: SceneResult) -> dict[str, tuple[Drawn, str]]:
         shown["trust"] = (trust, "Error, and drift of what should be constant.")
         shown["plan"] = (plan, "What was computed, and what was left out.")
     return shown
+
+
+def _turns(omega: Any) -> bool:
+    """Whether an angular velocity changes its direction in the body."""
+    import numpy as np
+
+    if omega is None or not np.abs(omega).max():
+        return False
+    return bool(np.abs(np.cross(omega, omega[0])).max() > STEADY * np.abs(omega).max() ** 2)
+
+
+def finely(result: SceneResult, *names: str) -> list[Any]:
+    """Times, and quantities of these names at them, close enough for smooth curves."""
+    import numpy as np
+
+    if result.scene is None or len(result.times) >= SMOOTH or len(result.times) < 2:
+        return [result.times, *(result.values.get(name) for name in names)]
+    times = np.linspace(float(result.times[0]), float(result.times[-1]), SMOOTH)
+    found = result.at(times)
+    return [times, *(found.get(name) for name in names)]
 
 
 def title_of(result: SceneResult) -> str:
@@ -86,9 +110,13 @@ def watched(result: SceneResult) -> Figure:
     from geomtorsion.pictures.scene_lines import watched_picture
 
     quantities = getattr(result.plan, "watch", ())
+    times, *values = finely(result, *result.values)
+    named = dict(zip(result.values, values, strict=True))
+    # Nine lines tell nothing; the picture of the attitude shows them.
+    shown = {name: x for name, x in named.items() if x[0].size < 9} or named
     return watched_picture(
-        result.times,
-        result.values,
+        times,
+        shown,
         result.units,
         result.labels,
         {item.name: f"{item.name.replace('_', ' ')}: {item.meaning}" for item in quantities},
@@ -101,17 +129,16 @@ def axis(result: SceneResult) -> Figure:
     """The tip of the axis on the sphere."""
     from geomtorsion.pictures.scene_axis import axis_picture
 
-    return axis_picture(
-        result.times, result["axis"], title=title_of(result), notes=notes_of(result)
-    )
+    times, tips = finely(result, "axis")
+    return axis_picture(times, tips, title=title_of(result), notes=notes_of(result))
 
 
 def attitude(result: SceneResult) -> Figure:
     """The axes of the body on the sphere."""
     from geomtorsion.pictures.scene_axis import axes_picture
 
-    matrix = result["matrix"].reshape(-1, 3, 3)
-    return axes_picture(matrix, title_of(result), notes_of(result))
+    _, matrix = finely(result, "matrix")
+    return axes_picture(matrix.reshape(-1, 3, 3), title_of(result), notes_of(result))
 
 
 def cones(result: SceneResult) -> Figure:
@@ -120,20 +147,18 @@ def cones(result: SceneResult) -> Figure:
 
     assert result.scene is not None
     moments = [float(x) for x in result.scene.body.moments or ()]
-    matrix = result.values.get("matrix")
+    _, omega, matrix = finely(result, "omega", "matrix")
     turned = None if matrix is None else matrix.reshape(-1, 3, 3)
-    return cones_picture(moments, result["omega"], turned, title_of(result), notes_of(result))
+    return cones_picture(moments, omega, turned, title_of(result), notes_of(result))
 
 
 def path_in_space(result: SceneResult) -> Figure:
     """The way in space, with the body on it."""
     from geomtorsion.pictures.scene_path import path_picture
 
-    matrix = result.values.get("matrix")
+    _, places, matrix = finely(result, "position", "matrix")
     turned = None if matrix is None else matrix.reshape(-1, 3, 3)
-    return path_picture(
-        {"position": result["position"]}, turned, title_of(result), notes_of(result)
-    )
+    return path_picture({"position": places}, turned, title_of(result), notes_of(result))
 
 
 def trust(result: SceneResult) -> Figure:
