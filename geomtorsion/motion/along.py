@@ -9,9 +9,10 @@ import sympy as sp
 
 from geomtorsion.errors import AccuracyError, ChartEdgeError, ShapeError, StartError
 from geomtorsion.exact import Field
+from geomtorsion.motion.checking import CAUTION
 from geomtorsion.motion.engines import RungeKutta, Taylor
 from geomtorsion.motion.engines.taylor import is_available
-from geomtorsion.motion.solving import CAUTION, MARGIN, checked_accuracy, tolerances
+from geomtorsion.motion.solving import MARGIN, checked_accuracy, tolerances
 from geomtorsion.motion.start import checked_parameters
 from geomtorsion.motion.system import System
 

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import AccuracyError, StartError, TimeError
 from geomtorsion.motion import reading
+from geomtorsion.motion.checking import CAUTION
 from geomtorsion.motion.engines import Engine, RungeKutta, Taylor
 from geomtorsion.motion.engines.taylor import is_available
 from geomtorsion.motion.lists import start_lists
 from geomtorsion.motion.many import Lanes, run_lanes
 from geomtorsion.motion.problem import Problem
 from geomtorsion.motion.progress import Bar
-from geomtorsion.motion.solving import CAUTION, MARGIN, checked_accuracy, checked_times, tolerances
+from geomtorsion.motion.solving import MARGIN, checked_accuracy, checked_times, tolerances
 
 if TYPE_CHECKING:
     import numpy as np

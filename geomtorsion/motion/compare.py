@@ -23,12 +23,14 @@ def difference(one: Journey, two: Journey) -> tuple[float, int]:
         return float("inf"), 0
     worst = 0.0
     for first, second, blocks, start in _begun(one, two, count):
-        gaps = np.abs(first - second).max(axis=0)
-        sizes = np.maximum(np.abs(first).max(axis=0), np.abs(start))
+        largest = np.maximum.reduce
+        gaps = largest(np.abs(first - second)).tolist()
+        sizes = np.maximum(largest(np.abs(first)), np.abs(start)).tolist()
         for block in blocks:
             index = slice(block[0], block[-1] + 1)
-            gap, size = float(gaps[index].max()), float(sizes[index].max())
-            if not gap < float("inf"):
+            gap, size = float(max(gaps[index])), float(max(sizes[index]))
+            # A gap that is no number need not come out as the largest.
+            if not float(sum(gaps[index])) < float("inf"):
                 return float("inf"), count
             if gap > 0:
                 worst = max(worst, gap / size if size > 0 else float("inf"))

@@ -36,8 +36,8 @@ class Segment:
     run: Run
     begin: float
     skips: int
-    start: tuple[Any, ...]
-    parameters: tuple[Any, ...]
+    start: Sequence[Any]
+    parameters: Sequence[Any]
 
     @property
     def times(self) -> Any:
@@ -64,27 +64,31 @@ class Journey:
     @property
     def count(self) -> int:
         """Number of samples reached."""
-        return sum(len(segment.times) for segment in self.segments)
+        return sum([len(segment.run.times) - segment.skips for segment in self.segments])
+
+    def _total(self, name: str) -> Any:
+        """A count of the runs of all segments, added up."""
+        return sum([getattr(segment.run, name) for segment in self.segments])
 
     @property
     def steps(self) -> int:
         """Steps of all segments."""
-        return sum(segment.run.steps for segment in self.segments)
+        return self._total("steps")
 
     @property
     def evaluations(self) -> int:
         """Evaluations of all segments."""
-        return sum(segment.run.evaluations for segment in self.segments)
+        return self._total("evaluations")
 
     @property
     def compile_seconds(self) -> float:
         """Time spent on compilation."""
-        return sum(segment.run.compile_seconds for segment in self.segments)
+        return self._total("compile_seconds")
 
     @property
     def run_seconds(self) -> float:
         """Time spent on integration."""
-        return sum(segment.run.run_seconds for segment in self.segments)
+        return self._total("run_seconds")
 
     @property
     def reached(self) -> float:
@@ -99,19 +103,15 @@ def travel(
     import numpy as np
 
     several = len(problem.charts) > 1
-    name, state = beginning(problem, engine.precision)
+    name, velocities, vector, parameters = departure(problem, engine.precision)
     segments: list[Segment] = []
     rest, skips = times, 0
     while True:
         equations = problem.equations(name)
         system = equations.system if several else equations.system.to_the_end
-        velocities, vector = _split(problem, equations, state)
-        parameters = values_of(problem, equations, velocities)
         run = engine.run(system, vector, parameters, rest, tolerance, dense=dense)
         first = float(rest[0])
-        segments.append(
-            Segment(name, equations, run, first, skips, tuple(vector), tuple(parameters))
-        )
+        segments.append(Segment(name, equations, run, first, skips, vector, parameters))
         if run.outcome != "edge" and not (run.outcome == "stuck" and several and name):
             return Journey(problem, engine, tolerance, tuple(segments), run.outcome, run.reason)
         state = _joined(equations, run.last, velocities)
@@ -121,6 +121,7 @@ def travel(
             return Journey(problem, engine, tolerance, tuple(segments), "stuck", reason)
         state = moved_over(problem, name, target, state, engine.precision)
         name, skips = target, 1
+        velocities, vector, parameters = _laid_out(problem, name, state)
         rest = np.concatenate(([run.reached], rest[len(run.times) :]))
 
 
@@ -202,11 +203,34 @@ def _divided(value: Any, speed: float) -> Any:
     return value / ratio
 
 
-def _split(problem: Problem, equations: Equations, state: State) -> tuple[list[Any], list[Any]]:
-    """Velocities, and the vector of states for an engine."""
+def departure(problem: Problem, precision: int) -> tuple[str, list[Any], Any, Any]:
+    """Chart, velocities, vector of states and values of parameters with which to begin.
+
+    In double precision the last two are arrays, made once for all runs.
+    """
+    return problem.kept(("departure", precision), lambda: _departure(problem, precision))
+
+
+def _departure(problem: Problem, precision: int) -> tuple[str, list[Any], Any, Any]:
+    import numpy as np
+
+    name, state = beginning(problem, precision)
+    velocities, vector, parameters = _laid_out(problem, name, state)
+    if precision == 53:
+        vector, parameters = (np.array([float(x) for x in y]) for y in (vector, parameters))
+        vector.flags.writeable = parameters.flags.writeable = False
+    return name, velocities, vector, parameters
+
+
+def _laid_out(
+    problem: Problem, name: str, state: State
+) -> tuple[list[Any], Sequence[Any], Sequence[Any]]:
+    """Velocities, vector of states for an engine, and values of the parameters."""
+    equations = problem.equations(name)
     coordinates, velocities, riders = state
     moving = velocities if equations.moves else []
-    return velocities, [*coordinates, *moving, *riders]
+    parameters = tuple(values_of(problem, equations, velocities))
+    return velocities, (*coordinates, *moving, *riders), parameters
 
 
 def _joined(equations: Equations, vector: Any, velocities: list[Any]) -> State:

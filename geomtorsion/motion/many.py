@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import GeomtorsionError, StartError
 from geomtorsion.motion.engines import Engine, Taylor
-from geomtorsion.motion.engines.rungekutta import error_scales
+from geomtorsion.motion.engines.scipy_run import error_scales
 from geomtorsion.motion.engines.taylor import heyoka
 from geomtorsion.motion.equations import Equations
 from geomtorsion.motion.problem import Problem

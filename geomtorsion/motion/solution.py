@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import MissingExtraError, TimeError, UnknownNameError
 from geomtorsion.motion import measures, reading
+from geomtorsion.motion.checking import CAUTION
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -24,10 +25,10 @@ if TYPE_CHECKING:
 class Cost:
     """What a solution cost.
 
-    steps, evaluations: of the answer, without the witness that gave the error estimate.
-    compile_seconds: compilation, of answer and witness; zero where it was kept from before.
+    steps, evaluations: of the answer, without the run that gave the error estimate.
+    compile_seconds: compilation, of answer and check; zero where it was kept from before.
     run_seconds: integration of the answer.
-    check_seconds: integration of everything else: witnesses, and attempts that were too coarse.
+    check_seconds: integration of everything else: checks, and attempts that were too coarse.
     """
 
     steps: int
@@ -73,6 +74,8 @@ class Solution:
     engine, why: what solved it, and why that was chosen.
     cost: steps, evaluations, seconds.
     complete: whether the last time was reached.
+    journey, witness: the integration, and the other one that it was held against.
+    share: the error is this many times the difference of the two.
 
     Examples
     --------
@@ -94,6 +97,7 @@ class Solution:
     complete: bool
     journey: Journey
     witness: Journey | None = None
+    share: float = CAUTION
 
     # -- arrays at the times ---------------------------------------------------------------------
 

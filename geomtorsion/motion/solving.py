@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from geomtorsion.errors import AccuracyError, ChartEdgeError, TimeError
+from geomtorsion.errors import AccuracyError, ChartEdgeError
+from geomtorsion.motion.asked import SAMPLES, checked_accuracy, checked_times
+from geomtorsion.motion.checking import CAUTION, Checked, checked
 from geomtorsion.motion.compare import difference
 from geomtorsion.motion.engines.protocol import Engine
 from geomtorsion.motion.engines.rungekutta import RungeKutta, Stiff
@@ -15,15 +17,10 @@ from geomtorsion.motion.journey import Journey, beginning, travel, values_of
 from geomtorsion.motion.problem import Problem
 from geomtorsion.motion.solution import Cost, Solution
 
-if TYPE_CHECKING:
-    import numpy as np
+__all__ = ["CAUTION", "SAMPLES", "checked_accuracy", "checked_times", "choices", "solve"]
 
-# Samples of a solution that is asked for at one time only.
-SAMPLES = 65
 # The first tolerance is this much below the accuracy; later ones go down by STEP.
 MARGIN, STEP = 0.1, 1e-2
-# An error estimate is this many times the difference to the witness.
-CAUTION = 2.0
 # A motion whose fastest decay times the duration exceeds this is left to an implicit engine.
 STIFF = 3e4
 
@@ -33,8 +30,9 @@ def solve(
 ) -> Solution:
     """Solve a motion so that the result, not each step, is as accurate as asked.
 
-    The error is measured against an independent integration with a hundred times smaller
-    tolerance; the tolerance goes down until the error is below the accuracy.
+    The error is measured against a second, coarser integration, by how much engines gain from
+    one tolerance to the other (see `checking`); near the rounding against a finer one. The
+    tolerance goes down until the error is below the accuracy.
 
     Parameters
     ----------
@@ -72,12 +70,11 @@ def solve(
     spent: list[Journey] = []
     best = math.inf
     for candidate, why in candidates(problem, scaled, accuracy, engine):
-        answer, witness, error = _refined(problem, candidate, scaled, accuracy, spent)
-        best = min(best, error)
-        if error <= accuracy or answer.outcome == "stuck":
-            solution = _solution(
-                problem, times, grid, accuracy, error, why, (answer, witness), spent
-            )
+        found = _refined(problem, candidate, scaled, accuracy)
+        spent += found.spent
+        best = min(best, found.error)
+        if found.error <= accuracy or found.answer.outcome == "stuck":
+            solution = _solution(problem, times, grid, accuracy, why, found, spent)
             if not solution.complete:
                 raise ChartEdgeError(stopped(solution), solution)
             return solution
@@ -87,26 +84,21 @@ def solve(
     )
 
 
-def _refined(
-    problem: Problem, engine: Engine, times: Any, accuracy: float, spent: list[Journey]
-) -> tuple[Journey, Journey, float]:
-    """Answer, witness and error of the first tolerance that is good enough, or of the last."""
+def _refined(problem: Problem, engine: Engine, times: Any, accuracy: float) -> Checked[Journey]:
+    """Answer, check and error of the first tolerance that is good enough, or of the last."""
     known = learned(problem)
-    key = (engine.name, round(math.log10(accuracy), 1))
-    steps = tolerances(known.get(key, accuracy * MARGIN), engine.finest)
-    answer = before = travel(problem, engine, next(steps), times)
-    spent.append(answer)
-    error = math.inf
-    for tolerance in steps:
-        witness = travel(problem, engine, tolerance, times)
-        spent.append(witness)
-        gap, compared = difference(answer, witness)
-        error = max(CAUTION * gap, 2.0**-engine.precision) if compared else math.inf
-        if error <= accuracy:
-            known[key] = answer.tolerance
-            return answer, witness, error
-        answer, before = witness, answer
-    return before, answer, error
+    key = (engine.name, accuracy)
+    found = checked(
+        engine,
+        accuracy,
+        known.get(key) or engine.first(accuracy),
+        lambda tolerance: travel(problem, engine, tolerance, times),
+        difference,
+        lambda journey: journey.outcome == "stuck",
+    )
+    if found.error <= accuracy:
+        known[key] = found.answer.tolerance
+    return found
 
 
 def tolerances(first: float, finest: float) -> Iterator[float]:
@@ -176,66 +168,19 @@ def fastest_decay(problem: Problem) -> float:
     return float(-np.linalg.eigvals(matrix).real.min()) if np.isfinite(matrix).all() else 0.0
 
 
-def checked_accuracy(accuracy: Any) -> float:
-    """A positive finite number."""
-    try:
-        value = float(accuracy)
-    except (TypeError, ValueError):
-        raise AccuracyError(f"accuracy = {accuracy!r} is no number; 1e-10 is usual.") from None
-    if not (math.isfinite(value) and value > 0):
-        raise AccuracyError(f"accuracy = {value} was given; a positive number is needed.")
-    return value
-
-
-def checked_times(t: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Times to report, and the grid from 0 through them."""
-    import numpy as np
-
-    try:
-        asked = np.asarray(t, dtype=float)
-    except (TypeError, ValueError):
-        raise TimeError(f"t = {t!r}: a number or a list of numbers was needed.") from None
-    if asked.size == 0 or asked.ndim > 1:
-        raise TimeError(f"t has shape {asked.shape}: a number or a list of times was needed.")
-    if not np.isfinite(asked).all():
-        bad = asked if asked.ndim == 0 else asked[~np.isfinite(asked)][0]
-        raise TimeError(f"t contains {bad}: all times must be finite.")
-    if asked.ndim == 0:
-        if asked == 0:
-            return np.zeros(1), np.zeros(1)
-        grid = np.linspace(0.0, float(asked), SAMPLES)
-        return grid, grid
-    steps = np.diff(asked)
-    if (steps == 0).any():
-        k = int(np.flatnonzero(steps == 0)[0])
-        raise TimeError(f"time {asked[k]:.6g} is repeated at [{k}] and [{k + 1}]. Give it once.")
-    rising = asked[-1] > 0
-    if not ((steps > 0).all() if rising else (steps < 0).all()):
-        raise TimeError("times are not sorted. Sort them away from the start at t = 0.")
-    if (asked[0] < 0) if rising else (asked[0] > 0):
-        raise TimeError(
-            f"times run from {asked[0]:.6g} to {asked[-1]:.6g}, but the motion starts at t = 0. "
-            "Solve forwards and backwards apart."
-        )
-    if asked[0] != 0:
-        return asked, np.concatenate(([0.0], asked))
-    return asked, asked
-
-
 def _solution(
     problem: Problem,
     times: Any,
     grid: Any,
     accuracy: float,
-    error: float,
     why: str,
-    pair: tuple[Journey, Journey],
+    found: Checked[Journey],
     spent: list[Journey],
 ) -> Solution:
     """The answer with what is known about it."""
     from dataclasses import replace
 
-    answer, witness = pair
+    answer, error = found.answer, found.error
     count = answer.count
     complete = answer.outcome == "done"
     reached = times if complete else grid[:count]
@@ -244,15 +189,28 @@ def _solution(
         answer = replace(
             answer, segments=(replace(first, skips=first.skips + 1), *answer.segments[1:])
         )
+    run_seconds = answer.run_seconds
     cost = Cost(
         answer.steps,
         answer.evaluations,
-        sum(journey.compile_seconds for journey in spent),
-        answer.run_seconds,
-        sum(journey.run_seconds for journey in spent) - answer.run_seconds,
+        sum([journey.compile_seconds for journey in spent]),
+        run_seconds,
+        sum([journey.run_seconds for journey in spent]) - run_seconds,
     )
     name = answer.engine.name
-    return Solution(problem, reached, accuracy, error, name, why, cost, complete, answer, witness)
+    return Solution(
+        problem,
+        reached,
+        accuracy,
+        error,
+        name,
+        why,
+        cost,
+        complete,
+        answer,
+        found.check,
+        found.share,
+    )
 
 
 def stopped(solution: Solution) -> str:

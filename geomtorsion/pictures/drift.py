@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.motion.compare import pairs
-from geomtorsion.motion.solving import CAUTION
 from geomtorsion.motion.system import evaluated
 
 if TYPE_CHECKING:
@@ -42,7 +41,7 @@ def error_over_time(solution: Solution) -> np.ndarray | None:
                 gap = np.abs(first[:, index] - second[:, index]).max(axis=1)
                 worst = np.maximum(worst, gap.astype(float) / size)
         found.append(worst)
-    return CAUTION * np.concatenate(found)
+    return solution.share * np.concatenate(found)
 
 
 def drift_over_time(solution: Solution) -> dict[str, np.ndarray]:

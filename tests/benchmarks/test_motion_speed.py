@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from geomtorsion.motion import RungeKutta, Taylor, geodesic, solve, solve_many
-from geomtorsion.motion.engines.taylor import _kept
+from geomtorsion.motion.engines.store import kept
 from geomtorsion.motion.many import run_lanes
 from geomtorsion.spaces import load
 from tests.benchmarks.motions import (
@@ -37,7 +37,7 @@ def test_against_rivals(case, capsys):
     """CPU milliseconds; the error is below the accuracy and its estimate holds."""
     hy.llvm_state.set_diskcache_enabled(False)
     hy.llvm_state.clear_memcache()
-    _kept.clear()
+    kept.clear()
     rows = []
     for accuracy in ACCURACIES:
         first = solve(case.problem, case.t, accuracy, Taylor())

@@ -36,6 +36,20 @@ class Run:
     reason: str = ""
 
 
+class Effort(Protocol):
+    """What an engine is told about a run to say how two of them compare."""
+
+    @property
+    def tolerance(self) -> float:
+        """Local tolerance asked for."""
+        ...
+
+    @property
+    def steps(self) -> int:
+        """Steps that were taken."""
+        ...
+
+
 class Engine(Protocol):
     """Integrates a system over given times, to a local tolerance.
 
@@ -57,6 +71,26 @@ class Engine(Protocol):
     @property
     def finest(self) -> float:
         """The smallest tolerance that makes sense."""
+        ...
+
+    def first(self, accuracy: float) -> float:
+        """The tolerance with which to try for an accuracy of the result."""
+        ...
+
+    def rung(self, tolerance: float) -> float:
+        """The nearest smaller tolerance of a fixed ladder, so that few are compiled."""
+        ...
+
+    def finer(self, tolerance: float) -> float | None:
+        """The tolerance of a run that is far more accurate; None where there is none."""
+        ...
+
+    def coarser(self, tolerance: float) -> float | None:
+        """The tolerance of a cheap run whose error tells that of this one, or None."""
+        ...
+
+    def shrinks(self, fine: Effort, coarse: Effort) -> float | None:
+        """Error of a fine run over that of a coarse one; None where that is not known."""
         ...
 
     def run(

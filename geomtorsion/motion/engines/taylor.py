@@ -3,67 +3,61 @@
 from __future__ import annotations
 
 import math
-import re
 import time
-from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib import import_module
+from functools import cache, lru_cache
 from typing import Any
 
-from geomtorsion.errors import LimitError, MissingExtraError
+from geomtorsion.errors import LimitError
 from geomtorsion.motion.engines.last_place import last_regular
-from geomtorsion.motion.engines.protocol import Run
+from geomtorsion.motion.engines.protocol import Effort, Run
 from geomtorsion.motion.engines.record import Record
-from geomtorsion.motion.engines.writer import SquaringWriter
+from geomtorsion.motion.engines.store import (
+    Compiled,
+    heyoka,
+    is_available,
+    order_of,
+    ready,
+    tolerance_of,
+)
 from geomtorsion.motion.system import System, mpf
 
-# Compiled integrators that are kept; each is some hundred kilobytes.
-KEPT = 128
-# Larger equations (characters of code, a call of a function counted as CALL, times order) are
-# compiled without optimisation first: tenths of a second instead of several, at half the speed.
-LARGE, CALL = 6000, 60
-# Seconds of running after which optimising pays.
-PROVEN = 1.0
-# Code longer than this is not unrolled at all.
-LONGEST_UNROLLED = 4000
-# Bytes of compiled code that heyoka may leave on the disk; its own default is 21 gigabytes.
-DISK = 2**30
+__all__ = ["Taylor", "heyoka", "is_available"]
+
 # Between looks at whether a run still gets anywhere.
 STEPS_AT_ONCE = 20_000
+# Orders of which the error is told by a run of lower order: from here on, ...
+LOWEST_CHECKED = 6
+# ... as far as rounding, so many units in the last place a step, leaves room.
+ROUNDING = 10.0
 
 
-@dataclass
-class _Compiled:
-    """A compiled integrator, whether it is optimised, and for how long it has run."""
-
-    integrator: Any
-    optimised: bool
-    used: float = 0.0
+@cache
+def _highest_checked(precision: int) -> int:
+    """Above this order rounding is more than a few times what the series leaves out."""
+    return int(0.5 * math.log(2 / ROUNDING * 2.0**precision)) - 1
 
 
-_kept: OrderedDict[tuple[Any, ...], _Compiled] = OrderedDict()
+@lru_cache(maxsize=256)
+def _coarser(tolerance: float, precision: int) -> float | None:
+    order = order_of(tolerance)
+    if not LOWEST_CHECKED <= order <= _highest_checked(precision):
+        return None
+    return tolerance_of(order - 4 if order >= LOWEST_CHECKED + 2 else order - 2)
 
 
-def heyoka() -> Any:
-    """The heyoka module, or an error that names the extra."""
-    try:
-        module = import_module("heyoka")
-    except ImportError:
-        raise MissingExtraError(
-            "the Taylor engine needs heyoka, which is not installed. "
-            "Run `pip install geomtorsion[fast]` (Linux), or use engine=RungeKutta()."
-        ) from None
-    if module.llvm_state.get_diskcache_limit() > DISK:
-        module.llvm_state.set_diskcache_limit(DISK)
-    return module
+@lru_cache(maxsize=256)
+def _shrinks(fine: float, coarse: float, precision: int) -> float | None:
+    """Error of a fine run over that of a coarse one.
 
-
-def is_available() -> bool:
-    """Whether heyoka can be imported."""
-    from importlib.util import find_spec
-
-    return find_spec("heyoka") is not None
+    Steps are 1/e^2 of the radius of convergence: each order is worth a factor e^2. What rounding
+    adds to the fine run is told by how much the error of the coarse one has grown.
+    """
+    low, high = order_of(coarse), order_of(fine)
+    if high - low not in (2, 4) or high > _highest_checked(precision) or low < LOWEST_CHECKED - 2:
+        return None
+    return math.exp(2 * (low - high)) + ROUNDING * 2.0**-precision * math.exp(2 * low + 2)
 
 
 @dataclass(frozen=True)
@@ -95,6 +89,29 @@ class Taylor:
         """A tolerance at which only rounding is left."""
         return 2.0 ** -(self.precision + 6)
 
+    def first(self, accuracy: float) -> float:
+        """See `Engine.first`: the error of a motion is near the tolerance of its series."""
+        return tolerance_of(max(order_of(max(accuracy, self.finest)), LOWEST_CHECKED))
+
+    def rung(self, tolerance: float) -> float:
+        """See `Engine.rung`: one rung per order of the series."""
+        return tolerance_of(order_of(tolerance))
+
+    def finer(self, tolerance: float) -> float | None:
+        """See `Engine.finer`: two orders more."""
+        last = tolerance_of(order_of(self.finest))
+        if tolerance <= last * 1.01:
+            return None
+        return max(tolerance_of(order_of(tolerance) + 2), last)
+
+    def coarser(self, tolerance: float) -> float | None:
+        """See `Engine.coarser`: four orders less, as long as rounding plays no part."""
+        return _coarser(tolerance, self.precision)
+
+    def shrinks(self, fine: Effort, coarse: Effort) -> float | None:
+        """See `Engine.shrinks`."""
+        return _shrinks(fine.tolerance, coarse.tolerance, self.precision)
+
     def number(self, value: Any) -> Any:
         """A number in the type of this precision, correctly rounded."""
         if self.precision == 53:
@@ -119,88 +136,20 @@ class Taylor:
         import numpy as np
 
         if self.precision == 53:
+            if isinstance(values, np.ndarray) and values.dtype == np.float64:
+                return values
             return np.array([float(value) for value in values])
         kind = type(self.number(0))
         return np.array([self.number(value) for value in values], dtype=kind)
 
     def integrator(self, system: System, tolerance: float, batch: int = 0) -> tuple[Any, float]:
         """The compiled integrator of a system, from the store or made now; seconds it took."""
-        kept, seconds = self._ready(system, tolerance, batch)
-        return kept.integrator, seconds
+        compiled, seconds = self._ready(system, tolerance, batch)
+        return compiled.integrator, seconds
 
-    def _ready(self, system: System, tolerance: float, batch: int) -> tuple[_Compiled, float]:
-        """The compiled integrator with its history; optimised when that has come to pay."""
-        key = (system.key, tolerance, self.precision, batch)
-        found = _kept.get(key)
-        if found is not None and (found.optimised or not self._wants_speed(found)):
-            _kept.move_to_end(key)
-            return found, 0.0
-        began = time.perf_counter()
-        if found is None:
-            optimised = self.optimised
-            if optimised is None:
-                order = 1 - math.log(tolerance) / 2
-                size = len(system.code[0]) + CALL * len(re.findall(r"[a-z](?=\()", system.code[0]))
-                optimised = bool(batch) or size * order < LARGE
-        else:
-            optimised = True
-        made = _Compiled(self._compiled(system, tolerance, batch, optimised), optimised)
-        _kept[key] = made
-        while len(_kept) > KEPT:
-            _kept.popitem(last=False)
-        return made, time.perf_counter() - began
-
-    def _wants_speed(self, found: _Compiled) -> bool:
-        """Whether an integrator that is not optimised should be."""
-        if self.precision > 64 or self.optimised is False:
-            return False
-        return self.optimised is True or found.used > PROVEN
-
-    def _compiled(self, system: System, tolerance: float, batch: int, optimised: bool) -> Any:
-        import numpy as np
-
-        hy = heyoka()
-        variables = hy.make_vars(*(f"s{k}" for k in range(system.size)))
-        if system.size == 1:
-            variables = [variables] if not isinstance(variables, list) else variables
-        known = dict(zip(system.states, variables, strict=True))
-        known |= {name: hy.par[k] for k, name in enumerate(system.parameters)}
-        writer = SquaringWriter(known, self._constant)
-        equations = [
-            (variable, writer.products(rate))
-            for variable, rate in zip(variables, system.rates, strict=True)
-        ]
-        options: dict[str, Any] = {
-            "tol": self.number(tolerance),
-            "compact_mode": self.precision > 64 or len(system.code[0]) > LONGEST_UNROLLED,
-            "opt_level": 3 if optimised and self.precision <= 64 else 0,
-        }
-        if batch:
-            return hy.taylor_adaptive_batch(
-                equations,
-                np.zeros((system.size, batch)),
-                pars=np.zeros((len(system.parameters), batch)),
-                **options,
-            )
-        if self.precision != 53:
-            options["fp_type"] = type(self.number(0))
-            if self.precision > 113:
-                options["prec"] = self.precision
-        if system.edge is not None:
-            kind = {53: hy.t_event, 64: hy.t_event_ldbl, 113: getattr(hy, "t_event_f128", None)}
-            maker = kind.get(self.precision) or hy.t_event_real
-            falling = hy.event_direction.negative
-            options["t_events"] = [maker(writer.products(system.edge), direction=falling)]
-        zeros = self.array([0] * system.size)
-        return hy.taylor_adaptive(
-            equations, zeros, pars=self.array([0] * len(system.parameters)), **options
-        )
-
-    def _constant(self, p: int, q: int) -> Any:
-        """A rational number as a heyoka expression, rounded once."""
-        from fractions import Fraction
-
-        return heyoka().expression(self.number(Fraction(p, q)))
+    def _ready(self, system: System, tolerance: float, batch: int) -> tuple[Compiled, float]:
+        order = order_of(tolerance)
+        return ready(system, order, self.precision, batch, self.optimised, self.number)
 
     def run(
         self,
@@ -218,9 +167,9 @@ class Taylor:
         compiled, compiling = self._ready(system, tolerance, 0)
         integrator = compiled.integrator
         began = time.perf_counter()
-        grid = np.asarray(times, dtype=float) if self.precision == 53 else self.array(times)
+        grid, start = self.array(times), self.array(start)
         integrator.time = grid[0]
-        integrator.state[:] = self.array(start)
+        integrator.state[:] = start
         if len(system.parameters):
             integrator.pars[:] = self.array(parameters)
         if system.edge is not None:
@@ -231,10 +180,10 @@ class Taylor:
             record = Record(integrator, grid[0])
             integrator.propagate_until(grid[-1], callback=record, write_tc=True)
             integrator.time = grid[0]
-            integrator.state[:] = self.array(start)
+            integrator.state[:] = start
         states, outcome, steps, reason = self._propagated(integrator, grid)
         if reason == NO_VALUE:
-            place = last_regular(integrator, grid[0], self.array(start), grid[-1])
+            place = last_regular(integrator, grid[0], start, grid[-1])
             integrator.time, integrator.state[:] = place
             lasted = abs(float(place[0] - grid[0]))
             states = states[np.abs((grid[: len(states)] - grid[0]).astype(float)) <= lasted]

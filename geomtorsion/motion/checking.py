@@ -1,0 +1,173 @@
+"""Checking: an answer, and how wrong it is, from two runs of different tolerance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar
+
+from geomtorsion.motion.engines.protocol import Engine
+
+# An error estimate is this many times what the difference of two runs says.
+CAUTION = 2.2
+# An answer is taken if its error is below this part of the accuracy: estimates, too, have errors.
+TAKEN = 0.4
+# An answer of fewer steps is held against a finer run: its steps end where the motion does.
+FEW_STEPS = 4
+# Two runs that differ by more than this part say nothing about each other.
+SATURATED = 0.02
+# Where an attempt fails, the next tolerance is this much below what the estimate asks for, ...
+RESERVE = 0.35
+# ... and between these parts of the last one.
+SMALLEST_STEP, LARGEST_STEP = 0.2, 1e-6
+
+
+class Attempt(Protocol):
+    """One integration of a motion."""
+
+    @property
+    def tolerance(self) -> float:
+        """Local tolerance asked of the engine."""
+        ...
+
+    @property
+    def steps(self) -> int:
+        """Steps that were taken."""
+        ...
+
+    @property
+    def outcome(self) -> str:
+        """How it ended."""
+        ...
+
+
+A = TypeVar("A", bound=Attempt)
+
+
+@dataclass(frozen=True, eq=False)
+class Checked(Generic[A]):
+    """An answer, the run it was held against, and the error.
+
+    share: the error is this many times the difference of the two.
+    error: estimate, relative; infinite where nothing could be compared.
+    spent: all runs, answer and check among them.
+    """
+
+    answer: A
+    check: A
+    share: float
+    error: float
+    spent: tuple[A, ...]
+
+
+def checked(
+    engine: Engine,
+    accuracy: float,
+    first: float,
+    attempt: Callable[[float], A],
+    difference: Callable[[A, A], tuple[float, int]],
+    ended: Callable[[A], bool],
+) -> Checked[A]:
+    """The answer of the first tolerance that is good enough, or the last one.
+
+    An answer is held against a coarser run where the engine knows by how much the error shrinks
+    from one tolerance to the other, else against a finer one. The coarse run costs a half of the
+    answer or less, and shows how errors grow along this very motion; the share is a matter of
+    the two orders or step lengths alone.
+
+    Parameters
+    ----------
+    engine
+        gives the tolerances to try.
+    accuracy
+        largest error.
+    first
+        tolerance to begin with.
+    attempt
+        makes a run of a tolerance.
+    difference
+        largest relative difference of two runs, and how many samples were compared.
+    ended
+        whether an answer is final however wrong it is: the motion ended on its way.
+    """
+    made: dict[float, A] = {}
+
+    def run(tolerance: float) -> A:
+        if tolerance not in made:
+            made[tolerance] = attempt(tolerance)
+        return made[tolerance]
+
+    tolerance: float | None = first
+    best = None
+    while tolerance is not None:
+        answer = run(tolerance)
+        check, share, error = _judged(engine, answer, made, run, difference)
+        if best is None or error < best[-1]:
+            best = answer, check, share, error
+        if error <= TAKEN * accuracy or ended(answer):
+            break
+        tolerance = _next(engine, answer, check, error / accuracy)
+    assert best is not None
+    return Checked(*best, tuple(made.values()))
+
+
+def rounding(engine: Engine, steps: int) -> float:
+    """The error that no estimate goes below: one rounding a step, adding up at random."""
+    return 2.0**-engine.precision * math.sqrt(max(steps, 1))
+
+
+def _judged(
+    engine: Engine,
+    answer: A,
+    made: dict[float, A],
+    run: Callable[[float], A],
+    difference: Callable[[A, A], tuple[float, int]],
+) -> tuple[A, float, float]:
+    """The run against which an answer is held, the share of the difference, and the error."""
+    least = rounding(engine, answer.steps)
+    coarse = engine.coarser(answer.tolerance)
+    if coarse is not None and answer.steps >= FEW_STEPS:
+        usable = [t for t in made if engine.shrinks(answer, made[t]) is not None]
+        check = run(max(usable, default=coarse))
+        share = engine.shrinks(answer, check)
+        if share is not None and check.outcome == answer.outcome:
+            gap, compared = difference(answer, check)
+            if compared and gap <= SATURATED:
+                return check, CAUTION * share, max(CAUTION * share * gap, least)
+    finer = engine.finer(answer.tolerance)
+    if finer is None:
+        return answer, CAUTION, math.inf
+    least *= max(_growth(answer, made, difference), 1.0)
+    check = run(finer)
+    gap, compared = difference(answer, check)
+    return check, CAUTION, max(CAUTION * gap, least) if compared else math.inf
+
+
+def _growth(
+    answer: A, made: dict[float, A], difference: Callable[[A, A], tuple[float, int]]
+) -> float:
+    """How much errors grow on the way, as far as an earlier attempt shows it.
+
+    Two fine runs share some of their rounding; this part of the error they do not show.
+    """
+    earlier = max(made)
+    if earlier <= answer.tolerance:
+        return 1.0
+    gap, compared = difference(answer, made[earlier])
+    return gap / earlier if compared and gap <= SATURATED else 1.0
+
+
+def _next(engine: Engine, answer: Attempt, check: Attempt, excess: float) -> float | None:
+    """The tolerance to try after an error that is too large by a factor."""
+    if check.tolerance < answer.tolerance:
+        return check.tolerance
+    if answer.tolerance <= engine.finest * 1.01:
+        return None
+    step = min(max(RESERVE / excess, LARGEST_STEP), SMALLEST_STEP)
+    wanted = max(engine.rung(answer.tolerance * step), engine.finest)
+    nearest = engine.rung(answer.tolerance * SMALLEST_STEP)
+    # A check by a finer run costs three times one by a coarser run: first what is near.
+    if engine.coarser(wanted) is None and engine.coarser(nearest) is not None:
+        return nearest
+    return wanted

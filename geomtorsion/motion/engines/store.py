@@ -1,0 +1,164 @@
+"""Store: integrators compiled by heyoka, kept for equations that come again."""
+
+from __future__ import annotations
+
+import math
+import re
+import time
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from importlib import import_module
+from typing import Any
+
+from geomtorsion.errors import MissingExtraError
+from geomtorsion.motion.engines.writer import SquaringWriter
+from geomtorsion.motion.system import System
+
+# Compiled integrators that are kept; each is some hundred kilobytes.
+KEPT = 128
+# Larger equations (characters of code, a call of a function counted as CALL, times order) are
+# compiled without optimisation first: a tenth of the time, at half the speed.
+LARGE, CALL = 6000, 60
+# Seconds of running after which optimising pays.
+PROVEN = 1.0
+# Code longer than this is not unrolled at all.
+LONGEST_UNROLLED = 4000
+# Bytes of compiled code that heyoka may leave on the disk; its own default is 21 gigabytes.
+DISK = 2**30
+
+
+@dataclass
+class Compiled:
+    """A compiled integrator, whether it is optimised, and for how long it has run."""
+
+    integrator: Any
+    optimised: bool
+    used: float = 0.0
+
+
+kept: OrderedDict[tuple[Any, ...], Compiled] = OrderedDict()
+
+
+def heyoka() -> Any:
+    """The heyoka module, or an error that names the extra."""
+    try:
+        module = import_module("heyoka")
+    except ImportError:
+        raise MissingExtraError(
+            "the Taylor engine needs heyoka, which is not installed. "
+            "Run `pip install geomtorsion[fast]` (Linux), or use engine=RungeKutta()."
+        ) from None
+    return module
+
+
+def is_available() -> bool:
+    """Whether heyoka can be imported."""
+    from importlib.util import find_spec
+
+    return find_spec("heyoka") is not None
+
+
+def order_of(tolerance: float) -> int:
+    """The order of the series that heyoka takes for a tolerance; it depends on nothing else."""
+    return max(2, math.ceil(1 - math.log(tolerance) / 2 - 1e-9))
+
+
+def tolerance_of(order: int) -> float:
+    """The tolerance of an order, a little above the smallest so that none rounds up."""
+    return math.exp(-2 * (order - 1)) * (1 + 1e-6)
+
+
+def ready(
+    system: System,
+    order: int,
+    precision: int,
+    batch: int,
+    wanted: bool | None,
+    number: Callable[[Any], Any],
+) -> tuple[Compiled, float]:
+    """A compiled integrator, from the store or made now, and the seconds that it took.
+
+    wanted: whether to optimise at once; None: large equations when that has come to pay.
+    number: makes numbers of the precision.
+    """
+    key = (system.key, order, precision, batch)
+    found = kept.get(key)
+    if found is not None and (found.optimised or not _wants_speed(found, precision, wanted)):
+        kept.move_to_end(key)
+        return found, 0.0
+    began = time.perf_counter()
+    optimised = True
+    if found is None:
+        optimised = wanted if wanted is not None else bool(batch) or _is_small(system, order)
+    made = Compiled(_compiled(system, order, precision, batch, optimised, number), optimised)
+    kept[key] = made
+    while len(kept) > KEPT:
+        kept.popitem(last=False)
+    return made, time.perf_counter() - began
+
+
+def _is_small(system: System, order: int) -> bool:
+    """Whether optimising is a matter of hundredths of a second."""
+    code = system.code[0]
+    return (len(code) + CALL * len(re.findall(r"[a-z](?=\()", code))) * order < LARGE
+
+
+def _wants_speed(found: Compiled, precision: int, wanted: bool | None) -> bool:
+    """Whether an integrator that is not optimised should be."""
+    if precision > 64 or wanted is False:
+        return False
+    return wanted is True or found.used > PROVEN
+
+
+def _compiled(
+    system: System,
+    order: int,
+    precision: int,
+    batch: int,
+    optimised: bool,
+    number: Callable[[Any], Any],
+) -> Any:
+    """heyoka's integrator of a system."""
+    import numpy as np
+
+    hy = heyoka()
+    if hy.llvm_state.get_diskcache_limit() > DISK:
+        hy.llvm_state.set_diskcache_limit(DISK)
+    variables = hy.make_vars(*(f"s{k}" for k in range(system.size)))
+    if system.size == 1:
+        variables = [variables] if not isinstance(variables, list) else variables
+    known = dict(zip(system.states, variables, strict=True))
+    known |= {name: hy.par[k] for k, name in enumerate(system.parameters)}
+    writer = SquaringWriter(known, lambda p, q: hy.expression(number(Fraction(p, q))))
+    equations = [
+        (variable, writer.products(rate))
+        for variable, rate in zip(variables, system.rates, strict=True)
+    ]
+    options: dict[str, Any] = {
+        "tol": number(tolerance_of(order)),
+        "compact_mode": precision > 64 or len(system.code[0]) > LONGEST_UNROLLED,
+        "opt_level": (3 if batch else 1) if optimised and precision <= 64 else 0,
+    }
+    if batch:
+        return hy.taylor_adaptive_batch(
+            equations,
+            np.zeros((system.size, batch)),
+            pars=np.zeros((len(system.parameters), batch)),
+            **options,
+        )
+    kind = type(number(0))
+    if precision != 53:
+        options["fp_type"] = kind
+        if precision > 113:
+            options["prec"] = precision
+    if system.edge is not None:
+        events = {53: hy.t_event, 64: hy.t_event_ldbl, 113: getattr(hy, "t_event_f128", None)}
+        maker = events.get(precision) or hy.t_event_real
+        falling = hy.event_direction.negative
+        options["t_events"] = [maker(writer.products(system.edge), direction=falling)]
+    zeros, pars = ([number(0)] * size for size in (system.size, len(system.parameters)))
+    return hy.taylor_adaptive(
+        equations, np.array(zeros, dtype=kind), pars=np.array(pars, dtype=kind), **options
+    )
