@@ -159,6 +159,33 @@ def _(desk, mo, path_case, tab, views):
     return
 
 
+# -- the top ------------------------------------------------------------------------------------
+
+
+@app.cell
+def _(controls, mo):
+    body = controls.body(mo)
+    switches = controls.switches(mo)
+    watched = controls.watched(mo)
+    return body, switches, watched
+
+
+@app.cell
+def _(body, mo, switches, tab, views, watched):
+    mo.stop(tab.value != views.TOP)
+    mo.Html(views.controls([*body.values(), *switches.values(), watched]))
+    return
+
+
+@app.cell
+def _(body, controls, desk, mo, switches, tab, views, watched):
+    mo.stop(tab.value != views.TOP)
+    _reply = desk.ask("top", **controls.top_case(body.value, switches.value, watched.value))
+    _film = views.document(_reply)
+    mo.Html(views.top(_reply, mo.iframe(_film, height=views.HEIGHT) if _film else ""))
+    return
+
+
 # -- what accuracy costs ------------------------------------------------------------------------
 
 
@@ -180,6 +207,60 @@ def _(desk, kind, loop_case, mo, path_case, tab, views):
     mo.stop(tab.value != views.COSTS)
     _case = loop_case if kind.value == "loop" else path_case
     mo.Html(views.costs(desk.ask("costs", kind=kind.value, case=_case)))
+    return
+
+
+# -- exercises ----------------------------------------------------------------------------------
+
+
+@app.cell
+def _(controls, desk, mo):
+    exercise = controls.exercises(mo, desk.ask("listing"))
+    seed = controls.seed(mo)
+    return exercise, seed
+
+
+@app.cell
+def _(controls, desk, exercise, mo, seed):
+    stated = desk.ask("exercise", number=exercise.value, seed=int(seed.value or 0))
+    form = controls.answers(mo, stated)
+    hint = controls.next_hint(mo, stated)
+    return form, hint, stated
+
+
+@app.cell
+def _(exercise, form, mo, seed, stated, tab, views):
+    mo.stop(tab.value != views.EXERCISES)
+    mo.vstack(
+        [
+            mo.Html(views.controls([exercise, seed])),
+            mo.Html(views.exercise(stated, lambda text: mo.md(text).text)),
+            form,
+        ]
+    )
+    return
+
+
+@app.cell
+def _(controls, desk, form, mo, stated, tab, views):
+    mo.stop(tab.value != views.EXERCISES)
+    _reply = None
+    if form.value is not None:
+        _reply = desk.ask(
+            "answer",
+            number=stated["number"],
+            seed=stated["seed"],
+            answers=controls.given(stated, form.value),
+        )
+    mo.Html(views.verdict(_reply, lambda text: mo.md(text).text))
+    return
+
+
+@app.cell
+def _(desk, hint, mo, stated, tab, views):
+    mo.stop(tab.value != views.EXERCISES or "number" not in stated)
+    _taken = desk.ask("hints", number=stated["number"], seed=stated["seed"], count=hint.value)
+    mo.vstack([hint, mo.Html(views.steps(_taken, lambda text: mo.md(text).text))])
     return
 
 

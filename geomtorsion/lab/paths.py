@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from geomtorsion.lab.facts import space_of
 from geomtorsion.lab.numbers import table
 from geomtorsion.lab.svg import LOOKS, Look, Plot
-from geomtorsion.lab.turning import Curve, Scene, thinned, turnable
+from geomtorsion.lab.turning import Curve, Film, thinned, turnable
 from geomtorsion.pictures.ink import number
 from geomtorsion.pictures.text import greek_name
 
@@ -74,7 +74,7 @@ def _drawn(pair: Pair) -> dict[str, Any]:
     if embedding is not None and len(embedding.place) == 3:
         places = _places(pair)
         radius = _radius(places) if embedding.isometric else 0.0
-        scene = Scene(
+        scene = Film(
             name, embedding.title.capitalize(), _three(embedding.axes), _curves(places),
             times=_times(pair), globe=radius, equal=embedding.isometric,
         )  # fmt: skip
@@ -82,7 +82,7 @@ def _drawn(pair: Pair) -> dict[str, Any]:
     if embedding is not None and len(embedding.place) == 2:
         return {"picture": _plane(_places(pair), embedding.axes, "In the plane", equal=True)}
     if embedding is not None and embedding.attitude is not None:
-        scene = Scene(
+        scene = Film(
             name, "Where the axes 1 and 3 of the body point", ("x", "y", "z"), _axes(pair),
             times=_times(pair), globe=1.0, note="Pale: behind the globe.",
         )  # fmt: skip
@@ -93,7 +93,7 @@ def _drawn(pair: Pair) -> dict[str, Any]:
         return {"picture": _plane(places, names, "In the chart", equal=False)}
     title = f"In the chart: {', '.join(names[:3])}"
     first = {curve: points[:, :3] for curve, points in places.items()}
-    scene = Scene(name, title, _three(names), _curves(first), times=_times(pair))
+    scene = Film(name, title, _three(names), _curves(first), times=_times(pair))
     return {"space": turnable(scene)}
 
 

@@ -28,8 +28,8 @@
   const widest = Math.max(...spans);
   // Unless lengths matter, each direction fills its share of the box.
   const scale = spans.map((s) => (data.equal || data.globe || ball ? 1 : (0.7 * widest) / Math.max(s, 1e-6 * widest)));
-  const radius = data.globe
-    || Math.max(ball, Math.hypot(...spans.map((s, k) => (s * scale[k]) / 2)), 1e-12);
+  const far = ball ? Math.max(ball, ...still.map((p) => Math.hypot(...p))) : 0;
+  const radius = data.globe || far || Math.max(Math.hypot(...spans.map((s, k) => (s * scale[k]) / 2)), 1e-12);
 
   function camera() {
     const a = view.turn, e = view.tilt;

@@ -49,7 +49,7 @@ class Curve:
 
 
 @dataclass(frozen=True)
-class Scene:
+class Film:
     """A picture in space.
 
     name: under which the browser remembers how it was turned. title, axes: words.
@@ -70,14 +70,14 @@ class Scene:
     note: str = field(default="")
 
 
-def turnable(scene: Scene) -> str:
+def turnable(scene: Film) -> str:
     """The picture as an HTML document without any reference to another.
 
     Examples
     --------
     >>> from geomtorsion.lab.svg import LOOKS
     >>> line = Curve([(0, 0, 0), (1, 1, 1)], LOOKS[0], "a line")
-    >>> page = turnable(Scene("x", "A line", ("x", "y", "z"), (line,)))
+    >>> page = turnable(Film("x", "A line", ("x", "y", "z"), (line,)))
     >>> "http" in page, page.count("<canvas")
     (False, 1)
     """

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from html import escape
 from pathlib import Path
 from typing import Any
 
 Reply = Mapping[str, Any]
+Render = Callable[[str], str]
 # Name of a tab -> what is to be done there, in a sentence.
 TABS = {
     "Any tetrad": "Type one-forms; read metric, connections, torsion and curvature, exactly.",
@@ -91,8 +92,8 @@ def paths(reply: Reply, frame: Any = "") -> str:
         return wrapped(problem(reply))
     said = f'<p class="said" id="paths-said">{escape(reply["sentence"])}</p>'
     curves = frame or reply.get("picture", "")
-    beside = f"{reply['distance']}{reply['table']}"
-    return wrapped(f'<div class="figures"><div>{curves}</div><div>{said}{beside}</div></div>')
+    beside = f"<div>{said}{reply['distance']}</div>"
+    return wrapped(f'<div class="figures"><div>{curves}</div>{beside}</div>{reply["table"]}')
 
 
 def costs(reply: Reply) -> str:
@@ -102,6 +103,54 @@ def costs(reply: Reply) -> str:
     truth = f" Errors against {escape(reply['truth'])}." if "truth" in reply else ""
     said = f'<p class="said" id="costs-said">{reply["advice"]}{truth}</p>'
     return wrapped(f'{said}<div class="one">{reply["picture"]}</div>{reply["table"]}')
+
+
+def top(reply: Reply, frame: Any = "") -> str:
+    """A film of the top, the naive law beside it, and the plan."""
+    if reply.get("problem"):
+        return wrapped(problem(reply))
+    said = f'<p class="said" id="top-said">{escape(reply["sentence"])}</p>'
+    beside = f"<div>{said}{reply['compared']}</div>"
+    below = f'{reply["table"]}<div id="top-plan">{reply["plan"]}</div>'
+    return wrapped(f'<div class="figures"><div>{frame}</div>{beside}</div>{below}')
+
+
+def exercise(reply: Reply, render: Render) -> str:
+    """Statement of an exercise; render turns Markdown with LaTeX into HTML."""
+    if reply.get("problem"):
+        return wrapped(problem(reply))
+    head = f"<h2>{escape(reply['number'])} {escape(reply['title'])}</h2>"
+    facts = f"{escape(reply['chapter'])}; {escape(reply['level'])}; seed {reply['seed']}"
+    stated = f'<div id="statement">{render(reply["statement"])}</div>'
+    return wrapped(f'{head}<p class="note">{facts}</p>{stated}')
+
+
+def verdict(reply: Reply | None, render: Render) -> str:
+    """What is said about answers; nothing if none were given."""
+    if reply is None:
+        return ""
+    if reply.get("problem"):
+        return wrapped(problem(reply))
+    if not reply["questions"]:
+        return wrapped('<p class="note">Write an answer first.</p>')
+    parts = []
+    for one in reply["questions"]:
+        look, sign = ("right", "✓ right") if one["right"] else ("wrong", "✗ not right")
+        parts.append(
+            f'<div class="{look}" role="status"><strong>{escape(one["name"])}: {sign}</strong>'
+            f"{render(one['message'])}</div>"
+        )
+    notes = "".join(f'<p class="note">{escape(note)}</p>' for note in reply["notes"])
+    points = f"{reply['earned']:.3g} of {reply['points']} points"
+    return wrapped(f'<div id="verdict">{"".join(parts)}{notes}<p class="note">{points}</p></div>')
+
+
+def steps(reply: Reply, render: Render) -> str:
+    """Hints, in order."""
+    if reply.get("problem"):
+        return wrapped(problem(reply))
+    items = "".join(f"<li>{render(hint)}</li>" for hint in reply["hints"])
+    return wrapped(f'<ol id="hints">{items}</ol>' if items else "")
 
 
 def document(reply: Reply) -> str:

@@ -1,0 +1,132 @@
+"""problems: exercises as the page shows them, and what it says about an answer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from geomtorsion.errors import LimitError
+
+# Characters of one answer.
+LONGEST = 4000
+# Kind of a question -> how it is answered.
+HOW = {
+    "expression": "an expression, such as sin(phi2)/2",
+    "components": "index = value, such as 1,2,2 = 1/r; 2,1,2 = -1/r; or nested lists; indices "
+    "from 1; what is left out is zero",
+    "equations": "equations with semicolons between, such as r'' = 0; phi'' = -phi'*r'/r",
+    "number": "a number, such as 0.25 or pi/4; several as [1, 2, 3]",
+    "choice": "one of the list",
+}
+
+
+def listing() -> dict[str, Any]:
+    """All exercises by chapter; loads none of them.
+
+    Examples
+    --------
+    >>> list(listing()["chapters"])[0]
+    '1. Frames and anholonomy'
+    """
+    from geomtorsion import exercises
+
+    titles = exercises.titles()
+    return {
+        "chapters": {
+            f"{number}. {title}": {
+                name: what for name, what in titles.items() if name.partition(".")[0] == number
+            }
+            for number, title in exercises.CHAPTERS
+        }
+    }
+
+
+def statement(number: str, seed: int = 0) -> dict[str, Any]:
+    """An exercise without its solution: Markdown with LaTeX between dollar signs.
+
+    Examples
+    --------
+    >>> found = statement("1.1")
+    >>> found["title"], [question["name"] for question in found["questions"]], found["hints"]
+    ('The legs of a coframe', ['legs'], 3)
+    """
+    from geomtorsion import exercises
+
+    found = exercises.load(number, seed)
+    return {
+        "number": found.number,
+        "title": found.title,
+        "chapter": found.chapter,
+        "level": found.level,
+        "seed": found.seed,
+        "statement": found.statement,
+        "questions": [
+            {
+                "name": question.name,
+                "kind": question.kind,
+                "prompt": question.prompt,
+                "unit": question.unit,
+                "options": dict(question.options),
+                "how": HOW[question.kind],
+            }
+            for question in found.questions
+        ],
+        "hints": len(found.hints),
+    }
+
+
+def hints(number: str, seed: int, count: int) -> dict[str, Any]:
+    """The first hints of an exercise.
+
+    Examples
+    --------
+    >>> len(hints("1.1", 0, 2)["hints"])
+    2
+    """
+    from geomtorsion import exercises
+
+    return {"hints": list(exercises.load(number, seed).hints[:count])}
+
+
+def answer(number: str, seed: int, answers: Mapping[str, str]) -> dict[str, Any]:
+    """What is said about answers, question by question; an empty one is not looked at.
+
+    Raises
+    ------
+    LimitError
+        An answer is longer than any that is needed.
+
+    Examples
+    --------
+    >>> answer("2.1", 0, {"connection": "1,2,2 = 1/r"})["right"]
+    True
+    >>> answer("2.1", 0, {"connection": "2,1,2 = 1/r"})["questions"][0]["diagnosis"]
+    'permuted'
+    """
+    from geomtorsion import exercises
+
+    given = {name: text for name, text in answers.items() if text.strip()}
+    for name, text in given.items():
+        if len(text) > LONGEST:
+            raise LimitError(
+                f"{name}: the answer has {len(text):,} characters; {LONGEST:,} are enough for "
+                "every exercise. Write it shorter."
+            )
+    verdict = exercises.load(number, seed).check(given)
+    return {
+        "right": verdict.right,
+        "earned": verdict.earned,
+        "points": verdict.points,
+        "notes": list(verdict.notes),
+        "questions": [
+            {
+                "name": one.name,
+                "right": one.right,
+                "score": one.score,
+                "message": one.message,
+                "diagnosis": one.diagnosis,
+            }
+            for one in verdict.questions
+            if one.name in given
+        ],
+    }

@@ -1,0 +1,263 @@
+"""top: a body that turns, as a film of its two cones; its plan; and the naive law beside it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.lab.numbers import shown, table
+from geomtorsion.lab.svg import LOOKS, Look, Plot
+from geomtorsion.lab.turning import Curve, Film, thinned, turnable
+
+if TYPE_CHECKING:
+    from geomtorsion.scenes import Scene, SceneResult
+    from geomtorsion.scenes.effects import Effect
+
+ACCURACY = 1e-9
+# Times of the film, and how many of them there are for each turn of the body.
+LEAST_TIMES, MOST_TIMES, EACH_TURN = 241, 1201, 24
+SHOWN_TIMES = 601
+# Watched for the film and the comparison, whatever is chosen for the plan.
+_WATCH = ("omega", "omega_space", "matrix", "angular_momentum_space", "energy")
+# key -> what it is called on its switch.
+SWITCHES = {
+    "gravity": "gravity, 9.81 m/s²",
+    "pivot": "fixed point, 0.5 m below the centre",
+    "damping": "damping, 0.05 N m s",
+    "rotor": "wheel on axis 3, 2 N m s",
+    "magnet": "magnet along axis 3 in a field",
+    "torsion": "torsion force",
+}
+# Quantity -> what it is called in the list of what is watched.
+WATCHED = {
+    "omega": "angular velocity, body axes",
+    "omega_space": "angular velocity, space axes",
+    "nutation": "nutation angle",
+    "matrix": "attitude",
+    "energy": "energy",
+    "position": "place",
+}
+_SPACE, _BODY, _AXIS = LOOKS[0], LOOKS[1], LOOKS[2]
+_MOMENTUM = LOOKS[3]
+
+
+def top(
+    moments: Sequence[float],
+    omega: Sequence[float],
+    tilt: float,
+    t: float,
+    effects: Sequence[str] = (),
+    watch: Sequence[str] = ("nutation",),
+) -> dict[str, Any]:
+    """A body with some effects, right and by the naive law.
+
+    Parameters
+    ----------
+    moments, omega
+        about the body axes, kg m^2 and rad/s.
+    tilt
+        of the third body axis from the vertical at the start, rad.
+    t
+        s.
+    effects
+        keys of SWITCHES. watch: what the plan is made for.
+
+    Returns
+    -------
+    space: an HTML document, the film. plan: HTML. compared: svg. table, sentence: HTML and text.
+    omega: the last angular velocity, body axes; naive: the same by the naive law, or None.
+
+    Examples
+    --------
+    >>> found = top([1, 2, 3], [0.1, 2, 0.1], 0.3, 5.0)
+    >>> found["naive"], len(found["omega"])
+    ([0.1, 2.0, 0.1], 3)
+    """
+    from geomtorsion.scenes.effects import Naive
+
+    turns = math.hypot(*omega) * float(t) / (2 * math.pi)
+    samples = round(min(max(LEAST_TIMES, EACH_TURN * turns), MOST_TIMES))
+    acting = made(effects)
+    scene = scene_of(moments, omega, tilt, t, acting, _WATCH, samples)
+    result = scene.run()
+    wrong = None
+    if "torsion" not in effects:
+        naive = (*acting, Naive())
+        wrong = scene_of(moments, omega, tilt, t, naive, _WATCH, samples).run()
+    plan = scene_of(moments, omega, tilt, t, acting, tuple(watch) or ("nutation",), samples)
+    return {
+        "space": turnable(_film(result)),
+        "plan": _plan(plan),
+        "compared": _compared(result, wrong),
+        "table": _table(result, wrong),
+        "sentence": _sentence(result, wrong),
+        "omega": [float(x) for x in result["omega"][-1]],
+        "naive": None if wrong is None else [float(x) for x in wrong["omega"][-1]],
+    }
+
+
+def made(names: Sequence[str]) -> tuple[Effect, ...]:
+    """The effects that are switched on.
+
+    Examples
+    --------
+    >>> [effect.key for effect in made(["pivot", "gravity"])]
+    ['gravity', 'pivot']
+    """
+    from geomtorsion.scenes import effects
+
+    makers = {
+        "gravity": lambda: effects.Gravity(9.81),
+        "pivot": lambda: effects.Pivot((0, 0, 0.5)),
+        "damping": lambda: effects.AngularDamping(0.05),
+        "rotor": lambda: effects.Rotor((0, 0, 1), momentum=2),
+        "magnet": lambda: effects.Magnet((0, 0, 1), (0, 0, 1)),
+        "torsion": effects.Torsion,
+    }
+    return tuple(make() for name, make in makers.items() if name in names)
+
+
+def scene_of(
+    moments: Sequence[float],
+    omega: Sequence[float],
+    tilt: float,
+    t: float,
+    effects: Sequence[Effect],
+    watch: Sequence[str],
+    samples: int = LEAST_TIMES,
+) -> Scene:
+    """The scene that the switches and sliders describe."""
+    from geomtorsion.scenes import Body, Scene, State
+
+    return Scene(
+        Body(mass=1.0, moments=tuple(moments)),
+        tuple(effects),
+        State(omega=tuple(omega), euler=(0, tilt, 0)),
+        watch=tuple(watch),
+        t=float(t),
+        accuracy=ACCURACY,
+        samples=samples,
+    )
+
+
+def _film(result: SceneResult) -> Film:
+    """Body cone and space cone: the one rolls on the other."""
+    import numpy as np
+
+    omega, fixed, turns = result["omega"], result["omega_space"], result["matrix"]
+    size = float(np.linalg.norm(omega, axis=1).max()) or 1.0
+    momentum = result["angular_momentum_space"]
+    long = float(np.linalg.norm(momentum, axis=1).max()) or 1.0
+    tips = thinned((fixed / size).tolist(), SHOWN_TIMES)
+    curves = [
+        Curve(tips, _SPACE, "space cone: where ω points, in space", tip="ω"),
+        Curve(_rays(tips), Look(_SPACE.color, _SPACE.dashes, ""), thin=True),
+        Curve(
+            thinned(turns[:, :, 2].tolist(), SHOWN_TIMES),
+            Look(_AXIS.color, _AXIS.dashes, "diamond", 1.4), "path of axis 3", tip="3",
+        ),
+        Curve(
+            [(0, 0, 0), (momentum[0] / long).tolist()],
+            Look(_MOMENTUM.color, _MOMENTUM.dashes, "", 2.0), "angular momentum at the start",
+        ),
+    ]  # fmt: skip
+    polhode = thinned((omega / size).tolist(), SHOWN_TIMES)
+    moving = [
+        Curve(polhode, Look(_BODY.color, _BODY.dashes, "", 2.4), "body cone: it rolls"),
+        Curve(_rays(polhode), Look(_BODY.color, _BODY.dashes, "", 0.7)),
+    ]
+    axis = Look("#8a8f99", "", "", 1.2)
+    moving += [
+        Curve([(0, 0, 0), end], axis, tip=name)
+        for name, end in (("1", (1, 0, 0)), ("2", (0, 1, 0)))
+    ]
+    moving.append(Curve([(0, 0, 0), (0, 0, 1)], axis))
+    return Film(
+        "top", "Body cone and space cone", ("x", "y", "z"), tuple(curves), tuple(moving),
+        attitudes=thinned(turns.tolist(), SHOWN_TIMES),
+        times=thinned(result.times.tolist(), SHOWN_TIMES), equal=True,
+    )  # fmt: skip
+
+
+def _rays(tips: Sequence[Sequence[float]], count: int = 28) -> list[Sequence[float]]:
+    """A cone by its rays: from the origin to some of the tips and back."""
+    chosen = thinned(tips, count)
+    return [point for tip in chosen for point in ((0.0, 0.0, 0.0), tip, (0.0, 0.0, 0.0))]
+
+
+def _plan(scene: Scene) -> str:
+    """What is simulated and what is left out, as a table."""
+    plan = scene.plan()
+    rows = [["in" if row.inside else "left out", row.kind, row.name, row.why] for row in plan.rows]
+    watched = ", ".join(WATCHED.get(name, name) for name in scene.watch)
+    return table(
+        ("", "", "which", "why"), rows, f"To watch {watched}: {len(plan.states)} equations"
+    )
+
+
+def _compared(result: SceneResult, wrong: SceneResult | None) -> str:
+    """The component of the angular velocity in which the naive law is most wrong."""
+    import numpy as np
+
+    right = result["omega"]
+    other = right if wrong is None else wrong["omega"]
+    spread = np.ptp(right, axis=0) if wrong is None else np.abs(right - other).max(axis=0)
+    k = int(spread.argmax())
+    label = f"Ω{'₁₂₃'[k]}"
+    title = f"{label} over time" + ("" if wrong is None else ": right, and naive")
+    plot = Plot(title, ("t in s", f"{label} in rad/s"), height=340)
+    times = result.times.tolist()
+    plot.line(_pairs(times, right[:, k]), LOOKS[0], "L′ + Ω × L = M")
+    if wrong is not None:
+        plot.line(_pairs(times, other[:, k]), LOOKS[1], "naive: L′ = M")
+    return plot.svg()
+
+
+def _pairs(times: Sequence[float], values: Any) -> list[tuple[float, float]]:
+    return thinned(list(zip(times, values.tolist(), strict=True)), SHOWN_TIMES)
+
+
+def _change(values: Any) -> float:
+    """Largest change of a vector since the start, relative to its size."""
+    import numpy as np
+
+    moved = np.linalg.norm(values - values[0], axis=-1).max()
+    return float(moved / (np.linalg.norm(values, axis=-1).max() or 1.0))
+
+
+def _table(result: SceneResult, wrong: SceneResult | None) -> str:
+    """How each was computed, and what it conserves."""
+    rows = []
+    for name, found in (("right", result), ("naive", wrong)):
+        if found is None:
+            continue
+        energy = found["energy"]
+        scale = float(abs(energy).max()) or 1.0
+        rows.append(
+            [
+                name,
+                found.closed_form or found.engine,
+                f"{found.error:.0e}",
+                shown(_change(found["angular_momentum_space"]), ACCURACY),
+                shown(float(abs(energy - energy[0]).max()) / scale, ACCURACY),
+            ]
+        )
+    heads = ("", "by", "error", "change of L in space", "change of energy")
+    return table(heads, rows, "How they were computed, and what stays")
+
+
+def _sentence(result: SceneResult, wrong: SceneResult | None) -> str:
+    """What is seen, in words."""
+    change = _change(result["angular_momentum_space"])
+    kept = (
+        "The angular momentum stays where it is in space"
+        if change < 1e3 * ACCURACY
+        else "The angular momentum moves in space, since moments act"
+    )
+    if wrong is None:
+        return f"{kept}. There is no naive law with torsion."
+    other = _change(wrong["angular_momentum_space"])
+    if other < 1e3 * ACCURACY:
+        return f"{kept}; by the naive law too: here both laws say the same."
+    return f"{kept}; by the naive law it changes by {other:.1%}."
