@@ -9,7 +9,7 @@ R = Rz(phi3) Ry(phi2) Rz(phi1), are "zyz".
 from __future__ import annotations
 
 from difflib import get_close_matches
-from itertools import product
+from itertools import product as choices
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import ShapeError, StartError, UnknownNameError
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 PAPER = "zyz"
 _SMALL = tuple(
-    "".join(letters) for letters in product("xyz", repeat=3)
+    "".join(letters) for letters in choices("xyz", repeat=3)
     if letters[0] != letters[1] != letters[2]
 )  # fmt: skip
 CONVENTIONS: tuple[str, ...] = (*_SMALL, *(name.upper() for name in _SMALL))
@@ -103,16 +103,6 @@ def quaternion_from_matrix(matrix: Any) -> np.ndarray:
     return np.where(q[..., :1] < 0, -q, q) + 0.0
 
 
-def product_of(left: Any, right: Any) -> np.ndarray:
-    """Quaternion product: turn by `right` first, then by `left` (space axes)."""
-    import numpy as np
-
-    a, b = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
-    v, w = a[..., 1:], b[..., 1:]
-    scalar = a[..., :1] * b[..., :1] - (v * w).sum(-1, keepdims=True)
-    return np.concatenate([scalar, a[..., :1] * w + b[..., :1] * v + np.cross(v, w)], axis=-1)
-
-
 def quaternion_from_euler(angles: Any, convention: str = PAPER) -> np.ndarray:
     """q of shape (..., 4) from angles of shape (..., 3), rad.
 
@@ -123,6 +113,8 @@ def quaternion_from_euler(angles: Any, convention: str = PAPER) -> np.ndarray:
     """
     import numpy as np
 
+    from geomtorsion.motion.free_top_attitude import product
+
     name = checked_convention(convention)
     turns = _array(angles, (3,), "angles")
     order = [0, 1, 2] if name.islower() else [2, 1, 0]
@@ -132,7 +124,7 @@ def quaternion_from_euler(angles: Any, convention: str = PAPER) -> np.ndarray:
         step = np.zeros_like(q)
         step[..., 0] = np.cos(turns[..., k] / 2)
         step[..., 1 + "xyz".index(name.lower()[k])] = np.sin(turns[..., k] / 2)
-        q = product_of(step, q)
+        q = product(step, q)
     return q
 
 

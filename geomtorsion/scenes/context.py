@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -170,8 +171,8 @@ def _ratio(value: Any) -> tuple[int, int]:
 
 
 def groups_in(context: Context, contribution: Contribution) -> frozenset[str]:
-    """Groups of states that occur in a contribution."""
-    found = symbols_in(contribution)
+    """Groups of states that occur in a contribution; what it offers to be watched aside."""
+    found = symbols_in(replace(contribution, outputs={}))
     own = {name for name, members in GROUPS.items() if members & found}
     return frozenset(own - {"vertical"} if "attitude" in own else own)
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from geomtorsion.errors import AccuracyError, TimeError
 from geomtorsion.motion import solve
 from geomtorsion.motion.flows import reading
+from geomtorsion.motion.free_top_attitude import product
 from geomtorsion.motion.solution import Cost
 from geomtorsion.scenes import attitude
 from geomtorsion.scenes.context import OMEGA, POSITION, QUATERNION, VELOCITY, VERTICAL
@@ -61,7 +62,7 @@ class ClosedForm:
         state: Any = self.scene.start
         omega = axes.T @ np.array([float(x) for x in state.omega])
         q = state.attitude if state.attitude is not None else np.array([1.0, 0.0, 0.0, 0.0])
-        turned = attitude.product_of(q, attitude.quaternion_from_matrix(axes))
+        turned = product(q, attitude.quaternion_from_matrix(axes))
         return free_top(tuple(moments), tuple(omega), tuple(turned)), axes
 
     def states(self, times: Any) -> np.ndarray:
@@ -75,8 +76,8 @@ class ClosedForm:
         columns |= {s.name: rates[:, k] for k, s in enumerate(OMEGA)}
         if {QUATERNION[0].name, VERTICAL[0].name} & set(names):
             back = attitude.quaternion_from_matrix(axes.T)
-            q = attitude.product_of(top.quaternion(times), back)
-            first = attitude.product_of(top.quaternion(np.zeros(1)), back)[0]
+            q = product(top.quaternion(times), back)
+            first = product(top.quaternion(np.zeros(1)), back)[0]
             begin = self.scene.start.attitude  # type: ignore[union-attr]
             q = q if first @ begin >= 0 else -q
             columns |= {s.name: q[:, k] for k, s in enumerate(QUATERNION)}
