@@ -11,7 +11,7 @@ from geomtorsion.errors import LimitError
 from geomtorsion.exact.tokens import Limits
 
 # What a person writes is far below these; what a machine writes to annoy is above them.
-ANSWER = Limits(characters=4000, depth=30, exponent=24, digits=40)
+ANSWER = Limits(characters=4000, depth=30, exponent=24, digits=80)
 LARGEST_ANSWER = 20_000
 LARGEST_WEIGHT = 20_000
 MOST_RADICALS = 4

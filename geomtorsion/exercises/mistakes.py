@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import sympy
 
+from geomtorsion.exercises.numbers import deviation
 from geomtorsion.exercises.question import Mistake, normal
 
 if TYPE_CHECKING:
     from geomtorsion.exercises.compare import Value
-    from geomtorsion.exercises.question import Question
+    from geomtorsion.exercises.numbers import deviation
+from geomtorsion.exercises.question import Question
 
 HALF = sympy.Rational(1, 2)
 ANGLES = ("rad", "deg")
@@ -24,9 +26,16 @@ def all_mistakes(question: Question) -> tuple[Mistake, ...]:
     found: list[Mistake] = []
     for mistake in (*question.errors(), *_generic(question)):
         value = normal(mistake.value)
-        if value != question.solution and not _repeats(found, mistake.code, value):
+        if _is_other(question, value) and not _repeats(found, mistake.code, value):
             found.append(Mistake(mistake.code, value, mistake.message))
     return tuple(found)
+
+
+def _is_other(question: Question, value: Value) -> bool:
+    """Whether a wrong answer can be told from the right one."""
+    if question.kind == "number":
+        return deviation(question, value, question.solution) > 1
+    return value != question.solution
 
 
 def _repeats(found: Iterable[Mistake], code: str, value: Value) -> bool:
@@ -51,10 +60,17 @@ def _generic(question: Question) -> Iterator[Mistake]:
         yield from (Mistake("permuted", value) for value in permuted(right, question.shape))
 
 
-def scaled(value: Value, factor: Any) -> Value:
-    """Every component times a factor."""
+def scaled(value: Any, factor: Any) -> Value:
+    """Every component times a factor.
+
+    Examples
+    --------
+    >>> scaled([1, 0, 3], 2)
+    {(0,): 2, (2,): 6}
+    """
     return {
-        key: float(factor) * x if isinstance(x, float) else factor * x for key, x in value.items()
+        key: float(factor) * x if isinstance(x, float) else factor * x
+        for key, x in normal(value).items()
     }
 
 

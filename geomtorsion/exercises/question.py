@@ -7,8 +7,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-import sympy
-
 from geomtorsion.exercises.compare import Index, Value
 from geomtorsion.exercises.ground import Ground
 from geomtorsion.geometry import Tensor
@@ -92,21 +90,15 @@ def normal(value: Any) -> Value:
         return dict(value.nonzero())
     if isinstance(value, Mapping):
         pairs = {key if isinstance(key, tuple) else (key,): x for key, x in value.items()}
-        return {key: _plain(x) for key, x in pairs.items() if not _is_zero(x)}
-    if isinstance(value, sympy.MatrixBase):
+        return {key: x for key, x in pairs.items() if not _is_zero(x)}
+    if hasattr(value, "tolist"):
         value = value.tolist()
-    listed = isinstance(value, Sequence) and not isinstance(value, str)
-    if listed or hasattr(value, "tolist"):
+    if isinstance(value, Sequence) and not isinstance(value, str):
         found: dict[Index, Any] = {}
         for k, entry in enumerate(value):
             found |= {(k, *key): x for key, x in normal(entry).items()}
         return found
-    return {} if _is_zero(value) else {(): _plain(value)}
-
-
-def _plain(value: Any) -> Any:
-    """Numbers of NumPy as numbers of Python."""
-    return value.item() if hasattr(value, "item") and not isinstance(value, sympy.Basic) else value
+    return {} if _is_zero(value) else {(): value}
 
 
 def _is_zero(value: Any) -> bool:

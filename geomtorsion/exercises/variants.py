@@ -106,3 +106,21 @@ def seen_from_space(name: str) -> Frame:
     frame = load(name).frame
     turned = (attitude(name) * matrix_of(frame.coframe)).tolist()
     return Frame(frame.coordinates, turned, domain=frame.domain, name=f"{name}, space-fixed")
+
+
+def profile(draw: Random, x: sp.Symbol) -> sp.Expr:
+    """How long the circles of a surface of revolution are: positive for 0 < x < 1 at least."""
+    k = draw.choice((2, 3))
+    choices = (
+        sp.sinh(x), sp.exp(k * x), sp.cosh(x), x**k, sp.sin(k * x / 2), 1 + x**2, sp.exp(-k * x),
+        x * sp.exp(x), 1 / (1 + x),
+    )  # fmt: skip
+    return draw.choice(choices)
+
+
+def circles(draw: Random, seed: int) -> Frame:
+    """The legs along and across the circles of a surface of revolution, (dr, f(r) dphi)."""
+    r, phi = sp.symbols("r phi", real=True)
+    f = profile(draw, r) if seed else r
+    domain = (r > 0, r < 1 if seed else r < 2, phi > 0, phi < 2 * sp.pi)
+    return Frame((r, phi), [[1, 0], [0, f]], domain=domain, name=f"circles of length {f}")

@@ -37,7 +37,9 @@ def answer_text(question: Question, value: Value) -> str:
         text = component_text(value.get((), 0))
         return f"{text} {question.unit}".strip()
     if question.kind == "number":
-        parts = [component_text(value.get((k,), 0)) for k in range(question.shape[0])]
+        largest = max((abs(float(x)) for x in value.values()), default=0.0)
+        kept = {key: x for key, x in value.items() if abs(float(x)) > 10**-DIGITS * largest}
+        parts = [component_text(kept.get((k,), 0)) for k in range(question.shape[0])]
         return f"[{', '.join(parts)}]"
     pairs = [f"{','.join(str(k + 1) for k in key)} = {component_text(x)}" for key, x in
              sorted(value.items())]  # fmt: skip

@@ -2,10 +2,7 @@
 
 from random import Random
 
-from geomtorsion.exercises import tex
-from geomtorsion.exercises.exercise import Posed, steps
-from geomtorsion.exercises.ground import Ground
-from geomtorsion.exercises.question import Mistake, Question
+from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, steps, tex
 from geomtorsion.exercises.variants import group
 from geomtorsion.geometry import cartan
 

@@ -2,11 +2,7 @@
 
 from random import Random
 
-from geomtorsion.exercises import tex
-from geomtorsion.exercises.exercise import Posed, steps
-from geomtorsion.exercises.ground import Ground
-from geomtorsion.exercises.mistakes import reordered
-from geomtorsion.exercises.question import Mistake, Question
+from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, reordered, steps, tex
 from geomtorsion.exercises.variants import turned_plane
 
 

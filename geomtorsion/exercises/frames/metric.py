@@ -4,10 +4,7 @@ from random import Random
 
 import sympy as sp
 
-from geomtorsion.exercises import tex
-from geomtorsion.exercises.exercise import Posed, steps
-from geomtorsion.exercises.ground import Ground
-from geomtorsion.exercises.question import Mistake, Question
+from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, steps, tex
 from geomtorsion.exercises.variants import matrix_of, rotations
 
 

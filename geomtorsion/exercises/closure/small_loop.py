@@ -1,0 +1,55 @@
+"""5.1: the Burgers vector of a small loop."""
+
+from random import Random
+
+import sympy as sp
+
+from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, scaled, steps, tex
+from geomtorsion.exercises.variants import group, rotations
+from geomtorsion.geometry import cartan
+
+
+def pose(draw: Random, seed: int) -> Posed:
+    """so3 and the plane of its first two legs for seed 0."""
+    frame = draw.choice((rotations, group))(draw, seed) if seed else rotations(draw, 0)
+    area = sp.Symbol("A", positive=True)
+    torsion = cartan(frame).torsion.T.in_frame()
+    planes = sorted({(i, j) for i, j, _ in torsion.nonzero() if i < j})
+    i, j = (0, 1) if seed == 0 else draw.choice(planes)
+
+    def burgers() -> dict[tuple[int, ...], sp.Expr]:
+        return {(k,): torsion[i, j, k] * area for k in range(3)}
+
+    return Posed(
+        statement=(
+            f"For the forms\n\n$${tex.forms(frame)}$$\n\nin ${tex.symbols(frame)}$ a very small "
+            f"loop runs in the plane of the legs $E_{i + 1}$ and $E_{j + 1}$, from the first "
+            "towards the second, and encloses the area $A$, measured in the frame. What it fails "
+            r"to close by is its Burgers vector $b^k = \oint e^k{}_\mu\,\mathrm{d}q^\mu$."
+        ),
+        questions=(
+            Question(
+                name="burgers",
+                kind="components",
+                prompt="The three components $b^k$, to leading order in `A`.",
+                ground=Ground((area,)),
+                answer=burgers,
+                errors=lambda: [
+                    Mistake("direction", scaled(burgers(), -1)),
+                    Mistake(
+                        "factor",
+                        scaled(burgers(), sp.Rational(1, 2)),
+                        "A factor 2 is missing: $b^k = S_{ij}{}^k A^{ij}$ sums over both orders "
+                        "of $i$ and $j$, so that $b^k = 2S_{12}{}^k A$.",
+                    ),
+                ],
+                shape=(3,),
+                label="b",
+            ),
+        ),
+        hints=steps(
+            r"Stokes: $\oint e^k = \int \mathrm{d}e^k$.",
+            r"$\mathrm{d}e^k = \tfrac12\,(2S_{ij}{}^k)\,e^i\wedge e^j$, and $e^i\wedge e^j$ "
+            "measures the area in the plane of two legs.",
+        ),
+    )

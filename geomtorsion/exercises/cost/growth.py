@@ -1,0 +1,89 @@
+"""7.3: how an error grows along a shortest line."""
+
+from functools import cache
+from random import Random
+
+import sympy as sp
+
+from geomtorsion.exercises.kit import Mistake, Posed, Question, steps, tex
+from geomtorsion.geometry import Frame
+from geomtorsion.motion import geodesic, geodesic_deviation, solve
+
+SURFACES = {
+    "hyperbolic": ("the hyperbolic plane", sp.sinh),
+    "round": ("the unit sphere", sp.sin),
+    "flat": ("the plane", lambda r: r),
+}
+
+
+def pose(draw: Random, seed: int) -> Posed:
+    """The hyperbolic plane for seed 0; other seeds: also sphere and plane."""
+    kind = "hyperbolic" if seed == 0 else draw.choice(sorted(SURFACES))
+    name, length = SURFACES[kind]
+    begin = 0.5 if seed == 0 else draw.choice((0.2, 0.4, 0.5))
+    last = 3.0 if seed == 0 else draw.choice((1.0, 1.2, 2.0, 2.4))
+    r, phi = sp.symbols("r phi", real=True)
+    frame = Frame(
+        (r, phi),
+        [[1, 0], [0, length(r)]],
+        domain=(r > 0, r < (sp.pi if kind == "round" else 4)),
+        name=name,
+    )
+
+    @cache
+    def passenger(offset: float = 1.0) -> float:
+        line = geodesic(frame, [begin, 0.0], frame_velocity=[1.0, 0.0])
+        found = solve(geodesic_deviation(line, [0.0, offset]), [last], 1e-8)
+        return float(found.passengers[-1, 1])
+
+    def factor(f=length) -> float:
+        return passenger() * float(f(sp.Float(begin + last)) / f(sp.Float(begin)))
+
+    return Posed(
+        statement=(
+            f"On {name} in polar coordinates, ${tex.forms(frame)}$, a geodesic leaves from "
+            f"$r = {begin:g}$ straight outwards with speed 1. A computer makes a tiny error "
+            r"$\delta\phi$ in the angle at the start and none afterwards: it follows a "
+            "neighbouring geodesic through the same origin."
+        ),
+        questions=(
+            Question(
+                name="length",
+                kind="number",
+                prompt="By which factor has the error, measured as a **length**, grown at "
+                f"$t = {last:g}$?",
+                answer=factor,
+                errors=lambda: [
+                    Mistake(
+                        "basis",
+                        passenger(),
+                        r"That is the error $\delta\phi$ in the coordinate, which stays; its "
+                        r"length is $f(r)\,\delta\phi$.",
+                    ),
+                    *(
+                        Mistake("forgotten", factor(f), f"That would be so on {other}.")
+                        for other, f in SURFACES.values()
+                        if other != name
+                    ),
+                ],
+                tolerance=5e-3,
+                generic=("factor",),
+            ),
+            Question(
+                name="twice",
+                kind="number",
+                prompt="Two such errors, one twice the other, are carried along. What is the "
+                "quotient of their lengths in the end?",
+                answer=lambda: passenger(2.0) / passenger(),
+                errors=lambda: [Mistake("forgotten", 2 * factor(), "Both grow by this factor.")],
+                tolerance=1e-3,
+                generic=(),
+            ),
+        ),
+        hints=steps(
+            r"The neighbour runs along another ray: $\delta\phi$ is constant.",
+            r"The length is $f(r)\,\delta\phi$ with $r = r_0 + t$.",
+            "It grows as $e^t$ where curvature is negative, as $t$ in the plane, and is bounded "
+            "on a sphere: that is what makes some motions dear to compute.",
+        ),
+    )

@@ -1,0 +1,119 @@
+"""7.2: two ways to add up a loop, and their orders."""
+
+from functools import cache
+from math import cos, log2, pi, sin, sqrt
+from random import Random
+
+from geomtorsion.exercises.kit import Mistake, Posed, Question, steps
+from geomtorsion.geometry import Frame
+from geomtorsion.loops import Loop, burgers_vector
+from geomtorsion.spaces import load
+
+WANTED = 1e-10
+MOST = 200
+COARSE = 64
+
+
+def pose(draw: Random, seed: int) -> Posed:
+    """A circle in the angles of the paper; the seed chooses its radius and centre."""
+    frame = load("so3").frame
+    radius = 0.5 if seed == 0 else draw.choice((0.3, 0.4, 0.6, 0.7))
+    middle = 1.0 if seed == 0 else draw.choice((1.1, 1.2, 1.3, 1.5))
+    centre = [0.3, middle, 0.2]
+    exact = cache(lambda: burgers_vector(frame, Loop.circle(centre, radius, plane=(0, 1))).vector)
+
+    @cache
+    def error(count: int, chords: bool) -> float:
+        return float(abs(added(frame, centre, radius, count, chords) - exact()).max())
+
+    def needed() -> int:
+        size = float(abs(exact()).max())
+        return next(n for n in range(3, MOST) if error(n, False) < WANTED * size)
+
+    def by_chords() -> float:
+        size = float(abs(exact()).max())
+        return COARSE * sqrt(error(COARSE, True) / (WANTED * size))
+
+    return Posed(
+        statement=(
+            f"The Burgers vector of a circle of radius ${radius:g}$ about "
+            f"$\\phi = (0.3, {middle:g}, 0.2)$, in the plane of $\\phi_1$ and $\\phi_2$ of the "
+            "rigid body (coframe of exercise 1.2, seed 0), is added up in two ways from $N$ "
+            "points $\\phi_k$ at equal steps of the angle round the circle:\n\n"
+            r"- **chords**: $\sum_k e^i{}_\mu(\text{midpoint of the chord})\,"
+            r"(\phi^\mu_{k+1}-\phi^\mu_k)$,"
+            "\n"
+            r"- **trapezoid**: $\frac{2\pi}{N}\sum_k e^i{}_\mu(\phi_k)\,"
+            r"\frac{\mathrm{d}\phi^\mu}{\mathrm{d}s}(s_k)$."
+        ),
+        questions=(
+            Question(
+                name="order",
+                kind="number",
+                prompt="The order of the chords: the error falls as $N^{-p}$. What is $p$?",
+                answer=lambda: log2(error(COARSE, True) / error(2 * COARSE, True)),
+                errors=lambda: [
+                    Mistake("forgotten", 1, "The midpoint is better than either end."),
+                    Mistake("factor", 4, "That is for Simpson's rule."),
+                ],
+                tolerance=0.05,
+                generic=(),
+            ),
+            Question(
+                name="points",
+                kind="number",
+                prompt="How many points does the **trapezoid** need for a relative error below "
+                "$10^{-10}$ (of the largest component)? A fifth more or less will do.",
+                answer=needed,
+                errors=lambda: [
+                    Mistake(
+                        "forgotten",
+                        by_chords(),
+                        "So many are needed with chords; for a smooth periodic function the "
+                        "trapezoid converges faster than any power.",
+                    )
+                ],
+                tolerance=0.21,
+                generic=(),
+                points=2,
+            ),
+        ),
+        hints=steps(
+            "Try $N = 64$ and $N = 128$: the quotient of the errors is $2^p$.",
+            "The trapezoid sum over a period is exact for all harmonics below $N$; what is left "
+            "out falls as fast as the harmonics of the coframe do.",
+            "In Python: `gt.numpy_function` makes the coframe a function of arrays; some ten to "
+            "twenty points will do.",
+        ),
+    )
+
+
+def added(frame: Frame, centre: list[float], radius: float, count: int, chords: bool):
+    """The sum over count points of a circle in the plane of the first two angles."""
+    import numpy as np
+
+    angles = [2 * pi * (k + 0.5 * chords) / count for k in range(count)]
+    short = cos(pi / count) if chords else 1.0
+    length = 2 * sin(pi / count) if chords else 2 * pi / count
+    total = np.zeros(frame.dimension)
+    for s in angles:
+        place = (centre[0] + radius * short * cos(s), centre[1] + radius * short * sin(s),
+                 centre[2])  # fmt: skip
+        step = radius * length * np.array([-sin(s), cos(s), 0.0])
+        total += coframe_at(frame, place) @ step
+    return total
+
+
+@cache
+def coframe_function(frame: Frame):
+    """The coframe as a function of numbers."""
+    from geomtorsion.exact import numpy_function
+
+    n = range(frame.dimension)
+    entries = [frame.coframe.element(i, mu) for i in n for mu in n]
+    return numpy_function(entries, frame.coordinates)
+
+
+def coframe_at(frame: Frame, place: tuple[float, ...]):
+    """The coframe at a point, shape (n, n)."""
+    return coframe_function(frame)(*place).reshape(frame.dimension, frame.dimension)

@@ -1,0 +1,69 @@
+"""3.1: which connection is flat, and which has torsion."""
+
+from random import Random
+
+from geomtorsion.exercises.kit import Mistake, Posed, Question, steps, tex
+from geomtorsion.exercises.variants import circles
+from geomtorsion.geometry import cartan, levi_civita
+from geomtorsion.spaces import load
+
+ZERO = {"zero": "it vanishes", "not zero": "it does not vanish"}
+SPACES = ("so3", "heisenberg", "flat_polar", "flat_spherical", "s3", "sol")
+
+
+def pose(draw: Random, seed: int) -> Posed:
+    """so3 for seed 0; other seeds: spheres, groups, flat space, circles."""
+    name = draw.choice((*SPACES, "circles", "circles"))
+    if name == "circles" and seed:
+        frame = circles(draw, seed)
+    else:
+        frame = load("so3" if seed == 0 else name).frame
+    straight, short = cartan(frame), levi_civita(frame)
+    return Posed(
+        statement=(
+            f"Two connections belong to the forms\n\n$${tex.forms(frame)}$$\n\n"
+            f"in ${tex.symbols(frame)}$: the Cartan connection, in which the legs are parallel, "
+            "and the Levi-Civita connection of the metric in which they are orthonormal."
+        ),
+        questions=(
+            _question(
+                "cartan",
+                "The curvature of the **Cartan** connection:",
+                lambda: straight.curvature.is_zero,
+                lambda: short.curvature.is_zero,
+                "levi-civita",
+            ),
+            _question(
+                "riemann",
+                "The curvature of the **Levi-Civita** connection:",
+                lambda: short.curvature.is_zero,
+                lambda: straight.curvature.is_zero,
+                "cartan",
+            ),
+            _question(
+                "torsion",
+                "The torsion of the **Cartan** connection:",
+                lambda: straight.torsion.S.is_zero,
+                lambda: short.torsion.S.is_zero,
+                "levi-civita",
+            ),
+        ),
+        hints=steps(
+            "What is carried parallel round a loop comes back turned if there is curvature.",
+            "Are there vector fields that are parallel everywhere? Then nothing comes back turned.",
+            "For the metric: is it that of a plane or of flat space in other coordinates?",
+        ),
+    )
+
+
+def _question(name, prompt, answer, other, code) -> Question:
+    """Zero or not, with what the other connection says as the mistake."""
+    key = {True: "zero", False: "not zero"}
+    return Question(
+        name=name,
+        kind="choice",
+        prompt=prompt,
+        answer=lambda: key[answer()],
+        errors=lambda: [Mistake(code, key[other()])],
+        options=ZERO,
+    )

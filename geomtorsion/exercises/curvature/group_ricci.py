@@ -1,0 +1,60 @@
+"""3.4: the Ricci tensor of the rotations, and of a stretched sphere."""
+
+from random import Random
+
+from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, steps, tex
+from geomtorsion.exercises.variants import group, rotations
+from geomtorsion.geometry import cartan, levi_civita
+
+
+def pose(draw: Random, seed: int) -> Posed:
+    """so3 for seed 0; other seeds: stretched (Berger's) spheres and other groups."""
+    frame = draw.choice((rotations, rotations, group))(draw, seed) if seed else rotations(draw, 0)
+    curvature, straight = levi_civita(frame).curvature, cartan(frame)
+    return Posed(
+        statement=(
+            f"The forms, in ${tex.symbols(frame)}$, are\n\n$${tex.forms(frame)},$$\n\n"
+            "and $\\eta = 1$. The Cartan curvature vanishes; the Levi-Civita connection of the "
+            "metric has a curvature of its own, made of the torsion: in the frame all its "
+            "components are constant."
+        ),
+        questions=(
+            Question(
+                name="ricci",
+                kind="components",
+                prompt=r"The Ricci tensor $\bar R_{ij}$ in the **frame**.",
+                ground=Ground.of(frame),
+                answer=curvature.ricci.in_frame,
+                errors=lambda: [
+                    Mistake("cartan", straight.curvature.ricci),
+                    Mistake("basis", curvature.ricci),
+                ],
+                shape=(3, 3),
+                label="R",
+                symmetry="symmetric",
+                points=2,
+            ),
+            Question(
+                name="scalar",
+                kind="expression",
+                prompt=r"The curvature scalar $\bar R$.",
+                ground=Ground.of(frame),
+                answer=lambda: curvature.scalar[()],
+                errors=lambda: [
+                    Mistake("cartan", 0),
+                    Mistake(
+                        "sign",
+                        -curvature.scalar[()],
+                        "The sign is wrong: $\\bar R = -T - 2\\bar D_a v^a$ with the torsion "
+                        "scalar $T$.",
+                    ),
+                ],
+            ),
+        ),
+        hints=steps(
+            "With constant $C_{ij}{}^k$ the connection in the frame is constant too: "
+            r"$\bar\omega_{ijk} = -\tfrac12(C_{ijk} - C_{jki} + C_{kij})$.",
+            "The curvature is then a sum of products of two of these, without any derivative.",
+            f"The torsion scalar is ${tex.tex(straight.torsion.scalar[()])}$.",
+        ),
+    )

@@ -1,0 +1,71 @@
+"""3.3: Ricci tensor and curvature scalar of a surface."""
+
+from random import Random
+
+import sympy as sp
+
+from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, steps, tex
+from geomtorsion.exercises.variants import circles
+from geomtorsion.geometry import Frame, levi_civita
+
+
+def pose(draw: Random, seed: int) -> Posed:
+    """A sphere of radius R for seed 0; other seeds: other surfaces of revolution."""
+    frame = circles(draw, seed) if seed else _sphere()
+    curvature = levi_civita(frame).curvature
+    return Posed(
+        statement=(
+            f"A surface has the forms ${tex.forms(frame)}$: $r$ is the length along its meridians. "
+            r"The conventions are $R_{nl} = R_{mnl}{}^m$, positive for spheres, and "
+            r"$R = g^{nl}R_{nl}$, all of the Levi-Civita connection."
+        ),
+        questions=(
+            Question(
+                name="ricci",
+                kind="components",
+                prompt=r"The Ricci tensor $R_{ab}$ in the coordinates.",
+                ground=Ground.of(frame),
+                answer=lambda: curvature.ricci,
+                errors=lambda: [
+                    Mistake("cartan", {}),
+                    Mistake("basis", curvature.ricci.in_frame()),
+                    Mistake(
+                        "sign",
+                        -curvature.ricci,
+                        "The sign is that of books in which spheres have negative curvature.",
+                    ),
+                ],
+                shape=(2, 2),
+                label="R",
+                symmetry="symmetric",
+            ),
+            Question(
+                name="scalar",
+                kind="expression",
+                prompt="The curvature scalar $R$.",
+                ground=Ground.of(frame),
+                answer=lambda: curvature.scalar[()],
+                errors=lambda: [
+                    Mistake("cartan", 0),
+                    Mistake(
+                        "factor",
+                        curvature.scalar[()] / 2,
+                        "That is Gauss's curvature $K$; in two dimensions $R = 2K$.",
+                    ),
+                ],
+            ),
+        ),
+        hints=steps(
+            r"For $\mathrm{d}r^2 + f(r)^2\mathrm{d}\phi^2$ Gauss's curvature is $K = -f''/f$.",
+            "In two dimensions $R_{ab} = K g_{ab}$.",
+            f"Here $f = {tex.tex(frame.coframe[1, 1])}$.",
+        ),
+    )
+
+
+def _sphere() -> Frame:
+    """A sphere of radius R in the length of its meridians."""
+    radius = sp.Symbol("R", positive=True)
+    r, phi = sp.symbols("r phi", real=True)
+    domain = (r > 0, r < sp.pi * radius, phi > 0, phi < 2 * sp.pi)
+    return Frame((r, phi), [[1, 0], [0, radius * sp.sin(r / radius)]], domain=domain)

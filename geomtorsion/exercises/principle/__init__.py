@@ -1,0 +1,1 @@
+"""Chapter 6: the action principle and the top."""

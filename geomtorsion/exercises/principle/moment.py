@@ -1,0 +1,80 @@
+"""6.2: the moment of the weight of a top, in the frame of the body."""
+
+from random import Random
+
+import sympy as sp
+
+from geomtorsion.action import equations_of_motion
+from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, scaled, steps, tex
+from geomtorsion.exercises.variants import attitude, seen_from_space
+from geomtorsion.geometry import Frame
+from geomtorsion.spaces import load
+
+
+def pose(draw: Random, seed: int) -> Posed:
+    """Centre of mass on the third axis for seed 0; other seeds: elsewhere in the body."""
+    frame = load("so3").frame
+    weight = sp.Symbol("W", positive=True)
+    place = (0, 0, 1) if seed == 0 else draw.choice(
+        ((1, 0, 0), (0, 1, 0), (0, 0, 2), (1, 0, 1), (0, 1, 1), (1, 0, 2), (0, 2, 1), (1, 1, 0))
+    )  # fmt: skip
+    potential = weight * (attitude("so3") * sp.Matrix(place))[2]
+    n = frame.dimension
+
+    def moment() -> list[sp.Expr]:
+        u = sp.symbols("u1 u2 u3")
+        energy = sp.Add(*(x**2 / 2 for x in u)) - potential
+        return list(equations_of_motion(frame, energy).accelerations)
+
+    def pushed(table: Frame, legs: bool = True) -> list[sp.Expr]:
+        slopes = [-potential.diff(x) for x in frame.coordinates]
+        rows = table.legs if legs else table.coframe
+        return [
+            sp.Add(*((rows[mu, k] if legs else rows[k, mu]) * slopes[mu] for mu in range(n)))
+            for k in range(n)
+        ]
+
+    return Posed(
+        statement=(
+            "The attitude of a top that turns about a fixed point is "
+            r"$R = R_z(\phi_3)R_y(\phi_2)R_z(\phi_1)$, its body-fixed coframe "
+            f"$$e = {tex.coframe(frame)}.$$ "
+            f"Its centre of mass is at $({', '.join(map(str, place))})$ in the body, its weight "
+            "times the unit of length is $W$: the potential energy is "
+            f"\n\n$$V = {tex.tex(potential)}.$$"
+        ),
+        questions=(
+            Question(
+                name="moment",
+                kind="components",
+                prompt=r"The moment of the weight along the axes of the **body**, "
+                r"$M_k = -E_k{}^\mu\,\partial_\mu V$.",
+                ground=Ground.of(frame, weight),
+                answer=moment,
+                errors=lambda: [
+                    Mistake(
+                        "basis",
+                        [-potential.diff(x) for x in frame.coordinates],
+                        r"These are $-\partial_\mu V$, components in the coordinates.",
+                    ),
+                    Mistake("inverse", pushed(frame, legs=False)),
+                    Mistake("axes", pushed(seen_from_space("so3"))),
+                    Mistake(
+                        "sign",
+                        scaled(moment(), -1),
+                        "The sign is wrong: the weight pulls down the slope of $V$.",
+                    ),
+                ],
+                shape=(3,),
+                label="M",
+                points=2,
+            ),
+        ),
+        hints=steps(
+            "The moment does the work $M_k\\Omega^k$ per time, and that is $-\\dot V$.",
+            r"As vectors in the body: $M = -W\,l\times n$, where $l$ is the centre of mass and $n$ "
+            "the upward vertical as the body sees it.",
+            r"The vertical is the last row of $R$: "
+            f"$n = {tex.matrix(attitude('so3')[2, :].tolist())}$.",
+        ),
+    )

@@ -1,0 +1,72 @@
+"""6.3: what a variation does to the velocities of a frame, eq. (17) of the paper."""
+
+from random import Random
+
+import sympy as sp
+
+from geomtorsion.action import variation
+from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, normal, scaled, steps, tex
+from geomtorsion.exercises.variants import ANGLES, group, seen_from_space
+from geomtorsion.geometry import Frame
+from geomtorsion.spaces import load
+
+
+def pose(draw: Random, seed: int) -> Posed:
+    """so3 for seed 0; other seeds: other angles and other groups."""
+    name = "so3" if seed == 0 else draw.choice((*sorted(ANGLES), "", ""))
+    frame = load(name).frame if name else group(draw, seed)
+    images = sp.symbols("dPhi1 dPhi2 dPhi3", real=True)
+    u = sp.symbols("u1 u2 u3", real=True)
+
+    def terms(over: Frame, principle: str = "closed_in_coordinates") -> list[sp.Expr]:
+        found = variation(over, principle)
+        table = dict(zip((*found.velocities, *found.images), (*u, *images), strict=True))
+        pairs = zip(found.changes, found.image_rates, strict=True)
+        return [(change - rate).xreplace(table) for change, rate in pairs]
+
+    def expected() -> list[Mistake]:
+        right = normal(terms(frame))
+        mistakes = [
+            Mistake(
+                "sign",
+                scaled(right, -1),
+                "The sign is wrong: $u$ and $\\delta\\Phi$ have been exchanged.",
+            ),
+            Mistake("factor", scaled(right, sp.Rational(1, 2)), "The 2 before $S$ is missing."),
+            Mistake("naive", normal(terms(frame, "naive"))),
+        ]
+        if name:
+            mistakes.append(Mistake("axes", terms(seen_from_space(name))))
+        return mistakes
+
+    return Posed(
+        statement=(
+            f"Over the forms\n\n$${tex.forms(frame)}$$\n\nin ${tex.symbols(frame)}$ a path has the "
+            r"velocities $u^i = e^i{}_\mu\dot q^\mu$. It is varied by $\delta q^\mu$, and "
+            r"$\delta\Phi^i = e^i{}_\mu\,\delta q^\mu$. Because the forms are not closed, the "
+            r"velocities change by more than $\frac{\mathrm{d}}{\mathrm{d}t}\delta\Phi^i$:"
+            "\n\n"
+            r"$$\bar\delta u^i = \frac{\mathrm{d}}{\mathrm{d}t}\delta\Phi^i + "
+            r"2S_{kj}{}^i\,u^j\,\delta\Phi^k.$$"
+        ),
+        questions=(
+            Question(
+                name="terms",
+                kind="components",
+                prompt=r"The second term, $2S_{kj}{}^i\,u^j\,\delta\Phi^k$, for $i = 1, 2, 3$, in "
+                "`u1`, `u2`, `u3` and `dPhi1`, `dPhi2`, `dPhi3`.",
+                ground=Ground((*u, *images)),
+                answer=lambda: terms(frame),
+                errors=expected,
+                shape=(3,),
+                label="delta u",
+                points=2,
+            ),
+        ),
+        hints=steps(
+            r"$\delta(e^i{}_\mu\dot q^\mu) - \frac{\mathrm{d}}{\mathrm{d}t}(e^i{}_\mu\delta q^\mu)"
+            r" = (\partial_\nu e^i{}_\mu - \partial_\mu e^i{}_\nu)\,\delta q^\nu\dot q^\mu$.",
+            r"Write $\delta q = E\,\delta\Phi$ and $\dot q = E\,u$: the curl becomes "
+            r"$2S_{kj}{}^i$, the first index with $\delta\Phi$.",
+        ),
+    )

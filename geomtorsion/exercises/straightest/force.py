@@ -1,0 +1,86 @@
+"""4.2: the torsion force between the straightest and the shortest line."""
+
+from random import Random
+
+import sympy as sp
+
+from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, steps, tex
+from geomtorsion.exercises.variants import circles, group
+from geomtorsion.geometry import Frame, cartan
+from geomtorsion.spaces import load
+
+
+def pose(draw: Random, seed: int) -> Posed:
+    """Polar legs for seed 0; other seeds: circles and groups."""
+    frame = load("flat_polar").frame if seed == 0 else draw.choice((circles, group))(draw, seed)
+    n, torsion = frame.dimension, cartan(frame).torsion
+    rates = [sp.Symbol(f"{symbol}_d", real=True) for symbol in frame.coordinates]
+    said = ", ".join(f"`{symbol}'`" for symbol in frame.coordinates)
+    return Posed(
+        statement=(
+            f"For the forms\n\n$${tex.forms(frame)}$$\n\nin ${tex.symbols(frame)}$ let $S$ be the "
+            "torsion of the Cartan connection (with the half). On an autoparallel\n\n"
+            r"$$\ddot q^c + \bar\Gamma_{ab}{}^c\,\dot q^a\dot q^b = f^c,\qquad "
+            r"f^c = 2\,S_a{}^c{}_b\,\dot q^a\dot q^b,$$"
+            "\n\nwith the Levi-Civita connection on the left: $f$ bends the straightest line away "
+            "from the shortest."
+        ),
+        questions=(
+            Question(
+                name="force",
+                kind="components",
+                prompt=f"The components $f^c$ in coordinates, with the velocities {said}.",
+                ground=Ground.of(frame, *rates),
+                answer=lambda: torsion.force(rates),
+                errors=lambda: [
+                    Mistake(
+                        "factor", torsion.force(rates) / 2, "The factor 2 before $S$ is missing."
+                    ),
+                    Mistake("basis", torsion.force(rates).in_frame()),
+                    Mistake("inverse", torsion.force(rates).lowered()),
+                    Mistake(
+                        "levi-civita",
+                        christoffel_terms(frame, rates),
+                        r"That is $\bar\Gamma_{ab}{}^c\dot q^a\dot q^b$ of the metric.",
+                    ),
+                ],
+                shape=(n,),
+                label="f",
+                points=2,
+            ),
+            Question(
+                name="same",
+                kind="choice",
+                prompt="Are straightest and shortest lines the same curves here?",
+                answer=lambda: "yes" if torsion.force_coefficients.is_zero else "no",
+                options={"yes": "for every velocity", "no": "not for every velocity"},
+            ),
+        ),
+        hints=steps(
+            r"$S_a{}^c{}_b$ has its middle index raised: $S_a{}^c{}_b = g^{cd}S_{ad}{}^e g_{eb}$.",
+            "Where $S_{abc}$ is totally antisymmetric the force vanishes; is it here?",
+            f"The torsion has the components $S$: ${_listed(torsion.S)}$.",
+        ),
+    )
+
+
+def christoffel_terms(frame: Frame, rates: list[sp.Symbol]) -> dict[tuple[int, ...], sp.Expr]:
+    """Gamma_bar_ab^c q'^a q'^b."""
+    return quadratic(frame.quantity("christoffel").nonzero(), rates)
+
+
+def quadratic(table: dict, rates: list[sp.Symbol], sign: int = 1) -> dict[tuple[int, ...], sp.Expr]:
+    """sign * t_ab^c q'^a q'^b for each c."""
+    found: dict[tuple[int, ...], sp.Expr] = {}
+    for (a, b, c), value in table.items():
+        found[c,] = found.get((c,), sp.S.Zero) + sign * value * rates[a] * rates[b]
+    return found
+
+
+def _listed(tensor) -> str:
+    """Components with first index below second, in LaTeX."""
+    return r",\ ".join(
+        rf"S_{{{a + 1}{b + 1}}}{{}}^{{{c + 1}}} = {tex.tex(value)}"
+        for (a, b, c), value in tensor.nonzero().items()
+        if a < b
+    )

@@ -1,0 +1,65 @@
+"""2.2: the Cartan connection of the rotations, eq. (10) of the paper."""
+
+from random import Random
+
+from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, reordered, steps, tex
+from geomtorsion.exercises.variants import ANGLES, group
+from geomtorsion.geometry import cartan, levi_civita
+from geomtorsion.spaces import load
+
+
+def pose(draw: Random, seed: int) -> Posed:
+    """so3 for seed 0; other seeds: other angles, or another group."""
+    turning = seed == 0 or draw.random() < 0.5
+    names = ["so3"] if seed == 0 else sorted(ANGLES)
+    frame = load(draw.choice(names)).frame if turning else group(draw, seed)
+    connection = cartan(frame)
+    return Posed(
+        statement=(
+            f"The coframe of this exercise, in the coordinates ${tex.symbols(frame)}$, is"
+            f"\n\n$$e = {tex.coframe(frame)}.$$\n\n"
+            r"Its Cartan connection is $\Gamma_{ab}{}^c = E_i{}^c\,\partial_a e^i{}_b$."
+        ),
+        questions=(
+            Question(
+                name="connection",
+                kind="components",
+                prompt=r"All components $\Gamma_{ab}{}^c$ that do not vanish, in the order "
+                "$a, b, c$, the direction of differentiation first.",
+                ground=Ground.of(frame),
+                answer=lambda: connection.coefficients,
+                errors=lambda: [
+                    Mistake("levi-civita", levi_civita(frame).coefficients),
+                    Mistake(
+                        "permuted",
+                        reordered(connection.coefficients, (1, 0, 2)),
+                        "The derivative index stands last in your answer; here it comes first.",
+                    ),
+                    Mistake(
+                        "inverse",
+                        connection.coefficients.lowered(2),
+                        r"That is $e^i{}_c\,\partial_a e^i{}_b$, with the coframe where its "
+                        "inverse, the legs, should be: all indices are down.",
+                    ),
+                ],
+                shape=(3, 3, 3),
+                label="Gamma",
+                points=2,
+            ),
+        ),
+        hints=steps(
+            r"For each coordinate $a$ the matrix $\Gamma_{a\,\cdot}{}^{\cdot}$ is "
+            r"$(E\,\partial_a e)^T$, with the legs as columns of $E$.",
+            f"The legs are $${tex.matrix(_rows(frame.legs))}.$$",
+            f"There are {_count(frame)} coordinates on which the coframe depends.",
+        ),
+    )
+
+
+def _rows(tensor):
+    return [[tensor[i, j] for j in range(3)] for i in range(3)]
+
+
+def _count(frame) -> int:
+    """How many coordinates occur in the coframe."""
+    return len(set().union(*(x.free_symbols for x in frame.coframe.nonzero().values())))

@@ -1,0 +1,68 @@
+"""2.3: torsion in coordinates, with the half and traced."""
+
+from random import Random
+
+from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, steps, tex
+from geomtorsion.exercises.variants import circles, group
+from geomtorsion.geometry import cartan
+from geomtorsion.spaces import load
+
+
+def pose(draw: Random, seed: int) -> Posed:
+    """Spherical legs in flat space for seed 0; other seeds: groups and circles."""
+    family = draw.choice((circles, group))
+    frame = family(draw, seed) if seed else load("flat_spherical").frame
+    n, torsion = frame.dimension, cartan(frame).torsion
+    return Posed(
+        statement=(
+            f"The legs of this exercise belong to the forms\n\n$${tex.forms(frame)}$$\n\n"
+            f"in the coordinates ${tex.symbols(frame)}$. The torsion of their Cartan connection is"
+            r" $S_{ab}{}^c = \tfrac12(\Gamma_{ab}{}^c - \Gamma_{ba}{}^c)$, **with** the half."
+        ),
+        questions=(
+            Question(
+                name="torsion",
+                kind="components",
+                prompt=r"The components $S_{ab}{}^c$ in coordinates that do not vanish, those "
+                "with $a<b$ at least.",
+                ground=Ground.of(frame),
+                answer=lambda: torsion.S,
+                errors=lambda: [
+                    Mistake("factor", torsion.T, "That is $T = 2S$; the half is missing."),
+                    Mistake("basis", torsion.S.in_frame()),
+                    Mistake(
+                        "levi-civita",
+                        {},
+                        "The Levi-Civita connection has no torsion; the Cartan connection has.",
+                    ),
+                ],
+                shape=(n, n, n),
+                label="S",
+                symmetry="antisymmetric",
+                points=2,
+            ),
+            Question(
+                name="vector",
+                kind="components",
+                prompt=r"The torsion vector $v_a = 2\,S_{ab}{}^b$.",
+                ground=Ground.of(frame),
+                answer=lambda: torsion.vector,
+                errors=lambda: [
+                    Mistake("basis", torsion.vector.in_frame()),
+                    Mistake(
+                        "sign",
+                        -torsion.vector,
+                        "The sign is wrong: the trace is over the second and third index.",
+                    ),
+                ],
+                shape=(n,),
+                label="v",
+            ),
+        ),
+        hints=steps(
+            r"With $\Gamma_{ab}{}^c = E_i{}^c\partial_a e^i{}_b$ the torsion is half the curl of "
+            r"the forms, $S_{ab}{}^c = \tfrac12 E_i{}^c(\partial_a e^i{}_b - \partial_b e^i{}_a)$.",
+            "Only pairs $(a, b)$ count in which one coordinate moves an entry of the other column.",
+            r"The vector is a sum over $b$ of $2 S_{ab}{}^b$, for each $a$.",
+        ),
+    )

@@ -1,0 +1,77 @@
+"""2.4: torsion in the frame of a body, eq. (12) of the paper."""
+
+from random import Random
+
+from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, steps, tex
+from geomtorsion.exercises.variants import ANGLES, seen_from_space, stretched
+from geomtorsion.geometry import cartan, levi_civita
+from geomtorsion.spaces import load
+
+
+def pose(draw: Random, seed: int) -> Posed:
+    """The body-fixed frame of so3 for seed 0; other seeds: other angles, forms stretched."""
+    name = "so3" if seed == 0 else draw.choice(sorted(ANGLES))
+    which, factor = draw.randrange(3), draw.choice((2, 3))
+    frame, other = load(name).frame, seen_from_space(name)
+    if seed:
+        frame, other = stretched(frame, which, factor), stretched(other, which, factor)
+    torsion = cartan(frame).torsion
+    return Posed(
+        statement=(
+            "The body-fixed forms in the angles "
+            f"${tex.symbols(frame)}$ are\n\n$$e = {tex.coframe(frame)},\\qquad \\eta = 1.$$\n\n"
+            + (f"(Form {which + 1} is stretched by {factor}.) " if seed else "")
+            + r"In the frame the torsion of the Cartan connection has constant components."
+        ),
+        questions=(
+            Question(
+                name="torsion",
+                kind="components",
+                prompt=r"The components $2S_{ij}{}^k$ in the frame that do not vanish, those with "
+                "$i<j$ at least.",
+                ground=Ground.of(frame),
+                answer=torsion.T.in_frame,
+                errors=lambda: [
+                    Mistake("factor", torsion.S.in_frame(), "That is $S$; asked is $2S$."),
+                    Mistake(
+                        "axes",
+                        cartan(other).torsion.T.in_frame(),
+                        "That belongs to forms fixed in space (structure constants of the other "
+                        "sign), not in the body.",
+                    ),
+                    Mistake("basis", torsion.T),
+                ],
+                shape=(3, 3, 3),
+                label="2S",
+                symmetry="antisymmetric",
+                points=2,
+            ),
+            Question(
+                name="scalar",
+                kind="expression",
+                prompt=r"The torsion scalar $\tfrac14 T_{abc}T^{abc} + \tfrac12 T_{abc}T^{cba} - "
+                r"v_a v^a$ with $T = 2S$.",
+                ground=Ground.of(frame),
+                answer=lambda: torsion.scalar[()],
+                errors=lambda: [
+                    Mistake(
+                        "factor",
+                        torsion.scalar[()] / 4,
+                        "A quarter of it: $S$ was put in where $T = 2S$ should stand.",
+                    ),
+                    Mistake(
+                        "levi-civita",
+                        levi_civita(frame).curvature.scalar[()],
+                        r"That is the curvature scalar $\bar R$ of the metric, of the other sign.",
+                    ),
+                ],
+            ),
+        ),
+        hints=steps(
+            r"In the frame $2S_{ij}{}^k$ is the object of anholonomy: "
+            r"$\mathrm{d}e^k = \tfrac12\,(2S_{ij}{}^k)\,e^i\wedge e^j$.",
+            "Without stretching the forms are the angular velocity of the body, and turns do not "
+            r"commute: the answer is made of $\epsilon_{ijk}$.",
+            "A stretched form multiplies its own upper index and divides its lower ones.",
+        ),
+    )

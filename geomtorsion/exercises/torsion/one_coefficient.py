@@ -1,0 +1,46 @@
+"""2.1: the one coefficient of the Cartan connection of circles."""
+
+from random import Random
+
+from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, reordered, steps, tex
+from geomtorsion.exercises.variants import circles
+from geomtorsion.geometry import cartan, levi_civita
+
+
+def pose(draw: Random, seed: int) -> Posed:
+    """Polar legs for seed 0; other seeds: circles of other lengths."""
+    frame = circles(draw, seed)
+    connection = cartan(frame)
+    return Posed(
+        statement=(
+            f"In the coordinates ${tex.symbols(frame)}$ let ${tex.forms(frame)}$. "
+            "The Cartan connection is the one in which the legs are parallel,\n\n"
+            r"$$\Gamma_{ab}{}^c = E_i{}^c\,\partial_a e^i{}_b,$$"
+            "\n\nwhere the **first** lower index is the direction of differentiation."
+        ),
+        questions=(
+            Question(
+                name="connection",
+                kind="components",
+                prompt=r"The components $\Gamma_{ab}{}^c$ that do not vanish (there is one), "
+                "indices in the order $a, b, c$.",
+                ground=Ground.of(frame),
+                answer=lambda: connection.coefficients,
+                errors=lambda: [
+                    Mistake("levi-civita", levi_civita(frame).coefficients),
+                    Mistake(
+                        "permuted",
+                        reordered(connection.coefficients, (1, 0, 2)),
+                        "The derivative index stands last in your answer; here it comes first.",
+                    ),
+                    Mistake("inverse", connection.coefficients.lowered(2)),
+                ],
+                shape=(2, 2, 2),
+                label="Gamma",
+            ),
+        ),
+        hints=steps(
+            "Only one entry of the coframe depends on a coordinate.",
+            r"So $a = 1$ and $i = b = 2$; what remains is $E_2{}^2\,\partial_1 e^2{}_2$.",
+        ),
+    )
