@@ -29,6 +29,7 @@ FLOORS = (
 # What stands on one floor and may still be used there, with the reason.
 NEIGHBOURS: dict[tuple[str, str], str] = {
     ("accuracy", "pictures"): "a table of costs draws itself in the ink of all pictures",
+    ("cli", "lab"): "the command that serves the page",
 }
 # Files above the limit, with the reason why they are better in one piece.
 LONG: dict[str, str] = {}
