@@ -30,10 +30,10 @@ _LATER = {
         "variation",
     ),
     "motion": (
-        "Atlas", "Bundle", "Change", "Chart", "Connecting", "Engine", "Flow", "FlowSolution",
-        "FreeTop", "Problem", "RungeKutta", "Solution", "Stiff", "Taylor", "autoparallel",
-        "connecting", "distance_apart", "exponential_map", "flow", "free_top", "geodesic",
-        "geodesic_deviation", "holonomy", "parallel_transport", "solve", "solve_many",
+        "Atlas", "Bundle", "Change", "Chart", "Connecting", "Engine", "Flow", "FlowBundle",
+        "FlowSolution", "FreeTop", "Problem", "RungeKutta", "Solution", "Stiff", "Taylor",
+        "autoparallel", "connecting", "distance_apart", "exponential_map", "flow", "free_top",
+        "geodesic", "geodesic_deviation", "holonomy", "parallel_transport", "solve", "solve_many",
     ),
     "loops": (
         "BurgersMap", "BurgersVector", "Defect", "Development", "DislocationNetwork", "EdgeList",

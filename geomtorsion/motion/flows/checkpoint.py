@@ -15,6 +15,7 @@ from zipfile import BadZipFile
 from geomtorsion.errors import CheckpointError
 from geomtorsion.motion.engines.protocol import Engine, Run
 from geomtorsion.motion.engines.taylor import Taylor, is_available
+from geomtorsion.motion.flows.travel import run_one
 
 if TYPE_CHECKING:
     from geomtorsion.motion.flows.flow import Flow
@@ -153,7 +154,7 @@ class Keeper:
         legs: int,
         progress: Callable[[float], None] | None,
     ) -> None:
-        self.system = flow.system
+        self.flow = flow
         self.checkpoint = checkpoint
         self.legs = legs
         self.progress = progress
@@ -174,7 +175,7 @@ class Keeper:
         name = f"{engine.name} {tolerance!r} {k}"
         run = None if kept is None else kept.known(name, engine, times)
         if run is None:
-            run = engine.run(self.system, start, numbers, times, tolerance)
+            run = run_one(self.flow, engine, start, numbers, times, tolerance)
             if kept is not None:
                 kept.keep(name, run)
         # Two trips are needed at least; each takes half of what is left.

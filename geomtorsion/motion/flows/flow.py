@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -77,6 +78,17 @@ class Flow:
         terms = [*self.outputs.values(), *self.invariants.values()]
         flat = [part for term in terms for part in (term if isinstance(term, tuple) else (term,))]
         return Tape((*self.states, *self.law.parameters, self.law.time), tuple(flat))
+
+    def room(self, time: float, states: Sequence[Any], parameters: Mapping[str, Any]) -> float:
+        """How far the motion is from where it stops; below zero it is there."""
+        if self.law.stop is None:
+            return math.inf
+        values = [*states, *(parameters[name] for name in self.law.parameters), time]
+        return self._stop_tape.floats([float(x) for x in values])[0]
+
+    @cached_property
+    def _stop_tape(self) -> Tape:
+        return Tape((*self.states, *self.law.parameters, self.law.time), (self.law.stop,))
 
     def moved(
         self,

@@ -99,7 +99,8 @@ def _system(
                 "Write the expression of one sign, or a smooth one such as sqrt(x**2 + s**2)."
             )
     products = [() if element.is_zero else ((element, ()),) for element in elements]
-    edge = None if stop is None else (products[-1] or ((field.zero, ()),))
+    # Less than any rounding: heyoka misses all roots after one at the very start of a step.
+    edge = None if stop is None else (*products[-1], (field.rational(1, 10**300), ()))
     if clock:
         blocks = (*blocks, (len(states),))
     return System(tuple(names), tuple(others), tuple(products[: len(names)]), blocks, edge)

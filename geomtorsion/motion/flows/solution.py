@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import MissingExtraError, TimeError, UnknownNameError
 from geomtorsion.exact.names import near_names
+from geomtorsion.motion.checking import CAUTION
 from geomtorsion.motion.flows import reading
 from geomtorsion.motion.flows.travel import Recipe
 from geomtorsion.motion.solution import Cost
@@ -62,7 +63,9 @@ class FlowSolution:
     engine, why: what solved it, and why that was chosen.
     cost: steps, evaluations, seconds.
     outcome: "done"; "stopped" at the condition of the flow; "stuck" where it could not go on.
-    recipe: how to make it again; trips: the integration, and the one it was held against.
+    recipe: how to make it again.
+    trips, share: the integration and the one it was held against; the error is this many times
+        their difference.
 
     Examples
     --------
@@ -85,6 +88,7 @@ class FlowSolution:
     reason: str
     recipe: Recipe
     trips: tuple[Trip, ...] = ()
+    share: float = CAUTION
     _loaded: Mapping[str, Any] | None = None
 
     @cached_property

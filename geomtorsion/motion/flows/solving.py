@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from geomtorsion.errors import AccuracyError, StuckError
+from geomtorsion.errors import AccuracyError, StartError, StuckError
+from geomtorsion.motion.checking import Checked, checked
 from geomtorsion.motion.engines.protocol import Engine
 from geomtorsion.motion.engines.rungekutta import Stiff
 from geomtorsion.motion.flows.checkpoint import LEGS, Checkpoint, Keeper, fingerprint, steady
@@ -16,14 +17,11 @@ from geomtorsion.motion.flows.solution import FlowSolution
 from geomtorsion.motion.flows.travel import Leg, Recipe, Trip, cut_legs, travel, unit_rows
 from geomtorsion.motion.solution import Cost
 from geomtorsion.motion.solving import (
-    CAUTION,
-    MARGIN,
     STIFF,
     checked_accuracy,
     checked_times,
     choices,
     remedy,
-    tolerances,
 )
 
 Progress = Callable[[float], None]
@@ -44,6 +42,12 @@ def solve_flow(
     """Solve a flow; see `solve`."""
     accuracy = checked_accuracy(accuracy)
     times, grid = checked_times(t)
+    room = flow.room(0.0, flow.start, flow.parameters)
+    if not room >= 0:
+        raise StartError(
+            f"stop = {flow.law.stop} is {room:.6g} at the start already. Start where it is above "
+            "zero; the motion ends where it falls through it."
+        )
     end = float(grid[-1])
     if checkpoint is None and progress is None:
         legs = cut_legs(flow, end, 1)
@@ -95,12 +99,13 @@ def _solved(
     for candidate, why in engines(flow, legs, accuracy, engine):
         if keeper is not None:
             candidate = steady(candidate)
-        answer, witness, error = _refined(go, candidate, accuracy, spent, learned)
-        best = min(best, error)
-        if error <= accuracy or answer.outcome == "stuck":
-            recipe = Recipe(candidate, answer.tolerance, grid, 1 if keeper is None else LEGS)
-            pair = answer, witness
-            solution = _solution(flow, times, accuracy, error, why, pair, spent, recipe)
+        found = _refined(go, candidate, accuracy, learned)
+        spent += found.spent
+        best = min(best, found.error)
+        if found.error <= accuracy or found.answer.outcome == "stuck":
+            cuts = 1 if keeper is None else LEGS
+            recipe = Recipe(candidate, found.answer.tolerance, grid, cuts)
+            solution = _solution(flow, times, accuracy, why, found, spent, recipe)
             if not solution.complete:
                 raise StuckError(_stuck(solution), solution)
             return solution
@@ -112,27 +117,25 @@ def _solved(
 
 
 def _refined(
-    go: Travel, engine: Engine, accuracy: float, spent: list[Trip], learned: dict[Any, float]
-) -> tuple[Trip, Trip, float]:
-    """Answer, witness and error of the first tolerance that is good enough, or of the last."""
-    key = (engine.name, round(math.log10(accuracy), 1))
-    steps = tolerances(learned.get(key, accuracy * MARGIN), engine.finest)
-    answer = before = go(engine, next(steps))
-    spent.append(answer)
-    error = math.inf
-    for tolerance in steps:
-        witness = go(engine, tolerance)
-        spent.append(witness)
-        error = max(CAUTION * difference(answer, witness), 2.0**-engine.precision)
-        if error <= accuracy:
-            learned[key] = answer.tolerance
-            return answer, witness, error
-        answer, before = witness, answer
-    return before, answer, error
+    go: Travel, engine: Engine, accuracy: float, learned: dict[Any, float]
+) -> Checked[Trip]:
+    """Answer, check and error of the first tolerance that is good enough, or of the last."""
+    key = (engine.name, accuracy)
+    found = checked(
+        engine,
+        accuracy,
+        learned.get(key) or engine.first(accuracy),
+        lambda tolerance: go(engine, tolerance),
+        difference,
+        lambda trip: trip.outcome == "stuck",
+    )
+    if found.error <= accuracy:
+        learned[key] = found.answer.tolerance
+    return found
 
 
-def difference(one: Trip, two: Trip) -> float:
-    """Largest difference of two trips, relative to the size of each block.
+def difference(one: Trip, two: Trip) -> tuple[float, int]:
+    """Largest difference of two trips, relative to the size of each block; samples compared.
 
     Where both were stopped, by when and where that was.
     """
@@ -141,7 +144,7 @@ def difference(one: Trip, two: Trip) -> float:
     flow = one.flow
     count = min(one.count, two.count)
     if not count or (one.outcome != two.outcome and "stopped" in (one.outcome, two.outcome)):
-        return math.inf
+        return math.inf, 0
     first, second = _rows(one, count), _rows(two, count)
     worst = 0.0
     if one.outcome == two.outcome == "stopped":
@@ -149,7 +152,7 @@ def difference(one: Trip, two: Trip) -> float:
         worst = gap / abs(one.reached) if gap else 0.0
     gaps = np.abs(first - second).max(axis=0)
     if not np.isfinite(gaps).all():
-        return math.inf
+        return math.inf, count
     sizes = np.maximum(np.abs(first).max(axis=0), np.abs([float(x) for x in flow.start]))
     for block in flow.system.blocks:
         index = [k for k in block if k < flow.size]
@@ -157,7 +160,7 @@ def difference(one: Trip, two: Trip) -> float:
         if gap > 0:
             size = float(sizes[index].max())
             worst = max(worst, gap / size if size > 0 else math.inf)
-    return worst
+    return worst, count
 
 
 def _rows(trip: Trip, count: int) -> Any:
@@ -174,14 +177,17 @@ def _rows(trip: Trip, count: int) -> Any:
 def is_stiff(flow: Flow, legs: Sequence[Leg]) -> bool:
     """Whether some direction decays much faster than the motion lasts; False if unknown."""
     return any(
-        decay_rate(flow, leg) * abs(leg.end - leg.begin) > STIFF
+        decay_rate(flow, leg, STIFF / abs(leg.end - leg.begin)) * abs(leg.end - leg.begin) > STIFF
         for k, leg in enumerate(legs)
-        if k == 0 or leg.numbers is not legs[k - 1].numbers
+        if (k == 0 or leg.numbers is not legs[k - 1].numbers) and leg.end != leg.begin
     )
 
 
-def decay_rate(flow: Flow, leg: Leg) -> float:
-    """The largest rate at which a neighbouring motion decays towards this one, at the start."""
+def decay_rate(flow: Flow, leg: Leg, least: float = 0.0) -> float:
+    """The largest rate at which a neighbouring motion decays towards this one, at the start.
+
+    Rates that are surely not above the least one are not worked out, and given as zero.
+    """
     import numpy as np
 
     values = [float(x) for x in leg.numbers]
@@ -190,23 +196,24 @@ def decay_rate(flow: Flow, leg: Leg) -> float:
         matrix = flow.system.scalar_jacobian(values)(0.0, np.array(state))
     except (ArithmeticError, ValueError):
         return 0.0
-    return float(-np.linalg.eigvals(matrix).real.min()) if np.isfinite(matrix).all() else 0.0
+    if not np.isfinite(matrix).all() or np.abs(matrix).sum(axis=1).max() <= least:
+        return 0.0
+    return float(-np.linalg.eigvals(matrix).real.min())
 
 
 def _solution(
     flow: Flow,
     times: Any,
     accuracy: float,
-    error: float,
     why: str,
-    pair: tuple[Trip, Trip],
+    found: Checked[Trip],
     spent: list[Trip],
     recipe: Recipe,
 ) -> FlowSolution:
     """The answer with what is known about it."""
     import numpy as np
 
-    answer, witness = pair
+    answer = found.answer
 
     rows = np.asarray(answer.states)
     if accuracy >= 2.0**-53:
@@ -231,14 +238,15 @@ def _solution(
         reached,
         rows,
         accuracy,
-        error,
+        found.error,
         answer.engine.name,
         why,
         cost,
         answer.outcome,
         answer.reason,
         recipe,
-        (answer, witness),
+        (answer, found.check),
+        found.share,
     )
 
 

@@ -60,6 +60,14 @@ class Tape:
         return _made(self._plain, "numpy")
 
     @cached_property
+    def _fraction_function(self) -> Callable[..., tuple[Any, ...]]:
+        return _made(self._plain, "fractions")
+
+    @cached_property
+    def _long_function(self) -> Callable[..., tuple[Any, ...]]:
+        return _made(self._plain, "mpmath")
+
+    @cached_property
     def _size_function(self) -> Callable[..., tuple[Any, ...]]:
         return _made(self._sizes, "numpy")
 
@@ -90,13 +98,13 @@ class Tape:
         fractions = [exact(value) for value in values]
         if all(value is not None for value in fractions):
             try:
-                return list(_made(self._plain, "fractions")(*fractions))
+                return list(self._fraction_function(*fractions))
             except _NoFraction:
                 pass
         import mpmath
 
         with mpmath.workprec(BITS):
-            return list(_made(self._plain, "mpmath")(*(mpf(value, BITS) for value in values)))
+            return list(self._long_function(*(mpf(value, BITS) for value in values)))
 
 
 class _NoFraction(Exception):

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.motion.engines.protocol import Engine, Run
-from geomtorsion.motion.system import mpf
+from geomtorsion.motion.engines.taylor import Taylor
+from geomtorsion.motion.flows.roots import crossings
+from geomtorsion.motion.system import System, mpf
 
 if TYPE_CHECKING:
     from geomtorsion.motion.flows.flow import Flow
@@ -160,7 +162,7 @@ def travel(
     """Follow a flow through the times of a grid from 0 on."""
     import numpy as np
 
-    system, size = flow.system, flow.size
+    size = flow.size
     sign = -1.0 if legs[-1].end < 0 else 1.0
     order = sign * grid
     state: Sequence[Any] = list(flow.start)
@@ -171,6 +173,8 @@ def travel(
             start[flow.states.index(name)] = value
         for places in flow.unit_places:
             _make_unit(start, places, engine)
+        if k and flow.room(leg.begin, start, leg.parameters) < 0:
+            return Trip(flow, engine, tolerance, tuple(pieces), "stopped", "")
         if flow.law.clock:
             start.append(leg.begin)
         final = k + 1 == len(legs)
@@ -182,7 +186,7 @@ def travel(
         if not final or times[-1] != leg.end:
             times = np.concatenate((times, [leg.end]))
         if run_leg is None:
-            run = engine.run(system, start, leg.numbers, times, tolerance)
+            run = run_one(flow, engine, start, leg.numbers, times, tolerance)
         else:
             run = run_leg(k, engine, start, leg.numbers, times, tolerance)
         count = min(len(run.times) - head, len(inside))
@@ -194,6 +198,49 @@ def travel(
             return Trip(flow, engine, tolerance, tuple(pieces), outcome, run.reason)
         state = list(run.last)
     return Trip(flow, engine, tolerance, tuple(pieces), "done", "")
+
+
+def run_one(
+    flow: Flow,
+    engine: Engine,
+    start: Sequence[Any],
+    numbers: Sequence[Any],
+    times: Any,
+    tolerance: float,
+) -> Run:
+    """One leg, ended where the flow stops."""
+    system = flow.system
+    if system.edge is None or isinstance(engine, Taylor):
+        return engine.run(system, start, numbers, times, tolerance)
+    run = engine.run(system, start, numbers, times, tolerance, dense=True)
+    return run if run.dense is None else _ended_earlier(system, run, times, numbers)
+
+
+def _ended_earlier(system: System, run: Run, times: Any, numbers: Sequence[Any]) -> Run:
+    """A run by scipy, cut where it fell through the condition and rose again within one step."""
+    import numpy as np
+
+    from geomtorsion.motion.flows.zeros import places
+
+    values, dense = [float(x) for x in numbers], run.dense
+    assert dense is not None
+
+    def room(at: Any) -> Any:
+        return np.broadcast_to(system.edge_values(dense(at).T, values), len(at))
+
+    begin, end = float(times[0]), float(run.reached)
+    looked = places(begin, end, run)
+    # The last place is where scipy itself has found the end.
+    found = crossings(room, looked[:-1], room(looked[:-1]), -1)
+    if not len(found):
+        return replace(run, dense=None)
+    sign = 1.0 if end >= begin else -1.0
+    keep = sign * np.asarray(run.times) < sign * found[0]
+    last = dense(found[:1])[0]
+    return replace(
+        run, times=run.times[keep], states=run.states[keep], reached=float(found[0]), last=last,
+        outcome="edge", reason="", dense=None,
+    )  # fmt: skip
 
 
 def _make_unit(state: list[Any], places: Sequence[int], engine: Engine) -> None:

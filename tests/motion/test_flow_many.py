@@ -1,0 +1,88 @@
+"""solve_many on flows: the same numbers as one by one, for starts and parameters."""
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import AccuracyError, ShapeError, StartError, TimeError, UnknownNameError
+from geomtorsion.motion import RungeKutta, Stiff, flow, solve, solve_many
+from tests.motion.engines import every_engine
+
+
+def driven(**more):
+    """A driven decay and a turn, with switches, a clock and a unit pair."""
+    return flow(
+        {"x": "-k*x + a*cos(t)", "q0": "-w*q1/2", "q1": "w*q0/2"},
+        [1, 1, 0],
+        parameters={"k": 1.0, "a": 0.0, "w": 3},
+        outputs={"pair": ["x", "k*x"], "mixed": "k*x + t*a"},
+        switches=[(1.25, {"a": 2.0}), (2, {"x": 5})],
+        unit=[("q0", "q1")],
+        **more,
+    )
+
+
+@every_engine
+def test_same_as_one_by_one(engine):
+    """States and outputs at all times, across switches."""
+    times = [0.5, 1.25, 2.0, 3.0]
+    starts = {"k": np.array([0.5, 1, 2]), "x": [1, 2, 3]}
+    many = solve_many(driven(), starts, times, 1e-10, engine)
+    assert len(many) == 3
+    assert many.finished.all()
+    assert many.error <= 1e-10
+    for row, (k, x) in enumerate(zip(starts["k"], starts["x"], strict=True)):
+        one = driven().moved(start={"x": x}, parameters={"k": float(k)})
+        alone = solve(one, times, 1e-12)
+        assert many.states[row] == pytest.approx(alone.states, abs=2e-9)
+        assert many["pair"][row] == pytest.approx(alone["pair"], abs=2e-9)
+        assert many["mixed"][row] == pytest.approx(alone["mixed"], abs=2e-9)
+    assert np.abs((many.states[..., 1:] ** 2).sum(axis=-1) - 1).max() < 5e-16
+    assert "3 of 3 flows" in str(many)
+
+
+@every_engine
+def test_arrays_of_states(engine):
+    """All states in order; only the end where one time is asked for; backwards too."""
+    swing = flow({"x": "v", "v": "-x"}, [1, 0])
+    angles = np.linspace(0, 6, 20)
+    starts = np.array([np.cos(angles), -np.sin(angles)]).T
+    for end in (2.0, -2.0):
+        many = solve_many(swing, starts, end, 1e-10, engine)
+        assert many.states.shape == (20, 1, 2)
+        assert many["x"][:, 0] == pytest.approx(np.cos(angles + end), abs=1e-9)
+
+
+def test_parameters_alone():
+    """Derived numbers are worked out for each motion."""
+    rates = {"a": "(I2 - I3)/I1*b*c", "b": "(I3 - I1)/I2*a*c", "c": "(I1 - I2)/I3*a*b"}
+    body = flow(rates, [1, 0.1, 2], parameters={"I1": 1, "I2": 2, "I3": 3})
+    third = np.array([2.5, 3.0, 4.0])
+    many = solve_many(body, {"I3": third}, 3.0, 1e-11)
+    for row, value in enumerate(third):
+        alone = solve(body.moved(parameters={"I3": float(value)}), [3.0], 1e-12)
+        assert many.states[row, -1] == pytest.approx(alone.states[-1], abs=1e-10)
+
+
+def test_bad_input():
+    """Lists that do not fit, names that are unknown, engines that cannot."""
+    swing = flow({"x": "v", "v": "-k*x"}, [1, 0], parameters={"k": 1})
+    with pytest.raises(ShapeError, match=r"shape \(number, 2\)"):
+        solve_many(swing, [[1, 2, 3]], 1.0)
+    with pytest.raises(ShapeError, match="one common length"):
+        solve_many(swing, {"x": [1, 2], "k": [1, 2, 3]}, 1.0)
+    with pytest.raises(UnknownNameError, match="kk is no state .* Did you mean k"):
+        solve_many(swing, {"kk": [1]}, 1.0)
+    with pytest.raises(StartError, match="not finite"):
+        solve_many(swing, {"x": [1, float("inf")]}, 1.0)
+    with pytest.raises(TimeError, match="t was not given"):
+        solve_many(swing, {"x": [1.0]})
+    with pytest.raises(StartError, match="length 1 together"):
+        solve_many(driven(), {"q0": [1.0, 2.0]}, 1.0)
+    with pytest.raises(StartError, match="flows with stop"):
+        solve_many(flow({"x": -1}, [1], stop="x"), {"x": [1.0]}, 1.0)
+    with pytest.raises(StartError, match="states only"):
+        solve_many(swing, {"x": [1.0]}, 1.0, velocities=[[1.0]])  # type: ignore[call-overload]
+    with pytest.raises(AccuracyError, match="batches run"):
+        solve_many(swing, {"x": [1.0]}, 1.0, engine=Stiff())
+    with pytest.raises(AccuracyError, match="gets to"):
+        solve_many(swing, {"x": [1.0]}, 50.0, 1e-17, engine=RungeKutta())
