@@ -43,8 +43,8 @@ class RungeKutta:
         return max(self.rung(min(accuracy * MARGIN, 1e-3)), 3 * self.finest)
 
     def rung(self, tolerance: float) -> float:
-        """See `Engine.rung`: powers of ten."""
-        return power_of_ten(tolerance)
+        """See `Engine.rung`: four to a power of ten."""
+        return 10.0 ** (math.floor(4 * math.log10(tolerance) + 1e-9) / 4)
 
     def finer(self, tolerance: float) -> float | None:
         """See `Engine.finer`."""
@@ -53,7 +53,7 @@ class RungeKutta:
     def coarser(self, tolerance: float) -> float | None:
         """See `Engine.coarser`: none near the rounding, nor where it would be too coarse."""
         coarse = tolerance * COARSER
-        return coarse if tolerance > 10 * FLOOR and coarse <= 1.01e-3 else None
+        return coarse if tolerance > FLOOR and coarse <= 1.01e-3 else None
 
     def shrinks(self, fine: Effort, coarse: Effort) -> float | None:
         """See `Engine.shrinks`: the eighth power of the step length, seen from the steps taken."""
@@ -108,8 +108,8 @@ class Stiff:
         return max(self.rung(min(accuracy * MARGIN, 1e-3)), 3 * self.finest)
 
     def rung(self, tolerance: float) -> float:
-        """See `Engine.rung`: powers of ten."""
-        return power_of_ten(tolerance)
+        """See `Engine.rung`: four to a power of ten."""
+        return 10.0 ** (math.floor(4 * math.log10(tolerance) + 1e-9) / 4)
 
     def finer(self, tolerance: float) -> float | None:
         """See `Engine.finer`."""
@@ -137,11 +137,6 @@ class Stiff:
         return scipy_run(
             self.method, self.max_evaluations, system, start, parameters, times, tolerance, dense
         )
-
-
-def power_of_ten(tolerance: float) -> float:
-    """The nearest power of ten from below."""
-    return 10.0 ** math.floor(math.log10(tolerance) + 1e-9)
 
 
 def _finer(tolerance: float, finest: float) -> float | None:
