@@ -1,4 +1,4 @@
-"""accuracy: what accuracy costs in time, measured on a motion of a space."""
+"""accuracy: what accuracy costs in time, measured on a motion of a space or on a scene."""
 
 from __future__ import annotations
 
@@ -19,11 +19,14 @@ from geomtorsion.cli.curve import (
     Velocity,
 )
 from geomtorsion.cli.numbers import engine_of, named_numbers, number, numbers
-from geomtorsion.cli.progress import working
-from geomtorsion.cli.source import SpaceOrFile, open_space
+from geomtorsion.cli.progress import bar, working
+from geomtorsion.cli.scene_source import is_scene, open_scene
+from geomtorsion.cli.source import open_space
+from geomtorsion.errors import StartError
 
 if TYPE_CHECKING:
     from geomtorsion.accuracy import CostTable
+    from geomtorsion.motion import Engine
 
 
 class Curve(StrEnum):
@@ -34,7 +37,14 @@ class Curve(StrEnum):
 
 
 def accuracy(
-    source: SpaceOrFile,
+    source: Annotated[
+        str,
+        typer.Argument(
+            metavar="SPACE|SCENE|FILE",
+            show_default=False,
+            help="A shipped space or scene, a tetrad file or a scene file.",
+        ),
+    ],
     curve: Annotated[Curve, typer.Option(help="Which motion is measured.")] = Curve.geodesic,
     start: Start = None,
     velocity: Velocity = None,
@@ -76,13 +86,22 @@ def accuracy(
     Examples:
       geomtorsion accuracy so3 --moments 1,2,3 --t 100
       geomtorsion accuracy s2 --accuracies 1e-6,1e-12 -o cost
+      geomtorsion accuracy lagrange_cusp --t 1
     """
+    asked = numbers(accuracies, "accuracies") or []
+    solvers = None if engines is None else [engine_of(name.strip()) for name in engines.split(",")]
+    found = [solver for solver in solvers or [] if solver is not None]
+    if is_scene(source):
+        given = {"--start": start, "--velocity": velocity, "--frame-velocity": frame_velocity}
+        _refuse(given | {"--moments": moments})
+        table = _of_scene(source, t, parameters, found, asked)
+        typer.echo(str(table))
+        _report(table, output, form)
+        return
     from geomtorsion.accuracy import accuracy_cost
     from geomtorsion.pictures.pair import posed
 
     space = open_space(source)
-    asked = numbers(accuracies, "accuracies") or []
-    solvers = None if engines is None else [engine_of(name.strip()) for name in engines.split(",")]
     with working(space.name) as progress:
         problems, chosen, last = posed(
             space,
@@ -95,7 +114,6 @@ def accuracy(
         )
         progress("measuring")
         problem = problems[curve.value]
-        found = [solver for solver in solvers or [] if solver is not None]
         table = accuracy_cost(problem, last, found or None, asked)
     names = problem.coordinates
     begin = ", ".join(
@@ -107,6 +125,35 @@ def accuracy(
         if text:
             typer.echo(f"{key:<11}{text}{'  (chosen)' if key in chosen else ''}")
     typer.echo(f"\n{table}")
+    _report(table, output, form)
+
+
+def _of_scene(
+    source: str,
+    t: str | None,
+    settings: list[str] | None,
+    engines: list[Engine],
+    asked: list[float],
+) -> CostTable:
+    """The table of a scene."""
+    from geomtorsion.scenes.accuracies import scene_accuracy
+
+    scene = open_scene(source, t=t, settings=settings)
+    with bar(scene.title or scene.name) as progress:
+        return scene_accuracy(scene, engines or None, asked, progress)
+
+
+def _refuse(given: dict[str, str | None]) -> None:
+    """Options of spaces mean nothing for a scene."""
+    wrong = [name for name, value in given.items() if value is not None]
+    if wrong:
+        raise StartError(
+            f"{wrong[0]} is for spaces; a scene has its own start: --set start.omega[0]=0.1."
+        )
+
+
+def _report(table: CostTable, output: Path | None, form: PictureFormat) -> None:
+    """Write what was measured, if there is where to."""
     if output is not None:
         for line in _write(table, output, form.value):
             typer.echo(line)

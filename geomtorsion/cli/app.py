@@ -17,6 +17,8 @@ from geomtorsion.cli.lab import lab
 from geomtorsion.cli.paper import paper
 from geomtorsion.cli.plan import plan
 from geomtorsion.cli.report import report
+from geomtorsion.cli.run import run
+from geomtorsion.cli.scenes import scenes
 from geomtorsion.cli.spaces import spaces
 
 app = typer.Typer(
@@ -62,7 +64,7 @@ def geomtorsion(
     """
 
 
-for _command in (spaces, geometry, check, plan, report, curve, accuracy, burgers):
+for _command in (spaces, geometry, check, plan, report, curve, accuracy, burgers, run, scenes):
     app.command()(guarded(_command))
 app.command(short_help="Recompute the equations of the paper.")(guarded(paper))
 app.command(short_help="A page to play with, for the classroom.")(guarded(lab))

@@ -127,7 +127,7 @@ def _unrolled(axes: Any, tip: np.ndarray, theta: np.ndarray, bounds: Any) -> Non
 
 
 def _from_above(axes: Any, tip: np.ndarray, theta: np.ndarray, bounds: Any) -> None:
-    """The tip as one who looks down sees it: direction as it is, angle from the vertical as radius."""
+    """The tip seen from above: the radius is the angle from the vertical."""
     import numpy as np
 
     phi, tilt = np.arctan2(tip[:, 1], tip[:, 0]), np.degrees(theta)

@@ -11,7 +11,6 @@ from geomtorsion.scenes.drifts import drifts_over_time
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from geomtorsion.scenes.plan import ScenePlan
     from geomtorsion.scenes.result import SceneResult
 
 Drawn = Callable[["SceneResult"], Any]
@@ -19,12 +18,6 @@ Drawn = Callable[["SceneResult"], Any]
 SMOOTH = 1501
 # Directions that change by less than this (relative) are taken to stay.
 STEADY = 1e-6
-# States that come in and stay out together, by the names of the plan.
-_GROUPS = {
-    **dict.fromkeys(("Omega1", "Omega2", "Omega3"), "rotation"),
-    **dict.fromkeys("xyz", "position"),
-    **dict.fromkeys(("vx", "vy", "vz"), "velocity"),
-}
 
 
 def plot(result: SceneResult, path: str | Path | None = None) -> Figure:
@@ -177,45 +170,6 @@ def trust(result: SceneResult) -> Figure:
 
 def plan(result: SceneResult) -> Figure:
     """What is in and what was left out."""
+    from geomtorsion.scenes.plan_drawing import plan_figure
+
     return plan_figure(result.plan)  # type: ignore[arg-type]
-
-
-def plan_figure(shown: ScenePlan) -> Figure:
-    """The plan of a scene as a figure: effects, states, what is watched.
-
-    Raises
-    ------
-    MissingExtraError
-        matplotlib is not installed.
-    """
-    from geomtorsion.pictures.scene_plan import plan_picture
-
-    rows = {row.name: row for row in shown.rows}
-    states = [row.name for row in shown.rows if row.kind == "states"]
-
-    def box(node: str) -> str:
-        name = node.removeprefix("effect ").removeprefix("watch ")
-        name = _GROUPS.get(name, name)
-        # Where the whole attitude is followed, the vertical is read off it.
-        return "attitude" if name == "vertical" and shown.uses_quaternion else name
-
-    columns = {
-        "effects": [row.name for row in shown.rows if row.kind == "effect"],
-        "states": states,
-        "watched": [f"watched: {item.name}" for item in shown.watch],
-    }
-    edges: dict[tuple[str, str], None] = {}
-    for one, other in shown.graph.edges:
-        pair = (
-            box(one),
-            f"watched: {other.removeprefix('watch ')}"
-            if other.startswith("watch ")
-            else box(other),
-        )
-        inside = all(rows[name].inside for name in pair if name in rows)
-        if pair[0] != pair[1] and inside:
-            edges[pair] = None
-    out = {row.name: row.why for row in shown.rows if not row.inside}
-    count = len(shown.states)
-    heading = f"{shown.title or 'scene'}: {count} equation{'s' * (count != 1)}"
-    return plan_picture(columns, edges, out, heading)

@@ -61,6 +61,7 @@ def to_toml(scene: Scene, story: str = "") -> str:
     <BLANKLINE>
     """
     from geomtorsion.scenes.scene import Scene
+    from geomtorsion.scenes.state import State
 
     head = {"name": scene.name, "title": scene.title, "story": story}
     body = scene.body
@@ -80,7 +81,7 @@ def to_toml(scene: Scene, story: str = "") -> str:
     ]
     parts += [_effect(effect) for effect in scene.effects]
     start = {key: getattr(scene.start, key) for key in START_UNITS}
-    if start["euler"] is None:
+    if start["euler"] is None or start["euler_convention"] == State.euler_convention:
         del start["euler_convention"]
     lines = "".join(_line(key, value) for key, value in start.items() if value is not None)
     if lines:

@@ -1,0 +1,87 @@
+"""Saving: everything about a run of a scene, in one directory."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import SceneError
+from geomtorsion.scenes.plotting import album
+from geomtorsion.scenes.table import write_csv
+from geomtorsion.scenes.writing import write_file
+
+if TYPE_CHECKING:
+    from geomtorsion.scenes.result import SceneResult
+
+TABLE, ARRAYS, FACTS, SCENE = "table.csv", "result.npz", "run.json", "scene.toml"
+
+
+def write_run(
+    result: SceneResult,
+    directory: Path,
+    form: str = "png",
+    progress: Callable[[str], object] = lambda _: None,
+) -> list[Path]:
+    """Write table.csv, result.npz, run.json, scene.toml and, with matplotlib, the pictures.
+
+    Everything is computed and drawn before the first file is written.
+
+    Raises
+    ------
+    SceneError
+        the result was loaded from a file.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from geomtorsion.scenes import load
+    >>> result = load("lagrange_cusp").replaced(watch=["nutation"]).run()
+    >>> with TemporaryDirectory() as folder:
+    ...     [path.name for path in write_run(result, Path(folder))][:4]
+    ['table.csv', 'result.npz', 'run.json', 'scene.toml']
+    """
+    from geomtorsion.pictures.album import can_draw
+    from geomtorsion.pictures.ink import save
+
+    if result.scene is None:
+        raise SceneError("a result from a file has no scene; run the scene and write that.")
+    figures: dict[str, Any] = {}
+    if can_draw():
+        for name, (draw, _) in album(result).items():
+            progress(f"drawing {name}")
+            figures[f"{name}.{form}"] = draw(result)
+    directory.mkdir(parents=True, exist_ok=True)
+    written = [directory / name for name in (TABLE, ARRAYS, FACTS, SCENE)]
+    write_csv(written[0], result.columns())
+    result.save(written[1])
+    facts = metadata(result) | {"table": TABLE, "pictures": list(figures)}
+    written[2].write_text(json.dumps(facts, indent=2, ensure_ascii=False) + "\n", "utf-8")
+    write_file(result.scene, written[3])
+    for name, figure in figures.items():
+        save(figure, directory / name)
+        written.append(directory / name)
+    return written
+
+
+def metadata(result: SceneResult) -> dict[str, Any]:
+    """What was solved, how and how well, ready for JSON."""
+    scene = result.scene
+    return {
+        "name": getattr(scene, "name", ""),
+        "title": getattr(scene, "title", ""),
+        "watch": list(result.values),
+        "units": dict(result.units),
+        "t": float(result.times[-1]),
+        "accuracy": result.accuracy,
+        "error": result.error,
+        "drift": {name: float(value) for name, value in result.drift.items()},
+        "engine": result.engine,
+        "why": result.why,
+        "closed_form": result.closed_form,
+        "outcome": result.outcome,
+        "complete": result.complete,
+        "cost": {name: float(value) for name, value in vars(result.cost).items()},
+        "plan": str(result.plan).splitlines(),
+    }
