@@ -14,6 +14,7 @@ from geomtorsion.action.hamel import Hamel
 from geomtorsion.action.lagrange import Lagrange
 from geomtorsion.action.phase import expressions, opened
 from geomtorsion.action.principles import principle_named
+from geomtorsion.action.reduced import Reduced, reduced
 from geomtorsion.errors import ShapeError
 
 if TYPE_CHECKING:
@@ -131,6 +132,17 @@ class EquationsOfMotion:
         """Forces that keep the constraints, by the velocity whose form each replaces."""
         names = self.hamel.phase.letters.velocities
         return {names[k].name: value.sympy for k, value in self.hamel.reactions.items()}
+
+    @cached_property
+    def reduced(self) -> Reduced:
+        """The rates of the velocities alone, where no coordinate occurs in them.
+
+        Raises
+        ------
+        LagrangianError
+            The velocities do not stand alone.
+        """
+        return reduced(self.rates, self.invariants, self.frame.coordinates)
 
     @property
     def text(self) -> str:

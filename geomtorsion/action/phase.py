@@ -76,15 +76,16 @@ def opened(frame: Frame, expressions: Sequence[sp.Expr]) -> Phase:
     known = {*frame.coordinates, *letters.velocities, letters.time}
     free: set[Any] = set().union(*(value.free_symbols for value in expressions))
     extra = sorted(free - known - set(frame.parameters), key=str)
-    parameters = (*frame.parameters, *extra, letters.time, *letters.velocities)
     own = Frame(
         frame.coordinates,
         frame.coframe.to_sympy(),
-        parameters=parameters,
+        parameters=frame.parameters,
         domain=frame.domain,
         name=frame.name,
         branches=frame.field.chosen,
     )
+    # Later than the frame: the domain then fixes no velocity at which roots are looked at.
+    own.field.declare((*extra, letters.time, *letters.velocities))
     return Phase(own, letters)
 
 
