@@ -139,7 +139,7 @@ def _checked_switches(switches: Sequence[Any], parameters: Mapping[str, Any]) ->
     """Pairs of a time and parameters to change."""
     found = []
     for each in switches:
-        pair = tuple(each)
+        pair = tuple(each) if isinstance(each, list | tuple) else ()
         if len(pair) != 2 or not isinstance(pair[1], Mapping):
             raise SceneError(f"custom.switches: (time, {{name: value}}) was needed, {each!r} came.")
         for name in pair[1]:
