@@ -163,7 +163,7 @@ def assemble(body: Body, effects: Mapping[str, Effect]) -> Assembly:
     >>> from geomtorsion.scenes import Body
     >>> free = assemble(Body(moments=(1, 2, 3)), {})
     >>> free.rates[free.context.Omega[0]]
-    (I2*Omega2*Omega3 - I3*Omega2*Omega3)/I1
+    Omega2*Omega3*(I2 - I3)/I1
     """
     from geomtorsion.scenes.kane import accelerations
 

@@ -150,7 +150,8 @@ class ScenePlan:
         found += [s for s in (*POSITION, *VELOCITY) if s.name in needed and s in rates]
         found += [s for s in rates if s.name in needed and s not in found]
         moving = [s for s in found if not (s in VELOCITY and rates[s] == 0)]
-        return tuple(moving or found)
+        # A flow has states; where nothing that is watched moves, the rotation is followed.
+        return tuple(moving or found or self.assembly.speeds)
 
     @cached_property
     def constants(self) -> tuple[Any, ...]:

@@ -80,4 +80,4 @@ def unspun(vectors: Any) -> np.ndarray:
     safe = np.where(upright, 1.0, size)
     cos, sin = np.where(upright, 1.0, -n[..., 0] / safe), n[..., 1] / safe
     rows = (cos * v[..., 0] - sin * v[..., 1], sin * v[..., 0] + cos * v[..., 1], v[..., 2])
-    return np.stack(rows, -1)
+    return np.stack(rows, -1) + 0.0

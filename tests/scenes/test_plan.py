@@ -1,0 +1,164 @@
+"""Plan: exactly the states that the question needs, and why."""
+
+import networkx as nx
+import pytest
+
+from geomtorsion.errors import SceneError, StartError, UnknownNameError
+from geomtorsion.scenes import Body, Scene, State, effects
+
+E = effects
+BODY = Body(mass=1.0, moments=(1, 2, 3))
+START = State(omega=(0.1, 0.2, 3), euler=(0, 0.3, 0))
+FLYING = State(omega=(0.1, 0.2, 3), euler=(0, 0.3, 0), velocity=(1, 2, 3))
+OMEGA = ("Omega1", "Omega2", "Omega3")
+N, Q = ("n1", "n2", "n3"), ("q0", "q1", "q2", "q3")
+TOP = (E.Gravity(9.81), E.Pivot([0, 0, 0.1]))
+
+
+@pytest.mark.parametrize(
+    ("acting", "watch", "states"),
+    [
+        ((), ["omega"], OMEGA),
+        ((), ["angular_momentum", "energy", "velocity"], OMEGA),
+        ((), ["nutation"], (*OMEGA, *N)),
+        ((), ["axis"], (*OMEGA, *Q)),
+        ((), ["nutation", "precession"], (*OMEGA, *Q)),
+        ((), ["position"], ("x", "y", "z")),
+        ((), ["velocity_body"], (*OMEGA, *Q)),
+        ((E.Gravity(9.81),), ["omega"], OMEGA),
+        ((E.Gravity(9.81),), ["velocity"], ("vz",)),
+        ((E.Gravity(9.81),), ["energy"], (*OMEGA, "z", "vz")),
+        ((E.Gravity(9.81),), ["position"], ("x", "y", "z", "vz")),
+        (TOP, ["omega"], (*OMEGA, *N)),
+        (TOP, ["energy"], (*OMEGA, *N)),
+        (TOP, ["precession"], (*OMEGA, *Q)),
+        (TOP, ["velocity"], (*OMEGA, *Q)),
+        ((E.Pivot([0, 0, 0.1]),), ["omega"], OMEGA),
+        ((E.AngularDamping(0.1),), ["work"], (*OMEGA, "work")),
+        ((E.AngularDamping(0.1), E.Gravity()), ["omega"], OMEGA),
+        ((E.LinearDrag(0.1),), ["omega"], OMEGA),
+        ((E.LinearDrag(0.1), E.Gravity()), ["velocity"], ("vx", "vy", "vz")),
+    ],
+)
+def test_states_that_are_needed(acting, watch, states):
+    """By hand: what each question needs, and not one equation more."""
+    scene = Scene(BODY, acting, START, watch, t=1)
+    assert scene.plan().states == states
+    assert scene.flow.states == states
+    assert tuple(scene.equations) == states
+
+
+def test_every_state_is_needed():
+    """Of the states of a plan each one lies on a way to something watched (the graph agrees)."""
+    scene = Scene(BODY, TOP, START, ["precession", "energy"], t=1)
+    graph = scene.plan().graph
+    for node in ("Omega1", "attitude", "effect gravity", "effect pivot", "effect spin"):
+        assert nx.has_path(graph, node, "watch precession")
+    assert not nx.has_path(graph, "watch energy", "Omega1")
+
+
+def test_nothing_is_followed_where_nothing_moves():
+    """A velocity that no force changes is a number, and yet it can be watched."""
+    scene = Scene(BODY, (), FLYING, ["velocity", "kinetic_energy"], t=1)
+    assert [s.name for s in scene.plan().constants] == ["vx", "vy", "vz"]
+    result = scene.run()
+    assert result["velocity"].tolist()[-1] == [1, 2, 3]
+    alone = Scene(BODY, (), FLYING, ["velocity"], t=1).run()
+    assert alone["velocity"].tolist()[0] == [1, 2, 3]
+
+
+def test_the_table_says_why():
+    text = str(Scene(BODY, TOP, START, ["nutation"], t=1, title="Top").plan())
+    lines = text.splitlines()
+    assert lines[0] == "Top: 6 equations for nutation"
+    assert len(lines) == 9
+    assert [line[:8].strip() for line in lines[1:]] == ["in"] * 5 + ["left out"] * 3
+    assert "vertical  n1..n3: watched as nutation" in text
+    assert "attitude  the vertical is enough: nothing needs the turn about it" in text
+    assert "position  given by the constraint" in text
+    assert "gravity   uniform gravity, downwards; acts on Omega1..Omega3" in text
+    free = Scene(BODY, (E.Gravity(),), START, ["omega"], t=1).plan()
+    assert free.left_out == ("drift", "gravity", "attitude", "vertical", "position", "velocity")
+    assert "acts on vz only, which nothing that is watched needs" in str(free)
+
+
+def test_who_asks_for_the_vertical():
+    text = str(Scene(BODY, TOP, START, ["omega"], t=1).plan())
+    assert "vertical  n1..n3: needed by rotation, through gravity, pivot" in text
+
+
+def test_drawing():
+    """SVG with every box, those that are left out too; the same bytes each time."""
+    pytest.importorskip("matplotlib")
+    plan = Scene(BODY, TOP, START, ["nutation", "energy"], t=1).plan()
+    svg = plan.draw()
+    assert svg.lstrip().startswith("<?xml")
+    assert svg == plan.draw()
+    assert svg.count("<!-- ") > 8
+    for text in ("nutation", "energy", "gravity", "pivot", "attitude", "position"):
+        assert f"<!-- {text} -->" in svg
+
+
+def test_equal_moments_drop_out():
+    """For a symmetric top the axial rate is constant and no product of zero is computed."""
+    scene = Scene(Body(moments=(2, 2, 1)), TOP, START, ["nutation"], t=1)
+    assert scene.equations["Omega3"] == 0
+    assert "axial_angular_momentum" in scene.flow.invariants
+
+
+def test_missing_starts():
+    with pytest.raises(SceneError, match="start = None: a scene starts from a State"):
+        Scene(BODY)
+    with pytest.raises(StartError, match="no angular velocity, which is needed"):
+        _ = Scene(BODY, (), State(), ["omega"]).flow
+    with pytest.raises(StartError, match="no attitude, which is needed .*watched as nutation"):
+        _ = Scene(BODY, (), State(omega=(0, 0, 1)), ["nutation"]).flow
+    with pytest.raises(StartError, match="needed by rotation, through gravity, pivot"):
+        _ = Scene(BODY, TOP, State(omega=(0, 0, 1)), ["omega"]).flow
+    assert Scene(BODY, TOP, State(position=(0, 0, 0)), ["omega"]).plan().states
+
+
+@pytest.mark.parametrize(
+    ("acting", "says"),
+    [
+        ((E.Drift(), E.Pivot([0, 0, 1])), "drift and pivot contradict each other"),
+        ((E.Pivot([0, 0, 1]), E.Rolling(0.1)), "contradict each other"),
+        ((E.Gravity(), E.Gravity(1)), "gravity is there twice"),
+        ((E.Gravity,), "Gravity is no effect. Write Gravity\\(...\\)"),
+        (("gravity",), "'gravity' is no effect"),
+    ],
+)
+def test_effects_that_do_not_go_together(acting, says):
+    with pytest.raises(SceneError, match=says):
+        Scene(BODY, acting, START)
+
+
+@pytest.mark.parametrize(
+    ("watch", "says"),
+    [
+        (["nutaton"], "'nutaton' can be watched.*Did you mean nutation"),
+        (["wheel"], "no effect of the scene provides it"),
+        (["euler:zzz"], "no Euler angles called 'zzz'"),
+    ],
+)
+def test_what_cannot_be_watched(watch, says):
+    with pytest.raises(UnknownNameError, match=says):
+        Scene(BODY, (), START, watch)
+
+
+def test_other_bad_fields():
+    with pytest.raises(SceneError, match="watch is empty"):
+        Scene(BODY, (), START, [])
+    with pytest.raises(SceneError, match="a Body was needed"):
+        Scene((1, 2, 3), (), START)
+    with pytest.raises(SceneError, match="samples = 1"):
+        Scene(BODY, (), START, samples=1)
+    with pytest.raises(SceneError, match="velocity = \\(1, 2, 3\\), but the constraint makes it"):
+        _ = Scene(BODY, TOP, FLYING, ["velocity"]).flow
+
+
+def test_a_start_that_fits_the_constraint():
+    """The velocity that the pivot allows may be given."""
+    omega, arm = (0.1, 0.2, 3.0), (0, 0, 0.5)
+    start = State(omega=omega, euler=(0, 0, 0), velocity=(0.1, -0.05, 0), position=(0, 0, 0.5))
+    assert Scene(BODY, (E.Pivot(arm),), start, ["energy"], t=1).run().complete

@@ -1,0 +1,60 @@
+"""State: one attitude given in three ways, and starts that are none."""
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import StartError, UnknownNameError
+from geomtorsion.scenes import State
+from tests.scenes.brute import zyz
+
+
+def test_three_ways_to_give_an_attitude():
+    angles = (0.4, 1.1, -0.7)
+    by_euler = State(omega=(0, 0, 1), euler=angles).attitude
+    by_matrix = State(omega=(0, 0, 1), matrix=zyz(*angles).tolist()).attitude
+    by_quaternion = State(omega=(0, 0, 1), quaternion=by_euler.tolist()).attitude
+    assert np.abs(by_euler - by_matrix).max() < 4e-16
+    assert np.abs(by_euler - by_quaternion).max() < 2e-16
+    assert State(omega=(0, 0, 1)).attitude is None
+
+
+def test_other_conventions():
+    """Yaw, pitch, roll about body axes are roll, pitch, yaw about space axes."""
+    one = State(euler=(0.3, 0.2, 0.1), euler_convention="ZYX").attitude
+    two = State(euler=(0.1, 0.2, 0.3), euler_convention="xyz").attitude
+    assert np.abs(one - two).max() < 2e-16
+    assert State(euler_convention="paper").euler_convention == "zyz"
+
+
+def test_arrays_are_kept_as_tuples():
+    state = State(omega=np.array([1.0, 2.0, 3.0]), quaternion=np.array([1.0, 0, 0, 0]))
+    assert state.omega == (1.0, 2.0, 3.0)
+    assert state == State(omega=(1.0, 2.0, 3.0), quaternion=(1.0, 0, 0, 0))
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ({"omega": (1, 2)}, "omega = \\(1, 2\\): three numbers \\(rad/s\\)"),
+        ({"omega": 3}, "omega = 3: three numbers"),
+        ({"omega": "abc"}, "omega = 'abc': three numbers"),
+        ({"omega": (1, float("inf"), 0)}, "omega\\[1\\] = inf: a finite number"),
+        ({"omega": (1, "fast", 0)}, "omega\\[1\\] = 'fast'"),
+        ({"omega": (1, True, 0)}, "omega\\[1\\] = True is no number"),
+        ({"position": (1, 2, None)}, "position\\[2\\] = None is no number"),
+        ({"euler": (0, 0, 0), "quaternion": (1, 0, 0, 0)}, "given as euler and as quaternion"),
+        ({"quaternion": (0, 0, 0, 0)}, "the quaternion is 0"),
+        ({"quaternion": (1, 1, 0, 0)}, "length 1.41421356"),
+        ({"quaternion": (1, 0, 0)}, "four numbers, scalar first"),
+        ({"matrix": [[1, 0], [0, 1]]}, "3 x 3 numbers"),
+        ({"matrix": [[1, 0, 0], [0, 1, 0], [0, 0, -1]]}, "is a reflection"),
+    ],
+)
+def test_starts_that_are_none(given, says):
+    with pytest.raises(StartError, match=says):
+        State(**given)
+
+
+def test_unknown_convention():
+    with pytest.raises(UnknownNameError, match="no Euler angles called 'zzx'"):
+        State(euler=(0, 0, 0), euler_convention="zzx")
