@@ -41,6 +41,7 @@ SHAPES: Mapping[str, tuple[Callable[..., Body], Mapping[str, str]]] = {
     "points": (Body.points, {"points": ""}),
 }
 _WORD = re.compile(r"[^\W0-9]\w*")
+_QUOTED = re.compile(r"'([^']*)'")
 
 
 def read_file(path: str | PathLike[str]) -> Scene:
@@ -275,7 +276,21 @@ def _placed(file: TomlFile, key: Key, what: str, known: Sequence[str] | Mapping[
         raise
     except GeomtorsionError as error:
         text = str(error)
-        named = [word for word in _WORD.findall(text) if word in known]
-        there = [(*key, word) for word in named if (*key, word) in file.lines]
-        prefix = "" if what and text.startswith(what.rstrip(": ")) else what
-        file.fail(there[0] if there else key, f"{prefix}{text}")
+        named = [(*key, word) for word in _WORD.findall(text) if word in known]
+        named += [path for word in _QUOTED.findall(text) for path in _leaves(file.data, word)]
+        there = next((path for path in named if file.line(path) and path[: len(key)] == key), key)
+        spoken = what.rstrip(": ")
+        prefix = "" if spoken and re.match(rf"{re.escape(spoken)}\b", text) else what
+        file.fail(there, f"{prefix}{text}")
+
+
+def _leaves(value: Any, text: str, path: Key = ()) -> Iterator[Key]:
+    """Where a text stands in the content of a file."""
+    if isinstance(value, dict):
+        for key, inside in value.items():
+            yield from _leaves(inside, text, (*path, key))
+    elif isinstance(value, list):
+        for number, inside in enumerate(value):
+            yield from _leaves(inside, text, (*path, number))
+    elif value == text:
+        yield path

@@ -1,0 +1,235 @@
+"""run, scenes, plan and accuracy of scenes: files, refusals, and runs that are stopped."""
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from geomtorsion.cli.app import app
+from geomtorsion.scenes import SceneResult, load, names, read_file
+
+SLOW = """\
+watch = ["omega", "energy"]
+t = 400
+accuracy = 1e-10
+[body]
+moments = [1, 2, 3]
+[[effects]]
+kind = "body_moment"
+moment = ["sin(t)/10", 0, 0]
+[start]
+omega = [0.5, 0.4, 1]
+"""
+
+
+def run(*arguments: str, code: int = 0):
+    """The result of a command that has to end with a code."""
+    result = CliRunner().invoke(app, list(arguments))
+    assert result.exit_code == code, result.output
+    return result
+
+
+@pytest.fixture
+def no_pictures(monkeypatch):
+    """As if matplotlib were not installed: quicker."""
+    monkeypatch.setattr("geomtorsion.pictures.album.can_draw", lambda: False)
+
+
+def test_scenes_are_listed_and_printed(tmp_path):
+    """Every name with its title; one of them as a file that is that scene."""
+    lines = run("scenes").stdout.splitlines()
+    assert [line.split()[0] for line in lines] == list(names())
+    file = tmp_path / "dzhanibekov.toml"
+    file.write_text(run("scenes", "dzhanibekov").stdout)
+    assert read_file(file) == load("dzhanibekov")
+    assert "Did you mean dzhanibekov" in run("scenes", "dzanibekov", code=2).stderr
+
+
+def test_a_run_leaves_what_the_library_computes(tmp_path, no_pictures):
+    """Table and arrays to the last digit, facts, the scene itself, and no checkpoint."""
+    folder = tmp_path / "deep" / "run"
+    arguments = ("--watch", "nutation,omega", "--accuracy", "1e-9", "--t", "500 ms")
+    text = run("run", "lagrange_cusp", *arguments, "--set", "gravity.g=1.62", "-o", str(folder))
+    assert "No pictures: matplotlib is not installed" in text.stdout
+    assert sorted(path.name for path in folder.iterdir()) == [
+        "result.npz", "run.json", "scene.toml", "table.csv",
+    ]  # fmt: skip
+    scene = load("lagrange_cusp").replaced(
+        {"watch": ("nutation", "omega"), "accuracy": 1e-9, "t": 0.5, "gravity.g": 1.62}
+    )
+    assert read_file(folder / "scene.toml") == scene
+    loaded = SceneResult.load(folder / "result.npz")
+    expected = scene.run()
+    assert np.abs(loaded["nutation"] - expected["nutation"]).max() < 1e-9
+    with (folder / "table.csv").open(newline="") as file:
+        head, *rows = csv.reader(file)
+    assert head == ["t", "nutation", "omega_1", "omega_2", "omega_3"]
+    assert [float(row[1]) for row in rows] == loaded["nutation"].tolist()
+    facts = json.loads((folder / "run.json").read_text())
+    assert facts["error"] <= facts["accuracy"] == 1e-9
+    assert facts["watch"] == ["nutation", "omega"]
+
+
+def test_pictures_and_film(tmp_path, monkeypatch):
+    """They are written, listed, and not empty; the film also if the attitude was not watched."""
+    pytest.importorskip("matplotlib")
+    monkeypatch.setattr("geomtorsion.pictures.scene_film.FRAMES_PER_SECOND", 2)
+    film = tmp_path / "film" / "top.gif"
+    out = str(tmp_path / "run")
+    arguments = ("--watch", "axis,energy", "-o", out, "--format", "svg", "--animate", str(film))
+    text = run("run", "lagrange_loop", *arguments, "--t", "0.3").stdout
+    listed = json.loads((tmp_path / "run" / "run.json").read_text())["pictures"]
+    assert listed == ["watched.svg", "axis.svg", "trust.svg", "plan.svg"]
+    for name in listed:
+        assert (tmp_path / "run" / name).stat().st_size > 5000
+    assert film.stat().st_size > 20_000
+    assert f"wrote {film}" in text
+
+
+def test_plans_of_scenes(tmp_path):
+    """Text, graph and picture; a space still needs its quantity."""
+    text = run("plan", "lagrange_cusp", "--watch", "nutation").stdout
+    assert "6 equations for nutation" in text
+    assert "left out" in text
+    dot = run("plan", "lagrange_cusp", "--dot").stdout
+    assert dot.startswith("digraph plan {")
+    assert '"attitude" -> "watch axis"' in dot
+    drawn = tmp_path / "plan.svg"
+    run("plan", "dzhanibekov", "-o", str(drawn))
+    assert drawn.read_text().count("<svg") == 1
+    assert "products at most" in run("plan", "so3", "ricci").stdout
+    assert "name a quantity of the space" in run("plan", "so3", code=2).stderr
+    assert "'nowhere'" in run("plan", "nowhere", code=2).stderr
+
+
+def test_what_accuracy_costs_for_a_scene(tmp_path):
+    """Errors achieved hold; table and picture are written."""
+    arguments = ("--accuracies", "1e-4,1e-8", "--engines", "rungekutta", "--t", "0.2")
+    text = run("accuracy", "lagrange_cusp", *arguments, "-o", str(tmp_path)).stdout
+    assert "errors against" in text
+    table = json.loads((tmp_path / "accuracy.json").read_text())
+    assert [row["asked"] for row in table["rows"]] == [1e-4, 1e-8]
+    assert all(row["achieved"] <= row["asked"] for row in table["rows"])
+    assert (tmp_path / "accuracy.png").stat().st_size > 5000
+    text = run("accuracy", "euler_top", "--accuracies", "1e-6", "--engines", "rungekutta").stdout
+    assert "the closed form" in text
+    assert "for spaces" in run("accuracy", "euler_top", "--start", "1", code=2).stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("run", "dzanibekov"), "Did you mean dzhanibekov"),
+        (("run", "none.toml"), "cannot be read"),
+        (("run", "helix", "--watch", "positoin"), "positoin"),
+        (("run", "helix", "--accuracy", "0"), "positive number is needed"),
+        (("run", "helix", "--engine", "magic"), "there is no engine 'magic'"),
+        (("run", "helix", "--t", "3 m"), "measured in s"),
+        (("run", "helix", "--set", "body.mas=2"), "Did you mean mass"),
+        (("run", "helix", "--set", "body.mass"), "path=number was needed"),
+        (("run", "helix", "--set", "body.mass=-1"), "positive number"),
+        (("run", "helix", "--resume"), "name it with -o"),
+        (("run", "helix", "--t", "0.1", "--animate", "film.avi"), r".gif or an .mp4"),
+    ],
+)
+def test_bad_input_is_refused(arguments, says):
+    """One clean message, code 2, no traceback."""
+    result = run(*arguments, code=2)
+    assert says in result.stderr
+    assert result.stderr.startswith("geomtorsion: ")
+    assert "Traceback" not in result.output
+
+
+def test_errors_of_files_name_file_and_line(tmp_path):
+    """As a person sees it on the command line."""
+    file = tmp_path / "bad.toml"
+    file.write_text(SLOW.replace("moments", "moment"))
+    assert "bad.toml: line 5: body: unknown key 'moment'" in run("run", str(file), code=2).stderr
+
+
+class Started:
+    """`geomtorsion run SLOW` as a process of its own, with a directory for what it writes."""
+
+    def __init__(self, folder: Path, *more: str) -> None:
+        self.out = folder / "out"
+        file = folder / "slow.toml"
+        file.write_text(SLOW)
+        command = [sys.executable, "-c", HIDING, "run", str(file), "-o", str(self.out), *more]
+        self.process = subprocess.Popen(
+            [*command, "--engine", "rungekutta"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+        )
+
+    def until_kept(self) -> None:
+        """Wait until some of the run is in the checkpoint."""
+        deadline = time.monotonic() + 60
+        while not (self.out / "checkpoint.npz").exists():
+            assert time.monotonic() < deadline
+            assert self.process.poll() is None, self.process.communicate()
+            time.sleep(0.005)
+
+    def ended(self) -> tuple[int, str, str]:
+        """Code and what was said."""
+        out, err = self.process.communicate(timeout=120)
+        return self.process.returncode, out, err
+
+
+# Pictures take longer than the run; they are tested elsewhere.
+HIDING = (
+    "import geomtorsion.pictures.album as a; a.can_draw = lambda: False; "
+    "from geomtorsion.cli import main; main()"
+)
+
+
+def test_stopped_runs_go_on_to_the_same_result(tmp_path):
+    """Killed, then interrupted, then resumed: bitwise what an uninterrupted run gives."""
+    whole = tmp_path / "whole"
+    whole.mkdir()
+    undisturbed = Started(whole)
+    parts = tmp_path / "parts"
+    parts.mkdir()
+    killed = Started(parts)
+    killed.until_kept()
+    killed.process.kill()
+    assert killed.ended()[0] == -signal.SIGKILL
+    assert not (parts / "out" / "table.csv").exists()
+    refused = Started(parts)
+    code, _, said = refused.ended()
+    assert code == 2
+    assert "Give --resume" in said
+
+    interrupted = Started(parts, "--resume")
+    interrupted.until_kept()
+    before = (parts / "out" / "checkpoint.npz").stat().st_mtime_ns
+    while (parts / "out" / "checkpoint.npz").stat().st_mtime_ns == before:
+        assert interrupted.process.poll() is None, interrupted.process.communicate()
+        time.sleep(0.005)
+    interrupted.process.send_signal(signal.SIGINT)
+    code, _, said = interrupted.ended()
+    assert code == 130
+    assert "go on with --resume" in said
+
+    code, out, said = Started(parts, "--resume").ended()
+    assert code == 0, said
+    assert "wrote" in out
+    assert undisturbed.ended()[0] == 0
+    assert not (parts / "out" / "checkpoint.npz").exists()
+    one = SceneResult.load(whole / "out" / "result.npz")
+    other = SceneResult.load(parts / "out" / "result.npz")
+    for name in ("omega", "energy"):
+        assert one[name].tobytes() == other[name].tobytes()
+    assert one.times.tobytes() == other.times.tobytes()
+    assert (one.error, one.drift) == (other.error, other.drift)
+    tables = [(folder / "out" / "table.csv").read_bytes() for folder in (whole, parts)]
+    assert tables[0] == tables[1]

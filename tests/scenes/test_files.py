@@ -1,0 +1,192 @@
+"""Scene files: they read to the scene they describe, back and forth, and refuse what they must."""
+
+import math
+
+import pytest
+
+from geomtorsion.errors import FileFormatError, GeomtorsionError, UnknownNameError
+from geomtorsion.scenes import Body, Scene, State, effects, load, names, read_file, to_toml
+from geomtorsion.scenes.files import scene_from
+from geomtorsion.scenes.places import read_toml_text
+from geomtorsion.scenes.shipped import described
+from geomtorsion.scenes.writing import write_file
+
+TOP = """\
+name = "top"
+title = "a heavy top"
+story = "It spins."
+watch = ["nutation", "energy"]
+t = "2 s"
+accuracy = 1e-9
+samples = 51
+
+[body]
+mass = "500 g"
+moments = [1e-3, "1/1000", "10 kg cm^2"]
+
+[[effects]]
+kind = "gravity"
+g = "981 cm/s^2"
+
+[[effects]]
+kind = "pivot"
+arm = [0, 0, "5 cm"]
+
+[start]
+omega = [0, 0, "600 rpm"]
+euler = [0, "30 deg", 0]
+"""
+
+
+def read(text: str, name: str = "a.toml") -> Scene:
+    """The scene of a text."""
+    return scene_from(read_toml_text(text, name), "a")
+
+
+def test_a_file_is_the_scene_it_describes():
+    """Units, exact expressions, defaults: all as Python would have it."""
+    scene = read(TOP)
+    assert scene == Scene(
+        Body(mass=0.5, moments=(1e-3, 1e-3, 10 * 0.01**2)),
+        [effects.Gravity(981 * 0.01), effects.Pivot((0, 0, 5 * 0.01))],
+        State(omega=(0, 0, 600 * (2 * math.pi / 60)), euler=(0, math.radians(30), 0)),
+        watch=["nutation", "energy"],
+        t=2.0,
+        accuracy=1e-9,
+        name="top",
+        title="a heavy top",
+        samples=51,
+    )
+
+
+@pytest.mark.parametrize("name", names())
+def test_shipped_scenes_come_back_from_their_text(name):
+    """Written and read they are equal; each has a title and a story."""
+    scene = load(name)
+    assert read(to_toml(scene)) == scene
+    assert scene.name == name
+    assert scene.title
+    assert len(described(name).data["story"]) > 80
+
+
+def test_all_kinds_of_bodies_and_effects_are_written(tmp_path):
+    """Tensors, expressions in text, tables and switches survive the way through a file."""
+    acting = [
+        effects.Thrust(force=(0, 0, "20*exp(-t/2)"), point=(0, 0, -1), end=3),
+        effects.Spring(stiffness=2.5, anchor=(0, 1, 2)),
+        effects.Custom(
+            moment=(0, 0, "-k*angle"),
+            parameters={"k": 2.0},
+            states={"angle": "Omega3"},
+            start={"angle": 0.1},
+            switches=[(1.5, {"k": 3.0})],
+        ),
+        effects.Rotor((0, 0, 1), momentum=0.2),
+    ]
+    tensor = ((2.0, 0.1, 0.0), (0.1, 2.0, 0.2), (0.0, 0.2, 3.0))
+    scene = Scene(
+        Body(mass=2, inertia=tensor),
+        acting,
+        State(omega=(0.1, 0, 1), quaternion=(1, 0, 0, 0), position=(0, 0, 1), velocity=(1, 0, 0)),
+        watch=["position", "omega"],
+        t=(0.0, 0.5, 2.0),
+        title='with "quotes" and \\ and\nlines',
+    )
+    path = tmp_path / "scene.toml"
+    write_file(scene, path, story="One line.\nAnother.")
+    assert read_file(path).replaced(name="") == scene
+
+
+@pytest.mark.parametrize(
+    ("lines", "says"),
+    [
+        ('shape = "box"\nmass = 12\nsides = [1, "200 cm", 3]', (13.0, 10.0, 5.0)),
+        ('shape = "ellipsoid"\nmass = 5\nsemiaxes = [1, 1, 1]', (2.0, 2.0, 2.0)),
+        ('shape = "cylinder"\nmass = 4\nradius = 1\nheight = 0', (1.0, 1.0, 2.0)),
+    ],
+)
+def test_shapes(lines, says):
+    """Each shape gives its moments."""
+    text = f"[body]\n{lines}\n[start]\nomega = [0, 0, 1]\n"
+    assert read(text).body.moments == pytest.approx(says)
+
+
+def test_points():
+    """Point masses in a list of tables."""
+    points = [f"{{mass = 1, place = [{x}, {y}, 0]}}" for x, y in ((1, 0), (-1, 0), (0, 1), (0, -1))]
+    text = f'[body]\nshape = "points"\npoints = [{", ".join(points)}]\n[start]\nomega = [0, 0, 1]\n'
+    assert read(text).body.tensor.diagonal().tolist() == [2, 2, 4]
+
+
+REFUSED = [
+    ("watch =", "wach =", "a.toml: line 4: unknown key 'wach'. Did you mean watch?"),
+    ('"nutation"', '"nutatoin"', "line 4: nothing called 'nutatoin'.*Did you mean nutation"),
+    ('"2 s"', '"2 m"', "line 5: t: the unit m does not fit: this is measured in s"),
+    ("1e-9", "-1", "line 6:.*accuracy"),
+    ("[body]\n", "[bodi]\n", "unknown key 'bodi'. Did you mean body"),
+    ('"500 g"', '"500 gr"', "line 10: body.mass: 'gr' is no unit"),
+    ('"500 g"', "-1", "line 10: body: mass = -1"),
+    ("1e-3,", "-1,", "line 11: body: moments\\[0\\] = -1"),
+    ("1e-3,", "1,", "line 11:.*moments"),
+    ('"1/1000"', '"__import__(1)"', "line 11: body.moments\\[1\\]"),
+    ("moments", "momnets", "line 11: body: unknown key 'momnets'. Did you mean moments"),
+    ('kind = "gravity"', 'kind = "gravty"', "line 14: there is no effect 'gravty'. Did you mean"),
+    ('kind = "gravity"', "", "line 13: effects\\[0\\]: kind"),
+    ("g = ", "gg = ", "line 15: gravity: unknown key 'gg'. Did you mean g"),
+    ("981 cm/s^2", "981 cm/s", "line 15: effects\\[0\\].g: the unit cm/s does not fit"),
+    ("981 cm/s^2", "os.system(1)", "line 15:"),
+    ("arm = ", "# arm = ", "line 17: pivot: arm \\(m\\) is missing"),
+    ("[0, 0, \"5 cm\"]", "[0, 0]", "line 19: pivot.arm = \\(0, 0\\): three components"),
+    ('kind = "pivot"', 'kind = "gravity"', "unknown key 'arm'"),
+    ("omega =", "omgea =", "line 22: start: unknown key 'omgea'. Did you mean omega"),
+    ("600 rpm", "600 m", "line 22: start.omega\\[2\\]: the unit m does not fit"),
+    ("600 rpm", "600 Hz", "line 22: start.omega\\[2\\]: Hz leaves open"),
+    ('euler = [0, "30 deg", 0]', "quaternion = [0, 0, 0, 0]", "line 23: start: the quaternion"),
+    ('euler = [0, "30 deg", 0]', "quaternion = [1, 1, 0, 0]", "line 23: start:.*length"),
+    ('"a heavy top"', "7", "line 2: title: a text in quotes was needed"),
+    ("[start]", "[[start]]", "start: a table was needed"),
+    ("[[effects]]\nkind", "[effects]\nkind", "line 13.*no TOML|effects"),
+    ("samples = 51", "samples = 1", "line 7: samples = 1"),
+    ("t = ", "t = = ", "line 5, column 5: this is no TOML"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"), REFUSED, ids=[case[1] or "none" for case in REFUSED]
+)
+def test_what_is_refused(old, new, says):
+    """Each mistake names file, line, and what was probably meant."""
+    assert old in TOP
+    with pytest.raises(FileFormatError, match=says) as caught:
+        read(TOP.replace(old, new, 1))
+    assert str(caught.value).startswith("a.toml")
+
+
+@pytest.mark.parametrize(
+    ("more", "says"),
+    [
+        ('[[effects]]\nkind = "drift"\n', "contradict each other"),
+        ('[[effects]]\nkind = "gravity"\n', "there twice"),
+    ],
+)
+def test_contradictions(more, says):
+    """Effects that exclude each other are refused with the name of the file."""
+    with pytest.raises(FileFormatError, match=f"a.toml:.*{says}"):
+        read(TOP + more)
+
+
+def test_names_of_scenes():
+    """Unknown ones name the nearest; a file that is none is an error of ours."""
+    assert {"dzhanibekov", "lagrange_cusp", "rolling_disc", "helix"} <= set(names())
+    assert len(names()) == 16
+    with pytest.raises(UnknownNameError, match="Did you mean helix"):
+        load("helx")
+    with pytest.raises(GeomtorsionError, match="cannot be read"):
+        read_file("nowhere.toml")
+
+
+def test_what_cannot_be_written():
+    """Numbers that are none, and things that are no data."""
+    scene = read(TOP)
+    with pytest.raises(FileFormatError, match="cannot be written"):
+        to_toml(scene.replaced(title=object()))
