@@ -50,11 +50,7 @@ def test_a_heavy_asymmetric_top():
 
 def test_a_thrown_tumbling_body_with_drag():
     """A free joint with damping: linear drag on the centre, angular damping in body axes."""
-    quaternion, omega, velocity = (
-        np.array([0.8, 0.36, 0.48, 0.0]),
-        (0.1, 9.0, 0.2),
-        (4.0, -1.0, 6.0),
-    )
+    quaternion, omega, velocity = (0.8, 0.36, 0.48, 0.0), (0.1, 9.0, 0.2), (4.0, -1.0, 6.0)
     joint = '<joint type="free" damping="0.03"/>'
     xml = TOP.format(step=2e-4, joint=joint, place="0 0 0")
     place, speed = stepped(xml, 7500, (0, 0, 0, *quaternion), (*velocity, *omega))
