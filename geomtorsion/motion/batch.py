@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import AccuracyError, StartError, TimeError
 from geomtorsion.motion import reading
+from geomtorsion.motion.across import apart, at_home, passage
 from geomtorsion.motion.checking import CAUTION
 from geomtorsion.motion.engines import Engine, RungeKutta, Taylor
 from geomtorsion.motion.engines.taylor import is_available
+from geomtorsion.motion.journey import Journey
 from geomtorsion.motion.lists import start_lists
-from geomtorsion.motion.many import Lanes, run_lanes
+from geomtorsion.motion.many import Lanes
 from geomtorsion.motion.problem import Problem
 from geomtorsion.motion.progress import Bar
 from geomtorsion.motion.solving import MARGIN, checked_accuracy, checked_times, tolerances
@@ -37,6 +40,8 @@ class Bundle:
     interrupted: whether it was stopped by Ctrl-C.
     engine, why, tolerance: what solved them.
     compile_seconds, run_seconds, check_seconds: apart.
+    lanes, states: starts and states in the chart of the batch, zero where it was left.
+    journeys: number -> journey, for motions that went on in other charts.
 
     Examples
     --------
@@ -62,6 +67,7 @@ class Bundle:
     check_seconds: float
     lanes: Lanes
     states: np.ndarray
+    journeys: Mapping[int, Journey]
 
     def __len__(self) -> int:
         return len(self.finished)
@@ -73,7 +79,10 @@ class Bundle:
 
     @cached_property
     def coordinates(self) -> np.ndarray:
-        """q^mu in the chart of the problem, shape (number, m, n); see `finished`."""
+        """q^mu in the chart of the problem, shape (number, m, n); see `finished`.
+
+        Not a number for a motion that went where this chart does not reach; see `journeys`.
+        """
         return self._home[0]
 
     @cached_property
@@ -85,7 +94,8 @@ class Bundle:
         number, m = len(self), len(self.times)
         q = np.zeros((number, m, n if width else 0))
         u = np.zeros((number, m, n))
-        done = self.finished
+        done = self.finished.copy()
+        done[list(self.journeys)] = False
         states = self.states[done]
         if lanes.equations.moves:
             u[done] = states[..., width : width + n] * lanes.speeds[done, None, None]
@@ -98,6 +108,8 @@ class Bundle:
             if lanes.chart != home:
                 there, turned = reading.converted(problem, lanes.chart, home, there, turned)
             q[done], u[done] = there.reshape(-1, m, n), turned.reshape(-1, m, n)
+        for k, journey in self.journeys.items():
+            q[k], u[k] = at_home(journey, journey.count - m) or (np.nan, np.nan)
         return q, u
 
     def __str__(self) -> str:
@@ -178,18 +190,18 @@ def solve_many(
     tolerance, error, compiling = _tolerance(solver, lanes, grid, few, accuracy)
     checked = time.perf_counter()
     show = Bar(number, progress)
-    states, finished, interrupted, more = run_lanes(solver, lanes, grid, tolerance, show)
+    found = passage(solver, lanes, grid, tolerance, show)
+    more = found.compile_seconds
     ended = time.perf_counter()
     show.close()
-    if len(times) != len(grid):
-        states = states[:, 1:]
+    states = found.states[:, 1:] if len(times) != len(grid) else found.states
     return Bundle(
         problem,
         times,
         error,
         len(few),
-        finished,
-        interrupted,
+        found.finished,
+        found.interrupted,
         solver.name,
         why,
         tolerance,
@@ -198,6 +210,7 @@ def solve_many(
         checked - began - compiling,
         lanes,
         states,
+        found.journeys,
     )
 
 
@@ -223,33 +236,19 @@ def _tolerance(
     some = lanes.only(few)
     steps = tolerances(accuracy * MARGIN, engine.finest)
     used = next(steps)
-    before, good, _, compiling = run_lanes(engine, some, grid, used, None)
-    error = np.inf
+    before = passage(engine, some, grid, used, None)
+    compiling, error = before.compile_seconds, np.inf
     for tolerance in steps:
-        after, also, _, more = run_lanes(engine, some, grid, tolerance, None)
-        compiling += more
-        both = good & also
-        if not both.any():
+        after = passage(engine, some, grid, tolerance, None)
+        compiling += after.compile_seconds
+        gap, compared = apart(some, before, after)
+        if not compared:
             raise StartError("none of the motions that were checked reaches the last time.")
-        error = max(CAUTION * _worst(lanes, before[both], after[both]), 2.0**-53)
+        error = max(CAUTION * gap, 2.0**-53)
         if error <= accuracy:
             return used, error, compiling
-        used, before, good = tolerance, after, also
+        used, before = tolerance, after
     raise AccuracyError(
         f"accuracy {accuracy:.3g} was asked for; {engine.name} gets to {error:.2g} in double "
         "precision. Ask for less, or solve one by one with Taylor(precision=113)."
     )
-
-
-def _worst(lanes: Lanes, one: Any, two: Any) -> float:
-    """Largest relative difference of any motion, block by block."""
-    import numpy as np
-
-    worst = 0.0
-    for block in lanes.equations.system.blocks:
-        index = slice(block[0], block[-1] + 1)
-        size = np.abs(one[..., index]).max(axis=(1, 2))
-        gap = np.abs(one[..., index] - two[..., index]).max(axis=(1, 2))
-        ratio = gap / np.where(size > 0, size, 1.0)
-        worst = max(worst, float(ratio.max()))
-    return worst

@@ -14,6 +14,7 @@ from geomtorsion.motion.engines.taylor import heyoka
 from geomtorsion.motion.equations import Equations
 from geomtorsion.motion.problem import Problem
 from geomtorsion.motion.reading import converted
+from geomtorsion.motion.system import System
 
 if TYPE_CHECKING:
     import numpy as np
@@ -29,6 +30,7 @@ class Lanes:
 
     velocities: in units of speeds, shape (number, n); states: shape (number, size).
     parameters: shape (number, parameters); speeds: powers of two, shape (number,).
+    place, own_velocities: the same starts in the home chart; place None: velocities alone.
     """
 
     problem: Problem
@@ -38,6 +40,8 @@ class Lanes:
     states: np.ndarray
     parameters: np.ndarray
     speeds: np.ndarray
+    place: np.ndarray | None
+    own_velocities: np.ndarray
 
     @classmethod
     def laid_out(cls, problem: Problem, place: Any, velocities: Any) -> Lanes:
@@ -50,6 +54,7 @@ class Lanes:
         speeds = np.where(sizes > 0, 2.0 ** np.round(np.log2(np.where(sizes > 0, sizes, 1))), 1.0)
         scaled = velocities / speeds[:, None]
         chart = problem.charts[0] if place is not None else ""
+        home = place, scaled
         if place is not None and chart != problem.atlas.home:
             place, scaled = converted(problem, problem.atlas.home, chart, place, scaled)
         equations = problem.equations(chart)
@@ -62,7 +67,7 @@ class Lanes:
         columns = [np.broadcast_to(np.asarray(table[x], dtype=float), number) for x in names]
         parameters = np.array(columns).T if columns else np.zeros((number, 0))
         states = np.concatenate(parts, axis=1)
-        return cls(problem, chart, equations, scaled, states, parameters, speeds)
+        return cls(problem, chart, equations, scaled, states, parameters, speeds, *home)
 
     def only(self, index: Any) -> Lanes:
         """Some of the lanes."""
@@ -72,52 +77,64 @@ class Lanes:
             states=self.states[index],
             parameters=self.parameters[index],
             speeds=self.speeds[index],
+            place=None if self.place is None else self.place[index],
+            own_velocities=self.own_velocities[index],
         )
 
 
 def run_lanes(
-    engine: Engine, lanes: Lanes, grid: Any, tolerance: float, show: Show
+    engine: Engine, lanes: Lanes, grid: Any, tolerance: float, show: Show, crossed: Any = None
 ) -> tuple[Any, Any, bool, float]:
-    """States (number, times, size), which lanes finished, whether interrupted, compile time."""
+    """States (number, times, size), which lanes finished, whether interrupted, compile time.
+
+    crossed: shape (number,), set to True for lanes that come to the edge of their chart on the
+    way, whether at a sample or between samples; what they give is of no use. None: not watched.
+    """
     import numpy as np
 
     number = len(lanes.states)
     result = np.zeros((number, len(grid), lanes.equations.system.size))
     finished = np.zeros(number, dtype=bool)
     compiling, interrupted = 0.0, False
+    system = lanes.equations.system.without_edge if crossed is None else _watched(lanes)
+    if system.edge is None:
+        crossed = None
     try:
         if isinstance(engine, Taylor):
             width = _batch_width(lanes)
-            system = lanes.equations.system.without_edge
             integrator, compiling = engine.integrator(system, tolerance, width)
-            _taylor(integrator, width, lanes, grid, result, finished, show)
+            _taylor(integrator, width, lanes, grid, result, finished, show, crossed)
         else:
             share = max(1, STACKED // lanes.equations.system.size)
             for first in range(0, number, share):
                 part = slice(first, min(first + share, number))
-                _stacked(lanes, part, grid, tolerance, result, finished)
+                _stacked(lanes, part, grid, tolerance, result, finished, crossed)
                 if show is not None:
                     show(part.stop)
         for k in np.flatnonzero(~finished):
-            _alone(engine, lanes, int(k), grid, tolerance, result, finished)
+            if crossed is None:
+                _alone(engine, lanes, int(k), grid, tolerance, result, finished)
     except KeyboardInterrupt:
         interrupted = True
-    finished &= ~_beyond(lanes, result)
+    if crossed is not None:
+        edges = _edges(system, np.moveaxis(result, 2, 0), lanes.parameters.T[:, :, None])
+        crossed |= finished & (np.broadcast_to(edges, result.shape[:2]) < 0).any(axis=1)
     result[~finished] = 0.0
     return result, finished, interrupted, compiling
 
 
-def _beyond(lanes: Lanes, result: Any) -> Any:
-    """Which lanes have a sample beyond the end of the only chart of their law."""
+def _watched(lanes: Lanes) -> System:
+    """The equations with the edge to watch: the margin, or the very end of the only chart."""
+    system = lanes.equations.system
+    return system if len(lanes.problem.charts) > 1 else system.to_the_end
+
+
+def _edges(system: System, states: Any, parameters: Any) -> Any:
+    """The edge function on arrays; not a number where there is none."""
     import numpy as np
 
-    system = lanes.equations.system.to_the_end
-    if system.edge is None or len(lanes.problem.charts) > 1:
-        return np.zeros(len(result), dtype=bool)
-    values = list(lanes.parameters.T[:, :, None])
     with np.errstate(all="ignore"):
-        edges = system.edge_values(np.moveaxis(result, 2, 0), values)
-    return (np.broadcast_to(edges, result.shape[:2]) < 0).any(axis=1)
+        return system.edge_values(states, list(parameters))
 
 
 def _batch_width(lanes: Lanes) -> int:
@@ -127,7 +144,14 @@ def _batch_width(lanes: Lanes) -> int:
 
 
 def _taylor(
-    integrator: Any, width: int, lanes: Lanes, grid: Any, result: Any, finished: Any, show: Show
+    integrator: Any,
+    width: int,
+    lanes: Lanes,
+    grid: Any,
+    result: Any,
+    finished: Any,
+    show: Show,
+    crossed: Any,
 ) -> None:
     """All lanes, some at a time, through heyoka's batch integrator."""
     import numpy as np
@@ -147,6 +171,8 @@ def _taylor(
     several = len(grid) > 2
     found = np.zeros((count, len(grid) if several else 1, lanes.states.shape[1], width))
     last, done = time.perf_counter(), 0
+    # Lanes that have come to the edge in this call; heyoka keeps a copy of its own.
+    hits = integrator.nt_events[0].callback.lanes if crossed is not None else set()
     try:
         for k in range(count):
             own[:] = states[k]
@@ -160,6 +186,9 @@ def _taylor(
                 until(ends[k])
                 found[k, 0] = own
             clocks[k] = integrator.time
+            if hits and crossed is not None:
+                crossed[index[k * width + np.array(sorted(hits))]] = True
+                hits.clear()
             done = k + 1
             if show is not None and time.perf_counter() - last > 0.2:
                 last = time.perf_counter()
@@ -187,7 +216,13 @@ def _in_calls(array: Any, width: int) -> Any:
 
 
 def _stacked(
-    lanes: Lanes, part: slice, grid: Any, tolerance: float, result: Any, finished: Any
+    lanes: Lanes,
+    part: slice,
+    grid: Any,
+    tolerance: float,
+    result: Any,
+    finished: Any,
+    crossed: Any = None,
 ) -> None:
     """Some lanes as one system of scipy's DOP853; time in units of the fastest."""
     import numpy as np
@@ -209,6 +244,13 @@ def _stacked(
         out *= slow
         return out.ravel()
 
+    def looked(_: float, y: Any) -> float:
+        # scipy calls this after each step; it is never told of an event.
+        edges = _edges(system, y.reshape(size, count), parameters)
+        crossed[part] |= np.broadcast_to(edges, count) < 0
+        return 1.0
+
+    system = _watched(lanes) if crossed is not None else lanes.equations.system
     with np.errstate(all="ignore"):
         first = rates(0.0, y0.ravel()).reshape(size, count)
         if not np.isfinite(first).all():
@@ -223,6 +265,7 @@ def _stacked(
             t_eval=grid * top,
             rtol=max(tolerance, 2.3e-14),
             atol=(max(tolerance, 2.3e-14) * scales).ravel(),
+            events=looked if crossed is not None else None,
         )
     if found.status == 0 and np.isfinite(found.y).all():
         result[part] = found.y.reshape(size, count, len(grid)).transpose(1, 2, 0)

@@ -97,12 +97,12 @@ def _moment(solution: Solution, times: Any, pieces: list[tuple[Segment, Any]]) -
     from geomtorsion.motion.solution import Moment
 
     problem, bits = solution.problem, solution.journey.engine.precision
-    parts = [_home(problem, segment, states, bits) for segment, states in pieces]
+    parts = [home(problem, segment, states, bits) for segment, states in pieces]
     q, v, u, w = (np.concatenate(values) for values in zip(*parts, strict=True))
     return Moment(times, q, v, u, w)
 
 
-def _home(problem: Problem, segment: Segment, states: Any, bits: int) -> tuple[Any, Any, Any, Any]:
+def home(problem: Problem, segment: Segment, states: Any, bits: int) -> tuple[Any, Any, Any, Any]:
     """(q, q', u, passengers) of one segment in the home chart and frame."""
     import numpy as np
 
@@ -124,11 +124,11 @@ def _home(problem: Problem, segment: Segment, states: Any, bits: int) -> tuple[A
     if not width:
         empty = np.empty((len(states), 0))
         return empty, empty, u, riders
-    home = problem.atlas.home
-    if segment.chart == home:
+    target = problem.atlas.home
+    if segment.chart == target:
         q = states[:, :width]
     else:
-        q, u = converted(problem, segment.chart, home, states[:, :width], u, bits)
+        q, u = converted(problem, segment.chart, target, states[:, :width], u, bits)
     return q, velocities(problem, q, u), u, riders
 
 

@@ -131,3 +131,50 @@ def test_many_says_what_it_cost():
     )
     assert "40 of 40 motions by Taylor" in str(many)
     assert len(many) == 40
+
+
+def bundles():
+    """Bundles that meet an edge of their chart: over the pole of s2, through the gimbal lock."""
+    s2 = geodesic(load("s2").frame, [0.9, 0.3], [0.0, 1.0], parameters={"R": 1})
+    rates = np.stack([np.linspace(-1.5, -0.4, 9), np.linspace(-0.2, 0.3, 9)], axis=1)
+    angles = top(start=[1e-3, 1.2, 0.2], frame_velocity=[0.0, -1.0, 0.0])
+    turns = np.array([0.0, -1.0, 0.0]) + 0.2 * RANDOM.normal(size=(9, 3))
+    return {
+        "s2": (s2, {"velocities": rates}),
+        "so3": (angles.with_charts("so3", "so3_xyz"), {"frame_velocities": turns}),
+    }
+
+
+@every_engine
+@pytest.mark.parametrize("name", ["s2", "so3"])
+@pytest.mark.parametrize("t", [2.0, [0.5, 1.0, 2.0]], ids=["the end alone", "samples"])
+def test_charts_are_changed_on_the_way(engine, name, t):
+    """Each member agrees with its own solution, also where no sample lies near the edge."""
+    problem, given = bundles()[name]
+    many = solve_many(problem, None, t, 1e-8, engine, **given)
+    assert many.finished.all()
+    assert many.error <= 1e-8
+    assert len(many.journeys) >= 4
+    assert any(len(journey.segments) > 1 for journey in many.journeys.values())
+    for k in range(9):
+        member = problem.moved(**{key[:-3] + "y": rows[k] for key, rows in given.items()})
+        one = solve(member, t if isinstance(t, list) else [t], 1e-11, RungeKutta())
+        gap = many.coordinates[k] - one.coordinates
+        gap[:, -1] = np.remainder(gap[:, -1] + np.pi, 2 * np.pi) - np.pi
+        gap[:, 0] = np.remainder(gap[:, 0] + np.pi, 2 * np.pi) - np.pi
+        assert np.abs(gap).max() < 2e-7
+        assert many.frame_velocity[k] == pytest.approx(one.frame_velocity, abs=2e-7)
+
+
+@every_engine
+def test_an_edge_between_samples_is_seen(engine):
+    """A loxodrome into the pole of the only chart is unfinished though its end has coordinates."""
+    from geomtorsion.geometry import cartan
+    from geomtorsion.motion import autoparallel
+
+    problem = autoparallel(
+        cartan(load("s2").frame), [1.0, 0.0], frame_velocity=[0, 1], parameters={"R": 1}
+    )
+    # Straight down the meridian: theta = 1 - 7.5 would be inside again.
+    many = solve_many(problem, None, 7.5, 1e-8, engine, frame_velocities=[[-1.0, 0.0], [0.1, 1.0]])
+    assert many.finished.tolist() == [False, True]

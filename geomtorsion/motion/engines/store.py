@@ -38,6 +38,17 @@ class Compiled:
     used: float = 0.0
 
 
+class Touched:
+    """Callback of batches: notes which lanes have come to the edge of their chart."""
+
+    def __init__(self) -> None:
+        self.lanes: set[int] = set()
+
+    def __call__(self, _: Any, __: Any, ___: Any, lane: int) -> None:
+        """Note one lane."""
+        self.lanes.add(lane)
+
+
 kept: OrderedDict[tuple[Any, ...], Compiled] = OrderedDict()
 
 
@@ -131,6 +142,10 @@ def _compiled(
         variables = [variables] if not isinstance(variables, list) else variables
     known = dict(zip(system.states, variables, strict=True))
     known |= {name: hy.par[k] for k, name in enumerate(system.parameters)}
+    if system.clock is not None and not batch:
+        # Lanes of a batch count from the start of their leg.
+        name, unit = system.clock
+        known[name] = hy.time * hy.expression(number(Fraction(1, unit)))
     writer = SquaringWriter(known, lambda p, q: hy.expression(number(Fraction(p, q))))
     equations = [
         (variable, writer.products(rate))
@@ -141,7 +156,11 @@ def _compiled(
         "compact_mode": precision > 64 or len(system.code[0]) > LONGEST_UNROLLED,
         "opt_level": (3 if batch else 1) if optimised and precision <= 64 else 0,
     }
+    falling = hy.event_direction.negative
     if batch:
+        if system.edge is not None:
+            edge = writer.products(system.edge)
+            options["nt_events"] = [hy.nt_event_batch(edge, Touched(), direction=falling)]
         return hy.taylor_adaptive_batch(
             equations,
             np.zeros((system.size, batch)),
@@ -156,7 +175,6 @@ def _compiled(
     if system.edge is not None:
         events = {53: hy.t_event, 64: hy.t_event_ldbl, 113: getattr(hy, "t_event_f128", None)}
         maker = events.get(precision) or hy.t_event_real
-        falling = hy.event_direction.negative
         options["t_events"] = [maker(writer.products(system.edge), direction=falling)]
     zeros, pars = ([number(0)] * size for size in (system.size, len(system.parameters)))
     return hy.taylor_adaptive(
