@@ -69,9 +69,10 @@ def check_vectors(effect: Effect, *names: str) -> None:
         value = getattr(effect, name)
         measured = f" ({u})" if (u := effect.units().get(name)) else ""
         wanted = f"{effect.key}.{name} = {value!r}: three components{measured} were needed."
-        if isinstance(value, str) or not hasattr(value, "__iter__"):
-            raise SceneError(wanted)
-        parts = tuple(value)
+        try:
+            parts = () if isinstance(value, str) else tuple(value)
+        except TypeError:
+            parts = ()
         if len(parts) != 3:
             raise SceneError(wanted)
         object.__setattr__(effect, name, parts)
