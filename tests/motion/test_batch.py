@@ -138,7 +138,7 @@ def bundles():
     s2 = geodesic(load("s2").frame, [0.9, 0.3], [0.0, 1.0], parameters={"R": 1})
     rates = np.stack([np.linspace(-1.5, -0.4, 9), np.linspace(-0.2, 0.3, 9)], axis=1)
     angles = top(start=[1e-3, 1.2, 0.2], frame_velocity=[0.0, -1.0, 0.0])
-    turns = np.array([0.0, -1.0, 0.0]) + 0.2 * RANDOM.normal(size=(9, 3))
+    turns = np.array([0.0, -1.0, 0.0]) + 0.05 * np.random.default_rng(3).normal(size=(9, 3))
     return {
         "s2": (s2, {"velocities": rates}),
         "so3": (angles.with_charts("so3", "so3_xyz"), {"frame_velocities": turns}),
