@@ -81,6 +81,7 @@ def opened(frame: Frame, expressions: Sequence[sp.Expr]) -> Phase:
         frame.coframe.to_sympy(),
         parameters=frame.parameters,
         domain=frame.domain,
+        complex=frame.complex,
         name=frame.name,
         branches=frame.field.chosen,
     )
@@ -119,18 +120,27 @@ def expressions(
         if isinstance(value, str):
             found.append(parse_expression(value, table, where=where))
             continue
-        expression = value.sympy if isinstance(value, Element) else sp.sympify(value)
-        if not isinstance(expression, sp.Expr):
-            raise LagrangianError(
-                f"{where}: an expression was needed, {type(value).__name__} came: {value!r}. "
-                "Give text, a number or a sympy expression."
-            )
+        expression = _sympified(where, value)
         for symbol in sorted(expression.free_symbols, key=str):
             if symbol.name not in table:
                 _check_parameter(where, symbol.name, letters, table, parameters is not None)
                 table[symbol.name] = symbol
         renamed = {s: table[s.name] for s in expression.free_symbols}
         found.append(expression.xreplace(renamed))
+    return found
+
+
+def _sympified(where: str, value: Any) -> sp.Expr:
+    """A number, element or expression of sympy; never a text."""
+    try:
+        found = value.sympy if isinstance(value, Element) else sp.sympify(value, strict=True)
+    except sp.SympifyError:
+        found = None
+    if not isinstance(found, sp.Expr):
+        raise LagrangianError(
+            f"{where}: an expression was needed, {type(value).__name__} came: {value!r}. "
+            "Give text, a number or a sympy expression."
+        )
     return found
 
 

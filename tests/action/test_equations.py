@@ -5,11 +5,12 @@ import sympy as sp
 
 import geomtorsion as gt
 from geomtorsion import spaces
+from geomtorsion.errors import LagrangianError
 
 U = sp.symbols("u1:7")
 MOMENTS = sp.symbols("I1 I2 I3")
 MASS = sp.Symbol("M")
-SPIN = sum(moment * u**2 for moment, u in zip(MOMENTS, U[:3], strict=True)) / 2
+SPIN = sp.Add(*(moment * u**2 for moment, u in zip(MOMENTS, U[:3], strict=True))) / 2
 FLIGHT = SPIN + MASS * (U[3] ** 2 + U[4] ** 2 + U[5] ** 2) / 2
 
 
@@ -99,3 +100,99 @@ def same_rates(equations, problem):
         assert sp.simplify(rate - equations.rates[name]) == 0, name
         compared += 1
     return compared >= equations.frame.dimension
+
+
+def test_torsion_force_is_minus_that_of_the_connection():
+    """With p = u the torsion force of the frame, lowered: - 2 S_a^c_b q'^a q'^b."""
+    frame = spaces.load("r3xso3").frame
+    found = gt.equations_of_motion(frame, sum(u**2 for u in U) / 2)
+    rates = [found.rates[q.name] for q in frame.coordinates]
+    own = gt.Frame(frame.coordinates, frame.coframe.to_sympy())
+    force = gt.cartan(own).torsion.force(rates).in_frame()
+    for k in range(6):
+        one, two = own.read([("one", force[k]), ("two", found.torsion_force[k])])
+        assert one == -two
+    assert any(found.torsion_force)
+    turning = gt.equations_of_motion(spaces.load("so3").frame, sum(u**2 for u in U[:3]) / 2)
+    assert turning.torsion_force == (0, 0, 0)
+
+
+def test_principles_told_apart_on_so3():
+    """Equal moments: all three agree. Unequal: only Hamilton's has the gyroscopic term."""
+    frame = spaces.load("so3").frame
+    equal_moments = SPIN.subs(dict.fromkeys(MOMENTS, MOMENTS[0]))
+    names = ("closed_in_coordinates", "closed_in_image", "naive")
+    rates = [gt.equations_of_motion(frame, equal_moments, principle=p).accelerations for p in names]
+    assert rates[0] == rates[1] == rates[2] == (0, 0, 0)
+    rates = [gt.equations_of_motion(frame, SPIN, principle=p).accelerations for p in names]
+    assert rates[1] == rates[2] == (0, 0, 0)
+    assert all(value != 0 for value in rates[0])
+
+
+def test_screws_and_flights_on_r3xso3():
+    """Autoparallels are screws, V constant in the body; geodesics fly straight in space."""
+    frame = spaces.load("r3xso3").frame
+    screw = gt.equations_of_motion(frame, FLIGHT, principle="closed_in_image")
+    flight = gt.equations_of_motion(frame, FLIGHT)
+    assert set(screw.accelerations) == {0}
+    for name in ("momentum of x1", "momentum of x2", "momentum of x3"):
+        assert name in flight.invariants
+        assert name not in screw.invariants
+
+
+def test_reduced_equations():
+    """On a group the velocities stand alone, with what they keep; under gravity they do not."""
+    frame = spaces.load("so3").frame
+    alone = gt.equations_of_motion(frame, SPIN).reduced
+    assert set(alone.rates) == {"u1", "u2", "u3"}
+    assert set(alone.invariants) == {"energy", "casimir 1"}
+    assert str(alone).startswith("u1' = ")
+    assert alone.latex.count(r"\dot") == 3
+    heavy = gt.equations_of_motion(frame, SPIN - sp.cos(frame.coordinates[1]))
+    with pytest.raises(LagrangianError, match="rate of u1 depends on phi1"):
+        _ = heavy.reduced
+
+
+def test_text_and_latex():
+    """One line for each state; LaTeX dots its letters; the time is said."""
+    found = gt.equations_of_motion(spaces.load("so3").frame, SPIN)
+    lines = found.text.splitlines()
+    assert [line.split("'")[0] for line in lines] == list(found.rates)
+    assert r"\dot{\phi}_{1} &=" in found.latex
+    assert repr(found).startswith("equations of motion on so3, closed_in_coordinates:")
+    assert str(found) == found.text
+    assert found._repr_latex_().startswith("$$")
+
+
+def test_text_is_read_like_expressions():
+    """Text with listed parameters gives the same equations as sympy expressions."""
+    frame = spaces.load("so3").frame
+    one = gt.equations_of_motion(
+        frame, "(I1*u1**2 + I2*u2**2 + I3*u3**2)/2 - w*cos(phi2)", ["-c*u1", 0, "sin(t)"],
+        parameters=["I1", "I2", "I3", "w", "c"],
+    )  # fmt: skip
+    energy = SPIN - sp.Symbol("w") * sp.cos(frame.coordinates[1])
+    two = gt.equations_of_motion(
+        frame, energy, {0: -sp.Symbol("c") * U[0], 2: sp.sin(sp.Symbol("t"))}
+    )
+    assert one.rates == two.rates
+
+
+def test_the_frame_of_the_user_is_left_alone():
+    """Mechanics adds no symbol to the frame that it is asked about."""
+    x, y = sp.symbols("x y", positive=True)
+    frame = gt.Frame([x, y], [[1, 0], [0, x]])
+    before = frame.field.symbols
+    found = gt.equations_of_motion(frame, sp.Symbol("m") * (U[0] ** 2 + U[1] ** 2) / 2)
+    assert found.agrees is True
+    assert found.invariants
+    assert gt.variation(frame).proved is True
+    assert frame.field.symbols == before
+
+
+def test_other_letters_where_the_frame_has_taken_them():
+    """A coordinate u1 makes the velocities w1, w2; a coordinate t makes the time `time`."""
+    u1, t = sp.symbols("u1 t")
+    found = gt.equations_of_motion(gt.Frame([u1, t], [[1, u1], [0, 1]]), "w1**2 + w2**2 - u1")
+    assert list(found.rates) == ["u1", "t", "w1", "w2"]
+    assert found.time.name == "time"

@@ -1,0 +1,139 @@
+"""Bad input: each refusal is an error of ours that names the value and the remedy."""
+
+import pytest
+import sympy as sp
+
+import geomtorsion as gt
+from geomtorsion import spaces
+from geomtorsion.errors import (
+    CoordinateError,
+    ExpressionError,
+    GeomtorsionError,
+    KineticMatrixError,
+    LagrangianError,
+    ShapeError,
+    UnknownNameError,
+)
+
+SO3 = spaces.load("so3").frame
+U1, U2, U3, U4, U7 = sp.symbols("u1 u2 u3 u4 u7")
+SPIN = (U1**2 + 2 * U2**2 + 3 * U3**2) / 2
+
+
+@pytest.mark.parametrize(
+    ("lagrangian", "words"),
+    [
+        (SPIN + U7, r"lagrangian: u7 is neither a coordinate.*Velocities are u1 \.\.\. u3"),
+        (SPIN + sp.Symbol("phi1dot"), "phi1dot is neither.*Did you mean phi1"),
+        (SPIN + sp.Symbol("u2dot"), "u2dot is neither"),
+        ([SPIN], "an expression was needed, list came"),
+        (sp.Eq(U1, U2), "an expression was needed"),
+    ],
+)
+def test_unknown_symbols(lagrangian, words):
+    """Symbols that can be no parameter are refused, with the nearest that is known."""
+    with pytest.raises(LagrangianError, match=words):
+        gt.equations_of_motion(SO3, lagrangian)
+
+
+def test_listed_parameters_bind():
+    """Once parameters are listed, any other symbol is refused."""
+    gravity = SPIN - sp.Symbol("mgl") * sp.cos(SO3.coordinates[1])
+    assert gt.equations_of_motion(SO3, gravity, parameters=["mgl"]).agrees is True
+    with pytest.raises(LagrangianError, match=r"mgl is neither.*Did you mean mgL\?.*List mgl"):
+        gt.equations_of_motion(SO3, gravity, parameters=["mgL"])
+    with pytest.raises(LagrangianError, match=r"forces\[1\]: k is neither"):
+        gt.equations_of_motion(SO3, SPIN, [0, -sp.Symbol("k") * U1, 0], parameters=[])
+
+
+def test_texts_are_read_by_the_whitelist():
+    """Names must be declared, numbers exact, and code is no expression."""
+    with pytest.raises(ExpressionError, match="I1 is neither a coordinate nor a declared"):
+        gt.equations_of_motion(SO3, "I1*u1**2/2")
+    with pytest.raises(ExpressionError, match=r"0\.5 is a decimal number"):
+        gt.equations_of_motion(SO3, "0.5*u1**2")
+    with pytest.raises(ExpressionError, match=r"constraints\[0\]"):
+        gt.equations_of_motion(SO3, SPIN, constraints=["__import__('os')"])
+
+
+def test_floats_are_refused_with_the_place():
+    """A float has no exact value: the entry is named."""
+    with pytest.raises(ExpressionError, match=r"forces\[2\]"):
+        gt.equations_of_motion(SO3, SPIN, [0, 0, 0.1 * U1])
+
+
+@pytest.mark.parametrize(
+    ("lagrangian", "words"),
+    [
+        (U1**2 + U2**2, "u3 does not occur quadratically"),
+        ((U1 + U2) ** 2 + U3**2, "contains no velocity"),
+        (U1 + U2 + U3, "u1 does not occur quadratically"),
+        (sp.Integer(0), "u1 does not occur"),
+    ],
+)
+def test_singular_kinetic_matrix(lagrangian, words):
+    """Accelerations that are not determined are refused at once, with the velocity at fault."""
+    with pytest.raises(KineticMatrixError, match=words):
+        gt.equations_of_motion(SO3, lagrangian)
+
+
+def test_constrained_velocity_may_have_no_energy():
+    """What is held needs no kinetic energy."""
+    found = gt.equations_of_motion(SO3, U1**2 + U2**2, constraints=[U3])
+    assert found.accelerations == (0, 0)
+
+
+@pytest.mark.parametrize(
+    ("forces", "words"),
+    [
+        ([1, 2], "3 components F_k were needed.*2 came"),
+        ({3: 1}, "no component 3.*from 0 to 2"),
+        ({"u1": 1}, "no component 'u1'"),
+        ("u1", "a list was needed"),
+        (7, "a list was needed"),
+    ],
+)
+def test_wrong_number_of_forces(forces, words):
+    """Lists are as long as the frame, mappings count from zero."""
+    with pytest.raises(ShapeError, match=words):
+        gt.equations_of_motion(SO3, SPIN, forces)
+
+
+def test_constraints_must_be_a_list():
+    """A single text is no list of constraints."""
+    with pytest.raises(ShapeError, match="Put it in brackets"):
+        gt.equations_of_motion(SO3, SPIN, constraints="u1")
+
+
+@pytest.mark.parametrize(
+    ("principle", "near"),
+    [("closed-in-coordinates", "closed_in_coordinates"), ("Naive", "naive"), (3, "Choose closed")],
+)
+def test_unknown_principle(principle, near):
+    """The nearest name is said, and all of them."""
+    with pytest.raises(UnknownNameError, match=near):
+        gt.equations_of_motion(SO3, SPIN, principle=principle)
+
+
+def test_connection_of_another_frame():
+    """A torsion that belongs elsewhere cannot be taken off here."""
+    with pytest.raises(ShapeError, match="another frame"):
+        gt.equations_of_motion(
+            SO3, SPIN, principle="closed_in_image",
+            connection=gt.cartan(spaces.load("s2").frame),
+        )  # fmt: skip
+
+
+def test_complex_frames_do_not_move():
+    """A null tetrad is refused in words; its variations are algebra and stay."""
+    frame = spaces.load("kerr_kinnersley").frame
+    with pytest.raises(LagrangianError, match="complex"):
+        gt.equations_of_motion(frame, "u1*u2")
+    assert gt.variation(frame).proved is True
+
+
+def test_all_refusals_are_ours():
+    """One base class catches them."""
+    for error in (LagrangianError, KineticMatrixError, CoordinateError, ShapeError):
+        assert issubclass(error, GeomtorsionError)
+        assert issubclass(error, ValueError)
