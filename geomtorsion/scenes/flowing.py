@@ -9,7 +9,8 @@ import sympy as sp
 
 from geomtorsion.errors import SceneError, StartError
 from geomtorsion.scenes import attitude
-from geomtorsion.scenes.assembly import WORK, by_quaternion, quaternion_rates
+from geomtorsion.scenes.assembly import by_quaternion, quaternion_rates
+from geomtorsion.scenes.conserved import invariants
 from geomtorsion.scenes.context import ATTITUDE, OMEGA, POSITION, QUATERNION, VELOCITY, VERTICAL
 from geomtorsion.scenes.scene import missing_attitude
 
@@ -40,7 +41,10 @@ def pruned_rates(plan: ScenePlan) -> dict[str, Any]:
 
 def attitude_states(plan: ScenePlan) -> dict[Any, Any]:
     """Elements of R by the quaternion, where the whole attitude is followed."""
-    return by_quaternion() if plan.uses_quaternion else {}
+    if not plan.uses_quaternion:
+        return {}
+    kept = {*VERTICAL} if plan.keeps_vertical else set()
+    return {symbol: value for symbol, value in by_quaternion().items() if symbol not in kept}
 
 
 def flow_of(scene: Scene) -> Flow:
@@ -65,7 +69,7 @@ def flow_of(scene: Scene) -> Flow:
         pruned_rates(plan),
         start_of(scene),
         parameters=parameters_of(scene),
-        invariants=invariants(plan, chosen),
+        invariants=invariants(plan, scene.lawful, chosen),
         outputs=outputs,
         switches=[switch for part in parts for switch in part.switches],
         stop=stop,
@@ -134,50 +138,6 @@ def _check_ties(scene: Scene, table: Mapping[Any, Any]) -> None:
                 f"the start has {name} = {tuple(given)}, but the constraint makes it ({shown}). "
                 f"Leave {name} out of the start, or give it this value."
             )
-
-
-def invariants(plan: ScenePlan, chosen: Mapping[Any, Any]) -> dict[str, Any]:
-    """Quantities that do not change, proved by their exact rate and made of the states at hand."""
-    made = plan.assembly
-    momentum = made.angular_momentum
-    here = {*plan.symbols, *plan.constants}
-    if plan.uses_quaternion:
-        here |= set(ATTITUDE)
-    energy = made.kinetic_energy + made.potential_energy
-    wanted: dict[str, tuple[Any, ...]] = {
-        "energy": (energy,),
-        "energy_balance": (energy - WORK,),
-        "rotational_energy": (made.rotational_energy,),
-        "angular_momentum_space": tuple(ATTITUDE * momentum),
-        "angular_momentum_squared": (momentum.dot(momentum),),
-        "vertical_angular_momentum": (sp.Matrix(VERTICAL).dot(momentum),),
-        "axial_angular_momentum": (momentum[2],),
-        "momentum": tuple(made.context.mass * made.tied(v) for v in VELOCITY),
-    }
-    # What switches change stays a symbol: no conservation law may depend on its first value.
-    moving = {symbol.name for symbol in made.context.switched}
-    numbers = {sp.Symbol(k): v for k, v in made.values.items() if k not in moving}
-    switched = {
-        name for part in made.parts.values() for _, values in part.switches for name in values
-    }
-    found: dict[str, Any] = {}
-    for name, parts in wanted.items():
-        if name == "energy_balance" and "energy" in found:
-            continue
-        free = {symbol for part in parts for symbol in part.free_symbols} - {
-            sp.Symbol(k) for k in made.values
-        }
-        if not free or not free <= here or {s.name for s in free} & switched:
-            continue
-        if all(_is_constant(made.derivative(part), numbers) for part in parts):
-            given = tuple(part.xreplace(chosen) for part in parts)
-            found[name] = list(given) if len(given) > 1 else given[0]
-    return found
-
-
-def _is_constant(rate: Any, numbers: Mapping[Any, Any]) -> bool:
-    """Whether a rate vanishes identically for these numbers; False where that is not seen."""
-    return sp.expand(rate.xreplace(dict(numbers))) == 0
 
 
 def _start(scene: Scene) -> Any:

@@ -108,6 +108,12 @@ class Scene:
         return assemble(self.body, self.keyed)
 
     @cached_property
+    def lawful(self) -> Assembly:
+        """The equations without what is shipped as a wrong law."""
+        right = {key: effect for key, effect in self.keyed.items() if not effect.wrong}
+        return self.assembly if len(right) == len(self.keyed) else assemble(self.body, right)
+
+    @cached_property
     def _plan(self) -> ScenePlan:
         titles = {"spin": Spin.title}
         if self.assembly.constraint is None:

@@ -162,3 +162,19 @@ def test_a_start_that_fits_the_constraint():
     omega, arm = (0.1, 0.2, 3.0), (0, 0, 0.5)
     start = State(omega=omega, euler=(0, 0, 0), velocity=(0.1, -0.05, 0), position=(0, 0, 0.5))
     assert Scene(BODY, (E.Pivot(arm),), start, ["energy"], t=1).run().complete
+
+
+def test_the_vertical_beside_the_attitude():
+    """Where rates are rational in the vertical (rolling), it stays a state of its own."""
+    scene = Scene(Body(2.0, (0.05, 0.05, 0.1)), (E.Rolling(0.3), E.Gravity()), START, ["position"])
+    plan = scene.plan()
+    assert plan.states == (*OMEGA, *Q, *N, "x", "y", "z")
+    assert "n1..n3: beside the attitude" in str(plan)
+    assert scene.flow.unit == (Q, N)
+    result = scene.replaced(watch=["position", "vertical", "matrix"], t=2, accuracy=1e-11).run()
+    assert abs(result["vertical"] - result["matrix"][:, 2, :]).max() < 1e-10
+    # The centre is as high as the disc is tilted.
+    height = 0.3 * (1 - result["vertical"][:, 2] ** 2) ** 0.5
+    assert (
+        abs(result["position"][:, 2] - height - result["position"][0, 2] + height[0]).max() < 1e-10
+    )

@@ -91,6 +91,8 @@ class Effect:
     title: one line for tables.
     several: whether a scene may have more than one of the kind.
     excludes: keys of effects that contradict it.
+    wrong: whether it is a wrong law, shipped to be compared: drifts are then those of the
+        quantities that the right law keeps.
 
     Examples
     --------
@@ -103,6 +105,7 @@ class Effect:
     title: ClassVar[str] = ""
     several: ClassVar[bool] = False
     excludes: ClassVar[frozenset[str]] = frozenset()
+    wrong: ClassVar[bool] = False
 
     def adds(self, context: Context) -> Contribution:
         """What it adds to the equations, in the symbols of the context."""

@@ -82,6 +82,7 @@ class Naive(Effect):
     key: ClassVar[str] = "naive"
     title: ClassVar[str] = "naive law without Omega x L (wrong on purpose)"
     excludes: ClassVar[frozenset[str]] = frozenset({"torsion", "rolling", "knife_edge"})
+    wrong: ClassVar[bool] = True
 
     def adds(self, context: Context) -> Contribution:
         """The moment that takes Omega x L away again."""

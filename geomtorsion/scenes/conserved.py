@@ -1,0 +1,116 @@
+"""Conserved: the quantities that a scene keeps, as far as they are made of its states."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from random import Random
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from geomtorsion.errors import GeomtorsionError
+from geomtorsion.motion.flows.tape import BITS, Tape
+from geomtorsion.scenes.assembly import WORK, Assembly, by_quaternion
+from geomtorsion.scenes.context import ATTITUDE, QUATERNION, VELOCITY, VERTICAL
+
+if TYPE_CHECKING:
+    from geomtorsion.scenes.plan import ScenePlan
+
+# Places at which a rate is worked out, and how far below its terms it counts as zero: with
+# fractions it is zero exactly, with roots and functions there are 120 digits.
+PLACES, NOTHING = 3, 1e-60
+
+
+def invariants(plan: ScenePlan, lawful: Assembly, chosen: Mapping[Any, Any]) -> dict[str, Any]:
+    """Name -> expression (or several) that does not change, over the states that are solved for.
+
+    A quantity is taken for conserved if its rate vanishes, exactly or to 60 digits, at random
+    states of motion.
+
+    lawful: the equations by which a quantity is to be conserved.
+    chosen: elements of R -> expressions in the states that are solved for.
+    """
+    made = plan.assembly
+    here = {*plan.symbols, *plan.constants}
+    if plan.uses_quaternion:
+        here |= set(ATTITUDE)
+    parameters = {sp.Symbol(name) for name in made.values}
+    switched = {
+        name for part in made.parts.values() for _, values in part.switches for name in values
+    }
+    found: dict[str, Any] = {}
+    for name, parts in _candidates(made).items():
+        if name == "energy_balance" and "energy" in found:
+            continue
+        free = {symbol for part in parts for symbol in part.free_symbols} - parameters
+        if not free or not free <= here or {s.name for s in free} & switched:
+            continue
+        if all(is_constant(lawful, part) for part in parts):
+            given = [part.xreplace(dict(chosen)) for part in parts]
+            found[name] = given if len(given) > 1 else given[0]
+    return found
+
+
+def _candidates(made: Assembly) -> dict[str, tuple[Any, ...]]:
+    """What may be conserved, most telling first."""
+    energy = made.kinetic_energy + made.potential_energy
+    momentum = made.angular_momentum
+    return {
+        "energy": (energy,),
+        "energy_balance": (energy - made.tied(WORK),),
+        "rotational_energy": (made.rotational_energy,),
+        "angular_momentum_space": tuple(ATTITUDE * momentum),
+        "angular_momentum_squared": (momentum.dot(momentum),),
+        "vertical_angular_momentum": (sp.Matrix(VERTICAL).dot(momentum),),
+        "axial_angular_momentum": (momentum[2],),
+        "momentum": tuple(made.context.mass * made.tied(v) for v in VELOCITY),
+    }
+
+
+def is_constant(made: Assembly, quantity: Any) -> bool:
+    """Whether the rate of a quantity vanishes at random states; False where it has no value.
+
+    Examples
+    --------
+    >>> from geomtorsion.scenes import Body
+    >>> from geomtorsion.scenes.assembly import assemble
+    >>> free = assemble(Body(moments=(1, 2, 3)), {})
+    >>> is_constant(free, free.kinetic_energy), is_constant(free, free.context.Omega[0])
+    (True, False)
+    """
+    import mpmath
+
+    terms = [sp.diff(quantity, s) * made.rate_of(s) for s in quantity.free_symbols]
+    terms = [term for term in terms if term != 0]
+    if not terms:
+        return True
+    names = sorted({symbol.name for term in terms for symbol in term.free_symbols})
+    tape = Tape(tuple(names), tuple(terms))
+    chance = Random(20)
+    try:
+        for _ in range(PLACES):
+            place = _place(made, chance)
+            values = tape.exactly([place.get(name, _number(chance)) for name in names])
+            with mpmath.workprec(BITS):
+                total = abs(sum(values[1:], values[0]))
+                if total > NOTHING * max(abs(value) for value in values):
+                    return False
+    except (ArithmeticError, ValueError, TypeError, GeomtorsionError):
+        return False
+    return True
+
+
+def _place(made: Assembly, chance: Random) -> dict[str, Any]:
+    """Parameters as they are (but for those that switches change), and a rotation for R."""
+    moving = {symbol.name for symbol in made.context.switched}
+    place: dict[str, Any] = {k: v for k, v in made.values.items() if k not in moving}
+    q: Sequence[int] = [chance.randint(1, 9) for _ in QUATERNION]
+    numbers = dict(zip(QUATERNION, q, strict=True))
+    size = sum(x * x for x in q)
+    return place | {s.name: value.xreplace(numbers) / size for s, value in by_quaternion().items()}
+
+
+def _number(chance: Random) -> Fraction:
+    """A fraction that no special relation suggests."""
+    return Fraction(chance.randint(101, 997), chance.choice((107, 211, 307)))

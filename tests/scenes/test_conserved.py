@@ -1,0 +1,78 @@
+"""Conserved: what a scene is said to keep is kept, and what is not kept is not said to be."""
+
+import pytest
+import sympy as sp
+
+from geomtorsion.scenes import Body, Scene, State, effects
+from geomtorsion.scenes.assembly import assemble
+from geomtorsion.scenes.conserved import is_constant
+
+E = effects
+START = State(omega=(0.1, 0.2, 3), euler=(0, 0.3, 0))
+ASYMMETRIC, SYMMETRIC = Body(moments=(1, 2, 3)), Body(moments=(2, 2, 3))
+SKEW = Body(inertia=[[1, 0.1, 0], [0.1, 2, 0.2], [0, 0.2, 2.5]])
+TOP = (E.Gravity(), E.Pivot([0, 0, 0.1]))
+ALL = ["matrix", "energy", "position", "omega"]
+ROTATION = {"rotational_energy", "angular_momentum_space", "angular_momentum_squared"}
+
+
+@pytest.mark.parametrize(
+    ("body", "acting", "kept"),
+    [
+        (ASYMMETRIC, (), {"energy", "momentum", "vertical_angular_momentum", *ROTATION}),
+        (SKEW, (), {"energy", "momentum", "vertical_angular_momentum", *ROTATION}),
+        (ASYMMETRIC, (E.Gravity(),), {"energy", "vertical_angular_momentum", *ROTATION}),
+        (ASYMMETRIC, TOP, {"energy", "vertical_angular_momentum"}),
+        (SKEW, TOP, {"energy", "vertical_angular_momentum"}),
+        (SYMMETRIC, TOP, {"energy", "vertical_angular_momentum", "axial_angular_momentum"}),
+        (ASYMMETRIC, (E.AngularDamping(0.1),), {"momentum"}),
+        (ASYMMETRIC, (E.Spring(1.0),), {"energy", "vertical_angular_momentum", *ROTATION}),
+        (SYMMETRIC, (E.Rolling(0.3), E.Gravity()), {"energy"}),
+        (
+            ASYMMETRIC,
+            (E.BodyMoment(("0", "0", "1")),),
+            {"momentum"},
+        ),
+        (
+            ASYMMETRIC,
+            (E.Thrust((0, 0, 1), start=1, end=2),),
+            {*ROTATION, "vertical_angular_momentum"},
+        ),
+    ],
+    ids=lambda value: None,
+)
+def test_what_is_kept(body, acting, kept):
+    """By Noether: energy, momentum and angular momenta, as the symmetry of the effects is."""
+    scene = Scene(body, acting, START, ALL, t=1)
+    assert set(scene.flow.invariants) == kept
+    drift = scene.run(engine=None).drift
+    assert set(drift) == kept
+    assert max(drift.values()) < 1e-10
+
+
+def test_only_what_the_states_make():
+    """Energy of translation is not asked for: it costs states."""
+    scene = Scene(ASYMMETRIC, (E.Gravity(),), START, ["omega"], t=1)
+    assert set(scene.flow.invariants) == {"rotational_energy", "angular_momentum_squared"}
+
+
+def test_a_switch_does_not_fool_the_proof():
+    """Before its start a thrust is zero, and yet the energy is no invariant."""
+    scene = Scene(ASYMMETRIC, (E.Thrust((0, 0, 1), start=0.5),), START, ["energy"], t=1)
+    assert "energy" not in scene.flow.invariants
+
+
+def test_the_wrong_law_shows_what_it_breaks():
+    """Drifts of the naive law are those of what the right one keeps."""
+    scene = Scene(ASYMMETRIC, (E.Naive(),), START, ["matrix", "energy"], t=3)
+    drift = scene.run().drift
+    assert drift["angular_momentum_space"] > 0.01
+    assert drift["energy"] < 1e-12
+
+
+def test_close_misses_are_seen():
+    """A moment changed by one part in 10^30 breaks the conservation of the axial momentum."""
+    almost = Body(moments=(2, 2 + sp.Rational(1, 10**30), 3))
+    momentum = sp.Symbol("Omega3")
+    assert is_constant(assemble(SYMMETRIC, {}), momentum)
+    assert not is_constant(assemble(almost, {}), momentum)
