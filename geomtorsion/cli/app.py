@@ -11,6 +11,7 @@ from geomtorsion.cli.accuracy import accuracy
 from geomtorsion.cli.burgers import burgers
 from geomtorsion.cli.check import check
 from geomtorsion.cli.curve import curve
+from geomtorsion.cli.exercises import exercises
 from geomtorsion.cli.geometry import geometry
 from geomtorsion.cli.guard import guarded
 from geomtorsion.cli.lab import lab
@@ -68,3 +69,4 @@ for _command in (spaces, geometry, check, plan, report, curve, accuracy, burgers
     app.command()(guarded(_command))
 app.command(short_help="Recompute the equations of the paper.")(guarded(paper))
 app.command(short_help="A page to play with, for the classroom.")(guarded(lab))
+app.add_typer(exercises)

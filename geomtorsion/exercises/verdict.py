@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -69,6 +71,19 @@ class Verdict:
     def score(self) -> float:
         """Share of the points that was earned, 0 to 1."""
         return self.earned / self.points if self.points else 0.0
+
+    def to_json(self) -> dict[str, Any]:
+        """Everything as plain values, ready for json.dumps."""
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Verdict:
+        """The verdict that `to_json` wrote."""
+        questions = [
+            QuestionVerdict(**{**entry, "also": tuple(entry["also"])})
+            for entry in data["questions"]
+        ]
+        return cls(data["number"], data["seed"], tuple(questions), tuple(data["notes"]))
 
     def __getitem__(self, name: str) -> QuestionVerdict:
         """The verdict on the question of a name."""

@@ -48,7 +48,7 @@ def pose(draw: Random, seed: int) -> Posed:
             ),
         ),
         hints=steps(
-            r"For each coordinate $a$ the matrix $\Gamma_{a\,\cdot}{}^{\cdot}$ is "
+            r"For each coordinate $a$ the matrix of $\Gamma_{ab}{}^c$ (row $b$, column $c$) is "
             r"$(E\,\partial_a e)^T$, with the legs as columns of $E$.",
             f"The legs are $${tex.matrix(_rows(frame.legs))}.$$",
             f"There are {_count(frame)} coordinates on which the coframe depends.",

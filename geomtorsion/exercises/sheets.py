@@ -1,0 +1,186 @@
+"""Sheets: a chapter as a web page and a notebook for students, solutions apart for the teacher."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from html import escape
+from os import PathLike
+from pathlib import Path
+
+from geomtorsion.errors import UnknownNameError
+from geomtorsion.exercises.diagnoses import MESSAGES, TITLES
+from geomtorsion.exercises.exercise import Exercise
+from geomtorsion.exercises.notebook import notebook_of
+from geomtorsion.exercises.prose import html_of
+from geomtorsion.exercises.question import Question
+from geomtorsion.exercises.registry import CHAPTERS, load, names
+from geomtorsion.exercises.wording import how_to_answer
+from geomtorsion.exercises.writing import answer_text
+from geomtorsion.pictures.mathml import mathml
+from geomtorsion.pictures.style import CSS
+
+MOST_MISTAKES = 6
+_MORE = """
+.question {
+  border-left: 3px solid var(--accent); padding: 0.1rem 0 0.1rem 0.9rem; margin: 0.8rem 0;
+}
+.answer { font-family: ui-monospace, monospace; overflow-wrap: anywhere; }
+pre { overflow-x: auto; } code { font-size: 0.95em; }
+td:nth-child(2) { white-space: normal; } td:first-child { width: auto; font-weight: 400; }
+"""
+Progress = Callable[[str], object]
+
+
+def write_sheet(
+    chapter: str,
+    directory: str | PathLike[str],
+    seed: int = 0,
+    progress: Progress = lambda _: None,
+) -> tuple[Path, ...]:
+    """Write a chapter: page, notebook and form for students, solutions in `teacher/`.
+
+    Parameters
+    ----------
+    chapter
+        its number, "1" to "7".
+    directory
+        made if it is missing.
+    seed
+        the variant.
+
+    Returns
+    -------
+    The files written.
+
+    Raises
+    ------
+    UnknownNameError
+        There is no such chapter.
+    """
+    title = dict(CHAPTERS).get(chapter)
+    if title is None:
+        known = ", ".join(f"{number} ({name})" for number, name in CHAPTERS)
+        raise UnknownNameError(f"there is no chapter {chapter[:40]!r}. There are {known}.")
+    exercises = [load(number, seed) for number in names() if number.startswith(f"{chapter}.")]
+    folder, teacher = Path(directory), Path(directory, "teacher")
+    teacher.mkdir(parents=True, exist_ok=True)
+    stem = f"chapter{chapter}" + (f"-seed{seed}" if seed else "")
+    heading = f"{chapter}. {title}"
+    progress("sheet")
+    notebook = json.dumps(notebook_of(heading, exercises), indent=1, ensure_ascii=False)
+    solved = []
+    for exercise in exercises:
+        progress(f"solving {exercise.number}")
+        solved.append(_card(exercise, solution=True))
+    files = {
+        folder / f"{stem}.html": page_of(heading, seed, [_card(e) for e in exercises]),
+        folder / f"{stem}.ipynb": notebook + "\n",
+        folder / f"{stem}-answers.toml": form_of(exercises, seed),
+        teacher / f"{stem}-solutions.html": page_of(f"{heading}: solutions", seed, solved),
+    }
+    for path, text in files.items():
+        path.write_text(text, "utf-8")
+    return tuple(files)
+
+
+def page_of(title: str, seed: int, cards: Sequence[str]) -> str:
+    """A web page that needs no script and no network."""
+    note = f"Variant {seed}." if seed else "The variant of the paper."
+    return (
+        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        '<meta http-equiv="Content-Security-Policy" '
+        "content=\"default-src 'none'; style-src 'unsafe-inline'\">"
+        f"<title>{escape(title)}</title><style>{CSS}{_MORE}</style></head>\n<body><header>"
+        f'<p class="name">geomtorsion, exercises</p><h1>{escape(title)}</h1>'
+        f'<p class="story">{note} Indices are counted from 1; the first lower index of a '
+        "connection is the direction of differentiation; S = T/2.</p></header>\n"
+        f"<main>{''.join(cards)}</main></body></html>\n"
+    )
+
+
+def _card(exercise: Exercise, *, solution: bool = False) -> str:
+    """One exercise; hints folded in, or with its solution and the mistakes to expect."""
+    head = (
+        f'<section class="card" id="e{exercise.number}"><div class="head"><h2>{exercise.number} '
+        f'{escape(exercise.title)}</h2><span class="note">{exercise.level}</span></div>'
+    )
+    parts = [head, html_of(exercise.statement)]
+    for question in exercise.questions:
+        parts.append(
+            f'<div class="question"><p class="name">{question.name} '
+            f"({question.points} point{'s' * (question.points > 1)})</p>"
+            f"{html_of(question.prompt)}"
+            f'<div class="note">{html_of("Answer: " + how_to_answer(question))}</div>'
+        )
+        if solution:
+            parts.append(_solution(question))
+        parts.append("</div>")
+    if not solution:
+        steps = "".join(
+            f"<details><summary>Hint {k}</summary>{html_of(hint)}</details>"
+            for k, hint in enumerate(exercise.hints, 1)
+        )
+        parts.append(steps)
+    return "".join(parts) + "</section>"
+
+
+def _solution(question: Question) -> str:
+    """The solution, and what some wrong answers mean."""
+    value = question.solution
+    shown = _typeset(question)
+    rows = []
+    for mistake in question.mistakes[:MOST_MISTAKES]:
+        text = mistake.message or MESSAGES[mistake.code]
+        rows.append(
+            f"<tr><td>{escape(TITLES[mistake.code])}</td><td class='answer'>"
+            f"{escape(_short(answer_text(question, mistake.value)))}</td>"
+            f"<td>{html_of(text)}</td></tr>"
+        )
+    table = (
+        f"<details><summary>Mistakes that are recognised</summary><table>{''.join(rows)}</table>"
+        "</details>"
+        if rows
+        else ""
+    )
+    return (
+        f'<p class="answer"><strong>{escape(answer_text(question, value))}</strong></p>{shown}'
+        f"{table}"
+    )
+
+
+def _typeset(question: Question) -> str:
+    """The solution as mathematics."""
+    if question.kind in ("choice", "number") or not question.solution:
+        return ""
+    pieces = []
+    for key, value in sorted(question.solution.items()):
+        if question.unknowns:
+            name = question.unknowns[key[0]].replace("'", "′")
+        else:
+            name = f"{question.label}[{','.join(str(k + 1) for k in key)}]" if key else ""
+        lead = f"<mtext>{escape(name)}</mtext><mo>=</mo>" if name else ""
+        pieces.append(f'<div class="scroll"><math>{lead}{mathml(value)}</math></div>')
+    return f'<div class="components two">{"".join(pieces)}</div>'
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= 160 else text[:157] + "..."
+
+
+def form_of(exercises: Sequence[Exercise], seed: int) -> str:
+    """A file of answers to be filled in.
+
+    Examples
+    --------
+    >>> print(form_of([load("1.1")], 7).splitlines()[-2])
+    legs = ""
+    """
+    lines = ['student = ""', f"seed = {seed}", ""]
+    for exercise in exercises:
+        lines.append(f'[answers."{exercise.number}"]  # {exercise.title}')
+        for question in exercise.questions:
+            lines += [f"# {how_to_answer(question).replace('`', '')}", f'{question.name} = ""']
+        lines.append("")
+    return "\n".join(lines) + "\n"
