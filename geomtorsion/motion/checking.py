@@ -68,6 +68,8 @@ def checked(
     attempt: Callable[[float], A],
     difference: Callable[[A, A], tuple[float, int]],
     ended: Callable[[A], bool],
+    *,
+    coarse: bool = True,
 ) -> Checked[A]:
     """The answer of the first tolerance that is good enough, or the last one.
 
@@ -90,6 +92,9 @@ def checked(
         largest relative difference of two runs, and how many samples were compared.
     ended
         whether an answer is final however wrong it is: the motion ended on its way.
+    coarse
+        whether a coarser run may tell the error; not where more is rounded than states, as the
+        time is in equations that contain it.
     """
     made: dict[float, A] = {}
 
@@ -102,7 +107,7 @@ def checked(
     best = None
     while tolerance is not None:
         answer = run(tolerance)
-        check, share, error = _judged(engine, answer, made, run, difference)
+        check, share, error = _judged(engine, answer, made, run, difference, coarse)
         if best is None or error < best[-1]:
             best = answer, check, share, error
         if error <= TAKEN * accuracy or ended(answer):
@@ -123,10 +128,11 @@ def _judged(
     made: dict[float, A],
     run: Callable[[float], A],
     difference: Callable[[A, A], tuple[float, int]],
+    may_coarsen: bool,
 ) -> tuple[A, float, float]:
     """The run against which an answer is held, the share of the difference, and the error."""
     least = rounding(engine, answer.steps)
-    coarse = engine.coarser(answer.tolerance)
+    coarse = engine.coarser(answer.tolerance) if may_coarsen else None
     if coarse is not None and answer.steps >= FEW_STEPS:
         usable = [t for t in made if engine.shrinks(answer, made[t]) is not None]
         check = run(max(usable, default=coarse))

@@ -35,6 +35,8 @@ class System:
     blocks: runs of indices whose sizes are measured together (coordinates; velocities; ...).
     edge: a product sum that is positive inside the chart, or None; the first product vanishes
         where the chart ends, the second is its margin.
+    clock: (state, unit) where a state is the time in such units, or None; an engine may put its
+        own time in the place of that state, which rounds at every step.
     """
 
     states: tuple[str, ...]
@@ -42,6 +44,7 @@ class System:
     rates: tuple[Products, ...]
     blocks: tuple[tuple[int, ...], ...]
     edge: Products | None = None
+    clock: tuple[str, int] | None = None
 
     @property
     def size(self) -> int:
@@ -57,7 +60,7 @@ class System:
     def key(self) -> tuple[Any, ...]:
         """What two systems share exactly when one compiled integrator does for both."""
         edge = None if self.edge is None else self.edge_code[0]
-        return (len(self.states), len(self.parameters), self.code[0], edge)
+        return (len(self.states), len(self.parameters), self.code[0], edge, self.clock)
 
     @cached_property
     def edge_code(self) -> tuple[str, set[str]]:

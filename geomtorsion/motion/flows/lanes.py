@@ -10,6 +10,7 @@ from geomtorsion.errors import ShapeError, StartError, UnknownNameError
 from geomtorsion.exact.names import near_names
 from geomtorsion.motion.engines import Engine
 from geomtorsion.motion.flows.intake import NEARLY_UNIT
+from geomtorsion.motion.flows.law import CLOCK
 from geomtorsion.motion.flows.travel import unit_rows
 from geomtorsion.motion.many import run_lanes
 
@@ -124,7 +125,7 @@ def run_flows(
         own = _numbers(flow, table, number)
         start = states
         if flow.law.clock:
-            start = np.concatenate((states, np.full((number, 1), begin)), axis=1)
+            start = np.concatenate((states, np.full((number, 1), begin / CLOCK)), axis=1)
         lanes = SimpleNamespace(
             problem=None,
             equations=SimpleNamespace(system=flow.system),

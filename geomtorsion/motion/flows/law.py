@@ -17,6 +17,9 @@ from geomtorsion.motion.system import System
 
 # Laws that are kept read; each is some kilobytes.
 KEPT = 256
+# The clock runs in such units of time: its number stays far below all others, and engines that
+# measure errors against the largest state do not lose the small ones in it.
+CLOCK = 2**40
 # Names that go with the components of one vector.
 _AXES = ("x", "y", "z")
 
@@ -54,8 +57,10 @@ class Law:
     def _folding(self) -> tuple[Folding, tuple[sp.Expr, ...], sp.Expr | None]:
         names = (*self.states, self.time)
         folding = Folding(sp.Symbol(name, real=True) for name in names)
-        rates = tuple(folding.folded(rate) for rate in self.rates.values())
-        stop = None if self.stop is None else folding.folded(self.stop)
+        time = sp.Symbol(self.time, real=True)
+        ticks = {time: CLOCK * time}
+        rates = tuple(folding.folded(rate.xreplace(ticks)) for rate in self.rates.values())
+        stop = None if self.stop is None else folding.folded(self.stop.xreplace(ticks))
         return folding, rates, stop
 
     @cached_property
@@ -85,7 +90,11 @@ def _system(
 ) -> System:
     """Rates read exactly."""
     names = (*states, clock) if clock else states
-    terms = (*rates, *((sp.Integer(1),) if clock else ()), *(() if stop is None else (stop,)))
+    terms = (
+        *rates,
+        *((sp.Rational(1, CLOCK),) if clock else ()),
+        *(() if stop is None else (stop,)),
+    )
     free = {symbol for term in terms for symbol in term.free_symbols}
     others = sorted(symbol.name for symbol in free if symbol.name not in names)
     symbols = [sp.Symbol(name, real=True) for name in (*names, *others)]
@@ -103,7 +112,8 @@ def _system(
     edge = None if stop is None else (*products[-1], (field.rational(1, 10**300), ()))
     if clock:
         blocks = (*blocks, (len(states),))
-    return System(tuple(names), tuple(others), tuple(products[: len(names)]), blocks, edge)
+    ticks = (clock, CLOCK) if clock else None
+    return System(tuple(names), tuple(others), tuple(products[: len(names)]), blocks, edge, ticks)
 
 
 def default_blocks(states: Sequence[str]) -> tuple[tuple[str, ...], ...]:

@@ -13,6 +13,7 @@ from geomtorsion.motion.engines.protocol import Engine
 from geomtorsion.motion.engines.rungekutta import Stiff
 from geomtorsion.motion.flows.checkpoint import LEGS, Checkpoint, Keeper, fingerprint, steady
 from geomtorsion.motion.flows.flow import Flow
+from geomtorsion.motion.flows.law import CLOCK
 from geomtorsion.motion.flows.solution import FlowSolution
 from geomtorsion.motion.flows.travel import Leg, Recipe, Trip, cut_legs, travel, unit_rows
 from geomtorsion.motion.solution import Cost
@@ -99,7 +100,7 @@ def _solved(
     for candidate, why in engines(flow, legs, accuracy, engine):
         if keeper is not None:
             candidate = steady(candidate)
-        found = _refined(go, candidate, accuracy, learned)
+        found = _refined(flow, go, candidate, accuracy, learned)
         spent += found.spent
         best = min(best, found.error)
         if found.error <= accuracy or found.answer.outcome == "stuck":
@@ -117,7 +118,7 @@ def _solved(
 
 
 def _refined(
-    go: Travel, engine: Engine, accuracy: float, learned: dict[Any, float]
+    flow: Flow, go: Travel, engine: Engine, accuracy: float, learned: dict[Any, float]
 ) -> Checked[Trip]:
     """Answer, check and error of the first tolerance that is good enough, or of the last."""
     key = (engine.name, accuracy)
@@ -128,6 +129,7 @@ def _refined(
         lambda tolerance: go(engine, tolerance),
         difference,
         lambda trip: trip.outcome == "stuck",
+        coarse=not flow.law.clock,
     )
     if found.error <= accuracy:
         learned[key] = found.answer.tolerance
@@ -191,9 +193,10 @@ def decay_rate(flow: Flow, leg: Leg, least: float = 0.0) -> float:
     import numpy as np
 
     values = [float(x) for x in leg.numbers]
-    state = [float(x) for x in flow.start] + ([leg.begin] if flow.law.clock else [])
+    state = [float(x) for x in flow.start] + ([leg.begin / CLOCK] if flow.law.clock else [])
     try:
         matrix = flow.system.scalar_jacobian(values)(0.0, np.array(state))
+        matrix = matrix[: flow.size, : flow.size]
     except (ArithmeticError, ValueError):
         return 0.0
     if not np.isfinite(matrix).all() or np.abs(matrix).sum(axis=1).max() <= least:

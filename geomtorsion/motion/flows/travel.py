@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from geomtorsion.motion.engines.protocol import Engine, Run
 from geomtorsion.motion.engines.taylor import Taylor
+from geomtorsion.motion.flows.law import CLOCK
 from geomtorsion.motion.flows.roots import crossings
 from geomtorsion.motion.system import System, mpf
 
@@ -176,7 +177,7 @@ def travel(
         if k and flow.room(leg.begin, start, leg.parameters) < 0:
             return Trip(flow, engine, tolerance, tuple(pieces), "stopped", "")
         if flow.law.clock:
-            start.append(leg.begin)
+            start.append(leg.begin / CLOCK)
         final = k + 1 == len(legs)
         first = int(np.searchsorted(order, sign * leg.begin, "left"))
         last = int(np.searchsorted(order, sign * leg.end, "right" if final else "left"))
