@@ -1,4 +1,4 @@
-"""Constants of a free top: from exact rational invariants, to forty digits, once."""
+"""Constants of a free top: from exact rational invariants, to fifty digits, once."""
 
 from __future__ import annotations
 
@@ -7,9 +7,12 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+import flint
+
 from geomtorsion.motion.free_top_phase import Long
 
-DIGITS = 50
+# Bits of the constants: twice a double, and as many again to spare.
+BITS = 180
 
 
 @dataclass(frozen=True)
@@ -93,8 +96,6 @@ def constants(moments: tuple[float, ...], omega: tuple[float, ...]) -> Constants
     >>> top.axes, top.side, top.modulus2
     ((2, 1, 0), 1, 0.5)
     """
-    import mpmath
-
     inertia = tuple(Fraction(x) for x in moments)
     rates = tuple(Fraction(x) for x in omega)
     axes = circled_axis(inertia, rates)
@@ -115,64 +116,69 @@ def constants(moments: tuple[float, ...], omega: tuple[float, ...]) -> Constants
     sign_c = -1 if wc < 0 else 1
     sign_b = -parity * s * sign_a * sign_c
 
-    digits = DIGITS + 2 * int(max(0.0, math.log10(max(float(1 - n), 1.0))))
-    with mpmath.workdps(digits):
-
-        def real(x: Fraction) -> Any:
-            return mpmath.mpf(x.numerator) / x.denominator
-
-        def root(x: Fraction) -> Any:
-            return mpmath.sqrt(real(x))
-
-        def first_kind(sine2: Fraction, modulus2: Fraction) -> Any:
-            """F for an amplitude below a quarter turn, from the square of its sine."""
-            cosine2, delta2 = real(1 - sine2), real(1 - modulus2 * sine2)
-            return root(sine2) * mpmath.elliprf(cosine2, delta2, 1)
-
-        momentum = root(ia**2 * wa**2 + ib**2 * wb**2 + ic**2 * wc**2)
-        rate = mpmath.sqrt(real(s * (ia - ib) * p / (ia * ib * ic)))
-        zeta = first_kind(1 / (1 - n), m1)
-        u0 = first_kind(wb**2 / size_b2, k2) * (1 if (wb > 0) == (sign_b > 0) else -1)
-        quarter = mpmath.inf if m1 == 0 else mpmath.elliprf(0, real(m1), 1)
+    # The third kind loses as many bits as |n| has, twice over.
+    bits = BITS + 2 * max(0, (1 - n).numerator.bit_length() - (1 - n).denominator.bit_length())
+    with flint.ctx.workprec(bits):
+        pi = flint.arb.pi()
+        momentum = _root(ia**2 * wa**2 + ib**2 * wb**2 + ic**2 * wc**2)
+        rate = _root(s * (ia - ib) * p / (ia * ib * ic))
+        zeta = _first_kind(1 / (1 - n), m1)
+        u0 = _first_kind(wb**2 / size_b2, k2) * (1 if (wb > 0) == (sign_b > 0) else -1)
         near_one = k2 > Fraction(1, 2)
-        other = mpmath.inf if k2 == 0 else mpmath.elliprf(0, real(k2), 1)
-        if near_one:
-            log_nome = -mpmath.pi * quarter / other
-            scale = mpmath.pi / (2 * other)
-        else:
-            log_nome = -mpmath.pi * other / quarter
-            scale = mpmath.pi / (2 * quarter)
-        if m1 == 0:
-            turn = mpmath.mpf(0)
-            slope = momentum / real(ib)
-        else:
-            third = mpmath.elliprf(0, real(m1), 1)
-            third += real(n) / 3 * mpmath.elliprj(0, real(m1), 1, real(1 - n))
-            advance = 2 * momentum / rate * (quarter - real((ia - ic) / ia) * third) / real(ic)
-            per_u = (advance + s * mpmath.pi) / (2 * quarter)
+        # Only one of the two can be infinite, the one that is not scaled by.
+        quarter = None if m1 == 0 else _first_kind(Fraction(1), k2)
+        other = None if k2 == 0 else _first_kind(Fraction(1), m1)
+        near, far = (other, quarter) if near_one else (quarter, other)
+        assert near is not None
+        half, turn, slope = Long(math.inf, 0.0), flint.arb(0), momentum / _real(ib)
+        if quarter is not None:
+            half = Long.of(2 * quarter / rate)
+            third = quarter + _real(n / 3) * _third_kind(m1, n)
+            advance = 2 * momentum / rate * (quarter - _real((ia - ic) / ia) * third) / _real(ic)
+            slope = (advance + s * pi) / (2 * quarter) * rate
             if near_one:
-                per_u -= s * mpmath.pi * zeta / (2 * quarter * other)
-            slope = per_u * rate
-            turn = advance / (4 * mpmath.pi)
-            turn -= mpmath.nint(turn)
+                slope -= s * pi * zeta / (2 * quarter * near) * rate
+            turn = advance / (4 * pi)
+            turn -= (turn.mid() + 0.5).floor()
         return Constants(
             axes=(axes[0], axes[1], axes[2]),
             amplitudes=(
-                sign_a * float(root(size_a2)),
-                sign_b * float(root(size_b2)),
-                sign_c * float(root(size_c2)),
+                sign_a * float(_root(size_a2)),
+                sign_b * float(_root(size_b2)),
+                sign_c * float(_root(size_c2)),
             ),
             side=s,
             rate=float(rate),
-            modulus2=float(real(k2)),
-            complement2=float(real(m1)),
+            modulus2=float(k2),
+            complement2=float(m1),
             near_one=near_one,
-            log_nome=float(log_nome),
-            scale=float(scale),
-            shift=float(zeta * scale),
-            half=Long(math.inf, 0.0) if m1 == 0 else Long.of(2 * quarter / rate),
+            log_nome=-math.inf if far is None else -float(pi * far / near),
+            scale=float(pi / (2 * near)),
+            shift=float(zeta * pi / (2 * near)),
+            half=half,
             offset=Long.of(u0 / rate),
             turn=Long.of(turn),
-            slope=Long.of(slope / (4 * mpmath.pi)),
+            slope=Long.of(slope / (4 * pi)),
             momentum=float(momentum),
         )
+
+
+def _real(x: Fraction) -> Any:
+    """A fraction at the precision in use."""
+    return flint.arb(flint.fmpq(x.numerator, x.denominator))
+
+
+def _root(x: Fraction) -> Any:
+    """A square root at the precision in use."""
+    return _real(x).sqrt()
+
+
+def _first_kind(sine2: Fraction, modulus2: Fraction) -> Any:
+    """F for an amplitude up to a quarter turn, from the square of its sine [DLMF] 19.25.5."""
+    cosine2, delta2 = _real(1 - sine2), _real(1 - modulus2 * sine2)
+    return _root(sine2) * flint.acb.elliptic_rf(cosine2, delta2, 1).real
+
+
+def _third_kind(complement2: Fraction, n: Fraction) -> Any:
+    """R_J of the complete integral of the third kind [DLMF] 19.25.2."""
+    return flint.acb.elliptic_rj(0, _real(complement2), 1, _real(1 - n)).real

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,8 +12,8 @@ if TYPE_CHECKING:
 
     from geomtorsion.motion.free_top_constants import Constants
 
-# The nome is at most exp(-pi) in either form: term n is below exp(-pi n^2).
-TERMS = 5
+# exp(-38) is below rounding. The nome is at most exp(-pi): at most four terms are needed.
+SMALL = 38.0
 
 
 def functions(u: NDArray[np.float64], top: Constants) -> tuple[Any, Any, Any, Any]:
@@ -40,7 +41,9 @@ def functions(u: NDArray[np.float64], top: Constants) -> tuple[Any, Any, Any, An
 def _powers(top: Constants) -> tuple[list[float], list[float]]:
     """Exponents n(n+1) ln q and n^2 ln q for n = 1, 2 ...; minus infinity for q = 0."""
     log = top.log_nome
-    return [n * (n + 1) * log for n in range(1, TERMS)], [n * n * log for n in range(1, TERMS)]
+    # Term n is below q^(n^2), for the arguments stay within a quarter period.
+    terms = range(1, 1 + math.ceil(math.sqrt(SMALL / -log)))
+    return [n * (n + 1) * log for n in terms], [n * n * log for n in terms]
 
 
 def _plain(z: NDArray[np.float64], top: Constants) -> tuple[Any, Any, Any, Any]:
@@ -53,7 +56,7 @@ def _plain(z: NDArray[np.float64], top: Constants) -> tuple[Any, Any, Any, Any]:
     # Both parts of theta1 are divided by cosh y, which overflows where the cone closes.
     across, along = np.sin(z), np.cos(z) * np.tanh(y)
     damp = 1 + np.exp(-2 * y)
-    for n in range(1, TERMS):
+    for n in range(1, 1 + len(odd)):
         sign = -1 if n % 2 else 1
         m = 2 * n + 1
         q_odd, q_even = np.exp(odd[n - 1]), np.exp(even[n - 1])
@@ -87,7 +90,7 @@ def _turned(w: NDArray[np.float64], top: Constants) -> tuple[Any, Any, Any, Any]
     t3, t4 = flat.copy(), flat.copy()
     null2 = null3 = null4 = 1.0
     sh, ch = sinh.copy(), cosh.copy()
-    for n in range(1, TERMS):
+    for n in range(1, 1 + len(odd)):
         sign = -1 if n % 2 else 1
         m = 2 * n + 1
         q_odd, q_even = np.exp(odd[n - 1]), np.exp(even[n - 1])

@@ -26,13 +26,13 @@ class Long:
 
     @classmethod
     def of(cls, value: Any) -> Long:
-        """The nearest pair to an mpmath number.
+        """The nearest pair to a real ball of python-flint, at the precision in use.
 
         Examples
         --------
-        >>> import mpmath
-        >>> with mpmath.workdps(40):
-        ...     third = Long.of(mpmath.mpf(1) / 3)
+        >>> import flint
+        >>> with flint.ctx.workprec(140):
+        ...     third = Long.of(flint.arb(1) / 3)
         >>> third.high, abs(third.low) < 2e-17
         (0.3333333333333333, True)
         """
@@ -67,9 +67,9 @@ def turns(factor: NDArray[np.float64], per_unit: Long) -> NDArray[np.float64]:
 
     Examples
     --------
-    >>> import mpmath
-    >>> with mpmath.workdps(40):
-    ...     third = Long.of(mpmath.mpf(1) / 3)
+    >>> import flint
+    >>> with flint.ctx.workprec(140):
+    ...     third = Long.of(flint.arb(1) / 3)
     >>> float(turns(np.array([1e15]), third)[0])
     0.3333333333333333
     """

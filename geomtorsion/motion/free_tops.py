@@ -131,7 +131,12 @@ class FreeTop:
         >>> bool(abs(top.omega(top.period) - 1).max() < 1e-15)
         True
         """
-        return self._at(times)[0]
+        import numpy as np
+
+        t = self._checked(times)
+        if self.constants is None:
+            return np.broadcast_to(np.array(self.omega0), (*t.shape, 3)).copy()
+        return self._rates(t, self.constants)[0]
 
     def quaternion(self, times: Any) -> NDArray[Any]:
         """Attitude, body to space, scalar part first, continuous in time; shape (..., 4).
@@ -168,45 +173,62 @@ class FreeTop:
 
         from geomtorsion.motion.free_top_attitude import product
 
-        t = np.asarray(times, dtype=float)
-        if not np.isfinite(t).all():
-            raise TimeError("a time of a free top is not finite. Give finite times.")
-        start = np.array(self.quaternion0)
-        if self.constants is None:
+        t = self._checked(times)
+        top = self.constants
+        if top is None:
             omega = np.broadcast_to(np.array(self.omega0), (*t.shape, 3)).copy()
-            return omega, product(start, self._uniform(t))
-        omega, turned = self._moving(t, self.constants)
-        _, begin = self._moving(np.zeros(1), self.constants)
-        space = product(start, begin[0] * np.array([1.0, -1.0, -1.0, -1.0]))
-        return omega, product(space, turned)
+            return omega, product(np.array(self.quaternion0), self._uniform(t))
+        omega, precession = self._rates(t, top)
+        return omega, product(self._space, self._turned(omega, precession, top))
+
+    @cached_property
+    def _space(self) -> NDArray[Any]:
+        """Quaternion that takes the axes along L to those of space."""
+        import numpy as np
+
+        from geomtorsion.motion.free_top_attitude import product
+
+        assert self.constants is not None
+        omega, precession = self._rates(np.zeros(1), self.constants)
+        begin = self._turned(omega, precession, self.constants)[0]
+        return product(np.array(self.quaternion0), begin * np.array([1.0, -1.0, -1.0, -1.0]))
 
     def _uniform(self, t: NDArray[Any]) -> NDArray[Any]:
         """The turn of constant rates."""
-        import mpmath
+        import flint
         import numpy as np
 
         from geomtorsion.motion.free_top_phase import Long, turns
 
-        with mpmath.workdps(40):
-            speed = mpmath.sqrt(sum(mpmath.mpf(w) ** 2 for w in self.omega0))
-            axis = [float(w / speed) if speed else 0.0 for w in self.omega0]
-            half = FULL / 2 * turns(t, Long.of(speed / (4 * mpmath.pi)))
+        with flint.ctx.workprec(140):
+            speed = sum((flint.arb(w) ** 2 for w in self.omega0), flint.arb(0)).sqrt()
+            axis = [float(w / speed) if any(self.omega0) else 0.0 for w in self.omega0]
+            half = FULL / 2 * turns(t, Long.of(speed / (4 * flint.arb.pi())))
         return np.stack([np.cos(half), *(np.sin(half) * x for x in axis)], axis=-1)
 
-    def _moving(self, t: NDArray[Any], top: Constants) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Rates, and the turn from the body to axes whose third one is along L."""
+    def _checked(self, times: Any) -> NDArray[Any]:
+        """Times as an array of finite numbers, early enough to be told apart."""
         import numpy as np
 
-        from geomtorsion.motion.free_top_attitude import tilted
-        from geomtorsion.motion.free_top_functions import functions
-        from geomtorsion.motion.free_top_phase import reduced, turns
-
-        if t.size and np.abs(t).max() > FLIPS * top.half.high:
+        t = np.asarray(times, dtype=float)
+        if not np.isfinite(t).all():
+            raise TimeError("a time of a free top is not finite. Give finite times.")
+        top = self.constants
+        if top is not None and t.size and np.abs(t).max() > FLIPS * top.half.high:
             raise TimeError(
                 f"times up to {FLIPS * top.half.high:.3g} were needed (the rates come back "
                 f"every {self.period:.6g}), {np.abs(t).max():.3g} came: so late, a double "
                 "does not say where in its period the top is."
             )
+        return t
+
+    def _rates(self, t: NDArray[Any], top: Constants) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Body-fixed rates, and the angle of precession about L."""
+        import numpy as np
+
+        from geomtorsion.motion.free_top_functions import functions
+        from geomtorsion.motion.free_top_phase import reduced, turns
+
         count, left, lost = reduced(t, top.offset, top.half)
         # A half period may hold many turns: they are reduced like the half periods themselves.
         steady = turns(count, top.turn) + turns(left, top.slope) + lost * top.slope.high
@@ -218,8 +240,17 @@ class FreeTop:
         omega[..., a] = size_a * dn
         omega[..., b] = size_b * sign * sn
         omega[..., c] = size_c * sign * cn
-        angle = FULL * steady - top.side * phase
-        return omega, tilted(omega * np.array(self.moments), angle, top)
+        return omega, FULL * steady - top.side * phase
+
+    def _turned(
+        self, omega: NDArray[Any], precession: NDArray[Any], top: Constants
+    ) -> NDArray[Any]:
+        """The turn from the body to axes whose third one is along L."""
+        import numpy as np
+
+        from geomtorsion.motion.free_top_attitude import tilted
+
+        return tilted(omega * np.array(self.moments), precession, top)
 
 
 def free_top(moments: Any, omega: Any, quaternion: Any = (1.0, 0.0, 0.0, 0.0)) -> FreeTop:

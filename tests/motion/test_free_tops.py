@@ -4,6 +4,7 @@ import itertools
 import math
 from fractions import Fraction
 
+import flint
 import mpmath
 import numpy as np
 import pytest
@@ -191,8 +192,8 @@ def test_products_of_quaternions_turn_one_after_the_other():
 
 def test_turns_are_exact_for_whole_numbers():
     """Against fractions of Python, up to 2^50 turns."""
-    with mpmath.workdps(40):
-        long = Long.of(mpmath.sqrt(2))
+    with flint.ctx.workprec(140):
+        long = Long.of(flint.arb(2).sqrt())
     exact = Fraction(long.high) + Fraction(long.low)
     counts = np.array([1.0, 7.0, 1e6 + 3, 2.0**50 + 1, -5.0])
     for count, found in zip(counts, turns(counts, long), strict=True):
@@ -201,8 +202,8 @@ def test_turns_are_exact_for_whole_numbers():
 
 
 def test_times_are_reduced_exactly():
-    with mpmath.workdps(40):
-        offset, step = Long.of(mpmath.mpf(1) / 3), Long.of(mpmath.pi)
+    with flint.ctx.workprec(140):
+        offset, step = Long.of(flint.arb(1) / 3), Long.of(flint.arb.pi())
     times = np.array([0.0, 1e3, 1e9, -1e6, 1e13])
     count, high, low = reduced(times, offset, step)
     for k, time in enumerate(times):
