@@ -35,7 +35,7 @@ def changes():
 
 def test_there_are_as_many_charts_as_stated():
     """Six sets of angles, four of them with a second set; s2, flat spaces, black holes."""
-    assert len(changes()) == 16
+    assert len(changes()) == 17
 
 
 @pytest.mark.parametrize(("name", "other"), changes())
@@ -157,3 +157,46 @@ def test_unknown_charts():
         problem.with_charts("mercator")
     with pytest.raises(UnknownNameError, match="s2_x"):
         solve(problem, 1.0).in_chart("mercator")
+
+
+def carter(q, rates, numbers):
+    """Carter's constant in Boyer-Lindquist coordinates, from q and q'; and energy, momentum."""
+    (_, r, theta, _), (mass, a) = q.T, (numbers["M"], numbers["a"])
+    sigma, delta = r**2 + a**2 * np.cos(theta) ** 2, r**2 - 2 * mass * r + a**2
+    s2 = np.sin(theta) ** 2
+    t, radial, polar, azimuth = rates.T
+    clock, turn = t - a * s2 * azimuth, (r**2 + a**2) * azimuth - a * t
+    energy = (delta * clock + a * s2 * turn) / sigma
+    momentum = s2 * (delta * a * clock + (r**2 + a**2) * turn) / sigma
+    square = (-delta * clock**2 + s2 * turn**2) / sigma + sigma * (radial**2 / delta + polar**2)
+    own = (sigma * polar) ** 2 - np.cos(theta) ** 2 * a**2 * (energy**2 + square)
+    return energy, momentum, own + np.cos(theta) ** 2 * momentum**2 / np.maximum(s2, 1e-300)
+
+
+@every_engine
+def test_polar_orbit_of_kerr(engine):
+    """No angular momentum: the orbit runs through both poles of the axis, again and again."""
+    numbers = {"M": 1.0, "a": 0.6}
+    frame = load("kerr").frame
+    # In Carter's tetrad u3 = 0 at the equator and L = 0: u3 = -a u0 sqrt(Delta) / (r^2 + a^2).
+    r, a = 8.0, 0.6
+    tilt = a * np.sqrt(r**2 - 2 * r + a**2) / (r**2 + a**2)
+    polar = 0.48
+    u0 = np.sqrt((1 + polar**2) / (1 - tilt**2))
+    problem = geodesic(
+        frame,
+        [0.0, r, np.pi / 2, 0.0],
+        frame_velocity=[u0, 0.0, polar, -tilt * u0],
+        parameters=numbers,
+        causal="timelike",
+    )
+    # Samples off the axis, where Boyer-Lindquist angles have values.
+    sol = solve(problem, np.linspace(1.0, 240.0, 40), 1e-9, engine)
+    assert sol.charts == ("kerr", "kerr_schild")
+    assert max(sol.drift.values()) < 1e-8
+    height = sol.in_chart("kerr_schild")[:, 3]
+    assert (np.diff(np.sign(height)) != 0).sum() >= 2
+    energy, momentum, constant = carter(sol.coordinates, sol.velocity, numbers)
+    assert np.abs(momentum).max() < 1e-7
+    assert energy == pytest.approx(np.full(40, energy[0]), rel=1e-7)
+    assert constant == pytest.approx(np.full(40, constant[0]), rel=1e-6)
