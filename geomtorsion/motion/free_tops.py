@@ -171,7 +171,7 @@ class FreeTop:
         """Rates and attitude."""
         import numpy as np
 
-        from geomtorsion.motion.free_top_attitude import product
+        from geomtorsion.motion.free_top_attitude import product, tilted
 
         t = self._checked(times)
         top = self.constants
@@ -179,18 +179,20 @@ class FreeTop:
             omega = np.broadcast_to(np.array(self.omega0), (*t.shape, 3)).copy()
             return omega, product(np.array(self.quaternion0), self._uniform(t))
         omega, precession = self._rates(t, top)
-        return omega, product(self._space, self._turned(omega, precession, top))
+        turned = tilted(omega * np.array(self.moments), precession, top)
+        return omega, product(self._space, turned)
 
     @cached_property
     def _space(self) -> NDArray[Any]:
         """Quaternion that takes the axes along L to those of space."""
         import numpy as np
 
-        from geomtorsion.motion.free_top_attitude import product
+        from geomtorsion.motion.free_top_attitude import product, tilted
 
-        assert self.constants is not None
-        omega, precession = self._rates(np.zeros(1), self.constants)
-        begin = self._turned(omega, precession, self.constants)[0]
+        top = self.constants
+        assert top is not None
+        omega, precession = self._rates(np.zeros(1), top)
+        begin = tilted(omega * np.array(self.moments), precession, top)[0]
         return product(np.array(self.quaternion0), begin * np.array([1.0, -1.0, -1.0, -1.0]))
 
     def _uniform(self, t: NDArray[Any]) -> NDArray[Any]:
@@ -241,16 +243,6 @@ class FreeTop:
         omega[..., b] = size_b * sign * sn
         omega[..., c] = size_c * sign * cn
         return omega, FULL * steady - top.side * phase
-
-    def _turned(
-        self, omega: NDArray[Any], precession: NDArray[Any], top: Constants
-    ) -> NDArray[Any]:
-        """The turn from the body to axes whose third one is along L."""
-        import numpy as np
-
-        from geomtorsion.motion.free_top_attitude import tilted
-
-        return tilted(omega * np.array(self.moments), precession, top)
 
 
 def free_top(moments: Any, omega: Any, quaternion: Any = (1.0, 0.0, 0.0, 0.0)) -> FreeTop:
