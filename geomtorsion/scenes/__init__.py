@@ -9,6 +9,7 @@ from geomtorsion.scenes.result import SceneResult
 from geomtorsion.scenes.scene import Scene
 from geomtorsion.scenes.shipped import load, names
 from geomtorsion.scenes.state import State
+from geomtorsion.scenes.sweep import SceneSweep
 from geomtorsion.scenes.writing import to_toml, write_file
 
 __all__ = [
@@ -17,6 +18,7 @@ __all__ = [
     "SceneCost",
     "ScenePlan",
     "SceneResult",
+    "SceneSweep",
     "State",
     "effects",
     "load",

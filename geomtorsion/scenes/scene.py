@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -21,7 +21,9 @@ if TYPE_CHECKING:
     from geomtorsion.motion import Engine
     from geomtorsion.motion.flows import Flow
     from geomtorsion.scenes.cost import SceneCost
+    from geomtorsion.scenes.measure import Measure
     from geomtorsion.scenes.result import SceneResult
+    from geomtorsion.scenes.sweep import SceneSweep
 
 
 @dataclass(frozen=True)
@@ -189,6 +191,31 @@ class Scene:
         from geomtorsion.scenes.cost import scene_cost
 
         return scene_cost(self, engine, repeats)
+
+    def sweep(
+        self,
+        varied: Mapping[str, Iterable[float]],
+        measure: Measure | Mapping[str, Measure] | Sequence[str],
+        **options: Any,
+    ) -> SceneSweep:
+        """Solve the scene for many values of its numbers, and measure each motion.
+
+        Parameters
+        ----------
+        varied, measure, options
+            as in `geomtorsion.scenes.sweep.sweep`: dotted path -> values; "max nutation" or
+            "between zeros omega[1]" or a function; together, engine, progress.
+
+        Raises
+        ------
+        UnknownNameError
+            a path leads nowhere.
+        SceneError
+            nothing is varied, lengths differ, or words that are no measure.
+        """
+        from geomtorsion.scenes.sweep import sweep
+
+        return sweep(self, varied, measure, **options)
 
     def replaced(self, changes: Mapping[str, Any] | None = None, **fields: Any) -> Scene:
         """The same scene with other values, named by dotted paths.

@@ -1,0 +1,217 @@
+"""Measure: one number read off a motion: a last value, an extreme, a time between zeros."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import SceneError, UnknownNameError
+from geomtorsion.exact.names import near_names
+
+if TYPE_CHECKING:
+    import numpy as np
+
+# Samples from which a value between them is interpolated.
+NEIGHBOURS = 12
+_NAMED = re.compile(
+    r"\s*(?:(?P<what>[a-z ]+?)\s+)?(?P<name>[^\W\d][\w:]*)(?:\[(?P<part>\d+)\])?\s*"
+)
+
+
+@dataclass(frozen=True, eq=False)
+class SweepRun:
+    """One motion of a sweep: what a measure is given.
+
+    times: shape (m,), s. values: watched quantity -> array, shape (m,) or (m, components).
+    varied: path -> the value it has here.
+    """
+
+    times: np.ndarray
+    values: Mapping[str, Any]
+    varied: Mapping[str, float]
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """A watched quantity at the times."""
+        if name in self.values:
+            return self.values[name]
+        near = near_names(name, self.values)
+        hint = f"Did you mean {near}? " if near else ""
+        raise UnknownNameError(
+            f"{name!r} is not watched. {hint}There are {', '.join(self.values)}."
+        )
+
+    def part(self, name: str, part: int | None = None) -> np.ndarray:
+        """A quantity that is one number, or one component of it, shape (m,)."""
+        column = self[name].reshape(len(self.times), -1)
+        if part is None and column.shape[1] == 1:
+            part = 0
+        if part is None or not 0 <= part < column.shape[1]:
+            raise SceneError(f"{name} has {column.shape[1]} components: name one, as in {name}[0].")
+        return column[:, part]
+
+    def zeros(self, name: str, part: int | None = None) -> np.ndarray:
+        """Times at which a quantity crosses zero, interpolated between the samples.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> times = np.linspace(0, 10, 201)
+        >>> run = SweepRun(times, {"x": np.cos(times)}, {})
+        >>> bool(np.abs(run.zeros("x") - np.pi * np.array([0.5, 1.5, 2.5])).max() < 1e-12)
+        True
+        """
+        import numpy as np
+
+        values = self.part(name, part)
+        change = np.flatnonzero(np.sign(values[1:]) * np.sign(values[:-1]) < 0)
+        found = [self._crossing(values, int(k)) for k in change]
+        return np.sort(np.concatenate([found, self.times[1:-1][values[1:-1] == 0]]))
+
+    def largest(self, name: str, part: int | None = None, sign: int = 1) -> float:
+        """The largest value (sign 1) or the smallest (-1), between the samples too.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> times = np.linspace(0, 10, 201)
+        >>> run = SweepRun(times, {"x": np.cos(times + 0.01)}, {})
+        >>> abs(run.largest("x", sign=-1) + 1) < 1e-12
+        True
+        """
+        import numpy as np
+        from scipy.optimize import minimize_scalar
+
+        values = sign * self.part(name, part)
+        k = int(np.argmax(values))
+        best = float(values[k])
+        for first in (k - 1, k):
+            if 0 <= first < len(values) - 1:
+                between = self._between(values, first)
+                found: Any = minimize_scalar(
+                    lambda x, f=between: -f(x), bounds=(0.0, 1.0), method="bounded",
+                    options={"xatol": 1e-9},
+                )  # fmt: skip
+                best = max(best, -float(found.fun))
+        return sign * best
+
+    def _crossing(self, values: Any, k: int) -> float:
+        """The zero between samples k and k + 1."""
+        from scipy.optimize import brentq
+
+        a, b = float(self.times[k]), float(self.times[k + 1])
+        root: Any = brentq(self._between(values, k), 0.0, 1.0, xtol=1e-15, rtol=1e-15)
+        return a + float(root) * (b - a)
+
+    def _between(self, values: Any, k: int) -> Callable[[float], float]:
+        """Values from sample k (at 0) to k + 1 (at 1), by the polynomial through neighbours."""
+        import numpy as np
+
+        low = min(max(k + 1 - NEIGHBOURS // 2, 0), max(len(values) - NEIGHBOURS, 0))
+        near = slice(low, low + NEIGHBOURS)
+        a, b = float(self.times[k]), float(self.times[k + 1])
+        place = (self.times[near] - a) / (b - a)
+        gaps = place[:, None] - place[None, :]
+        np.fill_diagonal(gaps, 1.0)
+        weights = 1 / gaps.prod(axis=1)
+
+        def value(x: float) -> float:
+            """Barycentric interpolation."""
+            apart = x - place
+            hit = np.flatnonzero(apart == 0)
+            if len(hit):
+                return float(values[near][hit[0]])
+            shares = weights / apart
+            return float(shares @ values[near] / shares.sum())
+
+        return value
+
+
+def _between(run: SweepRun, name: str, part: int | None) -> float:
+    """Time from the first to the second zero; NaN if there are not two."""
+    zeros = run.zeros(name, part)
+    return float(zeros[1] - zeros[0]) if len(zeros) > 1 else float("nan")
+
+
+def _first_zero(run: SweepRun, name: str, part: int | None) -> float:
+    zeros = run.zeros(name, part)
+    return float(zeros[0]) if len(zeros) else float("nan")
+
+
+Reader = Callable[[SweepRun, str, int | None], float]
+WORDS: Mapping[str, Reader] = {
+    "last": lambda run, name, part: float(run.part(name, part)[-1]),
+    "max": lambda run, name, part: run.largest(name, part),
+    "min": lambda run, name, part: run.largest(name, part, -1),
+    "mean": lambda run, name, part: float(run.part(name, part).mean()),
+    "first zero": _first_zero,
+    "between zeros": _between,
+}
+Measure = str | Callable[[SweepRun], float]
+
+
+def measures(asked: Measure | Mapping[str, Measure] | Sequence[str]) -> dict[str, Callable]:
+    """Name -> function of a run, from words, functions, or several of them by name.
+
+    Raises
+    ------
+    SceneError
+        words that are no measure.
+
+    Examples
+    --------
+    >>> list(measures(["max nutation", "between zeros omega[1]"]))
+    ['max nutation', 'between zeros omega[1]']
+    """
+    if isinstance(asked, str):
+        asked = {asked: asked}
+    elif callable(asked):
+        asked = {getattr(asked, "__name__", "measure"): asked}
+    elif not isinstance(asked, Mapping):
+        asked = {str(item): item for item in asked}
+    return {name: item if callable(item) else _spoken(item) for name, item in asked.items()}
+
+
+def _spoken(text: str) -> Callable[[SweepRun], float]:
+    """A measure in words."""
+    match = _NAMED.fullmatch(text)
+    what = (match["what"] or "last").strip() if match else ""
+    if match is None or what not in WORDS:
+        near = near_names(what, WORDS)
+        hint = f"Did you mean {near}? " if near else ""
+        raise SceneError(
+            f"{text!r} is no measure. {hint}Write one of {', '.join(WORDS)} before a watched "
+            'quantity, as in "max nutation" or "between zeros omega[1]", or give a function.'
+        )
+    name, part = match["name"], match["part"]
+    reader = WORDS[what]
+    return lambda run: reader(run, name, None if part is None else int(part))
+
+
+def only_words(asked: Measure | Mapping[str, Measure] | Sequence[str]) -> bool:
+    """Whether all measures are words, so that it is known which quantities they are about.
+
+    Examples
+    --------
+    >>> only_words(["max nutation"]), only_words(len)
+    (True, False)
+    """
+    items = [asked] if isinstance(asked, str) or callable(asked) else asked
+    return all(
+        isinstance(x, str) for x in (items.values() if isinstance(items, Mapping) else items)
+    )
+
+
+def quantities(asked: Measure | Mapping[str, Measure] | Sequence[str]) -> tuple[str, ...]:
+    """Names of the quantities that measures in words are about.
+
+    Examples
+    --------
+    >>> quantities("between zeros omega[1]")
+    ('omega',)
+    """
+    items = [asked] if isinstance(asked, str) or callable(asked) else asked
+    texts = items.values() if isinstance(items, Mapping) else items
+    found = [_NAMED.fullmatch(text) for text in texts if isinstance(text, str)]
+    return tuple(dict.fromkeys(match["name"] for match in found if match))

@@ -1,0 +1,144 @@
+"""Sweeps: many motions measured at once are those that are solved one by one."""
+
+import csv
+
+import numpy as np
+import pytest
+from scipy.special import ellipkm1
+
+from geomtorsion.errors import SceneError, StartError, UnknownNameError
+from geomtorsion.motion import RungeKutta
+from geomtorsion.scenes import Body, Scene, State, effects, load
+from geomtorsion.scenes.measure import SweepRun, measures
+
+FLIP = "between zeros omega[1]"
+
+
+def flip_time(tilt):
+    """Half a period 2 K / rate of the middle component, moments 1, 2, 3, omega (tilt, 1, 0)."""
+    squared, twice = tilt**2 + 4, tilt**2 + 2
+    rate = np.sqrt((2 - 1) * (3 * twice - squared) / 6)
+    return 2 * ellipkm1(tilt**2 / (1 + tilt**2)) / rate
+
+
+def test_flips_wait_for_an_elliptic_integral():
+    """From a tilt of 0.1 down to 1e-9; only the angular velocity is computed for it."""
+    tilts = np.geomspace(1e-9, 0.1, 6)
+    scene = load("dzhanibekov").replaced(t=120)
+    sweep = scene.sweep({"start.omega[0]": tilts}, FLIP)
+    assert sweep[FLIP] == pytest.approx(flip_time(tilts), rel=1e-11)
+    assert sweep.engine == "closed form"
+    assert sweep.error < sweep.accuracy
+    assert "6 start.omega[0]" in str(sweep)
+
+
+def test_batches_agree_with_single_runs():
+    """Parameters of effects, of the body and of the start, every combination of them."""
+    scene = load("lagrange_cusp").replaced(t=0.5, watch=("nutation", "energy"))
+    varied = {"gravity.g": [1.62, 9.81], "start.omega[2]": [80.0, 100.0, 150.0]}
+    sweep = scene.sweep(varied, ["max nutation", "last energy"], engine=RungeKutta())
+    assert sweep["max nutation"].shape == (2, 3)
+    for i, g in enumerate(varied["gravity.g"]):
+        for j, spin in enumerate(varied["start.omega[2]"]):
+            one = scene.replaced({"gravity.g": g, "start.omega[2]": spin, "samples": 2001}).run()
+            assert sweep["last energy"][i, j] == pytest.approx(one["energy"][-1], rel=1e-9)
+            largest = sweep["max nutation"][i, j]
+            assert one["nutation"].max() - 1e-9 <= largest <= one["nutation"].max() + 1e-5
+
+
+def test_equations_that_differ_are_solved_apart():
+    """A value of zero and equal moments change the equations; results do not care."""
+    scene = load("lagrange_cusp").replaced(t=0.2, watch=("nutation",))
+    paths = {"gravity.g": [0.0, 9.81], "body.moments[1]": [2.57e-4, 3e-4]}
+    sweep = scene.sweep(paths, "last nutation", together=True)
+    assert sweep["last nutation"].shape == (2,)
+    for k in range(2):
+        one = scene.replaced({path: values[k] for path, values in paths.items()}).run()
+        assert sweep["last nutation"][k] == pytest.approx(one["nutation"][-1], rel=1e-8)
+
+
+def test_motions_that_stop_are_run_one_by_one():
+    """The time of a fall from several heights, measured by a function of the user's."""
+    fall = Scene(
+        Body(moments=(1, 1, 1)),
+        [effects.Gravity(10), effects.Custom(stop="z")],
+        State(omega=(0, 0, 1), quaternion=(1, 0, 0, 0), position=(0, 0, 5)),
+        watch=["position"],
+        t=10,
+    )
+
+    def lasts(run: SweepRun) -> float:
+        return float(run.times[-1])
+
+    heights = np.array([5.0, 20.0])
+    sweep = fall.sweep({"start.position[2]": heights}, lasts)
+    assert sweep["lasts"] == pytest.approx(np.sqrt(2 * heights / 10), rel=1e-9)
+
+
+def test_tables_and_pictures(tmp_path):
+    """A row for each combination, in CSV and pandas; a curve on top; a field for two."""
+    scene = load("dzhanibekov").replaced(t=40)
+    sweep = scene.sweep({"start.omega[0]": [1e-3, 1e-2], "start.omega[1]": [1.0, 2.0, 3.0]}, FLIP)
+    sweep.to_csv(tmp_path / "sweep.csv")
+    with (tmp_path / "sweep.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 6
+    assert float(rows[1]["start.omega[1]"]) == 2.0
+    assert float(rows[4][FLIP]) == sweep[FLIP][1, 1]
+    pandas = pytest.importorskip("pandas")
+    assert isinstance(sweep.to_pandas(), pandas.DataFrame)
+    pytest.importorskip("matplotlib")
+    sweep.plot(tmp_path / "field.png")
+    tilts = np.geomspace(1e-4, 1e-1, 4)
+    line = scene.sweep({"start.omega[0]": tilts}, FLIP)
+    figure = line.plot(tmp_path / "line.png", known=flip_time, known_name="elliptic integral")
+    assert "elliptic integral" in figure.axes[0].get_legend_handles_labels()[1]
+    assert (tmp_path / "line.png").stat().st_size > 8000
+    three = scene.sweep({"start.omega[0]": [0.1], "start.omega[1]": [1.0], "body.mass": [1]}, FLIP)
+    with pytest.raises(SceneError, match="3 things were varied"):
+        three.plot()
+
+
+def test_measures():
+    """Words and functions; between samples as well as at them."""
+    times = np.linspace(0, 10, 301)
+    run = SweepRun(times, {"x": np.sin(times), "v": np.stack([times, -times], 1)}, {})
+    made = measures(
+        ["max x", "min x", "mean x", "x", "first zero x", FLIP.replace("omega[1]", "x")]
+    )
+    found = {name: reader(run) for name, reader in made.items()}
+    assert found["max x"] == pytest.approx(1, abs=1e-14)
+    assert found["min x"] == pytest.approx(-1, abs=1e-14)
+    assert found["x"] == np.sin(10)
+    assert found["first zero x"] == pytest.approx(np.pi, rel=1e-13)
+    assert found["between zeros x"] == pytest.approx(np.pi, rel=1e-13)
+    assert np.isnan(measures("first zero v[0]")["first zero v[0]"](run))
+    with pytest.raises(SceneError, match="v has 2 components"):
+        measures("max v")["max v"](run)
+    with pytest.raises(UnknownNameError, match="not watched"):
+        measures("max w")["max w"](run)
+    with pytest.raises(SceneError, match="Did you mean max"):
+        measures("maxi x")
+
+
+@pytest.mark.parametrize(
+    ("varied", "measure", "error", "says"),
+    [
+        ({}, FLIP, SceneError, "nothing is varied"),
+        ({"start.omega[0]": []}, FLIP, SceneError, "no values"),
+        ({"start.omga[0]": [1]}, FLIP, UnknownNameError, "Did you mean omega"),
+        ({"gravity.g": [1]}, FLIP, UnknownNameError, "leads nowhere"),
+        ({"start.omega[7]": [1]}, FLIP, UnknownNameError, r"no \[7\]"),
+        ({"start.omega[0]": [float("nan")]}, FLIP, (StartError, SceneError), "nan"),
+        ({"start.omega[0]": [1]}, "biggest omega[0]", SceneError, "is no measure"),
+        ({"start.omega[0]": [1]}, "max omgea[0]", UnknownNameError, "Did you mean omega"),
+    ],
+)
+def test_what_is_refused(varied, measure, error, says):
+    """Errors of ours that name the path."""
+    with pytest.raises(error, match=says):
+        load("dzhanibekov").sweep(varied, measure)
+    with pytest.raises(SceneError, match="as many values"):
+        load("dzhanibekov").sweep(
+            {"start.omega[0]": [1, 2], "start.omega[1]": [1]}, FLIP, together=True
+        )
