@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.errors import EndpointError, GeomtorsionError
+from geomtorsion.errors import ChartEdgeError, EndpointError, GeomtorsionError
 from geomtorsion.motion.curves import autoparallel
+from geomtorsion.motion.engines import Engine, RungeKutta, Taylor
+from geomtorsion.motion.engines.taylor import is_available
+from geomtorsion.motion.journey import travel
 from geomtorsion.motion.problem import Problem
+from geomtorsion.motion.reading import converted
 from geomtorsion.motion.solution import Solution
 from geomtorsion.motion.solving import solve
 from geomtorsion.motion.start import checked_numbers, checked_start
@@ -17,13 +21,16 @@ if TYPE_CHECKING:
     import numpy as np
 
     from geomtorsion.geometry import Connection
-    from geomtorsion.motion.engines import Engine
     from geomtorsion.motion.system import Numbers
 
 # Newton steps until a shot has hit or is given up.
 SHOTS = 40
 # Below this ratio of singular values the end hardly depends on one direction: a conjugate point.
 CONJUGATE = 1e-6
+# Differences for slopes, relative to the velocity.
+NEAR = 1e-3
+# Slopes are taken anew where a shot misses by more than this part of the last miss.
+SERVED = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,9 +93,11 @@ def connecting(
     n = frame.dimension
     problem = autoparallel(connection, start, frame_velocity=[0] * n, parameters=parameters)
     target = np.array([float(x) for x in checked_start(frame, end, problem.parameters)])
+    solver = engine or (Taylor() if is_available() else RungeKutta())
+    gun = _Gun(problem, solver, solver.first(accuracy / 10), frozenset(_angular(problem)))
     if guess is not None:
         first = np.array([float(x) for x in checked_numbers(guess, n, "guess")])
-        found = _shoot(problem, target, first, accuracy, engine)
+        found = _shoot(gun, target, first, accuracy, engine)
         if found is None:
             raise EndpointError(
                 f"no motion from {list(start)} to {list(end)} was found from the guess "
@@ -98,7 +107,7 @@ def connecting(
     answers = [
         answer
         for first in _directions(problem, target)
-        if (answer := _shoot(problem, target, first, accuracy, engine)) is not None
+        if (answer := _shoot(gun, target, first, accuracy, engine)) is not None
     ]
     if not answers:
         raise EndpointError(
@@ -159,71 +168,97 @@ def _angular(problem: Problem) -> set[int]:
     return found
 
 
+@dataclass(frozen=True, eq=False)
+class _Gun:
+    """Where motions from one point end, as a function of the initial velocity: q at t = 1.
+
+    tolerance: of the engine; the motion that hits is checked when all is done.
+    angular: coordinates that count modulo two pi.
+    """
+
+    problem: Problem
+    engine: Engine
+    tolerance: float
+    angular: frozenset[int]
+
+    def end(self, vector: Any) -> Any:
+        """Coordinates at t = 1."""
+        import numpy as np
+
+        member = replace(self.problem, frame_velocity=tuple(vector.tolist()))
+        journey = travel(member, self.engine, self.tolerance, np.array([0.0, member.speed]))
+        if journey.outcome != "done":
+            raise ChartEdgeError("the motion ends before t = 1")
+        segment = journey.segments[-1]
+        width = segment.equations.width
+        q = np.asarray(segment.run.last, dtype=float)[None, :width]
+        if segment.chart != member.atlas.home:
+            u = np.asarray(member.frame_velocity)[None, :]
+            if segment.equations.moves:
+                u = np.asarray(segment.run.last, dtype=float)[None, width : width + len(vector)]
+            q, _ = converted(member, segment.chart, member.atlas.home, q, u)
+        return q[0]
+
+    def gap(self, here: Any, target: Any) -> Any:
+        """Coordinate difference, whole turns of angles taken out."""
+        import numpy as np
+
+        gap = np.asarray(here, dtype=float) - target
+        for k in self.angular:
+            gap[k] = np.remainder(gap[k] + np.pi, 2 * np.pi) - np.pi
+        return gap
+
+    def slopes(self, vector: Any) -> Any:
+        """d end^mu / d u^i by central differences."""
+        import numpy as np
+
+        h = NEAR * max(float(np.linalg.norm(vector)), 1e-3)
+        sides = h * np.eye(len(vector))
+        rows = [self.gap(self.end(vector + x), self.end(vector - x)) for x in sides]
+        return np.array(rows).T / (2 * h)
+
+
 def _shoot(
-    problem: Problem, target: Any, first: Any, accuracy: float, engine: Engine | None
+    gun: _Gun, target: Any, first: Any, accuracy: float, engine: Engine | None
 ) -> Connecting | None:
     """Newton's iteration on the initial velocity, damped; None if it does not hit."""
     import numpy as np
 
-    vector, miss, best = first, np.inf, None
-    for shot in range(1, SHOTS + 1):
+    vector, miss, best, inverse, shot = first, np.inf, None, None, 0
+    scale = max(1.0, float(np.linalg.norm(target)))
+    while True:
+        shot += 1
         try:
-            solution = solve(problem.moved(frame_velocity=vector), [1.0], accuracy / 10, engine)
-            gap = _gap(problem, solution.coordinates[-1], target)
+            gap = gun.gap(gun.end(vector), target)
+            size = float(np.linalg.norm(gap))
+            if size <= accuracy * scale:
+                break
+            if shot >= SHOTS:
+                return None
+            if size >= miss and best is not None:
+                vector, inverse = (vector + best) / 2, None
+                if np.linalg.norm(vector - best) < 1e-14 * max(1.0, np.linalg.norm(vector)):
+                    return None
+                continue
+            # Slopes that served well serve again.
+            if inverse is None or size > SERVED * miss:
+                u, s, vt = np.linalg.svd(gun.slopes(vector))
+                if s[-1] < CONJUGATE * s[0]:
+                    return None
+                inverse = vt.T @ np.diag(1 / s) @ u.T
         except GeomtorsionError:
-            if best is None:
+            if best is None or shot >= SHOTS:
                 return None
-            vector = (vector + best[0]) / 2
+            vector = (vector + best) / 2
             continue
-        size = float(np.linalg.norm(gap))
-        scale = max(1.0, float(np.linalg.norm(target)))
-        if size <= 10 * accuracy * scale:
-            return Connecting(vector, size, solution, shot)
-        if size >= miss and best is not None:
-            vector = (vector + best[0]) / 2
-            if np.linalg.norm(vector - best[0]) < 1e-14 * max(1.0, np.linalg.norm(vector)):
-                return None
-            continue
-        miss, best = size, (vector, gap)
-        slopes = _slopes(problem, vector, accuracy, engine)
-        if slopes is None:
-            return None
-        u, s, vt = np.linalg.svd(slopes)
-        if s[-1] < CONJUGATE * s[0]:
-            return None
-        step = vt.T @ ((u.T @ gap) / s)
+        miss, best = size, vector
+        step = inverse @ gap
         limit = max(1.0, 2 * float(np.linalg.norm(vector)))
         vector = vector - step * min(1.0, limit / max(float(np.linalg.norm(step)), 1e-300))
-    return None
-
-
-def _gap(problem: Problem, here: Any, target: Any) -> Any:
-    """Coordinate difference, whole turns of angles taken out."""
-    import numpy as np
-
-    gap = np.asarray(here, dtype=float) - target
-    for k in _angular(problem):
-        gap[k] = np.remainder(gap[k] + np.pi, 2 * np.pi) - np.pi
-    return gap
-
-
-def _slopes(problem: Problem, vector: Any, accuracy: float, engine: Engine | None) -> Any:
-    """d end^mu / d u^i by central differences of the end point."""
-    import numpy as np
-
-    n = len(vector)
-    size = max(float(np.linalg.norm(vector)), 1e-3)
-    h = 1e-3 * size
-    columns = []
-    for i in range(n):
-        ends = []
-        for sign in (1, -1):
-            shifted = vector.copy()
-            shifted[i] += sign * h
-            try:
-                found = solve(problem.moved(frame_velocity=shifted), [1.0], 1e-8, engine)
-                ends.append(found.coordinates[-1])
-            except GeomtorsionError:
-                return None
-        columns.append(_gap(problem, ends[0], np.asarray(ends[1], dtype=float)) / (2 * h))
-    return np.array(columns).T
+    try:
+        solution = solve(gun.problem.moved(frame_velocity=vector), [1.0], accuracy / 10, engine)
+        gap = gun.gap(solution.coordinates[-1], target)
+    except GeomtorsionError:
+        return None
+    size = float(np.linalg.norm(gap))
+    return Connecting(vector, size, solution, shot) if size <= 10 * accuracy * scale else None

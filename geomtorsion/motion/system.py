@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -111,6 +112,16 @@ class System:
 
         return jacobian
 
+    def written(
+        self, known: Mapping[str, Any], number: Callable[[int, int], Any]
+    ) -> tuple[list[Any], Any]:
+        """Rates and edge as heyoka expressions of the known ones; number: p, q -> p/q."""
+        from geomtorsion.motion.engines.writer import SquaringWriter
+
+        writer = SquaringWriter(known, number)
+        rates = [writer.products(rate) for rate in self.rates]
+        return rates, None if self.edge is None else writer.products(self.edge)
+
     def edge_values(self, states: Any, values: Sequence[float]) -> Any:
         """The edge function on arrays of states, shape (size, ...)."""
         return self._edge_function(*states, *values)[0]
@@ -153,10 +164,34 @@ def evaluated(products: Sequence[Products], values: Values) -> list[Any]:
     """Numbers (or arrays) of product sums; values: name -> number or array."""
     import numpy as np
 
-    names = tuple(values)
-    source, functions = python_source(names, products)
+    function = _function(tuple(values), products)
     with np.errstate(all="ignore"):
-        return list(python_function(source, array_names(functions))(*values.values()))
+        return list(function(*values.values()))
+
+
+# Functions of product sums: the same sums come again and again. Elements of different fields
+# refuse to be compared, so it is known by the very objects, which are kept with it.
+_functions: OrderedDict[tuple[Any, ...], tuple[Any, Callable[..., Any]]] = OrderedDict()
+FUNCTIONS_KEPT = 512
+
+
+def _function(names: tuple[str, ...], products: Sequence[Products]) -> Callable[..., Any]:
+    """Product sums as a function of named arguments."""
+    parts = ((id(element), factors) for sums in products for element, factors in (*sums, END))
+    key = (names, *parts)
+    if key in _functions:
+        _functions.move_to_end(key)
+        return _functions[key][1]
+    source, functions = python_source(names, products)
+    made = python_function(source, array_names(functions))
+    _functions[key] = (tuple(products), made)
+    while len(_functions) > FUNCTIONS_KEPT:
+        _functions.popitem(last=False)
+    return made
+
+
+# Stands between two sums in the key of a function.
+END = (None, ())
 
 
 def exact(value: Any) -> Fraction | None:
