@@ -1,0 +1,117 @@
+"""Speed of scenes: the free top against three equations by hand, and what each effect adds.
+
+Run with `python -m pytest tests/benchmarks/test_scene_speed.py -s`. Ratios are taken in one run;
+what is asserted are errors and states, not times.
+"""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+
+import geomtorsion as gt
+
+hy = pytest.importorskip("heyoka")
+E = gt.effects
+MOMENTS, OMEGA, T = (1.0, 2.0, 3.0), (0.3, 1.0, 0.2), 100.0
+TIMES = np.linspace(0, T, 65)
+ROUNDS = 300
+
+
+def best(run):
+    """Shortest of many, in seconds."""
+    seconds = []
+    for _ in range(ROUNDS):
+        began = time.perf_counter()
+        run()
+        seconds.append(time.perf_counter() - began)
+    return min(seconds)
+
+
+def by_hand(tolerance):
+    """Three equations, as somebody who knows heyoka writes them; numbers are compiled in."""
+    a, b, c = hy.make_vars("a", "b", "c")
+    i, j, k = MOMENTS
+    rates = [(a, (j - k) / i * b * c), (b, (k - i) / j * c * a), (c, (i - j) / k * a * b)]
+    integrator = hy.taylor_adaptive(rates, list(OMEGA), tol=tolerance)
+
+    def run():
+        integrator.time = 0.0
+        integrator.state[:] = OMEGA
+        return integrator.propagate_grid(TIMES)[5]
+
+    return run
+
+
+@pytest.mark.parametrize("accuracy", [1e-6, 1e-9, 1e-12])
+def test_free_top_against_three_equations(accuracy, capsys):
+    """A scene that watches omega is three equations, and no slower than those by hand."""
+    scene = gt.Scene(
+        gt.Body(moments=MOMENTS), (), gt.State(omega=OMEGA), ["omega"], TIMES, accuracy
+    )
+    assert scene.plan().states == ("Omega1", "Omega2", "Omega3")
+    truth = gt.free_top(MOMENTS, OMEGA).omega(TIMES)
+    engine = gt.Taylor(optimised=True)
+    result = scene.run(engine=engine)
+    assert np.abs(result["omega"] - truth).max() < accuracy
+    ours = min(
+        gt.solve(scene.flow, TIMES, accuracy, engine).cost.run_seconds for _ in range(ROUNDS)
+    )
+    whole = best(lambda: scene.run(engine=engine))
+    hand = None
+    for power in np.arange(4, 17, 0.5):
+        run = by_hand(10.0**-power)
+        if np.abs(run() - truth).max() <= accuracy:
+            hand = best(run)
+            break
+    closed = scene.run()
+    assert closed.closed_form
+    form = closed.form
+    formula = best(lambda: form.states(TIMES))
+    with capsys.disabled():
+        print(
+            f"\n{accuracy:.0e}: scene {1e3 * ours:.4f} ms, by hand {1e3 * hand:.4f} ms "
+            f"(ratio {ours / hand:.2f}); scene with check and reading {1e3 * whole:.3f} ms; "
+            f"closed form {1e3 * formula:.3f} ms"
+        )
+
+
+def test_what_each_effect_adds(capsys):
+    """`scene.cost()` of a body on which much acts."""
+    effects = [
+        E.AngularDamping(0.01), E.BodyMoment((0, 0, 0.01)), E.Magnet((0, 0, 0.1), (0, 0, 1)),
+        E.Rotor((0, 0, 1), 0.2), E.Gravity(), E.LinearDrag(0.05), E.Thrust((0, 0, 1), end=5),
+    ]  # fmt: skip
+    start = gt.State(omega=OMEGA, euler=(0, 0.3, 0), velocity=(1, 0, 0))
+    scene = gt.Scene(gt.Body(moments=MOMENTS), effects, start, ["omega"], 10, title="watch omega")
+    cost = scene.cost(repeats=30)
+    # Gravity and drag at the centre of mass never reach the rotation: they cost nothing.
+    assert [row.states for row in cost.rows] == [3, 3, 3, 6, 6, 6, 6, 6]
+    whole = scene.replaced(watch=["omega", "position"], title="watch omega and position")
+    full = whole.cost(repeats=30)
+    assert [row.states for row in full.rows] == [6, 6, 6, 9, 9, 10, 12, 13]
+    with capsys.disabled():
+        print(f"\n{cost}\n{full}")
+
+
+def test_time_to_the_first_number(capsys):
+    """Planning and assembling, without compiling: milliseconds."""
+    start = gt.State(omega=(0, 0, 20), euler=(0, 0.3, 0))
+
+    def planned():
+        return gt.Scene(
+            gt.Body(moments=(1, 1, 0.5)),
+            [E.Gravity(), E.Pivot([0, 0, 0.1])],
+            start,
+            ["nutation"],
+            1,
+        ).flow
+
+    _ = planned()
+    began = time.perf_counter()
+    for _ in range(10):
+        _ = planned()
+    with capsys.disabled():
+        print(f"\nheavy top, from words to a flow: {100 * (time.perf_counter() - began):.1f} ms")

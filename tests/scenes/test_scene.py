@@ -1,0 +1,205 @@
+"""Scene: dotted paths, several effects of a kind, costs, and results that travel."""
+
+import numpy as np
+import pytest
+
+import geomtorsion as gt
+from geomtorsion.errors import (
+    AccuracyError,
+    FileFormatError,
+    SceneError,
+    TimeError,
+    UnknownNameError,
+)
+
+E = gt.effects
+TOP = gt.Scene(
+    gt.Body(mass=1.0, moments=(1, 1, 0.5)),
+    [E.Gravity(9.81), E.Pivot([0, 0, 0.1])],
+    gt.State(omega=(0, 0, 20), euler=(0, 0.3, 0)),
+    watch=["nutation", "energy"],
+    t=2,
+    title="A top",
+)
+
+
+def test_the_first_lines():
+    """What the issue shows: plan, run, and everything that is read off."""
+    result = TOP.run()
+    assert result["nutation"].shape == result.times.shape == (201,)
+    assert result.error < TOP.accuracy
+    assert result.drift["energy"] < 1e-10
+    assert result.complete
+    assert "A top: 6 equations for nutation, energy" in str(result.plan)
+    assert "by Taylor" in str(result) or "by RungeKutta" in str(result)
+
+
+def test_times():
+    assert TOP.times.tolist() == np.linspace(0, 2, 201).tolist()
+    assert TOP.replaced(samples=3).times.tolist() == [0, 1, 2]
+    assert TOP.replaced(t=[0.5, 1.5]).run().times.tolist() == [0.5, 1.5]
+    assert TOP.replaced(t=0).run()["nutation"] == pytest.approx([0.3])
+
+
+def test_replacing():
+    """Each kind of path; the rest stays as it was, and all is checked again."""
+    changed = TOP.replaced(
+        {"body.moments[2]": 0.7, "gravity.g": 1.62, "start.omega[0]": 1e-3, "pivot.arm[2]": 0.2},
+        t=5,
+    )
+    assert changed.body.moments == (1, 1, 0.7)
+    assert changed.keyed["gravity"].g == 1.62
+    assert changed.start.omega == (1e-3, 0, 20)
+    assert changed.keyed["pivot"].arm == (0, 0, 0.2)
+    assert changed.t == 5
+    assert changed.watch == TOP.watch
+    assert TOP.replaced(start=gt.State(omega=(0, 0, 1), euler=(0, 0, 0))).start.omega == (0, 0, 1)
+    with pytest.raises(gt.errors.BodyError, match="impossible"):
+        TOP.replaced({"body.moments[2]": 5})
+
+
+@pytest.mark.parametrize(
+    ("path", "says"),
+    [
+        ("gravty.g", "'gravty.g' leads nowhere. Did you mean gravity"),
+        ("gravity.h", "'gravity.h' leads nowhere: There are g"),
+        ("gravity", "names a whole effect"),
+        ("body.momnts", "Did you mean moments"),
+        ("start.omega[7]", "no \\[7\\] among 3 values"),
+        ("start.position[0]", "None has no components; set it as a whole first"),
+        ("start.omega.x", "'start.omega.x' leads nowhere"),
+        ("effects", "leads nowhere"),
+        ("a b", "is no path"),
+        ("mass", "leads nowhere. There are body"),
+    ],
+)
+def test_paths_that_lead_nowhere(path, says):
+    with pytest.raises(UnknownNameError, match=says):
+        TOP.replaced({path: 1})
+
+
+def test_equal_equations_share_one_integrator():
+    """Another number needs no compilation."""
+    TOP.run()
+    other = TOP.replaced({"gravity.g": 3.3, "start.omega[2]": 11.0})
+    assert other.flow.system is TOP.flow.system
+    assert other.run().cost.compile_seconds == 0
+
+
+def test_numbers_of_scenes():
+    """What a sweep varies: starts and parameters by name, exact."""
+    start, parameters = TOP.numbers
+    assert list(start) == list(TOP.plan().states)
+    assert float(parameters["g"]) == 9.81
+    assert set(parameters) == {"m", "I1", "I3", "g", "a3"}
+    assert TOP.flow.moved(start=start, parameters=parameters).start == TOP.flow.start
+
+
+def test_several_of_a_kind():
+    """Keys and parameters are numbered; two springs pull with the sum of their forces."""
+    start = gt.State(omega=(0, 0, 1), position=(1, 0, 0))
+    body = gt.Body(moments=(1, 1, 1))
+    two = gt.Scene(body, [E.Spring(1.0), E.Spring(3.0)], start, ["position"], t=3)
+    one = gt.Scene(body, [E.Spring(4.0)], start, ["position"], t=3)
+    assert tuple(two.keyed) == ("spring", "spring2")
+    assert np.abs(two.run()["position"] - one.run()["position"]).max() < 1e-9
+    assert np.abs(one.run()["position"][:, 0] - np.cos(2 * one.times)).max() < 1e-9
+    assert two.replaced({"spring2.stiffness": 1.0}).keyed["spring2"].stiffness == 1.0
+
+
+def test_result_between_times_and_bad_requests():
+    result = TOP.run()
+    again = result.at(result.times[[3, 100]])
+    assert np.abs(again["nutation"] - result["nutation"][[3, 100]]).max() < 1e-9
+    with pytest.raises(UnknownNameError, match="'nutaton' was not watched. Did you mean nutation"):
+        result["nutaton"]
+    with pytest.raises(TimeError, match="t = 2.5"):
+        result.at(2.5)
+    with pytest.raises(AccuracyError):
+        TOP.replaced(accuracy=0)
+    with pytest.raises(TimeError):
+        TOP.replaced(t=[1, 1])
+
+
+def test_save_and_load(tmp_path):
+    """Everything but the scene and the dense output comes back."""
+    scene = TOP.replaced(watch=["nutation", "matrix", "omega"], t=1)
+    result = scene.run()
+    result.save(tmp_path / "top.npz")
+    back = gt.SceneResult.load(tmp_path / "top.npz")
+    for name in scene.watch:
+        assert (back[name] == result[name]).all()
+    assert (back.times == result.times).all()
+    assert back.error == result.error
+    assert back.drift == dict(result.drift)
+    assert back.cost == result.cost
+    assert back.units == result.units
+    assert back.labels["matrix"] == result.labels["matrix"]
+    assert str(result.plan) == back.plan
+    assert str(back).splitlines()[1:] == str(result).splitlines()[1:]
+    with pytest.raises(SceneError, match="from a file"):
+        back.at(0.5)
+    with pytest.raises(SceneError, match="from a file"):
+        _ = back.solution
+    (tmp_path / "no.npz").write_bytes(b"nothing")
+    with pytest.raises(FileFormatError, match="no saved result of a scene"):
+        gt.SceneResult.load(tmp_path / "no.npz")
+    np.savez(tmp_path / "other.npz", a=1)
+    with pytest.raises(FileFormatError, match="no saved result of a scene"):
+        gt.SceneResult.load(tmp_path / "other.npz")
+
+
+def test_tables():
+    pandas = pytest.importorskip("pandas")
+    result = TOP.replaced(watch=["nutation", "omega", "matrix"], t=1, samples=5).run()
+    table = result.to_pandas()
+    assert isinstance(table, pandas.DataFrame)
+    names = ["t", "nutation", "omega_1", "omega_2", "omega_3", "matrix_11"]
+    assert list(table.columns)[:6] == names
+    assert table.shape == (5, 14)
+    assert (table["omega_3"] == result["omega"][:, 2]).all()
+    assert (table["matrix_23"] == result["matrix"][:, 1, 2]).all()
+
+
+def test_picture(tmp_path):
+    pytest.importorskip("matplotlib")
+    result = TOP.replaced(watch=["nutation", "omega"], t=1).run()
+    figure = result.plot(tmp_path / "top.png")
+    assert len(figure.axes) == 2
+    assert (tmp_path / "top.png").stat().st_size > 5000
+
+
+def test_what_each_effect_costs():
+    """One row for each effect; states grow as effects bring their needs."""
+    scene = TOP.replaced(watch=["omega"], t=1)
+    cost = scene.cost(repeats=1)
+    assert [row.effect for row in cost.rows] == ["spin", "gravity", "pivot"]
+    assert [row.states for row in cost.rows] == [3, 3, 6]
+    assert all(row.run_seconds > 0 and row.steps > 0 for row in cost.rows)
+    text = str(cost)
+    assert "+ pivot" in text
+    assert "added, ms" in text
+    rotor = E.Rotor((0, 0, 1), momentum=0.1, inertia=0.01)
+    late = gt.Scene(TOP.body, [E.Gravity(), rotor], TOP.start, ["rotor_speed"], t=1)
+    rows = late.cost(repeats=1).rows
+    assert "not by itself" in rows[0].note
+    assert rows[2].states > 0
+
+
+def test_solution_of_a_closed_form():
+    """States one by one, and zeros, from an integration made when it is asked for."""
+    scene = gt.Scene(gt.Body(moments=(1, 2, 3)), (), gt.State(omega=(0.1, 1, 0.1)), ["omega"], t=9)
+    result = scene.run()
+    assert result.solved is None
+    assert np.abs(result.solution["Omega2"] - result["omega"][:, 1]).max() < 1e-10
+
+
+def test_progress_and_checkpoint(tmp_path):
+    """Both go through to the integrator."""
+    seen = []
+    scene = TOP.replaced(t=3, samples=21)
+    result = scene.run(checkpoint=tmp_path / "c.npz", progress=seen.append)
+    assert seen[-1] == pytest.approx(1)
+    assert (tmp_path / "c.npz").exists()
+    again = scene.run(checkpoint=tmp_path / "c.npz")
+    assert (again["nutation"] == result["nutation"]).all()
