@@ -148,7 +148,6 @@ BAD_RATES = {
     "kk is neither": {"x": "-kk*x"},
     "Did you mean k": {"x": -sp.Symbol("kk") * sp.Symbol("x")},
     "Abs": {"x": "sqrt(x**2)"},
-    "kink": {"x": "sqrt(x**2 + 2*x + 1)"},
     "not finite|no finite": {"x": float("nan")},
     "no expression": {"x": None},
     "expressions are not code": {"x": "__import__('os').system('true')"},

@@ -13,7 +13,6 @@ from importlib import import_module
 from typing import Any
 
 from geomtorsion.errors import MissingExtraError
-from geomtorsion.motion.engines.writer import SquaringWriter
 from geomtorsion.motion.system import System
 
 # Compiled integrators that are kept; each is some hundred kilobytes.
@@ -146,11 +145,8 @@ def _compiled(
         # Lanes of a batch count from the start of their leg.
         name, unit = system.clock
         known[name] = hy.time * hy.expression(number(Fraction(1, unit)))
-    writer = SquaringWriter(known, lambda p, q: hy.expression(number(Fraction(p, q))))
-    equations = [
-        (variable, writer.products(rate))
-        for variable, rate in zip(variables, system.rates, strict=True)
-    ]
+    rates, edge = system.written(known, lambda p, q: hy.expression(number(Fraction(p, q))))
+    equations = list(zip(variables, rates, strict=True))
     options: dict[str, Any] = {
         "tol": number(tolerance_of(order)),
         "compact_mode": precision > 64 or len(system.code[0]) > LONGEST_UNROLLED,
@@ -158,8 +154,7 @@ def _compiled(
     }
     falling = hy.event_direction.negative
     if batch:
-        if system.edge is not None:
-            edge = writer.products(system.edge)
+        if edge is not None:
             options["nt_events"] = [hy.nt_event_batch(edge, Touched(), direction=falling)]
         return hy.taylor_adaptive_batch(
             equations,
@@ -172,10 +167,10 @@ def _compiled(
         options["fp_type"] = kind
         if precision > 113:
             options["prec"] = precision
-    if system.edge is not None:
+    if edge is not None:
         events = {53: hy.t_event, 64: hy.t_event_ldbl, 113: getattr(hy, "t_event_f128", None)}
         maker = events.get(precision) or hy.t_event_real
-        options["t_events"] = [maker(writer.products(system.edge), direction=falling)]
+        options["t_events"] = [maker(edge, direction=falling)]
     zeros, pars = ([number(0)] * size for size in (system.size, len(system.parameters)))
     return hy.taylor_adaptive(
         equations, np.array(zeros, dtype=kind), pars=np.array(pars, dtype=kind), **options

@@ -9,10 +9,10 @@ from functools import cached_property, lru_cache
 
 import sympy as sp
 
-from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.field import Field
 from geomtorsion.motion.flows.tape import Tape
 from geomtorsion.motion.flows.terms import Folding
+from geomtorsion.motion.flows.tree import TreeSystem, check_smooth, is_plain
 from geomtorsion.motion.system import System
 
 # Laws that are kept read; each is some kilobytes.
@@ -20,6 +20,8 @@ KEPT = 256
 # The clock runs in such units of time: its number stays far below all others, and engines that
 # measure errors against the largest state do not lose the small ones in it.
 CLOCK = 2**40
+# Less than any rounding: heyoka misses all roots after one at the very start of a step.
+TINY = sp.Rational(1, 10**300)
 # Names that go with the components of one vector.
 _AXES = ("x", "y", "z")
 
@@ -88,7 +90,7 @@ def _system(
     blocks: tuple[tuple[int, ...], ...],
     clock: str,
 ) -> System:
-    """Rates read exactly."""
+    """Rates read exactly, or kept as they were written where that would make them longer."""
     names = (*states, clock) if clock else states
     terms = (
         *rates,
@@ -97,23 +99,21 @@ def _system(
     )
     free = {symbol for term in terms for symbol in term.free_symbols}
     others = sorted(symbol.name for symbol in free if symbol.name not in names)
-    symbols = [sp.Symbol(name, real=True) for name in (*names, *others)]
-    field = Field(symbols)
-    where = [f"rate of {name}" for name in names] + ["stop"]
-    elements = field.read_all(list(zip(where, terms, strict=False)))
-    for branch in field.branches:
-        if {symbol.name for symbol in branch.radical.free_symbols} & set(names):
-            raise ExpressionError(
-                f"{branch.radical} is the size of {branch.read_as}, which has a kink at zero. "
-                "Write the expression of one sign, or a smooth one such as sqrt(x**2 + s**2)."
-            )
-    products = [() if element.is_zero else ((element, ()),) for element in elements]
-    # Less than any rounding: heyoka misses all roots after one at the very start of a step.
-    edge = None if stop is None else (*products[-1], (field.rational(1, 10**300), ()))
+    where = [*(f"rate of {name}" for name in names), *(["stop"] if stop is not None else [])]
+    check_smooth(terms, where)
     if clock:
         blocks = (*blocks, (len(states),))
     ticks = (clock, CLOCK) if clock else None
-    return System(tuple(names), tuple(others), tuple(products[: len(names)]), blocks, edge, ticks)
+    if not is_plain(terms):
+        trees, rim = terms[: len(names)], None if stop is None else terms[-1] + TINY
+        edge = None if stop is None else ()
+        return TreeSystem(names, tuple(others), (), blocks, edge, ticks, trees=trees, rim=rim)
+    field = Field([sp.Symbol(name, real=True) for name in (*names, *others)])
+    elements = field.read_all(list(zip(where, terms, strict=True)))
+    products = [() if element.is_zero else ((element, ()),) for element in elements]
+    rim = field.rational(int(TINY.p), int(TINY.q))
+    edge = None if stop is None else (*products[-1], (rim, ()))
+    return System(names, tuple(others), tuple(products[: len(names)]), blocks, edge, ticks)
 
 
 def default_blocks(states: Sequence[str]) -> tuple[tuple[str, ...], ...]:

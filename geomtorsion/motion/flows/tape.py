@@ -49,11 +49,11 @@ class Tape:
 
     @cached_property
     def _plain(self) -> tuple[str, list[Any]]:
-        return _Writer(self.arguments, sizes=False).source(self.outputs)
+        return Writer(self.arguments, sizes=False).source(self.outputs)
 
     @cached_property
     def _sizes(self) -> tuple[str, list[Any]]:
-        return _Writer(self.arguments, sizes=True).source(self.outputs)
+        return Writer(self.arguments, sizes=True).source(self.outputs)
 
     @cached_property
     def _array_function(self) -> Callable[..., tuple[Any, ...]]:
@@ -111,18 +111,21 @@ class _NoFraction(Exception):
     """The value is not rational."""
 
 
-class _Writer:
+class Writer:
     """Writes one statement for each part."""
 
-    def __init__(self, arguments: Sequence[str], *, sizes: bool) -> None:
+    def __init__(self, arguments: Sequence[str], *, sizes: bool, literal: bool = False) -> None:
         self.place = {name: f"a{k}" for k, name in enumerate(arguments)}
         self.arguments = arguments
+        self.literal = literal
         self.with_sizes = sizes
         self.lines: list[str] = []
         self.numbers: list[Any] = []
+        self.functions: set[str] = set()
         self.known: dict[tuple[Any, bool], str] = {}
 
     def source(self, outputs: Sequence[Any]) -> tuple[str, list[Any]]:
+        """The source of a function of the arguments, and the numbers that it names."""
         results = [self.part(sp.sympify(entry), self.with_sizes) for entry in outputs]
         header = f"def values({', '.join(self.place.values())}):"
         ending = f"return ({', '.join(results)}{',' * bool(results)})"
@@ -142,6 +145,7 @@ class _Writer:
         return found
 
     def code(self, expr: Any, size: bool) -> str:
+        """The code of a part."""
         if expr.is_Add:
             return " + ".join(self.part(term, size) for term in expr.args)
         if expr.is_Mul:
@@ -153,21 +157,26 @@ class _Writer:
                 raise ExpressionError(f"{expr.name} has no value in {', '.join(self.arguments)}")
             return self.place[expr.name]
         if expr.is_Number or expr.is_NumberSymbol:
+            if self.literal:
+                return repr(float(expr))
             self.numbers.append(expr)
             return f"n{len(self.numbers) - 1}"
         if expr.is_Pow:
             return self.power(expr, size)
         name = type(expr).__name__
         if name in _INVERSES:
+            self.functions.add(_INVERSES[name])
             return f"1/{_INVERSES[name]}({self.part(expr.args[0])})"
         if name in ("Max", "Min"):
             return self.extreme("maximum" if name == "Max" else "minimum", expr.args)
         if name in _PLAIN or name in _NAMES:
+            self.functions.add(_NAMES.get(name, name))
             inner = ", ".join(self.part(argument) for argument in expr.args)
             return f"{_NAMES.get(name, name)}({inner})"
         raise ExpressionError(f"{expr} has no numerical form here; write it in other functions")
 
     def power(self, expr: Any, size: bool) -> str:
+        """The code of a power."""
         base, exponent = expr.base, expr.exp
         if exponent.is_Integer:
             n = int(exponent)
@@ -175,14 +184,17 @@ class _Writer:
                 return f"1/{self.part(base ** (-exponent))}"
             return f"{self.part(base, size)}**{n}"
         if exponent == sp.Rational(1, 2):
+            self.functions.add("sqrt")
             return f"sqrt({self.part(base)})"
         if exponent == sp.Rational(-1, 2):
             return f"1/{self.part(sp.sqrt(base))}"
         if base is sp.E:
+            self.functions.add("exp")
             return f"exp({self.part(exponent)})"
         return f"{self.part(base)}**{self.part(exponent)}"
 
     def extreme(self, name: str, args: Sequence[Any]) -> str:
+        """The code of the largest or smallest of several."""
         code = self.part(args[0])
         for other in args[1:]:
             code = f"{name}({code}, {self.part(other)})"
