@@ -41,10 +41,7 @@ def pruned_rates(plan: ScenePlan) -> dict[str, Any]:
 
 def attitude_states(plan: ScenePlan) -> dict[Any, Any]:
     """Elements of R by the quaternion, where the whole attitude is followed."""
-    if not plan.uses_quaternion:
-        return {}
-    kept = {*VERTICAL} if plan.keeps_vertical else set()
-    return {symbol: value for symbol, value in by_quaternion().items() if symbol not in kept}
+    return by_quaternion() if plan.uses_quaternion else {}
 
 
 def flow_of(scene: Scene) -> Flow:

@@ -144,7 +144,7 @@ class ScenePlan:
         rates = self.assembly.rates
         found = [s for s in self.assembly.speeds if s.name in needed]
         if "attitude" in needed:
-            found += (*QUATERNION, *(VERTICAL if self.keeps_vertical else ()))
+            found += QUATERNION
         elif "vertical" in needed:
             found += VERTICAL
         found += [s for s in (*POSITION, *VELOCITY) if s.name in needed and s in rates]
@@ -168,18 +168,6 @@ class ScenePlan:
     def uses_quaternion(self) -> bool:
         """Whether the whole attitude is followed."""
         return "attitude" in self._needed
-
-    @cached_property
-    def keeps_vertical(self) -> bool:
-        """Whether the vertical is followed beside the attitude.
-
-        Three states more are cheaper than rates in which each of its components, a quadratic
-        polynomial of the quaternion, stands in a denominator or under a root.
-        """
-        rates = [rate for s, rate in self.assembly.rates.items() if s.name in self._needed]
-        return self.uses_quaternion and not all(
-            rate.is_polynomial(*VERTICAL) for rate in rates if rate.free_symbols & {*VERTICAL}
-        )
 
     @cached_property
     def effects(self) -> tuple[str, ...]:

@@ -56,10 +56,7 @@ def _state_rows(plan: ScenePlan) -> Iterable[PlanRow]:
         groups.setdefault(group_of(name), []).append(name)
     for group, members in groups.items():
         node = group if group in ("attitude", "vertical") else members[0]
-        why = _wanted(plan, node)
-        if group == "vertical" and "attitude" in groups:
-            why = "beside the attitude, for it makes the other rates shorter"
-        yield PlanRow("states", group, True, f"{_listed(members)}: {why}")
+        yield PlanRow("states", group, True, f"{_listed(members)}: {_wanted(plan, node)}")
     if plan.constants:
         names = _listed(s.name for s in plan.constants)
         yield PlanRow("states", "velocity", False, f"{names} constant: no force acts along it")
