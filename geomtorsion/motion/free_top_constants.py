@@ -66,8 +66,7 @@ def circled_axis(moments: tuple[Fraction, ...], omega: tuple[Fraction, ...]) -> 
     low, mid, high = sorted(range(3), key=lambda k: moments[k])
     excess = moments[high] * (moments[high] - moments[mid]) * omega[high] ** 2
     excess -= moments[low] * (moments[mid] - moments[low]) * omega[low] ** 2
-    around_high = excess > 0 or (excess == 0 and moments[high] != moments[mid])
-    return (high, mid, low) if around_high else (low, mid, high)
+    return (high, mid, low) if excess >= 0 else (low, mid, high)
 
 
 def is_steady(moments: tuple[Fraction, ...], omega: tuple[Fraction, ...]) -> bool:

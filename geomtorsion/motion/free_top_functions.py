@@ -41,8 +41,8 @@ def functions(u: NDArray[np.float64], top: Constants) -> tuple[Any, Any, Any, An
 def _powers(top: Constants) -> tuple[list[float], list[float]]:
     """Exponents n(n+1) ln q and n^2 ln q for n = 1, 2 ...; minus infinity for q = 0."""
     log = top.log_nome
-    # Term n is below q^(n^2), for the arguments stay within a quarter period.
-    terms = range(1, 1 + math.ceil(math.sqrt(SMALL / -log)))
+    # Term n + 1 is below q^(n(n+1)) of the first, for arguments stay within a quarter period.
+    terms = range(1, 1 + math.ceil((math.sqrt(1 - 4 * SMALL / log) - 1) / 2))
     return [n * (n + 1) * log for n in terms], [n * n * log for n in terms]
 
 
