@@ -193,12 +193,14 @@ def equations_of_motion(
         F_k in the frame, n of them or a mapping k -> F_k (k from 0); they may depend on q, u, t.
     principle
         "closed_in_coordinates" (Hamilton, Poincare), "closed_in_image" (Kleinert) or "naive".
+        Where L depends on q, closed_in_image takes dq^mu = E_i^mu dPhi^i there, as Kleinert and
+        Pelster do: the gap of the path at its end would make the equations depend on the future.
     constraints
         expressions linear in u that stay zero (rolling, knife edge). The frame is adapted to
         them; each takes away one velocity, if possible the last whose coefficient is constant.
     parameters
-        names or symbols that may occur besides; in a text they must be listed, of sympy
-        expressions all other symbols are parameters unless a list is given.
+        names or symbols that may occur besides. In sympy expressions all other symbols are
+        parameters unless a list is given; a text knows those and what is listed.
     connection
         whose torsion the image has for closed_in_image; the Cartan connection of the frame.
 

@@ -27,8 +27,8 @@ def right_invariant(frame: Frame) -> list[list[sp.Expr]] | None:
     [E_k, xi] = 0:  d_mu xi^i = e^k_mu C_kj^i xi^j
 
     solved along the coordinate lines from the origin, one after the other, in an order in which
-    the matrix on the right is constant up to a factor. None where C_ij^k is not constant or no
-    such order exists.
+    the matrix on the right is constant up to a factor. None where C_ij^k depends on coordinates
+    or no such order exists.
 
     Examples
     --------
@@ -41,7 +41,7 @@ def right_invariant(frame: Frame) -> list[list[sp.Expr]] | None:
 
 def _right_invariant(frame: Frame) -> list[list[sp.Expr]] | None:
     table = frame.anholonomy.components.nonzero
-    if any(not value.is_rational for value in table.values()):
+    if any(value.symbols & set(frame.coordinates) for value in table.values()):
         return None
     n, q = frame.dimension, frame.coordinates
     twist = {index: value.sympy for index, value in table.items()}

@@ -92,15 +92,13 @@ def opened(frame: Frame, expressions: Sequence[sp.Expr]) -> Phase:
 
 def expressions(
     frame: Frame,
-    entries: Iterable[tuple[str, Any]],
+    entries: Sequence[tuple[str, Any]],
     parameters: Iterable[Any] | None,
-    *,
-    velocities: bool = True,
 ) -> list[sp.Expr]:
     """Texts, numbers or sympy expressions in q, u, t and parameters as sympy expressions.
 
     Symbols are known by their names. In a sympy expression every other symbol is a parameter
-    unless parameters are listed; in a text it must be listed.
+    unless parameters are listed; in a text it must be listed, or stand in such an expression.
 
     Raises
     ------
@@ -115,19 +113,20 @@ def expressions(
     for item in parameters or ():
         symbol = sp.Symbol(item) if isinstance(item, str) else item
         table.setdefault(symbol.name, symbol)
-    found = []
+    found: dict[str, sp.Expr] = {}
+    for where, value in entries:
+        if not isinstance(value, str):
+            expression = found[where] = _sympified(where, value)
+            for symbol in sorted(expression.free_symbols, key=str):
+                if symbol.name not in table:
+                    _check_parameter(where, symbol.name, letters, table, parameters is not None)
+                    table[symbol.name] = symbol
+            renamed = {symbol: table[symbol.name] for symbol in expression.free_symbols}
+            found[where] = expression.xreplace(renamed)
     for where, value in entries:
         if isinstance(value, str):
-            found.append(parse_expression(value, table, where=where))
-            continue
-        expression = _sympified(where, value)
-        for symbol in sorted(expression.free_symbols, key=str):
-            if symbol.name not in table:
-                _check_parameter(where, symbol.name, letters, table, parameters is not None)
-                table[symbol.name] = symbol
-        renamed = {s: table[s.name] for s in expression.free_symbols}
-        found.append(expression.xreplace(renamed))
-    return found
+            found[where] = parse_expression(value, table, where=where)
+    return [found[where] for where, _ in entries]
 
 
 def _sympified(where: str, value: Any) -> sp.Expr:

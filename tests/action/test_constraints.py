@@ -176,6 +176,7 @@ def test_one_constraint_may_be_given_in_text():
         (["x"], "no constraint linear"),
         (["t*u2"], "no constraint linear"),
         (["u2", "2*u2"], r"constraints\[1\] follows from"),
+        (["u1 + u2", "2*u1 + 2*u2"], r"constraints\[1\] follows from"),
         (["u1", "u2", "u1 + x*u2"], "nothing could move"),
         (["0"], "no constraint linear"),
     ],
@@ -196,3 +197,37 @@ def test_particle_on_a_rotating_line_is_free_where_it_should_be():
     )
     assert sp.simplify(found.rates["u1"] + slope * G / (1 + slope**2)) == 0
     assert sp.simplify(found.reactions["u2"] - M * G / (1 + slope**2)) == 0
+
+
+def test_forces_under_constraints():
+    """A force along what is held acts through what moves: F_1 + k F_2 on a line of slope k."""
+    x, y = sp.symbols("x y", real=True)
+    frame = gt.Frame([x, y], [[1, 0], [0, 1]])
+    slope, drag = sp.symbols("k c", positive=True)
+    push = [sp.cos(sp.Symbol("t")), -drag * U2 + x]
+    found = gt.equations_of_motion(
+        frame, M * (U1**2 + U2**2) / 2, push, constraints=[U2 - slope * U1]
+    )
+    along = push[0] + slope * push[1].subs(U2, slope * U1)
+    assert sp.simplify(found.rates["u1"] - along / (M * (1 + slope**2))) == 0
+    assert found.agrees is True
+    # Newton for y: m y'' = F_2 + reaction.
+    reaction = M * slope * found.rates["u1"] - push[1].subs(U2, slope * U1)
+    assert sp.simplify(found.reactions["u2"] - reaction) == 0
+
+
+@pytest.mark.parametrize(
+    ("constraint", "left"),
+    [
+        ("x*u1 + u2", ("u1", "u3")),
+        ("u1 + x*u2", ("u2", "u3")),
+        ("u1 + u2", ("u1", "u3")),
+        ("m*u1 + x*u2", ("u2", "u3")),
+        ("x*u1 + y*u2", ("u1", "u3")),
+    ],
+)
+def test_which_velocity_goes(constraint, left):
+    """One with a constant coefficient if there is any, of several the last."""
+    found = gt.equations_of_motion(SLEDGE, SLEIGH, constraints=[constraint])
+    assert tuple(symbol.name for symbol in found.velocities) == left
+    assert found.agrees is True

@@ -30,7 +30,7 @@ def momenta(found):
         ("s2", 3),
         ("so3", 6),
         ("so3_zxz", 6),
-        ("twisted_bar", 3),
+        ("twisted_bar", 4),
     ],
 )
 def test_number_of_killing_fields(name, number):
