@@ -28,7 +28,7 @@ class EquationsOfMotion:
     frame: the frame whose forms give the velocities.
     lagrangian: L(q, u, t).
     forces: F_k(q, u, t), one for each form of the frame: F_k u^k is their power.
-    constraints: expressions linear in u that stay zero.
+    constraints: expressions linear in u, with a part free of u or not, that stay zero.
     principle: how the action is varied.
     hamel, lagrange: the two derivations, in exact elements.
     """
@@ -196,8 +196,9 @@ def equations_of_motion(
         Where L depends on q, closed_in_image takes dq^mu = E_i^mu dPhi^i there, as Kleinert and
         Pelster do: the gap of the path at its end would make the equations depend on the future.
     constraints
-        expressions linear in u that stay zero (rolling, knife edge). The frame is adapted to
-        them; each takes away one velocity, if possible the last whose coefficient is constant.
+        expressions a_i(q) u^i + c(q, t) that stay zero (rolling, knife edge, driven wheels). The
+        frame is adapted to them; each takes away one velocity, if possible the last whose
+        coefficient is constant.
     parameters
         names or symbols that may occur besides. In sympy expressions all other symbols are
         parameters unless a list is given; a text knows those and what is listed.

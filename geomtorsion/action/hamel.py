@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -18,15 +18,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Hamel:
-    """d/dt p_k = A_kj^i u^j p_i + E_k(L) + F_k over a frame, some velocities held at zero.
+    """d/dt p_k = A_kj^i u^j p_i + E_k(L) + F_k over a frame, some velocities held.
 
     phase: the frame, adapted to the constraints if there are any.
-    free: numbers of the quasi-velocities that move; the others are zero.
-    lagrangian: L, where the held velocities are zero.
-    momenta: p_i = dL/du^i for all i, where the held velocities are zero.
-    slopes: E_k(L) at fixed u, for all k.
-    forces: F_k, for all k.
+    free: numbers of the quasi-velocities that move.
+    lagrangian: L, where the held velocities have their values.
+    momenta: p_i = dL/du^i for all i, likewise.
+    slopes: E_k(L) at fixed u, for all k, likewise.
+    forces: F_k, for all k, likewise.
     twist: A_kj^i of the variation.
+    held: values of the other velocities, functions of q and t, mostly zero.
     """
 
     phase: Phase
@@ -36,13 +37,13 @@ class Hamel:
     slopes: tuple[Element, ...]
     forces: tuple[Element, ...]
     twist: Twist
+    held: Mapping[int, Element] = field(default_factory=dict)
 
     @cached_property
     def velocities(self) -> tuple[Element, ...]:
-        """u^i as elements, zero where they are held."""
-        zero = self.phase.field.zero
+        """u^i as elements, with the values of those that are held."""
         every = enumerate(self.phase.velocities)
-        return tuple(value if i in self.free else zero for i, value in every)
+        return tuple(self.held.get(i, value) for i, value in every)
 
     @cached_property
     def rates(self) -> tuple[Element, ...]:
@@ -55,8 +56,7 @@ class Hamel:
         field = self.phase.field
         terms: list[list] = [[] for _ in range(self.phase.dimension)]
         for (k, j, i), value in self.twist.items():
-            if j in self.free:
-                terms[k].append((1, value, self.velocities[j], self.momenta[i]))
+            terms[k].append((1, value, self.velocities[j], self.momenta[i]))
         return tuple(field.sum(row) for row in terms)
 
     def kinetic(self, rows: Sequence[int]) -> dict[tuple[int, int], Element]:
@@ -127,7 +127,7 @@ class Hamel:
 
     @cached_property
     def reactions(self) -> dict[int, Element]:
-        """Forces that hold the held velocities at zero: the residuals along them."""
+        """Forces that hold the held velocities: the residuals along them."""
         moving = dict(zip(self.free, self.accelerations, strict=True))
         found = {}
         for k in range(self.phase.dimension):

@@ -62,14 +62,16 @@ class _Found:
 def conserved(hamel: Hamel, frame: Frame, base: Frame) -> dict[str, sp.Expr]:
     """Name -> f(q, u, t) that does not change along the motion.
 
-    Tried are: the energy p_i u^i - L; momenta p_i xi^i along coordinate lines, along legs, along
-    right-invariant fields of a Lie group, and, elsewhere, along f(q) E_k for a few functions f;
-    rational combinations of these; and the quadratic Casimirs of the legs.
+    Tried are: the energy p_i u^i - L, of driven systems also without what is driven; momenta
+    p_i xi^i along coordinate lines, along legs, along right-invariant fields of a Lie group, and,
+    elsewhere, along f(q) E_k for a few functions f; rational combinations of these; and the
+    quadratic Casimirs of the legs.
 
     frame: as the user gave it. base: the same over the field of the equations.
     """
     found = _Found(hamel)
-    found.add("energy", energy(hamel))
+    found.add("energy", energy(hamel, range(hamel.phase.dimension)))
+    found.add("jacobi integral", energy(hamel, hamel.free))
     rest = [one for one in momenta(hamel, frame, base) if not found.add(*one)]
     _combine(found, rest, "momentum")
     if fields.right_invariant(frame) is None:
@@ -79,9 +81,9 @@ def conserved(hamel: Hamel, frame: Frame, base: Frame) -> dict[str, sp.Expr]:
     return {name: value.sympy for name, value in found.kept.items()}
 
 
-def energy(hamel: Hamel) -> Element:
-    """p_i u^i - L."""
-    terms = [(1, hamel.momenta[i], hamel.velocities[i]) for i in hamel.free]
+def energy(hamel: Hamel, moving: Iterable[int]) -> Element:
+    """p_i u^i - L over all velocities, or over those that move (others may be driven)."""
+    terms = [(1, hamel.momenta[i], hamel.velocities[i]) for i in moving]
     return hamel.phase.field.sum([*terms, (-1, hamel.lagrangian)])
 
 

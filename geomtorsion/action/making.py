@@ -112,21 +112,20 @@ def _restricted(
     principle: Principle,
     connection: Connection | None,
 ) -> Hamel:
-    """The same over the adapted frame, where the replaced velocities are zero."""
+    """The same over the adapted frame, where the replaced velocities have their values."""
     phase, u = restriction.phase, restriction.phase.letters.velocities
-    stopped = {u[i]: 0 for i in range(phase.dimension) if i not in restriction.free}
-    energy = phase.frame.read([("lagrangian", lagrangian.xreplace(restriction.turned()))])[0]
+    turned, stopped = restriction.turned(), restriction.stopped()
+    energy = phase.frame.read([("lagrangian", lagrangian.xreplace(turned))])[0]
 
-    def at_rest(element: Element) -> Element:
+    def held(element: Element) -> Element:
         if not element.symbols & set(stopped):
             return element
         return phase.field.read(element.sympy.subs(stopped))
 
-    momenta = tuple(at_rest(energy.diff(symbol)) for symbol in u)
-    still = at_rest(energy)
-    slopes = tuple(phase.along(k, still) for k in range(phase.dimension))
-    held = restriction.held()
-    named = [(f"forces[{k}]", value.xreplace(held)) for k, value in enumerate(forces)]
-    pushes = restriction.carried(phase.frame.read(named))
+    momenta = tuple(held(energy.diff(symbol)) for symbol in u)
+    slopes = tuple(held(phase.along(k, energy)) for k in range(phase.dimension))
+    named = [(f"forces[{k}]", value.xreplace(turned)) for k, value in enumerate(forces)]
+    pushes = restriction.carried([held(value) for value in phase.frame.read(named)])
     twist = twist_of(phase.frame, principle, connection)
-    return Hamel(phase, restriction.free, still, momenta, slopes, pushes, twist)
+    free, values = restriction.free, restriction.held
+    return Hamel(phase, free, held(energy), momenta, slopes, pushes, twist, values)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -22,15 +22,17 @@ Row = dict[int, "Element"]
 
 @dataclass(frozen=True, eq=False)
 class Restriction:
-    """A frame in which constraints a^r_i u^i = 0 read w^r = 0; all other forms stay.
+    """A frame in which constraints a^r_i u^i + c^r = 0 read w^r = -c^r; all other forms stay.
 
     phase: the adapted frame, in the field of the frame before.
     free: numbers of the forms that stay; the others are replaced by constraints, in order.
+    held: w^r = -c^r(q, t) by the number of the form that it replaces; mostly zero.
     given: B^i_k with u^i = B^i_k w^k, at (i, k).
     """
 
     phase: Phase
     free: tuple[int, ...]
+    held: Mapping[int, Element]
     given: Mapping[tuple[int, int], Element]
 
     def carried(self, values: Sequence[Element]) -> tuple[Element, ...]:
@@ -43,19 +45,16 @@ class Restriction:
 
     def turned(self) -> dict[sp.Symbol, sp.Expr]:
         """u^i = B^i_k w^k, the new velocities under the names of the old ones."""
-        return self._written(range(self.phase.dimension))
-
-    def held(self) -> dict[sp.Symbol, sp.Expr]:
-        """The same where the replaced velocities are zero."""
-        return self._written(self.free)
-
-    def _written(self, columns: Iterable[int]) -> dict[sp.Symbol, sp.Expr]:
-        u, columns = self.phase.letters.velocities, set(columns)
+        u = self.phase.letters.velocities
         terms: list[list[sp.Expr]] = [[] for _ in u]
         for (i, k), value in self.given.items():
-            if k in columns:
-                terms[i].append(value.sympy * u[k])
+            terms[i].append(value.sympy * u[k])
         return {symbol: sp.Add(*row) for symbol, row in zip(u, terms, strict=True)}
+
+    def stopped(self) -> dict[sp.Symbol, sp.Expr]:
+        """The values of the replaced velocities."""
+        u = self.phase.letters.velocities
+        return {u[k]: value.sympy for k, value in self.held.items()}
 
 
 def restricted(phase: Phase, constraints: Sequence[tuple[str, Element]]) -> Restriction:
@@ -67,9 +66,10 @@ def restricted(phase: Phase, constraints: Sequence[tuple[str, Element]]) -> Rest
     Raises
     ------
     ConstraintError
-        A constraint is not linear and homogeneous in u, depends on t, or follows from others.
+        A constraint is not linear in u, its coefficients depend on t, or it follows from others.
     """
-    rows = [_coefficients(phase, where, value) for where, value in constraints]
+    read = [_coefficients(phase, where, value) for where, value in constraints]
+    rows = [row for row, _ in read]
     replaced = _pivots(phase, rows, [where for where, _ in constraints])
     n, one = phase.dimension, phase.field.one
     turn = {(i, i): one for i in range(n) if i not in replaced}
@@ -82,7 +82,8 @@ def restricted(phase: Phase, constraints: Sequence[tuple[str, Element]]) -> Rest
     summed = {index: phase.field.sum(terms) for index, terms in coframe.items()}
     free = tuple(i for i in range(n) if i not in replaced)
     adapted = _reframed(phase.frame, summed)
-    return Restriction(phase.over(adapted), free, inverse(phase.field, turn, n))
+    held = {place: -rest for place, (_, rest) in zip(replaced, read, strict=True)}
+    return Restriction(phase.over(adapted), free, held, inverse(phase.field, turn, n))
 
 
 def _reframed(frame: Frame, coframe: Mapping[tuple[int, int], Element]) -> Frame:
@@ -94,23 +95,24 @@ def _reframed(frame: Frame, coframe: Mapping[tuple[int, int], Element]) -> Frame
     return adapted
 
 
-def _coefficients(phase: Phase, where: str, value: Element) -> Row:
-    """a_i of a_i(q) u^i."""
+def _coefficients(phase: Phase, where: str, value: Element) -> tuple[Row, Element]:
+    """a_i and c of a_i(q) u^i + c(q, t)."""
     found: Row = {}
     for i, symbol in enumerate(phase.letters.velocities):
         slope = value.diff(symbol)
         if not slope.is_zero:
             found[i] = slope
-    linear = phase.field.sum([(1, a, phase.velocities[i]) for i, a in found.items()])
-    moving = {*phase.letters.velocities, phase.letters.time}
-    bound = [a for a in found.values() if a.symbols & moving]
-    if linear != value or bound or not found:
+    terms = [(-1, a, phase.velocities[i]) for i, a in found.items()]
+    rest = phase.field.sum([(1, value), *terms])
+    velocities = set(phase.letters.velocities)
+    bound = [a for a in found.values() if a.symbols & {*velocities, phase.letters.time}]
+    if rest.symbols & velocities or bound or not found:
         raise ConstraintError(
             f"{where}: {value} = 0 is no constraint linear in the velocities. Give a sum of "
-            "coefficients of q times u^i, without a constant part and without the time, as in "
-            "'u2' or 'sin(theta)*u1 - cos(theta)*u2'."
+            "coefficients of q times u^i, plus a function of q and t if need be, as in 'u2' or "
+            "'sin(theta)*u1 - cos(theta)*u2'."
         )
-    return found
+    return found, rest
 
 
 def _pivots(phase: Phase, rows: Sequence[Row], names: Sequence[str]) -> list[int]:
