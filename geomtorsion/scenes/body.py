@@ -41,7 +41,7 @@ class Body:
     """
 
     mass: Any = 1.0
-    moments: Sequence[Any] | None = None
+    moments: Any = None
     inertia: Any = None
 
     def __post_init__(self) -> None:
@@ -89,7 +89,7 @@ class Body:
         return cls(shapes.positive(mass, "mass", "kg"), shapes.cylinder(mass, radius, height))
 
     @classmethod
-    def points(cls, masses: Sequence[tuple[Any, Sequence[Any]]]) -> Body:
+    def points(cls, masses: Any) -> Body:
         """Point masses (kg) at places (m) in axes parallel to the body's; any origin will do.
 
         Examples

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -44,12 +43,12 @@ class State:
 nothing.
     """
 
-    omega: Sequence[Any] | None = None
-    euler: Sequence[Any] | None = None
-    quaternion: Sequence[Any] | None = None
+    omega: Any = None
+    euler: Any = None
+    quaternion: Any = None
     matrix: Any = None
-    position: Sequence[Any] | None = None
-    velocity: Sequence[Any] | None = None
+    position: Any = None
+    velocity: Any = None
     euler_convention: str = attitude.PAPER
 
     def __post_init__(self) -> None:

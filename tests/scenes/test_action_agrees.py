@@ -70,7 +70,7 @@ def differences(made: Assembly, equations):
         back |= {u: in_frame(w) for u, w in zip(U[:3], made.omega, strict=True)}
         back = {u: v for u, v in back.items() if u != v}
     for symbol in made.speeds:
-        name = TABLE.get(symbol, MOVING.get(symbol)).name
+        name = str(TABLE.get(symbol, MOVING.get(symbol)))
         yield name, in_frame(made.rates[symbol]) - rates[name].xreplace(back)
     if made.constraint is None:
         # v = R V in space, so that R^T v' = V' + Omega x V.
@@ -83,7 +83,7 @@ def differences(made: Assembly, equations):
 
 def vanishes(expression) -> bool:
     symbols = sorted(expression.free_symbols, key=str)
-    return not symbols or Field(symbols).read(expression).is_zero
+    return not symbols or Field(symbols).read(expression).is_zero is True
 
 
 PRINCIPLES = {"naive_top": "naive", "helix": "closed_in_image"}
@@ -97,7 +97,7 @@ def test_equations_from_the_action(name):
     lawful = {k: e for k, e in scene.keyed.items() if k not in ("naive", "torsion")}
     plain = gt.scenes.assembly.assemble(scene.body, lawful)
     equations = from_action(plain, PRINCIPLES.get(name, "closed_in_coordinates"))
-    found = dict(differences(scene.assembly, equations))
+    found: dict[str, sp.Expr] = dict(differences(scene.assembly, equations))
     assert len(found) == (6 if scene.assembly.constraint is None else len(scene.assembly.speeds))
     if name == "naive_top":
         # The scene is naive about the rotation, which it is about, and not about the translation.

@@ -21,6 +21,11 @@ def gauss(a, b, n=8):
     return (b - a) / 2 * x + (a + b) / 2, (b - a) / 2 * w
 
 
+def axis_of(body):
+    axis = body.symmetry_axis
+    return None if axis is None else axis.tolist()
+
+
 def cloud(kind):
     """Quadrature points of a body of mass 1 and sizes 1, 2, 3, exact for quadratic functions."""
     if kind == "box":
@@ -60,7 +65,7 @@ def test_equal_sides_give_equal_moments():
     """A cube with sides that are no binary fractions is a spherical top all the same."""
     one, two, three = Body.box(0.7, (0.1, 0.1, 0.1)).moments
     assert one == two == three
-    assert Body.cylinder(0.3, 0.1, 0.7).symmetry_axis.tolist() == [0, 0, 1]
+    assert axis_of(Body.cylinder(0.3, 0.1, 0.7)) == [0, 0, 1]
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)
@@ -101,10 +106,10 @@ def test_principal_axes():
 
 
 def test_axis_of_symmetry():
-    assert Body(moments=(1, 2, 3)).symmetry_axis is None
-    assert Body(moments=(1, 1, 1)).symmetry_axis.tolist() == [0, 0, 1]
-    assert Body(moments=(2, 1, 1)).symmetry_axis.tolist() == [1, 0, 0]
-    assert Body(moments=(1, 1, 1 + 1e-12)).symmetry_axis.tolist() == [0, 0, 1]
+    assert axis_of(Body(moments=(1, 2, 3))) is None
+    assert axis_of(Body(moments=(1, 1, 1))) == [0, 0, 1]
+    assert axis_of(Body(moments=(2, 1, 1))) == [1, 0, 0]
+    assert axis_of(Body(moments=(1, 1, 1 + 1e-12))) == [0, 0, 1]
 
 
 @pytest.mark.parametrize(

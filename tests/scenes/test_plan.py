@@ -1,5 +1,7 @@
 """Plan: exactly the states that the question needs, and why."""
 
+from typing import Any, cast
+
 import networkx as nx
 import pytest
 
@@ -150,7 +152,7 @@ def test_other_bad_fields():
     with pytest.raises(SceneError, match="watch is empty"):
         Scene(BODY, (), START, [])
     with pytest.raises(SceneError, match="a Body was needed"):
-        Scene((1, 2, 3), (), START)
+        Scene(cast(Any, (1, 2, 3)), (), START)
     with pytest.raises(SceneError, match="samples = 1"):
         Scene(BODY, (), START, samples=1)
     with pytest.raises(SceneError, match="velocity = \\(1, 2, 3\\), but the constraint makes it"):

@@ -1,5 +1,7 @@
 """State: one attitude given in three ways, and starts that are none."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -10,9 +12,9 @@ from tests.scenes.brute import zyz
 
 def test_three_ways_to_give_an_attitude():
     angles = (0.4, 1.1, -0.7)
-    by_euler = State(omega=(0, 0, 1), euler=angles).attitude
-    by_matrix = State(omega=(0, 0, 1), matrix=zyz(*angles).tolist()).attitude
-    by_quaternion = State(omega=(0, 0, 1), quaternion=by_euler.tolist()).attitude
+    by_euler: Any = State(omega=(0, 0, 1), euler=angles).attitude
+    by_matrix: Any = State(omega=(0, 0, 1), matrix=zyz(*angles).tolist()).attitude
+    by_quaternion: Any = State(omega=(0, 0, 1), quaternion=by_euler.tolist()).attitude
     assert np.abs(by_euler - by_matrix).max() < 4e-16
     assert np.abs(by_euler - by_quaternion).max() < 2e-16
     assert State(omega=(0, 0, 1)).attitude is None
@@ -20,8 +22,8 @@ def test_three_ways_to_give_an_attitude():
 
 def test_other_conventions():
     """Yaw, pitch, roll about body axes are roll, pitch, yaw about space axes."""
-    one = State(euler=(0.3, 0.2, 0.1), euler_convention="ZYX").attitude
-    two = State(euler=(0.1, 0.2, 0.3), euler_convention="xyz").attitude
+    one: Any = State(euler=(0.3, 0.2, 0.1), euler_convention="ZYX").attitude
+    two: Any = State(euler=(0.1, 0.2, 0.3), euler_convention="xyz").attitude
     assert np.abs(one - two).max() < 2e-16
     assert State(euler_convention="paper").euler_convention == "zyz"
 
