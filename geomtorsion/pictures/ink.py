@@ -72,7 +72,7 @@ def new_figure(width: float, height: float) -> Figure:
     return Figure(figsize=(width, height), layout="constrained", facecolor="white")
 
 
-def save(figure: Figure, path: Path) -> None:
+def save(figure: Figure, path: Path, dpi: int = RESOLUTION) -> None:
     """Write a figure in the format of its suffix, the same bytes each time."""
     import matplotlib as mpl
 
@@ -80,7 +80,7 @@ def save(figure: Figure, path: Path) -> None:
     kind = path.suffix.removeprefix(".")
     metadata = blank.get(kind, {"CreationDate": None, "Producer": None, "Creator": None})
     with mpl.rc_context({"svg.hashsalt": "geomtorsion"}):
-        figure.savefig(path, dpi=RESOLUTION, metadata=metadata)
+        figure.savefig(path, dpi=dpi, metadata=metadata)
 
 
 def mathematics(name: str) -> str:

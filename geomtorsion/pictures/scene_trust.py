@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 # Below the rounding of doubles, and drawn at the bottom of a logarithmic scale.
 NOTHING = 1e-17
+# What changes by less than this, relative, is kept.
+KEPT = 1e-8
 
 
 def trust_picture(
@@ -105,11 +107,19 @@ def change_picture(
     for place, (quantity, laws) in enumerate(kept.items()):
         axes: Any = figure.add_subplot(len(kept), 1, place + 1, sharex=first)
         first = first or axes
+        largest = 0.0
         for (law, values), stroke in zip(laws.items(), SERIES * 2, strict=False):
             data = np.asarray(values, dtype=float).reshape(len(values), -1)
             size = float(np.linalg.norm(data[0])) or 1.0
             change = np.linalg.norm(data - data[0], axis=1) / size
             axes.plot(clock[: len(change)], change, **stroke.line, label=law)
+            largest = max(largest, float(change.max()))
+        if largest < KEPT:
+            axes.set_ylim(-0.05, 1.0)
+            axes.text(
+                0.99, 0.93, f"kept: changes below {number(float(f'{largest:.0e}') or NOTHING)}",
+                ha="right", va="top", transform=axes.transAxes, fontsize=9, color="#444444",
+            )  # fmt: skip
         axes.set_title(
             f"change of the {quantity.replace('_', ' ')}, relative", fontsize=10.5, loc="left"
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +15,8 @@ if TYPE_CHECKING:
     from geomtorsion.scenes.result import SceneResult
 
 Drawn = Callable[["SceneResult"], Any]
+# Effects that are no mechanics: with them a scene is shown beside the one without.
+LAWS = frozenset({"naive", "torsion"})
 # So many points make a smooth curve.
 SMOOTH = 1501
 # Directions that change by less than this (relative) are taken to stay.
@@ -57,6 +60,8 @@ def album(result: SceneResult) -> dict[str, tuple[Drawn, str]]:
         shown["cones"] = (cones, "How the body turns, seen from itself and from space.")
     if "position" in values:
         shown["path"] = (path_in_space, "The way in space.")
+    if scene is not None and LAWS & set(scene.keyed):
+        shown["laws"] = (laws, "Beside it, the same start by the law that bodies obey.")
     if scene is not None:
         shown["trust"] = (trust, "Error, and drift of what should be constant.")
         shown["plan"] = (plan, "What was computed, and what was left out.")
@@ -152,6 +157,34 @@ def path_in_space(result: SceneResult) -> Figure:
     _, places, matrix = finely(result, "position", "matrix")
     turned = None if matrix is None else matrix.reshape(-1, 3, 3)
     return path_picture({"position": places}, turned, title_of(result), notes_of(result))
+
+
+def laws(result: SceneResult) -> Figure:
+    """What should be constant, or the path, by this law and by that which bodies obey."""
+    import numpy as np
+
+    from geomtorsion.pictures.scene_path import path_picture
+    from geomtorsion.pictures.scene_trust import change_picture
+
+    scene = result.scene
+    assert scene is not None
+    (key,) = LAWS & set(scene.keyed)
+    kept = tuple(effect for effect in scene.effects if effect.key not in LAWS)
+    lawful = replace(scene, effects=kept).run()
+    if "position" in result.values:
+        _, places = finely(result, "position")
+        _, others = finely(lawful, "position")
+        apart = np.linalg.norm(others - others[0], axis=1)
+        near = apart <= 2 * float(np.ptp(places, axis=0).max())
+        names = ("autoparallel", "geodesic") if key == "torsion" else (key, "right")
+        paths = dict(zip(names, (places, others[near]), strict=True))
+        return path_picture(paths, title=title_of(result), notes=notes_of(result))
+    names = [name for name in ("energy", "angular_momentum_space") if name in result.values]
+    times, *ours = finely(result, *names)
+    _, *theirs = finely(lawful, *names)
+    pairs = zip(names, zip(theirs, ours, strict=True), strict=True)
+    changes = {name: {"right": right, key: own} for name, (right, own) in pairs}
+    return change_picture(times, changes, title_of(result), notes_of(result))
 
 
 def trust(result: SceneResult) -> Figure:

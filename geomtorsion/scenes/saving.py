@@ -15,6 +15,8 @@ from geomtorsion.scenes.writing import write_file
 if TYPE_CHECKING:
     from geomtorsion.scenes.result import SceneResult
 
+# Enough for a screen, and files that are not large.
+DPI = 100
 TABLE, ARRAYS, FACTS, SCENE = "table.csv", "result.npz", "run.json", "scene.toml"
 
 
@@ -60,7 +62,7 @@ def write_run(
     written[2].write_text(json.dumps(facts, indent=2, ensure_ascii=False) + "\n", "utf-8")
     write_file(result.scene, written[3])
     for name, figure in figures.items():
-        save(figure, directory / name)
+        save(figure, directory / name, DPI)
         written.append(directory / name)
     return written
 

@@ -49,7 +49,8 @@ def test_batches_agree_with_single_runs():
 def test_equations_that_differ_are_solved_apart():
     """A value of zero and equal moments change the equations; results do not care."""
     scene = load("lagrange_cusp").replaced(t=0.2, watch=("nutation",))
-    paths = {"gravity.g": [0.0, 9.81], "body.moments[1]": [2.57e-4, 3e-4]}
+    equal = (scene.body.moments or (0,))[0]
+    paths = {"gravity.g": [0.0, 9.81], "body.moments[1]": [equal, 3e-4]}
     sweep = scene.sweep(paths, "last nutation", together=True)
     assert sweep["last nutation"].shape == (2,)
     for k in range(2):

@@ -1,0 +1,77 @@
+"""Helix or straight line: the straightest path is not the one that bodies take.
+
+    python examples/12_helix_or_straight_line.py
+    python examples/12_helix_or_straight_line.py --picture paths.png
+
+On SO(3) autoparallels and geodesics are one curve. On R^3 x SO(3), a body that turns and moves, the
+torsion force tells them apart: autoparallels have Omega and V constant in the body (a helix),
+geodesics go straight on. The scenes `helix` and `straight_line` are the same two motions.
+"""
+
+import argparse
+
+import numpy as np
+
+import geomtorsion as gt
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Both paths from the frame alone, both as scenes, and the force between them."""
+    parser = argparse.ArgumentParser(description="Autoparallel and geodesic of R^3 x SO(3).")
+    parser.add_argument("--picture", help="file for a picture of both paths")
+    parser.add_argument("--t", type=float, default=12.0, help="last time, s")
+    options = parser.parse_args(arguments)
+    frame = gt.spaces.load("r3xso3").frame
+    omega, velocity = [0.3, 0.2, 1.0], [1.0, 0.0, 0.2]
+    # Coordinates are (phi, x); the legs of the frame are those of the body.
+    start = [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]
+    along = {"start": start, "frame_velocity": [*omega, *velocity]}
+    straightest = gt.solve(gt.autoparallel(gt.cartan(frame), **along), options.t, accuracy=1e-11)
+    shortest = gt.solve(gt.geodesic(frame, **along), options.t, accuracy=1e-11)
+    print(f"straightest: {straightest.engine}, error below {straightest.error:.1e}")
+    print(f"shortest:    {shortest.engine}, error below {shortest.error:.1e}")
+
+    state = gt.State(omega=omega, euler=start[:3], position=(0, 0, 0), velocity=(0, 0, 0))
+    turn = gt.Scene(gt.Body(moments=(1, 1, 1)), (), state, watch=["matrix"], t=1.0).run()
+    attitude = turn["matrix"].reshape(-1, 3, 3)[0]
+    common = {
+        "start": gt.State(
+            omega=omega, euler=start[:3], position=(0, 0, 0), velocity=attitude @ velocity
+        ),
+        "watch": ["position"],
+        "t": straightest.times,
+        "accuracy": 1e-11,
+    }
+    body = gt.Body(mass=1, moments=(1, 1, 1))
+    helix = gt.Scene(body, [gt.effects.Torsion()], **common).run()
+    line = gt.Scene(body, [gt.effects.Drift()], **common).run()
+    gaps = (
+        np.abs(helix["position"] - straightest.coordinates[:, 3:]).max(),
+        np.abs(line["position"] - shortest.coordinates[:, 3:]).max(),
+    )
+    print(f"as scenes they are the same to {gaps[0]:.1e} and {gaps[1]:.1e}")
+    apart = np.linalg.norm(helix["position"] - line["position"], axis=1)
+    print(f"at the end they are {apart[-1]:.4f} m apart")
+    if options.picture:
+        from pathlib import Path
+
+        from geomtorsion.pictures.ink import save
+        from geomtorsion.pictures.scene_path import path_picture
+
+        paths = {"autoparallel": helix["position"], "geodesic": line["position"]}
+        save(path_picture(paths, title="one start, two paths"), Path(options.picture))
+    assert max(gaps) < 1e-8
+    # Known: the line is straight, the helix has the radius |V across Omega| / |Omega|.
+    known = np.outer(line.times, attitude @ velocity)
+    assert np.abs(line["position"] - known).max() < 1e-9
+    w, v = attitude @ np.array(omega), attitude @ np.array(velocity)
+    centre = np.cross(w, v) / (w @ w)
+    axis = w / np.linalg.norm(w)
+    out = helix["position"] - centre
+    out -= np.outer(out @ axis, axis)
+    radius = np.linalg.norm(v - (v @ axis) * axis) / np.linalg.norm(w)
+    assert np.abs(np.linalg.norm(out, axis=1) - radius).max() < 1e-9
+
+
+if __name__ == "__main__":
+    main()
