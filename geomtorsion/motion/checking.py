@@ -12,11 +12,17 @@ from geomtorsion.motion.engines.protocol import Engine
 # An error estimate is this many times what the difference of two runs says.
 CAUTION = 2.2
 # An answer is taken if its error is below this part of the accuracy: estimates, too, have errors.
-TAKEN = 0.4
+TAKEN = 0.33
 # An answer of fewer steps is held against a finer run: its steps end where the motion does.
 FEW_STEPS = 4
 # Two runs that differ by more than this part say nothing about each other.
 SATURATED = 0.02
+# An error above this part of the accuracy is confirmed by a second check.
+DOUBTED = 0.01
+# Roundings of many steps add up to this part of their number's root.
+WALK = 0.3
+# Two fine runs share so many roundings, which grow like any error on the way.
+SHARED = 6.0
 # Where an attempt fails, the next tolerance is this much below what the estimate asks for, ...
 RESERVE = 0.35
 # ... and between these parts of the last one.
@@ -70,6 +76,7 @@ def checked(
     ended: Callable[[A], bool],
     *,
     coarse: bool = True,
+    disturbed: Callable[[float, float], A] | None = None,
 ) -> Checked[A]:
     """The answer of the first tolerance that is good enough, or the last one.
 
@@ -95,26 +102,44 @@ def checked(
     coarse
         whether a coarser run may tell the error; not where more is rounded than states, as the
         time is in equations that contain it.
+    disturbed
+        makes a run of a tolerance whose start is moved by a small relative part, so that a check
+        shows how rounding grows. None: checks start as answers do.
     """
     made: dict[float, A] = {}
+    aside: dict[tuple[float, float], A] = {}
 
     def run(tolerance: float) -> A:
         if tolerance not in made:
             made[tolerance] = attempt(tolerance)
         return made[tolerance]
 
+    def run_aside(tolerance: float, answer: A, sign: float = 1.0) -> A:
+        if disturbed is None:
+            return run(tolerance)
+        key = tolerance, sign * _part(engine, answer, tolerance)
+        if key not in aside:
+            aside[key] = disturbed(*key)
+        return aside[key]
+
     tolerance: float | None = first
     best = None
     while tolerance is not None:
         answer = run(tolerance)
-        check, share, error = _judged(engine, answer, made, run, difference, coarse)
+        check, share, error = _judged(engine, answer, made, run_aside, difference, coarse)
+        close = DOUBTED * accuracy < error <= accuracy and check.tolerance < answer.tolerance
+        if close and disturbed is not None:
+            # Two runs may agree by chance where rounding is all that tells them apart.
+            gap, compared = difference(answer, run_aside(check.tolerance, answer, -1.0))
+            error = max(error, CAUTION * gap if compared else math.inf)
         if best is None or error < best[-1]:
             best = answer, check, share, error
         if error <= TAKEN * accuracy or ended(answer):
             break
         tolerance = _next(engine, answer, check, error / accuracy)
     assert best is not None
-    return Checked(*best, tuple(made.values()))
+    every = {id(one): one for one in (*made.values(), *aside.values())}
+    return Checked(*best, tuple(every.values()))
 
 
 def rounding(engine: Engine, steps: int) -> float:
@@ -122,11 +147,21 @@ def rounding(engine: Engine, steps: int) -> float:
     return 2.0**-engine.precision * math.sqrt(max(steps, 1))
 
 
+def _part(engine: Engine, answer: Attempt, tolerance: float) -> float:
+    """By how much to move the start of a check: by what rounding moves the answer.
+
+    Of the difference to a coarser run only a share is taken for the error, about the ratio of the
+    tolerances; moved by as much more, it has its full weight.
+    """
+    part = 2.0 ** (1 - engine.precision) * max(1.0, WALK * math.sqrt(answer.steps))
+    return part * max(1.0, tolerance / answer.tolerance)
+
+
 def _judged(
     engine: Engine,
     answer: A,
     made: dict[float, A],
-    run: Callable[[float], A],
+    run: Callable[[float, A], A],
     difference: Callable[[A, A], tuple[float, int]],
     may_coarsen: bool,
 ) -> tuple[A, float, float]:
@@ -135,7 +170,7 @@ def _judged(
     coarse = engine.coarser(answer.tolerance) if may_coarsen else None
     if coarse is not None and answer.steps >= FEW_STEPS:
         usable = [t for t in made if engine.shrinks(answer, made[t]) is not None]
-        check = run(max(usable, default=coarse))
+        check = run(max(usable, default=coarse), answer)
         share = engine.shrinks(answer, check)
         if share is not None and check.outcome == answer.outcome:
             gap, compared = difference(answer, check)
@@ -144,8 +179,9 @@ def _judged(
     finer = engine.finer(answer.tolerance)
     if finer is None:
         return answer, CAUTION, math.inf
-    least *= max(_growth(answer, made, difference), 1.0)
-    check = run(finer)
+    growth = _growth(answer, made, difference)
+    least = max(least, SHARED * 2.0**-engine.precision * growth)
+    check = run(finer, answer)
     gap, compared = difference(answer, check)
     return check, CAUTION, max(CAUTION * gap, least) if compared else math.inf
 
@@ -155,7 +191,7 @@ def _growth(
 ) -> float:
     """How much errors grow on the way, as far as an earlier attempt shows it.
 
-    Two fine runs share some of their rounding; this part of the error they do not show.
+    Two fine runs do not show the rounding that they share.
     """
     earlier = max(made)
     if earlier <= answer.tolerance:
@@ -171,9 +207,12 @@ def _next(engine: Engine, answer: Attempt, check: Attempt, excess: float) -> flo
     if answer.tolerance <= engine.finest * 1.01:
         return None
     step = min(max(RESERVE / excess, LARGEST_STEP), SMALLEST_STEP)
-    wanted = max(engine.rung(answer.tolerance * step), engine.finest)
+    wanted: float | None = max(engine.rung(answer.tolerance * step), engine.finest)
     nearest = engine.rung(answer.tolerance * SMALLEST_STEP)
+    if engine.finer(wanted) is None:
+        # What cannot be checked is no answer.
+        wanted = nearest if nearest < answer.tolerance and engine.finer(nearest) else None
     # A check by a finer run costs three times one by a coarser run: first what is near.
-    if engine.coarser(wanted) is None and engine.coarser(nearest) is not None:
+    if wanted and engine.coarser(wanted) is None and engine.coarser(nearest) is not None:
         return nearest
     return wanted

@@ -99,10 +99,8 @@ class Taylor:
 
     def finer(self, tolerance: float) -> float | None:
         """See `Engine.finer`: two orders more."""
-        last = tolerance_of(order_of(self.finest))
-        if tolerance <= last * 1.01:
-            return None
-        return max(tolerance_of(order_of(tolerance) + 2), last)
+        order, last = order_of(tolerance), order_of(self.finest)
+        return tolerance_of(min(order + 2, last)) if order < last else None
 
     def coarser(self, tolerance: float) -> float | None:
         """See `Engine.coarser`: four orders less, as long as rounding plays no part."""

@@ -162,17 +162,18 @@ class Keeper:
 
     def __call__(
         self,
-        k: int,
+        leg: tuple[int, float],
         engine: Engine,
         start: Sequence[Any],
         numbers: Sequence[Any],
         times: Any,
         tolerance: float,
     ) -> Run:
-        """The run of a leg, from the file or made now."""
+        """The run of a leg (number, part by which its start is moved), known or made now."""
+        k, moved = leg
         self.trips += k == 0
         kept = self.checkpoint
-        name = f"{engine.name} {tolerance!r} {k}"
+        name = f"{engine.name} {tolerance!r} {k} {moved!r}"
         run = None if kept is None else kept.known(name, engine, times)
         if run is None:
             run = run_one(self.flow, engine, start, numbers, times, tolerance)

@@ -25,9 +25,11 @@ from geomtorsion.motion.solving import (
     remedy,
 )
 
+# A coarser run tells the error only where rounding may grow by this much and play no part still.
+ROOM = 1e9
 Progress = Callable[[float], None]
 Engines = Iterator[tuple[Engine, str]]
-Travel = Callable[[Engine, float], Trip]
+Travel = Callable[[Engine, float, float], Trip]
 
 
 def solve_flow(
@@ -92,8 +94,8 @@ def _solved(
 ) -> FlowSolution:
     """The answer of the first engine and tolerance that are good enough."""
 
-    def go(solver: Engine, tolerance: float) -> Trip:
-        return travel(flow, solver, tolerance, grid, legs, keeper)
+    def go(solver: Engine, tolerance: float, moved: float) -> Trip:
+        return travel(flow, solver, tolerance, grid, legs, keeper, moved=moved)
 
     spent: list[Trip] = []
     best = math.inf
@@ -126,10 +128,11 @@ def _refined(
         engine,
         accuracy,
         learned.get(key) or engine.first(accuracy),
-        lambda tolerance: go(engine, tolerance),
+        lambda tolerance: go(engine, tolerance, 0.0),
         difference,
         lambda trip: trip.outcome == "stuck",
-        coarse=not flow.law.clock,
+        coarse=not flow.law.clock and accuracy > ROOM * 2.0**-engine.precision,
+        disturbed=lambda tolerance, part: go(engine, tolerance, part),
     )
     if found.error <= accuracy:
         learned[key] = found.answer.tolerance

@@ -15,7 +15,8 @@ from geomtorsion.exact import parse_expression
 from geomtorsion.exact.element import Element
 from geomtorsion.exact.names import near_names
 
-# Rationals p/q with smaller p and q are compiled in; all other numbers are given at run time.
+# Rationals p/q with smaller p and q are compiled in where q is a power of two: they are held
+# exactly. All other numbers are given at run time: a check can tell what rounding them does.
 SMALL = 64
 # What may stand in outputs, but not in rates.
 _KINKED = {name: getattr(sp, name) for name in ("Abs", "sign", "Max", "Min", "floor", "ceiling")}
@@ -175,7 +176,7 @@ class Folding:
 
     def _number(self, expr: Any) -> Any:
         value = sp.Rational(expr) if expr.is_Float else expr
-        if value.is_Rational and abs(value.p) <= SMALL and value.q <= SMALL:
+        if value.is_Rational and abs(value.p) <= SMALL and value.q in (1, 2, 4, 8, 16, 32, 64):
             return value
         if value not in self.names:
             # With a blank in it no user can have given this name.

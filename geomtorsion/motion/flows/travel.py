@@ -5,18 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any
+
+import mpmath
 
 from geomtorsion.motion.engines.protocol import Engine, Run
 from geomtorsion.motion.engines.taylor import Taylor
 from geomtorsion.motion.flows.law import CLOCK
 from geomtorsion.motion.flows.roots import crossings
-from geomtorsion.motion.system import System, mpf
+from geomtorsion.motion.system import System, exact, mpf
 
 if TYPE_CHECKING:
     from geomtorsion.motion.flows.flow import Flow
 
-RunLeg = Callable[[int, Engine, Sequence[Any], Sequence[Any], Any, float], Run]
+RunLeg = Callable[[tuple[int, float], Engine, Sequence[Any], Sequence[Any], Any, float], Run]
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,8 +162,14 @@ def travel(
     grid: Any,
     legs: Sequence[Leg],
     run_leg: RunLeg | None = None,
+    *,
+    moved: float = 0.0,
 ) -> Trip:
-    """Follow a flow through the times of a grid from 0 on."""
+    """Follow a flow through the times of a grid from 0 on.
+
+    moved: the relative part by which start and numbers are moved, up and down in turn, to show how
+    rounding grows.
+    """
     import numpy as np
 
     size = flow.size
@@ -172,6 +181,10 @@ def travel(
         start = list(state[:size])
         for name, value in leg.jumps.items():
             start[flow.states.index(name)] = value
+        numbers = leg.numbers
+        if moved:
+            numbers = _moved(numbers, engine, moved, exact_too=False)
+            start = _moved(start, engine, moved, exact_too=True) if k == 0 else start
         for places in flow.unit_places:
             _make_unit(start, places, engine)
         if k and flow.room(leg.begin, start, leg.parameters) < 0:
@@ -187,9 +200,9 @@ def travel(
         if not final or times[-1] != leg.end:
             times = np.concatenate((times, [leg.end]))
         if run_leg is None:
-            run = run_one(flow, engine, start, leg.numbers, times, tolerance)
+            run = run_one(flow, engine, start, numbers, times, tolerance)
         else:
-            run = run_leg(k, engine, start, leg.numbers, times, tolerance)
+            run = run_leg((k, moved), engine, start, numbers, times, tolerance)
         count = min(len(run.times) - head, len(inside))
         outcome = {"edge": "stopped"}.get(run.outcome, run.outcome)
         pieces.append(
@@ -244,6 +257,31 @@ def _ended_earlier(system: System, run: Run, times: Any, numbers: Sequence[Any])
     )  # fmt: skip
 
 
+def _moved(values: Sequence[Any], engine: Engine, part: float, *, exact_too: bool) -> list[Any]:
+    """Numbers moved by a part, up and down in turn; zeros stay.
+
+    exact_too: whether numbers that the engine holds exactly are moved.
+    """
+    found = []
+    for k, value in enumerate(values):
+        known, change = exact(value), Fraction((-1) ** k * part)
+        if known is None:
+            bits = 2 * engine.precision
+            with mpmath.workprec(bits):
+                found.append(mpf(value, bits) * (1 + mpf(change, bits)))
+        elif exact_too or not _fits(known, engine.precision):
+            found.append(known * (1 + change))
+        else:
+            found.append(value)
+    return found
+
+
+def _fits(value: Fraction, precision: int) -> bool:
+    """Whether a number is held without rounding."""
+    p, q = abs(value.numerator), value.denominator
+    return q & (q - 1) == 0 and (p // (p & -p) if p else 0).bit_length() <= precision
+
+
 def _make_unit(state: list[Any], places: Sequence[int], engine: Engine) -> None:
     """Bring some of the states to length one, to rounding at any precision."""
     values = [state[k] for k in places]
@@ -252,8 +290,6 @@ def _make_unit(state: list[Any], places: Sequence[int], engine: Engine) -> None:
         length = math.hypot(*numbers)
         scaled = [value / length for value in numbers]
     else:
-        import mpmath
-
         bits = engine.precision + 20
         with mpmath.workprec(bits):
             exact_values = [mpf(value, bits) for value in values]
