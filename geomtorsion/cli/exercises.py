@@ -18,7 +18,6 @@ Seed = Annotated[int, typer.Option(metavar="N", help="Which variant; 0 is that o
 exercises = typer.Typer(
     name="exercises",
     invoke_without_command=True,
-    help="List, show, check and grade exercises.",
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
@@ -106,5 +105,8 @@ def hint(
         typer.echo(f"Next: `geomtorsion exercises hint {number}{again} --step {step + 1}`.")
 
 
-for _command in (show, check, hint, sheet, grade):
+for _command in (show, hint, sheet, grade):
     exercises.command()(guarded(_command))
+# An answer may begin with a minus sign, and -h(...) is no cry for help.
+_MINUS = {"ignore_unknown_options": True, "help_option_names": ["--help"]}
+exercises.command(context_settings=_MINUS)(guarded(check))

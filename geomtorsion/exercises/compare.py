@@ -20,7 +20,7 @@ Value = Mapping[Index, Any]
 EQUAL, PARTLY, DIFFERENT = "equal", "partly", "different"
 # Floats closer than this are looked at exactly; it decides nothing by itself.
 NEAR = 1e-7
-# Numbers of 50 digits that differ by more than this are different.
+# Numbers of 200 digits that differ by more than this are different.
 SURE = 1e-30
 
 
@@ -69,7 +69,7 @@ def same(ground: Ground, given: Value, right: Value) -> bool:
 
 
 def _near(ground: Ground, one: Any, two: Any) -> list[bool]:
-    """At each point where both have a value, whether it is the same; decided in 50 digits."""
+    """At each point where both have a value, whether it is the same; decided in many digits."""
     import numpy as np
 
     points = ground.points or ({},)
@@ -105,7 +105,7 @@ def _confirmed(points: Any, found: list[bool], one: Any, two: Any) -> list[bool]
 
 
 def _settled(point: Any, one: Any, two: Any) -> bool | None:
-    """Whether both have one value at a point, in 50 digits; None where one has none."""
+    """Whether both have one value at a point, in many digits; None where one has none."""
     a, b = at_point(one, point), at_point(two, point)
     if a is None or b is None:
         return None
@@ -113,7 +113,7 @@ def _settled(point: Any, one: Any, two: Any) -> bool | None:
 
 
 def _is_zero(ground: Ground, one: Any, two: Any) -> bool:
-    """Whether the difference vanishes exactly; where nothing decides it, what 50 digits say."""
+    """Whether the difference vanishes exactly; where nothing decides it, what many digits say."""
     for expr in (one, two):
         check_weight(expr, "answer")
     try:

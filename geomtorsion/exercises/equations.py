@@ -10,7 +10,7 @@ import sympy
 
 from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.exercises.ground import Ground
-from geomtorsion.exercises.limits import LARGEST_ANSWER, check_weight
+from geomtorsion.exercises.limits import LARGEST_ANSWER, LARGEST_EQUATION, check_weight
 from geomtorsion.exercises.reading import expression, plain_name, shown_name
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ def _solved(
 ) -> dict[Index, sympy.Expr]:
     """The rates by elimination in the exact field."""
     for place, residual in residuals:
-        check_weight(residual, place)
+        check_weight(residual, place, LARGEST_EQUATION)
     field = ground.field()
     rows: list[list[Element]] = []
     for place, residual in residuals:

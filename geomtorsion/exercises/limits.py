@@ -14,17 +14,19 @@ from geomtorsion.exact.tokens import Limits
 ANSWER = Limits(characters=4000, depth=30, exponent=24, digits=80)
 LARGEST_ANSWER = 20_000
 LARGEST_WEIGHT = 20_000
+# Of one of several equations, which are combined to solve them.
+LARGEST_EQUATION = 400
 MOST_RADICALS = 4
 _CIRCULAR = (sympy.sin, sympy.cos, sympy.tan, sympy.cot, sympy.sec, sympy.csc)
 
 
-def check_weight(expr: Any, where: str) -> None:
+def check_weight(expr: Any, where: str, largest: int = LARGEST_WEIGHT) -> None:
     """Refuse an expression that would be very long if it were multiplied out.
 
     Raises
     ------
     LimitError
-        more than LARGEST_WEIGHT terms, or more than MOST_RADICALS roots, are to be expected.
+        more than `largest` terms, or more than MOST_RADICALS roots, are to be expected.
 
     Examples
     --------
@@ -42,9 +44,9 @@ def check_weight(expr: Any, where: str) -> None:
             f"{where}: it contains more than {MOST_RADICALS} different roots. Write it shorter."
         )
     above, below = _weight(expr, {})
-    if above * below > LARGEST_WEIGHT:
+    if above * below > largest:
         raise LimitError(
-            f"{where}: multiplied out, this would have more than {LARGEST_WEIGHT:,} terms. "
+            f"{where}: multiplied out, this would have more than {largest:,} terms. "
             "Write it shorter."
         )
 

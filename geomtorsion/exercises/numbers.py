@@ -30,7 +30,7 @@ UNITS: Mapping[str, tuple[str, float]] = MappingProxyType(
         "J": ("energy", 1.0), "Nm": ("energy", 1.0), "%": ("share", 1e-2),
     }
 )  # fmt: skip
-_UNIT = re.compile(r"^(.*?[\d.)iI]|pi|π)\s*([A-Za-z°%]+(?:/s)?|1/s)\s*$", re.DOTALL)
+_UNIT = re.compile(r"^(.*?(?:[\d.)]|pi|π))\s*([A-Za-z°%]+(?:/s)?|1/s)\s*$", re.DOTALL)
 # A number this close, in tolerances, was rounded rather than wrong.
 ROUNDED = 20
 

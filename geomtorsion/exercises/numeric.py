@@ -8,12 +8,19 @@ from typing import Any
 import mpmath
 import sympy
 
-DIGITS = 50
-# Binary exponents beyond this are not followed: exp(exp(exp(9))) would fill the memory.
-LARGEST_EXPONENT = 20_000
+from geomtorsion.errors import ExpressionError
+
+# Enough for answers in which a hundred digits cancel.
+DIGITS = 200
+# Binary exponents beyond these are not followed: exp(exp(exp(9))) would take minutes.
+LARGEST_EXPONENT = 4000
+LARGEST_ARGUMENT = 200
+# Name in sympy -> name in NumPy; mpmath calls them as sympy does.
 _NUMPY = {
-    "asin": "arcsin", "acos": "arccos", "atan": "arctan", "asinh": "arcsinh", "acosh": "arccosh",
-    "atanh": "arctanh", "Abs": "absolute",
+    "sin": "sin", "cos": "cos", "tan": "tan", "sinh": "sinh", "cosh": "cosh", "tanh": "tanh",
+    "exp": "exp", "log": "log", "asin": "arcsin", "acos": "arccos", "atan": "arctan",
+    "asinh": "arcsinh", "acosh": "arccosh", "atanh": "arctanh", "atan2": "arctan2",
+    "Abs": "absolute",
 }  # fmt: skip
 _INVERSE = {"cot": "tan", "sec": "cos", "csc": "sin", "coth": "tanh", "sech": "cosh",
             "csch": "sinh"}  # fmt: skip
@@ -75,7 +82,7 @@ class _Arrays:
 
         if name == "atan2":
             return np.arctan2(arguments[0].real, arguments[1].real)
-        return getattr(np, _NUMPY.get(name, name))(*arguments)
+        return getattr(np, _NUMPY[name])(*arguments)
 
     def checked(self, value: Any) -> Any:
         return value
@@ -90,14 +97,21 @@ class _Digits:
         return mpmath.mpc(expr._to_mpmath(mpmath.mp.prec))
 
     def power(self, base: Any, exponent: Any) -> Any:
+        self._check_argument(exponent)
         real = mpmath.re(exponent)
         whole = not mpmath.im(exponent) and real == int(real)
         return base ** int(real) if whole else mpmath.power(base, exponent)
 
     def call(self, name: str, arguments: list[Any]) -> Any:
+        for argument in () if name in ("log", "Abs") else arguments:
+            self._check_argument(argument)
         if name == "atan2":
             return mpmath.mpc(mpmath.atan2(arguments[0].real, arguments[1].real))
         return mpmath.mpc(getattr(mpmath, "fabs" if name == "Abs" else name)(*arguments))
+
+    def _check_argument(self, value: Any) -> None:
+        if value and mpmath.mag(value) > LARGEST_ARGUMENT:
+            raise OverflowError("an argument beyond all size")
 
     def checked(self, value: Any) -> Any:
         if value and mpmath.mag(value) > LARGEST_EXPONENT:
@@ -136,6 +150,8 @@ def _combined(expr: Any, parts: list[Any], table: Any) -> Any:
         return 1 / table.call(_INVERSE[name], parts)
     if name in _TURNED:
         return table.call(_TURNED[name], [1 / parts[0]])
+    if name not in _NUMPY:
+        raise ExpressionError(f"{name} occurs in {str(expr)[:60]}; write it by smooth functions.")
     if name == "log" and len(parts) == 2:
         return table.call("log", parts[:1]) / table.call("log", parts[1:])
     return table.call(name, parts)

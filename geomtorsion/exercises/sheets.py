@@ -25,6 +25,7 @@ _MORE = """
 .question {
   border-left: 3px solid var(--accent); padding: 0.1rem 0 0.1rem 0.9rem; margin: 0.8rem 0;
 }
+.card h2 { margin: 0.2rem 0 0.7rem; border: 0; padding: 0; }
 .answer { font-family: ui-monospace, monospace; overflow-wrap: anywhere; }
 pre { overflow-x: auto; } code { font-size: 0.95em; }
 td:nth-child(2) { white-space: normal; } td:first-child { width: auto; font-weight: 400; }

@@ -110,10 +110,10 @@ def seen_from_space(name: str) -> Frame:
 
 def profile(draw: Random, x: sp.Symbol) -> sp.Expr:
     """How long the circles of a surface of revolution are: positive for 0 < x < 1 at least."""
-    k = draw.choice((2, 3))
+    k = draw.choice((2, 3, 4, 5))
     choices = (
-        sp.sinh(x), sp.exp(k * x), sp.cosh(x), x**k, sp.sin(k * x / 2), 1 + x**2, sp.exp(-k * x),
-        x * sp.exp(x), 1 / (1 + x),
+        sp.sinh(k * x), sp.exp(k * x), sp.cosh(x / k), x**k, sp.sin(x / k), 1 + k * x**2,
+        sp.exp(-k * x), x * sp.exp(k * x), 1 / (k + x), k * x + x**2, sp.tanh(k * x), sp.cos(x / k),
     )  # fmt: skip
     return draw.choice(choices)
 

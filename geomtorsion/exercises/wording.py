@@ -34,7 +34,8 @@ def how_to_answer(question: Question, *, options: bool = True) -> str:
             return f"{text}{unit}, exactly"
         return f"{text}{unit}, relative tolerance {question.tolerance:.2g}"
     if question.kind == "components":
-        text = f"{text}: `{example(question)}`"
+        matrix = " or a matrix `[[...], [...]]`" if len(question.shape) == 2 else ""
+        text = f"{text}, as `{example(question)}`{matrix},"
     names = ", ".join(f"`{name}`" for name in symbol_names(question))
     return f"{text} in {names}" if names else f"{text} without symbols"
 
@@ -52,5 +53,4 @@ def example(question: Question) -> str:
     if rank == 1:
         return "1 = ...; 2 = ..."
     first, second = ",".join(["1"] * rank), ",".join([*["1"] * (rank - 1), "2"])
-    matrix = ", or a matrix [[...], [...]]" if rank == 2 else ""
-    return f"{first} = ...; {second} = ..." + matrix
+    return f"{first} = ...; {second} = ..."

@@ -6,9 +6,10 @@ from html import escape
 
 from geomtorsion.exercises.prose.formula import EMPTY, Node, tree_of
 
-_LARGE = "∮∫∑"
 _FENCES = "()[]|"
-_APPLY = "<mo>&#x2061;</mo>"
+_PREFIXED = '<mo form="prefix">−</mo>'
+_LEADING = ("=", ",", "(", "[")
+_THIN = '<mspace width="0.17em"/>'
 
 
 def mathml_of(latex: str, *, display: bool = False) -> str:
@@ -28,7 +29,15 @@ def _written(node: Node) -> str:
 
 
 def _row(node: Node) -> str:
-    return f"<mrow>{''.join(map(_written, node.parts))}</mrow>"
+    """Parts side by side; a function stands a little apart from what comes before."""
+    found = []
+    for number, part in enumerate(node.parts):
+        named = part.kind == "word" or (part.kind == "scripts" and part.parts[0].kind == "word")
+        if number and named and node.parts[number - 1].kind not in ("sign", "space"):
+            found.append(_THIN)
+        leads = not number or (node.parts[number - 1].text in _LEADING)
+        found.append(_PREFIXED if part.text == "-" and leads else _written(part))
+    return f"<mrow>{''.join(found)}</mrow>"
 
 
 def _letter(node: Node) -> str:
@@ -37,6 +46,9 @@ def _letter(node: Node) -> str:
 
 
 def _sign(node: Node) -> str:
+    if node.text == "∂":
+        # As an operator it would stand apart from what it differentiates.
+        return "<mi>∂</mi>"
     sign = "−" if node.text == "-" else node.text
     still = ' stretchy="false"' if sign in _FENCES else ""
     tight = ' lspace="0" rspace="0"' if sign in "/′" else ""
@@ -66,10 +78,8 @@ def _scripts(node: Node) -> str:
 
 
 def _accent(node: Node) -> str:
-    return (
-        f'<mover accent="true">{_written(node.parts[0])}'
-        f'<mo stretchy="false">{node.text}</mo></mover>'
-    )
+    mark = f'<mo stretchy="false">{node.text}</mo>'
+    return f"<mover>{_written(node.parts[0])}{mark}</mover>"
 
 
 def _fence(node: Node) -> str:

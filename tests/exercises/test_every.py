@@ -1,0 +1,118 @@
+"""Every exercise in five variants: solution, other forms of it, and mistakes that are expected."""
+
+from collections import Counter
+from random import Random
+
+import pytest
+
+from geomtorsion import exercises
+from geomtorsion.exercises import registry
+from geomtorsion.exercises.checking import check_question
+from geomtorsion.exercises.diagnoses import TITLES
+from geomtorsion.exercises.writing import answer_text
+from tests.exercises.forms import another_form
+
+SEEDS = range(5)
+WRONG_ANSWERS = 20
+NUMBERS = exercises.names()
+# Every diagnosis that an exercise can compute in advance.
+COMPUTED = {
+    "factor", "sign", "permuted", "levi-civita", "cartan", "inverse", "basis", "direction", "axes",
+    "degrees", "naive", "principle", "forgotten",
+}  # fmt: skip
+
+
+def wrong_answers(number: str):
+    """(question, code, value) of every expected mistake in all seeds, by code."""
+    found: dict[str, list] = {}
+    for seed in SEEDS:
+        for question in exercises.load(number, seed).questions:
+            for mistake in question.mistakes:
+                found.setdefault(mistake.code, []).append((question, mistake.value))
+    return found
+
+
+def test_there_are_enough():
+    """At least 24 in seven chapters, warm-ups and a project among them."""
+    assert len(NUMBERS) >= 24
+    assert {number.partition(".")[0] for number in NUMBERS} == set("1234567")
+    assert len(exercises.CHAPTERS) == 7
+    levels = {exercises.load(number).level for number in NUMBERS}
+    assert levels == {"warm-up", "exercise", "project"}
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_the_solution_is_right(number):
+    """What the library computes passes its own check, in each variant."""
+    for seed in SEEDS:
+        exercise = exercises.load(number, seed)
+        verdict = exercise.check(exercise.answers())
+        assert verdict.right, verdict
+        assert verdict.score == 1
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_other_forms_are_right(number):
+    """A random equal form of every solution is right."""
+    draw = Random(f"right {number}")
+    for seed in SEEDS:
+        for question in exercises.load(number, seed).questions:
+            answer = another_form(question, question.solution, draw)
+            said = check_question(question, answer)
+            assert said.right, (seed, question.name, answer, said)
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_mistakes_get_their_diagnosis(number):
+    """Twenty wrong answers of each kind that is expected, in random forms, are named."""
+    draw = Random(f"wrong {number}")
+    for code, cases in wrong_answers(number).items():
+        for place in range(max(WRONG_ANSWERS, len(cases))):
+            question, value = cases[place % len(cases)]
+            answer = another_form(question, value, draw)
+            said = check_question(question, answer)
+            assert not said.right, (code, question.name, answer)
+            assert code in said.codes, (code, question.name, answer, said)
+            assert said.message
+
+
+def test_every_diagnosis_occurs():
+    """Each kind of mistake is expected by some exercise, and has a name."""
+    found = Counter(code for number in NUMBERS for code in wrong_answers(number))
+    assert set(found) >= COMPUTED
+    assert set(found) <= set(TITLES)
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_variants_differ(number):
+    """Another seed is another task: another statement, prompt or solution."""
+
+    def told(seed):
+        exercise = exercises.load(number, seed)
+        asked = tuple(question.prompt for question in exercise.questions)
+        return exercise.statement, asked, str(exercise.solution())
+
+    assert len({told(seed) for seed in range(8)}) >= 4
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_a_seed_is_a_seed(number):
+    """The same seed gives the same task again, from a fresh start."""
+    entry = next(entry for entry in registry.EXERCISES if entry[0] == number)
+    before, after = exercises.load(number, 3), registry._loaded.__wrapped__(*entry, 3)
+    assert before is not after
+    assert before.statement == after.statement
+    assert [q.prompt for q in before.questions] == [q.prompt for q in after.questions]
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_exercises_are_told_well(number):
+    """Each has a statement, hints in steps, and says how to answer; no answer is empty."""
+    exercise = exercises.load(number)
+    assert len(exercise.statement) > 80
+    assert len(exercise.hints) >= 2
+    assert exercise.title == exercises.titles()[number]
+    for question in exercise.questions:
+        assert question.prompt
+        assert answer_text(question, question.solution)
+        assert exercise.question(question.name) is question

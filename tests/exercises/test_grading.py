@@ -1,0 +1,234 @@
+"""Grading: 200 students, one malformed and one hostile file, interruptions, an honest table."""
+
+import csv
+from random import Random
+
+import pytest
+
+from geomtorsion import exercises
+from geomtorsion.errors import FileFormatError, UnknownNameError
+from geomtorsion.exercises import examiner as examiner_module
+from geomtorsion.exercises import grading
+from geomtorsion.exercises.examiner import Examiner
+from geomtorsion.exercises.grading import GRADED, PARTLY, REFUSED, grade
+from geomtorsion.exercises.writing import answer_text
+from tests.exercises.forms import another_form
+
+STUDENTS = 200
+NUMBERS = ("1.1", "2.1", "3.2", "3.3")
+
+
+def handed_in(name: str, seed: int, answers) -> str:
+    """A file of answers."""
+    lines = [f'student = "{name}"', f"seed = {seed}"]
+    for number, table in answers.items():
+        lines.append(f'[answers."{number}"]')
+        lines += [f"{key} = '''{text}'''" for key, text in table.items()]
+    return "\n".join(lines) + "\n"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """200 students who know more or less, and two files that are none."""
+    place = tmp_path_factory.mktemp("answers")
+    draw = Random("students")
+    expected = {}
+    for k in range(STUDENTS):
+        seed = draw.randrange(4)
+        answers, earned = {}, 0.0
+        for number in NUMBERS:
+            answers[number] = {}
+            for question in exercises.load(number, seed).questions:
+                if draw.random() < 0.7:
+                    text = another_form(question, question.solution, draw)
+                    earned += question.points
+                elif draw.random() < 0.5:
+                    text = answer_text(question, draw.choice(question.mistakes).value)
+                else:
+                    text = "sin("
+                answers[number][question.name] = text
+        name = f"student{k:03}"
+        expected[f"{name}.toml"] = earned
+        (place / f"{name}.toml").write_text(handed_in(f"Student {k}", seed, answers), "utf-8")
+    (place / "broken.toml").write_text('[answers\n"1.1" = import os', "utf-8")
+    hostile = {
+        "1.1": {"legs": f"__import__('os').system('touch {place}/pwned')"},
+        "2.1": {"connection": "1,2,2 = " + "(" * 2000},
+        "3.2": {"christoffel": "9**9**9**9"},
+        "3.3": {
+            "scalar": "cos(phi2)*" + "*".join(f"(sin({k}*r)+cos({k}*r))^24" for k in range(99))
+        },
+    }
+    (place / "hostile.toml").write_text(handed_in("=HYPERLINK(1)", 0, hostile), "utf-8")
+    (place / "notes.txt").write_text("not an answer", "utf-8")
+    return place, expected
+
+
+def table_of(file) -> dict[str, dict[str, str]]:
+    """The rows of the table by file."""
+    with file.open(encoding="utf-8", newline="") as source:
+        return {row["file"]: row for row in csv.DictReader(source)}
+
+
+def test_two_hundred_students(folder, tmp_path):
+    """Everybody gets what they earned; the two bad files are reported and cost no one else."""
+    place, expected = folder
+    seen = []
+    marks = grade(place, tmp_path / "marks.csv", progress=lambda *step: seen.append(step))
+    assert marks.numbers == NUMBERS
+    rows = table_of(tmp_path / "marks.csv")
+    assert len(rows) == STUDENTS + 2
+    for name, earned in expected.items():
+        assert float(rows[name]["earned"]) >= earned
+        assert float(rows[name]["earned"]) <= earned + 2
+        assert rows[name]["status"] == GRADED
+    exact = sum(float(rows[name]["earned"]) == earned for name, earned in expected.items())
+    assert exact > STUDENTS / 2
+    assert rows["broken.toml"]["status"] == REFUSED
+    assert "no TOML" in rows["broken.toml"]["remarks"]
+    assert rows["hostile.toml"]["status"] == PARTLY
+    assert float(rows["hostile.toml"]["earned"]) == 0
+    assert not (place / "pwned").exists(), "an answer was run as code"
+    assert rows["hostile.toml"]["student"] == "'=HYPERLINK(1)"
+    assert {row["file"] for row in marks.troubled} == {"broken.toml", "hostile.toml"}
+    assert seen[0][:2] == (0, STUDENTS + 2)
+    assert seen[-1][:2] == (STUDENTS + 2, STUDENTS + 2)
+    assert [done for done, _, _ in seen] == sorted(done for done, _, _ in seen)
+
+
+def some(folder, tmp_path, count: int = 6):
+    """A few of the students in a folder of their own."""
+    place, _ = folder
+    few = tmp_path / "few"
+    few.mkdir()
+    for path in sorted(place.glob("*.toml"))[:count]:
+        (few / path.name).write_bytes(path.read_bytes())
+    return few
+
+
+def test_interrupted_grading_loses_nothing(folder, tmp_path, monkeypatch):
+    """Ctrl-C in the middle: what is finished stands in the table, a second run goes on from it."""
+    few, output = some(folder, tmp_path), tmp_path / "out" / "marks.csv"
+    checked = []
+    real = Examiner.check
+
+    def counted(self, number, answers, seed=0):
+        if len(checked) == 9:
+            raise KeyboardInterrupt
+        checked.append(number)
+        return real(self, number, answers, seed)
+
+    monkeypatch.setattr(Examiner, "check", counted)
+    with pytest.raises(KeyboardInterrupt):
+        grade(few, output, NUMBERS)
+    done = table_of(output)
+    assert 2 <= len(done) < 6
+    monkeypatch.setattr(Examiner, "check", real)
+    marks = grade(few, output, NUMBERS)
+    assert marks.kept == len(done)
+    assert len(marks.rows) == 6
+    whole = table_of(output)
+    assert {name: whole[name] for name in done} == done
+    assert not list(output.parent.glob(".*"))
+    fresh = tmp_path / "fresh.csv"
+    grade(few, fresh, NUMBERS)
+    assert fresh.read_bytes() == output.read_bytes()
+
+
+def test_a_changed_file_is_graded_again(folder, tmp_path):
+    """Only the one that changed; another task starts afresh; a strange table is replaced."""
+    few, output = some(folder, tmp_path, 3), tmp_path / "marks.csv"
+    output.write_text("not,a,table\n", "utf-8")
+    assert grade(few, output, NUMBERS).kept == 0
+    one = min(few.glob("student*.toml"))
+    one.write_text(handed_in("Changed", 0, {"3.2": {"christoffel": "cot(phi2)"}}), "utf-8")
+    marks = grade(few, output, NUMBERS)
+    assert marks.kept == 2
+    assert table_of(output)[one.name]["3.2"] == "1"
+    assert grade(few, output, ["3.2"]).kept == 0
+
+
+def test_one_seed_for_all(folder, tmp_path):
+    """Who worked on another variant is reported, not graded."""
+    few, output = some(folder, tmp_path), tmp_path / "marks.csv"
+    grade(few, output, ["3.2"], seed=2)
+    for row in table_of(output).values():
+        fits = row["seed"] == "2"
+        assert (row["status"] == GRADED) == fits or row["file"] in ("broken.toml", "hostile.toml")
+        assert fits or "instead of 2" in row["remarks"] or row["status"] == REFUSED
+
+
+def test_unknown_exercises_and_empty_folders(tmp_path):
+    """Said before anything is graded."""
+    with pytest.raises(FileFormatError, match="no TOML file here"):
+        grade(tmp_path, tmp_path / "marks.csv")
+    (tmp_path / "a.toml").write_text("", "utf-8")
+    with pytest.raises(UnknownNameError, match="9.9"):
+        grade(tmp_path, tmp_path / "marks.csv", ["9.9"])
+
+
+# -- the examiner ---------------------------------------------------------------------------------
+
+
+def test_the_examiner_says_what_the_exercise_says():
+    """Another process, the same verdict; a single text counts for the first question."""
+    with Examiner() as examiner:
+        for answer in ("cot(phi2)", "-cot(phi2)", "sin("):
+            there = examiner.check("3.2", answer)
+            assert there == exercises.load("3.2").check({"christoffel": answer})
+
+
+def test_an_answer_that_does_not_end_is_ended(monkeypatch):
+    """The process is killed, the answer counts as too large, the next one is checked."""
+    with Examiner(seconds=30) as examiner:
+        assert examiner.check("3.2", "cot(phi2)").right
+        first = examiner._process
+        assert first is not None
+        # As good as an answer that never ends: no reply is waited for.
+        examiner.seconds = 0.0
+        verdict = examiner.check("3.2", "cot(phi2)")
+        assert verdict["christoffel"].diagnosis == "too large"
+        assert "longer than 0 s" in verdict["christoffel"].message
+        assert first.poll() is not None
+        examiner.seconds = 30
+        assert examiner.check("3.2", "cot(phi2)").right
+        assert examiner._process is not first
+
+
+def test_a_process_that_dies_costs_one_answer():
+    """Whatever ends it, the next answer is checked."""
+    with Examiner() as examiner:
+        assert examiner.check("3.2", "cot(phi2)").right
+        assert examiner._process is not None
+        examiner._process.kill()
+        examiner._process.wait()
+        assert examiner.check("3.2", "cot(phi2)").right
+    assert examiner._process is None
+
+
+def test_memory_is_limited():
+    """The process asks the system for a bound, where the system has one."""
+    import io
+    import json
+
+    replies = io.StringIO()
+    requests = io.StringIO(
+        json.dumps({"number": "3.2", "seed": 0})
+        + "\n"
+        + json.dumps({"number": "3.2", "seed": 0, "answers": {"christoffel": "cot(phi2)"}})
+        + "\n"
+    )
+    examiner_module.serve(requests, replies)
+    ready, prepared, verdict = replies.getvalue().splitlines()
+    assert ready == "ready"
+    assert json.loads(prepared) == {"prepared": True}
+    assert json.loads(verdict)["verdict"]["questions"][0]["right"]
+
+
+def test_rows_are_harmless_in_a_spreadsheet():
+    """No cell starts like a formula or breaks the line."""
+    for text in ("=1+1", "+1", "-1", "@x", "a\nb", "x" * 1000):
+        shown = grading._harmless(text)
+        assert shown[0] not in "=+-@"
+        assert "\n" not in shown
+        assert len(shown) <= grading.LONGEST_REMARK + 1

@@ -1,0 +1,92 @@
+"""Prose: formulas as MathML and as text, and the little Markdown there is."""
+
+from xml.etree import ElementTree
+
+import pytest
+
+from geomtorsion import exercises
+from geomtorsion.errors import ExpressionError
+from geomtorsion.exercises.diagnoses import MESSAGES
+from geomtorsion.exercises.prose import html_of, text_of
+from geomtorsion.exercises.prose.formula import tree_of
+from geomtorsion.exercises.prose.mathml import mathml_of
+from geomtorsion.exercises.prose.plain import plain_of
+
+
+def texts(number: str, seed: int) -> list[str]:
+    """Everything that an exercise may show."""
+    exercise = exercises.load(number, seed)
+    found = [exercise.statement, *exercise.hints]
+    for question in exercise.questions:
+        found += [question.prompt, *question.options.values()]
+        if seed == 0:
+            found += [mistake.message for mistake in question.mistakes if mistake.message]
+    return found
+
+
+@pytest.mark.parametrize("number", exercises.names())
+def test_everything_can_be_shown(number):
+    """Well-formed HTML without a stray dollar or backslash, and text likewise."""
+    for seed in range(2):
+        for text in texts(number, seed):
+            html = html_of(text)
+            ElementTree.fromstring(f"<div>{html}</div>")
+            assert "$" not in html
+            assert "\\" not in html
+            plain = text_of(text)
+            assert "$" not in plain
+            assert "\\m" not in plain
+            assert "**" not in plain
+            assert plain
+
+
+def test_messages_can_be_shown():
+    """What is said of each diagnosis has no mark-up that is left over."""
+    for text in MESSAGES.values():
+        assert "$" not in text_of(text)
+
+
+@pytest.mark.parametrize(
+    ("latex", "plain"),
+    [
+        (r"\Gamma_{ab}{}^c = E_i{}^c\,\partial_a e^i{}_b", "Γ_ab^c = E_i^c ∂_a e^i_b"),
+        (r"\frac{a + b}{2 r}", "(a + b)/(2r)"),
+        (r"\tfrac12 x", "1/2 x"),
+        (r"\dot q^a + \ddot\phi", "q̇^a + φ̈"),
+        (r"\bar\Gamma", "Γ̄"),
+        (r"\sqrt{1 - x^2}", "sqrt(1 - x^2)"),
+        (r"f'' - g'", "f′′ - g′"),
+        (r"\sin{\left(\phi_{1} \right)}", "sin(φ_1)"),
+        (r"\text{two words}", "two words"),
+        (r"x^{2 k}", "x^2k"),
+    ],
+)
+def test_formulas_as_text(latex, plain):
+    """One line that can be read."""
+    assert plain_of(latex) == plain
+
+
+def test_formulas_as_markup():
+    """Scripts, fractions, roots, matrices, accents."""
+    assert mathml_of("x_1^2") == "<math><msubsup><mi>x</mi><mn>1</mn><mn>2</mn></msubsup></math>"
+    assert "<msqrt>" in mathml_of(r"\sqrt{2}")
+    assert mathml_of(r"\begin{pmatrix} 1 & 2 \\ 3 & 4 \end{pmatrix}").count("<mtd>") == 4
+    assert "<mover>" in mathml_of(r"\dot\Omega")
+    assert 'display="block"' in mathml_of("x", display=True)
+    assert "&lt;" in mathml_of("x < y")
+
+
+@pytest.mark.parametrize("latex", [r"\unknown x", "{x", "x}", r"\left( x", r"\frac{1}", "x^"])
+def test_formulas_that_are_wrong_are_refused(latex):
+    """A formula of ours that cannot be shown is an error, not a blank."""
+    with pytest.raises(ExpressionError, match="formula"):
+        tree_of(latex)
+
+
+def test_markdown():
+    """Paragraphs, lists, bold text round a formula, code that is not a formula."""
+    html = html_of("One **bold $x$ text**.\n\n- first `a<b`\n- second\n\n$$y.$$")
+    assert "<strong>bold <math><mi>x</mi></math> text</strong>" in html
+    assert "<li>first <code>a&lt;b</code></li><li>second</li>" in html
+    assert 'display="block"' in html
+    assert text_of("a `code` and **bold**") == "a code and bold"
