@@ -145,7 +145,7 @@ def power_of(part: Contribution) -> Any:
     if part.power is not None:
         return sp.sympify(part.power)
     if part.energy is not None:
-        return sp.S.Zero
+        return sp.diff(sp.sympify(part.energy), TIME)
     moment, force = sp.Matrix(part.moment or NOTHING), sp.Matrix(part.force or NOTHING)
     return moment.dot(sp.Matrix(OMEGA)) + force.dot(sp.Matrix(VELOCITY))
 
@@ -188,6 +188,9 @@ def assemble(body: Body, effects: Mapping[str, Effect]) -> Assembly:
                 raise SceneError(f"{key} brings the state {name!r} without a start.")
             rates[sp.Symbol(name)] = sp.sympify(rate)
             start[name] = part.start[name]
+        for name in part.outputs:
+            if any(name in other.outputs for k, other in parts.items() if k != key):
+                raise SceneError(f"{key} brings {name!r} to be watched, which another effect does.")
     ties = _ties(constraint)
     made = Assembly(context, parts, constraint, rates, start, ties)
     own = {s: made.tied(r) for s, r in rates.items()}

@@ -12,7 +12,7 @@ import sympy as sp
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.motion.flows.tape import BITS, Tape
 from geomtorsion.scenes.assembly import WORK, Assembly, by_quaternion
-from geomtorsion.scenes.context import ATTITUDE, QUATERNION, VELOCITY, VERTICAL
+from geomtorsion.scenes.context import ATTITUDE, QUATERNION, TIME, VELOCITY, VERTICAL
 
 if TYPE_CHECKING:
     from geomtorsion.scenes.plan import ScenePlan
@@ -32,7 +32,7 @@ def invariants(plan: ScenePlan, lawful: Assembly, chosen: Mapping[Any, Any]) -> 
     chosen: elements of R -> expressions in the states that are solved for.
     """
     made = plan.assembly
-    here = {*plan.symbols, *plan.constants}
+    here = {*plan.symbols, *plan.constants, TIME}
     if plan.uses_quaternion:
         here |= set(ATTITUDE)
     parameters = {sp.Symbol(name) for name in made.values}

@@ -57,7 +57,7 @@ def flow_of(scene: Scene) -> Flow:
         f"watch {item.name}": [sp.sympify(x).xreplace(chosen) for x in item.made_of(plan.assembly)]
         for item in plan.watch
     }
-    parts = plan.assembly.parts.values()
+    parts = [part for key, part in plan.assembly.parts.items() if key in plan.effects]
     stops = [part.stop for part in parts if part.stop is not None]
     if len(stops) > 1:
         raise SceneError("two effects stop the motion. Keep one of them.")

@@ -91,6 +91,10 @@ class ScenePlan:
             graph.add_node(f"effect {key}", kind="effect")
             for name in self._touched(key):
                 graph.add_edge(f"effect {key}", name)
+        for key, part in self.assembly.parts.items():
+            if part.stop is not None:
+                graph.add_node(f"stop {key}", kind="watch")
+                self._needs(graph, f"stop {key}", (self.assembly.tied(part.stop),))
         return graph
 
     def _needs(self, graph: nx.DiGraph, name: str, expressions: Sequence[Any]) -> None:
@@ -131,8 +135,9 @@ class ScenePlan:
             filter_edge=lambda a, b: self.graph.edges[a, b].get("kind") != "gives",
         )
         found: set[str] = set()
-        for item in self.watch:
-            found |= nx.ancestors(graph, f"watch {item.name}")
+        for name, kind in self.graph.nodes(data="kind"):
+            if kind == "watch":
+                found |= nx.ancestors(graph, name)
         return frozenset(found)
 
     # -- what follows from it --------------------------------------------------------------------
@@ -177,8 +182,9 @@ class ScenePlan:
         found = []
         for key in self.titles:
             part = self.assembly.parts.get(key)
+            stops = part is not None and part.stop is not None
             outputs = set(part.outputs) if part else set()
-            if self._touched(key) & solved or outputs & provided:
+            if self._touched(key) & solved or outputs & provided or stops:
                 found.append(key)
         return tuple(found)
 

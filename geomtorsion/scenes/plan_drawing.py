@@ -47,7 +47,7 @@ def _edges(plan: ScenePlan, boxes: dict[str, str]) -> list[tuple[str, str]]:
     """From what needs to what is needed, each pair once."""
     found: dict[tuple[str, str], None] = {}
     for needed, user, kind in plan.graph.edges(data="kind"):
-        if kind == "gives":
+        if kind == "gives" or user.startswith("stop "):
             continue
         kind, _, name = needed.partition(" ")
         start = boxes.get(group_of(user))

@@ -39,7 +39,7 @@ def rows(plan: ScenePlan) -> tuple[PlanRow, ...]:
         inside = key in plan.effects
         if inside:
             acts = _listed(plan._touched(key) & solved)
-            why = f"{title}; acts on {acts}" if acts else f"{title}; watched"
+            why = f"{title}; acts on {acts}" if acts else f"{title}; watched, or stops the motion"
         else:
             acts = _listed(plan._touched(key))
             why = f"acts on {acts} only, which nothing that is watched needs"
@@ -88,6 +88,9 @@ def _wanted(plan: ScenePlan, node: str) -> str:
     ]
     if watchers:
         return f"watched as {_listed(watchers)}" if watchers != [node] else "watched"
+    stops = [other for other in graph.successors(node) if other.startswith("stop ")]
+    if stops:
+        return f"needed to stop by {_listed(other.removeprefix('stop ') for other in stops)}"
     users = [o for o in graph.successors(node) if o in needed and not o.startswith("effect ")]
     helpers = [
         key

@@ -102,7 +102,7 @@ def closed_form(scene: Scene) -> ClosedForm | None:
     if made.constraint is not None or not here <= known or not here & set(known - {*POSITION}):
         return None
     acting = set(plan.effects) - {"spin", "drift"}
-    if acting or any(part.switches or part.stop is not None for part in made.parts.values()):
+    if acting:
         return None
     if any(s in here and v not in plan.constants for s, v in zip(POSITION, VELOCITY, strict=True)):
         return None

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from geomtorsion.scenes.result import SceneResult
 
 # Enough for a screen, and files that are not large.
-DPI = 100
+DPI = 92
 TABLE, ARRAYS, FACTS, SCENE = "table.csv", "result.npz", "run.json", "scene.toml"
 
 

@@ -13,7 +13,7 @@ from geomtorsion.scenes.body import Body
 from geomtorsion.scenes.effects import EFFECTS, Drift, Effect, Spin
 from geomtorsion.scenes.plan import ScenePlan
 from geomtorsion.scenes.state import State
-from geomtorsion.scenes.watch import watched
+from geomtorsion.scenes.watch import QUANTITIES, watched
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -86,8 +86,17 @@ class Scene:
             )
         object.__setattr__(self, "accuracy", checked_accuracy(self.accuracy))
         checked_times(self.t)
+        if hasattr(self.t, "__iter__"):
+            object.__setattr__(self, "t", tuple(float(x) for x in self.t))
         if not (isinstance(self.samples, int) and self.samples >= 2):
             raise SceneError(f"samples = {self.samples!r}: a whole number from 2 on was needed.")
+        for key, part in self.assembly.parts.items():
+            for name in part.outputs:
+                if name in QUANTITIES:
+                    raise SceneError(
+                        f"{key} brings {name!r} to be watched, which means something already. "
+                        "Choose another name."
+                    )
         _ = self._plan
 
     # -- what is solved --------------------------------------------------------------------------

@@ -177,3 +177,45 @@ def test_rolling_disc():
     height = 0.3 * (1 - result["matrix"][:, 2, 2] ** 2) ** 0.5
     rise = result["position"][:, 2] - result["position"][0, 2]
     assert abs(rise - height + height[0]).max() < 1e-9
+
+
+def test_what_stops_is_followed():
+    """A condition on the height brings height and fall in, though nothing watched needs them."""
+    ground = E.Custom(stop="z")
+    start = State(omega=(0, 0, 3), position=(0, 0, 20), euler=(0, 0, 0))
+    scene = Scene(BODY, (E.Gravity(10), ground), start, ["omega"], t=5)
+    assert scene.plan().states == (*OMEGA, "z", "vz")
+    assert "z: needed to stop by custom" in str(scene.plan())
+    result = scene.run()
+    assert result.outcome == "stopped"
+    assert result.complete
+    assert result.times[-1] == pytest.approx(2, rel=1e-12)
+    assert result.closed_form is None
+
+
+def test_switches_of_what_is_left_out():
+    """A thrust through the centre of mass does not break up the time of the rotation."""
+    push = E.Thrust((0, 0, 5), start=0.1, end=0.2)
+    scene = Scene(BODY, (push,), START, ["omega"], t=1)
+    assert scene.flow.switches == ()
+    assert scene.run().closed_form
+    assert len(scene.replaced(watch=["velocity"]).flow.switches) == 2
+
+
+def test_names_that_are_taken():
+    with pytest.raises(SceneError, match="brings 'energy' to be watched, which means something"):
+        Scene(BODY, (E.Custom(outputs={"energy": "z"}),), START)
+    two = (E.Custom(outputs={"height": "z"}), E.Custom(outputs={"height": "2*z"}))
+    with pytest.raises(SceneError, match="'height' to be watched, which another effect does"):
+        Scene(BODY, two, START)
+
+
+def test_energy_that_changes_with_time():
+    """A field that grows puts energy in: the balance knows it without being told."""
+    field = E.Custom(force=("0", "0", "-t"), energy="t*z")
+    start = State(omega=(0, 0, 1), position=(0, 0, 2))
+    scene = Scene(BODY, (field,), start, ["energy_balance", "work"], t=3)
+    assert "energy_balance" in scene.flow.invariants
+    result = scene.run()
+    # z = 2 - t^3/6, so that the work is the integral of z.
+    assert result["work"][-1] == pytest.approx(2 * 3 - 3**4 / 24, rel=1e-10)

@@ -57,9 +57,9 @@ class Contribution:
         moments that follow, -Omega x h - h', are worked out.
     inertia: 3 x 3, added to the body's inertia tensor (kg m^2).
     states, start: states of its own -> rate, and -> value at the start.
-    energy: energy stored in it (J): potentials, energy of rotors; its power is then `power` or 0.
-    power: what it puts in (W; drag puts in less than nothing). None: 0 if energy is given, else
-        moment . Omega + force . velocity.
+    energy: energy stored in it (J): potentials, energy of rotors.
+    power: what it puts in (W; drag puts in less than nothing). None: if energy is given, its change
+        with time as such (0 unless t stands in it), else moment . Omega + force . velocity.
     outputs: further quantities that can be watched -> expression or several.
     switches: ((time, {name: value}), ...): parameters (as `context.parameter` named them) or
         states that change at exact times.
