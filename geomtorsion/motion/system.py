@@ -70,12 +70,13 @@ class System:
         return python_source((*self.states, *self.parameters), (self.edge,))
 
     @cached_property
-    def _scalar_function(self) -> Callable[..., Any]:
+    def scalar_function(self) -> Callable[..., Any]:
+        """f(states..., parameters...) on plain floats; raises where f does not exist."""
         return python_function(self.code[0], scalar_names(self.code[1]))
 
     def scalar_rates(self, values: Sequence[float]) -> Callable[[float, Any], list[float]]:
         """f(t, y) for one motion, on plain floats; not a number where f does not exist."""
-        inner = self._scalar_function
+        inner = self.scalar_function
         bad = [float("nan")] * self.size
 
         def rates(_: float, y: Any) -> Any:
@@ -125,6 +126,11 @@ class System:
     def edge_values(self, states: Any, values: Sequence[float]) -> Any:
         """The edge function on arrays of states, shape (size, ...)."""
         return self._edge_function(*states, *values)[0]
+
+    @cached_property
+    def scalar_edge(self) -> Callable[..., Any]:
+        """The edge function on plain floats, in a tuple."""
+        return python_function(self.edge_code[0], scalar_names(self.edge_code[1]))
 
     @cached_property
     def _edge_function(self) -> Callable[..., Any]:

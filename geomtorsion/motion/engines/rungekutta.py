@@ -1,4 +1,4 @@
-"""RungeKutta and Stiff: scipy's DOP853, Radau and LSODA on generated code."""
+"""RungeKutta and Stiff: DOP853, Radau and LSODA on generated code."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from geomtorsion.motion.engines.float_run import float_run
 from geomtorsion.motion.engines.protocol import Effort, Run
 from geomtorsion.motion.engines.scipy_run import FLOOR, scipy_run
+from geomtorsion.motion.engines.stepper import LARGEST
 from geomtorsion.motion.system import System
 
 # The first tolerance is this much below the accuracy.
@@ -21,7 +23,9 @@ FEW_STEPS, LITTLE_GAIN = 24, 0.5
 
 @dataclass(frozen=True)
 class RungeKutta:
-    """Explicit Runge-Kutta of order 8 (scipy DOP853) on generated code; needs nothing else.
+    """Explicit Runge-Kutta of order 8 (DOP853) on generated code; needs no extra.
+
+    Systems of few states step on plain floats, larger ones in scipy.
 
     max_evaluations: after so many evaluations of the rates the run is given up.
 
@@ -53,7 +57,7 @@ class RungeKutta:
     def coarser(self, tolerance: float) -> float | None:
         """See `Engine.coarser`: none near the rounding, nor where it would be too coarse."""
         coarse = tolerance * COARSER
-        return coarse if tolerance > FLOOR and coarse <= 1.01e-3 else None
+        return coarse if tolerance > 5 * FLOOR and coarse <= 1.01e-3 else None
 
     def shrinks(self, fine: Effort, coarse: Effort) -> float | None:
         """See `Engine.shrinks`: the eighth power of the step length, seen from the steps taken."""
@@ -74,6 +78,10 @@ class RungeKutta:
         dense: bool = False,
     ) -> Run:
         """See `Engine.run`."""
+        if system.size <= LARGEST:
+            return float_run(
+                self.max_evaluations, system, start, parameters, times, tolerance, dense
+            )
         return scipy_run(
             "DOP853", self.max_evaluations, system, start, parameters, times, tolerance, dense
         )
