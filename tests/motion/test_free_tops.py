@@ -9,10 +9,12 @@ import mpmath
 import numpy as np
 import pytest
 
+import geomtorsion as gt
 from geomtorsion.errors import ShapeError, StartError, TimeError
 from geomtorsion.motion.free_top_attitude import product, rotated
 from geomtorsion.motion.free_top_phase import Long, reduced, turns
 from geomtorsion.motion.free_tops import free_top
+from tests.motion.engines import needs_heyoka
 from tests.motion.free_top_truth import by_integrals, by_series
 
 TILTED = (0.5, -0.5, 0.5, -0.5)
@@ -242,3 +244,18 @@ def test_bad_times_are_refused():
         top.omega([0.0, math.nan])
     with pytest.raises(TimeError, match="a double does not say where"):
         top.omega(1e17)
+
+
+@needs_heyoka
+@pytest.mark.parametrize("omega", [(0.3, 0.5, 0.7), (1e-3, 1.0, 0.0)])
+def test_the_taylor_engine_in_34_digits_comes_to_the_same(omega):
+    """Rates and attitude over a hundred time units, near the separatrix too."""
+    rates = {
+        "w1": "-w2*w3", "w2": "w1*w3", "w3": "-w1*w2/3",
+        "q0": "(-q1*w1 - q2*w2 - q3*w3)/2", "q1": "(q0*w1 + q2*w3 - q3*w2)/2",
+        "q2": "(q0*w2 + q3*w1 - q1*w3)/2", "q3": "(q0*w3 + q1*w2 - q2*w1)/2",
+    }  # fmt: skip
+    flow = gt.flow(rates, [*omega, *TILTED], unit=(("q0", "q1", "q2", "q3"),))
+    solution = gt.solve(flow, np.linspace(0, 100, 11), 1e-20, gt.Taylor(precision=113))
+    truth = np.asarray(solution.states, dtype=float)
+    assert abs(free_top((1, 2, 3), omega, TILTED).states(solution.times) - truth).max() < 3e-15
