@@ -23,9 +23,10 @@ from geomtorsion.cli.scene_source import (
 from geomtorsion.errors import CheckpointError
 
 if TYPE_CHECKING:
+    from geomtorsion.motion import Engine
     from geomtorsion.scenes import Scene, SceneResult
 
-CHECKPOINT = "checkpoint.npz"
+CHECKPOINT, PARTIAL = "checkpoint.npz", "partial.csv"
 # Rows and columns of the table that are shown in the terminal, and the width of one number.
 ROWS, COLUMNS, WIDTH = 9, 7, 13
 
@@ -52,6 +53,12 @@ def run(
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with the run that was stopped in DIR.")
     ] = False,
+    only_kept: Annotated[
+        bool,
+        typer.Option(
+            "--kept", help="Go on with nothing: write what a stopped run has to DIR/partial.csv."
+        ),
+    ] = False,
     animate: Annotated[
         Path | None,
         typer.Option(
@@ -65,8 +72,9 @@ def run(
     """Run a scene: a body, what acts on it, what is watched.
 
     With -o the run is kept in DIR/checkpoint.npz as it goes: stopped by Ctrl-C or killed, it goes
-    on with --resume from there, to the same result bit by bit. Ends with 1 where the motion could
-    not be followed to its end; what was computed is shown and written all the same.
+    on with --resume from there, to the same result bit by bit; --kept writes what there is. Ends
+    with 1 where the motion could not be followed to its end; what was computed is shown and
+    written all the same.
 
     \b
     Examples:
@@ -78,12 +86,15 @@ def run(
 
     scene = open_scene(source, watch, accuracy, t, settings)
     solver = engine_of(engine)
-    checkpoint = _checkpoint(output, resume)
+    checkpoint = _checkpoint(output, resume or only_kept)
+    if only_kept and checkpoint is not None:
+        typer.echo(_partial(scene, checkpoint, solver))
+        return
     with bar(scene.title or scene.name) as progress:
         try:
             result = scene.run(solver, checkpoint, progress)
         except KeyboardInterrupt:
-            _say_where(checkpoint)
+            typer.echo(f"geomtorsion: stopped{_left(scene, checkpoint, solver)}", err=True)
             raise typer.Exit(INTERRUPTED) from None
     written: list[Path] = []
     with working(scene.title or scene.name) as say:
@@ -94,6 +105,7 @@ def run(
             written.append(film(scene, result, animate))
     if checkpoint is not None:
         checkpoint.unlink(missing_ok=True)
+        checkpoint.with_name(PARTIAL).unlink(missing_ok=True)
     typer.echo("\n".join(summary(result)))
     for path in written:
         typer.echo(f"wrote {path}")
@@ -114,7 +126,9 @@ def _checkpoint(output: Path | None, resume: bool) -> Path | None:
     """The file in which the run is kept; refuse to run over one that was not finished."""
     if output is None:
         if resume:
-            raise CheckpointError("--resume goes on with the run in a directory: name it with -o.")
+            raise CheckpointError(
+                "--resume and --kept are about the run in a directory: name it with -o."
+            )
         return None
     path = output / CHECKPOINT
     if path.exists() and not resume:
@@ -126,11 +140,27 @@ def _checkpoint(output: Path | None, resume: bool) -> Path | None:
     return path
 
 
-def _say_where(checkpoint: Path | None) -> None:
+def _left(scene: Scene, checkpoint: Path | None, engine: Engine | None) -> str:
     """After Ctrl-C: what is there, and how to go on."""
-    kept = checkpoint is not None and checkpoint.exists()
-    where = f"; what was computed is in {checkpoint}, go on with --resume" if kept else ""
-    typer.echo(f"geomtorsion: stopped{where}", err=True)
+    if checkpoint is None or not checkpoint.exists():
+        return ""
+    try:
+        said = _partial(scene, checkpoint, engine)
+    except CheckpointError:
+        return ""
+    return f"; {said}; go on with --resume"
+
+
+def _partial(scene: Scene, checkpoint: Path, engine: Engine | None) -> str:
+    """Write what a stopped run had computed, and say so."""
+    from geomtorsion.scenes.checkpoint import kept
+    from geomtorsion.scenes.table import write_csv
+
+    part = kept(scene, checkpoint, engine)
+    path = checkpoint.with_name(PARTIAL)
+    write_csv(path, part.columns())
+    reached = float(part.times[-1]) if len(part.times) else 0.0
+    return f"what was computed, to t = {reached:.6g} s, is in {path}"
 
 
 def film(

@@ -209,6 +209,12 @@ def test_stopped_runs_go_on_to_the_same_result(tmp_path):
     assert code == 2
     assert "Give --resume" in said
 
+    shown = run("run", str(parts / "slow.toml"), "-o", str(parts / "out"), "--kept",
+                "--engine", "rungekutta").stdout  # fmt: skip
+    assert "what was computed, to t = " in shown
+    with (parts / "out" / "partial.csv").open(newline="") as file:
+        partial = list(csv.reader(file))
+
     interrupted = Started(parts, "--resume")
     interrupted.until_kept()
     before = (parts / "out" / "checkpoint.npz").stat().st_mtime_ns
@@ -229,6 +235,10 @@ def test_stopped_runs_go_on_to_the_same_result(tmp_path):
     other = SceneResult.load(parts / "out" / "result.npz")
     for name in ("omega", "energy"):
         assert one[name].tobytes() == other[name].tobytes()
+    assert len(partial) > 1
+    expected = np.column_stack([one.times, one["omega"], one["energy"]])[: len(partial) - 1]
+    assert np.abs(np.array(partial[1:], dtype=float) - expected).max() < 1e-6
+    assert not (parts / "out" / "partial.csv").exists()
     assert one.times.tobytes() == other.times.tobytes()
     assert (one.error, one.drift) == (other.error, other.drift)
     tables = [(folder / "out" / "table.csv").read_bytes() for folder in (whole, parts)]

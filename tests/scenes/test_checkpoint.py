@@ -1,0 +1,67 @@
+"""What a stopped run had computed can be read, and is what the whole run has."""
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import CheckpointError
+from geomtorsion.motion import RungeKutta
+from geomtorsion.scenes import load
+from geomtorsion.scenes.checkpoint import kept
+
+
+class Enough(Exception):
+    """Raised to stop a run from within."""
+
+
+def stopped(scene, path, engine, share: float) -> None:
+    """Run a scene until a share of it is done."""
+
+    def stop(done: float) -> None:
+        if done >= share:
+            raise Enough
+
+    with pytest.raises(Enough):
+        scene.run(engine, path, stop)
+
+
+@pytest.mark.parametrize("engine", [None, RungeKutta()], ids=["chosen", "rungekutta"])
+@pytest.mark.parametrize("times", [1.0, (0.25, 0.5, 1.0)], ids=["samples", "own times"])
+def test_part_of_a_run(tmp_path, engine, times):
+    """All samples up to where it was stopped, as in the whole run; the error is not yet known."""
+    scene = load("lagrange_cusp").replaced(t=times, accuracy=1e-9)
+    path = tmp_path / "run.npz"
+    stopped(scene, path, engine, 0.3)
+    part = kept(scene, path, engine)
+    whole = scene.run(engine)
+    assert part.outcome == "interrupted"
+    assert not part.complete
+    assert part.error == np.inf
+    count = len(part.times)
+    assert 1 <= count < len(whole.times)
+    assert part.times.tolist() == whole.times[:count].tolist()
+    assert np.abs(part["axis"] - whole["axis"][:count]).max() < 1e-6
+    assert list(part.columns()) == list(whole.columns())
+
+
+def test_runs_of_missiles_across_switches(tmp_path):
+    """Switches are cuts too."""
+    scene = load("missile")
+    path = tmp_path / "run.npz"
+    stopped(scene, path, None, 0.45)
+    part, whole = kept(scene, path), scene.run()
+    assert part.times[-1] > 3.1
+    assert np.abs(part["velocity"] - whole["velocity"][: len(part.times)]).max() < 1e-5
+
+
+def test_what_is_refused(tmp_path):
+    """No file, another scene, something else."""
+    scene = load("lagrange_cusp")
+    path = tmp_path / "run.npz"
+    with pytest.raises(CheckpointError, match="no such checkpoint"):
+        kept(scene, path)
+    stopped(scene, path, None, 0.2)
+    with pytest.raises(CheckpointError, match="another run"):
+        kept(scene.replaced({"gravity.g": 1.0}), path)
+    path.write_bytes(b"something else")
+    with pytest.raises(CheckpointError, match="no checkpoint"):
+        kept(scene, path)
