@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Awaitable, Callable, Iterable, MutableMapping
 from typing import Any
 from urllib.parse import urlsplit
@@ -21,6 +22,10 @@ POLICY = (
     "object-src 'none'; base-uri 'self'; form-action 'self'"
 )
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
+# Seconds that a session may take to show its first page before the next one is let in.
+OPENING = 15.0
+# How the message begins that ends the first run of a session, or says that it goes on.
+_BEGUN = ('{"op": "completed-run"', '{"op": "reconnected"')
 _FULL = (
     "<!doctype html><meta charset=utf-8><title>Torsion lab</title><p>The lab is full: {most} pages "
     "are open. Close one and load this page again.</p>"
@@ -31,21 +36,27 @@ class Door:
     """An ASGI application before another: hosts, origins, sizes and the number of sessions.
 
     hosts: names by which the page may be called; empty: any. A page of another site that is open
-    in the same browser has another origin, and is refused.
+    in the same browser has another origin, and is refused. ending: awaited before the server ends.
     """
 
     def __init__(
-        self, app: App, hosts: Iterable[str] = LOOPBACK, sessions: int = MOST_SESSIONS
+        self,
+        app: App,
+        hosts: Iterable[str] = LOOPBACK,
+        sessions: int = MOST_SESSIONS,
+        ending: Callable[[], Awaitable[None]] | None = None,
     ) -> None:
         self.app = app
+        self.ending = ending
         self.hosts = frozenset(hosts)
         self.sessions = sessions
         self.open = 0
+        self._opening = asyncio.Lock()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Refuse a request, or hand it on."""
         if scope["type"] == "lifespan":
-            await self.app(scope, receive, send)
+            await self._life(receive, send)
             return
         headers = {
             key.decode("latin-1").lower(): value.decode("latin-1")
@@ -56,8 +67,21 @@ class Door:
             await self._session(scope, receive, send, reason)
         elif reason:
             await _tell(send, *reason)
+        elif scope["path"] == "/":
+            # The page is read anew for each browser, see `_opened`.
+            async with self._opening:
+                await self.app(scope, _bounded(receive), _guarded(send))
         else:
             await self.app(scope, _bounded(receive), _guarded(send))
+
+    async def _life(self, receive: Receive, send: Send) -> None:
+        """Begin and end of the server."""
+        await receive()
+        await send({"type": "lifespan.startup.complete"})
+        await receive()
+        if self.ending is not None:
+            await self.ending()
+        await send({"type": "lifespan.shutdown.complete"})
 
     def _refused(self, scope: Scope, headers: dict[str, str]) -> tuple[int, str] | None:
         """Status and reason, or None for a request that may pass."""
@@ -88,9 +112,31 @@ class Door:
             return
         self.open += 1
         try:
-            await self.app(scope, receive, send)
+            await self._opened(scope, receive, send)
         finally:
             self.open -= 1
+
+    async def _opened(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """A session that is read and run through before the next one begins to be.
+
+        marimo compiles the page in a thread for each session, and in Python before 3.13 two threads
+        that call `ast.parse` at once can fail ("AST constructor recursion depth mismatch").
+        """
+        begun = asyncio.Event()
+
+        async def watched(message: MutableMapping[str, Any]) -> None:
+            text = message.get("text") or ""
+            if text.startswith(_BEGUN):
+                begun.set()
+            await send(message)
+
+        async with self._opening:
+            session = asyncio.create_task(self.app(scope, receive, watched))  # type: ignore[arg-type]
+            waiting = asyncio.create_task(begun.wait())
+            both = (session, waiting)
+            await asyncio.wait(both, timeout=OPENING, return_when=asyncio.FIRST_COMPLETED)
+            waiting.cancel()
+        await session
 
 
 def _bounded(receive: Receive) -> Receive:

@@ -2,7 +2,9 @@
 
 import marimo
 
-app = marimo.App(width="medium", app_title="Torsion lab", css_file="lab.css")
+app = marimo.App(
+    width="medium", app_title="Torsion lab", css_file="lab.css", html_head_file="head.html"
+)
 
 
 @app.cell
@@ -153,9 +155,7 @@ def _(controls, moments, path_space, velocity):
 @app.cell
 def _(desk, mo, path_case, tab, views):
     mo.stop(tab.value != views.PATHS)
-    _reply = desk.ask("paths", **path_case)
-    _space = views.document(_reply)
-    mo.Html(views.paths(_reply, mo.iframe(_space, height=views.HEIGHT) if _space else ""))
+    mo.Html(views.paths(desk.ask("paths", **path_case)))
     return
 
 
@@ -180,9 +180,8 @@ def _(body, mo, switches, tab, views, watched):
 @app.cell
 def _(body, controls, desk, mo, switches, tab, views, watched):
     mo.stop(tab.value != views.TOP)
-    _reply = desk.ask("top", **controls.top_case(body.value, switches.value, watched.value))
-    _film = views.document(_reply)
-    mo.Html(views.top(_reply, mo.iframe(_film, height=views.HEIGHT) if _film else ""))
+    _case = controls.top_case(body.value, switches.value, watched.value)
+    mo.Html(views.top(desk.ask("top", **_case)))
     return
 
 

@@ -84,7 +84,14 @@ def application(address: Address, sessions: int = MOST_SESSIONS) -> Any:
     page = Path(__file__).with_name("page.py")
     inner = builder.with_app(path="", root=str(page)).build()
     hosts = (*LOOPBACK, address.host) if address.is_local else ()
-    return Door(inner, hosts, sessions)
+    managers = [route.app.state.session_manager for route in inner.routes]
+
+    async def ending() -> None:
+        # A mounted application is not told that the server ends; its threads would go on.
+        for manager in managers:
+            await manager.shutdown()
+
+    return Door(inner, hosts, sessions, ending)
 
 
 def serve(
@@ -109,7 +116,13 @@ def serve(
     port = taken.getsockname()[1]
     common_desk().warm()
     config = uvicorn.Config(
-        app, log_level="warning", timeout_graceful_shutdown=2, ws_max_size=2**20, lifespan="on"
+        app,
+        log_level="warning",
+        timeout_graceful_shutdown=2,
+        ws_max_size=2**20,
+        # A class that begins at once keeps the machine busy longer than the usual 20 s.
+        ws_ping_timeout=120,
+        lifespan="on",
     )
     server = uvicorn.Server(config)
     ready(address.url(port))

@@ -19,8 +19,6 @@ TABS = {
     "What accuracy costs": "Error against time for the case that is set on the other tabs.",
     "Exercises": "The same as on the command line: answer, be told why not, take a hint.",
 }
-# Of a frame round a picture that can be turned.
-HEIGHT = "490px"
 TETRAD, LOOPS, PATHS, TOP, COSTS, EXERCISES = TABS
 
 
@@ -86,12 +84,12 @@ def loop(reply: Reply) -> str:
     return wrapped(f'<div class="pair" id="loop">{pictures}</div>{said}{reply["table"]}')
 
 
-def paths(reply: Reply, frame: Any = "") -> str:
-    """Two curves and how far they are apart; frame: what shows the picture in space, if any."""
+def paths(reply: Reply) -> str:
+    """Two curves and how far they are apart."""
     if reply.get("problem"):
         return wrapped(problem(reply))
     said = f'<p class="said" id="paths-said">{escape(reply["sentence"])}</p>'
-    curves = frame or reply.get("picture", "")
+    curves = framed(reply) or reply.get("picture", "")
     beside = f"<div>{said}{reply['distance']}</div>"
     return wrapped(f'<div class="figures"><div>{curves}</div>{beside}</div>{reply["table"]}')
 
@@ -105,14 +103,14 @@ def costs(reply: Reply) -> str:
     return wrapped(f'{said}<div class="one">{reply["picture"]}</div>{reply["table"]}')
 
 
-def top(reply: Reply, frame: Any = "") -> str:
+def top(reply: Reply) -> str:
     """A film of the top, the naive law beside it, and the plan."""
     if reply.get("problem"):
         return wrapped(problem(reply))
     said = f'<p class="said" id="top-said">{escape(reply["sentence"])}</p>'
     beside = f"<div>{said}{reply['compared']}</div>"
     below = f'{reply["table"]}<div id="top-plan">{reply["plan"]}</div>'
-    return wrapped(f'<div class="figures"><div>{frame}</div>{beside}</div>{below}')
+    return wrapped(f'<div class="figures"><div>{framed(reply)}</div>{beside}</div>{below}')
 
 
 def exercise(reply: Reply, render: Render) -> str:
@@ -153,9 +151,11 @@ def steps(reply: Reply, render: Render) -> str:
     return wrapped(f'<ol id="hints">{items}</ol>' if items else "")
 
 
-def document(reply: Reply) -> str:
-    """The turnable picture of a reply as a document of its own, or nothing."""
-    return str(reply.get("space", ""))
+def framed(reply: Reply) -> str:
+    """The turnable picture of a reply in a frame of its own, with all it needs; or nothing."""
+    if not reply.get("space"):
+        return ""
+    return f'<iframe title="picture in space" srcdoc="{escape(reply["space"])}"></iframe>'
 
 
 def grid(cells: Sequence[str], columns: int) -> str:

@@ -1,0 +1,100 @@
+"""A browser and a served page, started once and shared by the tests that need them."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import pytest
+
+from tests.lab.serving import served
+
+# Where a browser may be named, and whether its absence is a failure.
+NAMED, NEEDED = "GEOMTORSION_BROWSER", ("CI", "GEOMTORSION_NEED_BROWSER")
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+FLAGS = ("--headless", "--no-sandbox", "--disable-gpu")
+# Milliseconds that a page may take to show what is waited for, on a loaded machine.
+PATIENCE = 30_000
+MISSING = (
+    "no browser was found. Install one (`apt-get install chromium` or `playwright install "
+    f"chromium`), or name one in {NAMED}."
+)
+
+
+def _absent(reason: str) -> Any:
+    """Fail where a browser is needed, skip elsewhere."""
+    if any(os.environ.get(name) for name in NEEDED):
+        pytest.fail(reason)
+    pytest.skip(reason)
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """Chromium, driven by Playwright."""
+    try:
+        from playwright.sync_api import Error, sync_playwright
+    except ImportError:
+        _absent("playwright is not installed: `pip install 'geomtorsion[test]'`")
+    named = os.environ.get(NAMED, "")
+    found = named or next((path for name in BROWSERS if (path := shutil.which(name))), None)
+    with sync_playwright() as playwright:
+        try:
+            launched = playwright.chromium.launch(executable_path=found, args=list(FLAGS))
+        except Error as error:
+            _absent(f"{MISSING} ({str(error).splitlines()[0]})")
+        yield launched
+        launched.close()
+
+
+@pytest.fixture(scope="session")
+def address() -> Iterator[str]:
+    """Where the page is served."""
+    with served() as url:
+        yield url
+
+
+@dataclass
+class Watched:
+    """A page with everything that went wrong on it, and everything it asked for."""
+
+    page: Any
+    errors: list[str] = field(default_factory=list)
+    asked: list[str] = field(default_factory=list)
+
+    def tab(self, name: str) -> Any:
+        """Open a tab."""
+        self.page.get_by_role("tab", name=name, exact=True).click()
+        return self.page
+
+
+@pytest.fixture(scope="session")
+def context(browser: Any) -> Iterator[Any]:
+    """Windows of one browser, which loads what the page is made of once."""
+    made = browser.new_context(viewport={"width": 1200, "height": 900})
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def watched(context: Any) -> Iterator[Watched]:
+    """An empty page; what it logs as an error fails the test."""
+    page = context.new_page()
+    page.set_default_timeout(PATIENCE)
+    seen = Watched(page)
+    page.on("console", lambda m: seen.errors.append(m.text) if m.type == "error" else None)
+    page.on("pageerror", lambda error: seen.errors.append(str(error)))
+    page.on("request", lambda request: seen.asked.append(request.url))
+    yield seen
+    page.close()
+    assert seen.errors == []
+
+
+@pytest.fixture
+def lab(watched: Watched, address: str) -> Watched:
+    """The page, loaded."""
+    watched.page.goto(address)
+    watched.page.wait_for_selector("#torsion math")
+    return watched

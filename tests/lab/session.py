@@ -1,0 +1,97 @@
+"""A session of the page without a browser: what a browser sends, and what comes back."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import re
+import secrets
+import urllib.error
+import urllib.request
+from types import TracebackType
+from typing import Any
+
+from websockets.asyncio.client import connect
+
+# Seconds that one answer may take when thirty ask at once.
+PATIENCE = 60.0
+
+
+class Session:
+    """One open page. `outputs` holds what each cell shows, by the cell's name."""
+
+    def __init__(self, url: str) -> None:
+        self.url = url.rstrip("/")
+        self.name = f"s_{secrets.token_hex(3)}"
+        self.outputs: dict[str, str] = {}
+
+    async def __aenter__(self) -> Session:
+        _, html = await asyncio.to_thread(self.get, "/")
+        found = re.search(r'data-token="([^"]*)"', html)
+        self.token = found[1] if found else ""
+        address = f"ws{self.url.removeprefix('http')}/ws?session_id={self.name}"
+        self.socket = await connect(
+            address, max_size=2**24, open_timeout=PATIENCE, ping_timeout=PATIENCE
+        )
+        return self
+
+    async def __aexit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        await self.socket.close()
+
+    def get(self, path: str) -> tuple[int, str]:
+        """Status and text of a page."""
+        try:
+            with urllib.request.urlopen(self.url + path, timeout=PATIENCE) as reply:
+                return reply.status, reply.read().decode()
+        except urllib.error.HTTPError as error:
+            with error:
+                return error.code, error.read().decode()
+
+    def _post(self, path: str, content: Any) -> None:
+        request = urllib.request.Request(
+            self.url + path,
+            json.dumps(content).encode(),
+            {
+                "Content-Type": "application/json",
+                "Marimo-Session-Id": self.name,
+                "Marimo-Server-Token": self.token,
+            },
+        )
+        with urllib.request.urlopen(request, timeout=PATIENCE) as reply:
+            assert reply.status == 200
+
+    async def set(self, element: str, value: Any) -> None:
+        """Move a control."""
+        content = {"objectIds": [element], "values": [value]}
+        await asyncio.to_thread(self._post, "/api/kernel/set_ui_element_value", content)
+
+    async def shown(self, pattern: str) -> re.Match[str]:
+        """Wait until some cell shows this."""
+        async with asyncio.timeout(PATIENCE):
+            while True:
+                for text in self.outputs.values():
+                    found = re.search(pattern, text)
+                    if found:
+                        return found
+                await self._next()
+
+    async def _next(self) -> None:
+        """Take in one message."""
+        message = json.loads(await self.socket.recv())
+        data = message.get("data", {})
+        if message.get("op") == "cell-op" and data.get("output"):
+            self.outputs[data["cell_id"]] = str(data["output"]["data"])
+
+    def element(self, kind: str, text: str = "") -> str:
+        """The name of the control of a kind whose markup contains a text."""
+        pattern = rf"object-id='([^']+)'[^>]*><{kind}([^>]*)>"
+        for shown in self.outputs.values():
+            for found in re.finditer(pattern, shown):
+                if text in found[2]:
+                    return found[1]
+        raise AssertionError(f"no {kind} is called {text!r}")
