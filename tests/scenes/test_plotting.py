@@ -1,0 +1,106 @@
+"""Albums: the pictures that fit what was watched, and the files of a run."""
+
+import json
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import SceneError
+from geomtorsion.scenes import SceneResult, load
+from geomtorsion.scenes.accuracies import scene_accuracy
+from geomtorsion.scenes.drifts import drifts_over_time
+from geomtorsion.scenes.plotting import album, finely, plot
+from geomtorsion.scenes.saving import write_run
+
+pytest.importorskip("matplotlib")
+
+ALBUMS = {
+    "lagrange_cusp": ["watched", "axis", "trust", "plan"],
+    "dzhanibekov": ["watched", "attitude", "cones", "trust", "plan"],
+    "thrown_body": ["watched", "attitude", "cones", "path", "trust", "plan"],
+    "helix": ["watched", "attitude", "path", "laws", "trust", "plan"],
+    "naive_top": ["watched", "attitude", "laws", "trust", "plan"],
+}
+
+
+@pytest.mark.parametrize("name", ALBUMS)
+def test_albums_fit_the_scene(name):
+    """Each picture can be drawn, and says how good the numbers are."""
+    result = load(name).replaced(samples=41).run()
+    pictures = album(result)
+    assert list(pictures) == ALBUMS[name]
+    for key, (draw, about) in pictures.items():
+        figure = draw(result)
+        assert figure.axes, key
+        assert about.endswith(".")
+        said = "\n".join(text.get_text() for text in figure.texts)
+        assert key == "plan" or "error below" in said
+
+
+def test_the_right_law_is_drawn_beside_the_naive_one():
+    """Momentum in space moves in the one, not in the other; energy in neither."""
+    result = load("naive_top").replaced(samples=41).run()
+    figure = album(result)["laws"][0](result)
+    energy, momentum = figure.axes
+    change = {line.get_label(): np.max(np.asarray(line.get_ydata())) for line in momentum.lines}
+    assert change["naive"] > 0.5
+    assert change["right"] < 1e-11
+    assert max(np.max(np.asarray(line.get_ydata())) for line in energy.lines) < 1e-11
+
+
+def test_curves_are_smooth_between_the_samples():
+    """Pictures take more points than the table, at the same times in all."""
+    result = load("lagrange_loop").replaced(samples=21).run()
+    times, axis, nutation = finely(result, "axis", "nutation")
+    assert len(times) == len(axis) == len(nutation) > 1000
+    assert np.abs(np.arccos(axis[:, 2]) - nutation).max() < 1e-12
+    assert finely(result, "position")[1] is None
+
+
+def test_drifts_over_time_are_those_of_the_result():
+    """The largest of each is what the result says; across switches they begin anew."""
+    for name in ("lagrange_cusp", "missile", "euler_top"):
+        result = load(name).run()
+        drifts = drifts_over_time(result)
+        assert drifts.keys() == result.drift.keys()
+        for key, values in drifts.items():
+            assert values.shape == result.times.shape
+            assert values.max() == pytest.approx(result.drift[key], rel=1e-6, abs=1e-15)
+
+
+def test_everything_about_a_run_in_one_place(tmp_path):
+    """A result from its own file has no scene, and can be drawn but not written again."""
+    result = load("sleeping_top").replaced(samples=21).run()
+    steps: list[str] = []
+    written = write_run(result, tmp_path, "svg", steps.append)
+    assert [path.name for path in written[:4]] == [
+        "table.csv", "result.npz", "run.json", "scene.toml",
+    ]  # fmt: skip
+    assert steps == [f"drawing {name}" for name in album(result)]
+    facts = json.loads((tmp_path / "run.json").read_text("utf-8"))
+    assert facts["pictures"] == [f"{name}.svg" for name in album(result)]
+    loaded = SceneResult.load(tmp_path / "result.npz")
+    assert list(album(loaded)) == ["watched", "axis"]
+    assert plot(loaded, tmp_path / "again.png").axes
+    with pytest.raises(SceneError, match="has no scene"):
+        write_run(loaded, tmp_path)
+
+
+def test_pictures_are_not_large(tmp_path):
+    """None above 250 kB."""
+    for path in write_run(load("free_symmetric_top").run(), tmp_path):
+        assert path.stat().st_size < 250_000, path.name
+
+
+def test_accuracy_costs_what_it_costs():
+    """Against the closed form and against quadruple precision; estimates hold."""
+    from geomtorsion.motion import RungeKutta
+
+    for name, truth in (("free_symmetric_top", "closed form"), ("lagrange_wave", "")):
+        table = scene_accuracy(load(name).replaced(t=0.5), [RungeKutta()], [1e-4, 1e-9])
+        assert truth in table.truth
+        for row in table.rows:
+            assert row.holds
+            assert row.achieved is not None
+            assert row.estimated is not None
+            assert row.achieved <= max(10 * row.estimated, 1e-15)
