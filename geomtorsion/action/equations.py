@@ -76,9 +76,14 @@ class EquationsOfMotion:
 
     @cached_property
     def accelerations(self) -> tuple[sp.Expr, ...]:
-        """u'^k, one for each velocity that moves."""
-        moving = self.velocities
-        return tuple(writing.by_powers(value, moving) for value in self.hamel.accelerations)
+        """u'^k, one for each velocity that moves.
+
+        Where a denominator full of angles cannot be cleared they are plain quotients.
+        """
+        found, moving = self.hamel.accelerations, self.velocities
+        if found is None:
+            return tuple(above.sympy / below.sympy for above, below in self.hamel.quotients)
+        return tuple(writing.by_powers(value, moving) for value in found)
 
     @cached_property
     def rates(self) -> Mapping[str, sp.Expr]:
@@ -130,8 +135,14 @@ class EquationsOfMotion:
     @cached_property
     def reactions(self) -> Mapping[str, sp.Expr]:
         """Forces that keep the constraints, by the velocity whose form each replaces."""
-        names = self.hamel.phase.letters.velocities
-        return {names[k].name: value.sympy for k, value in self.hamel.reactions.items()}
+        hamel, names = self.hamel, self.hamel.phase.letters.velocities
+        if hamel.reactions is not None:
+            return {names[k].name: value.sympy for k, value in hamel.reactions.items()}
+        moving, found = dict(zip(hamel.free, self.accelerations, strict=True)), {}
+        for k in hamel.held:
+            pairs, rest = hamel.residuals[k]
+            found[names[k].name] = sp.Add(*(x.sympy * moving[i] for i, x in pairs), rest.sympy)
+        return found
 
     @cached_property
     def reduced(self) -> Reduced:
@@ -245,7 +256,7 @@ def equations_of_motion(
     energy, given, kept = read[0], tuple(read[1 : n + 1]), tuple(read[n + 1 :])
     phase = opened(frame, read)
     hamel = making.hamel_of(phase, energy, given, kept, chosen, connection)
-    hamel.accelerations  # noqa: B018  a singular kinetic matrix is refused here, not later
+    hamel.matrix  # noqa: B018  a singular kinetic matrix is refused here, not later
     lagrange = Lagrange(phase, energy, given, chosen, connection)
     return EquationsOfMotion(frame, energy, given, kept, principle, hamel, lagrange)
 

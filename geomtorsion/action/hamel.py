@@ -8,7 +8,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from geomtorsion.action.phase import Phase
-from geomtorsion.errors import KineticMatrixError, UndecidedError
+from geomtorsion.action.solving import Quotient, quotients
+from geomtorsion.errors import KineticMatrixError, LimitError, UndecidedError
 from geomtorsion.geometry.matrices import dependence, determinant, inverse
 
 if TYPE_CHECKING:
@@ -82,15 +83,33 @@ class Hamel:
         return tuple(found)
 
     @cached_property
-    def accelerations(self) -> tuple[Element, ...]:
-        """u'^k of the free velocities, in their order: M u' = - rest."""
-        field, n = self.phase.field, len(self.free)
+    def matrix(self) -> dict[tuple[int, int], Element]:
+        """The kinetic matrix of the free velocities, found regular."""
         matrix = self.kinetic(self.free)
-        self._check_regular(matrix, n)
+        self._check_regular(matrix, len(self.free))
+        return matrix
+
+    @cached_property
+    def accelerations(self) -> tuple[Element, ...] | None:
+        """u'^k of the free velocities, in their order: M u' = - rest.
+
+        None where clearing a denominator full of roots and sines would fill the memory.
+        """
+        field, n = self.phase.field, len(self.free)
+        try:
+            inverted = inverse(field, self.matrix, n)
+        except LimitError:
+            return None
         terms: list[list] = [[] for _ in range(n)]
-        for (row, column), value in inverse(field, matrix, n).items():
+        for (row, column), value in inverted.items():
             terms[row].append((-1, value, self.rest[self.free[column]]))
         return tuple(field.sum(row) for row in terms)
+
+    @cached_property
+    def quotients(self) -> tuple[Quotient, ...]:
+        """The same as above / below, never divided."""
+        right = [-self.rest[k] for k in self.free]
+        return tuple(quotients(self.phase.field, self.matrix, right))
 
     def _check_regular(self, matrix: dict[tuple[int, int], Element], n: int) -> None:
         field, letters = self.phase.field, self.phase.letters
@@ -126,8 +145,10 @@ class Hamel:
         return tuple(found)
 
     @cached_property
-    def reactions(self) -> dict[int, Element]:
-        """Forces that hold the held velocities: the residuals along them."""
+    def reactions(self) -> dict[int, Element] | None:
+        """Forces that hold the held velocities: the residuals along them; None as above."""
+        if self.accelerations is None:
+            return None
         moving = dict(zip(self.free, self.accelerations, strict=True))
         found = {}
         for k in range(self.phase.dimension):
@@ -138,8 +159,17 @@ class Hamel:
         return found
 
     def derivative(self, element: Element) -> Element:
-        """d/dt of f(q, u, t) along the motion."""
-        symbols = [self.phase.letters.velocities[i] for i in self.free]
-        pairs = zip(symbols, self.accelerations, strict=True)
-        terms = [(1, value, element.diff(symbol)) for symbol, value in pairs]
-        return self.phase.field.sum([(1, self.phase.change(element, self.rates)), *terms])
+        """d/dt of f(q, u, t) along the motion, where accelerations could not be divided times
+        the denominators of all: the same factor for every f.
+        """
+        letters, field = self.phase.letters, self.phase.field
+        change = self.phase.change(element, self.rates)
+        slopes = [element.diff(letters.velocities[i]) for i in self.free]
+        if self.accelerations is not None:
+            pairs = zip(slopes, self.accelerations, strict=True)
+            return field.sum([(1, change), *((1, slope, value) for slope, value in pairs)])
+        every = list(dict.fromkeys(below for _, below in self.quotients))
+        terms: list = [(1, change, *every)]
+        for slope, (above, below) in zip(slopes, self.quotients, strict=True):
+            terms.append((1, slope, above, *(other for other in every if other != below)))
+        return field.sum(terms)

@@ -125,3 +125,59 @@ def test_lorentzian_geodesics(name):
             [("found", found.accelerations[k] * eta[k, k]), ("expected", right)]
         )
         assert pair[0] == pair[1]
+
+
+def pendulum(links):
+    """A chain of point masses on massless rods, angles from the vertical."""
+    angles = sp.symbols(f"q1:{links + 1}", real=True)
+    masses, lengths = sp.symbols(f"m1:{links + 1}"), sp.symbols(f"l1:{links + 1}")
+    frame = gt.Frame(angles, sp.eye(links).tolist())
+    along = across = height = energy = sp.S.Zero
+    speeds = sp.symbols(f"u1:{links + 1}")
+    for mass, length, angle, rate in zip(masses, lengths, angles, speeds, strict=True):
+        along += length * sp.cos(angle) * rate
+        across += length * sp.sin(angle) * rate
+        height -= length * sp.cos(angle)
+        energy += mass * (along**2 + across**2) / 2 - mass * sp.Symbol("g") * height
+    return frame, energy
+
+
+def numbers(expressions, place):
+    """Values of expressions at a point, as floats."""
+    function = sp.lambdify(list(place), list(expressions), "math", cse=True)
+    return function(*place.values())
+
+
+def somewhere(found):
+    """A point: values for all symbols of a Lagrangian and its velocities."""
+    names = sorted(found.lagrangian.free_symbols, key=str)
+    return {symbol: (3 + 5 * k) / (11 + k) for k, symbol in enumerate(names)}
+
+
+@pytest.mark.parametrize("links", [2, 4])
+def test_chain_of_pendulums(links):
+    """Accelerations solve M u' = f; of long chains they stay quotients, and all is still proved."""
+    frame, energy = pendulum(links)
+    found = gt.equations_of_motion(frame, energy)
+    assert found.agrees is True
+    assert list(found.invariants) == ["energy"]
+    assert (found.hamel.accelerations is None) == (links == 4)
+    place = somewhere(found)
+    dots = sp.symbols("u1dot u2dot u3dot u4dot")[:links]
+    place |= dict(zip(dots, numbers(found.accelerations, place), strict=True))
+    assert max(map(abs, numbers(found.residuals, place))) < 1e-8
+    assert min(abs(place[symbol]) for symbol in dots) > 1e-3
+
+
+def test_a_long_chain_under_a_constraint():
+    """The reaction on a held angle is what is left of its Euler-Lagrange equation."""
+    frame, energy = pendulum(5)
+    found = gt.equations_of_motion(frame, energy, constraints=["u5"])
+    assert found.hamel.accelerations is None
+    place = somewhere(found) | {sp.Symbol("u5"): 0}
+    moved = [*numbers(found.accelerations, place), 0]
+    rates = {sp.Symbol(f"q{k}dot"): place[sp.Symbol(f"u{k}")] for k in range(1, 6)}
+    rates |= {sp.Symbol(f"q{k}ddot"): value for k, value in enumerate(moved, 1)}
+    (expected,) = numbers([found.euler_lagrange[4]], place | rates)
+    (reaction,) = numbers([found.reactions["u5"]], place)
+    assert abs(reaction - expected) < 1e-9 * abs(expected)
