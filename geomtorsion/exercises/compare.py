@@ -9,7 +9,7 @@ import sympy
 
 from geomtorsion.errors import ExpressionError, GeomtorsionError, LimitError
 from geomtorsion.exercises.limits import check_weight
-from geomtorsion.exercises.numeric import at_point, at_points
+from geomtorsion.exercises.numeric import at_point, at_points, at_points_with_size
 
 if TYPE_CHECKING:
     from geomtorsion.exercises.ground import Ground
@@ -20,6 +20,9 @@ Value = Mapping[Index, Any]
 EQUAL, PARTLY, DIFFERENT = "equal", "partly", "different"
 # Floats closer than this are looked at exactly; it decides nothing by itself.
 NEAR = 1e-7
+# What rounding can do to a float, relative to the largest number on the way, and where that ends.
+ROUNDING = 1e-9
+TOO_LARGE = 1e6
 # Numbers of 200 digits that differ by more than this are different.
 SURE = 1e-30
 
@@ -69,39 +72,27 @@ def same(ground: Ground, given: Value, right: Value) -> bool:
 
 
 def _near(ground: Ground, one: Any, two: Any) -> list[bool]:
-    """At each point where both have a value, whether it is the same; decided in many digits."""
+    """At each point where both have a value, whether it is the same.
+
+    Floats tell where they differ by more than rounding can do; else many digits are taken.
+    """
     import numpy as np
 
-    points = ground.points or ({},)
-    arrays = {
-        symbol: np.array([float(point[symbol]) for point in points]) for symbol in ground.symbols
-    }
-    first, second = (np.broadcast_to(at_points(x, arrays), (len(points),)) for x in (one, two))
+    arrays, points = ground.arrays, ground.places
+    first, size = at_points_with_size(one, arrays)
+    second, other = at_points_with_size(two, arrays)
+    apart = np.abs(first - second)
+    largest = np.fmax(size, other)
+    near = apart <= NEAR * (1 + np.abs(first) + np.abs(second))
+    far = (apart > ROUNDING * largest) & (largest < TOO_LARGE)
     found = []
-    for point, a, b in zip(points, first.tolist(), second.tolist(), strict=True):
-        apart, size = abs(a - b), 1 + abs(a) + abs(b)
-        if apart <= NEAR * size:
-            found.append(True)
-        elif apart > 1e3 * NEAR * size and size < 1e6:
-            # Far beyond rounding, unless something cancelled: one point in many digits will tell.
-            found.append(False)
+    for k, point in enumerate(points):
+        if near[k] or far[k]:
+            found.append(bool(near[k]))
         else:
             settled = _settled(point, one, two)
             found += [] if settled is None else [settled]
-    if found and not all(found):
-        return _confirmed(points, found, one, two)
     return found
-
-
-def _confirmed(points: Any, found: list[bool], one: Any, two: Any) -> list[bool]:
-    """The same, after a look in many digits at the first point that seemed different."""
-    if len(found) != len(points):
-        return found
-    place = found.index(False)
-    if _settled(points[place], one, two) is not True:
-        return found
-    settled = [_settled(point, one, two) for point in points]
-    return [near for near in settled if near is not None]
 
 
 def _settled(point: Any, one: Any, two: Any) -> bool | None:
@@ -128,25 +119,16 @@ def _is_zero(ground: Ground, one: Any, two: Any) -> bool:
     except GeomtorsionError:
         verdict = None
     if verdict is None:
-        settled = [_settled(point, one, two) for point in ground.points or ({},)]
+        settled = [_settled(point, one, two) for point in ground.places]
         return False not in settled and True in settled
     return verdict
 
 
 def _without_sizes(ground: Ground, expr: Any) -> Any:
     """|x| as x or -x, where it has one sign at all points; sympy makes it of sqrt(x**2)."""
-    import numpy as np
-
-    sizes = expr.atoms(sympy.Abs)
-    if not sizes:
-        return expr
-    points = ground.points or ({},)
-    arrays = {
-        symbol: np.array([float(point[symbol]) for point in points]) for symbol in ground.symbols
-    }
     table = {}
-    for size in sizes:
-        inner = at_points(size.args[0], arrays).real
+    for size in expr.atoms(sympy.Abs):
+        inner = at_points(size.args[0], ground.arrays).real
         if (inner >= 0).all():
             table[size] = size.args[0]
         elif (inner <= 0).all():

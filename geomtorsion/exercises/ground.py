@@ -68,6 +68,21 @@ class Ground:
         """Places all over the domain, always the same ones."""
         return tuple(islice(candidate_points(self.symbols, (), self.domain), POINTS))
 
+    @property
+    def places(self) -> tuple[Mapping[sympy.Symbol, sympy.Rational], ...]:
+        """The points; a single one without coordinates where there are no symbols."""
+        return self.points if self.symbols else ({},)
+
+    @cached_property
+    def arrays(self) -> Mapping[sympy.Symbol, Any]:
+        """The points as one array of floats for each symbol."""
+        import numpy as np
+
+        return {
+            symbol: np.array([float(point[symbol]) for point in self.points])
+            for symbol in self.symbols
+        }
+
     @cached_property
     def _generic(self) -> Mapping[sympy.Symbol, sympy.Rational]:
         """The place at which signs of roots are read off."""

@@ -37,13 +37,22 @@ def at_points(expr: Any, points: Mapping[sympy.Symbol, Any]) -> Any:
     >>> at_points(sympy.sqrt(x), {x: np.array([4.0, -1.0])}).tolist()
     [(2+0j), 1j]
     """
+    return at_points_with_size(expr, points)[0]
+
+
+def at_points_with_size(expr: Any, points: Mapping[sympy.Symbol, Any]) -> tuple[Any, Any]:
+    """Values at many points, and the largest number that occurred on the way to each.
+
+    A value far below that size has lost digits by cancellation.
+    """
     import numpy as np
 
-    size = next(iter(points.values())).shape if points else (1,)
+    shape = next(iter(points.values())).shape if points else (1,)
     values = {symbol: array.astype(complex) for symbol, array in points.items()}
+    table = _Arrays(np.zeros(shape))
     with np.errstate(all="ignore"):
-        found = _value(expr, values, _Arrays(), {})
-    return np.broadcast_to(np.asarray(found, dtype=complex), size)
+        found = _value(expr, values, table, {})
+    return np.broadcast_to(np.asarray(found, dtype=complex), shape), table.largest
 
 
 def at_point(expr: Any, point: Mapping[sympy.Symbol, Any], digits: int = DIGITS) -> Any:
@@ -67,7 +76,10 @@ def at_point(expr: Any, point: Mapping[sympy.Symbol, Any], digits: int = DIGITS)
 
 
 class _Arrays:
-    """Arithmetic of complex arrays."""
+    """Arithmetic of complex arrays that notes the largest size."""
+
+    def __init__(self, largest: Any) -> None:
+        self.largest = largest
 
     def number(self, expr: Any) -> Any:
         return complex(int(expr.p) / int(expr.q)) if expr.is_Rational else complex(expr)
@@ -85,6 +97,9 @@ class _Arrays:
         return getattr(np, _NUMPY[name])(*arguments)
 
     def checked(self, value: Any) -> Any:
+        import numpy as np
+
+        self.largest = np.fmax(self.largest, np.abs(value))
         return value
 
 
