@@ -27,7 +27,7 @@ def at_times(solution: Solution, time: Any) -> Moment:
 
     asked = np.asarray(time, dtype=float)
     flat = np.atleast_1d(asked).ravel()
-    pieces = _dense_pieces(solution, flat)
+    pieces = dense_pieces(solution, flat)
     order = np.concatenate([index for _, _, index in pieces])
     moment = _moment(solution, flat, [(segment, states) for segment, states, _ in pieces])
     back = np.argsort(order)
@@ -45,7 +45,7 @@ def at_times(solution: Solution, time: Any) -> Moment:
     )
 
 
-def _dense_pieces(solution: Solution, times: Any) -> list[tuple[Segment, Any, Any]]:
+def dense_pieces(solution: Solution, times: Any) -> list[tuple[Segment, Any, Any]]:
     """For each segment the states at those times that lie in it, and their places."""
     import numpy as np
 

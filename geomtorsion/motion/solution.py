@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import MissingExtraError, TimeError, UnknownNameError
 from geomtorsion.motion import measures, reading
+from geomtorsion.motion.between import error_between
 from geomtorsion.motion.checking import CAUTION
 
 if TYPE_CHECKING:
@@ -69,8 +70,7 @@ class Solution:
     accuracy: what was asked for, relative to the size of the solution.
     error: estimate of the largest error at `times`, and at no others, relative to the size of the
         solution: coordinates, velocities and passengers each against their own largest value.
-        What `at` gives between the times is not part of it: where that counts, ask for more
-        times (one last time gives 65 samples).
+        What `at` gives between the times is not part of it: see `error_between`.
     engine, why: what solved it, and why that was chosen.
     cost: steps, evaluations, seconds.
     complete: whether the last time was reached.
@@ -160,9 +160,9 @@ class Solution:
     def at(self, time: Any) -> Moment:
         """Coordinates and velocities at any time up to the last; arrays of times are welcome.
 
-        Between the times of the solution these are interpolated by the engine. `error` does not
-        cover them: it is measured at the times alone. Series (Taylor) are as good in between;
-        RungeKutta and Stiff interpolate to a lower order than they step, and may be worse.
+        Between the times of the solution these are interpolated by the engine. `error` is about
+        the times alone; `error_between` covers these, too. Series (Taylor) are as good in
+        between; RungeKutta and Stiff interpolate to a lower order than they step, and may be worse.
 
         Raises
         ------
@@ -177,6 +177,15 @@ class Solution:
     def drift(self) -> Mapping[str, float]:
         """For each known invariant its largest change, relative to the size of its terms."""
         return measures.drifts(self)
+
+    @cached_property
+    def error_between(self) -> float:
+        """Estimate of the largest error of `at`, between the times, too; relative as `error` is.
+
+        Worked out on first use, from dense output of the solution and of the run that it was held
+        against, at three places between each two times: it costs as much as the solution did.
+        """
+        return error_between(self)
 
     def __str__(self) -> str:
         reach = f"to t = {float(self.times[-1]):.6g}, {len(self.times)} times"

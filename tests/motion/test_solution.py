@@ -8,8 +8,10 @@ import pytest
 from geomtorsion.errors import FileFormatError, MissingExtraError
 from geomtorsion.geometry import cartan
 from geomtorsion.motion import Recorded, RungeKutta, Taylor, autoparallel, geodesic, solve
+from geomtorsion.motion.charts import atlas_of
 from geomtorsion.motion.engines import taylor
 from geomtorsion.spaces import load
+from tests.motion.engines import every_engine
 
 SO3 = load("so3").frame
 PROBLEM = autoparallel(cartan(SO3), [0.3, 1.0, 0.2], [0.1, 0.5, -0.2])
@@ -105,3 +107,29 @@ def test_full_kinetic_metric():
     turned = solve(geodesic(SO3, frame_velocity=turn @ u, metric=moments), 8.0, 1e-10)
     plain = solve(geodesic(SO3, frame_velocity=u, metric=[1, 2, 3]), 8.0, 1e-10)
     assert turned.frame_velocity == pytest.approx(plain.frame_velocity @ turn.T, abs=1e-8)
+
+
+@every_engine
+@pytest.mark.parametrize("charts", [(), ("so3", "so3_xyz")], ids=["quaternion", "angles"])
+@pytest.mark.parametrize("accuracy", [1e-5, 1e-9])
+def test_error_between_the_times(engine, charts, accuracy):
+    """Few times, far apart: the error of dense output at others is covered, and not by much."""
+    from geomtorsion.motion.closed import closed_form
+
+    problem = autoparallel(
+        cartan(load("so3").frame), [0.3, 1.0, 0.2], frame_velocity=[0.1, 1.3, 0.2]
+    )
+    _, exact = closed_form(problem)
+    own = problem.with_charts(*charts) if charts else problem
+    sol = solve(own, [10.0, 20.0], accuracy, engine)
+    assert len(sol.charts) > 1 or not charts
+    assert sol.error_between >= sol.error
+    times = np.random.default_rng(5).uniform(0, 20, 60)
+    moment = sol.at(times)
+    there = atlas_of(problem.frame).route("so3", "quaternion")[0]
+    found = np.asarray(there(moment.coordinates.T, {})).T
+    states = np.array(exact(times), dtype=float)
+    gap = np.minimum(np.abs(found - states).max(axis=1), np.abs(found + states).max(axis=1)).max()
+    assert gap <= 10 * sol.error_between
+    # Angles are worse than the attitude near the edge of their chart.
+    assert sol.error_between <= 300 * max(gap, 1e-14)
