@@ -17,10 +17,10 @@ TAKEN = 0.33
 FEW_STEPS = 4
 # Two runs that differ by more than this part say nothing about each other.
 SATURATED = 0.02
+# An error that is above this part of the one before has not gained by a smaller tolerance.
+LITTLE = 0.5
 # An error above this part of the accuracy is confirmed by a second check.
 DOUBTED = 0.01
-# Roundings of many steps add up to this part of their number's root.
-WALK = 0.3
 # Two fine runs share so many roundings, which grow like any error on the way.
 SHARED = 6.0
 # Where an attempt fails, the next tolerance is this much below what the estimate asks for, ...
@@ -123,10 +123,12 @@ def checked(
         return aside[key]
 
     tolerance: float | None = first
-    best = None
+    best, before = None, math.inf
     while tolerance is not None:
         answer = run(tolerance)
-        check, share, error = _judged(engine, answer, made, run_aside, difference, coarse)
+        check, share, error = _judged(
+            engine, answer, made if disturbed is None else {}, run_aside, difference, coarse
+        )
         close = DOUBTED * accuracy < error <= accuracy and check.tolerance < answer.tolerance
         if close and disturbed is not None:
             # Two runs may agree by chance where rounding is all that tells them apart.
@@ -136,7 +138,13 @@ def checked(
             best = answer, check, share, error
         if error <= TAKEN * accuracy or ended(answer):
             break
-        tolerance = _next(engine, answer, check, error / accuracy)
+        if check.tolerance < answer.tolerance:
+            # Nothing is gained any more by smaller steps: what is left is rounding.
+            if LITTLE * before < error < SATURATED:
+                break
+            before = error
+        reusable = disturbed is None
+        tolerance = _next(engine, answer, check, error / accuracy, reusable=reusable)
     assert best is not None
     every = {id(one): one for one in (*made.values(), *aside.values())}
     return Checked(*best, tuple(every.values()))
@@ -148,13 +156,12 @@ def rounding(engine: Engine, steps: int) -> float:
 
 
 def _part(engine: Engine, answer: Attempt, tolerance: float) -> float:
-    """By how much to move the start of a check: by what rounding moves the answer.
+    """By how much to move the start of a check: by one unit in the last place.
 
     Of the difference to a coarser run only a share is taken for the error, about the ratio of the
     tolerances; moved by as much more, it has its full weight.
     """
-    part = 2.0 ** (1 - engine.precision) * max(1.0, WALK * math.sqrt(answer.steps))
-    return part * max(1.0, tolerance / answer.tolerance)
+    return 2.0 ** (1 - engine.precision) * max(1.0, tolerance / answer.tolerance)
 
 
 def _judged(
@@ -193,16 +200,21 @@ def _growth(
 
     Two fine runs do not show the rounding that they share.
     """
-    earlier = max(made)
+    earlier = max(made, default=0.0)
     if earlier <= answer.tolerance:
         return 1.0
     gap, compared = difference(answer, made[earlier])
     return gap / earlier if compared and gap <= SATURATED else 1.0
 
 
-def _next(engine: Engine, answer: Attempt, check: Attempt, excess: float) -> float | None:
-    """The tolerance to try after an error that is too large by a factor."""
-    if check.tolerance < answer.tolerance:
+def _next(
+    engine: Engine, answer: Attempt, check: Attempt, excess: float, *, reusable: bool
+) -> float | None:
+    """The tolerance to try after an error that is too large by a factor.
+
+    reusable: whether a finer check may itself serve as the next answer.
+    """
+    if check.tolerance < answer.tolerance and reusable:
         return check.tolerance
     if answer.tolerance <= engine.finest * 1.01:
         return None

@@ -308,5 +308,6 @@ def unit_rows(flow: Flow, states: Any) -> Any:
     states = states.copy()
     for places in flow.unit_places:
         part = states[:, places]
-        states[:, places] = part / np.sqrt((part * part).sum(axis=1))[:, None]
+        with np.errstate(all="ignore"):
+            states[:, places] = part / np.sqrt((part * part).sum(axis=1))[:, None]
     return states
