@@ -28,8 +28,8 @@ class Constants:
     log_nome, scale, shift: of the series; z = scale * u, and theta1(z - i shift) has the phase.
     half: 2K / rate, the time between two flips; infinite on the separatrix.
     offset: u / rate at t = 0; |u| <= K.
-    turn: precession in one such time, in units of 4 pi, whole numbers left out.
-    slope: precession per time beside the periodic part, for |u| <= K, in units of 4 pi.
+    slope: precession per time beside the part that repeats, in units of 4 pi.
+    jump: precession in half a period less slope times it, in units of 4 pi.
     momentum: |L|.
     """
 
@@ -45,8 +45,8 @@ class Constants:
     shift: float
     half: Long
     offset: Long
-    turn: Long
     slope: Long
+    jump: Long
     momentum: float
 
 
@@ -129,16 +129,14 @@ def constants(moments: tuple[float, ...], omega: tuple[float, ...]) -> Constants
         other = None if k2 == 0 else _first_kind(Fraction(1), m1)
         near, far = (other, quarter) if near_one else (quarter, other)
         assert near is not None
-        half, turn, slope = Long(math.inf, 0.0), flint.arb(0), momentum / _real(ib)
+        half, jump, slope = Long(math.inf, 0.0), flint.arb(0), momentum / _real(ib)
         if quarter is not None:
             half = Long.of(2 * quarter / rate)
             third = quarter + _real(n / 3) * _third_kind(m1, n)
             advance = 2 * momentum / rate * (quarter - _real((ia - ic) / ia) * third) / _real(ic)
-            slope = (advance + s * pi) / (2 * quarter) * rate
-            if near_one:
-                slope -= s * pi * zeta / (2 * quarter * near) * rate
-            turn = advance / (4 * pi)
-            turn -= (turn.mid() + 0.5).floor()
+            # The phase of theta1 grows by pi in half a period, in the turned form by less.
+            jump = -s * (pi - pi * zeta / near) if near_one else -s * pi
+            slope = (advance - jump) / (2 * quarter) * rate
         return Constants(
             axes=(axes[0], axes[1], axes[2]),
             amplitudes=(
@@ -156,8 +154,8 @@ def constants(moments: tuple[float, ...], omega: tuple[float, ...]) -> Constants
             shift=float(zeta * pi / (2 * near)),
             half=half,
             offset=Long.of(u0 / rate),
-            turn=Long.of(turn),
             slope=Long.of(slope / (4 * pi)),
+            jump=Long.of(jump / (4 * pi)),
             momentum=float(momentum),
         )
 

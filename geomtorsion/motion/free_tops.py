@@ -231,9 +231,9 @@ class FreeTop:
         from geomtorsion.motion.free_top_functions import functions
         from geomtorsion.motion.free_top_phase import reduced, turns
 
-        count, left, lost = reduced(t, top.offset, top.half)
-        # A half period may hold many turns: they are reduced like the half periods themselves.
-        steady = turns(count, top.turn) + turns(left, top.slope) + lost * top.slope.high
+        count, left = reduced(t, top.offset, top.half)
+        # Where in its half period the top began is left out: attitudes count from t = 0.
+        steady = turns(t, top.slope) + turns(count, top.jump)
         sn, cn, dn, phase = functions(top.rate * left, top)
         sign = 1 - 2 * np.mod(count, 2)
         a, b, c = top.axes
