@@ -140,5 +140,5 @@ def test_stiff_tree():
     t = sol.times[-1]
     later = np.cos(t) + np.sin(t) * np.sqrt(1 + np.cos(t) ** 2) / (k * np.cos(t))
     assert sol["x"][-1] == pytest.approx(later, abs=1e-8)
-    other = solve(made, 1.0, 1e-7, Stiff())
-    assert other["x"] == pytest.approx(sol["x"], abs=1e-6)
+    other = solve(made, 1.0, 1e-5, Stiff())
+    assert other["x"] == pytest.approx(sol["x"], abs=1e-5)
