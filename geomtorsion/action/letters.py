@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 _STEMS = ("u", "w", "Omega", "velocity")
 _TIMES = ("t", "time", "tau", "clock")
+_DOTS = ("dot", "_dot", "_prime")
 
 
 @dataclass(frozen=True)
@@ -61,13 +62,33 @@ def letters_of(frame: Frame) -> Letters:
             f"{', '.join([stem + '1' for stem in _STEMS] + list(_TIMES))}. Rename a coordinate."
         )
     coordinates = [symbol.name for symbol in frame.coordinates]
+    dot = free_form(frame, [*names, *coordinates], [f"{{}}{dot}" for dot in _DOTS])
+    twice = free_form(frame, coordinates, [f"{{}}d{dot}" for dot in _DOTS])
     return Letters(
         frame.coordinates,
         _symbols(names),
-        _symbols(f"{name}dot" for name in names),
-        _symbols(f"{name}dot" for name in coordinates),
-        _symbols(f"{name}ddot" for name in coordinates),
+        _symbols(dot.format(name) for name in names),
+        _symbols(dot.format(name) for name in coordinates),
+        _symbols(twice.format(name) for name in coordinates),
         sp.Symbol(time),
+    )
+
+
+def free_form(frame: Frame, names: Sequence[Any], forms: Sequence[str]) -> str:
+    """The first form, as in "{}dot", that makes no name which the frame uses.
+
+    Raises
+    ------
+    LagrangianError
+        Each makes one.
+    """
+    taken = {symbol.name for symbol in (*frame.coordinates, *frame.parameters)}
+    for form in forms:
+        if not taken & {form.format(name) for name in names}:
+            return form
+    raise LagrangianError(
+        f"the frame uses names of all the forms {', '.join(forms)}, which are needed for changes "
+        "and variations. Rename a coordinate."
     )
 
 

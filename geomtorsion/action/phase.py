@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
 from geomtorsion.action.letters import Letters, letters_of
 from geomtorsion.errors import LagrangianError
@@ -110,8 +111,11 @@ def expressions(
     letters = letters_of(frame)
     own = (*frame.coordinates, *frame.parameters, letters.time, *letters.velocities)
     table = {symbol.name: symbol for symbol in own}
-    for item in parameters or ():
+    listed = parameters.replace(",", " ").split() if isinstance(parameters, str) else parameters
+    for item in listed or ():
         symbol = sp.Symbol(item) if isinstance(item, str) else item
+        if symbol.name in {s.name for s in (*letters.rates, *letters.accelerations)}:
+            _check_parameter("parameters", symbol.name, letters, table, True)
         table.setdefault(symbol.name, symbol)
     found: dict[str, sp.Expr] = {}
     for where, value in entries:
@@ -123,6 +127,7 @@ def expressions(
                     table[symbol.name] = symbol
             renamed = {symbol: table[symbol.name] for symbol in expression.free_symbols}
             found[where] = expression.xreplace(renamed)
+            _check_functions(where, expression, table)
     for where, value in entries:
         if isinstance(value, str):
             found[where] = parse_expression(value, table, where=where)
@@ -141,6 +146,17 @@ def _sympified(where: str, value: Any) -> sp.Expr:
             "Give text, a number or a sympy expression."
         )
     return found
+
+
+def _check_functions(where: str, expression: sp.Expr, table: Mapping[str, Any]) -> None:
+    """Refuse phi1(t) for the coordinate phi1: it would count as a given function of the time."""
+    for function in sorted(expression.atoms(AppliedUndef), key=str):
+        name = type(function).__name__
+        if name in table:
+            raise LagrangianError(
+                f"{where}: {function} is a function, but {name} is a symbol here. Write {name}, "
+                "and velocities as u^i = e^i_mu q'^mu in place of derivatives."
+            )
 
 
 def _check_parameter(

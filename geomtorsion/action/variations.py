@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from geomtorsion.action.letters import letters_of
+from geomtorsion.action.letters import free_form, letters_of
 from geomtorsion.action.phase import opened
 from geomtorsion.action.principles import principle_named
 from geomtorsion.action.twist import torsion_over, twist_of
@@ -19,6 +19,8 @@ from geomtorsion.geometry import Tensor
 if TYPE_CHECKING:
     from geomtorsion.exact import Element
     from geomtorsion.geometry import Connection, Frame
+
+_IMAGES = ("dPhi{}", "delta{}")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -42,20 +44,23 @@ class Variation:
     @cached_property
     def images(self) -> tuple[sp.Symbol, ...]:
         """dPhi^i, the variation read off in the frame."""
-        return self._numbered("dPhi{}")
+        return self._numbered(_IMAGES)
 
     @cached_property
     def image_rates(self) -> tuple[sp.Symbol, ...]:
         """d/dt dPhi^i."""
-        return self._numbered("dPhi{}dot")
+        return self._numbered(tuple(f"{form}dot" for form in _IMAGES))
 
     @cached_property
     def gaps(self) -> tuple[sp.Symbol, ...]:
         """b^i: by how much e^i_mu dq^mu misses dPhi^i."""
-        return self._numbered("b{}")
+        return self._numbered(("b{}", "gap{}"))
 
-    def _numbered(self, form: str) -> tuple[sp.Symbol, ...]:
-        return tuple(sp.Symbol(form.format(k + 1)) for k in range(self.frame.dimension))
+    def _numbered(self, forms: Sequence[str]) -> tuple[sp.Symbol, ...]:
+        """Symbols with the numbers of the forms, named as the frame has none."""
+        numbers = range(1, self.frame.dimension + 1)
+        form = free_form(self.frame, numbers, forms)
+        return tuple(sp.Symbol(form.format(k)) for k in numbers)
 
     @cached_property
     def coefficients(self) -> Tensor:

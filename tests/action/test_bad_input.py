@@ -46,6 +46,38 @@ def test_listed_parameters_bind():
         gt.equations_of_motion(SO3, SPIN, [0, -sp.Symbol("k") * U1, 0], parameters=[])
 
 
+def test_functions_of_time_are_no_coordinates():
+    """phi1(t), as sympy.physics.mechanics writes coordinates, would silently be a given drive."""
+    t = sp.Symbol("t")
+    with pytest.raises(LagrangianError, match=r"phi2\(t\) is a function, but phi2 is a symbol"):
+        gt.equations_of_motion(SO3, SPIN - sp.cos(sp.Function("phi2")(t)))
+    with pytest.raises(LagrangianError, match=r"u1\(t\) is a function"):
+        gt.equations_of_motion(SO3, SPIN + sp.Function("u1")(t) ** 2)
+    driven = gt.equations_of_motion(SO3, SPIN - sp.Function("f")(t) * sp.cos(SO3.coordinates[1]))
+    assert driven.agrees is True
+
+
+def test_parameters_may_be_one_text():
+    """As coordinates of a frame may; names of changes are none."""
+    found = gt.equations_of_motion(SO3, "I1*(u1**2 + u2**2) + I3*u3**2", parameters="I1, I3")
+    assert {symbol.name for symbol in found.lagrangian.free_symbols} > {"I1", "I3"}
+    with pytest.raises(LagrangianError, match="parameters: phi1dot is neither"):
+        gt.equations_of_motion(SO3, SPIN, parameters=["phi1dot"])
+
+
+def test_names_that_the_frame_has_taken():
+    """A coordinate xdot and a parameter b1: changes and gaps then get other names."""
+    x, xdot, b1, d1 = sp.symbols("x xdot b1 dPhi1")
+    frame = gt.Frame([x, xdot], [[1, b1 * xdot], [d1, 1 + x]])
+    found = gt.equations_of_motion(frame, (U1**2 + U2**2) / 2 - x * xdot)
+    assert found.agrees is True
+    assert {s.name for s in found.residuals[0].free_symbols} >= {"u1_dot"}
+    for principle in ("closed_in_coordinates", "closed_in_image"):
+        varied = gt.variation(frame, principle)
+        assert varied.proved is True
+        assert {s.name for s in varied.images + varied.gaps} == {"delta1", "delta2", "gap1", "gap2"}
+
+
 def test_texts_are_read_by_the_whitelist():
     """Names must be declared, numbers exact, and code is no expression."""
     with pytest.raises(ExpressionError, match="I1 is neither a coordinate nor a declared"):
