@@ -177,7 +177,7 @@ def _reply(request: Mapping[str, Any]) -> dict[str, Any]:
     """The reply to one request: a verdict, or that the solution is known now."""
     exercise = load(request["number"], request["seed"])
     if "answers" not in request:
-        _ = [question.mistakes for question in exercise.questions]
+        _ = exercise.solution()
         return {"prepared": True}
     return {"verdict": exercise.check(request["answers"]).to_json()}
 

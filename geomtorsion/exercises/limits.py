@@ -34,7 +34,7 @@ def check_weight(expr: Any, where: str, largest: int = LARGEST_WEIGHT) -> None:
     >>> check_weight((x + y + z) ** 6, "answer")
     >>> check_weight((x + y + z + 1) ** 24 / (x - y + 2 * z - 1) ** 24, "answer")
     Traceback (most recent call last):
-    geomtorsion.errors.LimitError: answer: multiplied out, this would have more than 5,000,000 terms...
+    geomtorsion.errors.LimitError: answer: multiplied out, this would have more than...
     """
     radicals = {
         power.base for power in expr.atoms(sympy.Pow) if power.exp.is_Rational and power.exp.q > 1

@@ -69,6 +69,10 @@ def test_right_on_a_part_of_the_domain(right, given):
         (sp.log(t**2), "2*log(t)"),
         (sp.sin(x) ** 2, "(1 - cos(2*x))/2"),
         (sp.S.Zero, "sin(x)^2 + cos(x)^2 - 1"),
+        (
+            x + 10**7 + sp.sqrt((x + 10**7) ** 2 - 1),
+            "1/(x + 10^7 - sqrt((x + 10^7)^2 - 1))",
+        ),
         (x**2, "10^20*x^2/10^20 + (x + 10^12)^2 - x^2 - 2*x*10^12 - 10^24"),
     ],
     ids=lambda case: str(case)[:30],
@@ -92,6 +96,16 @@ def test_roots_that_are_right_everywhere(right, given):
 def test_nearly_right_is_wrong(right, given):
     """Zero is decided: a difference far below every float is a difference."""
     assert code_of(asked(right), given) != "right"
+
+
+@pytest.mark.parametrize(
+    ("given", "code"),
+    [("-sin(x)", "sign"), ("2*sin(x)", "factor"), ("sin(x)/2", "factor"), ("sin(x)/3", "")],
+)
+def test_signs_and_factors(given, code):
+    """What can go wrong with every expression."""
+    assert code_of(asked(sp.sin(x)), given) == code
+    assert code_of(number(0.5), given.replace("sin(x)", "0.5")) == code
 
 
 def components(values, **more) -> Question:

@@ -9,7 +9,7 @@ from geomtorsion import exercises
 from geomtorsion.exercises import registry
 from geomtorsion.exercises.checking import check_question
 from geomtorsion.exercises.diagnoses import TITLES
-from geomtorsion.exercises.writing import answer_text
+from geomtorsion.exercises.writing import answer_text, component_text
 from tests.exercises.forms import another_form
 
 SEEDS = range(5)
@@ -74,6 +74,47 @@ def test_mistakes_get_their_diagnosis(number):
             assert not said.right, (code, question.name, answer)
             assert code in said.codes, (code, question.name, answer, said)
             assert said.message
+
+
+def questions_of(kind: str):
+    """All questions of a kind with a solution that is not zero, in the first seeds."""
+    for number in NUMBERS:
+        for seed in range(2):
+            for question in exercises.load(number, seed).questions:
+                if question.kind == kind and question.solution:
+                    yield question
+
+
+def test_counting_from_zero_is_noticed():
+    """Indices as programmers count them: named in every question with components."""
+    asked = 0
+    for question in questions_of("components"):
+        text = "; ".join(
+            f"{','.join(map(str, key))} = {component_text(x)}"
+            for key, x in question.solution.items()
+        )
+        if any(0 in key for key in question.solution):
+            said = check_question(question, text)
+            assert said.diagnosis == "counted", (question.name, text, said)
+            asked += 1
+    assert asked >= WRONG_ANSWERS
+
+
+def test_rounding_and_units_are_noticed():
+    """A number rounded too early, and one in a unit of something else."""
+    asked = 0
+    for question in questions_of("number"):
+        if question.tolerance < 1e-6 or question.tolerance > 1e-2:
+            continue
+        scale = 1 + 5 * question.tolerance
+        value = {key: float(x) * scale for key, x in question.solution.items()}
+        said = check_question(question, answer_text(question, value))
+        assert said.diagnosis == "rounded", (question.name, said)
+        if not question.shape:
+            assert check_question(question, "7 kg").diagnosis == "unit"
+            assert check_question(question, "7 s").diagnosis == "unit"
+        asked += 1
+    assert asked >= WRONG_ANSWERS
 
 
 def test_every_diagnosis_occurs():
