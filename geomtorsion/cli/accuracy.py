@@ -20,8 +20,7 @@ from geomtorsion.cli.curve import (
 )
 from geomtorsion.cli.numbers import engine_of, named_numbers, number, numbers
 from geomtorsion.cli.progress import bar, working
-from geomtorsion.cli.scene_source import is_scene, open_scene
-from geomtorsion.cli.source import open_space
+from geomtorsion.cli.scene_source import is_scene, open_scene, space_beside_scenes
 from geomtorsion.errors import StartError
 
 if TYPE_CHECKING:
@@ -101,7 +100,7 @@ def accuracy(
     from geomtorsion.accuracy import accuracy_cost
     from geomtorsion.pictures.pair import posed
 
-    space = open_space(source)
+    space = space_beside_scenes(source)
     with working(space.name) as progress:
         problems, chosen, last = posed(
             space,

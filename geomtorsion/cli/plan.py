@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from geomtorsion.cli.progress import working
-from geomtorsion.cli.scene_source import Watch, is_scene, open_scene
-from geomtorsion.cli.source import open_space
+from geomtorsion.cli.scene_source import Watch, is_scene, open_scene, space_beside_scenes
 from geomtorsion.errors import UnknownNameError
 
 if TYPE_CHECKING:
@@ -64,12 +63,12 @@ def plan(
             typer.echo(f"wrote {output}")
         return
     if quantity is None:
-        open_space(source)
+        space_beside_scenes(source)
         raise UnknownNameError(
             f"plan {source}: name a quantity of the space, as in `geomtorsion plan {source} ricci`."
         )
     with working(source):
-        wanted = open_space(source).frame.plan(quantity)
+        wanted = space_beside_scenes(source).frame.plan(quantity)
         written = wanted.to_dot() if dot else str(wanted)
     typer.echo(written)
 

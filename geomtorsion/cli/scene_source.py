@@ -12,6 +12,7 @@ from geomtorsion.errors import StartError, UnknownNameError
 
 if TYPE_CHECKING:
     from geomtorsion.scenes import Scene
+    from geomtorsion.spaces.space import Space
 
 SceneOrFile = Annotated[
     str,
@@ -60,6 +61,20 @@ def is_scene(source: str) -> bool:
     except GeomtorsionError:
         return False
     return "body" in data or "effects" in data
+
+
+def space_beside_scenes(source: str) -> Space:
+    """The space of this name or file; where there is none, the error names a near scene too."""
+    from geomtorsion.cli.source import open_space
+    from geomtorsion.exact.names import near_names
+    from geomtorsion.scenes import names
+
+    try:
+        return open_space(source)
+    except UnknownNameError as error:
+        near = near_names(source, names())
+        hint = f" Did you mean the scene {near}?" if near else ""
+        raise UnknownNameError(f"{error}{hint}") from None
 
 
 def open_scene(

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 FRAMES_PER_SECOND = 25
 MOST_FRAMES = 500
 FORMS = (".gif", ".mp4")
+# Corners of what is round.
+ROUND = 32
 FACES = ("#8fc1e3", "#f2b48a", "#9fd6bd")
 # Corners of a block, and its faces as corners in order round about.
 _CORNERS = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
@@ -36,6 +38,36 @@ def block_sides(moments: Any) -> np.ndarray:
     sides = np.sqrt(squares)
     # What is thin in truth is drawn thick enough to be seen.
     return np.maximum(sides / sides.max(), 0.08)
+
+
+def polygons(sides: Any) -> tuple[list[np.ndarray], list[str]]:
+    """Faces of a body about its centre, with their colours: a block, or round if two sides agree.
+
+    Examples
+    --------
+    >>> len(polygons([1.0, 0.5, 0.2])[0]), len(polygons([1.0, 1.0, 0.1])[0])
+    (6, 34)
+    """
+    import numpy as np
+
+    sides = np.asarray(sides, dtype=float)
+    for axis in (2, 0, 1):
+        one, other = (k for k in range(3) if k != axis)
+        if abs(sides[one] - sides[other]) < 1e-9:
+            turn = np.linspace(0, 2 * np.pi, ROUND, endpoint=False)
+            rims = np.zeros((2, ROUND, 3))
+            rims[:, :, one] = sides[one] * np.cos(turn)
+            rims[:, :, other] = sides[one] * np.sin(turn)
+            rims[0, :, axis], rims[1, :, axis] = sides[axis], -sides[axis]
+            after = np.roll(rims, -1, axis=1)
+            walls = [
+                np.array([rims[0, k], rims[1, k], after[1, k], after[0, k]]) for k in range(ROUND)
+            ]
+            # Quarters of different colours show how it spins.
+            quarters = [FACES[int(4 * k / ROUND) % 2] for k in range(ROUND)]
+            return [rims[0], rims[1], *walls], [FACES[2], FACES[2], *quarters]
+    corners = sides * np.array(_CORNERS, dtype=float)
+    return [corners[list(face)] for face in _FACES], [FACES[k // 2] for k in range(6)]
 
 
 def write_film(
@@ -134,11 +166,11 @@ class _Stage:
         )
         span = float(np.ptp(self.places, axis=0).max())
         self.size = 0.55 if span == 0 else 0.13 * span
-        self.corners = self.size * sides * np.array(_CORNERS, dtype=float)
+        faces, colors = polygons(sides)
+        self.faces = [self.size * face for face in faces]
         self.axes = axes
         self.block = Poly3DCollection(
-            [np.zeros((4, 3))] * 6, facecolors=[FACES[k // 2] for k in range(6)],
-            edgecolors="#1d2330", linewidths=0.8, alpha=0.92,
+            self.faces, facecolors=colors, edgecolors="#1d2330", linewidths=0.5, alpha=0.95,
         )  # fmt: skip
         axes.add_collection3d(self.block)
         (self.pin,) = axes.plot([], [], [], color="#1d2330", linewidth=2.0)
@@ -149,7 +181,7 @@ class _Stage:
         centre, half = (low + high) / 2, 0.5 * span + (1.05 if span == 0 else 2 * self.size)
         for setter, c in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), centre, strict=True):
             setter(c - half, c + half)
-        axes.set_box_aspect((1, 1, 1), zoom=1.25)
+        axes.set_box_aspect((1, 1, 1), zoom=1.25 if span == 0 else 1.5)
         axes.set_proj_type("ortho")
         axes.view_init(elev=22.0, azim=-56.0)
         axes.set_axis_off()
@@ -167,8 +199,7 @@ class _Stage:
 
     def show(self, k: int) -> None:
         """Put the block as it is at sample k."""
-        corners = self.places[k] + self.corners @ self.turn[k].T
-        self.block.set_verts([corners[list(face)] for face in _FACES])
+        self.block.set_verts([self.places[k] + face @ self.turn[k].T for face in self.faces])
         ends = [self.places[k], self.tips[k]]
         self.pin.set_data_3d(*zip(*ends, strict=True))
         self.trace.set_data_3d(*self.path[: k + 1].T)

@@ -108,6 +108,8 @@ def test_plans_of_scenes(tmp_path):
     assert "products at most" in run("plan", "so3", "ricci").stdout
     assert "name a quantity of the space" in run("plan", "so3", code=2).stderr
     assert "'nowhere'" in run("plan", "nowhere", code=2).stderr
+    assert "Did you mean the scene helix?" in run("plan", "helx", code=2).stderr
+    assert "Did you mean the scene helix?" in run("accuracy", "helx", code=2).stderr
 
 
 def test_what_accuracy_costs_for_a_scene(tmp_path):
