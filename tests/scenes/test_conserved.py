@@ -76,3 +76,7 @@ def test_close_misses_are_seen():
     momentum = sp.Symbol("Omega3")
     assert is_constant(assemble(SYMMETRIC, {}), momentum)
     assert not is_constant(assemble(almost, {}), momentum)
+    free = assemble(SYMMETRIC, {})
+    near = free.kinetic_energy + sp.Rational(1, 10**30) * sp.Symbol("Omega1")
+    assert is_constant(free, free.kinetic_energy)
+    assert not is_constant(free, near)

@@ -151,3 +151,61 @@ def test_next_to_the_unstable_axis(push):
     long = gt.solve(scene.flow, scene.times, 1e-17, gt.Taylor(113))
     states = np.asarray(long.states, dtype=float)
     assert np.abs(result["omega"] - states[:, :3]).max() < 1e-14
+
+
+def test_a_closed_form_that_fails_its_check_is_not_used(monkeypatch):
+    """One part in 10^7 off: the integrator answers, and the answer is right."""
+    from geomtorsion.scenes.running import ClosedForm
+
+    start = gt.State(omega=(0.3, 1, 0.2))
+    scene = gt.Scene(gt.Body(moments=(1, 2, 3)), (), start, ["omega"], t=5)
+    right, states = scene.run(), ClosedForm.states
+    assert right.closed_form
+    monkeypatch.setattr(ClosedForm, "states", lambda self, t: states(self, t) * (1 + 1e-7))
+    other = scene.run()
+    assert other.closed_form is None
+    assert np.abs(other["omega"] - right["omega"]).max() < 1e-9
+
+
+def test_moments_about_the_pivot():
+    """A top whose moments are known about its tip is the top with Steiner's part added."""
+    centre = gt.Body(MASS, inertia=SKEW)
+    steiner = MASS * (ARM @ ARM * np.eye(3) - np.outer(ARM, ARM))
+    tip = gt.Body(MASS, inertia=SKEW + steiner)
+    start = gt.State(omega=OMEGA, euler=ANGLES)
+    names = ["omega", "energy", "angular_momentum", "rotational_energy", "precession"]
+    one = gt.Scene(centre, [E.Gravity(G), E.Pivot(ARM)], start, names, t=1).run()
+    held = E.Pivot(ARM, moments_at="pivot")
+    two = gt.Scene(tip, [E.Gravity(G), held], start, names, t=1).run()
+    for name in names:
+        assert np.abs(one[name] - two[name]).max() < 1e-9 * np.abs(one[name]).max()
+
+
+def test_axis_of_symmetry_is_followed():
+    """A body that is symmetric about its first axis is watched along that axis."""
+    start = gt.State(omega=(3, 0.2, 0), quaternion=(1, 0, 0, 0))
+    result = gt.Scene(gt.Body(moments=(1, 2, 2)), (), start, ["axis", "matrix"], t=2).run()
+    assert np.abs(result["axis"] - result["matrix"][:, :, 0]).max() < 1e-15
+
+
+def test_backwards_in_time():
+    """To t = -5 and what stands there: the closed form and the integrator."""
+    start = gt.State(omega=(0.3, 1, 0.2), euler=(0, 0.5, 0))
+    scene = gt.Scene(gt.Body(moments=(1, 2, 3)), (), start, ["omega", "axis"], t=-5)
+    closed, stepped = scene.run(), scene.run(engine=gt.Taylor())
+    assert closed.closed_form
+    assert closed.times[-1] == -5
+    assert np.abs(closed["axis"] - stepped["axis"]).max() < 1e-9
+
+
+def test_the_quaternion_keeps_its_length():
+    """Ten thousand turns of a heavy top: length one to rounding, and a rotation for a matrix."""
+    start = gt.State(omega=(0, 0, 20), euler=(0, 0.3, 0))
+    top = [E.Gravity(), E.Pivot([0, 0, 0.1])]
+    names = ["quaternion", "matrix", "vertical"]
+    scene = gt.Scene(gt.Body(moments=(1, 1, 0.5)), top, start, names, [3000.0], accuracy=1e-8)
+    result = scene.run()
+    assert abs(np.linalg.norm(result["quaternion"]) - 1) < 4e-16
+    r = result["matrix"][0]
+    assert np.abs(r.T @ r - np.eye(3)).max() < 1e-15
+    assert np.abs(r[2] - result["vertical"][0]).max() < 1e-15
