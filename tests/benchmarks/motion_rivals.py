@@ -1,0 +1,145 @@
+"""What motions race against: heyoka and scipy by hand, scipy on Christoffel symbols."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from scipy.integrate import solve_ivp
+
+from geomtorsion.motion import Problem, Taylor
+from geomtorsion.motion.journey import travel
+from tests.benchmarks.motions import SAMPLES, Case, exact
+
+
+def best_times(functions: Sequence[Callable[[], Any]], seconds: float = 0.4) -> list[float]:
+    """CPU seconds of the fastest of many calls of each, by turns: what slows one slows all."""
+    best, began, rounds = [float("inf")] * len(functions), time.process_time(), 0
+    while rounds < 3 or time.process_time() - began < seconds:
+        for k, function in enumerate(functions):
+            start = time.process_time_ns()
+            function()
+            best[k] = min(best[k], (time.process_time_ns() - start) * 1e-9)
+        rounds += 1
+    return best
+
+
+Run = Callable[[], Any]
+
+
+def heyoka_by_hand(case: Case, accuracy: float) -> tuple[Run, Run] | None:
+    """heyoka at the loosest tolerance that reaches the accuracy, compiled: plain; and checked.
+
+    Nobody knows that tolerance beforehand: it is found here by comparing with the truth. The
+    check is a second integration with a hundredth of the tolerance, and the largest difference.
+    """
+    hy = import_module("heyoka")
+
+    rates, start, values = case.by_hand(hy)
+    grid = np.linspace(0, case.t, SAMPLES)
+    truth = exact(rates, start, values, grid)
+
+    def made(power: int) -> Run:
+        integrator = hy.taylor_adaptive(rates, start, pars=values, tol=10.0**-power)
+
+        def run() -> Any:
+            integrator.time = 0.0
+            integrator.state[:] = start
+            return integrator.propagate_grid(grid)[5]
+
+        return run
+
+    for power in range(4, 19):
+        run = made(power)
+        if _error(run(), truth) <= accuracy:
+            return run, _checked(run, made(power + 2))
+    return None
+
+
+def _checked(run: Run, finer: Run) -> Run:
+    """A run, a finer one, and how far they are apart."""
+    return lambda: np.abs(run() - finer()).max()
+
+
+def _error(states: Any, truth: Any) -> float:
+    """Largest difference over the largest value."""
+    return float(np.abs(states - truth).max() / np.abs(truth).max())
+
+
+def scipy_on_christoffel(case: Case, accuracy: float, limit: float = 20.0) -> float | None:
+    """CPU seconds of scipy's DOP853 on lambdified Christoffel symbols; None if out of reach."""
+    if case.connection is None or not isinstance(case.problem, Problem):
+        return None
+    frame = case.problem.frame
+    n = frame.dimension
+    q, v = list(frame.coordinates), list(sp.symbols(f"v0:{n}"))
+    gamma = case.connection.coefficients.nonzero()
+    right = [sp.S.Zero] * n
+    for (a, b, c), value in gamma.items():
+        right[c] -= value * v[a] * v[b]
+    numbers = {s: float(case.problem.parameters[s.name]) for s in frame.parameters}
+    # The rival takes what sympy.lambdify makes of it, common subexpressions shared.
+    function = sp.lambdify([*q, *v], [x.subs(numbers) for x in right], "numpy", cse=True)
+    start = np.concatenate(
+        ([float(x) for x in case.problem.start or ()], np.asarray(case.problem.velocity))
+    )
+    grid = np.linspace(0, case.t, SAMPLES)
+    journey = travel(case.problem, Taylor(64), 1e-18, grid * case.problem.speed)
+    truth = np.concatenate([s.states for s in journey.segments])[:, :n].astype(float)
+    if journey.segments[0].chart != case.problem.atlas.home:
+        from geomtorsion.motion import solve
+
+        truth = solve(case.problem.with_charts(case.problem.atlas.home), grid, 1e-12).coordinates
+
+    def rates(_: float, y: Any) -> Any:
+        return np.concatenate((y[n:], function(*y)))
+
+    for power in range(4, 14):
+        tolerance = 10.0**-power
+
+        def run(tolerance: float = tolerance) -> Any:
+            return solve_ivp(
+                rates, (0, case.t), start, "DOP853", t_eval=grid, rtol=tolerance, atol=tolerance
+            ).y.T
+
+        began = time.perf_counter()
+        states = run()
+        if len(states) == SAMPLES and _error(states[:, :n], truth) <= accuracy:
+            return best_times([run])[0]
+        if time.perf_counter() - began > limit:
+            return None
+    return None
+
+
+def scipy_by_hand(case: Case, accuracy: float) -> tuple[Run, Run] | None:
+    """scipy's DOP853 on the same equations as heyoka's, as plain Python; plain, and checked.
+
+    sympy.lambdify shares common subexpressions and calls the math module: no array of a few
+    numbers is made in the rates.
+    """
+    hy = import_module("heyoka")
+    equations, start, values = case.by_hand(hy)
+    names = [hy.to_sympy(variable) for variable, _ in equations]
+    numbers = {f"par[{k}]": value for k, value in enumerate(values)}
+    rates = [hy.to_sympy(rate) for _, rate in equations]
+    known = {s: numbers[s.name] for x in rates for s in x.free_symbols if s.name in numbers}
+    rates = [sp.nsimplify(x, rational=True).subs(known) for x in rates]
+    function = sp.lambdify(names, rates, "math", cse=True)
+    grid = np.linspace(0, case.t, SAMPLES)
+    truth = exact(equations, start, values, grid)
+
+    def made(power: int) -> Run:
+        return lambda: solve_ivp(
+            lambda _, y: function(*y.tolist()), (0, case.t), start, "DOP853",
+            t_eval=grid, rtol=10.0**-power, atol=10.0**-power,
+        ).y.T  # fmt: skip
+
+    for power in range(4, 14):
+        run = made(power)
+        if _error(run(), truth) <= accuracy:
+            return run, _checked(run, made(min(power + 2, 13)))
+    return None
