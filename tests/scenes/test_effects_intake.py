@@ -64,7 +64,8 @@ def test_fields_are_checked_at_the_door(make, words):
         (E.Rotor((0, 0, 1), 1, inertia=9), SceneError, "not less than 2.1 kg m"),
         (E.Rotor((0, 0, 1), 1, inertia=1, torque="k*w"), ExpressionError, "rotor.torque"),
         (E.Custom(force=("-k*x", 0, 0)), ExpressionError, "k"),
-        (E.Custom(energy=sp.Symbol("Omega4")), SceneError, "'Omega4', which nothing gives"),
+        (E.Custom(energy=sp.Symbol("Omega4")), ExpressionError, "'Omega4', which nothing gives"),
+        (E.Thrust((0, 0, "20*Omga1")), ExpressionError, "Did you mean Omega1"),
         (E.Custom(states={"x": "t"}, start={"x": 1}), SceneError, "'x' is taken"),
     ],
 )

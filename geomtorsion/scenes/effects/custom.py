@@ -106,10 +106,10 @@ class Custom(Effect):
             own[name] = context.state(name)
 
         def expression(value: Any, what: str) -> Any:
-            return read(value, context, what, f"{self.key}.{what}", own)
+            return read(value, context, what, f"{context.key or self.key}.{what}", own)
 
-        moment = read_three(self.moment, context, "M", f"{self.key}.moment", own)
-        force = read_three(self.force, context, "F", f"{self.key}.force", own)
+        moment = read_three(self.moment, context, "M", f"{context.key or self.key}.moment", own)
+        force = read_three(self.force, context, "F", f"{context.key or self.key}.force", own)
         if self.axes == "body":
             force = context.in_space(force)
         outputs = {

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import keyword
+import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from geomtorsion.errors import SceneError
+from geomtorsion.errors import ExpressionError, SceneError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exact.names import near_names
 from geomtorsion.scenes.context import GROUPS, exact
@@ -17,6 +19,8 @@ if TYPE_CHECKING:
     from geomtorsion.scenes.context import Context
     from geomtorsion.scenes.effects.protocol import Effect, Switch
 
+_STATE = frozenset(symbol.name for group in GROUPS.values() for symbol in group)
+_SHORT = "t, Omega1..3, n1..3, R11..R23, q0..q3, x, y, z, vx, vy, vz"
 SIGNS = {"positive": "> 0", "not negative": ">= 0", "any": "finite"}
 
 
@@ -135,16 +139,29 @@ def read(
     """
     known = {**known_names(context), **(names or {})}
     if isinstance(value, str):
-        return parse_expression(without_decimals(value), known, {}, where=where)
+        try:
+            return parse_expression(without_decimals(value), known, {}, where=where)
+        except ExpressionError:
+            _check_names(value, known, where)
+            raise
     if isinstance(value, sp.Expr) and value.free_symbols:
-        for symbol in value.free_symbols:
-            if symbol.name not in known:
-                near = near_names(symbol.name, list(known))
-                hint = f" Did you mean {near}?" if near else ""
-                raise SceneError(f"{where} contains {symbol.name!r}, which nothing gives.{hint}")
+        _check_names(" ".join(sorted(s.name for s in value.free_symbols)), known, where)
         # Symbols of the user's own kind (real, positive) are those of the same name here.
         return value.subs({symbol: known[symbol.name] for symbol in value.free_symbols})
     return context.parameter(name, value)
+
+
+def _check_names(text: str, known: Mapping[str, Any], where: str) -> None:
+    """Refuse a name that nothing gives, naming near ones; functions are left to the parser."""
+    for name in re.findall(r"(?<![\w.])[^\W\d]\w*(?![\w.]|\s*\()", text):
+        if name not in known and name not in ("pi", "E") and not keyword.iskeyword(name):
+            near = near_names(name, list(known))
+            hint = f"Did you mean {near}? " if near else ""
+            own = [k for k in known if k not in _STATE]
+            raise ExpressionError(
+                f"{where} contains {name!r}, which nothing gives. {hint}"
+                f"There are {_SHORT}, and {', '.join(own)}.\n    {text}"
+            )
 
 
 def read_three(

@@ -60,12 +60,12 @@ class Magnet(Effect):
     def adds(self, context: Context) -> Contribution:
         """A moment, its potential, and what a changing field puts in."""
         dipole = context.vector("mu", self.dipole)
-        outside = read_three(self.field, context, "B", f"{self.key}.field")
+        outside = read_three(self.field, context, "B", f"{context.key or self.key}.field")
         state = {symbol.name for symbol in outside.free_symbols} - {"t", *context.values}
         if state:
             raise SceneError(
-                f"magnet.field contains {', '.join(sorted(state))}: a field that is the same "
-                "everywhere depends on the time t alone. Use Custom for more."
+                f"{context.key or self.key}.field contains {', '.join(sorted(state))}: a field that "
+                "is the same everywhere depends on the time t alone. Use Custom for more."
             )
         seen = context.in_body(outside)
         change = context.in_body(sp.diff(outside, context.t))

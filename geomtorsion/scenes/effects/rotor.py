@@ -100,7 +100,7 @@ class Rotor(Effect):
         h = context.state(f"h_{context.key or self.key}")
         relative = h / inertia - along
         w = sp.Symbol("w")
-        torque = read(self.torque, context, "torque", f"{self.key}.torque", {"w": w})
+        torque = read(self.torque, context, "torque", f"{context.key or self.key}.torque", {"w": w})
         torque = torque.xreplace({w: relative})
         return Contribution(
             momentum=tuple(h * axis),
@@ -120,6 +120,7 @@ class Rotor(Effect):
         whole = (column.T * tensor * column)[0] / column.dot(column)
         if not exact(self.inertia, "inertia") < whole:
             raise SceneError(
-                f"rotor.inertia = {self.inertia} is not less than {float(whole):.6g} kg m^2, "
-                "what the body has about that axis with its wheel. Give it more, or the wheel less."
+                f"{context.key or self.key}.inertia = {self.inertia} is not less than "
+                f"{float(whole):.6g} kg m^2, what the body has about that axis with its wheel. "
+                "Give it more, or the wheel less."
             )

@@ -64,7 +64,7 @@ class Thrust(Effect):
     def adds(self, context: Context) -> Contribution:
         """A force, the moment of its arm, and switches."""
         burn, switches = between(context, "burn", self.start, self.end)
-        force = burn * read_three(self.force, context, "F", f"{self.key}.force")
+        force = burn * read_three(self.force, context, "F", f"{context.key or self.key}.force")
         point = context.vector("point", self.point)
         moment = tuple(point.cross(force)) if any(point) else None
         return Contribution(moment=moment, force=tuple(context.in_space(force)), switches=switches)
@@ -114,7 +114,7 @@ class BodyMoment(Effect):
     def adds(self, context: Context) -> Contribution:
         """A moment and switches."""
         factor, switches = between(context, "motor", self.start, self.end)
-        moment = factor * read_three(self.moment, context, "M", f"{self.key}.moment")
+        moment = factor * read_three(self.moment, context, "M", f"{context.key or self.key}.moment")
         return Contribution(moment=tuple(moment), switches=switches)
 
 
