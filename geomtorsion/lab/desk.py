@@ -64,7 +64,10 @@ class Worker:
         except queue.Empty:
             self.end()
             raise TimeoutError from None
-        return json.loads(line) if line else None
+        if not line:
+            self.end()
+            return None
+        return json.loads(line)
 
     @property
     def lives(self) -> bool:

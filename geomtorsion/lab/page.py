@@ -11,12 +11,12 @@ app = marimo.App(
 def _():
     import marimo as mo
 
-    from geomtorsion.lab import controls, views
+    from geomtorsion.lab import answering, controls, views
     from geomtorsion.lab.desk import common_desk
 
     desk = common_desk()
     mo.Html(views.header())
-    return controls, desk, mo, views
+    return answering, controls, desk, mo, views
 
 
 @app.cell
@@ -213,17 +213,17 @@ def _(desk, kind, loop_case, mo, path_case, tab, views):
 
 
 @app.cell
-def _(controls, desk, mo):
-    exercise = controls.exercises(mo, desk.ask("listing"))
-    seed = controls.seed(mo)
+def _(answering, desk, mo):
+    exercise = answering.exercises(mo, desk.ask("listing"))
+    seed = answering.seed(mo)
     return exercise, seed
 
 
 @app.cell
-def _(controls, desk, exercise, mo, seed):
+def _(answering, desk, exercise, mo, seed):
     stated = desk.ask("exercise", number=exercise.value, seed=int(seed.value or 0))
-    form = controls.answers(mo, stated)
-    hint = controls.next_hint(mo, stated)
+    form = answering.answers(mo, stated)
+    hint = answering.next_hint(mo, stated)
     return form, hint, stated
 
 
@@ -233,7 +233,7 @@ def _(exercise, form, mo, seed, stated, tab, views):
     mo.vstack(
         [
             mo.Html(views.controls([exercise, seed])),
-            mo.Html(views.exercise(stated, lambda text: mo.md(text).text)),
+            mo.Html(views.exercise(stated)),
             form,
         ]
     )
@@ -241,7 +241,7 @@ def _(exercise, form, mo, seed, stated, tab, views):
 
 
 @app.cell
-def _(controls, desk, form, mo, stated, tab, views):
+def _(answering, desk, form, mo, stated, tab, views):
     mo.stop(tab.value != views.EXERCISES)
     _reply = None
     if form.value is not None:
@@ -249,9 +249,9 @@ def _(controls, desk, form, mo, stated, tab, views):
             "answer",
             number=stated["number"],
             seed=stated["seed"],
-            answers=controls.given(stated, form.value),
+            answers=answering.given(stated, form.value),
         )
-    mo.Html(views.verdict(_reply, lambda text: mo.md(text).text))
+    mo.Html(views.verdict(_reply))
     return
 
 
@@ -259,7 +259,7 @@ def _(controls, desk, form, mo, stated, tab, views):
 def _(desk, hint, mo, stated, tab, views):
     mo.stop(tab.value != views.EXERCISES or "number" not in stated)
     _taken = desk.ask("hints", number=stated["number"], seed=stated["seed"], count=hint.value)
-    mo.vstack([hint, mo.Html(views.steps(_taken, lambda text: mo.md(text).text))])
+    mo.vstack([hint, mo.Html(views.steps(_taken))])
     return
 
 

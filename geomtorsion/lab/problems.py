@@ -42,7 +42,7 @@ def listing() -> dict[str, Any]:
 
 
 def statement(number: str, seed: int = 0) -> dict[str, Any]:
-    """An exercise without its solution: Markdown with LaTeX between dollar signs.
+    """An exercise without its solution; statement and prompts as HTML, formulas as MathML.
 
     Examples
     --------
@@ -51,6 +51,7 @@ def statement(number: str, seed: int = 0) -> dict[str, Any]:
     ('The legs of a coframe', ['legs'], 3)
     """
     from geomtorsion import exercises
+    from geomtorsion.exercises.prose.markdown import html_of
 
     found = exercises.load(number, seed)
     return {
@@ -59,12 +60,12 @@ def statement(number: str, seed: int = 0) -> dict[str, Any]:
         "chapter": found.chapter,
         "level": found.level,
         "seed": found.seed,
-        "statement": found.statement,
+        "statement": html_of(found.statement),
         "questions": [
             {
                 "name": question.name,
                 "kind": question.kind,
-                "prompt": question.prompt,
+                "prompt": html_of(question.prompt),
                 "unit": question.unit,
                 "options": dict(question.options),
                 "how": HOW[question.kind],
@@ -76,7 +77,7 @@ def statement(number: str, seed: int = 0) -> dict[str, Any]:
 
 
 def hints(number: str, seed: int, count: int) -> dict[str, Any]:
-    """The first hints of an exercise.
+    """The first hints of an exercise, as HTML.
 
     Examples
     --------
@@ -84,12 +85,13 @@ def hints(number: str, seed: int, count: int) -> dict[str, Any]:
     2
     """
     from geomtorsion import exercises
+    from geomtorsion.exercises.prose.markdown import html_of
 
-    return {"hints": list(exercises.load(number, seed).hints[:count])}
+    return {"hints": [html_of(hint) for hint in exercises.load(number, seed).hints[:count]]}
 
 
 def answer(number: str, seed: int, answers: Mapping[str, str]) -> dict[str, Any]:
-    """What is said about answers, question by question; an empty one is not looked at.
+    """What is said about answers, question by question, as HTML; an empty one is not looked at.
 
     Raises
     ------
@@ -104,6 +106,7 @@ def answer(number: str, seed: int, answers: Mapping[str, str]) -> dict[str, Any]
     'permuted'
     """
     from geomtorsion import exercises
+    from geomtorsion.exercises.prose.markdown import html_of
 
     given = {name: text for name, text in answers.items() if text.strip()}
     for name, text in given.items():
@@ -123,7 +126,7 @@ def answer(number: str, seed: int, answers: Mapping[str, str]) -> dict[str, Any]
                 "name": one.name,
                 "right": one.right,
                 "score": one.score,
-                "message": one.message,
+                "message": html_of(one.message),
                 "diagnosis": one.diagnosis,
             }
             for one in verdict.questions

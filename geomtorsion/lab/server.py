@@ -82,7 +82,7 @@ def application(address: Address, sessions: int = MOST_SESSIONS) -> Any:
         quiet=True, include_code=False, token=address.token, session_ttl=KEPT
     )
     page = Path(__file__).with_name("page.py")
-    inner = builder.with_app(path="", root=str(page)).build()
+    inner: Any = builder.with_app(path="", root=str(page)).build()
     hosts = (*LOOPBACK, address.host) if address.is_local else ()
     managers = [route.app.state.session_manager for route in inner.routes]
 

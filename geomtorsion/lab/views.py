@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from html import escape
 from pathlib import Path
 from typing import Any
 
 Reply = Mapping[str, Any]
-Render = Callable[[str], str]
 # Name of a tab -> what is to be done there, in a sentence.
 TABS = {
     "Any tetrad": "Type one-forms; read metric, connections, torsion and curvature, exactly.",
@@ -113,17 +112,17 @@ def top(reply: Reply) -> str:
     return wrapped(f'<div class="figures"><div>{framed(reply)}</div>{beside}</div>{below}')
 
 
-def exercise(reply: Reply, render: Render) -> str:
-    """Statement of an exercise; render turns Markdown with LaTeX into HTML."""
+def exercise(reply: Reply) -> str:
+    """Statement of an exercise."""
     if reply.get("problem"):
         return wrapped(problem(reply))
     head = f"<h2>{escape(reply['number'])} {escape(reply['title'])}</h2>"
     facts = f"{escape(reply['chapter'])}; {escape(reply['level'])}; seed {reply['seed']}"
-    stated = f'<div id="statement">{render(reply["statement"])}</div>'
+    stated = f'<div class="sideways" id="statement">{reply["statement"]}</div>'
     return wrapped(f'{head}<p class="note">{facts}</p>{stated}')
 
 
-def verdict(reply: Reply | None, render: Render) -> str:
+def verdict(reply: Reply | None) -> str:
     """What is said about answers; nothing if none were given."""
     if reply is None:
         return ""
@@ -136,19 +135,20 @@ def verdict(reply: Reply | None, render: Render) -> str:
         look, sign = ("right", "✓ right") if one["right"] else ("wrong", "✗ not right")
         parts.append(
             f'<div class="{look}" role="status"><strong>{escape(one["name"])}: {sign}</strong>'
-            f"{render(one['message'])}</div>"
+            f"{one['message']}</div>"
         )
     notes = "".join(f'<p class="note">{escape(note)}</p>' for note in reply["notes"])
     points = f"{reply['earned']:.3g} of {reply['points']} points"
-    return wrapped(f'<div id="verdict">{"".join(parts)}{notes}<p class="note">{points}</p></div>')
+    parts.append(f'{notes}<p class="note">{points}</p>')
+    return wrapped(f'<div class="sideways" id="verdict">{"".join(parts)}</div>')
 
 
-def steps(reply: Reply, render: Render) -> str:
+def steps(reply: Reply) -> str:
     """Hints, in order."""
     if reply.get("problem"):
         return wrapped(problem(reply))
-    items = "".join(f"<li>{render(hint)}</li>" for hint in reply["hints"])
-    return wrapped(f'<ol id="hints">{items}</ol>' if items else "")
+    items = "".join(f"<li>{hint}</li>" for hint in reply["hints"])
+    return wrapped(f'<div class="sideways"><ol id="hints">{items}</ol></div>' if items else "")
 
 
 def framed(reply: Reply) -> str:

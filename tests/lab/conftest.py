@@ -6,7 +6,7 @@ import os
 import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NoReturn
 
 import pytest
 
@@ -24,7 +24,7 @@ MISSING = (
 )
 
 
-def _absent(reason: str) -> Any:
+def _absent(reason: str) -> NoReturn:
     """Fail where a browser is needed, skip elsewhere."""
     if any(os.environ.get(name) for name in NEEDED):
         pytest.fail(reason)

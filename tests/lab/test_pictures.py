@@ -1,0 +1,141 @@
+"""Loops, curves, costs and tops: what the page says against closed forms and the library."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+
+from geomtorsion import Loop, burgers_vector, spaces
+from geomtorsion.errors import GeomtorsionError
+from geomtorsion.lab.closing import closing
+from geomtorsion.lab.costs import costs
+from geomtorsion.lab.facts import drawable, facts
+from geomtorsion.lab.paths import paths
+from geomtorsion.lab.top import top
+
+PI = math.pi
+
+
+def test_a_loop_in_the_heisenberg_group():
+    """b = (0, 0, -+ A): the torsion is constant, so 2 S A is exact at any size."""
+    for radius in (1e-12, 1e-3, 0.5, 1.0):
+        found = closing("heisenberg", [0.3, -0.2, 0.1], radius, [0, 1])
+        assert abs(found["b"][2]) == pytest.approx(PI * radius**2, rel=1e-12)
+        assert np.allclose(found["b"], found["expected"], rtol=0, atol=1e-11 * PI * radius**2)
+
+
+def test_the_plane_has_a_sense():
+    """A loop in the plane (n, m) runs the other way: every number changes its sign."""
+    one = closing("so3", [0.3, 1.0, 0.2], 0.2, [0, 1])
+    two = closing("so3", [0.3, 1.0, 0.2], 0.2, [1, 0])
+    assert np.allclose(one["expected"], -np.array(two["expected"]), rtol=1e-14, atol=0)
+    assert one["expected"] != two["expected"]
+
+
+def test_two_s_a_is_the_limit_of_small_loops():
+    """b and 2 S A at the centre differ by an order of two in the radius."""
+    apart = []
+    for radius in (0.2, 0.1):
+        found = closing("so3", [0.3, 1.0, 0.2], radius, [0, 1])
+        gap = np.abs(np.array(found["b"]) - found["expected"]).max()
+        apart.append(gap / np.abs(found["expected"]).max())
+    assert apart[0] / apart[1] == pytest.approx(4, rel=0.05)
+
+
+def test_the_table_shows_the_library():
+    """What stands in the table is the Burgers vector of the library."""
+    found = closing("so3", [0.3, 1.0, 0.2], 0.45, [0, 1])
+    frame = spaces.load("so3").frame
+    b = burgers_vector(frame, Loop.circle((0.3, 1.0, 0.2), 0.45, (0, 1)))
+    shown = re.findall(r"<td>([^<]*)</td>", found["table"])[::4]
+    assert np.allclose([float(x.replace("−", "-")) for x in shown], b.vector, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", drawable().values())
+def test_every_offered_space_has_a_loop_and_a_path(name):
+    """No space of the list leads to an error where the page begins."""
+    known = facts(name)
+    for low, high, step in known["ranges"]:
+        assert low <= high
+        assert step > 0
+    radius = 0.05 if name == "de_sitter" else 0.3
+    found = closing(name, known["start"], radius, known["planes"][0])
+    assert len(found["pictures"]) == 2
+    drawn = paths(name, known["velocity"], known["t"] / 4)
+    assert "space" in drawn or "picture" in drawn
+
+
+def test_curves_of_the_plane():
+    """Straightest from r = 1 with u = (0, 1) circles; shortest goes straight: known distance."""
+    found = paths("flat_polar", [0.0, 1.0], 1.0)
+    circle, line = np.array([math.cos(1), math.sin(1)]), np.array([1.0, 1.0])
+    # Distances are measured with the metric half-way, not along the straight line between.
+    assert found["largest"] == pytest.approx(float(np.linalg.norm(circle - line)), rel=0.01)
+
+
+def test_equal_moments_make_one_curve_of_two():
+    """On SO(3) straightest and shortest agree for equal moments, and part for unequal ones."""
+    velocity = [0.4, 0.3, 1.0]
+    assert paths("so3", velocity, 5.0)["largest"] < 1e-9
+    assert "are one curve" in paths("so3", velocity, 5.0, [2, 2, 2])["sentence"]
+    assert paths("so3", velocity, 5.0, [1, 2, 3])["largest"] > 0.1
+
+
+def test_the_document_of_a_picture_is_whole():
+    """The turnable picture holds its data as JSON and refers to nothing."""
+    document = paths("s2", [-0.2, 1.0], 6.0)["space"]
+    text = re.search(r'id="data">(.*?)</script>', document, re.DOTALL)
+    assert text
+    data = json.loads(text[1])
+    points = np.array(data["curves"][0]["points"])
+    assert np.allclose(np.linalg.norm(points, axis=1), 1, atol=1e-4)
+    assert len(data["times"]) == len(points)
+    assert not re.search(r"(src|href)=|https?:|@import|url\(", document)
+
+
+def test_costs_are_measured():
+    """Each row has an error and a time; accuracy asked for is reached."""
+    case = {"space": "so3", "velocity": [0.4, 0.3, 1.0], "t": 2.0, "moments": [1, 2, 3]}
+    found = costs("shortest", case)
+    assert len(found["rows"]) >= 4
+    assert all(error <= asked and seconds > 0 for _, asked, error, seconds in found["rows"])
+    assert found["picture"].count("<polyline") >= 2
+
+
+def test_a_symmetric_top_precesses():
+    """Omega_1 and Omega_2 of a free symmetric body turn with (I3 - I1) Omega_3 / I1."""
+    found = top([1, 1, 1.8], [1, 0, 2], 0.3, 5.0)
+    rate = 0.8 * 2 * 5.0
+    assert np.allclose(found["omega"], [math.cos(rate), math.sin(rate), 2], atol=1e-7)
+    assert found["naive"] == pytest.approx([1, 0, 2], abs=1e-9)
+
+
+def test_the_naive_law_is_right_for_equal_moments():
+    """Where all moments are equal both laws say the same."""
+    assert "both laws say the same" in top([2, 2, 2], [0.5, 1, 2], 0.3, 5.0)["sentence"]
+
+
+def test_the_plan_follows_the_switches():
+    """Gravity alone is left out where the nutation is watched; with a fixed point it is in."""
+
+    def row(effects: list[str]) -> str:
+        plan = top([1, 2, 3], [0.1, 2, 0.1], 0.3, 1.0, effects, ["nutation"])["plan"]
+        [found] = [line for line in plan.split("<tr>") if ">gravity<" in line]
+        return found
+
+    assert "left out" in row(["gravity"])
+    assert "left out" not in row(["gravity", "pivot"])
+    alone = top([1, 2, 3], [0.1, 2, 0.1], 0.3, 1.0, [], ["omega"])["plan"]
+    assert "3 equations" in alone
+
+
+def test_what_cannot_be_is_refused():
+    """An impossible body and effects that contradict each other are told."""
+    with pytest.raises(GeomtorsionError, match="are impossible"):
+        top([1, 1, 3], [0, 0, 1], 0.3, 1.0)
+    with pytest.raises(GeomtorsionError, match="contradict"):
+        top([1, 2, 3], [0, 0, 1], 0.3, 1.0, ["torsion", "pivot"])

@@ -1,0 +1,98 @@
+"""Typed tetrads: what is shown is what the library finds, what is wrong is told at its entry."""
+
+from __future__ import annotations
+
+import pytest
+
+from geomtorsion import spaces
+from geomtorsion.lab.facts import drawable, facts
+from geomtorsion.lab.tetrad import MOST_DIMENSIONS, OFFERED, tetrad
+from geomtorsion.pictures.cards import card
+from geomtorsion.pictures.chosen import choose
+
+POLAR = {"coordinates": "r, phi", "entries": [["1", "0"], ["0", "r"]]}
+
+
+def test_a_shipped_tetrad_typed_again_gives_the_same_cards():
+    """The coframe of so3, typed as text, gives the same mathematics as the shipped space."""
+    known = facts("so3")
+    found = tetrad(", ".join(known["coordinates"]), known["coframe"], signature=known["signature"])
+    shipped = spaces.load("so3")
+    for name in ("metric", "torsion", "cartan_connection", "ricci", "cartan_curvature"):
+        [chosen] = choose(shipped, [name])
+        assert card(chosen) in found["html"]
+
+
+@pytest.mark.parametrize("name", drawable().values())
+def test_every_offered_space_can_be_typed(name):
+    """The facts about a space are enough to type its tetrad again."""
+    known = facts(name)
+    found = tetrad(
+        ", ".join(known["coordinates"]),
+        known["coframe"],
+        ", ".join(known["parameters"]),
+        known["signature"],
+        ["metric", "torsion"],
+    )
+    assert found["errors"] == {}
+    assert "problem" not in found
+    assert 'id="torsion"' in found["html"]
+
+
+def test_only_what_is_asked_for_is_shown():
+    """Nothing is computed that nobody asked for."""
+    found = tetrad(**POLAR, show=["torsion"])
+    assert found["html"].count('<section class="card"') == 1
+    assert set(OFFERED) > {"torsion", "riemann"}
+
+
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [
+        ("rr", "rr is neither a coordinate nor a declared parameter"),
+        ("sin(r", "never closed"),
+        ("0.5*r", "Write 1/2"),
+        ("__import__('os')", "expressions are not code"),
+        ("r.real", "a dot stands only between"),
+        ("abs(r)", "abs is not smooth"),
+        ("r**99", "the limit is 32"),
+        ("+".join(["r"] * 400), "the limit is 600"),
+        ("(" * 40 + "r" + ")" * 40, "the limit is 20"),
+    ],
+)
+def test_what_is_wrong_stands_at_its_entry(entry, message):
+    """Every refusal names the entry and nothing else."""
+    found = tetrad("r, phi", [["1", "0"], ["0", entry]])
+    assert list(found["errors"]) == ["1,1"]
+    assert message in found["errors"]["1,1"]
+    assert found["html"] == ""
+
+
+def test_several_faults_at_once():
+    """All entries at fault are told, not the first alone."""
+    found = tetrad("r, phi", [["oops", "0"], ["0", "rr"]])
+    assert list(found["errors"]) == ["0,0", "1,1"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"entries": [["1", "0"], ["1", "0"]]}, "singular"),
+        ({"coordinates": "r"}, "coordinates"),
+        ({"coordinates": "r, 2x"}, "'2x' is no name"),
+        ({"coordinates": ""}, "at least one name"),
+        ({"parameters": "r"}, "stands twice"),
+        ({"signature": "-++"}, "2 signs"),
+        ({"coordinates": "a b c d e f g"}, f"up to {MOST_DIMENSIONS}"),
+    ],
+)
+def test_what_is_wrong_with_the_whole(changes, message):
+    """What is no single entry's fault is told as a problem."""
+    found = tetrad(**(POLAR | changes))
+    assert message in found["problem"]
+    assert found["html"] == ""
+
+
+def test_a_blank_entry_is_zero():
+    """An entry left empty is read as zero."""
+    assert tetrad("r, phi", [["1", ""], [" ", "r"]]) == tetrad(**POLAR)
