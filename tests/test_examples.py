@@ -13,12 +13,14 @@ FOLDER = Path(__file__).parent.parent / "examples"
 EXAMPLES = sorted(FOLDER.glob("*.py"))
 SCENES = sorted((FOLDER / "scenes").glob("*.py"))
 ALL = [*EXAMPLES, *SCENES]
-EXPECTED = 9
+EXPECTED = 12
+EXPECTED_SCENES = 16
 
 
 def test_examples_are_found_and_numbered():
     """None is lost: numbers run from 01 without a gap."""
     assert len(EXAMPLES) >= EXPECTED
+    assert len(SCENES) >= EXPECTED_SCENES
     assert [path.name[:3] for path in EXAMPLES] == [f"{n + 1:02}_" for n in range(len(EXAMPLES))]
 
 

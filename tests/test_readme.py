@@ -8,13 +8,14 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+import geomtorsion
 from geomtorsion.cli.app import app
 from geomtorsion.spaces import read_file
 
 ROOT = Path(__file__).parent.parent
 TEXT = (ROOT / "README.md").read_text("utf-8")
-EXPECTED_PYTHON = 20
-EXPECTED_COMMANDS = 9
+EXPECTED_PYTHON = 45
+EXPECTED_COMMANDS = 19
 
 
 def blocks(language: str) -> list[str]:
@@ -44,12 +45,22 @@ def test_python_is_true():
 
 def test_the_tetrad_file_is_read(tmp_path):
     """The file in the README is a tetrad file, and its story is true."""
-    [text] = blocks("toml")
+    text, _ = blocks("toml")
     file = tmp_path / "own.toml"
     file.write_text(text, "utf-8")
     frame = read_file(file).frame
     assert frame.quantity("riemann").is_zero
     assert not frame.quantity("torsion").is_zero
+
+
+def test_the_scene_file_is_read(tmp_path):
+    """The other file in the README is a scene, and it runs."""
+    _, text = blocks("toml")
+    file = tmp_path / "top.toml"
+    file.write_text(text, "utf-8")
+    result = geomtorsion.scenes.read_file(file).run()
+    assert result.complete
+    assert result.error < result.accuracy
 
 
 def test_commands_are_found():
