@@ -149,7 +149,7 @@ def _watch(file: TomlFile) -> list[str]:
 def _body(file: TomlFile) -> Body:
     table = _table(file, "body", file.data["body"])
     shape = table.get("shape", "")
-    if shape not in SHAPES:
+    if not isinstance(shape, str) or shape not in SHAPES:
         known = [name for name in SHAPES if name]
         file.fail(("body", "shape"), f"body: {shape!r} is no shape. Known are {', '.join(known)}.")
     maker, units = SHAPES[shape]

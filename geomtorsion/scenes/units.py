@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -16,6 +17,8 @@ from geomtorsion.exact.names import near_names
 # Exponents of kilogram, metre, second, ampere and angle.
 _Powers = tuple[int, int, int, int, int]
 _NONE: _Powers = (0, 0, 0, 0, 0)
+# What is larger has no double.
+LARGEST = sys.float_info.max
 _BASES = ("kg", "m", "s", "A", "rad")
 
 _NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
@@ -246,8 +249,9 @@ def quantity(value: Any, field: str = "") -> float:
         number = _value(expression)
     if given is not None:
         number = number * scale_of(given, field)
-    if not math.isfinite(number):
-        raise ExpressionError(f"a finite number was needed, {value} came.")
+    if not -LARGEST <= number <= LARGEST:
+        shown = str(value) if len(str(value)) < 40 else f"{str(value)[:30]}..."
+        raise ExpressionError(f"a finite number was needed, {shown} came.")
     return number
 
 
