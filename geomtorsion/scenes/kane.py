@@ -11,6 +11,9 @@ import sympy as sp
 from geomtorsion.scenes.assembly import Assembly, vector_sum
 from geomtorsion.scenes.context import ATTITUDE
 
+# Terms with more operations than this are not multiplied out.
+SHORT = 60
+
 
 def accelerations(made: Assembly) -> list[Any]:
     """Rates of the speeds, in their order; without a constraint Euler's equations.
@@ -41,27 +44,36 @@ def accelerations(made: Assembly) -> list[Any]:
 
 
 def _solved(made: Assembly, matrix: Any, right: Sequence[Any]) -> list[Any]:
-    """matrix^-1 right, one term for each product of states."""
+    """matrix^-1 right: one term for each product of states, where that is short."""
     size = len(right)
     parameters = frozenset(sp.Symbol(name) for name in made.values)
-    rows = [gathered(value, parameters) for value in right]
     if all(matrix[i, j] == 0 for i in range(size) for j in range(size) if i != j):
+        rows = [_terms(value, parameters) for value in right]
         return [
             _total({rest: n / matrix[k, k] for rest, n in rows[k].items()}) for k in range(size)
         ]
     if matrix.free_symbols <= parameters and not matrix.free_symbols & made.context.switched:
-        inverse = _named(made, matrix)
-    else:
-        inverse = matrix.adjugate() / matrix.det(method="berkowitz")
-    found = []
-    for k in range(size):
-        parts = [
-            (rest, number * inverse[k, j])
-            for j, row in enumerate(rows)
-            for rest, number in row.items()
-        ]
-        found.append(_total(_merged(parts)))
-    return found
+        inverse, rows = _named(made, matrix), [_terms(value, parameters) for value in right]
+        return [_total(_merged(_products(inverse[k, :], rows))) for k in range(size)]
+    # Nothing is multiplied out that engines can take as it is.
+    adjugate, determinant = matrix.adjugate(), matrix.det(method="berkowitz")
+    return [
+        sp.Add(*(adjugate[k, j] * right[j] for j in range(size))) / determinant for k in range(size)
+    ]
+
+
+def _terms(value: Any, parameters: frozenset[Any]) -> dict[Any, Any]:
+    """The terms of a sum: gathered, but for long ones, which stay as they are."""
+    long = [term for term in sp.Add.make_args(value) if term.count_ops() > SHORT]
+    found = gathered(value - sp.Add(*long), parameters)
+    return found | dict.fromkeys(long, sp.S.One)
+
+
+def _products(factors: Any, rows: Sequence[Mapping[Any, Any]]) -> Iterable[tuple[Any, Any]]:
+    """Terms of a sum of factors times rows."""
+    for factor, row in zip(factors, rows, strict=True):
+        for rest, number in row.items():
+            yield rest, number * factor
 
 
 def _named(made: Assembly, matrix: Any) -> Any:
