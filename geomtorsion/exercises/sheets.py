@@ -17,8 +17,9 @@ from geomtorsion.exercises.question import Question
 from geomtorsion.exercises.registry import CHAPTERS, load, names
 from geomtorsion.exercises.wording import how_to_answer
 from geomtorsion.exercises.writing import answer_text
-from geomtorsion.pictures.mathml import mathml
+from geomtorsion.pictures.mathml import identifier, mathml
 from geomtorsion.pictures.style import CSS
+from geomtorsion.pictures.text import greek_name
 
 MOST_MISTAKES = 6
 _MORE = """
@@ -27,8 +28,12 @@ _MORE = """
 }
 .card h2 { margin: 0.2rem 0 0.7rem; border: 0; padding: 0; }
 .answer { font-family: ui-monospace, monospace; overflow-wrap: anywhere; }
-pre { overflow-x: auto; } code { font-size: 0.95em; }
-td:nth-child(2) { white-space: normal; } td:first-child { width: auto; font-weight: 400; }
+.wide { display: block; overflow-x: auto; overflow-y: hidden; padding: 0.3rem 0; }
+main p, main li { overflow-x: auto; overflow-y: hidden; padding-bottom: 1px; }
+main ul { list-style-position: inside; padding-left: 0.4rem; }
+code { font-size: 0.95em; overflow-wrap: anywhere; }
+.mistakes li { margin-bottom: 0.6rem; }
+.mistakes p { margin: 0.1rem 0; }
 """
 Progress = Callable[[str], object]
 
@@ -134,14 +139,11 @@ def _solution(question: Question) -> str:
     rows = []
     for mistake in question.mistakes[:MOST_MISTAKES]:
         text = mistake.message or MESSAGES[mistake.code]
-        rows.append(
-            f"<tr><td>{escape(TITLES[mistake.code])}</td><td class='answer'>"
-            f"{escape(_short(answer_text(question, mistake.value)))}</td>"
-            f"<td>{html_of(text)}</td></tr>"
-        )
+        given = escape(_short(answer_text(question, mistake.value)))
+        rows.append(f"<li>{escape(TITLES[mistake.code])}: <code>{given}</code>{html_of(text)}</li>")
     table = (
-        f"<details><summary>Mistakes that are recognised</summary><table>{''.join(rows)}</table>"
-        "</details>"
+        "<details><summary>Mistakes that are recognised</summary>"
+        f'<ul class="mistakes">{"".join(rows)}</ul></details>'
         if rows
         else ""
     )
@@ -157,13 +159,23 @@ def _typeset(question: Question) -> str:
         return ""
     pieces = []
     for key, value in sorted(question.solution.items()):
-        if question.unknowns:
-            name = question.unknowns[key[0]].replace("'", "′")
-        else:
-            name = f"{question.label}[{','.join(str(k + 1) for k in key)}]" if key else ""
-        lead = f"<mtext>{escape(name)}</mtext><mo>=</mo>" if name else ""
+        lead = _name(question, key)
         pieces.append(f'<div class="scroll"><math>{lead}{mathml(value)}</math></div>')
     return f'<div class="components two">{"".join(pieces)}</div>'
+
+
+def _name(question: Question, key: tuple[int, ...]) -> str:
+    """What stands before the sign of equality, as markup; nothing for a single expression."""
+    if question.unknowns:
+        plain = question.unknowns[key[0]]
+        primes = "′" * plain.count("'")
+        base = identifier(plain.rstrip("'"))
+        return f'{base}<mo lspace="0" rspace="0">{primes}</mo><mo>=</mo>'
+    if not key:
+        return ""
+    places = ",".join(str(k + 1) for k in key)
+    label = escape(greek_name(question.label or question.name))
+    return f"<msub><mtext>{label}</mtext><mn>{places}</mn></msub><mo>=</mo>"
 
 
 def _short(text: str) -> str:

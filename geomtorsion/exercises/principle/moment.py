@@ -75,6 +75,6 @@ def pose(draw: Random, seed: int) -> Posed:
             r"As vectors in the body: $M = -W\,l\times n$, where $l$ is the centre of mass and $n$ "
             "the upward vertical as the body sees it.",
             r"The vertical is the last row of $R$: "
-            f"$n = {tex.matrix(attitude('so3')[2, :].tolist())}$.",
+            f"$$n = {tex.matrix(attitude('so3')[2, :].tolist())}.$$",
         ),
     )

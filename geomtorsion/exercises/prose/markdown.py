@@ -40,7 +40,9 @@ def _inline(text: str) -> str:
     """Bold, code and formulas inside a paragraph."""
 
     def formula(match: re.Match[str]) -> str:
-        return mathml_of(match[1] or match[2], display=bool(match[1]))
+        if match[1]:
+            return f'<span class="wide">{mathml_of(match[1], display=True)}</span>'
+        return mathml_of(match[2])
 
     def words(part: str) -> str:
         return _BOLD.sub(r"<strong>\1</strong>", _CODE.sub(r"<code>\1</code>", escape(part)))
