@@ -135,10 +135,14 @@ class Hamel:
         )
 
     @cached_property
+    def whole_matrix(self) -> dict[tuple[int, int], Element]:
+        """M_kl at (k, place of l among the free ones), for all k."""
+        return self.kinetic(range(self.phase.dimension))
+
+    @cached_property
     def residuals(self) -> tuple[tuple[tuple[tuple[int, Element], ...], Element], ...]:
         """For each k the pairs (l, M_kl) with l counted among all velocities, and the rest."""
-        matrix = self.kinetic(range(self.phase.dimension))
-        found = []
+        matrix, found = self.whole_matrix, []
         for k in range(self.phase.dimension):
             pairs = [(self.free[c], value) for (row, c), value in matrix.items() if row == k]
             found.append((tuple(pairs), self.rest[k]))
