@@ -110,7 +110,7 @@ def test_energy_is_accounted_for_where_much_acts_on_a_held_body(held):
 
 DISSIPATIVE = [
     E.LinearDrag(0.3, arm=(0.1, 0.2, -0.4)),
-    E.QuadraticDrag(0.3, arm=(0.1, 0.2, -0.4)),
+    E.QuadraticDrag(0.3, arm=(0.1, 0.2, -0.4), smoothing=0),
     E.AngularDamping(0.4),
     E.AngularDamping((0.4, 0.1, 0)),
     E.Rotor((0, 3, 4), momentum=1.7, inertia=0.4, torque="-0.2*w"),

@@ -54,6 +54,19 @@ def test_quadratic_drag_falls_as_tanh():
     assert abs(result["velocity"][:, 2] - exact).max() < 10 * NEAR
 
 
+def test_a_stone_that_comes_to_rest_turns_round():
+    """Straight up and down again: tan until the top, tanh behind it; a stone dropped as well."""
+    g, last = 9.81, math.sqrt(2 * 9.81 / 0.1)
+    acting = [E.QuadraticDrag(0.1), E.Gravity(g)]
+    result = run(BODY, acting, ["velocity"], 2, velocity=(0, 0, 5))
+    angle = math.atan(5 / last) - g * result.times / last
+    exact = last * np.where(angle > 0, np.tan(angle), np.tanh(angle))
+    assert abs(result["velocity"][:, 2] - exact).max() < 10 * NEAR
+    result = run(BODY, acting, ["velocity"], 2)
+    exact = -last * np.tanh(g * result.times / last)
+    assert abs(result["velocity"][:, 2] - exact).max() < 10 * NEAR
+
+
 def test_damping_fades_exponentially():
     result = run(BODY, [E.AngularDamping((0.3, 0.2, 0.7))], ["omega"], 9, omega=(0, 0, 4))
     assert abs(result["omega"][:, 2] - 4 * np.exp(-result.times / 3)).max() < 10 * NEAR

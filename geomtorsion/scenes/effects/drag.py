@@ -68,7 +68,7 @@ class QuadraticDrag(Effect):
 
     Equation
     --------
-    F = -c |w| w at the point `arm` of the body, w = v + R (Omega x arm) - wind
+    F = -c sqrt(w^2 + s^2) w at the point `arm` of the body, w = v + R (Omega x arm) - wind
     c = (1/2) density * area * drag coefficient                 [LandauLifshitz6] section 45
 
     Parameters
@@ -80,8 +80,9 @@ class QuadraticDrag(Effect):
     wind
         speed of the air, space axes, m/s.
     smoothing
-        |w| becomes sqrt(w^2 + smoothing^2), m/s. |w| has a corner at rest, where series in time
-        end; a body that passes through rest (or starts there) needs a little of it.
+        s, m/s: |w| is sqrt(w^2 + s^2), since |w| has a corner at rest, where series in time end.
+        The default changes the force by less than one part in 1e12 from 1 m/s on; with 0 a body
+        must neither start at rest nor come to it.
 
     Raises
     ------
@@ -100,7 +101,7 @@ class QuadraticDrag(Effect):
     coefficient: Any = field(metadata=unit("kg/m"))
     arm: Sequence[Any] = field(default=(0, 0, 0), metadata=unit("m"))
     wind: Sequence[Any] = field(default=(0, 0, 0), metadata=unit("m/s"))
-    smoothing: Any = field(default=0, metadata=unit("m/s"))
+    smoothing: Any = field(default=1e-6, metadata=unit("m/s"))
 
     def __post_init__(self) -> None:
         """Check numbers and vectors."""
