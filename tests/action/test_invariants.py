@@ -76,6 +76,16 @@ def test_falling_body():
     }  # fmt: skip
 
 
+def test_almost_symmetric_is_not_symmetric():
+    """Zero is decided: moments that differ in the fortieth place keep no p_psi."""
+    frame = spaces.load("so3").frame
+    weight = sp.cos(frame.coordinates[1])
+    close = {MOMENTS[0]: 1, MOMENTS[1]: 1 + sp.Rational(1, 10**40), MOMENTS[2]: 2}
+    assert "momentum of phi1" not in gt.conserved_quantities(frame, SPIN.subs(close) - weight)
+    close[MOMENTS[1]] = 1
+    assert "momentum of phi1" in gt.conserved_quantities(frame, SPIN.subs(close) - weight)
+
+
 def test_helical_symmetry_is_a_combination():
     """A potential of phi - 2 z keeps 2 p_phi + p_z and neither alone."""
     frame = spaces.load("flat_cylindrical").frame

@@ -181,3 +181,4 @@ def test_a_long_chain_under_a_constraint():
     (expected,) = numbers([found.euler_lagrange[4]], place | rates)
     (reaction,) = numbers([found.reactions["u5"]], place)
     assert abs(reaction - expected) < 1e-9 * abs(expected)
+    assert list(found.invariants) == ["energy"]
