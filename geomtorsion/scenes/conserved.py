@@ -12,7 +12,7 @@ import sympy as sp
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.motion.flows.tape import BITS, Tape
 from geomtorsion.scenes.assembly import WORK, Assembly, by_quaternion
-from geomtorsion.scenes.context import ATTITUDE, QUATERNION, TIME, VELOCITY, VERTICAL
+from geomtorsion.scenes.context import ATTITUDE, QUATERNION, TIME, VERTICAL
 
 if TYPE_CHECKING:
     from geomtorsion.scenes.plan import ScenePlan
@@ -53,7 +53,7 @@ def invariants(plan: ScenePlan, lawful: Assembly, chosen: Mapping[Any, Any]) -> 
 
 
 def _candidates(made: Assembly) -> dict[str, tuple[Any, ...]]:
-    """What may be conserved, most telling first."""
+    """What may be conserved, most telling first; momenta that are kept are no states at all."""
     energy = made.kinetic_energy + made.potential_energy
     momentum = made.angular_momentum
     return {
@@ -64,7 +64,6 @@ def _candidates(made: Assembly) -> dict[str, tuple[Any, ...]]:
         "angular_momentum_squared": (momentum.dot(momentum),),
         "vertical_angular_momentum": (sp.Matrix(VERTICAL).dot(momentum),),
         "axial_angular_momentum": (momentum[2],),
-        "momentum": tuple(made.context.mass * made.tied(v) for v in VELOCITY),
     }
 
 

@@ -19,19 +19,19 @@ ROTATION = {"rotational_energy", "angular_momentum_space", "angular_momentum_squ
 @pytest.mark.parametrize(
     ("body", "acting", "kept"),
     [
-        (ASYMMETRIC, (), {"energy", "momentum", "vertical_angular_momentum", *ROTATION}),
-        (SKEW, (), {"energy", "momentum", "vertical_angular_momentum", *ROTATION}),
+        (ASYMMETRIC, (), {"energy", "vertical_angular_momentum", *ROTATION}),
+        (SKEW, (), {"energy", "vertical_angular_momentum", *ROTATION}),
         (ASYMMETRIC, (E.Gravity(),), {"energy", "vertical_angular_momentum", *ROTATION}),
         (ASYMMETRIC, TOP, {"energy", "vertical_angular_momentum"}),
         (SKEW, TOP, {"energy", "vertical_angular_momentum"}),
         (SYMMETRIC, TOP, {"energy", "vertical_angular_momentum", "axial_angular_momentum"}),
-        (ASYMMETRIC, (E.AngularDamping(0.1),), {"momentum"}),
+        (ASYMMETRIC, (E.AngularDamping(0.1),), set()),
         (ASYMMETRIC, (E.Spring(1.0),), {"energy", "vertical_angular_momentum", *ROTATION}),
         (SYMMETRIC, (E.Rolling(0.3), E.Gravity()), {"energy"}),
         (
             ASYMMETRIC,
             (E.BodyMoment(("0", "0", "1")),),
-            {"momentum"},
+            set(),
         ),
         (
             ASYMMETRIC,
@@ -47,7 +47,7 @@ def test_what_is_kept(body, acting, kept):
     assert set(scene.flow.invariants) == kept
     drift = scene.run(engine=None).drift
     assert set(drift) == kept
-    assert max(drift.values()) < 1e-10
+    assert max(drift.values(), default=0) < 1e-10
 
 
 def test_only_what_the_states_make():
