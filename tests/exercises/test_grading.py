@@ -96,6 +96,11 @@ def test_two_hundred_students(folder, tmp_path):
     assert [done for done, _, _ in seen] == sorted(done for done, _, _ in seen)
 
 
+def rows_in(file) -> int:
+    """How many students the table holds by now."""
+    return len(table_of(file)) if file.exists() else 0
+
+
 def some(folder, tmp_path, count: int = 6):
     """A few of the students in a folder of their own."""
     place, _ = folder
@@ -131,8 +136,26 @@ def test_interrupted_grading_loses_nothing(folder, tmp_path, monkeypatch):
     assert {name: whole[name] for name in done} == done
     assert not list(output.parent.glob(".*"))
     fresh = tmp_path / "fresh.csv"
-    grade(few, fresh, NUMBERS)
+    written = []
+    grade(few, fresh, NUMBERS, progress=lambda done, *_: written.append((done, rows_in(fresh))))
+    assert all(done == rows for done, rows in written), "a student done is a row on the disk"
     assert fresh.read_bytes() == output.read_bytes()
+
+
+def test_a_second_run_that_is_interrupted_loses_nothing(folder, tmp_path, monkeypatch):
+    """What the first run knew stays, even if the second stops before it gets there."""
+    few, output = some(folder, tmp_path), tmp_path / "marks.csv"
+    grade(few, output, ["3.2"])
+    one = min(few.glob("student*.toml"))
+    one.write_text(handed_in("Changed", 0, {"3.2": {"christoffel": "0"}}), "utf-8")
+
+    def stopped(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Examiner, "check", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        grade(few, output, ["3.2"])
+    assert set(table_of(output)) == {path.name for path in few.glob("*.toml")} - {one.name}
 
 
 def test_a_changed_file_is_graded_again(folder, tmp_path):
