@@ -139,7 +139,7 @@ def _of_scene(
 
     scene = open_scene(source, t=t, settings=settings)
     with bar(scene.title or scene.name) as progress:
-        return scene_accuracy(scene, engines or None, asked, progress)
+        return scene_accuracy(scene, engines or None, asked, progress or (lambda _: None))
 
 
 def _refuse(given: dict[str, str | None]) -> None:

@@ -20,10 +20,10 @@ def working(what: str) -> Iterator[Callable[[str], object]]:
 
 
 @contextmanager
-def bar(what: str) -> Iterator[Callable[[float], None]]:
-    """Show a progress bar; call the result with the fraction that is done."""
+def bar(what: str) -> Iterator[Callable[[float], None] | None]:
+    """Show a progress bar; call the result, if somebody watches, with the fraction done."""
     if not sys.stderr.isatty():
-        yield lambda _: None
+        yield None
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
