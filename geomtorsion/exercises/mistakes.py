@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 from geomtorsion.exercises.question import Question
 
 HALF = sympy.Rational(1, 2)
+BOTH = "It is off by a factor 2, and the sign is wrong as well."
 ANGLES = ("rad", "deg")
 
 
@@ -56,6 +57,8 @@ def _generic(question: Question) -> Iterator[Mistake]:
     if "factor" in wanted:
         yield Mistake("factor", scaled(right, 2))
         yield Mistake("factor", scaled(right, HALF))
+    if {"sign", "factor"} <= set(wanted):
+        yield from (Mistake("factor", scaled(right, x), BOTH) for x in (-2, -HALF))
     if "permuted" in wanted and question.kind == "components":
         yield from (Mistake("permuted", value) for value in permuted(right, question.shape))
 

@@ -100,7 +100,14 @@ def test_nearly_right_is_wrong(right, given):
 
 @pytest.mark.parametrize(
     ("given", "code"),
-    [("-sin(x)", "sign"), ("2*sin(x)", "factor"), ("sin(x)/2", "factor"), ("sin(x)/3", "")],
+    [
+        ("-sin(x)", "sign"),
+        ("2*sin(x)", "factor"),
+        ("sin(x)/2", "factor"),
+        ("sin(x)/3", ""),
+        ("-2*sin(x)", "factor"),
+        ("-sin(x)/2", "factor"),
+    ],
 )
 def test_signs_and_factors(given, code):
     """What can go wrong with every expression."""
