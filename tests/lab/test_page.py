@@ -64,20 +64,13 @@ def too_wide(page: Any) -> list[Any]:
 
 
 @pytest.mark.parametrize("name", TABS)
-def test_a_tab_loads(lab: Watched, name: str):
-    """Each tab shows itself, logs no error and asks for nothing but the server."""
-    lab.tab(name).wait_for_selector(READY[name])
-    assert {urlsplit(url).hostname for url in lab.asked if url.startswith(("http", "ws"))} == {
-        "127.0.0.1"
-    }
-
-
-@pytest.mark.parametrize("name", TABS)
-def test_a_tab_fits_a_phone(lab: Watched, name: str):
-    """400 pixels are enough: nothing has to be scrolled sideways, tabs and controls are seen."""
-    lab.page.set_viewport_size({"width": 400, "height": 800})
+def test_a_tab_loads_and_fits_a_phone(lab: Watched, name: str):
+    """Each tab shows itself, asks for nothing but the server, and needs no more than 400 pixels."""
     page = lab.tab(name)
     page.wait_for_selector(READY[name])
+    hosts = {urlsplit(url).hostname for url in lab.asked if url.startswith(("http", "ws"))}
+    assert hosts == {"127.0.0.1"}
+    page.set_viewport_size({"width": 400, "height": 800})
     assert too_wide(page) == []
     box = page.get_by_role("tab", name="Exercises").bounding_box()
     assert box["x"] >= 0
