@@ -126,7 +126,7 @@ def _in_space(axes: Any, places: Mapping[str, Any], turn: Any, every: np.ndarray
         axis.set_major_locator(MaxNLocator(4))
         axis._axinfo["grid"]["color"] = "#e3e5e8"
     axes.tick_params(labelsize=8, pad=1)
-    axes.set_box_aspect(tuple(size), zoom=1.0)
+    axes.set_box_aspect(tuple(size), zoom=0.88 if size[2] == size.max() else 1.0)
     axes.view_init(elev=22.0, azim=-56.0)
 
 
