@@ -119,7 +119,8 @@ class Examiner:
         home = str(Path(__file__).parents[2])
         paths = [home, *filter(None, [os.environ.get("PYTHONPATH")])]
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "geomtorsion.exercises.examiner"],
+            # -P: a file sympy.py among the answers that are graded is never imported.
+            [sys.executable, "-P", "-m", "geomtorsion.exercises.examiner"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,

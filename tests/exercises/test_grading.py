@@ -218,6 +218,17 @@ def test_an_answer_that_does_not_end_is_ended(monkeypatch):
         assert examiner._process is not first
 
 
+def test_modules_among_the_answers_are_not_imported(tmp_path, monkeypatch):
+    """Graded from inside the folder, a sympy.py that somebody handed in stays a file."""
+    for name in ("sympy", "flint", "json", "geomtorsion"):
+        (tmp_path / f"{name}.py").write_text(f"open('{tmp_path}/ran', 'w').write('x')", "utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("PYTHONPATH", raising=False)
+    with Examiner() as examiner:
+        assert examiner.check("3.2", "cot(phi2)").right
+    assert not (tmp_path / "ran").exists()
+
+
 def test_a_process_that_dies_costs_one_answer():
     """Whatever ends it, the next answer is checked."""
     with Examiner() as examiner:
