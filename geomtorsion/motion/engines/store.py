@@ -122,6 +122,17 @@ def _wants_speed(found: Compiled, precision: int, wanted: bool | None) -> bool:
     return wanted is True or found.used > PROVEN
 
 
+def _limit_disk_cache(state: Any) -> None:
+    """Keep compiled code on the disk small; without a home folder keep none."""
+    if not state.get_diskcache_enabled():
+        return
+    try:
+        if state.get_diskcache_limit() > DISK:
+            state.set_diskcache_limit(DISK)
+    except ValueError:
+        state.set_diskcache_enabled(False)
+
+
 def _compiled(
     system: System,
     order: int,
@@ -134,8 +145,7 @@ def _compiled(
     import numpy as np
 
     hy = heyoka()
-    if hy.llvm_state.get_diskcache_limit() > DISK:
-        hy.llvm_state.set_diskcache_limit(DISK)
+    _limit_disk_cache(hy.llvm_state)
     variables = hy.make_vars(*(f"s{k}" for k in range(system.size)))
     if system.size == 1:
         variables = [variables] if not isinstance(variables, list) else variables
