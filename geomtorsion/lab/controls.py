@@ -197,6 +197,7 @@ def case_kind(mo: Any) -> Any:
         "the loop": "loop",
         "the straightest path": "straightest",
         "the shortest path": "shortest",
+        "the top": "top",
     }
     return mo.ui.radio(options, value="the loop", label="measure", inline=True)
 

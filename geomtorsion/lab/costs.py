@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from html import escape
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from geomtorsion.lab.facts import space_of
 from geomtorsion.lab.numbers import table
 from geomtorsion.lab.svg import LOOKS, Plot
 from geomtorsion.pictures.ink import number
 from geomtorsion.spaces.first_motions import first_motion
+
+if TYPE_CHECKING:
+    from geomtorsion.accuracy import CostTable
 
 # An error that is no more than rounding is drawn here.
 _LEAST = 1e-17
@@ -25,9 +28,9 @@ def costs(kind: str, case: Mapping[str, Any]) -> dict[str, Any]:
     Parameters
     ----------
     kind
-        "loop", "straightest" or "shortest".
+        "loop", "straightest", "shortest" or "top".
     case
-        What the page for loops or for paths is set to: the arguments of `closing` or of `paths`.
+        What the page for it is set to: the arguments of `closing`, of `paths` or of `top`.
 
     Returns
     -------
@@ -39,7 +42,9 @@ def costs(kind: str, case: Mapping[str, Any]) -> dict[str, Any]:
     >>> min(row[2] for row in found["rows"]) < 1e-13
     True
     """
-    return _of_loop(**case) if kind == "loop" else _of_motion(kind, **case)
+    if kind == "loop":
+        return _of_loop(**case)
+    return _of_top(**case) if kind == "top" else _of_motion(kind, **case)
 
 
 def _of_loop(
@@ -80,14 +85,34 @@ def _of_motion(
     )
     name = "autoparallel" if kind == "straightest" else "geodesic"
     found = accuracy_cost(problems[name], last)
+    return _of_table(f"The {kind} path in {space}, to t = {number(last)}", found)
+
+
+def _of_top(
+    moments: Sequence[float],
+    omega: Sequence[float],
+    tilt: float,
+    t: float,
+    effects: Sequence[str] = (),
+    watch: Sequence[str] = ("nutation",),
+) -> dict[str, Any]:
+    """Engines on the equations of a body that turns."""
+    from geomtorsion.lab.top import made, scene_of
+    from geomtorsion.scenes.accuracies import scene_accuracy
+
+    scene = scene_of(moments, omega, tilt, t, made(effects), watch)
+    acting = ", ".join(effects) or "free"
+    return _of_table(f"The top ({acting}), to t = {number(t)} s", scene_accuracy(scene))
+
+
+def _of_table(title: str, found: CostTable) -> dict[str, Any]:
+    """A table of engines and accuracies, as far as there are answers."""
     rows = [
         [row.engine, row.asked, row.achieved, row.total_seconds]
         for row in found.rows
         if row.achieved is not None and row.total_seconds is not None
     ]
-    title = f"The {kind} path in {space}, to t = {number(last)}"
-    shown = _shown(title, rows, found.recommendation)
-    return shown | {"truth": found.truth}
+    return _shown(title, rows, found.recommendation) | {"truth": found.truth}
 
 
 def _shown(title: str, rows: list[list[Any]], advice: str) -> dict[str, Any]:

@@ -178,10 +178,15 @@ def _(body, mo, switches, tab, views, watched):
 
 
 @app.cell
-def _(body, controls, desk, mo, switches, tab, views, watched):
+def _(body, controls, switches, watched):
+    top_case = controls.top_case(body.value, switches.value, watched.value)
+    return (top_case,)
+
+
+@app.cell
+def _(desk, mo, tab, top_case, views):
     mo.stop(tab.value != views.TOP)
-    _case = controls.top_case(body.value, switches.value, watched.value)
-    mo.Html(views.top(desk.ask("top", **_case)))
+    mo.Html(views.top(desk.ask("top", **top_case)))
     return
 
 
@@ -202,9 +207,9 @@ def _(kind, mo, tab, views):
 
 
 @app.cell
-def _(desk, kind, loop_case, mo, path_case, tab, views):
+def _(desk, kind, loop_case, mo, path_case, tab, top_case, views):
     mo.stop(tab.value != views.COSTS)
-    _case = loop_case if kind.value == "loop" else path_case
+    _case = {"loop": loop_case, "top": top_case}.get(kind.value, path_case)
     mo.Html(views.costs(desk.ask("costs", kind=kind.value, case=_case)))
     return
 

@@ -187,6 +187,8 @@ def test_costs_of_the_case_on_the_screen(lab: Watched):
     page.wait_for_function("document.querySelector('#loop-said').innerText.includes('in x and y')")
     lab.tab("What accuracy costs")
     page.get_by_label("A circle of radius 0.3 in heisenberg").wait_for()
+    page.get_by_label("the top", exact=True).click()
+    page.get_by_label("The top (free), to t = 12 s").wait_for()
 
 
 def test_an_exercise_is_answered(lab: Watched):

@@ -106,6 +106,14 @@ def test_costs_are_measured():
     assert found["picture"].count("<polyline") >= 2
 
 
+def test_costs_of_the_top():
+    """The case of the top is measured too, on its own equations."""
+    case = {"moments": [1, 2, 3], "omega": [0.1, 2, 0.1], "tilt": 0.3, "t": 3.0}
+    found = costs("top", case | {"watch": ["omega"]})
+    assert found["truth"] == "the closed form"
+    assert all(error <= asked for _, asked, error, _ in found["rows"])
+
+
 def test_a_symmetric_top_precesses():
     """Omega_1 and Omega_2 of a free symmetric body turn with (I3 - I1) Omega_3 / I1."""
     found = top([1, 1, 1.8], [1, 0, 2], 0.3, 5.0)
