@@ -37,10 +37,11 @@ def checked_convention(name: Any) -> str:
     >>> checked_convention("paper"), len(CONVENTIONS)
     ('zyz', 24)
     """
-    if name == "paper":
-        return PAPER
-    if name in CONVENTIONS:
-        return str(name)
+    if isinstance(name, str):
+        if name == "paper":
+            return PAPER
+        if name in CONVENTIONS:
+            return name
     near = get_close_matches(str(name), CONVENTIONS, n=1, cutoff=0.3)
     hint = f"Did you mean {near[0]!r}? " if near else ""
     raise UnknownNameError(
@@ -282,7 +283,7 @@ def _numbers(values: Any, shape: tuple[int, ...], name: str, wanted: str) -> np.
 
     try:
         array = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         array = np.empty(0)
     if array.shape != shape:
         raise StartError(f"{name} = {values!r}: {wanted} were needed.")

@@ -20,7 +20,7 @@ def positive(value: Any, name: str, unit: str) -> Any:
     """A positive finite number, as it came."""
     try:
         number = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise BodyError(f"{name} = {value!r} is no number; give it in {unit}.") from None
     if isinstance(value, bool) or not (math.isfinite(number) and number > 0):
         raise BodyError(f"{name} = {value!r}: a positive number ({unit}) was needed.")
@@ -49,7 +49,7 @@ def checked_tensor(inertia: Any) -> tuple[tuple[Any, ...], ...]:
 
     try:
         matrix = np.array(inertia, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         matrix = np.empty(0)
     if matrix.shape != (3, 3):
         raise BodyError(f"inertia = {inertia!r}: 3 rows of 3 numbers (kg m^2) were needed.")
@@ -140,7 +140,9 @@ def points(masses: Any) -> tuple[Any, tuple[tuple[Any, ...], ...], tuple[Any, ..
     try:
         weights = [_exact(positive(m, f"mass {k}", "kg")) for k, (m, _) in enumerate(listed)]
         places = [tuple(_exact(x) for x in place) for _, place in listed]
-    except (TypeError, OverflowError) as problem:
+    except (TypeError, ValueError, OverflowError) as problem:
+        if isinstance(problem, BodyError):
+            raise
         raise BodyError(f"points: finite numbers were needed ({problem}).") from None
     total = sum(weights, Fraction(0))
     centre = [sum((m * p[k] for m, p in zip(weights, places, strict=True)), Fraction(0)) / total

@@ -9,7 +9,7 @@ from functools import cached_property
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.errors import AccuracyError, TimeError
+from geomtorsion.errors import AccuracyError, StuckError, TimeError
 from geomtorsion.motion import solve
 from geomtorsion.motion.flows import reading
 from geomtorsion.motion.free_top_attitude import product
@@ -136,7 +136,13 @@ def run(
             if progress is not None:
                 progress(1.0)
             return found
-    solved = solve(scene.flow, scene.times, scene.accuracy, engine, checkpoint, progress)
+    try:
+        solved = solve(scene.flow, scene.times, scene.accuracy, engine, checkpoint, progress)
+    except StuckError as stuck:
+        # What was computed is told in the terms of the scene.
+        if stuck.solution is not None:
+            stuck.solution = of_solution(scene, stuck.solution)
+        raise
     return of_solution(scene, solved)
 
 

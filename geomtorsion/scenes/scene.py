@@ -76,10 +76,7 @@ class Scene:
                 f"body = {self.body!r}: a Body was needed, as Body(moments=(1, 2, 3))."
             )
         object.__setattr__(self, "effects", _effect_list(self.effects))
-        names = (self.watch,) if isinstance(self.watch, str) else tuple(self.watch)
-        if not names:
-            raise SceneError('watch is empty: name what to report, for instance "omega".')
-        object.__setattr__(self, "watch", tuple(dict.fromkeys(names)))
+        object.__setattr__(self, "watch", _watch_list(self.watch))
         if not isinstance(self.start, State):
             raise SceneError(
                 f"start = {self.start!r}: a scene starts from a State, as State(omega=(0, 0, 1))."
@@ -158,6 +155,12 @@ class Scene:
 
         return start_of(self), parameters_of(self)
 
+    @cached_property
+    def watchable(self) -> Mapping[str, str]:
+        """Name -> what it is, of everything that can be watched here; also euler:CONVENTION."""
+        own = [name for part in self.assembly.parts.values() for name in part.outputs]
+        return {name: watched(name, self.assembly).meaning for name in (*QUANTITIES, *own)}
+
     @property
     def times(self) -> Any:
         """Times that are reported, shape (m,)."""
@@ -190,6 +193,8 @@ class Scene:
             the accuracy is not to be had.
         StartError
             the start lacks something that the plan needs.
+        StuckError
+            the motion cannot go on; the `solution` of the error is the result so far.
         """
         from geomtorsion.scenes.running import run
 
@@ -241,6 +246,8 @@ class Scene:
         """
         from geomtorsion.scenes.replacing import replaced
 
+        if changes is not None and not isinstance(changes, Mapping):
+            raise SceneError(f"{changes!r}: a mapping was needed, as {{'body.moments[2]': 3.1}}.")
         return replaced(self, {**(changes or {}), **fields})
 
     def __str__(self) -> str:
@@ -248,11 +255,25 @@ class Scene:
         return f"{self.title or self.name or 'scene'}: {acting}; watched: {', '.join(self.watch)}"
 
 
+def _watch_list(watch: Any) -> tuple[str, ...]:
+    """Names of what to report, each once."""
+    names = tuple(watch) if isinstance(watch, list | tuple | set | dict) else (watch,)
+    if not names:
+        raise SceneError('watch is empty: name what to report, for instance "omega".')
+    for name in names:
+        if not isinstance(name, str):
+            raise SceneError(f'watch: {name!r} is no name. Give texts, for instance ["omega"].')
+    return tuple(dict.fromkeys(names))
+
+
 def _effect_list(effects: Any) -> tuple[Effect, ...]:
     """Effects, each at most once unless it may be there several times, none against another."""
     if isinstance(effects, Effect):
         effects = (effects,)
-    listed = tuple(effects)
+    try:
+        listed = tuple(effects)
+    except TypeError:
+        listed = (effects,)
     for effect in listed:
         if not isinstance(effect, Effect):
             name = getattr(effect, "__name__", repr(effect))

@@ -203,3 +203,62 @@ def test_progress_and_checkpoint(tmp_path):
     assert (tmp_path / "c.npz").exists()
     again = scene.run(checkpoint=tmp_path / "c.npz")
     assert (again["nutation"] == result["nutation"]).all()
+
+
+@pytest.mark.parametrize("bad", [None, "no", float("nan"), [1], [[1, 2], [3]], object(), 1j])
+def test_nonsense_gets_an_error_of_ours(bad):
+    """Whatever comes, wherever: a message, never a traceback from inside."""
+    body, start = gt.Body(moments=(1, 2, 3)), gt.State(omega=(0, 0, 1), euler=(0, 0, 0))
+    given = {"body": body, "start": start}
+    attempts = [
+        lambda: gt.Body(mass=bad, moments=(1, 2, 3)),
+        lambda: gt.Body(moments=bad),
+        lambda: gt.Body.box(1, bad),
+        lambda: gt.Body.points(bad),
+        lambda: gt.Body.points([(1, bad)]),
+        lambda: gt.State(matrix=7 if bad is None else bad),
+        lambda: gt.State(omega=7 if bad is None else bad),
+        lambda: gt.State(euler_convention=bad),
+        lambda: gt.Scene(**{**given, "body": bad}),
+        lambda: gt.Scene(**{**given, "start": bad}),
+        lambda: gt.Scene(**given, watch=bad),
+        lambda: gt.Scene(**given, watch=[bad]),
+        lambda: gt.Scene(**given, effects=[bad]),
+        lambda: gt.Scene(**given, effects=bad),
+        lambda: gt.Scene(**given, accuracy=bad),
+        lambda: gt.Scene(**given, samples=bad),
+        lambda: gt.Scene(**given, effects=[E.Gravity(bad), E.Pivot((0, 0, 1))]).flow,
+        lambda: gt.Scene(**given, effects=[E.Pivot(bad)]).flow,
+        lambda: TOP.replaced({"start.omega[0]": bad}).flow,
+        lambda: TOP.replaced({"nothing": bad}),
+    ]
+    for attempt in attempts:
+        with pytest.raises(gt.GeomtorsionError, match=".{20}"):
+            attempt()
+
+
+def test_what_can_be_watched():
+    """Every name in the list can be watched, those of effects too."""
+    rotor = E.Rotor((0, 0, 1), momentum=0.1, inertia=0.01)
+    scene = gt.Scene(TOP.body, [rotor], TOP.start)
+    names = scene.watchable
+    assert names["rotor_speed"] == "of rotor"
+    assert len(names) > 24
+    result = scene.replaced(watch=list(names), t=0.5, samples=3).run()
+    assert set(result.values) == set(names)
+    assert set(result.units) == set(names)
+
+
+def test_what_is_stuck_says_how_far_it_came():
+    """A force that grows beyond all bounds at t = 1."""
+    pole = E.Custom(force=("0", "0", "1/(1 - t)**2"))
+    start = gt.State(omega=(0, 0, 1))
+    scene = gt.Scene(TOP.body, [pole], start, ["velocity"], t=2)
+    with pytest.raises(gt.errors.StuckError) as caught:
+        scene.run()
+    so_far = caught.value.solution
+    assert isinstance(so_far, gt.SceneResult)
+    assert not so_far.complete
+    assert so_far.times[-1] < 1
+    t = so_far.times
+    assert np.abs(so_far["velocity"][:, 2] - t / (1 - t)).max() < 1e-6
