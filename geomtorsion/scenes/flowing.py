@@ -12,7 +12,7 @@ from geomtorsion.scenes import attitude
 from geomtorsion.scenes.assembly import by_quaternion, quaternion_rates
 from geomtorsion.scenes.conserved import invariants
 from geomtorsion.scenes.context import ATTITUDE, OMEGA, POSITION, QUATERNION, VELOCITY, VERTICAL
-from geomtorsion.scenes.scene import missing_attitude
+from geomtorsion.scenes.intake import missing_attitude
 
 if TYPE_CHECKING:
     from geomtorsion.motion.flows import Flow
