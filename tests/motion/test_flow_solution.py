@@ -245,3 +245,16 @@ def test_zero_time():
     sol = solve(swing(), 0.0)
     assert sol.states.tolist() == [[1.0, 0.0]]
     assert sol.at(0.0)["x"] == 1.0
+
+
+@every_engine
+def test_states_that_are_rounding_only(engine):
+    """A state that vanishes but for rounding does not stop a solve; a small one is not one."""
+    rates = {"zero": "a*x + b*y - c*x + d*x - b*y", "x": "-x", "y": "1/7"}
+    numbers = {"a": 0.1, "b": 0.7, "c": 0.3, "d": 0.2}
+    idle = flow(rates, [0, 1, 1], parameters=numbers)
+    sol = solve(idle, 5.0, 1e-9, engine)
+    assert np.abs(sol["zero"]).max() < 1e-15
+    assert sol["x"][-1] == pytest.approx(np.exp(-5.0), rel=1e-6)
+    small = solve(flow({"a": "1e-12*cos(t)", "b": "1"}, [0, 1]), 5.0, 1e-9)
+    assert small["a"] == pytest.approx(1e-12 * np.sin(small.times), abs=2e-21)

@@ -79,6 +79,12 @@ class Flow:
         flat = [part for term in terms for part in (term if isinstance(term, tuple) else (term,))]
         return Tape((*self.states, *self.law.parameters, self.law.time), tuple(flat))
 
+    @cached_property
+    def rate_tape(self) -> Tape:
+        """The rates, over states, parameters and time."""
+        names = (*self.states, *self.law.parameters, self.law.time)
+        return Tape(names, tuple(self.law.rates.values()))
+
     def room(self, time: float, states: Sequence[Any], parameters: Mapping[str, Any]) -> float:
         """How far the motion is from where it stops; below zero it is there."""
         if self.law.stop is None:

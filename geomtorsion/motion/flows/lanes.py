@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 from geomtorsion.errors import ShapeError, StartError, UnknownNameError
 from geomtorsion.exact.names import near_names
 from geomtorsion.motion.engines import Engine
+from geomtorsion.motion.flows.adjust import unit_rows
 from geomtorsion.motion.flows.intake import NEARLY_UNIT
 from geomtorsion.motion.flows.law import CLOCK
-from geomtorsion.motion.flows.travel import unit_rows
 from geomtorsion.motion.many import run_lanes
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.motion.flows.travel import unit_rows
+from geomtorsion.motion.flows.adjust import unit_rows
 
 if TYPE_CHECKING:
     from geomtorsion.motion.flows.flow import Flow

@@ -11,11 +11,13 @@ from geomtorsion.errors import AccuracyError, StartError, StuckError
 from geomtorsion.motion.checking import Checked, checked
 from geomtorsion.motion.engines.protocol import Engine
 from geomtorsion.motion.engines.rungekutta import Stiff
+from geomtorsion.motion.flows.adjust import unit_rows
 from geomtorsion.motion.flows.checkpoint import LEGS, Checkpoint, Keeper, fingerprint, steady
 from geomtorsion.motion.flows.flow import Flow
 from geomtorsion.motion.flows.law import CLOCK
+from geomtorsion.motion.flows.reading import arguments
 from geomtorsion.motion.flows.solution import FlowSolution
-from geomtorsion.motion.flows.travel import Leg, Recipe, Trip, cut_legs, travel, unit_rows
+from geomtorsion.motion.flows.travel import Leg, Recipe, Trip, cut_legs, travel
 from geomtorsion.motion.solution import Cost
 from geomtorsion.motion.solving import (
     STIFF,
@@ -25,8 +27,8 @@ from geomtorsion.motion.solving import (
     remedy,
 )
 
-# A coarser run tells the error only where rounding may grow by this much and play no part still.
-ROOM = 1e9
+# A state is nothing but rounding if it is less than this many roundings of its rate's terms.
+NOISE = 100.0
 Progress = Callable[[float], None]
 Engines = Iterator[tuple[Engine, str]]
 Travel = Callable[[Engine, float, float], Trip]
@@ -131,7 +133,8 @@ def _refined(
         lambda tolerance: go(engine, tolerance, 0.0),
         difference,
         lambda trip: trip.outcome == "stuck",
-        coarse=not flow.law.clock and accuracy > ROOM * 2.0**-engine.precision,
+        # Near separatrices rounding grows without end, which a coarser run does not show.
+        coarse=False,
         disturbed=lambda tolerance, part: go(engine, tolerance, part),
     )
     if found.error <= accuracy:
@@ -164,8 +167,23 @@ def difference(one: Trip, two: Trip) -> tuple[float, int]:
         gap = float(gaps[index].max()) if index else 0.0
         if gap > 0:
             size = float(sizes[index].max())
-            worst = max(worst, gap / size if size > 0 else math.inf)
+            part = gap / size if size > 0 else math.inf
+            if part > worst and part > 1 / NOISE and size <= _noise(one, index):
+                continue
+            worst = max(worst, part)
     return worst, count
+
+
+def _noise(trip: Trip, index: Sequence[int]) -> float:
+    """What rounding the terms of their rates may have made of states that should vanish."""
+    import numpy as np
+
+    flow = trip.flow
+    times = np.concatenate([np.asarray(piece.times, dtype=float) for piece in trip.pieces])
+    rows = np.asarray(trip.states, dtype=float)
+    terms = flow.rate_tape.sizes(arguments(flow, times, rows))
+    largest = max(float(np.max(terms[k])) for k in index)
+    return NOISE * 2.0**-trip.engine.precision * largest * abs(float(times[-1]))
 
 
 def _rows(trip: Trip, count: int) -> Any:

@@ -141,6 +141,7 @@ class Folding:
     def __init__(self, states: Iterable[sp.Symbol]) -> None:
         self.states = frozenset(states)
         self.names: dict[sp.Expr, sp.Symbol] = {}
+        self._free: dict[sp.Basic, bool] = {}
         self._done: dict[sp.Expr, sp.Expr] = {}
 
     @property
@@ -155,14 +156,22 @@ class Folding:
             found = self._done[expr] = self._fold(expr)
         return found
 
+    def _is_free(self, expr: Any) -> bool:
+        """Whether no state occurs; each part is looked at once."""
+        found = self._free.get(expr)
+        if found is None:
+            inside = all(self._is_free(arg) for arg in expr.args)
+            found = self._free[expr] = inside and expr not in self.states
+        return found
+
     def _fold(self, expr: Any) -> Any:
-        if not (expr.free_symbols & self.states):
+        if self._is_free(expr):
             return self._number(expr)
         if expr.is_Symbol:
             return expr
         if expr.is_Add or expr.is_Mul:
-            free = [arg for arg in expr.args if not (arg.free_symbols & self.states)]
-            bound = [self.folded(arg) for arg in expr.args if arg.free_symbols & self.states]
+            free = [arg for arg in expr.args if self._is_free(arg)]
+            bound = [self.folded(arg) for arg in expr.args if not self._is_free(arg)]
             if free:
                 bound.append(self._number(expr.func(*free)))
             return expr.func(*bound)
