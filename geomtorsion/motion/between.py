@@ -10,8 +10,10 @@ from geomtorsion.motion.reading import dense_pieces
 if TYPE_CHECKING:
     from geomtorsion.motion.solution import Solution
 
-# Places between two times that are looked at, as parts of the way: none is a node of the others.
-PLACES = (0.21, 0.5, 0.83)
+# So many places are looked at in all, and so many at least between each two times.
+PLACES, LEAST = 96, 3
+# Where the first of them lies, in units of their distance: off the middle and off the ends.
+SHIFT = 0.382
 
 
 def error_between(solution: Solution) -> float:
@@ -26,17 +28,19 @@ def error_between(solution: Solution) -> float:
     knots = np.unique(knots[np.abs(knots) <= abs(last) / solution.problem.speed])
     if len(knots) < 2:
         return solution.error
-    times = np.concatenate([knots[:-1] + part * np.diff(knots) for part in PLACES])
+    count = max(LEAST, -(-PLACES // (len(knots) - 1)))
+    parts = (np.arange(count) + SHIFT) / count
+    times = (knots[:-1, None] + parts * np.diff(knots)[:, None]).ravel()
     other = replace(solution, journey=solution.witness, witness=None)
     one, two = (dense_pieces(x, times) for x in (solution, other))
     charts = {segment.chart for segment, _, _ in (*one, *two)}
     if len(charts) == len(one) == len(two) == 1:
         segment, states, _ = one[0]
-        parts = [(states, two[0][1], segment.equations.system.blocks)]
+        pairs = [(states, two[0][1], segment.equations.system.blocks)]
     else:
-        parts = _at_home(solution, other, times)
+        pairs = _at_home(solution, other, times)
     worst = solution.error
-    for first, second, blocks in parts:
+    for first, second, blocks in pairs:
         first, second = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
         for block in blocks:
             index = list(block)

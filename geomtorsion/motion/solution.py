@@ -183,7 +183,7 @@ class Solution:
         """Estimate of the largest error of `at`, between the times, too; relative as `error` is.
 
         Worked out on first use, from dense output of the solution and of the run that it was held
-        against, at three places between each two times: it costs as much as the solution did.
+        against, at about a hundred places: it costs as much as the solution did.
         """
         return error_between(self)
 

@@ -133,3 +133,19 @@ def test_error_between_the_times(engine, charts, accuracy):
     assert gap <= 10 * sol.error_between
     # Angles are worse than the attitude near the edge of their chart.
     assert sol.error_between <= 300 * max(gap, 1e-14)
+
+
+def test_dense_output_may_be_worse_than_the_times():
+    """One time, at the end of a step: Runge-Kutta is worse in between, and says by how much."""
+    from geomtorsion.motion.closed import closed_form
+    from geomtorsion.motion.reading import dense_pieces
+
+    problem = autoparallel(
+        cartan(load("so3").frame), [0.3, 1.0, 0.2], frame_velocity=[0.1, 1.3, 0.2]
+    )
+    sol = solve(problem, [6.0], 1e-9, RungeKutta())
+    times = np.linspace(0.05, 5.95, 60)
+    ((_, states, _),) = dense_pieces(sol, times)
+    gap = np.abs(states - np.array(closed_form(problem)[1](times), dtype=float)).max()
+    assert gap > 1.5 * sol.error
+    assert 0.5 * gap < sol.error_between < 20 * gap
