@@ -63,6 +63,28 @@ def test_parameters_alone():
         assert many.states[row, -1] == pytest.approx(alone.states[-1], abs=1e-10)
 
 
+@every_engine
+def test_some_do_not_arrive(engine):
+    """A motion that runs away is told from those that arrive; the others are not touched."""
+    away = flow({"x": "x**2/(1 + t)"}, [1], switches=[(0.5, {})])
+    many = solve_many(away, {"x": [0.1, 20.0, 0.2]}, 1.0, 1e-9, engine)
+    assert many.finished.tolist() == [True, False, True]
+    assert (many.states[1] == 0).all()
+    # 1/x falls by log(1 + t).
+    exact = [1 / (1 / x - np.log(2)) for x in (0.1, 0.2)]
+    assert many["x"][[0, 2], -1] == pytest.approx(exact, rel=1e-8)
+
+
+@every_engine
+def test_long_rates(engine):
+    """Rates that are not read exactly go through batches as well."""
+    root = flow({"x": "-x/sqrt(1 + x**2) + a*cos(t)"}, [1], parameters={"a": 0.5})
+    many = solve_many(root, {"a": [0.1, 0.2, 0.9], "x": [1, 2, 3]}, 3.0, 1e-10, engine)
+    for row, (a, x) in enumerate([(0.1, 1), (0.2, 2), (0.9, 3)]):
+        alone = solve(root.moved(start=[x], parameters={"a": a}), [3.0], 1e-12)
+        assert many["x"][row, -1] == pytest.approx(alone["x"][-1], abs=1e-9)
+
+
 def test_bad_input():
     """Lists that do not fit, names that are unknown, engines that cannot."""
     swing = flow({"x": "v", "v": "-k*x"}, [1, 0], parameters={"k": 1})

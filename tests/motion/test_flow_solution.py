@@ -1,9 +1,12 @@
 """Solutions of flows: accuracy against closed forms, outputs, drift, zeros, files, tables."""
 
+from fractions import Fraction
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
+import sympy as sp
 
 from geomtorsion.errors import (
     AccuracyError,
@@ -15,6 +18,7 @@ from geomtorsion.errors import (
 )
 from geomtorsion.motion import FlowSolution, RungeKutta, Stiff, Taylor, flow, solve
 from geomtorsion.motion.engines.taylor import is_available
+from geomtorsion.motion.flows.adjust import moved_by
 from tests.motion.engines import every_engine, needs_heyoka
 
 QUATERNION = {
@@ -215,8 +219,6 @@ def test_stiff_is_noticed():
 @needs_heyoka
 def test_more_digits_than_doubles_have():
     """Accuracies that doubles do not have are reached, against mpmath."""
-    import mpmath
-
     sol = solve(swing(), [1.0, 3.0], 1e-25)
     assert sol.error <= 1e-25
     with mpmath.workdps(34):
@@ -250,11 +252,60 @@ def test_zero_time():
 @every_engine
 def test_states_that_are_rounding_only(engine):
     """A state that vanishes but for rounding does not stop a solve; a small one is not one."""
-    rates = {"zero": "a*x + b*y - c*x + d*x - b*y", "x": "-x", "y": "1/7"}
-    numbers = {"a": 0.1, "b": 0.7, "c": 0.3, "d": 0.2}
-    idle = flow(rates, [0, 1, 1], parameters=numbers)
+    cancels = "sqrt(1 + x**2)*sqrt(1 + y**2) - sqrt((1 + x**2)*(1 + y**2))"
+    idle = flow({"zero": cancels, "x": "-x", "y": "1/7"}, [0, 1, 1])
     sol = solve(idle, 5.0, 1e-9, engine)
-    assert np.abs(sol["zero"]).max() < 1e-15
+    assert np.abs(sol["zero"]).max() < 1e-14
     assert sol["x"][-1] == pytest.approx(np.exp(-5.0), rel=1e-6)
     small = solve(flow({"a": "1e-12*cos(t)", "b": "1"}, [0, 1]), 5.0, 1e-9)
     assert small["a"] == pytest.approx(1e-12 * np.sin(small.times), abs=2e-21)
+
+
+@needs_heyoka
+def test_time_far_beyond_the_states():
+    """Times of ten thousand and states of one: double precision does, and its error is known."""
+    driven = flow({"x": "v", "v": "-x + cos(t/3)"}, [1, 0])
+    sol = solve(driven, 1e4, 1e-9, Taylor())
+    exact = 9 / 8 * np.cos(sol.times / 3) - np.cos(sol.times) / 8
+    assert np.abs(sol["x"] - exact).max() < 1e-9
+
+
+def test_checks_start_a_hair_away():
+    """Answers start where they should, checks one unit in the last place beside; zeros stay."""
+    made = flow({"x": "v/3", "v": "-2*x", "z": "1"}, [1.0, 0.7, 0], parameters={})
+    answer, check = solve(made, 3.0, 1e-9, RungeKutta()).trips
+    first, second = answer.pieces[0], check.pieces[0]
+    assert [float(x) for x in first.start] == [1.0, 0.7, 0.0]
+    ratios = [
+        float(b) / float(a) - 1 for a, b in zip(first.start[:2], second.start[:2], strict=True)
+    ]
+    assert np.abs(ratios) == pytest.approx(2.0**-52, rel=0.6)
+    assert ratios[0] * ratios[1] < 0
+    assert second.start[2] == 0
+    # 1/3 is rounded and moved, -2 is exact and compiled in.
+    assert [float(x) for x in first.leg.numbers] == [1 / 3]
+
+
+def test_moved_numbers():
+    """Only what an engine rounds is moved, at any precision."""
+    exact, rounded = [0.5, 3, Fraction(1, 4)], [Fraction(1, 3), sp.sqrt(2)]
+    for engine in (RungeKutta(), Taylor(113)):
+        part = 2.0 ** (1 - engine.precision)
+        assert moved_by(exact, engine, part, exact_too=False) == exact
+        found = moved_by(rounded, engine, part, exact_too=False)
+        assert Fraction(found[0]) / rounded[0] - 1 == Fraction(part)
+        with mpmath.workprec(300):
+            assert mpmath.almosteq(found[1] / mpmath.sqrt(2) - 1, -part, 1e-6)
+        assert moved_by([1, 0], engine, part, exact_too=True) == [1 + Fraction(part), 0]
+
+
+def test_length_is_kept_at_every_break(tmp_path):
+    """Every leg begins at length one, however coarse the steps."""
+    turn = flow(QUATERNION, [1, 0, 0, 0], parameters={"w1": 1, "w2": 2, "w3": 3},
+                unit=[("q0", "q1", "q2", "q3")])  # fmt: skip
+    sol = solve(turn, 60.0, 1e-4, RungeKutta(), checkpoint=tmp_path / "turn.npz")
+    lengths = [np.linalg.norm([float(x) for x in piece.start]) for piece in sol.trip.pieces]
+    assert len(lengths) == 64
+    assert np.abs(np.array(lengths) - 1).max() < 5e-16
+    plain = np.linalg.norm(sol.trip.pieces[-1].run.last)
+    assert abs(plain - 1) > 1e-14
