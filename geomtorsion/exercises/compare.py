@@ -23,6 +23,8 @@ NEAR = 1e-7
 # What rounding can do to a float, relative to the largest number on the way, and where that ends.
 ROUNDING = 1e-9
 TOO_LARGE = 1e6
+# What no answer needs on its way to a finite value.
+BEYOND = 1e120
 # Numbers of 200 digits that differ by more than this are different.
 SURE = 1e-30
 
@@ -50,11 +52,13 @@ def compare(ground: Ground, one: Any, two: Any) -> str:
     one, two = sympy.sympify(one), sympy.sympify(two)
     if one == two:
         return EQUAL
-    near = _near(ground, one, two)
+    near, largest = _near(ground, one, two)
     if not any(near):
         return DIFFERENT
     if not all(near):
         return PARTLY
+    if not largest < BEYOND:
+        raise LimitError("answer: numbers beyond all size occur on the way. Write it without them.")
     return EQUAL if _is_zero(ground, one, two) else DIFFERENT
 
 
@@ -71,8 +75,8 @@ def same(ground: Ground, given: Value, right: Value) -> bool:
     )
 
 
-def _near(ground: Ground, one: Any, two: Any) -> list[bool]:
-    """At each point where both have a value, whether it is the same.
+def _near(ground: Ground, one: Any, two: Any) -> tuple[list[bool], float]:
+    """At each point where both have a value, whether it is the same; and the largest number.
 
     Floats tell where they differ by more than rounding can do; else many digits are taken.
     """
@@ -83,7 +87,7 @@ def _near(ground: Ground, one: Any, two: Any) -> list[bool]:
     second, other = at_points_with_size(two, arrays)
     apart = np.abs(first - second)
     largest = np.fmax(size, other)
-    near = apart <= NEAR * (1 + np.abs(first) + np.abs(second))
+    near = np.isfinite(apart) & (apart <= NEAR * (1 + np.abs(first) + np.abs(second)))
     far = (apart > ROUNDING * largest) & (largest < TOO_LARGE)
     found = []
     for k, point in enumerate(points):
@@ -92,7 +96,7 @@ def _near(ground: Ground, one: Any, two: Any) -> list[bool]:
         else:
             settled = _settled(point, one, two)
             found += [] if settled is None else [settled]
-    return found
+    return found, float(np.max(largest, initial=0.0))
 
 
 def _settled(point: Any, one: Any, two: Any) -> bool | None:

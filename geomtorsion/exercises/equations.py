@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from geomtorsion.exercises.question import Question
 
 MOST_EQUATIONS = 12
+_PLAIN = (
+    sympy.sin, sympy.cos, sympy.tan, sympy.cot, sympy.sinh, sympy.cosh, sympy.tanh, sympy.exp,
+)  # fmt: skip
 
 
 def equations(question: Question, given: Any, where: str) -> dict[Index, sympy.Expr]:
@@ -102,6 +105,7 @@ def _solved(
     """The rates by elimination in the exact field."""
     for place, residual in residuals:
         check_weight(residual, place, LARGEST_EQUATION)
+        _check_plain(residual, place)
     field = ground.field()
     rows: list[list[Element]] = []
     for place, residual in residuals:
@@ -128,3 +132,15 @@ def _solved(
                 factor = row[k]
                 rows[r] = [x - factor * y for x, y in zip(row, rows[k], strict=True)]
     return {(k,): rows[k][-1].sympy for k in range(len(unknowns))}
+
+
+def _check_plain(residual: sympy.Expr, place: str) -> None:
+    """Refuse to solve what no equation of motion contains."""
+    for part in sympy.preorder_traversal(residual):
+        known = not part.args or part.is_Add or part.is_Mul or isinstance(part, _PLAIN)
+        power = part.is_Pow and part.exp.is_Rational
+        if not (known or power):
+            raise ExpressionError(
+                f"{place}: {str(part)[:40]} is more than is solved for here. Write each equation "
+                "as rate = expression."
+            )

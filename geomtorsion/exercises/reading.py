@@ -11,6 +11,7 @@ import sympy
 from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exercises.limits import ANSWER, LARGEST_ANSWER
+from geomtorsion.exercises.sizes import check_constants
 
 if TYPE_CHECKING:
     from geomtorsion.exercises.compare import Index
@@ -47,6 +48,7 @@ def expression(question: Question, given: Any, where: str) -> sympy.Expr:
             "Write it shorter."
         )
     text = plain_name(rational(given))
+    check_constants(text, question.ground.names, where, ANSWER)
     return parse_expression(text, question.ground.names, {}, where=where, limits=ANSWER)
 
 

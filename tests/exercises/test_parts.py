@@ -10,12 +10,13 @@ from geomtorsion.errors import ExpressionError, LimitError, UnknownNameError
 from geomtorsion.exercises import registry
 from geomtorsion.exercises.equations import equations
 from geomtorsion.exercises.ground import POINTS, Ground
-from geomtorsion.exercises.limits import check_weight
+from geomtorsion.exercises.limits import ANSWER, check_weight
 from geomtorsion.exercises.mistakes import all_mistakes, permuted, reordered, scaled
 from geomtorsion.exercises.numbers import deviation, numbers
 from geomtorsion.exercises.numeric import at_point, at_points
 from geomtorsion.exercises.question import Mistake, Question, normal
 from geomtorsion.exercises.reading import components, expression, index, plain_name, rational
+from geomtorsion.exercises.sizes import check_constants
 from geomtorsion.exercises.variants import ANGLES, attitude, matrix_of, seen_from_space
 from geomtorsion.exercises.writing import answer_text
 
@@ -83,6 +84,30 @@ def test_weights_bound_what_is_multiplied_out():
     ):
         with pytest.raises(LimitError, match="Write it shorter"):
             check_weight(heavy, "q")
+
+
+@pytest.mark.parametrize(
+    "text", ["sin(1000*pi)", "x^24", "exp(-30)*x", "sqrt(10^40)", "log(10^40)", "cosh(x)^2",
+             "10^20*x", "pi^2/E", "1/3 - 1/2", "atan2(1, x)", "sin(", "", "x x"],
+)  # fmt: skip
+def test_constants_of_use(text):
+    """What a person writes passes; what is no expression is left to the parser."""
+    try:
+        check_constants(text, ["x"], "q", ANSWER)
+    except LimitError:
+        pytest.fail("refused for its size")
+    except ExpressionError:
+        assert text in ("sin(", "", "x x")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["sin(10^20)", "sec(cosh(9999))", "exp(10^5)", "x^(10^3/7)", "tan(-10^9)", "cosh(1/10^-9)"],
+)
+def test_constants_beyond_use(text):
+    """Functions of huge constants are refused before sympy sees them."""
+    with pytest.raises(LimitError, match="Write it shorter"):
+        check_constants(text, ["x"], "q", ANSWER)
 
 
 def test_decimals_are_exact():
