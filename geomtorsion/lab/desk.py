@@ -10,7 +10,7 @@ import subprocess
 import sys
 import threading
 from collections import OrderedDict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import IO, Any
 
@@ -19,6 +19,8 @@ from geomtorsion.lab.tasks import checked_length, task
 
 # Seconds that a request waits for a free worker before it is told to come back.
 PATIENCE = 60.0
+# Seconds that a worker may take to start, however busy the machine is.
+STARTING = 60.0
 # Answers that are kept, by number and by characters in all.
 MOST_KEPT, MOST_CHARACTERS = 512, 64_000_000
 _BROKEN = (
@@ -38,6 +40,7 @@ class Worker:
             encoding="utf-8",
         )
         self._replies: queue.Queue[str] = queue.Queue()
+        self._ready = False
         threading.Thread(target=self._listen, args=(self.process.stdout,), daemon=True).start()
 
     def _listen(self, stream: IO[str]) -> None:
@@ -47,7 +50,7 @@ class Worker:
         self._replies.put("")
 
     def ask(self, text: str, seconds: float) -> dict[str, Any] | None:
-        """The reply, or None if the process ended.
+        """The reply, or None if the process ended; the time counts from when it is ready.
 
         Raises
         ------
@@ -58,8 +61,11 @@ class Worker:
         try:
             self.process.stdin.write(text + "\n")
             self.process.stdin.flush()
-            line = self._replies.get(timeout=seconds)
-        except OSError:
+            if not self._ready:
+                self._ready = bool(self._replies.get(timeout=STARTING))
+            line = self._replies.get(timeout=seconds) if self._ready else ""
+        except (OSError, ValueError):
+            # The pipe is broken, or was closed while it was written to.
             line = ""
         except queue.Empty:
             self.end()
@@ -117,7 +123,7 @@ class Desk:
         A task that takes longer than it may is ended, with its process.
         """
         try:
-            text = checked_length(json.dumps({"task": name, "arguments": arguments}))
+            text = checked_length(_text(name, arguments))
             seconds = self.limits.get(name, task(name).seconds)
         except (LimitError, LookupError) as error:
             return {"problem": str(error)}
@@ -170,11 +176,42 @@ class Desk:
                 oldest, _ = self._kept.popitem(last=False)
                 del self._sizes[oldest]
 
-    def warm(self) -> None:
-        """Start all workers, so that the first to ask need not wait for that."""
-        for _ in range(self._free.qsize()):
+    def warm(self, requests: Sequence[tuple[str, Mapping[str, Any]]] = ()) -> None:
+        """Start all workers; then, in the background, let each do these tasks, one after the other.
+
+        What is compiled for the first request of a kind serves all that follow. All workers but
+        the one that warms up stay free for whoever asks.
+        """
+        count = self._free.qsize()
+        for _ in range(count):
             worker = self._free.get()
             self._free.put(worker or self._new(None))
+        threading.Thread(target=self._warmed, args=(requests, count), daemon=True).start()
+
+    def _warmed(self, requests: Sequence[tuple[str, Mapping[str, Any]]], count: int) -> None:
+        done: set[Worker | None] = set()
+        # Workers come round in turn; whoever is busy all the time is warm without this.
+        for _ in range(2 * count):
+            worker = self._free.get()
+            if worker not in done:
+                done.add(worker)
+                self._practise(worker, requests)
+            self._free.put(worker)
+
+    def _practise(
+        self, worker: Worker | None, requests: Sequence[tuple[str, Mapping[str, Any]]]
+    ) -> None:
+        """Let a worker do some tasks, as long as it lives."""
+        for name, arguments in requests:
+            if worker is None or not worker.lives:
+                return
+            text = _text(name, arguments)
+            try:
+                reply = worker.ask(text, STARTING)
+            except TimeoutError:
+                return
+            if reply is not None and "problem" not in reply:
+                self._keep(text, reply)
 
     def close(self) -> None:
         """End all workers."""
@@ -182,6 +219,11 @@ class Desk:
             for worker in self._all:
                 worker.end()
             self._all.clear()
+
+
+def _text(name: str, arguments: Mapping[str, Any]) -> str:
+    """A request as one line."""
+    return json.dumps({"task": name, "arguments": arguments})
 
 
 @cache

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ipaddress
 import secrets
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,15 @@ from geomtorsion.errors import LimitError, MissingExtraError
 from geomtorsion.lab.desk import common_desk
 from geomtorsion.lab.door import LOOPBACK, MOST_SESSIONS, Door
 
+# What the tabs begin with; the motions among it are compiled.
+_SO3 = {"space": "so3", "velocity": [0.4, 0.3, 1.0], "t": 5.0}
+_TOP = {"moments": [1, 2, 3], "omega": [0.1, 2.0, 0.1], "tilt": 0.3, "t": 12}
+FIRST: tuple[tuple[str, Mapping[str, Any]], ...] = (
+    ("loop", {"space": "so3", "centre": [0.3, 1.0, 0.2], "radius": 0.3, "plane": [0, 1]}),
+    ("paths", {**_SO3, "moments": None}),
+    ("paths", {**_SO3, "moments": [1.0, 2.0, 3.0]}),
+    ("top", {**_TOP, "effects": [], "watch": ["nutation"]}),
+)
 # Seconds for which a page that was closed can be opened again where it was.
 KEPT = 120
 
@@ -114,7 +123,7 @@ def serve(
 
     taken = _socket(address)
     port = taken.getsockname()[1]
-    common_desk().warm()
+    common_desk().warm(FIRST)
     config = uvicorn.Config(
         app,
         log_level="warning",

@@ -12,6 +12,7 @@ from geomtorsion.lab.tasks import task
 
 # Address space of one worker, in bytes; compiled integrators reserve far more than they use.
 MOST_MEMORY = 6 * 2**30
+READY = '"ready"'
 
 
 def answer(request: dict[str, Any]) -> dict[str, Any]:
@@ -34,7 +35,9 @@ def answer(request: dict[str, Any]) -> dict[str, Any]:
 
 
 def serve(requests: TextIO, replies: TextIO) -> None:
-    """Answer requests, one JSON document a line, until there are no more."""
+    """Say that it is ready, then answer requests, one JSON document a line, until they end."""
+    replies.write(READY + "\n")
+    replies.flush()
     for line in requests:
         replies.write(json.dumps(answer(json.loads(line))) + "\n")
         replies.flush()
@@ -56,10 +59,6 @@ def main() -> None:
     limit_memory()
     replies = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
-    # What nearly every request needs is loaded while nobody waits.
-    import geomtorsion.loops
-    import geomtorsion.motion  # noqa: F401  the import is the purpose
-
     sys.stdin.reconfigure(encoding="utf-8")  # type: ignore[union-attr]
     serve(sys.stdin, replies)
 

@@ -31,7 +31,7 @@ class Session:
         self.token = found[1] if found else ""
         address = f"ws{self.url.removeprefix('http')}/ws?session_id={self.name}"
         self.socket = await connect(
-            address, max_size=2**24, open_timeout=PATIENCE, ping_timeout=PATIENCE
+            address, max_size=2**24, max_queue=None, open_timeout=PATIENCE, ping_timeout=PATIENCE
         )
         return self
 

@@ -47,6 +47,22 @@ def test_a_request_that_takes_too_long_is_stopped(desk: Desk):
     assert desk.ask("tetrad", coordinates="r, phi", entries=[["1", "0"], ["0", "r"]])["html"]
 
 
+def test_warming_up_leaves_a_worker_free():
+    """While one worker practises, the other answers; what was practised is kept."""
+    desk = Desk(workers=2, patience=30.0)
+    try:
+        desk.warm([("facts", {"space": "heisenberg"})])
+        assert desk.ask("facts", space="s2")["name"] == "s2"
+        for _ in range(600):
+            if desk._kept.keys() >= {'{"task": "facts", "arguments": {"space": "heisenberg"}}'}:
+                break
+            time.sleep(0.1)
+        else:
+            pytest.fail("nothing was kept of the practice")
+    finally:
+        desk.close()
+
+
 def test_errors_come_as_messages(desk: Desk):
     """An error of the package is a message, and is not kept."""
     case = {"centre": [1, 2, 3], "radius": 1, "plane": [0, 1]}
