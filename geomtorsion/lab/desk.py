@@ -34,7 +34,7 @@ class Worker:
 
     def __init__(self) -> None:
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "geomtorsion.lab.worker"],
+            [sys.executable, "-P", "-m", "geomtorsion.lab.worker"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             encoding="utf-8",
