@@ -129,14 +129,16 @@ def checked(
         check, share, error = _judged(
             engine, answer, made if disturbed is None else {}, run_aside, difference, coarse
         )
+        enough = TAKEN * accuracy
         close = DOUBTED * accuracy < error <= accuracy and check.tolerance < answer.tolerance
         if close and disturbed is not None:
+            enough = accuracy
             # Two runs may agree by chance where rounding is all that tells them apart.
             gap, compared = difference(answer, run_aside(check.tolerance, answer, -1.0))
             error = max(error, CAUTION * gap if compared else math.inf)
         if best is None or error < best[-1]:
             best = answer, check, share, error
-        if error <= TAKEN * accuracy or ended(answer):
+        if error <= enough or ended(answer):
             break
         if check.tolerance < answer.tolerance:
             # Nothing is gained any more by smaller steps: what is left is rounding.
