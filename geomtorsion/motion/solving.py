@@ -21,6 +21,8 @@ __all__ = ["CAUTION", "SAMPLES", "checked_accuracy", "checked_times", "choices",
 
 # The first tolerance is this much below the accuracy; later ones go down by STEP.
 MARGIN, STEP = 0.1, 1e-2
+# States of which the largest is so many times another are of uneven size.
+UNEVEN = 3e3
 # A motion whose fastest decay times the duration exceeds this is left to an implicit engine.
 STIFF = 3e4
 
@@ -93,12 +95,30 @@ def _refined(problem: Problem, engine: Engine, times: Any, accuracy: float) -> C
         accuracy,
         known.get(key) or engine.first(accuracy),
         lambda tolerance: travel(problem, engine, tolerance, times),
-        difference,
+        _held,
         lambda journey: journey.outcome == "stuck",
     )
     if found.error <= accuracy:
         known[key] = found.answer.tolerance
     return found
+
+
+def _held(one: Journey, two: Journey) -> tuple[float, int]:
+    """Their difference; a coarser run says nothing about a motion of uneven sizes.
+
+    Engines measure steps by the largest state: the small ones are then as good as luck has it.
+    """
+    if two.tolerance > one.tolerance and _uneven(one):
+        return math.inf, one.count
+    return difference(one, two)
+
+
+def _uneven(journey: Journey) -> bool:
+    """Whether states end up of very different size, block by block."""
+    segment = journey.segments[-1]
+    last = [abs(float(x)) for x in segment.run.last]
+    sizes = [max([last[k] for k in block]) for block in segment.equations.system.blocks]
+    return max(sizes) > UNEVEN * min(size for size in sizes if size) if any(sizes) else False
 
 
 def tolerances(first: float, finest: float) -> Iterator[float]:

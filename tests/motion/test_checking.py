@@ -6,10 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from geomtorsion.geometry import cartan
+from geomtorsion.geometry import blend, cartan, levi_civita
 from geomtorsion.motion import RungeKutta, Stiff, Taylor, autoparallel, geodesic, solve
 from geomtorsion.motion.checking import CAUTION, TAKEN, checked, rounding
+from geomtorsion.motion.compare import difference
 from geomtorsion.motion.engines.store import order_of, tolerance_of
+from geomtorsion.motion.journey import travel
 from geomtorsion.spaces import load
 from tests.motion.engines import every_engine, needs_heyoka
 
@@ -131,3 +133,26 @@ def test_few_steps_are_held_against_more():
     sol = solve(straight, 0.1, 1e-8, RungeKutta())
     assert sol.cost.steps < 12
     assert sol.witness.tolerance < sol.journey.tolerance
+
+
+@needs_heyoka
+@pytest.mark.parametrize(
+    ("start", "accuracy"),
+    [
+        ([1.9407494008594477, -0.09104621441818508, -0.9165974717600273], 1e-8),
+        ([1.9407494008594477, -0.09104621441818508, -0.9165974717600273], 1e-10),
+        ([0.270613704172437, -0.4439808545171319, 1.2105047438502337], 1e-9),
+        ([0.6373623593766596, -1.3068504934903284, 1.057242123986707], 1e-10),
+    ],
+)
+def test_states_of_uneven_size_are_held_against_a_finer_run(start, accuracy):
+    """Coordinates grow like exp(t) beside velocities near one, by which steps are not measured."""
+    frame = load("bianchi_v").frame
+    law = blend(levi_civita(frame), cartan(frame))
+    problem = autoparallel(law, [0.1, 0.2, 0.3], frame_velocity=start)
+    sol = solve(problem, 20.0, accuracy, Taylor())
+    assert sol.witness.tolerance < sol.journey.tolerance
+    fine = travel(problem, Taylor(64), 1e-19, sol.times * problem.speed)
+    true, _ = difference(sol.journey, fine)
+    assert true <= accuracy
+    assert 0.1 * true <= sol.error <= 100 * true

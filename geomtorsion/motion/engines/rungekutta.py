@@ -18,7 +18,7 @@ MARGIN = 0.1
 # An answer is held against a run with a tolerance larger by this; its steps are 1.8 times as long.
 COARSER = 100.0
 # Fewer steps than this, or less than half the error gained, tell nothing.
-FEW_STEPS, LITTLE_GAIN = 24, 0.5
+FEW_STEPS, LITTLE_GAIN = 40, 0.5
 
 
 @dataclass(frozen=True)
