@@ -12,6 +12,7 @@ import threading
 from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from functools import cache
+from pathlib import Path
 from typing import IO, Any
 
 from geomtorsion.errors import LimitError
@@ -33,11 +34,15 @@ class Worker:
     """One worker process: `ask` sends a request and waits for the reply, or ends the process."""
 
     def __init__(self) -> None:
+        # -P: nothing that lies about in the folder of a server is imported; but this very package
+        # is, wherever it was imported from here.
+        found = [str(Path(__file__).parents[2]), os.environ.get("PYTHONPATH", "")]
         self.process = subprocess.Popen(
             [sys.executable, "-P", "-m", "geomtorsion.lab.worker"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             encoding="utf-8",
+            env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, found))},
         )
         self._replies: queue.Queue[str] = queue.Queue()
         self._ready = False

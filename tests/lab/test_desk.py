@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -12,6 +17,7 @@ from geomtorsion import exercises
 from geomtorsion.lab.desk import Desk
 from geomtorsion.lab.problems import LONGEST, answer, statement
 from geomtorsion.lab.tasks import LONGEST_REQUEST, TASKS
+from tests.lab.serving import ROOT
 
 # A metric of four unrelated functions of everything takes far longer than its limit here.
 SLOW = {
@@ -45,6 +51,18 @@ def test_a_request_that_takes_too_long_is_stopped(desk: Desk):
     assert "takes longer than the 3 s" in desk.ask("tetrad", **SLOW)["problem"]
     assert time.perf_counter() - began < 8
     assert desk.ask("tetrad", coordinates="r, phi", entries=[["1", "0"], ["0", "r"]])["html"]
+
+
+def test_nothing_that_lies_about_is_imported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """A folder with a module named like one that is needed does not mislead a worker."""
+    (tmp_path / "json.py").write_text("raise SystemExit", "utf-8")
+    (tmp_path / "sympy.py").write_text("raise SystemExit", "utf-8")
+    monkeypatch.chdir(tmp_path)
+    desk = Desk(workers=1)
+    try:
+        assert desk.ask("facts", space="s2")["name"] == "s2"
+    finally:
+        desk.close()
 
 
 def test_warming_up_leaves_a_worker_free():
@@ -81,6 +99,33 @@ def test_a_worker_that_dies_is_replaced(desk: Desk):
     """What goes wrong in one worker is told to whoever asked, and to nobody else."""
     assert "worker ended" in desk.ask("facts", wrong="argument")["problem"]
     assert desk.ask("facts", space="s2")["name"] == "s2"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="parents are not seen to end there")
+def test_a_worker_ends_with_its_parent():
+    """Whoever starts workers and is killed leaves none behind, even one that is at work."""
+    code = (
+        "import threading, time; from geomtorsion.lab.desk import Worker; w = Worker();"
+        "print(w.process.pid, flush=True); from tests.lab.test_desk import SLOW; import json;"
+        "w.ask(json.dumps({'task': 'tetrad', 'arguments': SLOW}), 60)"
+    )
+    parent = subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, cwd=ROOT
+    )
+    assert parent.stdout is not None
+    worker = int(parent.stdout.readline())
+    time.sleep(3)
+    parent.kill()
+    parent.wait()
+    parent.stdout.close()
+    for _ in range(200):
+        try:
+            os.kill(worker, 0)
+        except ProcessLookupError:
+            return
+        time.sleep(0.1)
+    os.kill(worker, signal.SIGKILL)
+    pytest.fail("the worker was still at work")
 
 
 def test_a_crowd_that_waits_too_long_is_told():
