@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, fields
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.errors import FileFormatError, GeomtorsionError
 from geomtorsion.exact.names import CONSTANTS, FUNCTIONS
+from geomtorsion.scenes.blame import placed
 from geomtorsion.scenes.body import Body
 from geomtorsion.scenes.effects import EFFECTS, Effect
 from geomtorsion.scenes.places import Key, TomlFile, read_toml
@@ -41,7 +40,6 @@ SHAPES: Mapping[str, tuple[Callable[..., Body], Mapping[str, str]]] = {
     "points": (Body.points, {"points": ""}),
 }
 _WORD = re.compile(r"[^\W0-9]\w*")
-_QUOTED = re.compile(r"'([^']*)'")
 
 
 def read_file(path: str | PathLike[str]) -> Scene:
@@ -126,8 +124,12 @@ def scene_from(file: TomlFile, name: str = "") -> Scene:
             given[key] = _numbers(file, (key,), data[key], unit)
     body = _body(file)
     given["start"] = _start(file)
-    with _placed(file, (), "", KEYS):
-        return Scene(body, **given)
+    with placed(file, (), "", KEYS):
+        scene = Scene(body, **given)
+    if "start" in data:
+        with placed(file, ("start",), "", START_UNITS):
+            _ = scene.numbers
+    return scene
 
 
 def _text(file: TomlFile, key: str) -> str:
@@ -158,7 +160,7 @@ def _body(file: TomlFile) -> Body:
             what = f"body: unknown key {key!r}" + (f" of a {shape}" if shape else "")
             file.unknown(("body", key), ["shape", *units], what)
     if shape == "points":
-        with _placed(file, ("body",), "body: ", units):
+        with placed(file, ("body",), "body: ", units):
             return maker(_points(file, table.get("points")))
     values = {
         key: _numbers(file, ("body", key), table[key], unit)
@@ -168,7 +170,7 @@ def _body(file: TomlFile) -> Body:
     missing = [key for key in units if key not in values] if shape else []
     if missing:
         file.fail(("body",), f"body: a {shape} needs {', '.join(units)}; {missing[0]} is missing.")
-    with _placed(file, ("body",), "body: ", units):
+    with placed(file, ("body",), "body: ", units):
         return maker(**values)
 
 
@@ -222,7 +224,7 @@ def _effect(file: TomlFile, key: Key, maker: type[Effect], table: Mapping[str, A
         if name not in values and item.default is MISSING and item.default_factory is MISSING:
             unit = f" ({units[name]})" if units.get(name) else ""
             file.fail(key, f"{maker.key}: {name}{unit} is missing.")
-    with _placed(file, key, f"{maker.key}: ", known):
+    with placed(file, key, f"{maker.key}: ", known):
         return maker(**values)
 
 
@@ -234,7 +236,7 @@ def _start(file: TomlFile) -> State:
             file.unknown(("start", name), list(START_UNITS), f"start: unknown key {name!r}")
         unit = START_UNITS[name]
         values[name] = value if unit is None else _numbers(file, ("start", name), value, unit)
-    with _placed(file, ("start",), "start: ", START_UNITS):
+    with placed(file, ("start",), "start: ", START_UNITS):
         return State(**values)
 
 
@@ -252,7 +254,7 @@ def _numbers(file: TomlFile, key: Key, value: Any, unit: str, *, texts: bool = F
             for number, part in enumerate(value)
         )
     name = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in key)
-    with _placed(file, key, f"{name.removeprefix('.')}: "):
+    with placed(file, key, f"{name.removeprefix('.')}: "):
         if texts and isinstance(value, str):
             expression, given = with_unit(value)
             names = set(_WORD.findall(expression)) - set(FUNCTIONS) - set(CONSTANTS)
@@ -265,32 +267,3 @@ def _numbers(file: TomlFile, key: Key, value: Any, unit: str, *, texts: bool = F
 def _plain(value: Any) -> Any:
     """A value that is no quantity, lists as tuples."""
     return tuple(_plain(part) for part in value) if isinstance(value, list) else value
-
-
-@contextmanager
-def _placed(file: TomlFile, key: Key, what: str, known: Sequence[str] | Mapping[str, Any] = ()):
-    """Say file and line of what goes wrong inside: that of the first key that is spoken of."""
-    try:
-        yield
-    except FileFormatError:
-        raise
-    except GeomtorsionError as error:
-        text = str(error)
-        named = [(*key, word) for word in _WORD.findall(text) if word in known]
-        named += [path for word in _QUOTED.findall(text) for path in _leaves(file.data, word)]
-        there = next((path for path in named if file.line(path) and path[: len(key)] == key), key)
-        spoken = what.rstrip(": ")
-        prefix = "" if spoken and re.match(rf"{re.escape(spoken)}\b", text) else what
-        file.fail(there, f"{prefix}{text}")
-
-
-def _leaves(value: Any, text: str, path: Key = ()) -> Iterator[Key]:
-    """Where a text stands in the content of a file."""
-    if isinstance(value, dict):
-        for key, inside in value.items():
-            yield from _leaves(inside, text, (*path, key))
-    elif isinstance(value, list):
-        for number, inside in enumerate(value):
-            yield from _leaves(inside, text, (*path, number))
-    elif value == text:
-        yield path

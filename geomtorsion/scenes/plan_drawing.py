@@ -78,9 +78,9 @@ def _box(group: str, names: list[str]) -> str:
 
 def drawn(plan: ScenePlan) -> str:
     """The figure as SVG text, the same each time."""
+    figure: Any = plan_figure(plan)  # which says so where matplotlib is missing
     import matplotlib as mpl
 
-    figure: Any = plan_figure(plan)
     data = StringIO()
     with mpl.rc_context({"svg.hashsalt": "geomtorsion"}):
         figure.savefig(data, format="svg", metadata={"Date": None, "Creator": None})

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from geomtorsion.errors import FileFormatError, GeomtorsionError, UnknownNameError
+from geomtorsion.errors import FileFormatError, GeomtorsionError, StartError, UnknownNameError
 from geomtorsion.scenes import Body, Scene, State, effects, load, names, read_file, to_toml
 from geomtorsion.scenes.files import scene_from
 from geomtorsion.scenes.places import read_toml_text
@@ -173,6 +173,74 @@ def test_contradictions(more, says):
     """Effects that exclude each other are refused with the name of the file."""
     with pytest.raises(FileFormatError, match=f"a.toml:.*{says}"):
         read(TOP + more)
+
+
+FORCED = """watch = ["omega"]
+t = [0, 1]
+
+[body]
+moments = [1, 2, 2.5]
+
+[[effects]]
+kind = "rotor"
+axis = [0, 0, 1]
+momentum = 0.1
+inertia = 0.1
+
+[[effects]]
+kind = "body_moment"
+moment = [
+  0,
+  "t",
+  "cos(t)",
+]
+
+[[effects]]
+kind = "body_moment"
+moment = [0, 0, "Omega1"]
+
+[start]
+omega = [0, 0, 1]
+quaternion = [1, 0, 0, 0]
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ('"cos(t)"', '"cos(s)"', "line 15: body_moment.moment\\[2\\]"),
+        ('"Omega1"', '"Omga1"', "line 23: body_moment2.moment\\[2\\].*Did you mean Omega1"),
+        ('"Omega1"', "\"__import__('os')\"", "line 23: body_moment2"),
+        ('"t"', '"9**9**9*t"', "line 15: body_moment.moment\\[1\\]: the exponent is"),
+        ("inertia = 0.1", "inertia = 5", "line 11: rotor.inertia = 5"),
+        ("momentum = 0.1", 'momentum = "t"', "line 10: rotor.momentum = 't': a finite number"),
+        ("[0, 1]", "[1, 0.5]", "line 2: times are not sorted"),
+        ("quaternion = [1, 0, 0, 0]", "", None),
+        ('["omega"]\nt = [0, 1]', '["nutation"]\nt = 1', None),
+        ("quaternion = [1, 0, 0, 0]", "velocity = [1, 0, 0]", None),
+    ],
+)
+def test_lines_of_what_effects_refuse(old, new, says):
+    """What is found out only when the equations are put together has its line all the same."""
+    assert FORCED.count(old) == 1
+    text = FORCED.replace(old, new)
+    if says is None:
+        assert read(text).flow.size in (3, 6)
+        return
+    with pytest.raises(FileFormatError, match=f"a.toml: {says}"):
+        read(text)
+
+
+def test_a_start_that_lacks_something():
+    """The line of [start]; a file without one can be planned, and says so when it is run."""
+    text = FORCED.replace('["omega"]', '["nutation"]')
+    bare = text.replace("quaternion = [1, 0, 0, 0]", "")
+    with pytest.raises(FileFormatError, match="a.toml: line 25: the start has no attitude"):
+        read(bare)
+    alone = read(text.partition("[start]")[0])
+    assert "n1" in alone.plan().states
+    with pytest.raises(StartError, match="no angular velocity"):
+        alone.run()
 
 
 def test_names_of_scenes():

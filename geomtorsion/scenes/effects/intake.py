@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 _STATE = frozenset(symbol.name for group in GROUPS.values() for symbol in group)
 _SHORT = "t, Omega1..3, n1..3, R11..R23, q0..q3, x, y, z, vx, vy, vz"
-SIGNS = {"positive": "> 0", "not negative": ">= 0", "any": "finite"}
+SIGNS = {"positive": "a number > 0", "not negative": "a number >= 0", "any": "a finite number"}
 
 
 def check_numbers(effect: Effect, *names: str, sign: str = "any") -> None:
@@ -43,7 +43,7 @@ def check_numbers(effect: Effect, *names: str, sign: str = "any") -> None:
     for name in names:
         value = getattr(effect, name)
         measured = f" ({u})" if (u := effect.units().get(name)) else ""
-        wanted = f"{effect.key}.{name} = {value!r}: a number {SIGNS[sign]}{measured} was needed."
+        wanted = f"{effect.key}.{name} = {value!r}: {SIGNS[sign]}{measured} was needed."
         try:
             number = exact(value, name)
         except (SceneError, TypeError):
