@@ -8,13 +8,22 @@ import re
 import secrets
 import urllib.error
 import urllib.request
+from collections.abc import Coroutine
+from concurrent.futures import ThreadPoolExecutor
 from types import TracebackType
-from typing import Any
+from typing import Any, TypeVar
 
 from websockets.asyncio.client import connect
 
+Result = TypeVar("Result")
 # Seconds that one answer may take when thirty ask at once.
 PATIENCE = 60.0
+
+
+def run(work: Coroutine[Any, Any, Result]) -> Result:
+    """What a coroutine gives, run in a thread: Playwright keeps a loop running in the first one."""
+    with ThreadPoolExecutor(1) as pool:
+        return pool.submit(asyncio.run, work).result()
 
 
 class Session:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import http.client
 import json
 import subprocess
@@ -18,6 +17,7 @@ from geomtorsion.errors import LimitError
 from geomtorsion.lab.door import LARGEST_BODY, Door
 from geomtorsion.lab.server import Address, _socket
 from tests.lab.serving import ROOT, served
+from tests.lab.session import run
 
 OPEN = ("default-src 'self'", "connect-src 'self'")
 
@@ -54,7 +54,7 @@ def ask(
         "path": path,
         "headers": [(k.lower().encode(), v.encode()) for k, v in headers.items()],
     }
-    asyncio.run(door(scope, receive, send))
+    run(door(scope, receive, send))
     if not sent:
         return 0, {}
     return sent[0]["status"], {k.decode(): v.decode() for k, v in sent[0]["headers"]}

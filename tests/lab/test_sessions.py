@@ -10,7 +10,7 @@ import pytest
 from geomtorsion import Loop, burgers_vector, spaces
 from geomtorsion.lab.controls import RADII
 from tests.lab.serving import served
-from tests.lab.session import Session
+from tests.lab.session import Session, run
 
 STUDENTS = 30
 # Seconds for all of them together, on two loaded cores.
@@ -38,7 +38,7 @@ def test_thirty_sessions_are_answered():
     """Thirty open pages at once, each with a slider moved: all get their number in time."""
     began = time.perf_counter()
     with served() as url:
-        sizes = asyncio.run(asyncio.wait_for(all_of_them(url), LIMIT))
+        sizes = run(asyncio.wait_for(all_of_them(url), LIMIT))
     assert time.perf_counter() - began < LIMIT
     frame = spaces.load("so3").frame
     for k, size in enumerate(sizes):
@@ -56,6 +56,6 @@ def test_one_session_too_many_is_told():
             return await asyncio.to_thread(Session(url).get, "/")
 
     with served("--sessions", "2") as url:
-        status, text = asyncio.run(three(url))
+        status, text = run(three(url))
     assert status == 503
     assert "The lab is full: 2 pages are open" in text
