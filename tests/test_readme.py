@@ -83,7 +83,7 @@ def test_the_two_commands_stand_there_once():
     run, test = INSTALLING
     assert run.endswith("geomtorsion report so3 -o so3-report")
     assert "'.[test]'" in test
-    assert test.endswith("pytest -q")
+    assert test.endswith("pytest -q -n auto")
     script = (ROOT / ".ci" / "run").read_text("utf-8")
     assert "README.md" in script
     assert "pytest" not in script, "the test command would stand twice"
