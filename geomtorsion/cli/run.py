@@ -20,7 +20,7 @@ from geomtorsion.cli.scene_source import (
     Watch,
     open_scene,
 )
-from geomtorsion.errors import CheckpointError
+from geomtorsion.errors import CheckpointError, StuckError
 
 if TYPE_CHECKING:
     from geomtorsion.motion import Engine
@@ -96,6 +96,13 @@ def run(
         except KeyboardInterrupt:
             typer.echo(f"geomtorsion: stopped{_left(scene, checkpoint, solver)}", err=True)
             raise typer.Exit(INTERRUPTED) from None
+        except StuckError as stuck:
+            if checkpoint is not None:
+                checkpoint.unlink(missing_ok=True)
+            if stuck.solution is None or not len(stuck.solution.times):
+                raise
+            result = stuck.solution
+            typer.echo(f"geomtorsion: {str(stuck).partition(' What was computed')[0]}", err=True)
     written: list[Path] = []
     with working(scene.title or scene.name) as say:
         if output is not None:

@@ -157,6 +157,37 @@ def test_errors_of_files_name_file_and_line(tmp_path):
     assert "bad.toml: line 5: body: unknown key 'moment'" in run("run", str(file), code=2).stderr
 
 
+def test_what_is_stuck_is_written_as_far_as_it_came(tmp_path, no_pictures):
+    """A pole at t = 1: a message, what came before it, code 1, and no checkpoint."""
+    file, out = tmp_path / "pole.toml", tmp_path / "out"
+    file.write_text(POLE)
+    result = run("run", str(file), "-o", str(out), code=1)
+    assert "cannot go on at t = " in result.stderr
+    assert "`solution`" not in result.stderr
+    with (out / "table.csv").open(newline="") as table:
+        rows = [[float(x) for x in row] for row in list(csv.reader(table))[1:]]
+    assert len(rows) > 20
+    # x'' = 2 x^3 from 1 with speed 1: x = 1/(1 - t).
+    assert all(abs(x * (1 - t) - 1) < 1e-6 for t, x, *_ in rows if t < 0.9)
+    assert not (out / "checkpoint.npz").exists()
+    file.write_text(POLE.replace("2*x**3", "log(t - 1)"))
+    assert "vx' = nan" in run("run", str(file), "-o", str(out), code=2).stderr
+    assert not (out / "checkpoint.npz").exists()
+
+
+POLE = """watch = ["position"]
+t = 2
+[body]
+moments = [1, 2, 2.5]
+[[effects]]
+kind = "custom"
+force = ["2*x**3", 0, 0]
+[start]
+position = [1, 0, 0]
+velocity = [1, 0, 0]
+"""
+
+
 class Started:
     """`geomtorsion run SLOW` as a process of its own, with a directory for what it writes."""
 

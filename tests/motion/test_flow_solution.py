@@ -203,6 +203,17 @@ def test_where_it_cannot_go_on(engine):
     assert partial["x"][inside] == pytest.approx(1 / (1 - partial.times[inside]), rel=1e-6)
 
 
+@every_engine
+@pytest.mark.parametrize(("rate", "start", "says"), [("log(x)", -1, "nan"), ("1/x", 0, "inf")])
+def test_where_it_cannot_begin(engine, rate, start, says):
+    """A rate without a value at the start is named; there is nothing that could have drifted."""
+    begun = flow({"x": rate, "y": "x"}, [start, 1], invariants={"far": "x**2"})
+    with pytest.raises(StuckError, match=f"cannot go on at t = 0.*; x' = {says}") as caught:
+        solve(begun, 2.0, 1e-8, engine)
+    assert len(caught.value.solution.times) <= 1
+    assert caught.value.solution.drift.get("far", 0) == 0
+
+
 def test_stiff_is_noticed():
     """Damping a million times faster than the motion goes to an implicit engine."""
     k = 1e6

@@ -48,7 +48,7 @@ def drifts(solution: FlowSolution) -> dict[str, float]:
 
     flow, table = solution.flow, {}
     shapes = flow.shapes(flow.invariants)
-    if not shapes:
+    if not shapes or not len(solution.times):
         return {}
     skip = sum(max(parts, 1) for _, parts in flow.shapes(flow.outputs))
     times, states = solution.times, np.asarray(solution.states, dtype=float)

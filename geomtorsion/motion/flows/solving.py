@@ -280,8 +280,20 @@ def _stuck(solution: FlowSolution) -> str:
     last = [float(x) for x in list(trip.pieces[-1].run.last)[: len(names)]]
     pairs = zip(names, last, strict=True)
     place = ", ".join(f"{name} = {x:.6g}" for name, x in pairs if math.isfinite(x))
+    rates = zip(names, _rates(solution, last), strict=True)
+    bad = [f"{name}' = {x:.3g}" for name, x in rates if not math.isfinite(x)]
+    why = f"{trip.reason}; {', '.join(bad)}" if bad else trip.reason
     return (
-        f"the motion cannot go on at t = {trip.reached:.6g}, at {place}: {trip.reason}. Stop "
+        f"the motion cannot go on at t = {trip.reached:.6g}, at {place}: {why}. Stop "
         "earlier, or give stop=... for where it ends. What was computed is in the error's "
         "`solution`."
     )
+
+
+def _rates(solution: FlowSolution, last: Sequence[float]) -> list[float]:
+    """Rates where a motion got stuck."""
+    import numpy as np
+
+    flow, reached = solution.flow, float(solution.trip.reached)
+    row = arguments(flow, np.array([reached]), np.array([last]))
+    return [float(np.ravel(x)[0]) for x in flow.rate_tape.arrays(row)]
