@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from random import Random
@@ -90,7 +91,10 @@ def is_constant(made: Assembly, quantity: Any) -> bool:
     try:
         for _ in range(PLACES):
             place = _place(made, chance)
-            values = tape.exactly([place.get(name, _number(chance)) for name in names])
+            here = [place.get(name, _number(chance)) for name in names]
+            if not all(map(math.isfinite, tape.floats([float(x) for x in here]))):
+                return False  # More digits of exp(exp(exp(...))) would take for ever.
+            values = tape.exactly(here)
             with mpmath.workprec(BITS):
                 total = abs(sum(values[1:], values[0]))
                 if total > NOTHING * max(abs(value) for value in values):

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 CLOSED = "free top (Jacobi elliptic functions)"
 # The closed form is checked up to so many radians of turning, at so many times.
 CHECKED_TURNS, CHECKED_TIMES = 200.0, 33
+# Next to an unstable axis an integrator without more digits reaches a part of that only.
+PARTS = (0.5, 0.25, 0.125)
 # The integrator that checks is this much more accurate than what is asked for, and at least so.
 CHECKED_PART, CHECKED_ACCURACY = 0.25, 1e-9
 # For this accuracy doubles do not suffice.
@@ -210,10 +212,11 @@ def _checked(scene: Scene, form: ClosedForm, times: Any) -> tuple[float, float]:
     reach = min(abs(last), CHECKED_TURNS / speed if speed else abs(last))
     if reach == 0:
         return ROUNDING, 0.0
-    some = np.linspace(0.0, math.copysign(reach, last), CHECKED_TIMES)
     asked = min(CHECKED_PART * scene.accuracy, CHECKED_ACCURACY)
     compiled = 0.0
-    for accuracy in (asked, min(asked, MORE_DIGITS)):
+    tries = [(1.0, asked), (1.0, min(asked, MORE_DIGITS)), *((part, asked) for part in PARTS)]
+    for part, accuracy in tries:
+        some = np.linspace(0.0, math.copysign(part * reach, last), CHECKED_TIMES)
         try:
             solved = solve(scene.flow, some, accuracy)
         except AccuracyError:

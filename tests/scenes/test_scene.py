@@ -262,3 +262,22 @@ def test_what_is_stuck_says_how_far_it_came():
     assert so_far.times[-1] < 1
     t = so_far.times
     assert np.abs(so_far["velocity"][:, 2] - t / (1 - t)).max() < 1e-6
+
+
+def test_a_force_without_a_value_at_the_start():
+    """Named with its place, not a traceback from inside."""
+    start = gt.State(omega=(0, 0, 1))
+    scene = gt.Scene(TOP.body, [E.Custom(force=("log(t - 1)", "0", "0"))], start, ["velocity"], t=2)
+    with pytest.raises(gt.errors.StuckError, match="t = 0.*vx' = nan"):
+        scene.run()
+
+
+def test_free_bodies_without_more_digits(monkeypatch):
+    """Next to an unstable axis Runge and Kutta check the closed form as far as they can."""
+    monkeypatch.setattr("geomtorsion.motion.solving.is_available", lambda: False)
+    scene = gt.scenes.load("dzhanibekov").replaced(accuracy=1e-11)
+    result = scene.run()
+    assert result.closed_form
+    assert result.error <= 1e-11
+    monkeypatch.undo()
+    assert np.abs(result["omega"] - scene.run()["omega"]).max() < 1e-13
