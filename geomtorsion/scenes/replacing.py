@@ -50,8 +50,10 @@ def _steps(path: str) -> list[tuple[str, tuple[int, ...]]]:
 
 
 def _set(thing: Any, steps: list[tuple[str, tuple[int, ...]]], value: Any, path: str) -> Any:
-    """A dataclass with the field at the first step changed."""
+    """A dataclass, or a table of names, with what is at the first step changed."""
     (name, places), *rest = steps
+    if isinstance(thing, Mapping) and name in thing:
+        return {**thing, name: _set_here(thing[name], places, rest, value, path)}
     if not is_dataclass(thing) or name not in (item.name for item in fields(thing)):
         raise UnknownNameError(f"{path!r} leads nowhere: {_inside(thing, name)}")
     new = _set_here(getattr(thing, name), places, rest, value, path)
@@ -76,9 +78,12 @@ def _set_here(now: Any, places: tuple[int, ...], rest: Any, value: Any, path: st
 
 def _inside(thing: Any, name: str = "") -> str:
     """What there is to be set inside a thing."""
-    if not is_dataclass(thing):
+    if isinstance(thing, Mapping):
+        known = tuple(thing)
+    elif is_dataclass(thing):
+        known = tuple(item.name for item in fields(thing))
+    else:
         return f"{thing!r} has no parts."
-    known = tuple(item.name for item in fields(thing))
     return _near(name, known) if known else "It has nothing to be set."
 
 

@@ -9,7 +9,7 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.errors import MissingExtraError, SceneError
+from geomtorsion.errors import MissingExtraError, SceneError, StuckError
 from geomtorsion.scenes.measure import Measure, measures, only_words, quantities
 from geomtorsion.scenes.sweeping import Found, groups, solve_group
 from geomtorsion.scenes.table import write_csv
@@ -26,9 +26,11 @@ if TYPE_CHECKING:
 class SceneSweep:
     """What was measured, for every combination of what was varied.
 
-    title: of the scene. varied: path -> values, in the order of the axes.
+    title: of the scene.
+    varied: path -> values, in the order of the axes; shape (n,), or (n, 3) for whole vectors.
     measured: name -> array with an axis for each path (one axis in all, if they go together).
     accuracy: asked for; error: largest estimate; engine: what solved it; seconds: in all.
+    lost: (what was varied, why) of each motion that does not reach its end; nan is measured there.
     """
 
     title: str
@@ -38,6 +40,7 @@ class SceneSweep:
     error: float
     engine: str
     seconds: float
+    lost: tuple[tuple[Mapping[str, Any], str], ...] = ()
 
     def __getitem__(self, name: str) -> np.ndarray:
         """What was varied or measured under this name."""
@@ -50,10 +53,12 @@ class SceneSweep:
         shape = next(iter(self.measured.values())).shape
         table: dict[str, Any] = {}
         for axis, (path, values) in enumerate(self.varied.items()):
-            along = values.reshape([-1 if k == axis % len(shape) else 1 for k in range(len(shape))])
-            if len(shape) == 1:
-                along = values
-            table[path] = np.broadcast_to(along, shape).ravel()
+            for place in np.ndindex(values.shape[1:]):
+                along = values[(slice(None), *place)]
+                if len(shape) > 1:
+                    along = along.reshape([-1 if k == axis else 1 for k in range(len(shape))])
+                name = path + "".join(f"[{k}]" for k in place)
+                table[name] = np.broadcast_to(along, shape).ravel()
         return table | {name: values.ravel() for name, values in self.measured.items()}
 
     def to_pandas(self) -> Any:
@@ -102,7 +107,11 @@ class SceneSweep:
 
         name = measure or next(iter(self.measured))
         values = self.measured[name]
-        pairs = list(self.varied.items())[: values.ndim]
+        # Whole vectors have no axis of their own: they are counted.
+        pairs = [
+            (path, row) if row.ndim == 1 else (f"{path}, number", np.arange(float(len(row))))
+            for path, row in list(self.varied.items())[: values.ndim]
+        ]
         if values.ndim > 2:
             raise SceneError(
                 f"{values.ndim} things were varied; a picture shows two. Take columns()."
@@ -125,10 +134,13 @@ class SceneSweep:
 
         sizes = " x ".join(f"{len(values)} {path}" for path, values in self.varied.items())
         lines = [f"{self.title or 'scene'}: {sizes}, by {self.engine} in {self.seconds:.2g} s"]
-        lines += [
-            f"{name}: {float(np.nanmin(values)):.6g} to {float(np.nanmax(values)):.6g}"
-            for name, values in self.measured.items()
-        ]
+        for name, values in self.measured.items():
+            there = values[np.isfinite(values)]
+            span = f"{there.min():.6g} to {there.max():.6g}" if there.size else "none"
+            lines.append(f"{name}: {span}")
+        if self.lost:
+            where, why = self.lost[0]
+            lines.append(f"{len(self.lost)} without a value; the first with {where}: {why}")
         return "\n".join([*lines, f"error below {self.error:.1e} (asked {self.accuracy:.1e})"])
 
     __repr__ = __str__
@@ -152,8 +164,9 @@ def sweep(
     scene
         what is solved; what it watches can be measured.
     varied
-        dotted path -> values: {"start.omega[0]": [1e-6, 1e-3], "gravity.g": [1.62, 9.81]}. Every
-        combination is solved; with `together`, the first of each, then the second, ...
+        dotted path -> values: {"start.omega[0]": [1e-6, 1e-3], "gravity.g": [1.62, 9.81]}, or
+        vectors: {"start.quaternion": [(1, 0, 0, 0), (0, 1, 0, 0)]}. Every combination is solved;
+        with `together`, the first of each, then the second, ...
     measure
         "last", "max", "min", "mean", "first zero" or "between zeros" with a quantity, such as
         "between zeros omega[1]"; a function of a run (run["nutation"], run.times, run.zeros(...));
@@ -165,6 +178,8 @@ def sweep(
         a path leads nowhere.
     SceneError
         nothing is varied, lengths differ, or words that are no measure.
+    StuckError
+        no motion reaches its end; where only some do not, they are in `lost`.
 
     Examples
     --------
@@ -174,7 +189,6 @@ def sweep(
     >>> flips["between zeros omega[1]"].round(3).tolist()
     [28.731, 20.755]
     """
-    import numpy as np
 
     began = time.perf_counter()
     if not varied:
@@ -184,7 +198,7 @@ def sweep(
     if not only_words(measure):
         watch = (*scene.watch, *watch)
     scene = scene.replaced(watch=watch)
-    values = {path: np.asarray(list(column), dtype=float) for path, column in varied.items()}
+    values = {path: _column(path, column) for path, column in varied.items()}
     shape = tuple(len(column) for column in values.values())
     if together and len(set(shape)) != 1:
         raise SceneError(f"what goes together has as many values each, not {shape}.")
@@ -193,10 +207,13 @@ def sweep(
     )
     if not combinations:
         raise SceneError("nothing is varied: there are no values.")
-    lanes = [dict(zip(values, map(float, chosen), strict=True)) for chosen in combinations]
+    lanes = [dict(zip(values, map(_plain, chosen), strict=True)) for chosen in combinations]
     found = Found(readers, len(lanes), progress)
     for members in groups(scene, lanes).values():
         solve_group(scene, members, engine, found)
+    lost = [(lanes[place], why) for place, why in sorted(found.lost.items())]
+    if len(lost) == len(lanes):
+        raise StuckError(f"no motion reaches its end; with {lost[0][0]}: {lost[0][1]}.")
     grid = (len(lanes),) if together else shape
     return SceneSweep(
         scene.title or scene.name,
@@ -206,4 +223,24 @@ def sweep(
         found.error,
         ", ".join(sorted(found.engines)),
         time.perf_counter() - began,
+        tuple(lost),
     )
+
+
+def _column(path: str, column: Any) -> np.ndarray:
+    """Values of a path: numbers, or vectors of equal length."""
+    import numpy as np
+
+    try:
+        return np.asarray(list(column), dtype=float)
+    except (TypeError, ValueError):
+        raise SceneError(
+            f"{path}: a list of numbers, or of vectors of equal length, was needed; "
+            f"{column!r} came."
+        ) from None
+
+
+def _plain(value: Any) -> Any:
+    """A number, or a tuple of them."""
+    rows = value.tolist()
+    return tuple(_plain(row) for row in value) if isinstance(rows, list) else rows

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.errors import AccuracyError, StartError
+from geomtorsion.errors import AccuracyError, StartError, StuckError
 from geomtorsion.motion import solve_many
 from geomtorsion.scenes.flowing import parameters_of, start_of
 from geomtorsion.scenes.measure import SweepRun
@@ -40,12 +40,21 @@ class Found:
         self.readers, self.count = readers, count
         self.columns = {name: np.full(count, np.nan) for name in readers}
         self.error, self.engines, self.done = 0.0, set[str](), 0
+        self.lost: dict[int, str] = {}
         self.progress = progress
 
     def measure(self, place: int, run: SweepRun) -> None:
         """Read one motion."""
         for name, reader in self.readers.items():
             self.columns[name][place] = reader(run)
+        self._went_on()
+
+    def lose(self, place: int, why: str) -> None:
+        """A motion that does not reach its end: nothing is measured, and that is said."""
+        self.lost[place] = why
+        self._went_on()
+
+    def _went_on(self) -> None:
         self.done += 1
         self.progress(self.done / self.count)
 
@@ -55,13 +64,13 @@ class Lane:
     """One motion: its place, what is varied in it, its numbers, and its scene if it has its own."""
 
     place: int
-    varied: Mapping[str, float]
+    varied: Mapping[str, Any]
     start: Mapping[str, Any]
     parameters: Mapping[str, Any]
     scene: Scene | None
 
 
-def groups(scene: Scene, lanes: Sequence[Mapping[str, float]]) -> dict[Any, list[Lane]]:
+def groups(scene: Scene, lanes: Sequence[Mapping[str, Any]]) -> dict[Any, list[Lane]]:
     """Motions by their equations: those with equal ones can be solved in one batch."""
     groups: dict[Any, list[Lane]] = {}
     own = tuple(scene.numbers[1])
@@ -81,7 +90,7 @@ def groups(scene: Scene, lanes: Sequence[Mapping[str, float]]) -> dict[Any, list
     return groups
 
 
-def _restarted(scene: Scene, changes: Mapping[str, float]) -> Any:
+def _restarted(scene: Scene, changes: Mapping[str, Any]) -> Any:
     """The start of a scene with some of its numbers changed."""
     state: Any = scene.start
     for path, value in changes.items():
@@ -109,8 +118,8 @@ def solve_group(scene: Scene, members: list[Lane], engine: Engine | None, found:
     else:
         try:
             _in_batches(first, members, engine, found)
-        except AccuracyError:
-            # One by one there are more digits to be had.
+        except (AccuracyError, StartError):
+            # One by one there are more digits to be had, and those that fail are told apart.
             _one_by_one(scene, members, engine, found)
 
 
@@ -137,12 +146,12 @@ def _in_batches(scene: Scene, members: list[Lane], engine: Engine | None, found:
             for name in flow.law.parameters
         }
         bundle = solve_many(flow, starts, times, scene.accuracy, engine, progress=False)
-        if not bundle.finished.all():
-            lost = some[int(np.flatnonzero(~bundle.finished)[0])].varied
-            raise StartError(f"the motion with {lost} does not reach the last time.")
         found.error = max(found.error, bundle.error)
         found.engines.add(bundle.engine)
         for k, lane in enumerate(some):
+            if not bundle.finished[k]:
+                found.lose(lane.place, "it does not reach the last time")
+                continue
             watched = read(_with_numbers(scene, lane), times, bundle.states[k])
             found.measure(lane.place, SweepRun(times, watched, lane.varied))
 
@@ -174,7 +183,11 @@ def _with_numbers(scene: Scene, lane: Lane) -> Any:
 def _one_by_one(scene: Scene, members: list[Lane], engine: Engine | None, found: Found) -> None:
     """Motions that end at times of their own, or are asked for at times of the user's."""
     for lane in members:
-        result = (lane.scene or scene.replaced(dict(lane.varied))).run(engine)
+        try:
+            result = (lane.scene or scene.replaced(dict(lane.varied))).run(engine)
+        except StuckError as stuck:
+            found.lose(lane.place, str(stuck).partition(". Stop earlier")[0])
+            continue
         found.error = max(found.error, result.error)
         found.engines.add(result.engine)
         found.measure(lane.place, SweepRun(result.times, result.values, lane.varied))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import ellipkm1
 
-from geomtorsion.errors import SceneError, StartError, UnknownNameError
+from geomtorsion.errors import SceneError, StartError, StuckError, UnknownNameError
 from geomtorsion.motion import RungeKutta
 from geomtorsion.scenes import Body, Scene, State, effects, load
 from geomtorsion.scenes.measure import SweepRun, measures
@@ -143,3 +143,47 @@ def test_what_is_refused(varied, measure, error, says):
         load("dzhanibekov").sweep(
             {"start.omega[0]": [1, 2], "start.omega[1]": [1]}, FLIP, together=True
         )
+
+
+def test_whole_vectors():
+    """Attitudes have four numbers that go together; each is a column of the table."""
+    turns = [(1, 0, 0, 0), (0.6, 0.8, 0, 0), (0.6, 0, 0, -0.8)]
+    scene = load("dzhanibekov").replaced(t=1, watch=("omega_space",))
+    sweep = scene.sweep({"start.quaternion": turns, "start.omega[0]": [0.1, 0.2]}, LAST)
+    for place in np.ndindex(3, 2):
+        changes = {"start.quaternion": turns[place[0]], "start.omega[0]": (0.1, 0.2)[place[1]]}
+        single = scene.replaced(changes).run()["omega_space"][-1, 2]
+        assert sweep[LAST][place] == pytest.approx(single, abs=1e-9)
+    columns = sweep.columns()
+    assert columns["start.quaternion[1]"].tolist() == [0, 0, 0.8, 0.8, 0, 0]
+    moments = scene.sweep({"body.moments": [(1, 2, 3), (1, 2, 2.5)]}, LAST)
+    assert moments[LAST].shape == (2,)
+    assert "number" in moments.plot().axes[0].get_xlabel()
+
+
+LAST = "last omega_space[2]"
+
+
+def test_members_that_fail():
+    """Those that end in a pole have no value, and that is said; the others are as ever."""
+    pole = effects.Custom(force=("k*x**3", 0, 0), parameters={"k": 1.0})
+    start = State(position=(1, 0, 0), velocity=(1, 0, 0))
+    scene = Scene(Body(moments=(1, 2, 2.5)), [pole], start, ["position"], t=1.2)
+    sweep = scene.sweep({"custom.parameters.k": [0.1, 9.0, 0.2]}, "max position[0]")
+    single = scene.replaced({"custom.parameters.k": 0.2}).run()["position"][-1, 0]
+    assert sweep["max position[0]"][2] == pytest.approx(single, rel=1e-9)
+    assert np.isnan(sweep["max position[0]"]).tolist() == [False, True, False]
+    [(where, why)] = sweep.lost
+    assert where == {"custom.parameters.k": 9.0}
+    assert "1 without a value" in str(sweep)
+    assert "does not reach" in why
+    with pytest.raises(StuckError, match="no motion reaches its end"):
+        scene.sweep({"custom.parameters.k": [9.0, 10.0]}, "max position[0]")
+    assert "none" in str(scene.sweep({"custom.parameters.k": [0.1]}, "first zero position[0]"))
+
+
+@pytest.mark.parametrize("column", [3.0, ["a", "b"], [(1, 2), (1, 2, 3)]])
+def test_columns_that_are_none(column):
+    """One number, words, vectors of unequal length."""
+    with pytest.raises(SceneError, match="a list of numbers, or of vectors"):
+        load("dzhanibekov").sweep({"body.moments": column}, FLIP)
