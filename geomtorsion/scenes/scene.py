@@ -209,7 +209,7 @@ class Scene:
 
     def sweep(
         self,
-        varied: Mapping[str, Iterable[float]],
+        varied: Mapping[str, Iterable[Any]],
         measure: Measure | Mapping[str, Measure] | Sequence[str],
         **options: Any,
     ) -> SceneSweep:

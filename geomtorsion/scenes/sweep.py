@@ -148,7 +148,7 @@ class SceneSweep:
 
 def sweep(
     scene: Scene,
-    varied: Mapping[str, Iterable[float]],
+    varied: Mapping[str, Iterable[Any]],
     measure: Measure | Mapping[str, Measure] | Sequence[str],
     *,
     together: bool = False,
