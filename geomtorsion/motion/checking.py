@@ -19,6 +19,8 @@ FEW_STEPS = 4
 SATURATED = 0.02
 # An error that is above this part of the one before has not gained by a smaller tolerance.
 LITTLE = 0.5
+# (Only a step of the tolerance by more than this is a step.)
+REAL_STEP = 0.05
 # An error above this part of the accuracy is confirmed by a second check.
 DOUBTED = 0.01
 # Two fine runs share so many roundings, which grow like any error on the way.
@@ -123,7 +125,7 @@ def checked(
         return aside[key]
 
     tolerance: float | None = first
-    best, before = None, math.inf
+    best, before, last = None, math.inf, math.inf
     while tolerance is not None:
         answer = run(tolerance)
         check, share, error = _judged(
@@ -142,9 +144,9 @@ def checked(
             break
         if check.tolerance < answer.tolerance:
             # Nothing is gained any more by smaller steps: what is left is rounding.
-            if LITTLE * before < error < SATURATED:
+            if LITTLE * before < error < SATURATED and answer.tolerance < REAL_STEP * last:
                 break
-            before = error
+            before, last = error, answer.tolerance
         reusable = disturbed is None
         tolerance = _next(engine, answer, check, error / accuracy, reusable=reusable)
     assert best is not None
@@ -227,6 +229,7 @@ def _next(
         # What cannot be checked is no answer.
         wanted = nearest if nearest < answer.tolerance and engine.finer(nearest) else None
     # A check by a finer run costs three times one by a coarser run: first what is near.
-    if wanted and engine.coarser(wanted) is None and engine.coarser(nearest) is not None:
+    by_coarser = check.tolerance > answer.tolerance and engine.coarser(nearest) is not None
+    if wanted and by_coarser and engine.coarser(wanted) is None:
         return nearest
     return wanted

@@ -23,6 +23,7 @@ def difference(one: Journey, two: Journey) -> tuple[float, int]:
         return float("inf"), 0
     worst = 0.0
     for first, second, blocks, start in _begun(one, two, count):
+        second = _alike(first, second)
         largest = np.maximum.reduce
         gaps = largest(np.abs(first - second)).tolist()
         sizes = np.maximum(largest(np.abs(first)), np.abs(start)).tolist()
@@ -35,6 +36,16 @@ def difference(one: Journey, two: Journey) -> tuple[float, int]:
             if gap > 0:
                 worst = max(worst, gap / size if size > 0 else float("inf"))
     return worst, count
+
+
+def _alike(first: Any, second: Any) -> Any:
+    """The second array in the kind of the first, where NumPy cannot mix the two."""
+    import numpy as np
+
+    if first.dtype == second.dtype or first.dtype != np.longdouble or second.dtype == np.float64:
+        return second
+    rows = [[np.longdouble(str(x)) for x in row] for row in second]
+    return np.array(rows, dtype=np.longdouble)
 
 
 def pairs(one: Journey, two: Journey, count: int) -> list[tuple[Any, Any, Any]]:

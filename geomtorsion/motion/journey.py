@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import ChartEdgeError
 from geomtorsion.motion.crossing import State, moved_over
+from geomtorsion.motion.disturbed import interrupted, moved_start
 from geomtorsion.motion.engines.protocol import Engine, Run
 from geomtorsion.motion.equations import Equations
 from geomtorsion.motion.passengers import weights
@@ -97,19 +98,37 @@ class Journey:
 
 
 def travel(
-    problem: Problem, engine: Engine, tolerance: float, times: Any, *, dense: bool = False
+    problem: Problem,
+    engine: Engine,
+    tolerance: float,
+    times: Any,
+    *,
+    dense: bool = False,
+    moved: float = 0.0,
+    at: int = 0,
 ) -> Journey:
-    """Follow a motion through times (from 0, in units of 1/speed), changing charts on the way."""
+    """Follow a motion through times (from 0, in units of 1/speed), changing charts on the way.
+
+    moved: by how much to move the states at the start and at one sample, relative to their size;
+        a run that checks another is moved, so that the difference contains how rounding grows.
+    at: index of that sample.
+    """
     import numpy as np
 
     several = len(problem.charts) > 1
     name, velocities, vector, parameters = departure(problem, engine.precision)
     segments: list[Segment] = []
     rest, skips = times, 0
+    if moved:
+        vector = moved_start(problem.equations(name), vector, moved, engine.precision)
     while True:
         equations = problem.equations(name)
         system = equations.system if several else equations.system.to_the_end
-        run = engine.run(system, vector, parameters, rest, tolerance, dense=dense)
+        if moved and not segments and 0 < at < len(rest) - 1:
+            start = vector, parameters
+            run = interrupted(engine, (equations, system), start, rest, tolerance, moved, at)
+        else:
+            run = engine.run(system, vector, parameters, rest, tolerance, dense=dense)
         first = float(rest[0])
         segments.append(Segment(name, equations, run, first, skips, vector, parameters))
         if run.outcome != "edge" and not (run.outcome == "stuck" and several and name):

@@ -10,6 +10,7 @@ from geomtorsion.errors import AccuracyError, ChartEdgeError
 from geomtorsion.motion.asked import SAMPLES, checked_accuracy, checked_times
 from geomtorsion.motion.checking import CAUTION, Checked, checked
 from geomtorsion.motion.compare import difference
+from geomtorsion.motion.disturbed import busiest
 from geomtorsion.motion.engines.protocol import Engine
 from geomtorsion.motion.engines.rungekutta import RungeKutta, Stiff
 from geomtorsion.motion.engines.taylor import Taylor, is_available
@@ -23,6 +24,8 @@ __all__ = ["CAUTION", "SAMPLES", "checked_accuracy", "checked_times", "choices",
 MARGIN, STEP = 0.1, 1e-2
 # States of which the largest is so many times another are of uneven size.
 UNEVEN = 3e3
+# Starts of checks are moved by so many units in the last place, as roundings add up on the way.
+ROUNDINGS = 2.0
 # A motion whose fastest decay times the duration exceeds this is left to an implicit engine.
 STIFF = 3e4
 
@@ -90,13 +93,25 @@ def _refined(problem: Problem, engine: Engine, times: Any, accuracy: float) -> C
     """Answer, check and error of the first tolerance that is good enough, or of the last."""
     known = learned(problem)
     key = (engine.name, accuracy)
+    places: list[int] = [0]
+
+    def attempt(tolerance: float) -> Journey:
+        journey = travel(problem, engine, tolerance, times)
+        first = journey.segments[0]
+        places[0] = busiest(first.run.states, first.equations.system.blocks)
+        return journey
+
+    def moved(tolerance: float, part: float) -> Journey:
+        return travel(problem, engine, tolerance, times, moved=ROUNDINGS * part, at=places[0])
+
     found = checked(
         engine,
         accuracy,
         known.get(key) or engine.first(accuracy),
-        lambda tolerance: travel(problem, engine, tolerance, times),
+        attempt,
         _held,
         lambda journey: journey.outcome == "stuck",
+        disturbed=moved,
     )
     if found.error <= accuracy:
         known[key] = found.answer.tolerance

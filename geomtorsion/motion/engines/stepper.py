@@ -162,7 +162,7 @@ class Steps:
         scale = [t + self.tolerance * abs(y) for t, y in zip(self.floors, self.state, strict=True)]
 
         def norm(vector: Any) -> float:
-            return math.sqrt(sum((x / s) ** 2 for x, s in zip(vector, scale, strict=True)) / n)
+            return math.hypot(*(x / s for x, s in zip(vector, scale, strict=True))) / math.sqrt(n)
 
         here, slope = norm(self.state), norm(self.rates)
         guess = 1e-6 if here < 1e-5 or slope < 1e-5 else 0.01 * here / slope
