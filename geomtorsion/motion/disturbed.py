@@ -1,0 +1,84 @@
+"""Disturbed: runs whose states are moved on the way, to show how rounding grows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from geomtorsion.motion.engines.protocol import Engine, Run
+from geomtorsion.motion.equations import Equations
+from geomtorsion.motion.system import System, mpf
+
+
+def interrupted(
+    engine: Engine,
+    law: tuple[Equations, System],
+    start: tuple[Sequence[Any], Sequence[Any]],
+    times: Any,
+    tolerance: float,
+    moved: float,
+    at: int,
+) -> Run:
+    """One run whose state is moved at a sample on the way."""
+    import numpy as np
+
+    (equations, system), (vector, parameters) = law, start
+    one = engine.run(system, vector, parameters, times[: at + 1], tolerance)
+    if one.outcome != "done":
+        return one
+    middle = moved_start(equations, one.last, moved, engine.precision)
+    two = engine.run(system, middle, parameters, times[at:], tolerance)
+    return replace(
+        two,
+        times=np.concatenate((one.times, two.times[1:])),
+        states=np.concatenate((one.states, two.states[1:])),
+        steps=one.steps + two.steps,
+        evaluations=one.evaluations + two.evaluations,
+        compile_seconds=one.compile_seconds + two.compile_seconds,
+        run_seconds=one.run_seconds + two.run_seconds,
+    )
+
+
+def moved_start(equations: Equations, vector: Sequence[Any], part: float, precision: int) -> Any:
+    """States moved a little, up and down by turns; what is exactly zero stays so.
+
+    Frame velocities are moved by a part of the largest of them, as each is a sum of products with
+    the others; coordinates, which may be of any sizes, by a part of their own.
+    """
+    import numpy as np
+
+    floats = [float(x) for x in vector]
+    sizes = [abs(x) for x in floats]
+    if equations.moves:
+        own = slice(equations.width, equations.width + len(equations.velocities))
+        sizes[own] = [max(sizes[own]) if x else 0.0 for x in sizes[own]]
+    steps = [part * size if k % 2 else -part * size for k, size in enumerate(sizes)]
+    if precision == 53:
+        return np.array(floats) + steps
+    return tuple(_sum(x, step, precision) for x, step in zip(vector, steps, strict=True))
+
+
+def _sum(value: Any, step: float, precision: int) -> Any:
+    """A number and a small step at more than double precision."""
+    import mpmath
+
+    with mpmath.workprec(precision + 20):
+        return mpf(value, precision + 20) + mpmath.mpf(step)
+
+
+def busiest(samples: Any, blocks: Sequence[Sequence[int]]) -> int:
+    """The first sample at which much happens: what is rounded there is not undone.
+
+    Near an equilibrium, where motions linger, a small step of the state changes next to nothing.
+    """
+    import numpy as np
+
+    states = np.asarray(samples, dtype=float)
+    if len(states) < 3:
+        return 0
+    steps = np.abs(states[1:] - states[:-1])
+    sums = [steps[:, list(block)].sum(axis=1) for block in blocks]
+    # The block that moves by fits and starts, if there is one.
+    burst = max(sums, key=lambda changes: changes.max() / max(changes.mean(), 1e-300))
+    return int(np.argmax(burst >= 0.5 * burst.max())) + 1
