@@ -20,7 +20,7 @@ SATURATED = 0.02
 # An error that is above this part of the one before has not gained by a smaller tolerance.
 LITTLE = 0.5
 # (Only a step of the tolerance by more than this is a step.)
-REAL_STEP = 0.05
+REAL_STEP = 0.15
 # An error above this part of the accuracy is confirmed by a second check.
 DOUBTED = 0.01
 # Two fine runs share so many roundings, which grow like any error on the way.

@@ -48,15 +48,16 @@ def moved_start(equations: Equations, vector: Sequence[Any], part: float, precis
     """
     import numpy as np
 
-    floats = [float(x) for x in vector]
-    sizes = [abs(x) for x in floats]
+    floats = np.array([float(x) for x in vector]) if precision != 53 else np.asarray(vector, float)
+    sizes = np.abs(floats)
     if equations.moves:
-        own = slice(equations.width, equations.width + len(equations.velocities))
-        sizes[own] = [max(sizes[own]) if x else 0.0 for x in sizes[own]]
-    steps = [part * size if k % 2 else -part * size for k, size in enumerate(sizes)]
+        own = sizes[equations.width : equations.width + len(equations.velocities)]
+        own[own > 0] = own.max()
+    sizes[::2] *= -1.0
+    sizes *= part
     if precision == 53:
-        return np.array(floats) + steps
-    return tuple(_sum(x, step, precision) for x, step in zip(vector, steps, strict=True))
+        return floats + sizes
+    return tuple(_sum(x, float(step), precision) for x, step in zip(vector, sizes, strict=True))
 
 
 def _sum(value: Any, step: float, precision: int) -> Any:
@@ -78,7 +79,11 @@ def busiest(samples: Any, blocks: Sequence[Sequence[int]]) -> int:
     if len(states) < 3:
         return 0
     steps = np.abs(states[1:] - states[:-1])
-    sums = [steps[:, list(block)].sum(axis=1) for block in blocks]
-    # The block that moves by fits and starts, if there is one.
-    burst = max(sums, key=lambda changes: changes.max() / max(changes.mean(), 1e-300))
-    return int(np.argmax(burst >= 0.5 * burst.max())) + 1
+    best, place = -1.0, 0
+    for block in blocks:
+        changes = np.add.reduce(steps[:, block[0] : block[-1] + 1], 1)
+        largest, total = float(changes.max()), float(np.add.reduce(changes))
+        # The block that moves by fits and starts, if there is one.
+        if total > 0 and largest / total > best:
+            best, place = largest / total, int((changes >= 0.5 * largest).argmax()) + 1
+    return place
