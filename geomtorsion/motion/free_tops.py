@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 UNIT = 1e-9  # a start attitude further from unit length than this is refused
 FULL = 4 * math.pi  # quaternions come back after two turns
+WIDE = 1e75  # products of four moments or rates between 1/WIDE and WIDE are doubles
 FLIPS = 2.0**51  # beyond so many half periods doubles no longer tell them apart
 
 
@@ -270,7 +271,7 @@ def free_top(moments: Any, omega: Any, quaternion: Any = (1.0, 0.0, 0.0, 0.0)) -
     Raises
     ------
     StartError
-        A moment is not positive, a number is not finite, the quaternion has not unit length.
+        A moment is not positive, a number is not finite or huge, or the quaternion not of length 1.
     ShapeError
         A list has not the right length.
 
@@ -286,15 +287,14 @@ def free_top(moments: Any, omega: Any, quaternion: Any = (1.0, 0.0, 0.0, 0.0)) -
     for k, size in enumerate(sizes):
         if size <= 0:
             raise StartError(f"moments[{k}] = {size} is not positive. Give positive moments.")
+    if not all(1 / WIDE <= x <= WIDE for x in (*sizes, max(map(abs, rates)) or 1.0)):
+        raise StartError(f"moments or rates are beyond {WIDE:g} or its inverse. Use other units.")
     length = math.hypot(*start)
     if not abs(length - 1) <= UNIT:
         raise StartError(
             f"the quaternion {start} has length {length:.9g}; an attitude has length 1. "
             "Divide it by its length."
         )
-    unit = tuple(x / length for x in start)
-    return FreeTop(
-        (sizes[0], sizes[1], sizes[2]),
-        (rates[0], rates[1], rates[2]),
-        (unit[0], unit[1], unit[2], unit[3]),
-    )
+    (a, b, c), (u, v, w) = sizes, rates
+    q, x, y, z = (part / length for part in start)
+    return FreeTop((a, b, c), (u, v, w), (q, x, y, z))

@@ -154,8 +154,20 @@ def points(masses: Any) -> tuple[Any, tuple[tuple[Any, ...], ...], tuple[Any, ..
         for i in range(3):
             for j in range(3):
                 tensor[i][j] += m * ((square if i == j else 0) - d[i] * d[j])
+    if _on_a_line(tensor):
+        raise BodyError(
+            "points: the masses lie on one line, about which nothing resists turning: all must be "
+            "positive, but the moment about it is 0. Give the line a thickness, or the body "
+            "moments=(I1, I2, I3)."
+        )
     rows = tuple(_plain(*row) for row in tensor)
     return float(total), rows, _plain(*centre)
+
+
+def _on_a_line(tensor: list[list[Fraction]]) -> bool:
+    """Whether the moment about some axis is 0, exactly."""
+    (a, d, e), (_, b, f), (_, _, c) = tensor
+    return a * (b * c - f * f) - d * (d * c - f * e) + e * (d * f - b * e) == 0
 
 
 def _three(values: Any, name: str) -> list[Fraction]:

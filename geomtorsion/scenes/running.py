@@ -176,7 +176,9 @@ def _in_closed_form(scene: Scene, form: ClosedForm) -> SceneResult | None:
     began = perf_counter()
     try:
         states = form.states(times)
-    except TimeError:
+    except (TimeError, OverflowError):
+        return None
+    if not np.isfinite(states).all():
         return None
     spent = perf_counter() - began
     began = perf_counter()
@@ -237,7 +239,8 @@ def _gap(scene: Scene, ours: Any, theirs: Any) -> float:
         places = list(block)
         size = np.abs(theirs[:, places]).max()
         gap = np.abs(ours[:, places] - theirs[:, places]).max()
-        worst = max(worst, float(gap / size) if size else float(gap))
+        part = float(gap / size) if size else float(gap)
+        worst = max(worst, part) if math.isfinite(part) else math.inf
     return worst
 
 

@@ -134,7 +134,7 @@ def test_axis_of_symmetry():
         (lambda: Body.box(1, (1, 1)), "three lengths"),
         (lambda: Body.cylinder(1, 1, -2), "height = -2"),
         (lambda: Body.points([]), "at least one"),
-        (lambda: Body.points([(1, (0, 0, 0)), (1, (0, 0, 1))]), "all must be positive"),
+        (lambda: Body.points([(1, (0, 0, 0)), (1, (1, 2, 3))]), "lie on one line"),
         (lambda: Body.points([(-1, (0, 0, 0))]), "mass 0 = -1"),
         (lambda: Body.points([1, 2]), "a list of \\(mass"),
     ],

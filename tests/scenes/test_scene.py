@@ -281,3 +281,31 @@ def test_free_bodies_without_more_digits(monkeypatch):
     assert result.error <= 1e-11
     monkeypatch.undo()
     assert np.abs(result["omega"] - scene.run()["omega"]).max() < 1e-13
+
+
+@pytest.mark.parametrize(
+    ("moments", "omega"),
+    [
+        ((1, 2, 2.5), (1e-300, 2e-300, 0)),
+        ((1e300,) * 3, (1e10, 2, 3)),
+        ((1, 2, 2.5), (1e200, 1, 0)),
+    ],
+)
+def test_numbers_whose_squares_are_no_doubles(moments, omega):
+    """Refused, with a remedy; never rates that are no numbers with an error of rounding."""
+    scene = gt.Scene(gt.Body(moments=moments), [], gt.State(omega=omega), ["omega"], t=10)
+    with pytest.raises(gt.errors.StartError, match="Use other units"):
+        scene.run()
+
+
+def test_a_closed_form_without_values_is_not_believed(monkeypatch):
+    """Not a number is no small difference."""
+    from geomtorsion.scenes.running import ClosedForm
+
+    scene = gt.Scene(gt.Body(moments=(1, 2, 2.5)), [], gt.State(omega=(1, 2, 3)), ["omega"], t=3)
+    right = scene.run()
+    states = ClosedForm.states
+    monkeypatch.setattr(ClosedForm, "states", lambda form, t: states(form, t) * np.nan)
+    found = scene.run()
+    assert found.closed_form is None
+    assert np.abs(found["omega"] - right["omega"]).max() < 1e-9
