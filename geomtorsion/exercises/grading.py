@@ -60,7 +60,9 @@ class Mark:
 
 
 def _harmless(text: str) -> str:
-    """Text that no spreadsheet takes for a formula."""
+    """Text that no spreadsheet takes for a formula, and that can be written as UTF-8."""
+    # Names of files may hold bytes of another encoding, which Python keeps as half characters.
+    text = text.encode("utf-8", "replace").decode("utf-8")
     text = " ".join(text.split())[:LONGEST_REMARK]
     return f"'{text}" if text[:1] in ("=", "+", "-", "@") else text
 
@@ -213,7 +215,7 @@ def _fingerprint(path: Path, numbers: Sequence[str], seed: int | None) -> str:
         content = path.read_bytes() if path.stat().st_size < 10**7 and path.is_file() else b""
     except OSError:
         content = b""
-    task = f"{path.name}|{','.join(numbers)}|{seed}|".encode()
+    task = f"{path.name}|{','.join(numbers)}|{seed}|".encode("utf-8", "surrogateescape")
     return hashlib.sha256(task + content).hexdigest()[:16]
 
 

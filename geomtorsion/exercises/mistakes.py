@@ -14,8 +14,7 @@ from geomtorsion.exercises.question import Mistake, normal
 
 if TYPE_CHECKING:
     from geomtorsion.exercises.compare import Value
-    from geomtorsion.exercises.numbers import deviation
-from geomtorsion.exercises.question import Question
+    from geomtorsion.exercises.question import Question
 
 HALF = sympy.Rational(1, 2)
 BOTH = "It is off by a factor 2, and the sign is wrong as well."

@@ -11,6 +11,7 @@ import sympy
 from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exercises.limits import ANSWER, LARGEST_ANSWER
+from geomtorsion.exercises.remedies import fitting
 from geomtorsion.exercises.sizes import check_constants
 
 if TYPE_CHECKING:
@@ -49,7 +50,10 @@ def expression(question: Question, given: Any, where: str) -> sympy.Expr:
         )
     text = plain_name(rational(given))
     check_constants(text, question.ground.names, where, ANSWER)
-    return parse_expression(text, question.ground.names, {}, where=where, limits=ANSWER)
+    try:
+        return parse_expression(text, question.ground.names, {}, where=where, limits=ANSWER)
+    except (ExpressionError, LimitError) as error:
+        raise type(error)(fitting(question, str(error))) from None
 
 
 def plain_name(text: str) -> str:

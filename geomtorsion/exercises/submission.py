@@ -10,7 +10,7 @@ from pathlib import Path
 from stat import S_ISREG
 from typing import Any
 
-from geomtorsion.errors import FileFormatError, LimitError
+from geomtorsion.errors import FileFormatError, GeomtorsionError, LimitError
 from geomtorsion.exercises.registry import LARGEST_SEED, names
 
 LARGEST_FILE = 200_000
@@ -99,7 +99,10 @@ def loaded(path: Path) -> dict[str, Any]:
             raise LimitError(
                 f"{path.name}: the file is longer than the limit of {LARGEST_FILE:,} bytes."
             )
-        return tomllib.loads(content.decode("utf-8-sig"))
+        data = tomllib.loads(content.decode("utf-8-sig"))
+        # Python writes no whole number of many thousand digits, which hexadecimal ones may have.
+        _ = repr(data)
+        return data
     except OSError as error:
         reason = error.strerror or type(error).__name__
         raise FileFormatError(f"{path.name}: the file cannot be read: {reason}.") from None
@@ -109,14 +112,16 @@ def loaded(path: Path) -> dict[str, Any]:
         ) from None
     except RecursionError:
         raise LimitError(f"{path.name}: lists are nested too deeply to be read.") from None
-    except FileFormatError:
-        raise
-    except ValueError as error:
-        if isinstance(error, LimitError):
-            raise
+    except tomllib.TOMLDecodeError as error:
         raise FileFormatError(
             f"{path.name}: this is no TOML: {str(error)[:200]}. Answers stand in quotes, as in "
             '"1.1" = "sin(x)".'
+        ) from None
+    except GeomtorsionError:
+        raise
+    except ValueError:
+        raise LimitError(
+            f"{path.name}: a number has more digits than can be read. Write a shorter one."
         ) from None
 
 

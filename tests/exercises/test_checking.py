@@ -332,6 +332,37 @@ def test_hostile_answers_end_soon(kind, given):
     assert time.process_time() - start < 10
 
 
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ("xx", "xx is no name that occurs in this answer"),
+        ("xx", "Did you mean x? Names that may occur here: x, y, t."),
+        ("banana", "Names that may occur here: x, y, t."),
+        ("foo(x)", "Write it with sin, cos, tan,"),
+        ("sinn(x)", "Did you mean sin? Write it with"),
+        ("x^99", "the limit is 24"),
+        ("x^99", "Write a smaller one."),
+    ],
+)
+@pytest.mark.parametrize("kind", ["expression", "components", "equations"])
+def test_advice_is_for_those_who_answer(kind, given, says):
+    """Nothing can be declared in an answer: nobody is told to, and the names are named."""
+    question = {"expression": asked(x), "components": components([[x, 0], [0, 0]])}.get(kind)
+    if question is None:
+        question, given = asked({x: y}, kind="equations"), f"x = {given}"
+    else:
+        given = {"1,1": given} if kind == "components" else given
+    said = check_question(question, given).message
+    assert says in said
+    assert "arameter" not in said
+    assert "eclare" not in said
+
+
+def test_advice_where_no_names_occur():
+    """A number has none."""
+    assert "No names occur in this answer." in check_question(number(1.5), "radius").message
+
+
 def test_hostile_forms_of_the_right_answer_end_soon():
     """Numerically right and monstrous: refused for its size, not multiplied out."""
     one = "*".join(f"(sin({k}*x)^2 + cos({k}*x)^2)" for k in range(1, 24))

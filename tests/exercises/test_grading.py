@@ -1,6 +1,7 @@
 """Grading: 200 students, one malformed and one hostile file, interruptions, an honest table."""
 
 import csv
+import os
 from random import Random
 
 import pytest
@@ -266,3 +267,23 @@ def test_rows_are_harmless_in_a_spreadsheet():
         assert shown[0] not in "=+-@"
         assert "\n" not in shown
         assert len(shown) <= grading.LONGEST_REMARK + 1
+
+
+def test_a_name_in_another_encoding_costs_nobody_marks(tmp_path):
+    """A file name that is no UTF-8, as old archives unpack to: its row and all others are there."""
+    place = tmp_path / "answers"
+    place.mkdir()
+    right = '[answers]\n"3.2" = "1/tan(phi2)"\n'
+    (place / "ada.toml").write_text(right, "utf-8")
+    try:
+        (place / os.fsdecode(b"jos\xe9.toml")).write_text(right, "utf-8")
+    except OSError:
+        pytest.skip("this file system has only names in UTF-8")
+    for kept in (0, 2):
+        marks = grade(place, tmp_path / "marks.csv")
+        assert (len(marks.rows), marks.kept) == (2, kept)
+    rows = table_of(tmp_path / "marks.csv")
+    assert {name: row["earned"] for name, row in rows.items()} == {
+        "ada.toml": "1",
+        "jos?.toml": "1",
+    }

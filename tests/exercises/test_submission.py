@@ -48,6 +48,10 @@ def test_what_is_left_out(tmp_path):
         ('"1.1" = import os', "this is no TOML"),
         (b"\xff\xfe\x00", "no UTF-8 text"),
         ("x = " + "[" * 5000 + "]" * 5000, "nested too deeply|no TOML"),
+        ("seed = 0x" + "f" * 9000, "more digits than can be read"),
+        ("seed = " + "9" * 9000, "more digits than can be read"),
+        ("answers = 0x" + "f" * 9000, "more digits than can be read"),
+        ('[answers]\n"1.1" = [0x' + "f" * 9000 + "]", "more digits than can be read"),
     ],
 )
 def test_bad_files(tmp_path, text, says):
