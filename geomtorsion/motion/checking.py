@@ -12,7 +12,7 @@ from geomtorsion.motion.engines.protocol import Engine
 # An error estimate is this many times what the difference of two runs says.
 CAUTION = 2.2
 # An answer is taken if its error is below this part of the accuracy: estimates, too, have errors.
-TAKEN = 0.33
+TAKEN = 0.15
 # An answer of fewer steps is held against a finer run: its steps end where the motion does.
 FEW_STEPS = 4
 # Two runs that differ by more than this part say nothing about each other.
