@@ -132,8 +132,8 @@ def _pivots(phase: Phase, rows: Sequence[Row], names: Sequence[str]) -> list[int
         reduced = {i: value for i, value in reduced.items() if not value.is_zero}
         if not reduced:
             raise ConstraintError(
-                f"{name} follows from the constraints before it. Leave it out: each constraint "
-                "must take away one velocity."
+                f"{name} follows from the constraints before it, or contradicts them. Leave it "
+                "out: each constraint must take away one velocity."
             )
         place = min(reduced, key=lambda i: (_rank(phase, reduced[i]), -i))
         scale = reduced[place].inverse()

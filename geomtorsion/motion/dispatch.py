@@ -86,6 +86,7 @@ def solve(
     >>> round(float(sol["x"][-1]), 8)
     0.36787944
     """
+    _check_engine(engine)
     if isinstance(problem, Flow):
         return solve_flow(problem, t, accuracy, engine, checkpoint, progress, overwrite=overwrite)
     if not isinstance(problem, Problem):
@@ -172,6 +173,7 @@ def solve_many(
     >>> solve_many(swing, {"k": [1.0, 4.0]}, 1.0)["x"][:, -1].round(6).tolist()
     [0.540302, -0.416147]
     """
+    _check_engine(engine)
     if isinstance(problem, Flow):
         if velocities is not None or frame_velocities is not None:
             raise StartError("velocities: a flow has states only; give all of them in starts.")
@@ -189,3 +191,12 @@ def solve_many(
         check=check,
         progress=progress,
     )
+
+
+def _check_engine(engine: Any) -> None:
+    """Refuse what cannot run a motion, such as the name of an engine."""
+    if engine is not None and (isinstance(engine, type) or not callable(getattr(engine, "run", 0))):
+        raise StartError(
+            f"engine = {engine!r}: Taylor(), RungeKutta() or Stiff() was needed, or None, which "
+            "chooses."
+        )

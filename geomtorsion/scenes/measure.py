@@ -168,6 +168,10 @@ def measures(asked: Measure | Mapping[str, Measure] | Sequence[str]) -> dict[str
         asked = {asked: asked}
     elif callable(asked):
         asked = {getattr(asked, "__name__", "measure"): asked}
+    elif not asked or not isinstance(asked, list | tuple | Mapping):
+        raise SceneError(
+            f'{asked!r} is no measure. Give words such as "max nutation", or a function.'
+        )
     elif not isinstance(asked, Mapping):
         asked = {str(item): item for item in asked}
     return {name: item if callable(item) else _spoken(item) for name, item in asked.items()}
@@ -175,7 +179,7 @@ def measures(asked: Measure | Mapping[str, Measure] | Sequence[str]) -> dict[str
 
 def _spoken(text: str) -> Callable[[SweepRun], float]:
     """A measure in words."""
-    match = _NAMED.fullmatch(text)
+    match = _NAMED.fullmatch(text) if isinstance(text, str) else None
     what = (match["what"] or "last").strip() if match else ""
     if match is None or what not in WORDS:
         near = near_names(what, WORDS)

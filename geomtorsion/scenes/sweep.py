@@ -191,7 +191,7 @@ def sweep(
     """
 
     began = time.perf_counter()
-    if not varied:
+    if not varied or not isinstance(varied, Mapping):
         raise SceneError('nothing is varied. Give paths with values, as {"gravity.g": [1, 2]}.')
     readers = measures(measure)
     watch = quantities(measure)

@@ -176,6 +176,7 @@ def test_one_constraint_may_be_given_in_text():
         (["u1*u2 + 1"], "no constraint linear"),
         (["t*u2"], "no constraint linear"),
         (["u2", "2*u2"], r"constraints\[1\] follows from"),
+        (["u2", "u2 - 1"], r"constraints\[1\] follows from.*or contradicts"),
         (["u1 + u2", "2*u1 + 2*u2"], r"constraints\[1\] follows from"),
         (["u1", "u2", "u1 + x*u2"], "nothing could move"),
         (["0"], "no constraint linear"),

@@ -309,3 +309,12 @@ def test_a_closed_form_without_values_is_not_believed(monkeypatch):
     found = scene.run()
     assert found.closed_form is None
     assert np.abs(found["omega"] - right["omega"]).max() < 1e-9
+
+
+@pytest.mark.parametrize("engine", ["taylor", 3, gt.RungeKutta])
+def test_engines_that_are_none(engine):
+    """A name is no engine, nor is a class."""
+    with pytest.raises(gt.errors.StartError, match="engine = .*RungeKutta.. or Stiff.. was needed"):
+        TOP.run(engine=engine)
+    with pytest.raises(gt.errors.StartError, match="was needed"):
+        gt.solve_many(TOP.flow, {"Omega1": [1.0, 2.0]}, 1.0, engine=engine)

@@ -126,6 +126,9 @@ def test_measures():
     ("varied", "measure", "error", "says"),
     [
         ({}, FLIP, SceneError, "nothing is varied"),
+        ([1], FLIP, SceneError, "nothing is varied"),
+        ({"start.omega[0]": [1]}, None, SceneError, "is no measure"),
+        ({"start.omega[0]": [1]}, [3], SceneError, "is no measure"),
         ({"start.omega[0]": []}, FLIP, SceneError, "no values"),
         ({"start.omga[0]": [1]}, FLIP, UnknownNameError, "Did you mean omega"),
         ({"gravity.g": [1]}, FLIP, UnknownNameError, "leads nowhere"),
