@@ -122,7 +122,7 @@ def heavy_flow() -> Flow:
         "n3": "n1*y - n2*x",
     }
     start = dict(zip(names, (*SPIN, *UPRIGHT), strict=True))
-    numbers = dict(zip((a, b, c, "w"), (*LAGRANGE, WEIGHT), strict=True))
+    numbers: dict[str, float] = dict(zip((a, b, c, "w"), (*LAGRANGE, WEIGHT), strict=True))
     return flow(rates, start, parameters=numbers, name="heavy top")
 
 

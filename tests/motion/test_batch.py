@@ -1,5 +1,7 @@
 """solve_many: lanes, stacks, interruptions."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -133,7 +135,7 @@ def test_many_says_what_it_cost():
     assert len(many) == 40
 
 
-def bundles():
+def bundles() -> dict[str, tuple[Any, dict[str, Any]]]:
     """Bundles that meet an edge of their chart: over the pole of s2, through the gimbal lock."""
     s2 = geodesic(load("s2").frame, [0.9, 0.3], [0.0, 1.0], parameters={"R": 1})
     rates = np.stack([np.linspace(-1.5, -0.4, 9), np.linspace(-0.2, 0.3, 9)], axis=1)

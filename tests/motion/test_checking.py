@@ -120,6 +120,7 @@ def test_solutions_say_what_they_were_held_against(engine):
     """error = share times the largest difference to the witness, block by block."""
     top = geodesic(load("so3").frame, frame_velocity=[0.9, 0.4, 0.7], metric=[1.1, 2.2, 3.3])
     sol = solve(top, 60.0, 1e-8, engine)
+    assert sol.witness is not None
     states, other = (j.segments[0].states for j in (sol.journey, sol.witness))
     gap = np.abs(states - other).max() / np.abs(states).max()
     assert sol.witness.tolerance > sol.journey.tolerance
@@ -132,6 +133,7 @@ def test_few_steps_are_held_against_more():
     straight = autoparallel(cartan(load("flat_polar").frame), [1.0, 0.0], [0.1, 0.05])
     sol = solve(straight, 0.1, 1e-8, RungeKutta())
     assert sol.cost.steps < 12
+    assert sol.witness is not None
     assert sol.witness.tolerance < sol.journey.tolerance
 
 
@@ -151,6 +153,7 @@ def test_states_of_uneven_size_are_held_against_a_finer_run(start, accuracy):
     law = blend(levi_civita(frame), cartan(frame))
     problem = autoparallel(law, [0.1, 0.2, 0.3], frame_velocity=start)
     sol = solve(problem, 20.0, accuracy, Taylor())
+    assert sol.witness is not None
     assert sol.witness.tolerance < sol.journey.tolerance
     fine = travel(problem, Taylor(64), 1e-19, sol.times * problem.speed)
     true, _ = difference(sol.journey, fine)

@@ -72,6 +72,7 @@ def test_dense_output(t):
     system = flow({"x": "-x", "y": "2*y"}, [1, 1]).system
     times = np.array([0.0, t])
     run = float_run(MOST, system, [1.0, 1.0], [], times, 1e-12, True)
+    assert run.dense is not None
     between = np.linspace(0.0, t, 101)
     exact = np.stack([np.exp(-between), np.exp(2 * between)], axis=1)
     assert run.dense(between) == pytest.approx(exact, rel=1e-9, abs=1e-11)

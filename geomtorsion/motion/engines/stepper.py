@@ -135,7 +135,8 @@ class Steps:
         longest: float,
         most: int,
     ) -> None:
-        self.values, self.state = tuple(values), tuple(y0)
+        self.values: tuple[float, ...] = tuple(values)
+        self.state: tuple[float, ...] = tuple(y0)
         self.time, self.end = span
         self.duration = abs(self.end - self.time)
         self.sign = 1.0 if self.end >= self.time else -1.0
