@@ -17,8 +17,9 @@ TAKEN = 0.15
 FEW_STEPS = 4
 # Two runs that differ by more than this part say nothing about each other.
 SATURATED = 0.02
-# An error that is above this part of the one before has not gained by a smaller tolerance.
-LITTLE = 0.5
+# An error that is above this part of the one before has not gained by a smaller tolerance; once is
+# no sign yet, for single orders serve badly.
+LITTLE, PATIENCE = 0.5, 2
 # (Only a step of the tolerance by more than this is a step.)
 REAL_STEP = 0.15
 # An error above this part of the accuracy is confirmed by a second check.
@@ -125,7 +126,7 @@ def checked(
         return aside[key]
 
     tolerance: float | None = first
-    best, before, last = None, math.inf, math.inf
+    best, before, last, idle = None, math.inf, math.inf, 0
     while tolerance is not None:
         answer = run(tolerance)
         check, share, error = _judged(
@@ -144,7 +145,9 @@ def checked(
             break
         if check.tolerance < answer.tolerance:
             # Nothing is gained any more by smaller steps: what is left is rounding.
-            if LITTLE * before < error < SATURATED and answer.tolerance < REAL_STEP * last:
+            gains = not LITTLE * before < error < SATURATED or answer.tolerance >= REAL_STEP * last
+            idle = 0 if gains else idle + 1
+            if idle == PATIENCE:
                 break
             before, last = error, answer.tolerance
         reusable = disturbed is None

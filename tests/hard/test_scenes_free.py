@@ -155,3 +155,15 @@ def test_a_million_radians_a_second():
     q = result["quaternion"][-1]
     expected = np.array([np.cos(angle / 2), 0, 0, np.sin(angle / 2)])
     assert min(np.abs(q - expected).max(), np.abs(q + expected).max()) < 2e-10
+
+
+@pytest.mark.parametrize("accuracy", [1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10])
+@needs_heyoka
+def test_single_orders_may_serve_badly(accuracy):
+    """A smaller tolerance with a larger error is no sign yet that nothing can be gained."""
+    moments, omega = (1, 2, 3), (0.5, 0.4, 1)
+    scene = free(moments, omega, 1000.0, ["omega"], accuracy)
+    result = scene.run(engine=Taylor())
+    true = np.abs(result["omega"] - gt.free_top(moments, omega).omega(result.times)).max()
+    assert true <= accuracy
+    assert result.error >= 0.1 * true
