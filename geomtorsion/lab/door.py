@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Awaitable, Callable, Iterable, MutableMapping
 from typing import Any
-from urllib.parse import urlsplit
+from urllib.parse import SplitResult, urlsplit
 
 Scope = MutableMapping[str, Any]
 Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
@@ -86,17 +86,17 @@ class Door:
     def _refused(self, scope: Scope, headers: dict[str, str]) -> tuple[int, str] | None:
         """Status and reason, or None for a request that may pass."""
         host = headers.get("host", "")
-        name = urlsplit(f"//{host}").hostname or ""
+        name = _split(f"//{host}").hostname or ""
         if self.hosts and name not in self.hosts:
             return 421, f"This page is not served as {name!r}."
         origin = headers.get("origin", "")
         # The scheme may be changed on the way, the host and port may not.
-        if origin not in ("", "null") and urlsplit(origin).netloc != host:
+        if origin not in ("", "null") and _split(origin).netloc != host:
             return 403, "Requests of other pages are not answered."
         if origin == "null" and scope.get("method", "GET") not in ("GET", "HEAD"):
             return 403, "Requests of pages without a name are not answered."
         length = headers.get("content-length", "0")
-        if not length.isdigit() or int(length) > LARGEST_BODY:
+        if not length.isdecimal() or len(length) > 12 or int(length) > LARGEST_BODY:
             return 413, f"A request may have {LARGEST_BODY:,} bytes."
         if scope["type"] == "http" and scope["path"] == "/" and self.open >= self.sessions:
             return 503, _FULL.format(most=self.sessions)
@@ -137,6 +137,14 @@ class Door:
             await asyncio.wait(both, timeout=OPENING, return_when=asyncio.FIRST_COMPLETED)
             waiting.cancel()
         await session
+
+
+def _split(address: str) -> SplitResult:
+    """An address in its parts, which are empty where it is none."""
+    try:
+        return urlsplit(address)
+    except ValueError:
+        return SplitResult("", "", "", "", "")
 
 
 def _bounded(receive: Receive) -> Receive:

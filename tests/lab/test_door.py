@@ -52,7 +52,7 @@ def ask(
         "type": "http",
         "method": method,
         "path": path,
-        "headers": [(k.lower().encode(), v.encode()) for k, v in headers.items()],
+        "headers": [(k.lower().encode(), v.encode("latin-1")) for k, v in headers.items()],
     }
     run(door(scope, receive, send))
     if not sent:
@@ -80,6 +80,11 @@ def test_the_usual_visitor_comes_in():
         (HOST | {"origin": "http://127.0.0.1:9999"}, 403),
         (HOST | {"content-length": str(LARGEST_BODY + 1)}, 413),
         (HOST | {"content-length": "many"}, 413),
+        (HOST | {"content-length": "9" * 5000}, 413),
+        (HOST | {"content-length": "\u00b2"}, 413),
+        ({"host": "["}, 421),
+        ({"host": "[::1"}, 421),
+        (HOST | {"origin": "http://[bad"}, 403),
     ],
 )
 def test_others_stay_outside(headers, status):
