@@ -13,6 +13,8 @@ from geomtorsion.exact.names import near_names
 if TYPE_CHECKING:
     from geomtorsion.scenes.scene import Scene
 
+# Of these only one is given: a new one takes the place of what was given before.
+ONE_OF = (("euler", "quaternion", "matrix"), ("moments", "inertia"))
 _STEP = re.compile(r"([^\W\d]\w*)((?:\[\d+\])*)")
 
 
@@ -54,10 +56,13 @@ def _set(thing: Any, steps: list[tuple[str, tuple[int, ...]]], value: Any, path:
     (name, places), *rest = steps
     if isinstance(thing, Mapping) and name in thing:
         return {**thing, name: _set_here(thing[name], places, rest, value, path)}
-    if not is_dataclass(thing) or name not in (item.name for item in fields(thing)):
+    known = {item.name for item in fields(thing)} if is_dataclass(thing) else set()
+    if name not in known:
         raise UnknownNameError(f"{path!r} leads nowhere: {_inside(thing, name)}")
     new = _set_here(getattr(thing, name), places, rest, value, path)
-    return replace(thing, **{name: new})  # type: ignore[type-var]
+    instead = next((set(names) - {name} for names in ONE_OF if name in names), ())
+    others = {other: None for other in instead if new is not None and other in known}
+    return replace(thing, **{name: new}, **others)  # type: ignore[type-var]
 
 
 def _set_here(now: Any, places: tuple[int, ...], rest: Any, value: Any, path: str) -> Any:

@@ -99,7 +99,7 @@ def _restarted(scene: Scene, changes: Mapping[str, Any]) -> Any:
         place = int(match[2] or 0)
         if match[2] is None or not isinstance(items, tuple) or place >= len(items):
             # The general way knows what to say of this path.
-            state = scene.replaced({path: value}).start
+            state = scene.replaced({"start": state, path: value}).start
             continue
         items = (*items[:place], value, *items[place + 1 :])
         state = replace(state, **{match[1]: items})

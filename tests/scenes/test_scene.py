@@ -318,3 +318,13 @@ def test_engines_that_are_none(engine):
         TOP.run(engine=engine)
     with pytest.raises(gt.errors.StartError, match="was needed"):
         gt.solve_many(TOP.flow, {"Omega1": [1.0, 2.0]}, 1.0, engine=engine)
+
+
+def test_replacing_what_is_given_in_one_way():
+    """A new attitude or inertia takes the place of the old one, however that was given."""
+    scene = TOP.replaced({"start.quaternion": (1, 0, 0, 0), "body.inertia": np.eye(3).tolist()})
+    assert scene.start.euler is None
+    assert scene.body.moments is None
+    again = scene.replaced({"start.euler": (0, 0.1, 0), "body.moments": (1, 1, 1)})
+    assert again.start.quaternion is None
+    assert again.body.inertia is None

@@ -157,6 +157,9 @@ def test_whole_vectors():
         changes = {"start.quaternion": turns[place[0]], "start.omega[0]": (0.1, 0.2)[place[1]]}
         single = scene.replaced(changes).run()["omega_space"][-1, 2]
         assert sweep[LAST][place] == pytest.approx(single, abs=1e-9)
+    turned = scene.sweep({"start.omega[0]": [0.1, 0.2], "start.quaternion": turns}, LAST)
+    assert turned[LAST] == pytest.approx(sweep[LAST].T, abs=1e-9)
+    assert scene.sweep({"start.euler": [(0, 0, 0)]}, LAST)[LAST].shape == (1,)
     columns = sweep.columns()
     assert columns["start.quaternion[1]"].tolist() == [0, 0, 0.8, 0.8, 0, 0]
     moments = scene.sweep({"body.moments": [(1, 2, 3), (1, 2, 2.5)]}, LAST)
