@@ -20,6 +20,9 @@ SATURATED = 0.02
 # An error that is above this part of the one before has not gained by a smaller tolerance; once is
 # no sign yet, for single orders serve badly.
 LITTLE, PATIENCE = 0.5, 2
+# An error does not fall further than in proportion to the tolerance, but for this part: two runs
+# of a few long steps may be near each other by chance.
+TRUSTED = 0.05
 # (Only a step of the tolerance by more than this is a step.)
 REAL_STEP = 0.15
 # An error above this part of the accuracy is confirmed by a second check.
@@ -139,6 +142,8 @@ def checked(
             # Two runs may agree by chance where rounding is all that tells them apart.
             gap, compared = difference(answer, run_aside(check.tolerance, answer, -1.0))
             error = max(error, CAUTION * gap if compared else math.inf)
+        if check.tolerance < answer.tolerance and before < math.inf:
+            error = max(error, TRUSTED * before * answer.tolerance / last)
         if best is None or error < best[-1]:
             best = answer, check, share, error
         if error <= enough or ended(answer):
