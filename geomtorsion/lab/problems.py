@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import LimitError
+
+if TYPE_CHECKING:
+    from geomtorsion.exercises import Question
 
 # Characters of one answer.
 LONGEST = 4000
@@ -18,6 +21,26 @@ HOW = {
     "number": "a number, such as 0.25 or pi/4; several as [1, 2, 3]",
     "choice": "one of the list",
 }
+
+
+def how(question: Question) -> str:
+    """How a question is answered, and with which names.
+
+    Examples
+    --------
+    >>> from geomtorsion import exercises
+    >>> how(exercises.load("3.2").questions[0])
+    'an expression, such as sin(phi2)/2. Names that may occur: phi1, phi2'
+    """
+    from geomtorsion.exercises.wording import how_to_answer, symbol_names
+
+    text = HOW[question.kind]
+    if question.kind == "number":
+        return f"{text}; {how_to_answer(question).rpartition(', ')[2]}"
+    if question.kind == "choice":
+        return text
+    names = ", ".join(symbol_names(question))
+    return f"{text}. Names that may occur: {names}" if names else f"{text}. No names occur in it"
 
 
 def listing() -> dict[str, Any]:
@@ -68,7 +91,7 @@ def statement(number: str, seed: int = 0) -> dict[str, Any]:
                 "prompt": html_of(question.prompt),
                 "unit": question.unit,
                 "options": dict(question.options),
-                "how": HOW[question.kind],
+                "how": how(question),
             }
             for question in found.questions
         ],

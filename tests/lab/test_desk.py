@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from geomtorsion import exercises
+from geomtorsion.exercises.reading import shown_name
 from geomtorsion.lab.desk import Desk
 from geomtorsion.lab.problems import LONGEST, answer, statement
 from geomtorsion.lab.tasks import LONGEST_REQUEST, TASKS
@@ -159,6 +160,9 @@ def test_an_exercise_right_and_wrong(number):
     assert [question["name"] for question in shown["questions"]] == [
         question.name for question in posed.questions
     ]
+    for told, question in zip(shown["questions"], posed.questions, strict=True):
+        if question.kind not in ("number", "choice"):
+            assert all(shown_name(symbol.name) in told["how"] for symbol in question.ground.symbols)
     assert answer(number, 0, posed.answers())["right"]
     first = posed.questions[0].name
     found = answer(number, 0, {first: "17*17"})
