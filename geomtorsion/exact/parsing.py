@@ -207,7 +207,9 @@ class _Reader:
             return CONSTANTS[name]
         if name in FUNCTIONS:
             self._fail(node, f"{name} is a function", f"Write its argument: {name}(...).")
-        known = [*self.symbols, *(self.functions or ()), *CONSTANTS]
+        # I1 is near to I by its letters only: a constant of one letter is meant where all agree.
+        constants = [one for one in CONSTANTS if len(one) > 1 or one.lower() == name.lower()]
+        known = [*self.symbols, *(self.functions or ()), *constants]
         remedy = f"Otherwise declare {name} as a parameter."
         near = near_names(name, known)
         remedy = f"Did you mean {near}? {remedy}" if near else remedy.removeprefix("Otherwise ")

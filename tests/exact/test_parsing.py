@@ -265,3 +265,12 @@ def test_any_sequence_of_tokens_is_read_or_refused(pieces):
         except GeomtorsionError:
             continue
         assert isinstance(value, sympy.Basic)
+
+
+def test_the_imaginary_unit_is_not_offered_for_a_moment_of_inertia():
+    """I1 is no slip of the pen for I; i may be."""
+    with pytest.raises(ExpressionError) as refused:
+        parse_expression("I1*2", {})
+    assert "Did you mean" not in str(refused.value)
+    with pytest.raises(ExpressionError, match="Did you mean I"):
+        parse_expression("i*2", {})
