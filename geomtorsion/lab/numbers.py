@@ -48,12 +48,22 @@ def table(heads: Sequence[str], rows: Sequence[Sequence[str]], caption: str) -> 
     """
     head = "".join(f'<th scope="col">{escape(text)}</th>' for text in heads)
     body = "".join(
-        f'<tr><th scope="row">{escape(first)}</th>'
-        + "".join(f"<td>{escape(text)}</td>" for text in rest)
-        + "</tr>"
+        f'<tr><th scope="row">{escape(first)}</th>' + "".join(map(_cell, rest)) + "</tr>"
         for first, *rest in rows
     )
     return (
         f'<div class="scroll"><table class="numbers"><caption>{escape(caption)}</caption>'
         f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>"
     )
+
+
+def _cell(text: str) -> str:
+    """A cell; one of several words may wrap on a phone, a number such as 5e-11 never does.
+
+    Examples
+    --------
+    >>> _cell("5e-11"), _cell("two words")
+    ('<td>5e-11</td>', '<td class="words">two words</td>')
+    """
+    kind = ' class="words"' if " " in text else ""
+    return f"<td{kind}>{escape(text)}</td>"
