@@ -155,7 +155,10 @@ def __getattr__(name: str) -> Any:
         return import_module(f"geomtorsion.{name}")
     if name not in _HOME:
         raise AttributeError(f"module 'geomtorsion' has no attribute {name!r}")
-    return getattr(import_module(f"geomtorsion.{_HOME[name]}"), name)
+    found = getattr(import_module(f"geomtorsion.{_HOME[name]}"), name)
+    # Kept, since asking anew costs as much as a short solution.
+    globals()[name] = found
+    return found
 
 
 def __dir__() -> list[str]:

@@ -110,19 +110,19 @@ def heavy_top(hy: Any) -> tuple[list[Any], list[float], list[float]]:
 
 
 def heavy_flow() -> Flow:
-    """The same as a flow: I u' = I u x u + w n x e3, n' = n x u."""
+    """The same as a flow: I u' = I u x u + w n x e3 with Ix = Iy, n' = n x u."""
     names = ("x", "y", "z", "n1", "n2", "n3")
-    a, b, c = ("Ix", "Iy", "Iz")
     rates = {
-        "x": f"(({b} - {c})*y*z + w*n2)/{a}",
-        "y": f"(({c} - {a})*z*x - w*n1)/{b}",
-        "z": f"({a} - {b})*x*y/{c}",
+        "x": "((A - C)*y*z + w*n2)/A",
+        "y": "((C - A)*z*x - w*n1)/A",
+        "z": "0",
         "n1": "n2*z - n3*y",
         "n2": "n3*x - n1*z",
         "n3": "n1*y - n2*x",
     }
     start = dict(zip(names, (*SPIN, *UPRIGHT), strict=True))
-    numbers: dict[str, float] = dict(zip((a, b, c, "w"), (*LAGRANGE, WEIGHT), strict=True))
+    across, _, along = LAGRANGE
+    numbers = {"A": across, "C": along, "w": WEIGHT}
     return flow(rates, start, parameters=numbers, name="heavy top")
 
 
