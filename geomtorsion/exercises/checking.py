@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
@@ -191,8 +191,7 @@ def _diagnosed(question: Question, found: list[Mistake]) -> QuestionVerdict | No
     if not found:
         return None
     codes = list(dict.fromkeys(mistake.code for mistake in found))
-    says: Callable[[Mistake], str] = lambda m: m.message or MESSAGES[m.code]  # noqa: E731
-    texts = list(dict.fromkeys(says(mistake) for mistake in found))[:2]
+    texts = list(dict.fromkeys(one.message or MESSAGES[one.code] for one in found))[:2]
     message = " Or: ".join(texts)
     return QuestionVerdict(
         question.name, False, 0.0, message, codes[0], tuple(codes[1:]), question.points

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.errors import MissingExtraError, TimeError, UnknownNameError
+from geomtorsion.errors import TimeError, UnknownNameError
 from geomtorsion.motion import measures, reading
 from geomtorsion.motion.between import error_between
 from geomtorsion.motion.checking import CAUTION
@@ -223,13 +222,9 @@ class Solution:
         MissingExtraError
             pandas is not installed.
         """
-        try:
-            pandas = import_module("pandas")
-        except ImportError:
-            raise MissingExtraError(
-                "to_pandas needs pandas, which is not installed. Run `pip install pandas`."
-            ) from None
-        return pandas.DataFrame(measures.columns(self))
+        from geomtorsion.motion.tables import pandas_table
+
+        return pandas_table(measures.columns(self))
 
     def save(self, path: str | Path) -> None:
         """Write an NPZ file with arrays and metadata; `Recorded.load` reads it."""

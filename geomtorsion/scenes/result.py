@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.errors import FileFormatError, MissingExtraError, SceneError, UnknownNameError
+from geomtorsion.errors import FileFormatError, SceneError, UnknownNameError
 from geomtorsion.exact.names import near_names
 from geomtorsion.motion.solution import Cost
 
@@ -193,15 +193,9 @@ class SceneResult:
         MissingExtraError
             pandas is not installed.
         """
-        from importlib import import_module
+        from geomtorsion.motion.tables import pandas_table
 
-        try:
-            pandas = import_module("pandas")
-        except ImportError:
-            raise MissingExtraError(
-                "to_pandas needs pandas, which is not installed. Run `pip install pandas`."
-            ) from None
-        return pandas.DataFrame(self.columns())
+        return pandas_table(self.columns())
 
     def save(self, path: str | Path) -> None:
         """Write an NPZ file with arrays and metadata; `SceneResult.load` reads it."""

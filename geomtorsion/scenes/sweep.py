@@ -9,7 +9,7 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.errors import MissingExtraError, SceneError, StuckError
+from geomtorsion.errors import SceneError, StuckError
 from geomtorsion.scenes.measure import Measure, measures, only_words, quantities
 from geomtorsion.scenes.sweeping import Found, groups, solve_group
 from geomtorsion.scenes.table import write_csv
@@ -69,15 +69,9 @@ class SceneSweep:
         MissingExtraError
             pandas is not installed.
         """
-        from importlib import import_module
+        from geomtorsion.motion.tables import pandas_table
 
-        try:
-            pandas = import_module("pandas")
-        except ImportError:
-            raise MissingExtraError(
-                "to_pandas needs pandas, which is not installed. Run `pip install pandas`."
-            ) from None
-        return pandas.DataFrame(self.columns())
+        return pandas_table(self.columns())
 
     def to_csv(self, path: str | Path) -> None:
         """Write the table, every digit kept."""

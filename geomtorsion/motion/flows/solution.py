@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.errors import MissingExtraError, TimeError, UnknownNameError
+from geomtorsion.errors import TimeError, UnknownNameError
 from geomtorsion.exact.names import near_names
 from geomtorsion.motion.checking import CAUTION
 from geomtorsion.motion.flows import reading
@@ -213,15 +213,9 @@ class FlowSolution:
         MissingExtraError
             pandas is not installed.
         """
-        from importlib import import_module
+        from geomtorsion.motion.tables import pandas_table
 
-        try:
-            pandas = import_module("pandas")
-        except ImportError:
-            raise MissingExtraError(
-                "to_pandas needs pandas, which is not installed. Run `pip install pandas`."
-            ) from None
-        return pandas.DataFrame(reading.columns(self))
+        return pandas_table(reading.columns(self))
 
     def save(self, path: str | Path) -> None:
         """Write an NPZ file with arrays (as doubles) and metadata; `load` reads it."""
