@@ -1,7 +1,7 @@
-"""Lagrange's top pushed on: the tip of its axis draws waves.
+"""Lagrange's top let go at rest, pushed back, pushed on: cusps, loops, waves.
 
-python examples/scenes/lagrange_wave.py
-python examples/scenes/lagrange_wave.py --spin 150
+python examples/scenes/lagrange_nutation.py
+python examples/scenes/lagrange_nutation.py --spin 150
 """
 
 import argparse
@@ -12,6 +12,13 @@ import numpy as np
 import geomtorsion as gt
 
 MASS, ARM, G = 0.5, 50 * 1e-3, 9.81
+SPIN = 1000 * (2 * math.pi / 60)
+# What the tip draws: shipped scene, title, rate about the vertical at the start.
+KINDS = (
+    ("lagrange_cusp", "cusps", 0.0),
+    ("lagrange_loop", "loops", -4.0),
+    ("lagrange_wave", "waves", 2.0),
+)
 
 
 def cubic_of(start: float, push: float, spin: float, moments: tuple) -> tuple[list, list]:
@@ -34,35 +41,42 @@ def cubic_of(start: float, push: float, spin: float, moments: tuple) -> tuple[li
     )
 
 
-def main(arguments: list[str] | None = None) -> None:
-    """Compare the angles between which the axis nutates with Lagrange's cubic."""
-    parser = argparse.ArgumentParser(description="Lagrange's top with waves.")
-    parser.add_argument("--spin", type=float, default=1000 * (2 * math.pi / 60), help="rad/s")
-    options = parser.parse_args(arguments)
+def nutation(name: str, drawn: str, push: float, spin: float) -> float:
+    """How far the angles between which the axis nutates are from Lagrange's cubic."""
     body = gt.Body.cylinder(MASS, 45 * 1e-3, 10 * 1e-3)
-    push = 2.0
     scene = gt.Scene(
         body,
         [gt.effects.Gravity(G), gt.effects.Pivot((0, 0, ARM))],
-        gt.State(omega=(-2 * math.sin(0.5), 0, 1000 * (2 * math.pi / 60)), euler=(0, 0.5, 0)),
+        gt.State(omega=(-push * math.sin(0.5), 0, SPIN), euler=(0, 0.5, 0)),
         watch=["nutation", "axis", "energy"],
         t=2,
-        name="lagrange_wave",
-        title="Lagrange's top: waves",
+        name=name,
+        title=f"Lagrange's top: {drawn}",
     )
-    assert scene == gt.scenes.load("lagrange_wave")
+    assert scene == gt.scenes.load(name)
 
     print(scene.run())
     steiner = float(body.tensor[0, 0]) + MASS * ARM**2, float(body.tensor[2, 2])
-    angles, rates = cubic_of(0.5, push, options.spin, steiner)
-    spun = {"start.omega[2]": [options.spin]}
-    sweep = scene.sweep(spun, ["min nutation", "max nutation"])
+    angles, rates = cubic_of(0.5, push, spin, steiner)
+    sweep = scene.sweep({"start.omega[2]": [spin]}, ["min nutation", "max nutation"])
     found = [float(sweep[name][0]) for name in ("min nutation", "max nutation")]
     print(f"nutates from {found[0]:.10f} to {found[1]:.10f}")
     print(f"Lagrange:    {angles[0]:.10f} to {angles[1]:.10f}")
     print(f"round the vertical with {rates[0]:.6g} rad/s at the top, {rates[1]:.6g} at the bottom")
-    assert np.abs(np.subtract(found, angles)).max() < 1e-8
-    assert 0 < rates[0] < rates[1], "forwards always: waves"
+    # At rest, backwards or forwards at the top; forwards at the bottom.
+    assert abs(rates[0]) < 1e-6 if push == 0 else rates[0] * push > 0, drawn
+    assert rates[1] > 1e-6
+    return float(np.abs(np.subtract(found, angles)).max())
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """One motion of each kind."""
+    parser = argparse.ArgumentParser(description="Lagrange's top with cusps, loops and waves.")
+    parser.add_argument("--spin", type=float, default=SPIN, help="rad/s")
+    options = parser.parse_args(arguments)
+    gaps = [nutation(name, drawn, push, options.spin) for name, drawn, push in KINDS]
+    assert max(gaps) < 1e-8
+    assert len(KINDS) == 3
 
 
 if __name__ == "__main__":
