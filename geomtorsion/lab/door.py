@@ -131,6 +131,7 @@ class Door:
             await send(message)
 
         async with self._opening:
+            # An ASGI application is typed as awaitable; ours are coroutines, as a task needs.
             session = asyncio.create_task(self.app(scope, receive, watched))  # type: ignore[arg-type]
             waiting = asyncio.create_task(begun.wait())
             both = (session, waiting)

@@ -70,6 +70,7 @@ def main() -> None:
     threading.Thread(target=watch_parent, daemon=True).start()
     replies = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
+    # Typed as any text stream; here it is the real standard input, which can.
     sys.stdin.reconfigure(encoding="utf-8")  # type: ignore[union-attr]
     serve(sys.stdin, replies)
 
