@@ -16,6 +16,9 @@ from geomtorsion.exact.engine_code import (
     python_source,
     scalar_names,
 )
+from geomtorsion.exact.factored import factored
+from geomtorsion.exact.line_code import line_expressions, line_source
+from geomtorsion.exact.straight_line import StraightLine
 
 Values = Mapping[str, Any]
 
@@ -53,9 +56,26 @@ class System:
         return len(self.states)
 
     @cached_property
+    def line(self) -> StraightLine | None:
+        """The rates with everything shared pulled out, or None where they are too long."""
+        return self._line(self.rates)
+
+    @cached_property
+    def edge_line(self) -> StraightLine | None:
+        """The same of the edge function."""
+        return self._line([] if self.edge is None else [self.edge])
+
+    def _line(self, outputs: Sequence[Products]) -> StraightLine | None:
+        return factored((*self.states, *self.parameters), outputs, self.parameters)
+
+    def _source(self, line: StraightLine | None, outputs: Sequence[Any]) -> tuple[str, set[str]]:
+        names = (*self.states, *self.parameters)
+        return python_source(names, outputs) if line is None else line_source(names, line)
+
+    @cached_property
     def code(self) -> tuple[str, set[str]]:
         """Python source of the rates and the functions that it calls."""
-        return python_source((*self.states, *self.parameters), self.rates)
+        return self._source(self.line, self.rates)
 
     @cached_property
     def key(self) -> tuple[Any, ...]:
@@ -67,7 +87,7 @@ class System:
     def edge_code(self) -> tuple[str, set[str]]:
         """Python source of the edge function."""
         assert self.edge is not None
-        return python_source((*self.states, *self.parameters), (self.edge,))
+        return self._source(self.edge_line, (self.edge,))
 
     @cached_property
     def scalar_function(self) -> Callable[..., Any]:
@@ -99,7 +119,8 @@ class System:
 
     @cached_property
     def _jacobian_function(self) -> Callable[..., Any]:
-        source, functions = python_source((*self.states, *self.parameters), self.jacobian_system)
+        outputs = self.jacobian_system
+        source, functions = self._source(self._line(outputs), outputs)
         return python_function(source, scalar_names(functions))
 
     def scalar_jacobian(self, values: Sequence[float]) -> Callable[[float, Any], Any]:
@@ -120,8 +141,15 @@ class System:
         from geomtorsion.motion.engines.writer import SquaringWriter
 
         writer = SquaringWriter(known, number)
-        rates = [writer.products(rate) for rate in self.rates]
-        return rates, None if self.edge is None else writer.products(self.edge)
+        if self.line is not None:
+            rates = line_expressions(self.line, known, number)
+        else:
+            rates = [writer.products(rate) for rate in self.rates]
+        if self.edge is None:
+            return rates, None
+        if self.edge_line is not None:
+            return rates, line_expressions(self.edge_line, known, number)[0]
+        return rates, writer.products(self.edge)
 
     def edge_values(self, states: Any, values: Sequence[float]) -> Any:
         """The edge function on arrays of states, shape (size, ...)."""

@@ -1,0 +1,155 @@
+"""Line code: a straight line as plain Python code, or as expressions of heyoka."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from importlib import import_module
+from typing import Any
+
+from geomtorsion.exact.straight_line import Step, StraightLine
+
+_NUMPY_NAMES = {
+    "atan": "arctan", "asin": "arcsin", "acos": "arccos", "asinh": "arcsinh",
+    "acosh": "arccosh", "atanh": "arctanh", "atan2": "arctan2",
+}  # fmt: skip
+# How tightly a piece of code holds together: sums, products, and what needs no brackets.
+_SUM, _PRODUCT, _WHOLE = 0, 1, 2
+_ONE = Step("number", (), Fraction(1), True)
+
+
+def line_source(arguments: Sequence[str], line: StraightLine) -> tuple[str, set[str]]:
+    """Source of `values(arguments...)`, and the functions (NumPy's names) that it calls."""
+    places = {name: f"a{k}" for k, name in enumerate(arguments)}
+    writer = _Python(line, places)
+    results = [writer.signed(sign, place) for sign, place in line.outputs]
+    header = f"def values({', '.join(places.values())}):"
+    ending = f"return ({', '.join(results)}{',' * bool(results)})"
+    return "\n    ".join([header, *writer.lines, ending]), writer.functions
+
+
+class _Python:
+    """Writes steps: those needed once in place, others as statements before."""
+
+    def __init__(self, line: StraightLine, places: Mapping[str, str]) -> None:
+        self.line = line
+        self.places = places
+        self.lines: list[str] = []
+        self.functions: set[str] = set()
+        self.codes: list[tuple[str, int]] = []
+        for step, uses in zip(line.steps, line.uses, strict=True):
+            code, kind = self._step(step)
+            if uses > 1 and (kind != _WHOLE or "(" in code):
+                name = f"t{len(self.lines)}"
+                self.lines.append(f"{name} = {code}")
+                code, kind = name, _WHOLE
+            self.codes.append((code, kind))
+
+    def signed(self, sign: int, place: int) -> str:
+        """An output."""
+        code, kind = self.codes[place]
+        if sign > 0:
+            return code
+        return f"-({code})" if kind == _SUM else f"-{code}"
+
+    def _held(self, place: int, least: int) -> str:
+        code, kind = self.codes[place]
+        return code if kind >= least else f"({code})"
+
+    def _step(self, step: Step) -> tuple[str, int]:
+        kind, operands = step.kind, step.operands
+        if kind == "symbol":
+            return self.places[step.detail], _WHOLE
+        if kind == "number":
+            return _number(step.detail)
+        if kind == "digits":
+            return repr(float(step.detail)), _WHOLE
+        if kind == "sum":
+            parts = [f" {'+' if s > 0 else '-'} {self._held(p, _PRODUCT)}" for s, p in operands]
+            return "".join(parts).removeprefix(" + "), _SUM
+        if kind == "product":
+            return (
+                f"{self._held(operands[0], _PRODUCT)}*{self._held(operands[1], _WHOLE)}",
+                _PRODUCT,
+            )
+        if kind == "square":
+            code = self._held(operands[0], _WHOLE)
+            return (f"{code}*{code}" if code.isidentifier() else f"{code}**2"), _PRODUCT
+        if kind == "quotient":
+            return (
+                f"{self._held(operands[0], _PRODUCT)}/{self._held(operands[1], _WHOLE)}",
+                _PRODUCT,
+            )
+        if kind == "root":
+            if step.detail == 2:
+                return self._called("sqrt", operands), _WHOLE
+            return f"{self._held(operands[0], _WHOLE)}**(1/{step.detail})", _PRODUCT
+        name = str(step.detail)
+        return self._called(_NUMPY_NAMES.get(name, name), operands), _WHOLE
+
+    def _called(self, name: str, operands: Sequence[int]) -> str:
+        self.functions.add(name)
+        return f"{name}({', '.join(self.codes[place][0] for place in operands)})"
+
+
+def _number(value: Fraction) -> tuple[str, int]:
+    """A rational number as floating-point code."""
+    p, q = float(value.numerator), float(value.denominator)
+    if value.denominator & (value.denominator - 1) == 0:
+        return repr(p / q), _WHOLE if value >= 0 else _SUM
+    return f"({p!r}/{q!r})", _WHOLE
+
+
+def line_expressions(
+    line: StraightLine, known: Mapping[str, Any], number: Callable[[int, int], Any]
+) -> list[Any]:
+    """Outputs as heyoka expressions.
+
+    known: name of a symbol -> its expression; number: p, q -> p/q at the precision in use.
+
+    Powers above squares are spelt out as squares and products: heyoka's series of x**n, n > 2,
+    divides by x and has no value on x = 0.
+    """
+    hy: Any = import_module("heyoka")
+    made: list[Any] = []
+    for step in line.steps:
+        made.append(_expression(hy, line, step, made, known, number))
+    return [made[place] if sign > 0 else -made[place] for sign, place in line.outputs]
+
+
+def _expression(
+    hy: Any,
+    line: StraightLine,
+    step: Step,
+    made: list[Any],
+    known: Mapping[str, Any],
+    number: Callable[[int, int], Any],
+) -> Any:
+    """One step as an expression."""
+    kind, detail = step.kind, step.detail
+    if kind == "symbol":
+        return known[detail]
+    if kind == "number":
+        return number(detail.numerator, detail.denominator)
+    if kind == "digits":
+        digits = Fraction(str(detail.evalf(120)))
+        return number(digits.numerator, digits.denominator)
+    if kind == "sum":
+        return hy.sum([made[p] if s > 0 else -made[p] for s, p in step.operands])
+    inner = [made[place] for place in step.operands]
+    if kind == "product":
+        return hy.prod(inner)
+    if kind == "square":
+        return inner[0] ** 2.0
+    if kind == "quotient":
+        above, below = step.operands
+        if line.steps[below].constant and not step.constant:
+            # A product costs less than a quotient at each order, and the inverse nothing.
+            return hy.prod([number(1, 1) / inner[1], inner[0]])
+        if line.steps[above] == _ONE:
+            # Of 1/x heyoka makes the power -1, of -1/x a quotient, which costs two thirds.
+            return -hy.prod([number(-1, 1), inner[1] ** -1.0])
+        return inner[0] / inner[1]
+    if kind == "root":
+        return hy.sqrt(inner[0]) if detail == 2 else inner[0] ** number(1, detail)
+    return getattr(hy, detail)(*inner)
