@@ -8,6 +8,7 @@ from typing import Any
 
 from geomtorsion.errors import AccuracyError, ChartEdgeError
 from geomtorsion.motion.asked import SAMPLES, checked_accuracy, checked_times
+from geomtorsion.motion.beside import solved_beside
 from geomtorsion.motion.checking import CAUTION, Checked, checked
 from geomtorsion.motion.compare import difference
 from geomtorsion.motion.disturbed import busiest
@@ -93,6 +94,10 @@ def _refined(problem: Problem, engine: Engine, times: Any, accuracy: float) -> C
     """Answer, check and error of the first tolerance that is good enough, or of the last."""
     known = learned(problem)
     key = (engine.name, accuracy)
+    if isinstance(engine, Taylor) and engine.precision == 53:
+        beside = solved_beside(problem, engine, times, accuracy, known)
+        if beside is not None:
+            return beside
     places: list[int] = [0]
 
     def attempt(tolerance: float) -> Journey:

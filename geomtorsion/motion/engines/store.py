@@ -87,13 +87,17 @@ def ready(
     batch: int,
     wanted: bool | None,
     number: Callable[[Any], Any],
+    *,
+    abreast: bool = False,
 ) -> tuple[Compiled, float]:
     """A compiled integrator, from the store or made now, and the seconds that it took.
 
     wanted: whether to optimise at once; None: large equations when that has come to pay.
     number: makes numbers of the precision.
+    abreast: whether the lanes of a batch are one motion: with a state of their own for the size
+        by which each measures its steps, the time of the motion, and both compiled as one lane is.
     """
-    key = (system.key, order, precision, batch)
+    key = (system.key, order, precision, batch, abreast)
     found = kept.get(key)
     if found is not None and (found.optimised or not _wants_speed(found, precision, wanted)):
         kept.move_to_end(key)
@@ -101,8 +105,10 @@ def ready(
     began = time.perf_counter()
     optimised = True
     if found is None:
-        optimised = wanted if wanted is not None else bool(batch) or _is_small(system, order)
-    made = Compiled(_compiled(system, order, precision, batch, optimised, number), optimised)
+        many = bool(batch) and not abreast
+        optimised = wanted if wanted is not None else many or _is_small(system, order)
+    integrator = _compiled(system, order, precision, batch, optimised, number, abreast)
+    made = Compiled(integrator, optimised)
     kept[key] = made
     while len(kept) > KEPT:
         kept.popitem(last=False)
@@ -140,6 +146,7 @@ def _compiled(
     batch: int,
     optimised: bool,
     number: Callable[[Any], Any],
+    abreast: bool,
 ) -> Any:
     """heyoka's integrator of a system."""
     import numpy as np
@@ -151,16 +158,18 @@ def _compiled(
         variables = [variables] if not isinstance(variables, list) else variables
     known = dict(zip(system.states, variables, strict=True))
     known |= {name: hy.par[k] for k, name in enumerate(system.parameters)}
-    if system.clock is not None and not batch:
+    if system.clock is not None and (abreast or not batch):
         # Lanes of a batch count from the start of their leg.
         name, unit = system.clock
         known[name] = hy.time * hy.expression(number(Fraction(1, unit)))
     rates, edge = system.written(known, lambda p, q: hy.expression(number(Fraction(p, q))))
     equations = list(zip(variables, rates, strict=True))
+    if abreast:
+        equations.append((hy.make_vars(f"s{system.size}"), hy.expression(0.0)))
     options: dict[str, Any] = {
         "tol": number(tolerance_of(order)),
         "compact_mode": precision > 64 or len(system.code[0]) > LONGEST_UNROLLED,
-        "opt_level": (3 if batch else 1) if optimised and precision <= 64 else 0,
+        "opt_level": (3 if batch and not abreast else 1) if optimised and precision <= 64 else 0,
     }
     falling = hy.event_direction.negative
     if batch:
@@ -168,7 +177,7 @@ def _compiled(
             options["nt_events"] = [hy.nt_event_batch(edge, Touched(), direction=falling)]
         return hy.taylor_adaptive_batch(
             equations,
-            np.zeros((system.size, batch)),
+            np.zeros((len(equations), batch)),
             pars=np.zeros((len(system.parameters), batch)),
             **options,
         )

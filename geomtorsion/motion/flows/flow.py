@@ -163,8 +163,16 @@ class Flow:
 
     def numbers_of(self, parameters: Mapping[str, Any]) -> list[Any]:
         """The run-time numbers of the system for values of the parameters."""
-        values = [parameters[name] for name in self.law.parameters]
-        return self.law.numbers.exactly(values)
+        if parameters == self.parameters:
+            return self._own_numbers
+        return self._exactly(parameters)
+
+    @cached_property
+    def _own_numbers(self) -> list[Any]:
+        return self._exactly(self.parameters)
+
+    def _exactly(self, parameters: Mapping[str, Any]) -> list[Any]:
+        return self.law.numbers.exactly([parameters[name] for name in self.law.parameters])
 
     def shapes(self, which: Mapping[str, Terms]) -> Sequence[tuple[str, int]]:
         """(name, components) of outputs or invariants; 0 components: one number."""

@@ -11,8 +11,11 @@ from geomtorsion.errors import AccuracyError, StartError, StuckError
 from geomtorsion.motion.checking import Checked, checked
 from geomtorsion.motion.engines.protocol import Engine
 from geomtorsion.motion.engines.rungekutta import Stiff
+from geomtorsion.motion.engines.taylor import Taylor
 from geomtorsion.motion.flows.adjust import unit_rows
+from geomtorsion.motion.flows.beside import solved_beside
 from geomtorsion.motion.flows.checkpoint import LEGS, Checkpoint, Keeper, fingerprint, steady
+from geomtorsion.motion.flows.compare import difference
 from geomtorsion.motion.flows.flow import Flow
 from geomtorsion.motion.flows.law import CLOCK
 from geomtorsion.motion.flows.reading import arguments
@@ -27,8 +30,6 @@ from geomtorsion.motion.solving import (
     remedy,
 )
 
-# A state is nothing but rounding if it is less than this many roundings of its rate's terms.
-NOISE = 100.0
 Progress = Callable[[float], None]
 Engines = Iterator[tuple[Engine, str]]
 Travel = Callable[[Engine, float, float], Trip]
@@ -104,7 +105,11 @@ def _solved(
     for candidate, why in engines(flow, legs, accuracy, engine):
         if keeper is not None:
             candidate = steady(candidate)
-        found = _refined(flow, go, candidate, accuracy, learned)
+        found = None
+        if keeper is None and isinstance(candidate, Taylor) and candidate.precision == 53:
+            found = solved_beside(flow, candidate, grid, legs, accuracy, learned)
+        if found is None:
+            found = _refined(flow, go, candidate, accuracy, learned)
         spent += found.spent
         best = min(best, found.error)
         if found.error <= accuracy or found.answer.outcome == "stuck":
@@ -140,61 +145,6 @@ def _refined(
     if found.error <= accuracy:
         learned[key] = found.answer.tolerance
     return found
-
-
-def difference(one: Trip, two: Trip) -> tuple[float, int]:
-    """Largest difference of two trips, relative to the size of each block; samples compared.
-
-    Where both were stopped, by when and where that was.
-    """
-    import numpy as np
-
-    flow = one.flow
-    count = min(one.count, two.count)
-    if not count or (one.outcome != two.outcome and "stopped" in (one.outcome, two.outcome)):
-        return math.inf, 0
-    first, second = _rows(one, count), _rows(two, count)
-    worst = 0.0
-    if one.outcome == two.outcome == "stopped":
-        gap = abs(float(one.pieces[-1].run.reached - two.pieces[-1].run.reached))
-        worst = gap / abs(one.reached) if gap else 0.0
-    gaps = np.abs(first - second).max(axis=0)
-    if not np.isfinite(gaps).all():
-        return math.inf, count
-    sizes = np.maximum(np.abs(first).max(axis=0), np.abs([float(x) for x in flow.start]))
-    for block in flow.system.blocks:
-        index = [k for k in block if k < flow.size]
-        gap = float(gaps[index].max()) if index else 0.0
-        if gap > 0:
-            size = float(sizes[index].max())
-            part = gap / size if size > 0 else math.inf
-            if part > worst and part > 1 / NOISE and size <= _noise(one, index):
-                continue
-            worst = max(worst, part)
-    return worst, count
-
-
-def _noise(trip: Trip, index: Sequence[int]) -> float:
-    """What rounding the terms of their rates may have made of states that should vanish."""
-    import numpy as np
-
-    flow = trip.flow
-    times = np.concatenate([np.asarray(piece.times, dtype=float) for piece in trip.pieces])
-    rows = np.asarray(trip.states, dtype=float)
-    terms = flow.rate_tape.sizes(arguments(flow, times, rows))
-    largest = max(float(np.max(terms[k])) for k in index)
-    return NOISE * 2.0**-trip.engine.precision * largest * abs(float(times[-1]))
-
-
-def _rows(trip: Trip, count: int) -> Any:
-    """Samples of a trip, and where it was stopped."""
-    import numpy as np
-
-    states = np.asarray(trip.states)[:count]
-    if trip.outcome == "stopped":
-        last = np.asarray(trip.pieces[-1].run.last)[None, : trip.flow.size]
-        states = np.concatenate((states, last))
-    return unit_rows(trip.flow, states) if trip.engine.precision <= 64 else states
 
 
 def is_stiff(flow: Flow, legs: Sequence[Leg]) -> bool:

@@ -170,8 +170,6 @@ def travel(
     import numpy as np
 
     size = flow.size
-    sign = -1.0 if legs[-1].end < 0 else 1.0
-    order = sign * grid
     state: Sequence[Any] = list(flow.start)
     pieces: list[Piece] = []
     for k, leg in enumerate(legs):
@@ -188,14 +186,7 @@ def travel(
             return Trip(flow, engine, tolerance, tuple(pieces), "stopped", "")
         if flow.law.clock:
             start.append(leg.begin / CLOCK)
-        final = k + 1 == len(legs)
-        first = int(np.searchsorted(order, sign * leg.begin, "left"))
-        last = int(np.searchsorted(order, sign * leg.end, "right" if final else "left"))
-        inside = grid[first:last]
-        head = 0 if len(inside) and inside[0] == leg.begin else 1
-        times = np.concatenate(([leg.begin], inside)) if head else inside
-        if not final or times[-1] != leg.end:
-            times = np.concatenate((times, [leg.end]))
+        times, head, inside = samples_of(grid, legs, k)
         if run_leg is None:
             run = run_one(flow, engine, start, numbers, times, tolerance)
         else:
@@ -209,6 +200,24 @@ def travel(
             return Trip(flow, engine, tolerance, tuple(pieces), outcome, run.reason)
         state = list(run.last)
     return Trip(flow, engine, tolerance, tuple(pieces), "done", "")
+
+
+def samples_of(grid: Any, legs: Sequence[Leg], k: int) -> tuple[Any, int, Any]:
+    """Times for an engine in one leg, how many of them come first that nobody asked for (0 or 1),
+    and those that are of the grid."""
+    import numpy as np
+
+    leg, final = legs[k], k + 1 == len(legs)
+    sign = -1.0 if legs[-1].end < 0 else 1.0
+    order = sign * grid
+    first = int(np.searchsorted(order, sign * leg.begin, "left"))
+    last = int(np.searchsorted(order, sign * leg.end, "right" if final else "left"))
+    inside = grid[first:last]
+    head = 0 if len(inside) and inside[0] == leg.begin else 1
+    times = np.concatenate(([leg.begin], inside)) if head else inside
+    if not final or times[-1] != leg.end:
+        times = np.concatenate((times, [leg.end]))
+    return times, head, inside
 
 
 def run_one(
