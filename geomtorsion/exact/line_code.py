@@ -84,6 +84,9 @@ class _Python:
             if step.detail == 2:
                 return self._called("sqrt", operands), _WHOLE
             return f"{self._held(operands[0], _WHOLE)}**(1/{step.detail})", _PRODUCT
+        if step.detail == "power":
+            base, exponent = (self._held(place, _WHOLE) for place in operands)
+            return f"{base}**{exponent}", _PRODUCT
         name = str(step.detail)
         return self._called(_NUMPY_NAMES.get(name, name), operands), _WHOLE
 
@@ -152,4 +155,4 @@ def _expression(
         return inner[0] / inner[1]
     if kind == "root":
         return hy.sqrt(inner[0]) if detail == 2 else inner[0] ** number(1, detail)
-    return getattr(hy, detail)(*inner)
+    return inner[0] ** inner[1] if detail == "power" else getattr(hy, detail)(*inner)

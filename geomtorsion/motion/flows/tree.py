@@ -11,8 +11,11 @@ import sympy as sp
 
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.engine_code import python_function
+from geomtorsion.exact.line_code import line_expressions, line_source
+from geomtorsion.exact.straight_line import StraightLine
 from geomtorsion.motion.flows.dual import DUAL_NAMES, Dual
 from geomtorsion.motion.flows.tape import Writer
+from geomtorsion.motion.flows.tree_reading import RECIPROCALS, tree_line
 from geomtorsion.motion.system import System
 
 # Larger rates, and those with roots, are not read into a field, which multiplies out.
@@ -31,16 +34,33 @@ class TreeSystem(System):
     rim: sp.Expr | None = None
 
     @cached_property
+    def line(self) -> StraightLine | None:
+        """The rates with everything shared pulled out, or None where they are too long."""
+        return tree_line((*self.states, *self.parameters), self.trees, self.parameters)
+
+    @cached_property
+    def edge_line(self) -> StraightLine | None:
+        """The same of the edge function."""
+        rim = () if self.edge is None else (self.rim,)
+        return tree_line((*self.states, *self.parameters), rim, self.parameters)
+
+    @cached_property
     def code(self) -> tuple[str, set[str]]:
         """Python source of the rates and the functions that it calls."""
-        return self._source(self.trees)
+        return self._source(self.line, self.trees)
 
     @cached_property
     def edge_code(self) -> tuple[str, set[str]]:
         """Python source of the edge function."""
-        return self._source((self.rim,))
+        return self._source(self.edge_line, (self.rim,))
 
-    def _source(self, terms: Sequence[Any]) -> tuple[str, set[str]]:
+    def _source(self, line: StraightLine | None, outputs: Sequence[Any]) -> tuple[str, set[str]]:
+        if line is not None:
+            return line_source((*self.states, *self.parameters), line)
+        return self._plain(outputs)
+
+    def _plain(self, terms: Sequence[Any]) -> tuple[str, set[str]]:
+        """Source of the terms as they stand, part by part."""
         writer = Writer((*self.states, *self.parameters), sizes=False, literal=True)
         source, _ = writer.source(terms)
         return source, writer.functions
@@ -49,7 +69,7 @@ class TreeSystem(System):
         """df/dy at (t, y) as an array, by carrying derivatives along."""
         import numpy as np
 
-        inner = python_function(self.code[0], DUAL_NAMES)
+        inner = python_function(self._plain(self.trees)[0], DUAL_NAMES)
         rows = np.eye(self.size)
 
         def jacobian(_: float, y: Any) -> Any:
@@ -64,8 +84,15 @@ class TreeSystem(System):
     ) -> tuple[list[Any], Any]:
         """Rates and edge as heyoka expressions of the known ones; number: p, q -> p/q."""
         writer = _HeyokaTree(known, number)
-        rates = [writer.part(tree) for tree in self.trees]
-        return rates, None if self.edge is None else writer.part(self.rim)
+        if self.line is not None:
+            rates = line_expressions(self.line, known, number)
+        else:
+            rates = [writer.part(tree) for tree in self.trees]
+        if self.edge is None:
+            return rates, None
+        if self.edge_line is not None:
+            return rates, line_expressions(self.edge_line, known, number)[0]
+        return rates, writer.part(self.rim)
 
 
 class _HeyokaTree:
@@ -104,8 +131,8 @@ class _HeyokaTree:
             digits = Fraction(str(expr.evalf(120)))
             return self.number(digits.numerator, digits.denominator)
         inner = [self.part(argument) for argument in expr.args]
-        if name in _RECIPROCALS:
-            return self.number(1, 1) / getattr(hy, _RECIPROCALS[name])(*inner)
+        if name in RECIPROCALS:
+            return self.number(1, 1) / getattr(hy, RECIPROCALS[name])(*inner)
         return getattr(hy, name)(*inner)
 
     def _sum(self, terms: Sequence[Any]) -> Any:
@@ -155,11 +182,6 @@ class _HeyokaTree:
             odd = exponent % 2
             self.done[key] = self.heyoka.prod([square, self.part(base)]) if odd else square
         return self.done[key]
-
-
-_RECIPROCALS = {
-    "cot": "tan", "sec": "cos", "csc": "sin", "coth": "tanh", "sech": "cosh", "csch": "sinh",
-}  # fmt: skip
 
 
 def is_plain(terms: Sequence[sp.Expr]) -> bool:
