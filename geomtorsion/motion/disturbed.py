@@ -8,6 +8,7 @@ from typing import Any
 
 from geomtorsion.motion.engines.protocol import Engine, Run
 from geomtorsion.motion.equations import Equations
+from geomtorsion.motion.reduced import integrated
 from geomtorsion.motion.system import System, mpf
 
 
@@ -24,11 +25,11 @@ def interrupted(
     import numpy as np
 
     (equations, system), (vector, parameters) = law, start
-    one = engine.run(system, vector, parameters, times[: at + 1], tolerance)
+    one = integrated(engine, equations, system, vector, parameters, times[: at + 1], tolerance)
     if one.outcome != "done":
         return one
     middle = moved_start(equations, one.last, moved, engine.precision)
-    two = engine.run(system, middle, parameters, times[at:], tolerance)
+    two = integrated(engine, equations, system, middle, parameters, times[at:], tolerance)
     return replace(
         two,
         times=np.concatenate((one.times, two.times[1:])),
@@ -49,15 +50,22 @@ def moved_start(equations: Equations, vector: Sequence[Any], part: float, precis
     import numpy as np
 
     floats = np.array([float(x) for x in vector]) if precision != 53 else np.asarray(vector, float)
+    sizes = steps_of(equations, floats) * part
+    if precision == 53:
+        return floats + sizes
+    return tuple(_sum(x, float(step), precision) for x, step in zip(vector, sizes, strict=True))
+
+
+def steps_of(equations: Equations, floats: Any) -> Any:
+    """The steps by which states are moved, for a part of one."""
+    import numpy as np
+
     sizes = np.abs(floats)
     if equations.moves:
         own = sizes[equations.width : equations.width + len(equations.velocities)]
         own[own > 0] = own.max()
     sizes[::2] *= -1.0
-    sizes *= part
-    if precision == 53:
-        return floats + sizes
-    return tuple(_sum(x, float(step), precision) for x, step in zip(vector, sizes, strict=True))
+    return sizes
 
 
 def _sum(value: Any, step: float, precision: int) -> Any:

@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from geomtorsion.errors import ChartEdgeError, StartError
 from geomtorsion.exact.engine_code import Products
 from geomtorsion.motion.charts import Chart
-from geomtorsion.motion.laws import Law
+from geomtorsion.motion.laws import Law, Momenta
 from geomtorsion.motion.system import System
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
+    from geomtorsion.motion.reduced import Reduction
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +29,7 @@ class Equations:
     passengers: names of states that ride along (a transported vector, a separation).
     constants: parameters that the law brought, with exact values.
     invariants: product sums over states and parameters that do not change.
+    momenta: what momenta along coordinates that do not occur are made of, if they are constant.
     """
 
     chart: Chart | None
@@ -35,6 +38,14 @@ class Equations:
     passengers: tuple[str, ...] = ()
     constants: Mapping[str, Fraction] = field(default_factory=dict)
     invariants: Mapping[str, Products] = field(default_factory=dict)
+    momenta: Momenta | None = None
+
+    @cached_property
+    def reduction(self) -> Reduction | None:
+        """A smaller system with momenta as constants, for engines; None where it would not pay."""
+        from geomtorsion.motion.reduced import reduction
+
+        return reduction(self)
 
     @property
     def moves(self) -> bool:
@@ -103,7 +114,9 @@ def written(frame: Frame, law: Law, chart: Chart | None) -> Equations:
     every = [*products, *invariants.values(), edge or ()]
     parameters = (*symbols_in(every, states), *extra, *constants)
     system = System(tuple(states), parameters, tuple(products), tuple(blocks), edge)
-    return Equations(chart, system, names, (), constants, invariants)
+    inside = rates is not None and chart is not None and chart.frame is not None
+    momenta = law.momenta(base) if inside else None
+    return Equations(chart, system, names, (), constants, invariants, momenta)
 
 
 def symbols_in(products: Iterable[Products], states: Sequence[str]) -> tuple[str, ...]:

@@ -12,6 +12,7 @@ from geomtorsion.motion.disturbed import interrupted, moved_start
 from geomtorsion.motion.engines.protocol import Engine, Run
 from geomtorsion.motion.equations import Equations
 from geomtorsion.motion.passengers import weights
+from geomtorsion.motion.reduced import integrated
 from geomtorsion.motion.system import evaluated
 
 if TYPE_CHECKING:
@@ -69,7 +70,11 @@ class Journey:
 
     def _total(self, name: str) -> Any:
         """A count of the runs of all segments, added up."""
-        return sum([getattr(segment.run, name) for segment in self.segments])
+        first, *others = self.segments
+        total = getattr(first.run, name)
+        for segment in others:
+            total += getattr(segment.run, name)
+        return total
 
     @property
     def steps(self) -> int:
@@ -128,7 +133,9 @@ def travel(
             start = vector, parameters
             run = interrupted(engine, (equations, system), start, rest, tolerance, moved, at)
         else:
-            run = engine.run(system, vector, parameters, rest, tolerance, dense=dense)
+            run = integrated(
+                engine, equations, system, vector, parameters, rest, tolerance, dense=dense
+            )
         first = float(rest[0])
         segments.append(Segment(name, equations, run, first, skips, vector, parameters))
         if run.outcome != "edge" and not (run.outcome == "stuck" and several and name):

@@ -26,6 +26,19 @@ class Rates:
     constants: Mapping[str, Fraction] = field(default_factory=dict)
 
 
+@dataclass(frozen=True, eq=False)
+class Momenta:
+    """What the momenta p_mu = e^i_mu G_ij u^j of a geodesic are made of.
+
+    cyclic: places of the coordinates that do not occur; their momenta are constant.
+    lower: rows of G_ij, pairs (j, element).
+    """
+
+    frame: Frame
+    cyclic: tuple[int, ...]
+    lower: tuple[tuple[tuple[int, Element], ...], ...]
+
+
 class Law(Protocol):
     """A law of motion for the frame velocities u^i.
 
@@ -51,6 +64,10 @@ class Law(Protocol):
         """Quantities that the law keeps, by name."""
         ...
 
+    def momenta(self, frame: Frame) -> Momenta | None:
+        """What is constant along coordinates that do not occur; None: nothing is known."""
+        ...
+
 
 @dataclass(frozen=True)
 class Straight:
@@ -66,6 +83,10 @@ class Straight:
     def invariants(self, frame: Frame, names: Sequence[str]) -> dict[str, Products]:
         """Nothing besides the velocities themselves."""
         return {}
+
+    def momenta(self, frame: Frame) -> Momenta | None:
+        """None: all velocities are constant already."""
+        return None
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +111,10 @@ class Curved:
         if not (self.connection.keeps_lengths or self.connection.is_metric):
             return {}
         return {"norm": _square(frame, None, names)}
+
+    def momenta(self, frame: Frame) -> Momenta | None:
+        """None: torsion may change them."""
+        return None
 
 
 @dataclass(frozen=True)
@@ -148,7 +173,7 @@ class Hamel:
                 pair = (names[j], names[m])
                 if not weight:
                     continue
-                if max(abs(weight.numerator), weight.denominator) <= SHORT:
+                if _is_short(weight):
                     rates[row].append((element * weight, pair))
                 else:
                     name = constants.setdefault(weight, f"{names[0][0]}_weight{len(constants)}")
@@ -160,14 +185,12 @@ class Hamel:
         """Energy, momenta of coordinates that do not occur, and the size of the momentum."""
         found = {"energy" if self.metric else "norm": _square(frame, self.metric, names)}
         lower = _lowered(frame, self.metric)
-        rows = frame.coframe.components.nonzero
-        for mu, symbol in enumerate(frame.coordinates):
-            if all(value.free_of(symbol) for value in rows.values()):
-                terms = []
-                for (i, column), value in rows.items():
-                    if column == mu:
-                        terms += [(value * entry, (names[j],)) for j, entry in lower[i]]
-                found[f"momentum of {symbol}"] = tuple(terms)
+        for mu in _cyclic(frame):
+            terms = []
+            for (i, column), value in frame.coframe.components.nonzero.items():
+                if column == mu:
+                    terms += [(value * entry, (names[j],)) for j, entry in lower[i]]
+            found[f"momentum of {frame.coordinates[mu]}"] = tuple(terms)
         if _is_bi_invariant(frame):
             terms = []
             for row in lower:
@@ -175,6 +198,27 @@ class Hamel:
                     terms += [(one * two, (names[i], names[j])) for j, two in row]
             found["angular momentum squared"] = tuple(terms)
         return found
+
+    def momenta(self, frame: Frame) -> Momenta | None:
+        """None where weights are handed over at run time, so that they stay parameters."""
+        if frame.complex or not all(map(_is_short, (x for row in self.metric or () for x in row))):
+            return None
+        return Momenta(frame, _cyclic(frame), tuple(map(tuple, _lowered(frame, self.metric))))
+
+
+def _is_short(weight: Fraction) -> bool:
+    """Whether a weight is compiled in."""
+    return max(abs(weight.numerator), weight.denominator) <= SHORT
+
+
+def _cyclic(frame: Frame) -> tuple[int, ...]:
+    """Places of the coordinates that do not occur in the coframe."""
+    rows = frame.coframe.components.nonzero.values()
+    return tuple(
+        mu
+        for mu, symbol in enumerate(frame.coordinates)
+        if all(value.free_of(symbol) for value in rows)
+    )
 
 
 def _products(

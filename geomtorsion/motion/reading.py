@@ -8,6 +8,7 @@ from geomtorsion.errors import ChartEdgeError, TimeError
 from geomtorsion.motion.crossing import moved_over, same_frame
 from geomtorsion.motion.journey import Segment
 from geomtorsion.motion.passengers import weights
+from geomtorsion.motion.reduced import integrated
 from geomtorsion.motion.system import evaluated
 
 if TYPE_CHECKING:
@@ -83,8 +84,9 @@ def _dense(solution: Solution, k: int) -> Any:
             last = np.asarray(segment.run.last)
             kept[k] = lambda t: np.broadcast_to(last, (len(t), len(last)))
         else:
-            run = journey.engine.run(
-                system, segment.start, segment.parameters, ends, journey.tolerance, dense=True
+            start, equations = (segment.start, segment.parameters), segment.equations
+            run = integrated(
+                journey.engine, equations, system, *start, ends, journey.tolerance, dense=True
             )
             kept[k] = run.dense
     return kept[k]

@@ -1,0 +1,242 @@
+"""Reduced form: the way from the states of a full system to those of a smaller one, and back."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+from geomtorsion.motion.engines.protocol import Engine
+from geomtorsion.motion.engines.taylor import Taylor, heyoka, is_available
+from geomtorsion.motion.reduced_split import Written
+from geomtorsion.motion.system import System, floats, mpf
+
+# Velocities that come back from their momenta more roundings off than this are not reduced.
+ROUNDINGS = 64
+# Engines that measure steps block by block need to see velocities near the size of the largest.
+SEEN = 1e-3
+# Bits on top of the precision asked for.
+SPARE = 20
+
+
+@dataclass(frozen=True, eq=False)
+class Opening:
+    """A start of the smaller system.
+
+    start, values: of its states and parameters; constants: of `Reduction.names`.
+    numbers: old parameters and plain constants, of which velocities are made.
+    """
+
+    start: Any
+    values: Any
+    constants: tuple[Any, ...]
+    numbers: Any
+
+
+@dataclass(frozen=True, eq=False)
+class Reduction:
+    """A smaller system in the place of a full one.
+
+    full_system: what it stands for; written: the smaller system, and how both hang together.
+
+    Examples
+    --------
+    >>> from geomtorsion.motion import geodesic
+    >>> from geomtorsion.spaces import load
+    >>> frame = load("schwarzschild").frame
+    >>> circle = geodesic(frame, [0, 8, 1.5, 0], [1, 0, 0, 0.04], parameters={"M": 1})
+    >>> circle.equations("schwarzschild").reduction.system.states
+    ('t', 'r', 'theta', 'phi', 'p_r', 'p_theta')
+    """
+
+    full_system: System
+    written: Written
+
+    @property
+    def system(self) -> System:
+        """The smaller system: states that are left, in the old order; more parameters."""
+        return self.written.system
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """What `constants` gives: momenta, then sums of their products."""
+        return (*self.written.constants, *self.written.mixtures)
+
+    def watching(self, system: System) -> System:
+        """The smaller system with the edge that a variant of the full one has."""
+        if system.edge is None:
+            return self.system.without_edge
+        return self.system.to_the_end if len(system.edge) == 1 else self.system
+
+    # -- in --------------------------------------------------------------------------------------
+
+    @cached_property
+    def _door(self) -> System:
+        """Momenta that are states, then constants, as functions of the full states."""
+        sums = (*self.written.momenta, *self.written.constants.values())
+        return System(self.full_system.states, self.full_system.parameters, sums, ())
+
+    @cached_property
+    def _mixer(self) -> System:
+        """Sums of products of constants."""
+        return System(tuple(self.written.constants), (), self.written.mixed, ())
+
+    def constants(
+        self, start: Sequence[Any], parameters: Sequence[Any], precision: int = 53
+    ) -> tuple[Any, ...]:
+        """Values of `names` for a full start: floats, or mpmath numbers above 53 bits."""
+        return self._entered(start, parameters, precision)[1]
+
+    def _entered(
+        self, start: Sequence[Any], parameters: Sequence[Any], bits: int
+    ) -> tuple[Sequence[Any], tuple[Any, ...]]:
+        """Momenta that are states, and the constants."""
+        count = len(self.written.momenta)
+        if bits == 53:
+            found = self._door.scalar_function(*floats(start), *floats(parameters))
+            plain = found[count:]
+            return found[:count], (*plain, *self._mixer.scalar_function(*plain))
+        import mpmath
+
+        with mpmath.workprec(bits + SPARE):
+            found = _precisely(self._door, (*start, *parameters), bits + SPARE)
+            plain = found[count:]
+            return found[:count], (*plain, *_precisely(self._mixer, plain, bits + SPARE))
+
+    def opening(self, start: Sequence[Any], parameters: Sequence[Any], precision: int) -> Opening:
+        """The start of the smaller system for a full start."""
+        import numpy as np
+
+        momenta, constants = self._entered(start, parameters, precision)
+        begun = [*start[: self.written.width], *momenta]
+        values = [*parameters, *(constants[k] for k in self._places)]
+        numbers = (*parameters, *constants[: len(self.written.constants)])
+        if precision == 53:
+            begun, values = np.array(begun, dtype=float), np.array(values, dtype=float)
+            return Opening(begun, values, constants, np.array(numbers, dtype=float))
+        return Opening(begun, values, constants, Taylor(precision).array(numbers))
+
+    @cached_property
+    def _places(self) -> tuple[int, ...]:
+        """Places in `names` of the parameters that the smaller system has more."""
+        extra = self.system.parameters[len(self.full_system.parameters) :]
+        return tuple(self.names.index(name) for name in extra)
+
+    # -- out -------------------------------------------------------------------------------------
+
+    @cached_property
+    def _out(self) -> System:
+        """The velocities that are no states here."""
+        numbers = (*self.full_system.parameters, *self.written.constants)
+        return System(self.system.states, numbers, self.written.velocities, ())
+
+    @cached_property
+    def _functions(self) -> dict[int, Callable[[Any], Any]]:
+        return {}
+
+    def function(self, bits: int) -> tuple[Callable[[Any], Any], float]:
+        """These velocities as a function of rows of numbers, and the seconds to compile it."""
+        known = self._functions.get(bits)
+        if known is not None:
+            return known, 0.0
+        began = time.perf_counter()
+        made = self._by_heyoka(bits) if is_available() else self._by_numpy
+        self._functions[bits] = made
+        return made, time.perf_counter() - began
+
+    def _by_heyoka(self, bits: int) -> Callable[[Any], Any]:
+        hy, number = heyoka(), Taylor(bits).number
+        names = (*self._out.states, *self._out.parameters)
+        variables = hy.make_vars(*(f"s{k}" for k in range(len(names))))
+        known = dict(zip(names, variables, strict=True))
+        rows, _ = self._out.written(known, lambda p, q: hy.expression(number(Fraction(p, q))))
+        options: dict[str, Any] = {"prec": bits} if bits > 113 else {}
+        return hy.cfunc(rows, variables, fp_type=type(number(0)), **options)
+
+    def _by_numpy(self, rows: Any) -> Any:
+        import numpy as np
+
+        with np.errstate(all="ignore"):
+            found = self._out.array_rates(*rows)
+        return np.array([np.broadcast_to(row, rows.shape[1]) for row in found])
+
+    def full(
+        self, states: Any, parameters: Sequence[Any], constants: Sequence[Any], precision: int = 53
+    ) -> Any:
+        """Full states, shape (m, full size), of those of the smaller system, shape (m, size)."""
+        numbers = (*parameters, *constants[: len(self.written.constants)])
+        return self.widened(states, Taylor(precision).array(numbers), precision)
+
+    def widened(self, states: Any, numbers: Any, bits: int) -> Any:
+        """The same with the numbers of an opening."""
+        import numpy as np
+
+        count, size = states.shape
+        rows = np.empty((size + len(numbers), count), dtype=states.dtype)
+        rows[:size] = states.T
+        rows[size:] = numbers[:, None]
+        out = np.empty((self.full_system.size, count), dtype=states.dtype)
+        width = self.written.width
+        out[:width] = rows[:width]
+        out[width:] = self.function(bits)[0](rows)
+        return out.T
+
+    # -- whether ---------------------------------------------------------------------------------
+
+    def serves(self, engine: Engine, opening: Opening, start: Sequence[Any]) -> bool:
+        """Whether this start loses no digits, and leaves the engine something to measure."""
+        whole = floats(start)
+        try:
+            found = self._out.scalar_function(*floats(opening.start), *floats(opening.numbers))
+        except (ArithmeticError, ValueError):
+            return False
+        own = whole[self.written.width :]
+        size = max(map(abs, own))
+        gap = max([abs(x - y) for x, y in zip(own, found, strict=True)])
+        if not gap <= ROUNDINGS * 2.0**-53 * size:
+            return False
+        # Others than Taylor series measure steps block by block.
+        left = [abs(x) for k, x in enumerate(own) if k not in self.written.along]
+        return isinstance(engine, Taylor) or max(left) >= SEEN * size
+
+    def opened(
+        self, engine: Engine, start: Sequence[Any], parameters: Sequence[Any]
+    ) -> Opening | None:
+        """The start of the smaller system, or None where it does not serve.
+
+        One problem starts many runs from the same read-only arrays: the last is remembered.
+        """
+        flags = getattr(start, "flags", None)
+        lasting = flags is not None and not flags.writeable
+        kind = isinstance(engine, Taylor)
+        last = self.__dict__.get("_last")
+        if lasting and last and last[0] is start and last[1] is parameters and last[2] is kind:
+            return last[3]
+        try:
+            found = self.opening(start, parameters, engine.precision)
+        except (ArithmeticError, ValueError):
+            return None
+        result = found if self.serves(engine, found, start) else None
+        if lasting:
+            self.__dict__["_last"] = (start, parameters, kind, result)
+        return result
+
+
+def _precisely(system: System, values: Sequence[Any], bits: int) -> list[Any]:
+    """The rates of a system as mpmath numbers."""
+    import mpmath
+
+    names = (*system.states, *system.parameters)
+    table = {name: mpf(x, bits) for name, x in zip(names, values, strict=True)}
+    found = []
+    for sums in system.rates:
+        total = mpmath.mpf(0)
+        for element, factors in sums:
+            factor = mpmath.mpmathify(element.evaluate(table, bits))
+            total += factor * math.prod([table[name] for name in factors])
+        found.append(total)
+    return found
