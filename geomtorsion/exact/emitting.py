@@ -77,10 +77,11 @@ class _Emitter:
         for other, some, _ in terms:
             value, parameters = content(value, other), shared(parameters, some)
         bare = [(n / value, without(some, parameters), rest) for n, some, rest in terms]
-        if len(terms) > 1 and _scaled(bare) + 1 <= _scaled(terms):
+        front = _scaled([(value, parameters, ())])
+        if len(terms) > 1 and front and _scaled(bare) + front <= _scaled(terms):
             sign, place = self.lines.total(tuple(map(self.term, bare)))
-            front = self._scale(value, parameters)
-            return sign * front[0], self.lines.product(front[1], place)
+            turn, scale = self._scale(value, parameters)
+            return sign * turn, self.lines.product(scale, place)
         return self.lines.total(tuple(map(self.term, terms)))
 
     def term(self, term: Term) -> tuple[int, int]:
@@ -136,5 +137,5 @@ class _Emitter:
 
 
 def _scaled(terms: Sequence[Term]) -> int:
-    """How many terms have a number or parameter in front."""
-    return sum(1 for number, some, _ in terms if some or abs(number) != 1)
+    """How many numbers and parameters stand in front of terms."""
+    return sum(len(some) + (abs(number) != 1) for number, some, _ in terms)

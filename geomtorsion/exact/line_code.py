@@ -113,46 +113,65 @@ def line_expressions(
     Powers above squares are spelt out as squares and products: heyoka's series of x**n, n > 2,
     divides by x and has no value on x = 0.
     """
-    hy: Any = import_module("heyoka")
-    made: list[Any] = []
-    for step in line.steps:
-        made.append(_expression(hy, line, step, made, known, number))
-    return [made[place] if sign > 0 else -made[place] for sign, place in line.outputs]
+    writer = _Heyoka(line, known, number)
+    return [writer.made[place] if sign > 0 else -writer.made[place] for sign, place in line.outputs]
 
 
-def _expression(
-    hy: Any,
-    line: StraightLine,
-    step: Step,
-    made: list[Any],
-    known: Mapping[str, Any],
-    number: Callable[[int, int], Any],
-) -> Any:
-    """One step as an expression."""
-    kind, detail = step.kind, step.detail
-    if kind == "symbol":
-        return known[detail]
-    if kind == "number":
-        return number(detail.numerator, detail.denominator)
-    if kind == "digits":
-        digits = Fraction(str(detail.evalf(120)))
-        return number(digits.numerator, digits.denominator)
-    if kind == "sum":
-        return hy.sum([made[p] if s > 0 else -made[p] for s, p in step.operands])
-    inner = [made[place] for place in step.operands]
-    if kind == "product":
-        return hy.prod(inner)
-    if kind == "square":
-        return inner[0] ** 2.0
-    if kind == "quotient":
-        above, below = step.operands
-        if line.steps[below].constant and not step.constant:
+class _Heyoka:
+    """Writes steps as expressions, in order."""
+
+    def __init__(
+        self, line: StraightLine, known: Mapping[str, Any], number: Callable[[int, int], Any]
+    ) -> None:
+        self.heyoka: Any = import_module("heyoka")
+        self.steps = line.steps
+        self.known = known
+        self.number = number
+        self.made: list[Any] = []
+        for step in line.steps:
+            self.made.append(self._step(step))
+
+    def _step(self, step: Step) -> Any:
+        hy, kind, detail = self.heyoka, step.kind, step.detail
+        if kind == "symbol":
+            return self.known[detail]
+        if kind == "number":
+            return self.number(detail.numerator, detail.denominator)
+        if kind == "digits":
+            digits = Fraction(str(detail.evalf(120)))
+            return self.number(digits.numerator, digits.denominator)
+        if kind == "sum":
+            return hy.sum([self.made[p] if s > 0 else -self.made[p] for s, p in step.operands])
+        inner = [self.made[place] for place in step.operands]
+        if kind == "product":
+            return hy.prod(inner) if step.constant else self._product(step.operands[0], inner[1])
+        if kind == "square":
+            return inner[0] ** 2.0
+        if kind == "quotient":
+            return self._quotient(step, *inner)
+        if kind == "root":
+            return hy.sqrt(inner[0]) if detail == 2 else inner[0] ** self.number(1, detail)
+        return inner[0] ** inner[1] if detail == "power" else getattr(hy, detail)(*inner)
+
+    def _product(self, place: int, value: Any) -> Any:
+        """A product; with a product of parameters one parameter after another.
+
+        Each of them costs one multiplication at each order, while heyoka takes their product for
+        a series in compact mode.
+        """
+        first = self.steps[place]
+        if first.constant and first.kind in ("product", "square"):
+            for factor in (first.operands * 2)[:2]:
+                value = self._product(factor, value)
+            return value
+        return self.heyoka.prod([self.made[place], value])
+
+    def _quotient(self, step: Step, above: Any, below: Any) -> Any:
+        """A quotient."""
+        if self.steps[step.operands[1]].constant and not step.constant:
             # A product costs less than a quotient at each order, and the inverse nothing.
-            return hy.prod([number(1, 1) / inner[1], inner[0]])
-        if line.steps[above] == _ONE:
+            return self.heyoka.prod([self.number(1, 1) / below, above])
+        if self.steps[step.operands[0]] == _ONE:
             # Of 1/x heyoka makes the power -1, of -1/x a quotient, which costs two thirds.
-            return -hy.prod([number(-1, 1), inner[1] ** -1.0])
-        return inner[0] / inner[1]
-    if kind == "root":
-        return hy.sqrt(inner[0]) if detail == 2 else inner[0] ** number(1, detail)
-    return inner[0] ** inner[1] if detail == "power" else getattr(hy, detail)(*inner)
+            return -self.heyoka.prod([self.number(-1, 1), below**-1.0])
+        return above / below

@@ -105,6 +105,8 @@ def test_products_left(rows, most):
     line = factored(NAMES, outputs)
     assert line is not None
     assert dear(line) <= most
+    ones = [k for k, step in enumerate(line.steps) if step.kind == "number" and step.detail == 1]
+    assert not any(step.kind == "product" and set(ones) & set(step.operands) for step in line.steps)
     for value, output in zip(read_back(line, field), outputs, strict=True):
         expected = field.zero
         for element, factors in output:
