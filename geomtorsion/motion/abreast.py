@@ -24,8 +24,8 @@ from geomtorsion.motion.system import System
 
 # An answer is taken if what its series leave out is below this part of the accuracy.
 TAKEN = 0.8
-# The size by which steps are measured may be so many times too small.
-OUTGROWN = 4.0
+# The size by which steps are measured may be so many times too small, and too large.
+OUTGROWN, OVERSIZED = 4.0, 16.0
 # The first lane leaves out no more than so many times what tells it from the last two.
 FASTER = 20.0
 # Rounding is what is left where it is so many times what the series leave out.
@@ -93,7 +93,7 @@ def side_by_side(
     looser: float,
     known: dict[Any, float],
 ) -> Abreast | None:
-    """Lanes whose steps are measured by a size that is not outgrown.
+    """Lanes whose steps are measured by the size of the states.
 
     starts, parameters, looser: as in `run_abreast`.
     known: keeps that size for the next run of equal equations.
@@ -106,8 +106,8 @@ def side_by_side(
         lanes = run_abreast(engine, system, starts, parameters, times, tolerance, looser, size)
         if lanes is None or min(lanes.steps) < FEW_STEPS:
             return None
-        top = float(largest(lanes.sizes))
-        if top <= OUTGROWN * size:
+        top = max(1.0, float(largest(lanes.sizes)))
+        if size / OVERSIZED <= top <= OUTGROWN * size:
             return lanes
         known["size"] = size = top
     return None
