@@ -60,8 +60,9 @@ class _Search:
         self.term_number: dict[Term, int] = {}
         self.divisors: list[Divisor] = []
         self.divisor_number: dict[Divisor, int] = {}
-        # Two terms -> divisor and front; a term -> its pairs of factors and how often.
-        self.divided: dict[tuple[int, int], tuple[int, int]] = {}
+        # Two terms -> divisor, front, and what the two save; a term -> its pairs of factors and
+        # how often each could be taken.
+        self.divided: dict[tuple[int, int], tuple[int, int, int]] = {}
         self.factors: dict[int, list[tuple[int, int]]] = {}
         self.sums = [[self._term(term) for term in terms] for terms in sums.sums]
         # What divisors have become, and which one a sum is itself.
@@ -149,13 +150,20 @@ class _Search:
                 found[pair] = found.get(pair, 0) + times
         return found
 
-    def _compared(self, one: int, two: int) -> tuple[int, int]:
-        """Divisor (-1 where no state occurs) and front of two terms."""
+    def _compared(self, one: int, two: int) -> tuple[int, int, int]:
+        """Divisor (-1 where no state occurs) and front of two terms, and what they save."""
         key = (one, two)
         if key not in self.divided:
             divisor, front = divided(self.terms[one], self.terms[two])
-            states = divisor[0][2] or divisor[1][2] or front[2]
-            self.divided[key] = (self._divisor(divisor) if states else -1, self._term(front))
+            number, parameters, rest = front
+            if divisor[0][2] or divisor[1][2]:
+                after = (number, parameters, (*rest, _SOME))
+            else:
+                after = (number, (_SOME,), rest)
+            states = divisor[0][2] or divisor[1][2] or rest
+            saved = self.costs[one] + self.costs[two] + SUM - cost(after)
+            place = self._divisor(divisor) if states else -1
+            self.divided[key] = (place, self._term(front), saved)
         return self.divided[key]
 
     def _pairs(self, number: int) -> list[tuple[int, int]]:
@@ -183,12 +191,9 @@ class _Search:
             each = SQUARE if one == two else QUOTIENT if one < 0 < two else PRODUCT
             return (sum(where.values()) - (not known)) * each
         total = 0 if known else -cost(one) - cost(two) - SUM
-        free = not (one[2] or two[2])
         for pairs in where.values():
-            for i, j in disjoint(pairs):
-                number, parameters, rest = self.terms[self.divided[i, j][1]]
-                after = (number, (_SOME,), rest) if free else (number, parameters, (*rest, _SOME))
-                total += self.costs[i] + self.costs[j] + SUM - cost(after)
+            for pair in disjoint(pairs):
+                total += self.divided[pair][2]
         return total
 
     def _pulled(self, divisor: int) -> list[int]:

@@ -142,3 +142,17 @@ def test_stiff_tree():
     assert sol["x"][-1] == pytest.approx(later, abs=1e-8)
     other = solve(made, 1.0, 1e-5, Stiff())
     assert other["x"] == pytest.approx(sol["x"], abs=1e-5)
+
+
+def test_too_long_to_shorten(monkeypatch):
+    """Trees that are not shortened are written part by part, with the same values."""
+    texts = {"x": FUNCTIONS[0], "y": FUNCTIONS[1], "z": FUNCTIONS[3]}
+    short = as_tree(monkeypatch, texts, [0.4, 0.9, 0.2]).system
+    assert short.line is not None
+    monkeypatch.setattr("geomtorsion.motion.flows.tree.tree_line", lambda *_: None)
+    plain = as_tree(monkeypatch, texts, [0.4, 0.9, 0.2]).system
+    place = np.array([0.4, 0.9, 0.2])
+    values = [1.0] * len(plain.parameters)
+    assert plain.line is None
+    found, expected = (system.scalar_rates(values)(0.0, place) for system in (short, plain))
+    assert found == pytest.approx(expected, rel=1e-13)
