@@ -48,7 +48,7 @@ def factored(
             for output in outputs
         ]
         return short_line(reader, numbers)
-    except TooLong:
+    except (TooLong, RecursionError):
         return None
 
 

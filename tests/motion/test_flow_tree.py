@@ -10,6 +10,7 @@ from geomtorsion.errors import ExpressionError
 from geomtorsion.motion import RungeKutta, Stiff, flow, solve
 from geomtorsion.motion.flows import law
 from geomtorsion.motion.flows.tree import TreeSystem, is_plain
+from geomtorsion.motion.flows.tree_reading import tree_line
 from tests.motion.engines import every_engine, needs_heyoka
 
 RATES = {
@@ -156,3 +157,13 @@ def test_too_long_to_shorten(monkeypatch):
     assert plain.line is None
     found, expected = (system.scalar_rates(values)(0.0, place) for system in (short, plain))
     assert found == pytest.approx(expected, rel=1e-13)
+
+
+def test_too_deep_to_shorten():
+    """A tree of hundreds of storeys is refused, one of some is not."""
+    tree = x = sp.Symbol("x")
+    for storey in range(400):
+        tree = sp.sin(tree) + x
+        if storey == 30:
+            assert tree_line(["x"], [tree], []) is not None
+    assert tree_line(["x"], [tree], []) is None

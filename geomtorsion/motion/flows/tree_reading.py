@@ -35,7 +35,7 @@ def tree_line(
     reader = _TreeReader(arguments, constants)
     try:
         return short_line(reader, [reader.sum(tree) for tree in trees])
-    except TooLong:
+    except (TooLong, RecursionError):
         return None
 
 
