@@ -11,6 +11,7 @@ from geomtorsion.motion.checking import (
     CAUTION,
     FEW_STEPS,
     LARGEST_STEP,
+    LITTLE,
     RESERVE,
     SATURATED,
     SMALLEST_STEP,
@@ -24,12 +25,19 @@ from geomtorsion.motion.system import System
 
 # An answer is taken if what its series leave out is below this part of the accuracy.
 TAKEN = 0.8
+# What is left to spare where the next motion begins with a looser tolerance.
+SPARED = 1.5
+# The next tolerance where nothing is known of the error.
+BLIND_STEP = 1e-2
 # The size by which steps are measured may be so many times too small, and too large.
 OUTGROWN, OVERSIZED = 4.0, 16.0
 # The first lane leaves out no more than so many times what tells it from the last two.
-FASTER = 20.0
+FASTER = 4.0
+# Where lanes are apart by so many times more than the series explain, it is rounding that tells
+# them apart; and two roundings may be near each other by chance.
+ROUGH, CHANCE = 4.0, 2.0
 # Rounding is what is left where it is so many times what the series leave out.
-IDLE = 3.0
+IDLE = 30.0
 # Starts of the lanes beside are moved by so many units in the last place, as roundings add up.
 ROUNDINGS = 2.0
 EPSILON = 2.0**-52
@@ -41,11 +49,14 @@ A = TypeVar("A", bound=Attempt)
 class Told(Generic[A]):
     """An answer, the run of longer steps beside it, and what they tell.
 
+    gap: how far these two are apart, relative to the size of each block.
+    share: error of the answer by its series, over that of the check.
     left_out: error by what the series leave out; rounded: by rounding as it grows on the way.
     """
 
     answer: A
     check: A
+    gap: float
     share: float
     left_out: float
     rounded: float
@@ -62,8 +73,8 @@ def told(
     known: tolerances that were good enough before, for equal equations.
     None where runs abreast cannot tell: then one run after the other may.
     """
-    key = (engine.name, accuracy)
-    tolerance, spent = known.get(key) or engine.first(accuracy), []
+    key, missing = (engine.name, accuracy), (engine.name, accuracy, "missed")
+    tolerance, spent, before = known.get(key) or engine.first(accuracy), [], math.inf
     while True:
         found = attempt(tolerance)
         if found is None:
@@ -73,14 +84,29 @@ def told(
         error = max(found.left_out, found.rounded, least)
         good = found.left_out <= TAKEN * accuracy and error <= accuracy
         if good:
-            known[key] = tolerance
+            spare, missed = TAKEN * accuracy / error, known.get(missing, math.inf)
+            known[key] = _remembered(engine, tolerance, spare, missed)
         # Where rounding is what is left, smaller steps gain nothing.
-        rounded = found.left_out <= found.rounded / IDLE
+        rounded = found.left_out <= found.rounded / IDLE or error > LITTLE * before
         if good or rounded or tolerance <= engine.finest * 1.01:
-            share = CAUTION * found.share
+            share = error / found.gap if found.gap > 0 else CAUTION * found.share
             return Checked(found.answer, found.check, share, error, tuple(spent))
-        step = min(max(RESERVE * accuracy / error, LARGEST_STEP), SMALLEST_STEP)
+        known[missing] = min(tolerance, known.get(missing, math.inf))
+        before = error if found.rounded > found.left_out else math.inf
+        # Of an error that cannot be told no more is known than that it is too large.
+        largest = LARGEST_STEP if error < math.inf else BLIND_STEP
+        step = min(max(RESERVE * accuracy / error, largest), SMALLEST_STEP)
         tolerance = max(engine.rung(tolerance * step), engine.finest)
+
+
+def _remembered(engine: Taylor, tolerance: float, spare: float, missed: float) -> float:
+    """The tolerance to begin with next time: a looser one if there is so much to spare.
+
+    missed: one that was too loose before.
+    """
+    orders = math.floor(math.log(max(spare / SPARED, 1.0)) / 2)
+    looser = engine.rung(tolerance * math.exp(2 * orders))
+    return looser if looser < missed else tolerance
 
 
 def side_by_side(
@@ -106,22 +132,23 @@ def side_by_side(
         lanes = run_abreast(engine, system, starts, parameters, times, tolerance, looser, size)
         if lanes is None or min(lanes.steps) < FEW_STEPS:
             return None
-        top = max(1.0, float(largest(lanes.sizes)))
+        top = max(1.0, float(largest(np.abs(lanes.states[:, :, 0]), None)))
         if size / OVERSIZED <= top <= OUTGROWN * size:
             return lanes
         known["size"] = size = top
     return None
 
 
-def gaps(states: Any, sizes: Any, blocks: Sequence[Sequence[int]]) -> list[float] | None:
+def gaps(states: Any, blocks: Sequence[Sequence[int]]) -> list[float] | None:
     """How far each lane is from the first, relative to the size of each block; None: no number.
 
-    states: shape (m, size, lanes); sizes: the largest of each state in the first lane.
+    states: shape (m, size, lanes).
     """
     import numpy as np
 
     largest = np.maximum.reduce
     apart = largest(np.abs(states[:, :, 1:] - states[:, :, :1]))
+    sizes = largest(np.abs(states[:, :, 0]))
     worst = [0.0] * apart.shape[1]
     for block in blocks:
         first, last = block[0], block[-1] + 1
@@ -139,7 +166,8 @@ def judged(share: float, apart: Sequence[float]) -> tuple[float, float]:
     far, near = apart[0], CAUTION * max(apart[1:])
     left_out = CAUTION * share * far if far <= SATURATED else math.inf
     # What series of entire functions leave out falls faster than any power of the step.
-    return min(left_out, FASTER * near), near
+    left_out = min(left_out, FASTER * near)
+    return left_out, near if near <= ROUGH * left_out else CHANCE * near
 
 
 def moves(looser: float) -> tuple[float, ...]:

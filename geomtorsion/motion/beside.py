@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.motion.abreast import Told, gaps, judged, moves, side_by_side, told
@@ -47,25 +48,55 @@ def _attempt(
     equations = problem.equations(name)
     system = equations.system if len(problem.charts) > 1 else equations.system.to_the_end
     looser = looseness(accuracy)
-    starts = problem.kept(("abreast", looser), lambda: _starts(equations, vector, looser))
-    lanes = side_by_side(engine, system, starts, numbers[:, None], times, tolerance, looser, known)
+    opened = problem.kept(
+        ("abreast", looser), lambda: _opened(engine, equations, vector, numbers, looser)
+    )
+    smaller = None if opened.widths is None else equations.reduction
+    if smaller is not None:
+        system = smaller.watching(system)
+    lanes = side_by_side(
+        engine, system, opened.starts, opened.numbers, times, tolerance, looser, known
+    )
     if lanes is None:
         return None
-    apart = gaps(lanes.states, lanes.sizes, equations.system.blocks)
+    states = lanes.states if smaller is None else smaller.abreast(lanes.states, opened.widths)
+    apart = gaps(states, equations.system.blocks)
     if apart is None:
         return None
     left_out, rounded = judged(lanes.share, apart)
     journeys = []
     for lane in (0, 1):
-        run = lanes.run(lane)
+        run = lanes.run(lane, states[:, :, lane])
         part = Segment(name, equations, run, float(times[0]), 0, vector, numbers)
         own = tolerance if lane == 0 else tolerance_of_second(tolerance, lanes.looser)
         journeys.append(Journey(problem, engine, own, (part,), "done", ""))
-    return Told(*journeys, lanes.share, left_out, rounded)
+    return Told(*journeys, apart[0], lanes.share, left_out, rounded)
 
 
-def _starts(equations: Equations, vector: Any, looser: float) -> Any:
-    """States at the start of each lane, shape (size, lanes)."""
+@dataclass(frozen=True, eq=False)
+class _Opened:
+    """Starts and numbers of all lanes, shapes (size, lanes) and (parameters, lanes).
+
+    widths: numbers of which velocities are made that are no states, or None where all are.
+    """
+
+    starts: Any
+    numbers: Any
+    widths: Any
+
+
+def _opened(
+    engine: Taylor, equations: Equations, vector: Any, numbers: Any, looser: float
+) -> _Opened:
+    """The starts of all lanes, in the smaller system where that serves."""
     import numpy as np
 
-    return vector[:, None] + np.multiply.outer(steps_of(equations, vector), moves(looser))
+    starts = vector[:, None] + np.multiply.outer(steps_of(equations, vector), moves(looser))
+    smaller = equations.reduction
+    if smaller is not None:
+        lanes = [smaller.opened(engine, start, numbers) for start in starts.T]
+        found = [lane for lane in lanes if lane is not None]
+        if len(found) == len(lanes):
+            parts = ([getattr(x, name) for x in found] for name in ("start", "values", "numbers"))
+            return _Opened(*(np.array(part).T for part in parts))
+    return _Opened(starts, numbers[:, None], None)

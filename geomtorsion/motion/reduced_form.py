@@ -185,6 +185,24 @@ class Reduction:
         out[width:] = self.function(bits)[0](rows)
         return out.T
 
+    def abreast(self, states: Any, numbers: Any) -> Any:
+        """Full states of lanes, shape (m, full size, lanes), of shape (m, size, lanes).
+
+        numbers: those of the openings of all lanes, shape (numbers, lanes).
+        """
+        import numpy as np
+
+        count, size, lanes = states.shape
+        rows = np.empty((size + len(numbers), count, lanes))
+        rows[:size] = states.swapaxes(0, 1)
+        rows[size:] = numbers[:, None]
+        out = np.empty((self.full_system.size, count, lanes))
+        width = self.written.width
+        out[:width] = rows[:width]
+        found = self.function(53)[0](rows.reshape(len(rows), -1))
+        out[width:] = found.reshape(-1, count, lanes)
+        return out.swapaxes(0, 1)
+
     # -- whether ---------------------------------------------------------------------------------
 
     def serves(self, engine: Engine, opening: Opening, start: Sequence[Any]) -> bool:
