@@ -100,11 +100,14 @@ def told(
 
 
 def _remembered(engine: Taylor, tolerance: float, spare: float, missed: float) -> float:
-    """The tolerance to begin with next time: a looser one if there is so much to spare.
+    """The tolerance to begin with next time: a looser one if there is something to spare.
 
-    missed: one that was too loose before.
+    missed: one that was too loose before. (Orders do not serve evenly: where a motion runs
+    backwards as forwards, even ones are better than the odd ones above them.)
     """
-    orders = math.floor(math.log(max(spare / SPARED, 1.0)) / 2)
+    if spare <= SPARED:
+        return tolerance
+    orders = max(math.floor(math.log(spare / SPARED) / 2), 1)
     looser = engine.rung(tolerance * math.exp(2 * orders))
     return looser if looser < missed else tolerance
 
@@ -132,28 +135,31 @@ def side_by_side(
         lanes = run_abreast(engine, system, starts, parameters, times, tolerance, looser, size)
         if lanes is None or min(lanes.steps) < FEW_STEPS:
             return None
-        top = max(1.0, float(largest(np.abs(lanes.states[:, :, 0]), None)))
+        top = max(1.0, *lanes.sizes)
         if size / OVERSIZED <= top <= OUTGROWN * size:
             return lanes
         known["size"] = size = top
     return None
 
 
-def gaps(states: Any, blocks: Sequence[Sequence[int]]) -> list[float] | None:
+def gaps(
+    states: Any, sizes: Sequence[float], blocks: Sequence[Sequence[int]]
+) -> list[float] | None:
     """How far each lane is from the first, relative to the size of each block; None: no number.
 
-    states: shape (m, size, lanes).
+    states: shape (m, size, lanes); sizes: the largest of each state in the first lane.
     """
     import numpy as np
 
-    largest = np.maximum.reduce
-    apart = largest(np.abs(states[:, :, 1:] - states[:, :, :1]))
-    sizes = largest(np.abs(states[:, :, 0]))
-    worst = [0.0] * apart.shape[1]
+    apart = states - states[:, :, :1]
+    np.abs(apart, apart)
+    worst = [0.0] * (states.shape[2] - 1)
+    rows = np.maximum.reduce(apart).tolist()
     for block in blocks:
         first, last = block[0], block[-1] + 1
-        size = max(sizes[first:last].tolist())
-        for k, gap in enumerate(largest(apart[first:last]).tolist()):
+        size = max(sizes[first:last])
+        for k in range(len(worst)):
+            gap = max([row[k + 1] for row in rows[first:last]])
             if gap > 0:
                 worst[k] = max(worst[k], gap / size if size > 0 else math.inf)
             elif gap != 0:
@@ -165,8 +171,9 @@ def judged(share: float, apart: Sequence[float]) -> tuple[float, float]:
     """Errors by what is left out and by rounding, from how far lanes are apart."""
     far, near = apart[0], CAUTION * max(apart[1:])
     left_out = CAUTION * share * far if far <= SATURATED else math.inf
-    # What series of entire functions leave out falls faster than any power of the step.
-    left_out = min(left_out, FASTER * near)
+    if left_out < math.inf:
+        # What series of entire functions leave out falls faster than any power of the step.
+        left_out = min(left_out, FASTER * near)
     return left_out, near if near <= ROUGH * left_out else CHANCE * near
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from geomtorsion.motion.abreast import Told, gaps, judged, moves, side_by_side, told
 from geomtorsion.motion.disturbed import steps_of
-from geomtorsion.motion.engines.abreast import looseness, tolerance_of_second
+from geomtorsion.motion.engines.abreast import looseness, sizes_of, tolerance_of_second
 from geomtorsion.motion.journey import Journey, Segment, departure
 
 if TYPE_CHECKING:
@@ -59,8 +59,11 @@ def _attempt(
     )
     if lanes is None:
         return None
-    states = lanes.states if smaller is None else smaller.abreast(lanes.states, opened.widths)
-    apart = gaps(states, equations.system.blocks)
+    states, sizes = lanes.states, lanes.sizes
+    if smaller is not None:
+        states = smaller.abreast(states, opened.widths)
+        sizes = sizes_of(states)
+    apart = gaps(states, sizes, equations.system.blocks)
     if apart is None:
         return None
     left_out, rounded = judged(lanes.share, apart)
@@ -98,5 +101,6 @@ def _opened(
         found = [lane for lane in lanes if lane is not None]
         if len(found) == len(lanes):
             parts = ([getattr(x, name) for x in found] for name in ("start", "values", "numbers"))
-            return _Opened(*(np.array(part).T for part in parts))
+            starts, values, widths = (np.array(part).T for part in parts)
+            return _Opened(starts, values, widths)
     return _Opened(starts, numbers[:, None], None)

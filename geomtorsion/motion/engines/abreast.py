@@ -40,6 +40,7 @@ class Abreast:
     """The runs of all lanes, complete; the first is the answer.
 
     states: shape (m, size, lanes).
+    sizes: the largest of each state in the first lane, without sign.
     steps: of each lane.
     looser: by how much the second lane leaves out more.
     share: error of the answer over that of the second lane.
@@ -47,6 +48,7 @@ class Abreast:
 
     times: Any
     states: Any
+    sizes: list[float]
     steps: tuple[int, ...]
     order: int
     looser: float
@@ -118,12 +120,19 @@ def run_abreast(
     ended = time.perf_counter()
     compiled.used += ended - began
     arrived = heyoka().taylor_outcome.time_limit
-    if touched or any(result[0] != arrived for result in results):
+    if touched or [x[0] for x in results] != [arrived] * LANES:
         return None
     steps = tuple([result[3] for result in results])
     states = rows[:, :-1]
     share = _share(steps, order, looser)
-    return Abreast(times, states, steps, order, looser, share, compiling, ended - began)
+    return Abreast(times, states, sizes_of(states), steps, order, looser, share, compiling, ended - began)
+
+
+def sizes_of(states: Any) -> list[float]:
+    """The largest of each state in the first lane, without sign; states: (m, size, lanes)."""
+    import numpy as np
+
+    return np.maximum.reduce(np.abs(states[:, :, 0])).tolist()
 
 
 def _share(steps: tuple[int, ...], order: int, looser: float) -> float:
