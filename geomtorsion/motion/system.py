@@ -18,6 +18,7 @@ from geomtorsion.exact.engine_code import (
 )
 from geomtorsion.exact.factored import factored
 from geomtorsion.exact.line_code import line_expressions, line_source
+from geomtorsion.exact.signs import of_same_sign
 from geomtorsion.exact.straight_line import StraightLine
 
 Values = Mapping[str, Any]
@@ -171,10 +172,16 @@ class System:
 
     @cached_property
     def to_the_end(self) -> System:
-        """The same equations, watched up to where the chart ends and not to its margin."""
-        if self.edge is None or len(self.edge) == 1:
+        """The same equations, watched up to where the chart ends and not to its margin.
+
+        There only the sign matters: quotients and even powers below are left out.
+        """
+        if not self.edge:
             return self
-        return replace(self, edge=self.edge[:1])
+        end, names = self.edge[0]
+        shorter = of_same_sign(end)
+        # Engines want to watch something that moves.
+        return replace(self, edge=((shorter if shorter.symbols else end, names),))
 
 
 def derivative(products: Products, name: str) -> Products:

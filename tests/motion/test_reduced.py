@@ -136,6 +136,19 @@ def test_compiled_integrators_are_kept_apart():
     assert small.without_edge.key != small.key
 
 
+def test_the_end_is_watched_without_quotients():
+    """Only the sign of delta sin(theta) / r^2 matters there; the margin needs its size."""
+    equations = orbit().equations("kerr")
+    watched = equations.reduction.watching(equations.system.to_the_end)
+    assert "/" not in watched.edge_code[0]
+    assert "/" in equations.reduction.watching(equations.system).edge_code[0]
+    for r, theta in ((8, 1.4), (1.9, 1.4), (1.7, 0.3), (0.1, 2.0), (3, -0.2), (-1, 0.5)):
+        numbers = (0, r, theta, 0, *(0.3 for _ in watched.states[4:]))
+        values = {"a": 0.6, "M": 1}
+        found = watched.scalar_edge(*numbers, *(values.get(p, 0.3) for p in watched.parameters))
+        assert np.sign(found[0]) == np.sign((r * r - 2 * r + 0.36) * np.sin(theta))
+
+
 # -- as numbers ------------------------------------------------------------------------------------
 
 STARTS = {

@@ -1,0 +1,49 @@
+"""Signs: shorter elements with the sign of longer ones."""
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from geomtorsion.exact import Field
+from geomtorsion.exact.compile import numpy_function
+from geomtorsion.exact.form import form
+from geomtorsion.exact.signs import of_same_sign
+
+R, THETA, M, A = sp.symbols("r theta M a")
+EDGES = [
+    (R**2 - 2 * M * R + A**2) * sp.sin(THETA) / R**2,
+    -(sp.cos(THETA) ** 3) / R,
+    R**2 * sp.sin(THETA),
+    (R - M) ** 3 * (R + M) ** 2 / (THETA**5 * (R - A)),
+    sp.exp(R) * (R - 3) / 7,
+    -1 / R**2,
+    sp.sqrt(1 + R**2) * (M - R**2) / (1 + R**2) ** 2,
+    sp.sin(5 * THETA) ** 3 / R**3,
+    sp.Integer(-3),
+    sp.Integer(0),
+]
+
+
+@pytest.mark.parametrize("expression", EDGES)
+def test_signs_and_zeros(expression):
+    """Equal signs on both sides of all zeros and poles, and no quotient."""
+    names = (R, THETA, M, A)
+    element = Field(names).read(expression)
+    shorter = of_same_sign(element)
+    values = np.random.default_rng(5).uniform(-4, 4, (4, 3000))
+    both = numpy_function([element, shorter], names, check=False)(*values)
+    signs = np.broadcast_to(np.sign(both), (2, 3000))
+    assert np.array_equal(signs[0], signs[1])
+    assert all(exponent > 0 for _, exponent in form(shorter).powers)
+    assert of_same_sign(shorter).sympy == shorter.sympy
+
+
+def test_what_it_leaves_out():
+    """Powers of which the sign is that of a lower one, and factors that are positive."""
+    field = Field((R, THETA, M, A))
+    found = of_same_sign(field.read(EDGES[0])).sympy
+    assert sp.expand(found - (R**2 - 2 * M * R + A**2) * sp.sin(THETA)) == 0
+    assert of_same_sign(field.read(EDGES[4])).sympy == R - 3
+    assert of_same_sign(field.read(EDGES[5])).sympy == -1
+    # It still touches zero where r does.
+    assert sp.expand(of_same_sign(field.read(EDGES[2])).sympy - EDGES[2]) == 0
