@@ -154,12 +154,12 @@ def gaps(
     apart = states - states[:, :, :1]
     np.abs(apart, apart)
     worst = [0.0] * (states.shape[2] - 1)
-    rows = np.maximum.reduce(apart).tolist()
+    largest = np.maximum.reduce
+    rows = largest(apart)
     for block in blocks:
         first, last = block[0], block[-1] + 1
         size = max(sizes[first:last])
-        for k in range(len(worst)):
-            gap = max([row[k + 1] for row in rows[first:last]])
+        for k, gap in enumerate(largest(rows[first:last]).tolist()[1:]):
             if gap > 0:
                 worst[k] = max(worst[k], gap / size if size > 0 else math.inf)
             elif gap != 0:

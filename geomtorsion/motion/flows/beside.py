@@ -124,16 +124,18 @@ def _gaps(flow: Flow, answer: Trip, states: Any) -> list[float] | None:
         each = [unit_rows(flow, states[:, :, lane]) for lane in range(LANES)]
         states = np.stack(each, axis=2)
     largest = np.maximum.reduce
-    apart = largest(np.abs(states[:, :, 1:] - states[:, :, :1])).tolist()
+    gaps_of = states - states[:, :, :1]
+    apart = largest(np.abs(gaps_of, gaps_of))
+    if not np.isfinite(apart).all():
+        return None
+    rows = apart.tolist()
     sizes = largest(np.abs(states[:, :, 0])).tolist()
-    worst = [0.0] * (LANES - 1)
+    worst, size_of_flow = [0.0] * (LANES - 1), flow.size
     for block in flow.system.blocks:
-        index = [k for k in block if k < flow.size]
-        gaps = [max(lane) for lane in zip(*(apart[k] for k in index), strict=True)]
+        index = [k for k in block if k < size_of_flow]
+        gaps = list(map(max, *(rows[k][1:] for k in index), [0.0] * (LANES - 1)))
         if not any(gaps):
             continue
-        if not all(map(math.isfinite, gaps)):
-            return None
         size = max([max(sizes[k], abs(float(flow.start[k]))) for k in index])
         parts = [gap / size if size > 0 else math.inf for gap in gaps]
         if not is_noise(answer, index, max(parts), size):

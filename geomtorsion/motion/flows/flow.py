@@ -57,7 +57,7 @@ class Flow:
         """Names of the states."""
         return self.law.states
 
-    @property
+    @cached_property
     def size(self) -> int:
         """Number of states."""
         return len(self.law.states)

@@ -43,7 +43,7 @@ class Law:
     stop: sp.Expr | None
     blocks: tuple[tuple[str, ...], ...]
 
-    @property
+    @cached_property
     def states(self) -> tuple[str, ...]:
         """Names of the states."""
         return tuple(self.rates)
