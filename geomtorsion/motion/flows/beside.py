@@ -133,6 +133,8 @@ def _gaps(flow: Flow, answer: Trip, states: Any) -> list[float] | None:
     worst, size_of_flow = [0.0] * (LANES - 1), flow.size
     for block in flow.system.blocks:
         index = [k for k in block if k < size_of_flow]
+        if not index:
+            continue
         gaps = list(map(max, *(rows[k][1:] for k in index), [0.0] * (LANES - 1)))
         if not any(gaps):
             continue

@@ -10,7 +10,7 @@ from typing import Any
 from geomtorsion.errors import AccuracyError, StartError, StuckError
 from geomtorsion.motion.checking import Checked, checked
 from geomtorsion.motion.engines.protocol import Engine
-from geomtorsion.motion.engines.rungekutta import Stiff
+from geomtorsion.motion.engines.rungekutta import RungeKutta, Stiff
 from geomtorsion.motion.engines.taylor import Taylor
 from geomtorsion.motion.flows.adjust import unit_rows
 from geomtorsion.motion.flows.beside import solved_beside
@@ -21,8 +21,10 @@ from geomtorsion.motion.flows.law import CLOCK
 from geomtorsion.motion.flows.reading import arguments
 from geomtorsion.motion.flows.solution import FlowSolution
 from geomtorsion.motion.flows.travel import Leg, Recipe, Trip, cut_legs, travel
+from geomtorsion.motion.in_turn import told_in_turn
 from geomtorsion.motion.solution import Cost
 from geomtorsion.motion.solving import (
+    ROUNDINGS,
     STIFF,
     checked_accuracy,
     checked_times,
@@ -108,6 +110,8 @@ def _solved(
         found = None
         if keeper is None and isinstance(candidate, Taylor) and candidate.precision == 53:
             found = solved_beside(flow, candidate, grid, legs, accuracy, learned)
+        if keeper is None and isinstance(candidate, RungeKutta):
+            found = _in_turn(go, candidate, accuracy, learned)
         if found is None:
             found = _refined(flow, go, candidate, accuracy, learned)
         spent += found.spent
@@ -123,6 +127,20 @@ def _solved(
     raise AccuracyError(
         f"accuracy {accuracy:.3g} was asked for; {', then '.join(names) or 'no engine at hand'} "
         f"gets to {best:.2g}. " + remedy(engine)
+    )
+
+
+def _in_turn(
+    go: Travel, engine: RungeKutta, accuracy: float, learned: dict[Any, float]
+) -> Checked[Trip] | None:
+    """Answer, check and error; None where a finer run has to tell."""
+    return told_in_turn(
+        engine,
+        accuracy,
+        learned,
+        lambda tolerance: go(engine, tolerance, 0.0),
+        lambda tolerance, part: go(engine, tolerance, ROUNDINGS * part),
+        difference,
     )
 
 
