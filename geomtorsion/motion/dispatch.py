@@ -49,8 +49,10 @@ def solve(
 ) -> Solution | FlowSolution:
     """Solve a motion so that the result, not each step, is as accurate as asked.
 
-    The error is measured against an independent integration with a smaller tolerance; the
-    tolerance goes down until the error is below the accuracy.
+    Each answer comes with its error: the same motion with longer steps, and from starts that are
+    one unit in the last place away, runs beside the answer (in one pass where heyoka is
+    installed), and how far these come apart tells it. The tolerance goes down until the error is
+    below the accuracy.
 
     Parameters
     ----------

@@ -27,8 +27,8 @@ class Cost:
 
     steps, evaluations: of the answer, without the run that gave the error estimate.
     compile_seconds: compilation, of answer and check; zero where it was kept from before.
-    run_seconds: integration of the answer.
-    check_seconds: integration of everything else: checks, and attempts that were too coarse.
+    run_seconds: integration of the answer, and of what runs side by side with it.
+    check_seconds: integration of everything else: other checks, attempts that were too coarse.
     """
 
     steps: int
