@@ -9,7 +9,6 @@ from typing import Any, Generic, TypeVar
 
 from geomtorsion.motion.checking import (
     CAUTION,
-    FEW_STEPS,
     LARGEST_STEP,
     LITTLE,
     RESERVE,
@@ -27,6 +26,8 @@ from geomtorsion.motion.system import System
 TAKEN = 0.8
 # What is left to spare where the next motion begins with a looser tolerance.
 SPARED = 1.5
+# Motions of fewer steps in a lane end where their last step would go on: they tell nothing.
+LEAST_STEPS = 2
 # The next tolerance where nothing is known of the error.
 BLIND_STEP = 1e-2
 # The size by which steps are measured may be so many times too small, and too large.
@@ -133,7 +134,7 @@ def side_by_side(
     size = max(known.get("size", 1.0), float(largest(np.abs(starts[:, 0]), initial=1.0)))
     for _ in range(3):
         lanes = run_abreast(engine, system, starts, parameters, times, tolerance, looser, size)
-        if lanes is None or min(lanes.steps) < FEW_STEPS:
+        if lanes is None or min(lanes.steps) < LEAST_STEPS:
             return None
         top = max(1.0, *lanes.sizes)
         if size / OVERSIZED <= top <= OUTGROWN * size:

@@ -88,7 +88,9 @@ def run_abreast(
     looser: float,
     size: float,
 ) -> Abreast | None:
-    """Integrate lanes through times; None where one of them does not come to the end.
+    """Integrate lanes through times; None where that tells nothing.
+
+    Where one of them does not come to the end, or all take the same steps.
 
     starts, parameters: shapes (size of the system, LANES) and (parameters, LANES) or one for all.
     looser: see `looseness`.
@@ -122,10 +124,16 @@ def run_abreast(
     arrived = heyoka().taylor_outcome.time_limit
     if touched or [x[0] for x in results] != [arrived] * LANES:
         return None
+    longest = [result[2] for result in results]
+    if not longest[0] < longest[2] < longest[3]:
+        # Lanes that take the same steps tell nothing.
+        return None
     steps = tuple([result[3] for result in results])
     states = rows[:, :-1]
     share = _share(steps, order, looser)
-    return Abreast(times, states, sizes_of(states), steps, order, looser, share, compiling, ended - began)
+    return Abreast(
+        times, states, sizes_of(states), steps, order, looser, share, compiling, ended - began
+    )
 
 
 def sizes_of(states: Any) -> list[float]:

@@ -24,6 +24,8 @@ LARGE, CALL = 6000, 60
 PROVEN = 1.0
 # Code longer than this is not unrolled at all.
 LONGEST_UNROLLED = 4000
+# Edges are watched at this part of their value, far below the size of any state.
+FAINT = Fraction(1, 2**30)
 # Bytes of compiled code that heyoka may leave on the disk; its own default is 21 gigabytes.
 DISK = 2**30
 
@@ -164,6 +166,9 @@ def _compiled(
         known[name] = hy.time * hy.expression(number(Fraction(1, unit)))
     rates, edge = system.written(known, lambda p, q: hy.expression(number(Fraction(p, q))))
     equations = list(zip(variables, rates, strict=True))
+    if edge is not None:
+        # heyoka counts events among the states by whose size it measures its steps.
+        edge *= number(FAINT)
     if abreast:
         equations.append((hy.make_vars(f"s{system.size}"), hy.expression(0.0)))
     options: dict[str, Any] = {
