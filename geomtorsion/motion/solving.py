@@ -15,6 +15,7 @@ from geomtorsion.motion.disturbed import busiest
 from geomtorsion.motion.engines.protocol import Engine
 from geomtorsion.motion.engines.rungekutta import RungeKutta, Stiff
 from geomtorsion.motion.engines.taylor import Taylor, is_available
+from geomtorsion.motion.in_turn import told_in_turn
 from geomtorsion.motion.journey import Journey, beginning, travel, values_of
 from geomtorsion.motion.problem import Problem
 from geomtorsion.motion.solution import Cost, Solution
@@ -99,16 +100,22 @@ def _refined(problem: Problem, engine: Engine, times: Any, accuracy: float) -> C
         if beside is not None:
             return beside
     places: list[int] = [0]
+    made: dict[float, Journey] = {}
 
     def attempt(tolerance: float) -> Journey:
-        journey = travel(problem, engine, tolerance, times)
-        first = journey.segments[0]
-        places[0] = busiest(first.run.states, first.equations.system.blocks)
-        return journey
+        if tolerance not in made:
+            made[tolerance] = travel(problem, engine, tolerance, times)
+            first = made[tolerance].segments[0]
+            places[0] = busiest(first.run.states, first.equations.system.blocks)
+        return made[tolerance]
 
     def moved(tolerance: float, part: float) -> Journey:
         return travel(problem, engine, tolerance, times, moved=ROUNDINGS * part, at=places[0])
 
+    if isinstance(engine, RungeKutta):
+        in_turn = told_in_turn(engine, accuracy, known, attempt, moved, _held)
+        if in_turn is not None:
+            return in_turn
     found = checked(
         engine,
         accuracy,

@@ -9,9 +9,12 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from geomtorsion.motion.engines.protocol import Run
-from geomtorsion.motion.engines.scipy_run import FLOOR, error_scales
+from geomtorsion.motion.engines.scipy_run import error_scales
 from geomtorsion.motion.engines.stepper import STAGES, Polynomial, Steps
 from geomtorsion.motion.system import System, floats
+
+# Smaller differences than this are told from rounding by no step.
+LEAST = 1e-15
 
 
 def float_run(
@@ -43,17 +46,17 @@ def float_run(
     scales = error_scales(system, np.array(y0), first_rates, last - first).tolist()
 
     def steps(longest: float) -> Steps:
-        used = max(tolerance, FLOOR)
+        used = max(tolerance, LEAST)
         return Steps(function, values, y0, (first, last), used, scales, longest, most)
 
     longest = math.inf
-    if tolerance < FLOOR:
+    if tolerance < LEAST:
         # Dense output is of order 7: shorter steps help it where the tolerance no longer can.
         trial = steps(math.inf)
         while trial.time != last and trial.advance() is not None:
             pass
         if not trial.stuck:
-            longest = abs(last - first) / (trial.count + 1) * (tolerance / FLOOR) ** 0.125
+            longest = abs(last - first) / (trial.count + 1) * (tolerance / LEAST) ** 0.125
     walk = steps(longest)
     edge = None if system.edge is None else _edge_of(system, values)
     samples = np.empty((len(times), len(y0)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -99,6 +100,7 @@ def _solved(
 ) -> FlowSolution:
     """The answer of the first engine and tolerance that are good enough."""
 
+    @cache
     def go(solver: Engine, tolerance: float, moved: float) -> Trip:
         return travel(flow, solver, tolerance, grid, legs, keeper, moved=moved)
 
