@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 from geomtorsion.motion.checking import (
-    CAUTION,
     LARGEST_STEP,
     LITTLE,
     RESERVE,
@@ -22,6 +21,8 @@ from geomtorsion.motion.engines.abreast import Abreast, run_abreast
 from geomtorsion.motion.engines.taylor import Taylor
 from geomtorsion.motion.system import System
 
+# An error estimate is this many times what the lanes say: four agree more than two.
+CAUTION = 1.6
 # An answer is taken if what its series leave out is below this part of the accuracy.
 TAKEN = 0.8
 # What is left to spare where the next motion begins with a looser tolerance.

@@ -124,8 +124,7 @@ def run_abreast(
     arrived = heyoka().taylor_outcome.time_limit
     if touched or [x[0] for x in results] != [arrived] * LANES:
         return None
-    longest = [result[2] for result in results]
-    if not longest[0] < longest[2] < longest[3]:
+    if results[2] == results[0] or results[3] == results[0]:
         # Lanes that take the same steps tell nothing.
         return None
     steps = tuple([result[3] for result in results])
