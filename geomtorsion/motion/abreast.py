@@ -27,6 +27,8 @@ CAUTION = 1.6
 TAKEN = 0.8
 # What is left to spare where the next motion begins with a looser tolerance.
 SPARED = 1.5
+# Seconds of running of equal equations after which that is tried.
+PROVEN = 0.2
 # Motions of fewer steps in a lane end where their last step would go on: they tell nothing.
 LEAST_STEPS = 2
 # The next tolerance where nothing is known of the error.
@@ -54,6 +56,7 @@ class Told(Generic[A]):
     gap: how far these two are apart, relative to the size of each block.
     share: error of the answer by its series, over that of the check.
     left_out: error by what the series leave out; rounded: by rounding as it grows on the way.
+    seconds: how long it ran.
     """
 
     answer: A
@@ -62,6 +65,7 @@ class Told(Generic[A]):
     share: float
     left_out: float
     rounded: float
+    seconds: float
 
 
 def told(
@@ -75,7 +79,8 @@ def told(
     known: tolerances that were good enough before, for equal equations.
     None where runs abreast cannot tell: then one run after the other may.
     """
-    key, missing = (engine.name, accuracy), (engine.name, accuracy, "missed")
+    key = engine.name, accuracy
+    missing, running = (*key, "missed"), (*key, "ran")
     tolerance, spent, before = known.get(key) or engine.first(accuracy), [], math.inf
     while True:
         found = attempt(tolerance)
@@ -86,8 +91,12 @@ def told(
         error = max(found.left_out, found.rounded, least)
         good = found.left_out <= TAKEN * accuracy and error <= accuracy
         if good:
-            spare, missed = TAKEN * accuracy / error, known.get(missing, math.inf)
-            known[key] = _remembered(engine, tolerance, spare, missed)
+            known[key] = tolerance
+            known[running] = known.get(running, 0.0) + found.seconds
+            if known[running] > PROVEN:
+                # Another order has to be compiled: by now that pays.
+                spare, missed = TAKEN * accuracy / error, known.get(missing, math.inf)
+                known[key] = _remembered(engine, tolerance, spare, missed)
         # Where rounding is what is left, smaller steps gain nothing.
         rounded = found.left_out <= found.rounded / IDLE or error > LITTLE * before
         if good or rounded or tolerance <= engine.finest * 1.01:

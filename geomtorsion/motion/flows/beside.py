@@ -76,7 +76,7 @@ def _attempt(
     apart = _gaps(flow, answer, states)
     if apart is None:
         return None
-    return Told(answer, check, apart[0], share, *judged(share, apart))
+    return Told(answer, check, apart[0], share, *judged(share, apart), answer.run_seconds)
 
 
 def _prepared(
