@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.motion.engines.protocol import Run
-from geomtorsion.motion.engines.store import heyoka, order_of, ready, tolerance_of
+from geomtorsion.motion.engines.store import order_of, ready, tolerance_of
 
 if TYPE_CHECKING:
     from geomtorsion.motion.engines.taylor import Taylor
@@ -121,7 +121,7 @@ def run_abreast(
     results = integrator.propagate_res
     ended = time.perf_counter()
     compiled.used += ended - began
-    arrived = heyoka().taylor_outcome.time_limit
+    arrived = type(results[0][0]).time_limit
     if touched or [x[0] for x in results] != [arrived] * LANES:
         return None
     if results[2] == results[0] or results[3] == results[0]:

@@ -130,6 +130,7 @@ def _gaps(flow: Flow, answer: Trip, states: Any) -> list[float] | None:
         return None
     rows = apart.tolist()
     sizes = largest(np.abs(states[:, :, 0])).tolist()
+    begun = answer.pieces[0].start
     worst, size_of_flow = [0.0] * (LANES - 1), flow.size
     for block in flow.system.blocks:
         index = [k for k in block if k < size_of_flow]
@@ -138,7 +139,7 @@ def _gaps(flow: Flow, answer: Trip, states: Any) -> list[float] | None:
         gaps = list(map(max, *(rows[k][1:] for k in index), [0.0] * (LANES - 1)))
         if not any(gaps):
             continue
-        size = max([max(sizes[k], abs(float(flow.start[k]))) for k in index])
+        size = max([max(sizes[k], abs(begun[k])) for k in index])
         parts = [gap / size if size > 0 else math.inf for gap in gaps]
         if not is_noise(answer, index, max(parts), size):
             worst = [max(old, new) for old, new in zip(worst, parts, strict=True)]
