@@ -73,7 +73,8 @@ def _attempt(
         part = Segment(name, equations, run, float(times[0]), 0, vector, numbers)
         own = tolerance if lane == 0 else tolerance_of_second(tolerance, lanes.looser)
         journeys.append(Journey(problem, engine, own, (part,), "done", ""))
-    return Told(*journeys, apart[0], lanes.share, left_out, rounded, lanes.run_seconds)
+    answer, check = journeys
+    return Told(answer, check, apart[0], lanes.share, left_out, rounded, lanes.run_seconds)
 
 
 @dataclass(frozen=True, eq=False)
