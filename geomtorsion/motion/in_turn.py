@@ -15,7 +15,7 @@ from geomtorsion.motion.checking import (
     Checked,
     rounding,
 )
-from geomtorsion.motion.engines.rungekutta import COARSER, RungeKutta
+from geomtorsion.motion.engines.rungekutta import COARSER, RungeKutta, shrunk
 
 # An answer is taken if what its steps leave out is below this part of the accuracy, ...
 TAKEN = 0.35
@@ -28,6 +28,8 @@ SPARED = 1.4
 SMALLEST_STEP, LARGEST_STEP, BLIND_STEP = 0.57, 1e-6, 1e-2
 # A run with a looser tolerance than this is no longer like the answer.
 LOOSEST = 1.01e-3
+# Errors of so few steps may cancel by chance: they are held against a run between, too.
+FEW_STEPS, BETWEEN = 300, 10.0
 # From this tolerance on rounding may matter: it is told by runs that round differently, ...
 ROUGH_BELOW = 1.2e-13
 # ... with tolerances larger by these factors, started above and below.
@@ -154,6 +156,12 @@ def _told(
     if not compared or gap == math.inf:
         return None
     left_out = CAUTION * share * gap if gap <= SATURATED else math.inf
+    if not fine and answer.steps < FEW_STEPS and left_out <= accuracy:
+        middle = moved(BETWEEN * answer.tolerance, BETWEEN * EPSILON)
+        share, (near, compared) = shrunk(answer, middle), difference(answer, middle)
+        if share is None or not compared:
+            return None
+        return _Told(coarse, gap, max(left_out, CAUTION * share * near), 0.0, (coarse, middle))
     if not fine or left_out > accuracy:
         return _Told(coarse, gap, left_out, 0.0, (coarse,))
     others, rounded = _roundings(accuracy, answer, left_out, moved, difference)

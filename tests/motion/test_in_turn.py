@@ -10,7 +10,7 @@ from geomtorsion.geometry import levi_civita
 from geomtorsion.motion import RungeKutta, Taylor, flow, geodesic, solve
 from geomtorsion.motion.checking import CAUTION
 from geomtorsion.motion.compare import difference
-from geomtorsion.motion.in_turn import ROUGH_BELOW, TAKEN, told_in_turn
+from geomtorsion.motion.in_turn import FEW_STEPS, ROUGH_BELOW, TAKEN, told_in_turn
 from geomtorsion.motion.journey import travel
 from geomtorsion.spaces import load
 from tests.motion.engines import needs_heyoka
@@ -87,7 +87,7 @@ def test_what_was_good_enough_is_remembered():
     looser = Motion(1e-3)
     found = looser.told(1e-8, known)
     assert found is not None
-    assert len(looser.runs) == 2
+    assert len(looser.runs) == 3
     assert 0.1 * 1e-8 * TAKEN < found.error <= TAKEN * 1e-8
     # Another motion of equal equations for which that is too loose, and then that one again.
     other = Motion(10.0)
@@ -96,6 +96,20 @@ def test_what_was_good_enough_is_remembered():
     last = Motion(10.0)
     assert last.told(1e-8, known) is not None
     assert len(last.runs) == 2
+
+
+def test_few_steps_are_held_against_a_run_between():
+    """Errors of the coarse run may cancel by chance; then the run between says more."""
+    motion = Motion()
+
+    def difference(one, two):
+        return (abs(one.wrong - two.wrong) * (0.01 if two.tolerance > 50 * one.tolerance else 1), 9)
+
+    found = told_in_turn(RungeKutta(), 1e-6, {}, motion.attempt, motion.moved, difference)
+    assert found is not None
+    assert found.answer.steps < FEW_STEPS
+    assert len(found.spent) == 3
+    assert found.answer.wrong <= found.error <= 1e-6
 
 
 def test_rounding_is_told_by_runs_that_round_differently():

@@ -85,9 +85,7 @@ def test_errors_fall_with_the_eighth_power():
 
     errors = []
     for count in (4, 8, 16):
-        walk = Steps(
-            system.scalar_function, [], [1.0, 0.0], (0.0, 8.0), 10.0, [1.0, 1.0], 8 / count, MOST
-        )
+        walk = Steps(system, [], [1.0, 0.0], (0.0, 8.0), 10.0, [1.0, 1.0], 8 / count, MOST)
         while walk.time != 8.0:
             # Every step is as long as it may be.
             walk._size = 8 / count

@@ -8,9 +8,10 @@ from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from geomtorsion.motion.engines.dop853 import STAGES, step_of
 from geomtorsion.motion.engines.protocol import Run
 from geomtorsion.motion.engines.scipy_run import error_scales
-from geomtorsion.motion.engines.stepper import STAGES, Polynomial, Steps
+from geomtorsion.motion.engines.stepper import Polynomial, Steps
 from geomtorsion.motion.system import System, floats
 
 # Smaller differences than this are told from rounding by no step.
@@ -31,10 +32,10 @@ def float_run(
 
     began = time.perf_counter()
     y0, values = floats(start), floats(parameters)
-    function = system.scalar_function
     times = np.asarray(times, dtype=float)
     first, last = float(times[0]), float(times[-1])
     first_rates = np.asarray(system.scalar_rates(values)(first, np.array(y0)), dtype=float)
+    step_of(system)
     ready = time.perf_counter()
     if first == last or not np.isfinite(first_rates).all():
         outcome = "done" if first == last else "stuck"
@@ -47,7 +48,7 @@ def float_run(
 
     def steps(longest: float) -> Steps:
         used = max(tolerance, LEAST)
-        return Steps(function, values, y0, (first, last), used, scales, longest, most)
+        return Steps(system, values, y0, (first, last), used, scales, longest, most)
 
     longest = math.inf
     if tolerance < LEAST:

@@ -64,8 +64,7 @@ class RungeKutta:
         wider = coarse.tolerance / fine.tolerance
         if not 0.99 * COARSER <= wider <= 1.01 * COARSER or fine.steps < FEW_STEPS:
             return None
-        ratio = max((coarse.steps / fine.steps) ** 8, 1 / wider)
-        return ratio / (1 - ratio) if ratio <= LITTLE_GAIN else None
+        return shrunk(fine, coarse)
 
     def run(
         self,
@@ -145,6 +144,12 @@ class Stiff:
         return scipy_run(
             self.method, self.max_evaluations, system, start, parameters, times, tolerance, dense
         )
+
+
+def shrunk(fine: Effort, coarse: Effort) -> float | None:
+    """Error of a fine run over its difference to a coarse one, by the eighth power of steps."""
+    ratio = max((coarse.steps / fine.steps) ** 8, fine.tolerance / coarse.tolerance)
+    return ratio / (1 - ratio) if ratio <= LITTLE_GAIN else None
 
 
 def _finer(tolerance: float, finest: float) -> float | None:

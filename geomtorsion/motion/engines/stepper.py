@@ -9,77 +9,34 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any
 
 from geomtorsion.errors import LimitError
+from geomtorsion.motion.engines.dop853 import STAGES, rows_of, step_of
+from geomtorsion.motion.system import System
 
 # Larger systems are faster on arrays.
 LARGEST = 24
 SAFETY, SHORTEST, LONGEST = 0.9, 0.2, 10.0
 # Rates that have no value here.
 NO_VALUE = (ZeroDivisionError, ValueError, OverflowError)
-STAGES = 12
+# So many times are worked out one by one.
+FEW_TIMES = 4
 # Steps between looks at whether time still moves.
 STALL = 2000
 
 
-@lru_cache(maxsize=1)
-def _tables() -> Any:
-    """scipy's class, which has the coefficients."""
-    from scipy.integrate import DOP853
-
-    return DOP853
-
-
-@lru_cache(maxsize=64)
-def _source(n: int, parameters: int) -> str:
-    """One step: error measure, new states, new rates, all stages."""
-    tables = _tables()
-    states = [f"y{i}" for i in range(n)]
-    values = [f"p{i}" for i in range(parameters)]
-
-    def stage(s: int) -> list[str]:
-        return [f"k{s}_{i}" for i in range(n)]
-
-    def combined(row: Sequence[float], i: int) -> str:
-        return " + ".join(f"{float(a)!r}*k{s}_{i}" for s, a in enumerate(row) if a)
-
-    arguments = ", ".join(["f", "h", "rtol", *(f"t{i}" for i in range(n)), *states, *stage(0)])
-    lines = [f"def step({arguments}{''.join(', ' + x for x in values)}):"]
-    tail = "".join(", " + x for x in values)
-    for s in range(1, STAGES):
-        row = tables.A[s, :s]
-        inside = ", ".join(f"y{i} + h*({combined(row, i)})" for i in range(n))
-        lines.append(f"    {', '.join(stage(s))}, = f({inside}{tail})")
-    lines += [f"    n{i} = y{i} + h*({combined(tables.B, i)})" for i in range(n)]
-    new = [f"n{i}" for i in range(n)]
-    lines.append(f"    {', '.join(stage(STAGES))}, = f({', '.join(new)}{tail})")
-    lines.append("    fifth = third = 0.0")
-    for i in range(n):
-        lines.append(f"    a = abs(y{i}); b = abs(n{i}); s = t{i} + rtol*(a if a > b else b)")
-        lines.append(f"    e = ({combined(tables.E5, i)})/s; fifth += e*e")
-        lines.append(f"    e = ({combined(tables.E3, i)})/s; third += e*e")
-    every = ", ".join(name for s in range(1, STAGES) for name in stage(s))
-    result = f"({', '.join(new)},), ({', '.join(stage(STAGES))},), ({every},)"
-    lines.append(f"    return fifth, third, {result}")
-    return "\n".join(lines)
-
-
-@lru_cache(maxsize=64)
-def _step(n: int, parameters: int) -> Callable[..., Any]:
-    table: dict[str, Any] = {}
-    # Made of our own names and of scipy's numbers.
-    exec(compile(_source(n, parameters), "<dop853>", "exec"), table)  # noqa: S102
-    return table["step"]
-
-
 class Polynomial:
-    """Dense output of one step, of order 7; three more stages are worked out on first use."""
+    """Dense output of one step, of order 7; three more stages are worked out on first use.
 
-    def __init__(self, inner: Callable[..., Any], t: float, h: float, parts: Any) -> None:
+    rows: makes the coefficients of a step.
+    parts: the length of the step, states and rates before and after, all stages.
+    """
+
+    def __init__(self, rows: Callable[..., Any], t: float, h: float, parts: Any) -> None:
         self.t, self.h = t, h
-        self._inner, self._parts = inner, parts
+        self._make, self._parts = rows, parts
 
     @property
     def width(self) -> int:
@@ -88,34 +45,31 @@ class Polynomial:
 
     @cached_property
     def _rows(self) -> Any:
-        import numpy as np
-
-        tables, h = _tables(), self.h
-        y, rates, new, new_rates, stages = self._parts
-        n = len(y)
-        stack = np.empty((16, n))
-        stack[0], stack[STAGES] = rates, new_rates
-        stack[1:STAGES] = np.reshape(stages, (STAGES - 1, n))
-        for s, (row, _) in enumerate(zip(tables.A_EXTRA, tables.C_EXTRA, strict=True), 13):
-            between = np.asarray(y) + h * (stack[:s].T @ row[:s])
-            stack[s] = self._inner(*between.tolist())
-        delta = np.asarray(new) - y
-        return np.concatenate(
-            (
-                [delta, h * stack[0] - delta, 2 * delta - h * (stack[STAGES] + stack[0])],
-                h * (tables.D @ stack),
-            )
-        )
+        try:
+            return self._make(self.h, self._parts)
+        except NO_VALUE:
+            return [[float("nan")] * self.width] * 7
 
     def __call__(self, times: Any) -> Any:
         """States at times within the step, shape (m, n)."""
         import numpy as np
 
+        if len(times) <= FEW_TIMES:
+            return np.array([self._at(t) for t in times.tolist()])
         x = ((np.asarray(times) - self.t) / self.h)[:, None]
         total = np.zeros((len(x), self.width))
         for k, row in enumerate(self._rows[::-1]):
             total = (total + row) * (x if k % 2 == 0 else 1 - x)
         return total + self._parts[0]
+
+    def _at(self, time: float) -> list[float]:
+        """The same at one time."""
+        x = (time - self.t) / self.h
+        u = 1 - x
+        return [
+            y + x * (a + u * (b + x * (c + u * (d + x * (e + u * (f + x * g))))))
+            for y, a, b, c, d, e, f, g in zip(self._parts[0], *self._rows, strict=True)
+        ]
 
 
 class Steps:
@@ -126,7 +80,7 @@ class Steps:
 
     def __init__(
         self,
-        function: Callable[..., Any],
+        system: System,
         values: Sequence[float],
         y0: Sequence[float],
         span: tuple[float, float],
@@ -142,9 +96,9 @@ class Steps:
         self.sign = 1.0 if self.end >= self.time else -1.0
         self.tolerance, self.floors = tolerance, tuple(tolerance * x for x in scales)
         self.longest, self.most = longest, most
-        self._function = function
-        self._step = _step(len(self.state), len(self.values))
-        self.rates = tuple(function(*self.state, *self.values))
+        self._function = system.scalar_function
+        self._step, self._rows = step_of(system), rows_of(system)
+        self.rates = tuple(self._function(*self.state, *self.values))
         self.count = self.tried = 0
         self.stuck = ""
         self._mark = self.time
@@ -156,6 +110,10 @@ class Steps:
             return self._function(*state, *self.values)
         except NO_VALUE:
             return [float("nan")] * len(state)
+
+    def _coefficients(self, h: float, parts: Any) -> Any:
+        y, rates, new, new_rates, stages = parts
+        return self._rows(self._function, h, *y, *rates, *new, *new_rates, *stages, *self.values)
 
     def _first(self) -> float:
         """The length of the first step, by Hairer's rule (II.4)."""
@@ -211,7 +169,7 @@ class Steps:
         wider = min(LONGEST, SAFETY * error**-0.125) if error else LONGEST
         self._size = size * (min(1.0, wider) if rejected else wider)
         parts = (self.state, self.rates, new, rates, stages)
-        piece = Polynomial(self.inner, self.time, h, parts)
+        piece = Polynomial(self._coefficients, self.time, h, parts)
         self.time, self.state, self.rates = after, new, rates
         self.count += 1
         return piece
