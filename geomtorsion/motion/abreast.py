@@ -35,13 +35,13 @@ LEAST_STEPS = 2
 BLIND_STEP = 1e-2
 # The size by which steps are measured may be so many times too small, and too large.
 OUTGROWN, OVERSIZED = 4.0, 16.0
+# States of this size that were small may have needed smaller steps where they were small.
+GROWN = 1e3
 # The first lane leaves out no more than so many times what tells it from the last two.
 FASTER = 4.0
 # Where lanes are apart by so many times more than the series explain, it is rounding that tells
 # them apart; and two roundings may be near each other by chance.
 ROUGH, CHANCE = 4.0, 2.0
-# Rounding is what is left where it is so many times what the series leave out.
-IDLE = 30.0
 # Starts of the lanes beside are moved by so many units in the last place, as roundings add up.
 ROUNDINGS = 2.0
 EPSILON = 2.0**-52
@@ -79,9 +79,11 @@ def told(
     known: tolerances that were good enough before, for equal equations.
     None where runs abreast cannot tell: then one run after the other may.
     """
-    key = engine.name, accuracy
+    # A key of its own: what serves lanes, down to the finest, may be too fine for other checks.
+    key = engine.name, accuracy, "abreast"
     missing, running = (*key, "missed"), (*key, "ran")
     tolerance, spent, before = known.get(key) or engine.first(accuracy), [], math.inf
+    best, least_error = None, math.inf
     while True:
         found = attempt(tolerance)
         if found is None:
@@ -97,11 +99,18 @@ def told(
                 # Another order has to be compiled: by now that pays.
                 spare, missed = TAKEN * accuracy / error, known.get(missing, math.inf)
                 known[key] = _remembered(engine, tolerance, spare, missed)
-        # Where rounding is what is left, smaller steps gain nothing.
-        rounded = found.left_out <= found.rounded / IDLE or error > LITTLE * before
-        if good or rounded or tolerance <= engine.finest * 1.01:
-            share = error / found.gap if found.gap > 0 else CAUTION * found.share
-            return Checked(found.answer, found.check, share, error, tuple(spent))
+        if error < least_error or best is None:
+            best, least_error = found, error
+        # Where rounding is what is left, smaller steps gain nothing. (One look is not enough: that
+        # lanes are further apart than their series explain may be a step that was too long.)
+        rounded = error > LITTLE * before
+        finest = tolerance <= engine.finest * 1.01
+        if finest and not good and not rounded and known.get("size", 1.0) > GROWN:
+            # States that grow from small ones need steps that are measured by the small ones.
+            return None
+        if good or rounded or finest:
+            share = least_error / best.gap if best.gap > 0 else CAUTION * best.share
+            return Checked(best.answer, best.check, share, least_error, tuple(spent))
         known[missing] = min(tolerance, known.get(missing, math.inf))
         before = error if found.rounded > found.left_out else math.inf
         # Of an error that cannot be told no more is known than that it is too large.

@@ -188,7 +188,7 @@ def test_tolerance_is_remembered():
     """The next motion of equal equations begins where this one came to."""
     problem = top([0.3, 0.4, 0.2], (1, 2, 1.5))
     first = solve(problem, 40.0, 1e-9)
-    assert learned(problem)["Taylor", 1e-9] == first.journey.tolerance
+    assert learned(problem)["Taylor", 1e-9, "abreast"] == first.journey.tolerance
     assert first.cost.check_seconds >= 0
     again = solve(problem, 40.0, 1e-9)
     assert again.cost.steps == first.cost.steps
@@ -203,3 +203,34 @@ def test_beyond_double_precision(told):
     assert told[0] is not None
     assert told[0].error > 1e-13
     assert truth(problem, solution) < 1e-12
+
+
+@pytest.mark.parametrize("start", [38.0, 42.0, 123.1977448486044])
+def test_a_long_step_is_not_taken_for_rounding(start):
+    """x'' = x - x^3 far out: a step that was too long tells lanes apart, which a second look shows;
+    Taylor series alone reach what is asked."""
+    law = flow({"x": "v", "v": "x - x**3"}, [start, 0.0])
+    solution = solve(law, 150 / start**2, 1e-11, engine=Taylor())
+    energy = solution["v"] ** 2 / 2 - solution["x"] ** 2 / 2 + solution["x"] ** 4 / 4
+    assert solution.error <= 1e-11
+    assert np.abs(energy / energy[0] - 1).max() < 1e-10
+
+
+@pytest.mark.parametrize(("start", "limit", "end"), [(2.4e-5, 77491, 19.8), (1.6e-5, 808669, 24.2)])
+def test_small_states_that_grow_need_steps_of_their_own(start, limit, end):
+    """Logistic growth over ten powers of ten: what is lost where the state is small stays lost."""
+    law = flow({"x": "x*(1 - x/K)"}, [start], parameters={"K": limit})
+    solution = solve(law, end, 1e-12, engine=Taylor())
+    exact = limit / (1 + (limit / start - 1) * np.exp(-solution.times))
+    error = np.abs(solution["x"] - exact).max() / exact.max()
+    assert error < 1e-12
+    assert solution.error >= 0.1 * (error - 1e-14)
+
+
+def test_history_does_not_decide_what_is_solved():
+    """The finest tolerance, needed once, is no start for motions too short for lanes."""
+    law = flow({"x": "v", "v": "-sin(x)"}, [3.1, 0.0])
+    for start in (3.1, 3.14, 3.141, 3.1415, 3.14159):
+        solve(law.moved(start=[start, 0.0]), 40.0, 1e-13)
+    short = solve(law.moved(start=[1.0, 0.0]), 0.3, 1e-13, engine=Taylor())
+    assert short.error <= 1e-13
