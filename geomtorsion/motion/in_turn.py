@@ -15,7 +15,7 @@ from geomtorsion.motion.checking import (
     Checked,
     rounding,
 )
-from geomtorsion.motion.engines.rungekutta import COARSER, RungeKutta, shrunk
+from geomtorsion.motion.engines.rungekutta import COARSER, FEW_STEPS, RungeKutta, shrunk
 
 # An answer is taken if what its steps leave out is below this part of the accuracy, ...
 TAKEN = 0.35
@@ -28,8 +28,8 @@ SPARED = 1.4
 SMALLEST_STEP, LARGEST_STEP, BLIND_STEP = 0.57, 1e-6, 1e-2
 # A run with a looser tolerance than this is no longer like the answer.
 LOOSEST = 1.01e-3
-# Errors of so few steps may cancel by chance: they are held against a run between, too.
-FEW_STEPS, BETWEEN = 300, 10.0
+# Errors of fewer steps may cancel by chance: they are held against a run between, too.
+MANY_STEPS, BETWEEN = 300, 10.0
 # From this tolerance on rounding may matter: it is told by runs that round differently, ...
 ROUGH_BELOW = 1.2e-13
 # ... with tolerances larger by these factors, started above and below.
@@ -143,7 +143,7 @@ def _told(
 ) -> _Told[A] | None:
     """What a coarser run, and runs that round differently where that matters, say of an answer."""
     wide = COARSER * answer.tolerance
-    if answer.outcome != "done" or wide > LOOSEST:
+    if answer.outcome != "done" or answer.steps < FEW_STEPS or wide > LOOSEST:
         return None
     fine = answer.tolerance <= ROUGH_BELOW
     # Of the difference only a share is taken: the start is moved by as much more, unless other
@@ -156,7 +156,7 @@ def _told(
     if not compared or gap == math.inf:
         return None
     left_out = CAUTION * share * gap if gap <= SATURATED else math.inf
-    if not fine and answer.steps < FEW_STEPS and left_out <= accuracy:
+    if not fine and answer.steps < MANY_STEPS and left_out <= accuracy:
         middle = moved(BETWEEN * answer.tolerance, BETWEEN * EPSILON)
         share, (near, compared) = shrunk(answer, middle), difference(answer, middle)
         if share is None or not compared:

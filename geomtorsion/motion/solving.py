@@ -123,6 +123,8 @@ def _refined(problem: Problem, engine: Engine, times: Any, accuracy: float) -> C
         attempt,
         _held,
         lambda journey: journey.outcome == "stuck",
+        # Of RungeKutta's runs only short ones are left.
+        coarse=not isinstance(engine, RungeKutta),
         disturbed=moved,
     )
     if found.error <= accuracy:
