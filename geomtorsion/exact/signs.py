@@ -25,7 +25,7 @@ def of_same_sign(element: Element) -> Element:
     y*(x + 1)
     """
     field, written = element.field, form(element)
-    used = {g for base, _ in written.powers for g in _generators(base)}
+    used = {g for base, _ in written.powers for g in generators(base)}
     # Waves of many angles are written with functions that the field does not have.
     strange = used - set(field.generators)
     if element.is_zero or strange or any(g.kind == "imaginary" for g in used):
@@ -34,13 +34,13 @@ def of_same_sign(element: Element) -> Element:
     for base, exponent in written.powers:
         if exponent % 2:
             if not (isinstance(base, Generator) and base.kind == "exp"):
-                result = result * _element(field, base)
+                result = result * of_factor(field, base)
         elif exponent > 0:
-            result = result * _element(field, base) ** 2
+            result = result * of_factor(field, base) ** 2
     return result
 
 
-def _generators(base: Generator | Sum) -> Iterator[Generator]:
+def generators(base: Generator | Sum) -> Iterator[Generator]:
     """What a factor is made of."""
     if isinstance(base, Generator):
         yield base
@@ -48,8 +48,8 @@ def _generators(base: Generator | Sum) -> Iterator[Generator]:
         yield from (generator for _, monomial in base.terms for generator, _ in monomial)
 
 
-def _element(field: Field, base: Generator | Sum) -> Element:
-    """A factor of a form as an element."""
+def of_factor(field: Field, base: Generator | Sum) -> Element:
+    """A factor of a written form as an element."""
     if isinstance(base, Generator):
         return field.generator_element(base)
     terms = []

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -12,15 +11,14 @@ from typing import Any
 
 from geomtorsion.motion.engines.protocol import Engine
 from geomtorsion.motion.engines.taylor import Taylor, heyoka, is_available
+from geomtorsion.motion.reduced_constants import Constants
 from geomtorsion.motion.reduced_split import Written
-from geomtorsion.motion.system import System, floats, mpf
+from geomtorsion.motion.system import System, floats
 
 # Velocities that come back from their momenta more roundings off than this are not reduced.
 ROUNDINGS = 64
 # Engines that measure steps block by block need to see velocities near the size of the largest.
 SEEN = 1e-3
-# Bits on top of the precision asked for.
-SPARE = 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +48,7 @@ class Reduction:
     >>> frame = load("schwarzschild").frame
     >>> circle = geodesic(frame, [0, 8, 1.5, 0], [1, 0, 0, 0.04], parameters={"M": 1})
     >>> circle.equations("schwarzschild").reduction.system.states
-    ('t', 'r', 'theta', 'phi', 'p_r', 'p_theta')
+    ('t', 'r', 'theta', 'phi', 'v_r', 'v_theta')
     """
 
     full_system: System
@@ -61,11 +59,6 @@ class Reduction:
         """The smaller system: states that are left, in the old order; more parameters."""
         return self.written.system
 
-    @cached_property
-    def names(self) -> tuple[str, ...]:
-        """What `constants` gives: momenta, then sums of their products."""
-        return (*self.written.constants, *self.written.mixtures)
-
     def watching(self, system: System) -> System:
         """The smaller system with the edge that a variant of the full one has."""
         if system.edge is None:
@@ -75,43 +68,25 @@ class Reduction:
     # -- in --------------------------------------------------------------------------------------
 
     @cached_property
-    def _door(self) -> System:
-        """Momenta that are states, then constants, as functions of the full states."""
-        sums = (*self.written.momenta, *self.written.constants.values())
-        return System(self.full_system.states, self.full_system.parameters, sums, ())
+    def _constants(self) -> Constants:
+        return Constants(self.full_system, self.written)
 
-    @cached_property
-    def _mixer(self) -> System:
-        """Sums of products of constants."""
-        return System(tuple(self.written.constants), (), self.written.mixed, ())
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What `constants` gives: momenta, those of single coordinates, sums of products."""
+        return self._constants.names
 
     def constants(
         self, start: Sequence[Any], parameters: Sequence[Any], precision: int = 53
     ) -> tuple[Any, ...]:
         """Values of `names` for a full start: floats, or mpmath numbers above 53 bits."""
-        return self._entered(start, parameters, precision)[1]
-
-    def _entered(
-        self, start: Sequence[Any], parameters: Sequence[Any], bits: int
-    ) -> tuple[Sequence[Any], tuple[Any, ...]]:
-        """Momenta that are states, and the constants."""
-        count = len(self.written.momenta)
-        if bits == 53:
-            found = self._door.scalar_function(*floats(start), *floats(parameters))
-            plain = found[count:]
-            return found[:count], (*plain, *self._mixer.scalar_function(*plain))
-        import mpmath
-
-        with mpmath.workprec(bits + SPARE):
-            found = _precisely(self._door, (*start, *parameters), bits + SPARE)
-            plain = found[count:]
-            return found[:count], (*plain, *_precisely(self._mixer, plain, bits + SPARE))
+        return self._constants.entered(start, parameters, precision)[1]
 
     def opening(self, start: Sequence[Any], parameters: Sequence[Any], precision: int) -> Opening:
         """The start of the smaller system for a full start."""
         import numpy as np
 
-        momenta, constants = self._entered(start, parameters, precision)
+        momenta, constants = self._constants.entered(start, parameters, precision)
         begun = [*start[: self.written.width], *momenta]
         values = [*parameters, *(constants[k] for k in self._places)]
         numbers = (*parameters, *constants[: len(self.written.constants)])
@@ -242,19 +217,3 @@ class Reduction:
         if lasting:
             self.__dict__["_last"] = (start, parameters, kind, result)
         return result
-
-
-def _precisely(system: System, values: Sequence[Any], bits: int) -> list[Any]:
-    """The rates of a system as mpmath numbers."""
-    import mpmath
-
-    names = (*system.states, *system.parameters)
-    table = {name: mpf(x, bits) for name, x in zip(names, values, strict=True)}
-    found = []
-    for sums in system.rates:
-        total = mpmath.mpf(0)
-        for element, factors in sums:
-            factor = mpmath.mpmathify(element.evaluate(table, bits))
-            total += factor * math.prod([table[name] for name in factors])
-        found.append(total)
-    return found

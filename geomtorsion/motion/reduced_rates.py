@@ -2,7 +2,8 @@
 
 Legs along such coordinates alone have u^i = G^ik E_k^a p_a: no equations of their own. The rest is
 written as q' = dH/dp, p' = -dH/dq with H = G^ij E_i^mu E_j^nu p_mu p_nu / 2. Where H = K / sigma,
-p'_r = (-dK/dq^r + (N/2) dsigma/dq^r) / sigma with N = 2 H, which is a constant, too.
+p'_r = (-dK/dq^r + (N/2) dsigma/dq^r) / sigma with N = 2 H, which is a constant, too. Where K falls
+apart into parts of one coordinate each, there is a constant for each of them.
 """
 
 from __future__ import annotations
@@ -14,14 +15,16 @@ from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import GeomtorsionError, MissingValueError
 from geomtorsion.exact.engine_code import Products
-from geomtorsion.motion.reduced_split import Mixture, Split, Written
-from geomtorsion.motion.reduced_system import Reduced, effort, gathered
+from geomtorsion.motion.reduced_separated import separated, single_coordinates
+from geomtorsion.motion.reduced_split import HALF, Split, Written
+from geomtorsion.motion.reduced_system import Reduced, effort, gathered, names_in
 
 if TYPE_CHECKING:
-    from geomtorsion.exact import Element
+    from geomtorsion.exact import Element, Field
     from geomtorsion.motion.equations import Equations
 
-HALF = Fraction(1, 2)
+# Names of constants that are multiplied, and a factor, for each term of a sum.
+Mixture = tuple[tuple[tuple[str, ...], Fraction], ...]
 # Rates that cost less than this, as those of polar planes, are not worth the way in and out.
 SMALL = 50
 
@@ -74,7 +77,24 @@ def _cheapest(parts: Split) -> Written:
                 continue
             if effort(other.system) < effort(cheapest.system):
                 cheapest, squares = other, (*squares, i)
+    apart = [in_parts(parts, other, squares) for other in scales]
+    for other in apart:
+        if other is not None and effort(other.system) < effort(cheapest.system):
+            cheapest = other
     return cheapest
+
+
+def in_parts(parts: Split, scale: Element, squares: Sequence[int]) -> Written | None:
+    """The form with a constant for each coordinate; None where there is none for this sigma."""
+    spread = _spread(parts, scale, range(parts.frame.dimension))
+    singles = single_coordinates(parts, scale, spread)
+    if singles is None:
+        return None
+    try:
+        whole = in_momenta(parts, scale, squares)
+    except GeomtorsionError:
+        whole = in_momenta(parts, scale, ())
+    return separated(parts, singles, whole)
 
 
 def in_momenta(parts: Split, scale: Element, squares: Sequence[int]) -> Written:
@@ -103,7 +123,7 @@ def in_momenta(parts: Split, scale: Element, squares: Sequence[int]) -> Written:
             terms += piece.slope(symbol, names)
         rates.append(mixing.mixed(terms))
     given = {piece.name: piece.sums for piece in pieces}
-    used = _names_in([*rates, *given.values()])
+    used = names_in([*rates, *given.values()])
     extra = [name for name in (*parts.constants, *mixing.table) if name in used]
     small = Reduced(
         (*system.states[:width], *(names[mu] for mu in along)),
@@ -119,10 +139,6 @@ def in_momenta(parts: Split, scale: Element, squares: Sequence[int]) -> Written:
     constants = parts.constants | {parts.norm: parts.square}
     momenta = tuple(parts.momentum(mu) for mu in along)
     return Written(small, width, momenta, constants, mixing.table, velocities, parts.along)
-
-
-def _names_in(every: Sequence[Products]) -> set[str]:
-    return {name for sums in every for _, names in sums for name in names}
 
 
 def _spread(parts: Split, scale: Element, legs: Sequence[int]) -> dict[tuple[int, int], Element]:
@@ -182,11 +198,13 @@ class _Mixing:
     """Products of constants in sums, each sum of like ones under one name.
 
     prefix: of new names; names: of the constants; table: name of a mixture -> what it is.
+    known: the same as names of constants that are multiplied, each with a factor.
     """
 
     prefix: str
     names: frozenset[str]
-    table: dict[str, Mixture] = field(default_factory=dict)
+    table: dict[str, Products] = field(default_factory=dict)
+    known: dict[Mixture, str] = field(default_factory=dict)
 
     def mixed(self, terms: Sequence[tuple[Element, tuple[str, ...]]]) -> Products:
         """A sum of products in which constants have become one factor each."""
@@ -205,12 +223,10 @@ class _Mixing:
                     break
             else:
                 groups.append((value, [(names, Fraction(1))]))
-        return (*((value, (self._name(tuple(m)),)) for value, m in groups), *plain)
+        return (*((value, (self._name(tuple(m), value.field),)) for value, m in groups), *plain)
 
-    def _name(self, mixture: Mixture) -> str:
-        for name, known in self.table.items():
-            if known == mixture:
-                return name
-        name = f"{self.prefix}_mix{len(self.table)}"
-        self.table[name] = mixture
-        return name
+    def _name(self, mixture: Mixture, exact: Field) -> str:
+        if mixture not in self.known:
+            name = self.known[mixture] = f"{self.prefix}_mix{len(self.table)}"
+            self.table[name] = tuple((exact.rational(x), names) for names, x in mixture)
+        return self.known[mixture]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -18,8 +18,7 @@ if TYPE_CHECKING:
     from geomtorsion.motion.laws import Momenta
 
 Pairs = Mapping[tuple[int, int], "Element"]
-# A constant as a sum: names of constants that are multiplied, and a factor.
-Mixture = tuple[tuple[tuple[str, ...], Fraction], ...]
+HALF = Fraction(1, 2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,27 +28,20 @@ class Written:
     system: states are coordinates, then momenta; parameters are the old ones, then constants.
     width: number of coordinates.
     momenta: those that are states, as sums over the full states.
-    constants: name -> sum over full states; mixtures: name -> products of such constants.
+    constants: name -> sum over full states; mixtures: name -> products of constants.
     velocities: for each u^i the sum over states and constants that gives it.
     along: legs along cyclic coordinates alone.
+    separators: name -> a further constant as a sum over coordinates, momenta and constants.
     """
 
     system: Reduced
     width: int
     momenta: tuple[Products, ...]
     constants: Mapping[str, Products]
-    mixtures: Mapping[str, Mixture]
+    mixtures: Mapping[str, Products]
     velocities: tuple[Products, ...]
     along: tuple[int, ...]
-
-    @property
-    def mixed(self) -> tuple[Products, ...]:
-        """The mixtures as sums of products of constants."""
-        exact = next(value for row in self.velocities for value, _ in row).field
-        return tuple(
-            tuple((exact.rational(factor), names) for names, factor in mixture)
-            for mixture in self.mixtures.values()
-        )
+    separators: Mapping[str, Products] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,10 +79,10 @@ class Split:
             return None
         taken = {*equations.system.states, *equations.system.parameters}
         taken |= {symbol.name for symbol in frame.field.symbols}
-        names = {mu: _free(f"p_{frame.coordinates[mu].name}", taken) for mu in range(n)}
+        names = {mu: free_name(f"p_{frame.coordinates[mu].name}", taken) for mu in range(n)}
         others = tuple(i for i in range(n) if i not in along)
         upper = inverse(frame.field, lower, n)
-        norm = _free("norm", taken)
+        norm = free_name("norm", taken)
         return cls(
             equations, frame, tuple(sorted(along)), others, lower, upper, cyclic, names, norm
         )
@@ -131,7 +123,7 @@ class Split:
         return {self.names[mu]: self.momentum(mu) for mu in self.cyclic}
 
 
-def _free(name: str, taken: set[str]) -> str:
+def free_name(name: str, taken: set[str]) -> str:
     """A name that nothing else has."""
     while name in taken:
         name += "_"

@@ -124,6 +124,11 @@ def gathered(found: Mapping[tuple[str, ...], Sequence[Any]]) -> Products:
     return tuple(totals)
 
 
+def names_in(every: Sequence[Products]) -> set[str]:
+    """All names that multiply something in some sums."""
+    return {name for sums in every for _, names in sums for name in names}
+
+
 def effort(system: System) -> int:
     """What an evaluation of the rates costs, in products; each state costs some, too."""
     code = system.code[0]
