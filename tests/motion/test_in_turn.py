@@ -98,6 +98,17 @@ def test_what_was_good_enough_is_remembered():
     assert len(last.runs) == 2
 
 
+def test_what_was_too_loose_once_is_not_tried_again():
+    """However much there is to spare."""
+    key, missed = ("RungeKutta", 1e-8), ("RungeKutta", 1e-8, "missed")
+    known = {key: 1e-10, missed: 1e-8}
+    assert Motion(1e-4).told(1e-8, known) is not None
+    assert known == {key: 1e-10, missed: 1e-8}
+    del known[missed]
+    assert Motion(1e-4).told(1e-8, known) is not None
+    assert known[key] > 1e-8
+
+
 def test_few_steps_are_held_against_a_run_between():
     """Errors of the coarse run may cancel by chance; then the run between says more."""
     motion = Motion()
