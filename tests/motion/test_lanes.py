@@ -1,0 +1,108 @@
+"""Lanes: what each of those beside an answer is there for."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from geomtorsion.motion import Taylor, abreast, beside, flow, geodesic, solve
+from geomtorsion.motion.abreast import CAUTION
+from geomtorsion.motion.engines.abreast import LANES, run_abreast, sizes_of
+from geomtorsion.motion.flows import beside as flow_beside
+from geomtorsion.motion.flows.travel import legs_of, travel
+from geomtorsion.motion.journey import departure
+from geomtorsion.spaces import load
+
+pytest.importorskip("heyoka")
+
+
+def test_what_lanes_tell():
+    """Series from the second lane, rounding from the last two, each with its caution."""
+    judged = abreast.judged
+    # Both agree: the share of the difference, and what the last two tell.
+    assert judged(1e-3, [1e-6, 1e-9, 3e-10]) == pytest.approx((CAUTION * 1e-9,) * 2)
+    assert judged(1e-3, [1e-6, 3e-10, 1e-9]) == pytest.approx((CAUTION * 1e-9,) * 2)
+    # The last two are nearer than the share says: series of entire functions.
+    assert judged(1e-3, [1e-6, 1e-12, 3e-12]) == pytest.approx((CAUTION * 1.2e-11, CAUTION * 3e-12))
+    # They are further apart: rounding, which may be less by chance than what it can be.
+    assert judged(1e-6, [1e-6, 5e-9, 1e-9]) == pytest.approx((CAUTION * 1e-12, CAUTION * 1e-8))
+    # Too far apart to tell anything.
+    assert judged(1e-6, [0.1, 1e-9, 1e-9])[0] == np.inf
+
+
+def test_gaps_of_lanes():
+    """Each lane against the first, in the largest of each block; no number is no answer."""
+    states = np.array([[[1.0, 1.5, 1.0, 1.0], [-8.0, -8.0, -8.0, -6.0], [2.0, 2.0, 2.5, 2.0]]])
+    sizes = sizes_of(states)
+    assert sizes == [1.0, 8.0, 2.0]
+    assert abreast.gaps(states, sizes, [[0, 1], [2]]) == [0.0625, 0.25, 0.25]
+    states[0, 1, 2] = np.nan
+    assert abreast.gaps(states, sizes, [[0, 1], [2]]) is None
+
+
+@pytest.mark.parametrize("tolerance", [1e-8, 1e-10, 1e-12])
+@pytest.mark.parametrize("span", [6.0, 60.0])
+def test_share_of_the_second_lane(tolerance, span):
+    """By how much the first lane is better, against long double precision; short spans, too."""
+    rates = {"x": "v", "y": "w", "v": "-x/(x**2+y**2)**(3/2)", "w": "-y/(x**2+y**2)**(3/2)"}
+    law = flow(rates, [0.5, 0.0, 0.0, np.sqrt(3.0)])
+    times, start = np.linspace(0.0, span, 65), np.array([law.start], dtype=float).T
+    lanes = run_abreast(
+        Taylor(), law.system, np.tile(start, LANES), np.zeros((0, 1)), times, tolerance, 1e3, 4.0
+    )
+    exact = Taylor(64).run(law.system, law.start, [], times, 2.0**-68).states.astype(float)
+    errors = np.abs(lanes.states - exact[:, :, None]).max(axis=(0, 1))
+    assert lanes.share == pytest.approx(errors[0] / errors[1], rel=8)
+    assert lanes.share > 0.125 * errors[0] / errors[1]
+
+
+def test_lanes_beside_start_moved():
+    """By two units in the last place, the second by as much more as of it less is taken."""
+    step = 2.0**-51
+    parts = np.array([0.0, 1e3 * step, step, -step])
+    law = flow({"x": "a*x", "y": "b*x"}, [3, -5], parameters={"a": Fraction(1, 3), "b": 0.5})
+    (leg,) = legs_of(law, 1.0)
+    starts, numbers = flow_beside._prepared(law, Taylor(), leg, None, abreast.moves(1e3))
+    # Up and down by turns; of numbers those that are held exactly stay.
+    for row, sign in ((starts[0] / 3, 1), (starts[1] / -5, -1), (numbers[0] * 3, 1)):
+        assert np.abs(row - 1 - sign * parts).max() < 0.6 * step
+    assert (numbers[1] == 0.5).all()
+    problem = geodesic(
+        load("s3").frame, (0.7, 0.2, 0.3), frame_velocity=[0.3, 0.4, 0.2],
+        metric=[1, 2, Fraction(3, 2)],
+    )  # fmt: skip
+    _, _, vector, values = departure(problem, 53)
+    opened = beside._opened(
+        Taylor(), problem.equations(problem.charts[0]), vector, values, 1e3
+    ).starts
+    moved = np.abs(opened / opened[:, :1] - 1).max(axis=0)
+    assert moved == pytest.approx(np.array([0, 2e3, 2.7, 2.7]) * step, rel=0.6)
+
+
+def test_rounded_parameters_are_seen():
+    """A third is no number of a computer: after a million radians all steps are off alike."""
+    law = flow({"x": "w*v", "v": "-w*x"}, [1, 0], parameters={"w": Fraction(1, 3)})
+    solution = solve(law, [1e6, 1e6 + 4.0], 1e-9)
+    error = np.abs(solution["x"] - np.cos(solution.times.astype(np.longdouble) / 3)).max()
+    assert error < 1e-9
+    assert solution.error >= 0.1 * error
+
+
+def test_legs_keep_what_lanes_are_apart():
+    """What is left out before a switch grows after it."""
+    law = flow({"x": "a*x"}, [1.0], parameters={"a": 1.0}, switches=[(5.0, {"a": -1.0})])
+    unstable = flow(
+        {"x": "a*(y - x)", "y": "x*(r - z) - y", "z": "x*y - 8*z/3"}, [1.0, 2.0, 20.0],
+        parameters={"a": 10.0, "r": 28.0}, switches=[(t, {"r": 28.0}) for t in (1, 4, 7, 9.9)],
+    )  # fmt: skip
+    for one, end in ((law, 10.0), (unstable, 10.0)):
+        solution = solve(one, end, 1e-8)
+        legs = legs_of(one, end)
+        exact = travel(one, Taylor(113), 2.0**-116, solution.recipe.grid, legs)
+        found = solution.trip.states - exact.states.astype(float)
+        size = np.abs(solution.trip.states).max(axis=0)
+        error = (np.abs(found).max(axis=0) / size).max()
+        assert error < 1e-8
+        assert solution.error >= 0.2 * error
