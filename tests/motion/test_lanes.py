@@ -7,12 +7,14 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from geomtorsion.motion import Taylor, abreast, beside, flow, geodesic, solve
+from geomtorsion.geometry import cartan
+from geomtorsion.motion import Taylor, abreast, autoparallel, beside, flow, geodesic, solve
 from geomtorsion.motion.abreast import CAUTION
 from geomtorsion.motion.engines.abreast import LANES, run_abreast, sizes_of
 from geomtorsion.motion.flows import beside as flow_beside
 from geomtorsion.motion.flows.travel import legs_of, travel
 from geomtorsion.motion.journey import departure
+from geomtorsion.motion.journey import travel as travel_space
 from geomtorsion.spaces import load
 
 pytest.importorskip("heyoka")
@@ -106,3 +108,55 @@ def test_legs_keep_what_lanes_are_apart():
         error = (np.abs(found).max(axis=0) / size).max()
         assert error < 1e-8
         assert solution.error >= 0.2 * error
+
+
+def test_edges_do_not_measure_steps():
+    """Far from the hole the edge function is larger than any state; steps go by the states."""
+    problem = autoparallel(
+        cartan(load("kerr").frame), [0, 9, 1.1, 0.4], frame_velocity=[0.44, 2.5, 1.33, 0.4],
+        parameters={"M": 1, "a": 0.6},
+    )  # fmt: skip
+    times = np.linspace(0.0, 11.4, 33)
+    solution = solve(problem, times, 1e-9)
+    exact = travel_space(problem, Taylor(64), 2.0**-68, times * problem.speed).segments[0].states
+    found = solution.journey.segments[0].states
+    size = max(np.abs(found[:, :4]).max(), 1.0)
+    error = float(np.abs(found - exact)[:, :4].max()) / size
+    assert error < 1e-9
+    assert solution.error >= 0.1 * error
+    system = problem.equations("kerr").system
+    _, _, vector, numbers = departure(problem, 53)
+    starts = np.tile(vector[:, None], LANES)
+    lanes = run_abreast(Taylor(), system, starts, numbers[:, None], times, 1e-10, 1e3, 30.0)
+    assert lanes is not None
+    assert lanes.steps[1] < 0.75 * lanes.steps[0]
+
+
+def test_lanes_of_equal_steps_tell_nothing():
+    """x' = 1 needs one step, however it is measured."""
+    law, start = flow({"x": "1"}, [1.0]), np.ones((1, LANES))
+    numbers = np.zeros((0, 1))
+    assert run_abreast(Taylor(), law.system, start, numbers, np.arange(3.0), 1e-9, 1e3, 1.0) is None
+
+
+def test_lanes_at_an_edge_tell_nothing():
+    """A motion that goes on beyond the edge of its chart is left to single runs."""
+    problem = geodesic(load("s2").frame, [1.0, 0.0], [-1.0, 1e-3], parameters={"R": 1})
+    _, _, vector, numbers = departure(problem, 53)
+    system = problem.equations("s2").system
+    starts = np.tile(vector[:, None], LANES)
+    rest = Taylor(), system, starts, numbers[:, None]
+    assert run_abreast(*rest, np.array([0.0, 0.5]), 1e-9, 1e3, 1.0) is not None
+    assert run_abreast(*rest, np.array([0.0, 1.5]), 1e-9, 1e3, 1.0) is None
+
+
+def test_too_many_steps_are_left_to_single_runs(monkeypatch):
+    """Lanes that have not come to the end tell nothing."""
+    from geomtorsion.motion.engines import abreast as lanes
+
+    monkeypatch.setattr(lanes, "MOST_STEPS", 10)
+    law = flow({"x": "v", "v": "-x"}, [1.0, 0.0])
+    starts, numbers = np.tile([[1.0], [0.0]], LANES), np.zeros((0, 1))
+    assert lanes.run_abreast(
+        Taylor(), law.system, starts, numbers, np.array([0.0, 50.0]), 1e-9, 1e3, 1.0
+    ) is None  # fmt: skip
