@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 # A motion that changes charts more often than this goes round in circles on an edge.
 MOST_CHANGES = 10_000
+# One that gets stuck in so many charts in turn, without going on by this part of its time, is at
+# the end of all of them.
+PATIENCE, STANDSTILL = 2, 1e-9
 # A chart is worth moving to if it is this much further from its edge, in units of its margin.
 GAIN = 1.5
 
@@ -123,7 +126,7 @@ def travel(
     several = len(problem.charts) > 1
     name, velocities, vector, parameters = departure(problem, engine.precision)
     segments: list[Segment] = []
-    rest, skips = times, 0
+    rest, skips, idle = times, 0, 0
     if moved:
         vector = moved_start(problem.equations(name), vector, moved, engine.precision)
     while True:
@@ -140,6 +143,10 @@ def travel(
         segments.append(Segment(name, equations, run, first, skips, vector, parameters))
         if run.outcome != "edge" and not (run.outcome == "stuck" and several and name):
             return Journey(problem, engine, tolerance, tuple(segments), run.outcome, run.reason)
+        moved_on = abs(float(run.reached) - first) > STANDSTILL * abs(float(run.reached))
+        idle = idle + 1 if run.outcome == "stuck" and not moved_on else 0
+        if idle == PATIENCE:
+            return Journey(problem, engine, tolerance, tuple(segments), "stuck", run.reason)
         state = _joined(equations, run.last, velocities)
         target = best_chart(problem, name, state, engine.precision)
         if target is None or len(segments) > MOST_CHANGES:

@@ -30,7 +30,7 @@ OTHERWISE = 1.5
 # The answer, longer steps, and two that round differently.
 LANES = 4
 # Runs of more steps than this are left to one lane, which looks whether it gets anywhere.
-MOST_STEPS = 100_000
+MOST_STEPS = 30_000
 # Steps that a share can be told by.
 FEW_STEPS = 8
 

@@ -25,8 +25,9 @@ from geomtorsion.motion.system import System, mpf
 
 __all__ = ["Taylor", "heyoka", "is_available"]
 
-# Between looks at whether a run still gets anywhere.
-STEPS_AT_ONCE = 20_000
+# Between looks at whether a run still gets anywhere: by this part of its time at least.
+STANDSTILL = 1e-8
+STEPS_AT_ONCE = 2_000
 # Orders of which the error is told by a run of lower order: from here on, ...
 LOWEST_CHECKED = 6
 # ... as far as rounding, so many units in the last place a step, leaves room.
@@ -226,7 +227,7 @@ class Taylor:
                     return states[:keep], "stuck", steps, NO_VALUE
                 return states, "edge", steps, ""
             moved = abs(float(integrator.time - before))
-            if moved < 1e-7 * abs(float(grid[-1] - grid[0])):
+            if moved < STANDSTILL * abs(float(grid[-1] - grid[0])):
                 return np.concatenate(rows), "stuck", steps, "the steps became too small"
             if steps > self.max_steps:
                 raise LimitError(
