@@ -45,7 +45,7 @@ def test_gaps_of_lanes():
 
 
 @pytest.mark.parametrize("tolerance", [1e-8, 1e-10, 1e-12])
-@pytest.mark.parametrize("span", [6.0, 60.0])
+@pytest.mark.parametrize("span", [2.0, 6.0, 60.0])
 def test_share_of_the_second_lane(tolerance, span):
     """By how much the first lane is better, against long double precision; short spans, too."""
     rates = {"x": "v", "y": "w", "v": "-x/(x**2+y**2)**(3/2)", "w": "-y/(x**2+y**2)**(3/2)"}
@@ -160,3 +160,46 @@ def test_too_many_steps_are_left_to_single_runs(monkeypatch):
     assert lanes.run_abreast(
         Taylor(), law.system, starts, numbers, np.array([0.0, 50.0]), 1e-9, 1e3, 1.0
     ) is None  # fmt: skip
+
+
+def test_witness_is_a_looser_run():
+    """What is between the samples is told by a run as good as the second lane."""
+    problem = geodesic(load("s3").frame, (0.7, 0.2, 0.3), frame_velocity=[0.3, 0.4, 0.2])
+    solution = solve(problem, [9.0, 18.0], 1e-7)
+    assert solution.witness is not None
+    assert solution.witness.tolerance > 100 * solution.journey.tolerance
+    times = np.linspace(0.0, 18.0, 200)
+    exact = travel_space(problem, Taylor(64), 2.0**-68, times * problem.speed).segments[0].states
+    error = np.abs(solution.at(times).coordinates - exact[:, :3].astype(float)).max()
+    assert error / np.abs(exact[:, :3]).max() < 10 * solution.error_between
+    answer, check = solve(flow({"x": "v", "v": "-x"}, [1.0, 0.0]), 9.0, 1e-7).trips
+    assert check.tolerance > 100 * answer.tolerance
+
+
+def test_jumps_of_states_of_length_one():
+    """After a jump they are brought to length one, in each lane."""
+    law = flow(
+        {"p": "q", "q": "-p"}, {"p": 0, "q": 1}, unit=[("p", "q")], switches=[(8.0, {"p": 3})],
+        blocks=[("p", "q")],
+    )  # fmt: skip
+    times = np.linspace(8.5, 20.0, 24)
+    solution = solve(law, times, 1e-9)
+    angle = np.arctan2(3.0, np.cos(8.0)) + times - 8.0
+    assert solution.engine == "Taylor"
+    assert np.abs(solution["p"] - np.sin(angle)).max() < 1e-9
+    assert np.abs(solution["q"] - np.cos(angle)).max() < 1e-9
+    (_, second) = solution.trips[0].pieces
+    assert np.hypot(*second.start[:2]) == pytest.approx(1, abs=1e-15)
+
+
+@pytest.mark.parametrize("end", [12.0, 25.0, 38.0])
+def test_lanes_of_growing_states(end):
+    """Sizes of steps go by where the states come to: lanes are apart as their tolerances are."""
+    law = flow({"x": "x*cos(y)", "y": "z", "z": "-y"}, [1.0, 0.1, 0.0], blocks=[("x",), ("y", "z")])
+    solution = solve(law, end, 1e-8)
+    legs = legs_of(law, end)
+    exact = travel(law, Taylor(113), 2.0**-116, solution.recipe.grid, legs).states.astype(float)
+    gaps = np.abs(solution.states - exact).max(axis=0)
+    error = max(gaps[0] / exact[:, 0].max(), gaps[1:].max() / 0.1)
+    assert error < 1e-8
+    assert 0.1 * error <= solution.error <= 100 * error
