@@ -203,3 +203,24 @@ def test_lanes_of_growing_states(end):
     error = max(gaps[0] / exact[:, 0].max(), gaps[1:].max() / 0.1)
     assert error < 1e-8
     assert 0.1 * error <= solution.error <= 100 * error
+
+
+def test_threads_share_an_integrator():
+    """Two threads that solve equal equations get what one gets."""
+    import sys
+    from concurrent.futures import ThreadPoolExecutor
+
+    law = flow({"x": "v", "v": "-sin(x)"}, [1.0, 0.0])
+    starts = np.linspace(0.1, 3.0, 240)
+
+    def last(start):
+        return solve(law.moved(start=[start, 0.0]), 30.0, 1e-9).states[-1]
+
+    alone, before = [last(start) for start in starts], sys.getswitchinterval()
+    sys.setswitchinterval(1e-5)
+    try:
+        with ThreadPoolExecutor(2) as pool:
+            found = list(pool.map(last, starts))
+    finally:
+        sys.setswitchinterval(before)
+    assert np.abs(np.array(found) - alone).max() < 1e-8

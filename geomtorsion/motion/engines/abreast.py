@@ -103,26 +103,27 @@ def run_abreast(
         system, order, 53, LANES, engine.optimised, engine.number, abreast=True
     )
     integrator = compiled.integrator
-    began = time.perf_counter()
-    integrator.set_time(float(times[0]))
-    state = integrator.state
-    state[:-1] = starts
-    # heyoka measures what it leaves out by the largest state: here that is one of our own.
-    state[-1] = size, looser * size, OTHERWISE * size, OTHERWISE**2 * size
-    if len(system.parameters):
-        integrator.pars[:] = parameters
-    touched: set[int] = set()
-    if system.edge is not None:
-        integrator.reset_cooldowns()
-        touched = integrator.nt_events[0].callback.lanes
-        touched.clear()
-    grid = np.repeat(times, LANES).reshape(-1, LANES)
-    rows = integrator.propagate_grid(grid, max_steps=MOST_STEPS)[1]
-    results = integrator.propagate_res
+    with compiled.lock:
+        began = time.perf_counter()
+        integrator.set_time(float(times[0]))
+        state = integrator.state
+        state[:-1] = starts
+        # heyoka measures what it leaves out by the largest state: here that is one of our own.
+        state[-1] = size, looser * size, OTHERWISE * size, OTHERWISE**2 * size
+        if len(system.parameters):
+            integrator.pars[:] = parameters
+        touched: set[int] = set()
+        if system.edge is not None:
+            integrator.reset_cooldowns()
+            touched = integrator.nt_events[0].callback.lanes
+            touched.clear()
+        grid = np.repeat(times, LANES).reshape(-1, LANES)
+        rows = integrator.propagate_grid(grid, max_steps=MOST_STEPS)[1]
+        results, at_edge = integrator.propagate_res, bool(touched)
     ended = time.perf_counter()
     compiled.used += ended - began
     arrived = type(results[0][0]).time_limit
-    if touched or [x[0] for x in results] != [arrived] * LANES:
+    if at_edge or [x[0] for x in results] != [arrived] * LANES:
         return None
     if results[2] == results[0] or results[3] == results[0]:
         # Lanes that take the same steps tell nothing.

@@ -7,9 +7,10 @@ import re
 import time
 from collections import OrderedDict
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from importlib import import_module
+from threading import RLock
 from typing import Any
 
 from geomtorsion.errors import MissingExtraError
@@ -32,11 +33,15 @@ DISK = 2**30
 
 @dataclass
 class Compiled:
-    """A compiled integrator, whether it is optimised, and for how long it has run."""
+    """A compiled integrator, whether it is optimised, and for how long it has run.
+
+    lock: held while it runs, for threads that solve equal equations share it.
+    """
 
     integrator: Any
     optimised: bool
     used: float = 0.0
+    lock: Any = field(default_factory=RLock)
 
 
 class Touched:
