@@ -8,7 +8,7 @@ from typing import Any
 
 from geomtorsion.motion.engines.protocol import Engine, Run
 from geomtorsion.motion.equations import Equations
-from geomtorsion.motion.reduced import integrated
+from geomtorsion.motion.reduced.runs import integrated
 from geomtorsion.motion.system import System, mpf
 
 

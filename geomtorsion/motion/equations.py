@@ -16,7 +16,7 @@ from geomtorsion.motion.system import System
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
-    from geomtorsion.motion.reduced import Reduction
+    from geomtorsion.motion.reduced.runs import Reduction
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class Equations:
     @cached_property
     def reduction(self) -> Reduction | None:
         """A smaller system with momenta as constants, for engines; None where it would not pay."""
-        from geomtorsion.motion.reduced import reduction
+        from geomtorsion.motion.reduced.runs import reduction
 
         return reduction(self)
 

@@ -12,7 +12,7 @@ from geomtorsion.motion.disturbed import interrupted, moved_start
 from geomtorsion.motion.engines.protocol import Engine, Run
 from geomtorsion.motion.equations import Equations
 from geomtorsion.motion.passengers import weights
-from geomtorsion.motion.reduced import integrated
+from geomtorsion.motion.reduced.runs import integrated
 from geomtorsion.motion.system import evaluated
 
 if TYPE_CHECKING:

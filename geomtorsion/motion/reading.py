@@ -8,7 +8,7 @@ from geomtorsion.errors import ChartEdgeError, TimeError
 from geomtorsion.motion.crossing import moved_over, same_frame
 from geomtorsion.motion.journey import Segment
 from geomtorsion.motion.passengers import weights
-from geomtorsion.motion.reduced import integrated
+from geomtorsion.motion.reduced.runs import integrated
 from geomtorsion.motion.system import evaluated
 
 if TYPE_CHECKING:

@@ -1,6 +1,6 @@
 """Rates of smaller systems against those of the full ones, exactly."""
 
-from geomtorsion.motion.reduced_system import substituted
+from geomtorsion.motion.reduced.system import substituted
 from geomtorsion.motion.system import derivative
 
 

@@ -145,3 +145,21 @@ def test_no_warnings_at_the_origin(name, home_first, engine):
                 assert sol.at(1.0).coordinates.shape == (len(start),)
         if name != "flat_cylindrical":
             assert sol.coordinates[-1, 0] == pytest.approx(2.0, abs=1e-9)
+
+
+@every_engine
+def test_the_end_of_all_charts_is_found(engine):
+    """Kerr's inner horizon, r = M - sqrt(M^2 - a^2), where both charts that reach it end.
+
+    Going round in them without going on is not tried again and again.
+    """
+    problem = geodesic(
+        load("kerr").frame, [0, 8.0, 1.0, 0], frame_velocity=[1.2, 0.05, 0.4, 1e-3],
+        parameters={"M": 1.0, "a": 0.6}, causal=None,
+    )  # fmt: skip
+    with pytest.raises(ChartEdgeError) as caught:
+        solve(problem, 200.0, 1e-6, engine)
+    solution = caught.value.solution
+    assert solution.charts[:2] == ("kerr", "ingoing")
+    assert len(solution.charts) < 8
+    assert "r_in = 0.2," in str(caught.value)

@@ -16,9 +16,9 @@ from geomtorsion.motion.engines.taylor import is_available
 from geomtorsion.motion.equations import written
 from geomtorsion.motion.journey import departure
 from geomtorsion.motion.laws import Hamel
-from geomtorsion.motion.reduced import Reduction, integrated, run
-from geomtorsion.motion.reduced_rates import in_momenta
-from geomtorsion.motion.reduced_split import Split
+from geomtorsion.motion.reduced.rates import in_momenta
+from geomtorsion.motion.reduced.runs import Reduction, integrated, run
+from geomtorsion.motion.reduced.split import Split
 from geomtorsion.spaces import load, names
 from tests.motion.engines import every_engine
 from tests.motion.reduced_truth import compare

@@ -8,15 +8,15 @@ from hypothesis import strategies as st
 
 from geomtorsion.geometry import Frame
 from geomtorsion.motion import Taylor, geodesic
-from geomtorsion.motion import reduced_constants as constants_module
 from geomtorsion.motion.charts import Chart
 from geomtorsion.motion.engines.store import tolerance_of
 from geomtorsion.motion.engines.taylor import is_available
 from geomtorsion.motion.equations import written
 from geomtorsion.motion.journey import departure, travel
 from geomtorsion.motion.laws import Hamel
-from geomtorsion.motion.reduced_rates import in_parts
-from geomtorsion.motion.reduced_split import Split
+from geomtorsion.motion.reduced.rates import in_parts
+from geomtorsion.motion.reduced import constants as constants_module
+from geomtorsion.motion.reduced.split import Split
 from geomtorsion.spaces import load
 from tests.motion.reduced_truth import compare
 

@@ -13,11 +13,12 @@ CLOSE = 1e-6
 WAY_BACK = 100
 
 
-def last_regular(integrator: Any, begin: Any, start: Any, end: Any) -> tuple[Any, Any]:
+def last_regular(integrator: Any, begin: Any, start: Any, end: Any, steps: int) -> tuple[Any, Any]:
     """Time and state before the first step that cannot be taken back.
 
     A step over a singularity may give finite numbers, from which the series goes on for a while
     before it fails; but the way back over the singularity does not lead to where it came from.
+    steps: how many were taken in all.
     """
     import numpy as np
 
@@ -28,7 +29,7 @@ def last_regular(integrator: Any, begin: Any, start: Any, end: Any) -> tuple[Any
         return True
 
     _placed(integrator, begin, start)
-    integrator.propagate_until(end, callback=noted)
+    integrator.propagate_until(end, callback=noted, max_steps=steps)
     good = trail.popleft()
     for time, state in trail:
         if not (np.isfinite(float(time)) and np.isfinite(state.astype(float)).all()):

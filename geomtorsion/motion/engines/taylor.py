@@ -181,8 +181,8 @@ class Taylor:
             integrator.time = grid[0]
             integrator.state[:] = start
         states, outcome, steps, reason = self._propagated(integrator, grid)
-        if reason == NO_VALUE:
-            place = last_regular(integrator, grid[0], start, grid[-1])
+        if outcome == "stuck":
+            place = last_regular(integrator, grid[0], start, grid[-1], steps)
             integrator.time, integrator.state[:] = place
             lasted = abs(float(place[0] - grid[0]))
             states = states[np.abs((grid[: len(states)] - grid[0]).astype(float)) <= lasted]
@@ -209,9 +209,10 @@ class Taylor:
         if grid[0] == grid[-1]:
             return integrator.state.copy()[None, :], "done", 0, ""
         rows, done, steps, before = [], 0, 0, grid[0]
+        at_once = STEPS_AT_ONCE if self.precision <= 64 else STEPS_AT_ONCE // 4
         while True:
             rest = grid[done:] if not done else np.concatenate(([integrator.time], grid[done:]))
-            out = integrator.propagate_grid(rest, max_steps=STEPS_AT_ONCE)
+            out = integrator.propagate_grid(rest, max_steps=at_once)
             code, taken, values = int_of(out[0]), out[3], out[5]
             steps += taken
             new = values if not done else values[1:]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from geomtorsion.exact.engine_code import Products
 from geomtorsion.geometry.matrices import inverse
-from geomtorsion.motion.reduced_system import Reduced, gathered
+from geomtorsion.motion.reduced.system import Reduced, gathered
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Element

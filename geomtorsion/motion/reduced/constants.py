@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from geomtorsion.motion.reduced_split import Written
+from geomtorsion.motion.reduced.split import Written
 from geomtorsion.motion.system import System, floats, mpf
 
 # Bits on top of the precision asked for, and bits that numbers of the machine must have to serve.

@@ -11,8 +11,8 @@ from typing import Any
 
 from geomtorsion.motion.engines.protocol import Engine
 from geomtorsion.motion.engines.taylor import Taylor, heyoka, is_available
-from geomtorsion.motion.reduced_constants import Constants
-from geomtorsion.motion.reduced_split import Written
+from geomtorsion.motion.reduced.constants import Constants
+from geomtorsion.motion.reduced.split import Written
 from geomtorsion.motion.system import System, floats
 
 # Velocities that come back from their momenta more roundings off than this are not reduced.

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.motion.engines.protocol import Engine, Run
-from geomtorsion.motion.reduced_form import Opening, Reduction
-from geomtorsion.motion.reduced_rates import best
+from geomtorsion.motion.reduced.form import Opening, Reduction
+from geomtorsion.motion.reduced.rates import best
 from geomtorsion.motion.system import System
 
 if TYPE_CHECKING:

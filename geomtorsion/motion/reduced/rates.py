@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import GeomtorsionError, MissingValueError
 from geomtorsion.exact.engine_code import Products
-from geomtorsion.motion.reduced_separated import separated, single_coordinates
-from geomtorsion.motion.reduced_split import HALF, Split, Written
-from geomtorsion.motion.reduced_system import Reduced, effort, gathered, names_in
+from geomtorsion.motion.reduced.separated import separated, single_coordinates
+from geomtorsion.motion.reduced.split import HALF, Split, Written
+from geomtorsion.motion.reduced.system import Reduced, effort, gathered, names_in
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Element, Field

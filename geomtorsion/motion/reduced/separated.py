@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any
 
 from geomtorsion.exact.engine_code import Products
 from geomtorsion.exact.separate import additive_parts, by_powers, clearing
-from geomtorsion.motion.reduced_split import HALF, Pairs, Split, Written, free_name
-from geomtorsion.motion.reduced_system import gathered, names_in
+from geomtorsion.motion.reduced.split import HALF, Pairs, Split, Written, free_name
+from geomtorsion.motion.reduced.system import gathered, names_in
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Element

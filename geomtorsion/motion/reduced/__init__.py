@@ -1,0 +1,1 @@
+"""Geodesics with momenta of cyclic coordinates as constants: smaller systems for engines."""
