@@ -14,8 +14,8 @@ from geomtorsion.motion.engines.taylor import is_available
 from geomtorsion.motion.equations import written
 from geomtorsion.motion.journey import departure, travel
 from geomtorsion.motion.laws import Hamel
-from geomtorsion.motion.reduced.rates import in_parts
 from geomtorsion.motion.reduced import constants as constants_module
+from geomtorsion.motion.reduced.rates import in_parts
 from geomtorsion.motion.reduced.split import Split
 from geomtorsion.spaces import load
 from tests.motion.reduced_truth import compare
