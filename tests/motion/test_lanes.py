@@ -224,3 +224,16 @@ def test_threads_share_an_integrator():
     finally:
         sys.setswitchinterval(before)
     assert np.abs(np.array(found) - alone).max() < 1e-8
+
+
+def test_smaller_systems_move_their_constants():
+    """Momenta are constants there: those of each lane are of its own start."""
+    frame = load("schwarzschild").frame
+    problem = geodesic(frame, [0, 8, 1.5, 0], [1, 0, 0, 0.04], parameters={"M": 1})
+    name, _, vector, values = departure(problem, 53)
+    opened = beside._opened(Taylor(), problem.equations(name), vector, values, 1e3)
+    assert opened.widths is not None
+    for numbers in (opened.numbers, opened.widths):
+        gaps = np.abs(numbers - numbers[:, :1]).max(axis=0)
+        assert gaps[1] > 1e-13
+        assert (gaps[2:] > 1e-16).all()
