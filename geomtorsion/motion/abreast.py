@@ -4,21 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any, Generic, TypeVar
+from typing import Any, TypeVar
 
 from geomtorsion.motion.checking import (
     LARGEST_STEP,
-    LITTLE,
     RESERVE,
     SATURATED,
     SMALLEST_STEP,
     Attempt,
     Checked,
-    rounding,
 )
 from geomtorsion.motion.engines.abreast import Abreast, run_abreast
 from geomtorsion.motion.engines.taylor import Taylor
+from geomtorsion.motion.search import Rules, Told, searched
 from geomtorsion.motion.system import System
 
 # An error estimate is this many times what the lanes say: four agree more than two.
@@ -49,23 +47,19 @@ EPSILON = 2.0**-52
 A = TypeVar("A", bound=Attempt)
 
 
-@dataclass(frozen=True, eq=False)
-class Told(Generic[A]):
-    """An answer, the run of longer steps beside it, and what they tell.
+def _looser(engine: Taylor, tolerance: float, spare: float) -> float:
+    """A looser tolerance if there is something to spare: at least one order.
 
-    gap: how far these two are apart, relative to the size of each block.
-    share: error of the answer by its series, over that of the check.
-    left_out: error by what the series leave out; rounded: by rounding as it grows on the way.
-    seconds: how long it ran.
+    Orders do not serve evenly: where a motion runs backwards as forwards, even ones are better than
+    the odd ones above them.
     """
+    if spare <= SPARED:
+        return tolerance
+    orders = max(math.floor(math.log(spare / SPARED) / 2), 1)
+    return engine.rung(tolerance * math.exp(2 * orders))
 
-    answer: A
-    check: A
-    gap: float
-    share: float
-    left_out: float
-    rounded: float
-    seconds: float
+
+LANES = Rules("abreast", TAKEN, RESERVE, SMALLEST_STEP, LARGEST_STEP, BLIND_STEP, _looser, PROVEN)
 
 
 def told(
@@ -74,62 +68,17 @@ def told(
     known: dict[Any, float],
     attempt: Callable[[float], Told[A] | None],
 ) -> Checked[A] | None:
-    """The answer of the first tolerance that is good enough, or the last one.
+    """The answer of the first tolerance that is good enough, or the best one.
 
-    known: tolerances that were good enough before, for equal equations.
+    known: tolerances and sizes of equal equations.
     None where runs abreast cannot tell: then one run after the other may.
     """
-    # A key of its own: what serves lanes, down to the finest, may be too fine for other checks.
-    key = engine.name, accuracy, "abreast"
-    missing, running = (*key, "missed"), (*key, "ran")
-    tolerance, spent, before = known.get(key) or engine.first(accuracy), [], math.inf
-    best, least_error = None, math.inf
-    while True:
-        found = attempt(tolerance)
-        if found is None:
-            return None
-        spent += [found.answer, found.check]
-        least = rounding(engine, found.answer.steps)
-        error = max(found.left_out, found.rounded, least)
-        good = found.left_out <= TAKEN * accuracy and error <= accuracy
-        if good:
-            known[key] = tolerance
-            known[running] = known.get(running, 0.0) + found.seconds
-            if known[running] > PROVEN:
-                # Another order has to be compiled: by now that pays.
-                spare, missed = TAKEN * accuracy / error, known.get(missing, math.inf)
-                known[key] = _remembered(engine, tolerance, spare, missed)
-        if error < least_error or best is None:
-            best, least_error = found, error
-        # Where rounding is what is left, smaller steps gain nothing. (One look is not enough: that
-        # lanes are further apart than their series explain may be a step that was too long.)
-        rounded = error > LITTLE * before
-        finest = tolerance <= engine.finest * 1.01
-        if finest and not good and not rounded and known.get("size", 1.0) > GROWN:
-            # States that grow from small ones need steps that are measured by the small ones.
-            return None
-        if good or rounded or finest:
-            share = least_error / best.gap if best.gap > 0 else CAUTION * best.share
-            return Checked(best.answer, best.check, share, least_error, tuple(spent))
-        known[missing] = min(tolerance, known.get(missing, math.inf))
-        before = error if found.rounded > found.left_out else math.inf
-        # Of an error that cannot be told no more is known than that it is too large.
-        largest = LARGEST_STEP if error < math.inf else BLIND_STEP
-        step = min(max(RESERVE * accuracy / error, largest), SMALLEST_STEP)
-        tolerance = max(engine.rung(tolerance * step), engine.finest)
 
+    def outgrown() -> bool:
+        # States that grow from small ones need steps that are measured by the small ones.
+        return known.get("size", 1.0) > GROWN
 
-def _remembered(engine: Taylor, tolerance: float, spare: float, missed: float) -> float:
-    """The tolerance to begin with next time: a looser one if there is something to spare.
-
-    missed: one that was too loose before. (Orders do not serve evenly: where a motion runs
-    backwards as forwards, even ones are better than the odd ones above them.)
-    """
-    if spare <= SPARED:
-        return tolerance
-    orders = max(math.floor(math.log(spare / SPARED) / 2), 1)
-    looser = engine.rung(tolerance * math.exp(2 * orders))
-    return looser if looser < missed else tolerance
+    return searched(engine, LANES, accuracy, known, attempt, outgrown)
 
 
 def side_by_side(

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.motion.abreast import Told, gaps, judged, moves, side_by_side, told
+from geomtorsion.motion.abreast import gaps, judged, moves, side_by_side, told
 from geomtorsion.motion.disturbed import steps_of
 from geomtorsion.motion.engines.abreast import looseness, sizes_of, tolerance_of_second
 from geomtorsion.motion.journey import Journey, Segment, departure
+from geomtorsion.motion.search import Told
 
 if TYPE_CHECKING:
     from geomtorsion.motion.checking import Checked
@@ -74,7 +75,7 @@ def _attempt(
         own = tolerance if lane == 0 else tolerance_of_second(tolerance, lanes.looser)
         journeys.append(Journey(problem, engine, own, (part,), "done", ""))
     answer, check = journeys
-    return Told(answer, check, apart[0], lanes.share, left_out, rounded, lanes.run_seconds)
+    return Told(answer, check, apart[0], left_out, rounded, (answer, check), lanes.run_seconds)
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,18 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Any, Generic, TypeVar
+from typing import Any, TypeVar
 
-from geomtorsion.motion.checking import (
-    CAUTION,
-    LITTLE,
-    SATURATED,
-    Attempt,
-    Checked,
-    rounding,
-)
+from geomtorsion.motion.checking import CAUTION, SATURATED, Attempt, Checked
 from geomtorsion.motion.engines.rungekutta import COARSER, FEW_STEPS, RungeKutta, shrunk
+from geomtorsion.motion.search import Rules, Told, searched
 
 # An answer is taken if what its steps leave out is below this part of the accuracy, ...
 TAKEN = 0.35
@@ -41,27 +34,10 @@ CHANCE, DOUBTED = 2.0, 0.25
 # Where rounding has grown to this, few of the first roundings decide.
 GROWN = 1e-11
 EPSILON = 2.0**-52
-# Rounding is what is left where it is so many times what the steps leave out.
-IDLE = 30.0
 
 A = TypeVar("A", bound=Attempt)
 Moved = Callable[[float, float], A]
 Difference = Callable[[A, A], tuple[float, int]]
-
-
-@dataclass(frozen=True, eq=False)
-class _Told(Generic[A]):
-    """What the runs after an answer tell.
-
-    gap: how far the answer is from the coarse check, relative to the size of each block.
-    left_out, rounded: errors by steps and by rounding as it grows on the way.
-    """
-
-    check: A
-    gap: float
-    left_out: float
-    rounded: float
-    spent: tuple[A, ...]
 
 
 def told_in_turn(
@@ -89,48 +65,21 @@ def told_in_turn(
     -------
     None where these runs cannot tell: few steps, a motion that ends on its way.
     """
-    key, missing = (engine.name, accuracy), (engine.name, accuracy, "missed")
-    tolerance, before = known.get(key) or engine.first(accuracy), math.inf
-    spent: list[A] = []
-    best: Checked[A] | None = None
-    while True:
-        answer = attempt(tolerance)
-        told = _told(engine, accuracy, answer, attempt, moved, difference)
-        if told is None:
-            return None
-        spent += [answer, *told.spent]
-        error = max(told.left_out, told.rounded, rounding(engine, answer.steps))
-        good = told.left_out <= TAKEN * accuracy and error <= accuracy
-        if best is None or error < best.error:
-            share = error / told.gap if told.gap > 0 else CAUTION
-            best = Checked(answer, told.check, share, error, ())
-        if good:
-            missed = known.get(missing, math.inf)
-            known[key] = _remembered(engine, tolerance, TAKEN * accuracy / error, missed)
-        # Where rounding is what is left, smaller steps gain nothing.
-        idle = told.left_out <= told.rounded / IDLE or error > LITTLE * before
-        if good or idle or tolerance <= engine.finest * 1.01:
-            every = {id(one): one for one in spent}
-            return replace(best, spent=tuple(every.values()))
-        known[missing] = min(tolerance, known.get(missing, math.inf))
-        before = error if told.rounded > told.left_out else math.inf
-        tolerance = _next(engine, tolerance, accuracy, error)
+    return searched(
+        engine,
+        IN_TURN,
+        accuracy,
+        known,
+        lambda tolerance: _told(engine, accuracy, attempt(tolerance), attempt, moved, difference),
+    )
 
 
-def _next(engine: RungeKutta, tolerance: float, accuracy: float, error: float) -> float:
-    """The tolerance after an error that is too large; of infinite ones no more is known."""
-    largest = LARGEST_STEP if error < math.inf else BLIND_STEP
-    step = min(max(RESERVE * TAKEN * accuracy / error, largest), SMALLEST_STEP)
-    return max(engine.rung(tolerance * step), engine.finest)
+def _looser(engine: RungeKutta, tolerance: float, spare: float) -> float:
+    """A looser tolerance if there is something to spare."""
+    return engine.rung(tolerance * max(spare / SPARED, 1.0))
 
 
-def _remembered(engine: RungeKutta, tolerance: float, spare: float, missed: float) -> float:
-    """The tolerance to begin with next time: a looser one if there is so much to spare.
-
-    missed: one that was too loose before.
-    """
-    looser = engine.rung(tolerance * max(spare / SPARED, 1.0))
-    return looser if tolerance < looser < missed else tolerance
+IN_TURN = Rules("in turn", TAKEN, RESERVE * TAKEN, SMALLEST_STEP, LARGEST_STEP, BLIND_STEP, _looser)
 
 
 def _told(
@@ -140,7 +89,7 @@ def _told(
     attempt: Callable[[float], A],
     moved: Moved[A],
     difference: Difference[A],
-) -> _Told[A] | None:
+) -> Told[A] | None:
     """What a coarser run, and runs that round differently where that matters, say of an answer."""
     wide = COARSER * answer.tolerance
     if answer.outcome != "done" or answer.steps < FEW_STEPS or wide > LOOSEST:
@@ -161,11 +110,12 @@ def _told(
         share, (near, compared) = shrunk(answer, middle), difference(answer, middle)
         if share is None or not compared:
             return None
-        return _Told(coarse, gap, max(left_out, CAUTION * share * near), 0.0, (coarse, middle))
+        left_out = max(left_out, CAUTION * share * near)
+        return Told(answer, coarse, gap, left_out, 0.0, (answer, coarse, middle))
     if not fine or left_out > accuracy:
-        return _Told(coarse, gap, left_out, 0.0, (coarse,))
+        return Told(answer, coarse, gap, left_out, 0.0, (answer, coarse))
     others, rounded = _roundings(accuracy, answer, left_out, moved, difference)
-    return _Told(coarse, gap, left_out, rounded, (coarse, *others))
+    return Told(answer, coarse, gap, left_out, rounded, (answer, coarse, *others))
 
 
 def _roundings(

@@ -102,8 +102,10 @@ def run_lanes(
     try:
         if isinstance(engine, Taylor):
             width = _batch_width(lanes)
-            integrator, compiling = engine.integrator(system, tolerance, width)
-            _taylor(integrator, width, lanes, grid, result, finished, show, crossed)
+            compiled, compiling = engine.ready(system, tolerance, width)
+            with compiled.lock:
+                inner = compiled.integrator
+                _taylor(inner, width, lanes, grid, result, finished, show, crossed)
         else:
             share = max(1, STACKED // lanes.equations.system.size)
             for first in range(0, number, share):

@@ -205,12 +205,13 @@ def test_lanes_of_growing_states(end):
     assert 0.1 * error <= solution.error <= 100 * error
 
 
-def test_threads_share_an_integrator():
+@pytest.mark.parametrize("stop", [None, "9 - x"], ids=["lanes", "single runs"])
+def test_threads_share_an_integrator(stop):
     """Two threads that solve equal equations get what one gets."""
     import sys
     from concurrent.futures import ThreadPoolExecutor
 
-    law = flow({"x": "v", "v": "-sin(x)"}, [1.0, 0.0])
+    law = flow({"x": "v", "v": "-sin(x)"}, [1.0, 0.0], stop=stop)
     starts = np.linspace(0.1, 3.0, 240)
 
     def last(start):

@@ -141,12 +141,8 @@ class Taylor:
         kind = type(self.number(0))
         return np.array([self.number(value) for value in values], dtype=kind)
 
-    def integrator(self, system: System, tolerance: float, batch: int = 0) -> tuple[Any, float]:
+    def ready(self, system: System, tolerance: float, batch: int = 0) -> tuple[Compiled, float]:
         """The compiled integrator of a system, from the store or made now; seconds it took."""
-        compiled, seconds = self._ready(system, tolerance, batch)
-        return compiled.integrator, seconds
-
-    def _ready(self, system: System, tolerance: float, batch: int) -> tuple[Compiled, float]:
         order = order_of(tolerance)
         return ready(system, order, self.precision, batch, self.optimised, self.number)
 
@@ -161,9 +157,23 @@ class Taylor:
         dense: bool = False,
     ) -> Run:
         """See `Engine.run`."""
+        compiled, compiling = self.ready(system, tolerance)
+        with compiled.lock:
+            return self._run(compiled, compiling, system, start, parameters, times, dense)
+
+    def _run(
+        self,
+        compiled: Compiled,
+        compiling: float,
+        system: System,
+        start: Sequence[Any],
+        parameters: Sequence[Any],
+        times: Any,
+        dense: bool,
+    ) -> Run:
+        """The same with its integrator, which nobody else may use meanwhile."""
         import numpy as np
 
-        compiled, compiling = self._ready(system, tolerance, 0)
         integrator = compiled.integrator
         began = time.perf_counter()
         grid, start = self.array(times), self.array(start)

@@ -6,12 +6,13 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.motion.abreast import Told, judged, moves, side_by_side, told
+from geomtorsion.motion.abreast import judged, moves, side_by_side, told
 from geomtorsion.motion.engines.abreast import LANES, looseness, tolerance_of_second
 from geomtorsion.motion.flows.adjust import make_unit, moved_by, unit_rows
 from geomtorsion.motion.flows.compare import is_noise
 from geomtorsion.motion.flows.law import CLOCK
 from geomtorsion.motion.flows.travel import Leg, Piece, Trip, samples_of
+from geomtorsion.motion.search import Told
 
 if TYPE_CHECKING:
     from geomtorsion.motion.checking import Checked
@@ -76,7 +77,9 @@ def _attempt(
     apart = _gaps(flow, answer, states)
     if apart is None:
         return None
-    return Told(answer, check, apart[0], share, *judged(share, apart), answer.run_seconds)
+    left_out, rounded = judged(share, apart)
+    runs = answer, check
+    return Told(answer, check, apart[0], left_out, rounded, runs, answer.run_seconds)
 
 
 def _prepared(
