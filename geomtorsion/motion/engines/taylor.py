@@ -223,7 +223,10 @@ class Taylor:
         while True:
             rest = grid[done:] if not done else np.concatenate(([integrator.time], grid[done:]))
             out = integrator.propagate_grid(rest, max_steps=at_once)
-            code, taken, values = int_of(out[0]), out[3], out[5]
+            taken, values = out[3], out[5]
+            if not done and out[0] == type(out[0]).time_limit:
+                return values, "done", taken, ""
+            code = int_of(out[0])
             steps += taken
             new = values if not done else values[1:]
             rows.append(new)

@@ -79,8 +79,13 @@ def _run(
     def full(states: Any) -> Any:
         return smaller.widened(states, opening.numbers, bits)
 
-    rows = full(np.concatenate((found.states, np.asarray(found.last)[None, :])))
+    if found.outcome == "done":
+        rows = full(found.states)
+        last = rows[-1]
+    else:
+        rows = full(np.concatenate((found.states, np.asarray(found.last)[None, :])))
+        rows, last = rows[:-1], rows[-1]
     inner = found.dense
     whole = None if inner is None else lambda t: full(np.asarray(inner(t)))
     compiling = found.compile_seconds + seconds
-    return replace(found, states=rows[:-1], last=rows[-1], dense=whole, compile_seconds=compiling)
+    return replace(found, states=rows, last=last, dense=whole, compile_seconds=compiling)
