@@ -58,9 +58,10 @@ def test_free_top_against_three_equations(accuracy, last, capsys):
     engine = gt.Taylor(optimised=True)
     result = scene.run(engine=engine)
     assert np.abs(result["omega"] - truth).max() < accuracy
-    runs = [gt.solve(scene.flow, times, accuracy, engine) for _ in range(ROUNDS)]
-    ours = min(run.cost.run_seconds for run in runs)
-    hand = best(by_hand(runs[0].trip.tolerance, times))
+    solution = gt.solve(scene.flow, times, accuracy, engine)
+    # The answer by itself, without what runs beside it to tell its error.
+    ours = min(solution.recipe.trip(scene.flow).run_seconds for _ in range(ROUNDS))
+    hand = best(by_hand(solution.trip.tolerance, times))
     whole = best(lambda: scene.run(engine=engine))
     closed = scene.run().form
     assert closed is not None
