@@ -23,8 +23,8 @@ class CostRow:
     """One engine at one accuracy.
 
     asked: accuracy asked for; achieved: error against the truth; estimated: what `solve` said.
-    seconds: integration of the answer, and of what runs side by side with it; total_seconds: `solve`
-        as a whole, error estimate included.
+    seconds: integration of the answer, and of what runs side by side with it;
+    total_seconds: `solve` as a whole, error estimate included.
     compile_seconds: the first time, if anything was compiled.
     note: why there is no answer, or nothing.
     """
