@@ -35,7 +35,7 @@ def difference(one: Trip, two: Trip) -> tuple[float, int]:
     gaps = np.abs(first - second).max(axis=0)
     if not np.isfinite(gaps).all():
         return math.inf, count
-    sizes = np.maximum(np.abs(first).max(axis=0), np.abs([float(x) for x in flow.start]))
+    sizes = np.maximum(np.abs(first).max(axis=0), np.abs(flow.start_floats))
     for block in flow.system.blocks:
         index = [k for k in block if k < flow.size]
         gap = float(gaps[index].max()) if index else 0.0

@@ -171,6 +171,23 @@ class Flow:
     def _own_numbers(self) -> list[Any]:
         return self._exactly(self.parameters)
 
+    def floats_of(self, numbers: Sequence[Any]) -> Any:
+        """These numbers as floats; those of the flow itself are turned once."""
+        return self._own_floats if numbers is self._own_numbers else [float(x) for x in numbers]
+
+    @cached_property
+    def _own_floats(self) -> Any:
+        import numpy as np
+
+        found = np.array([float(x) for x in self._own_numbers])
+        found.flags.writeable = False
+        return found
+
+    @cached_property
+    def start_floats(self) -> tuple[float, ...]:
+        """The start as floats."""
+        return tuple([float(x) for x in self.start])
+
     def _exactly(self, parameters: Mapping[str, Any]) -> list[Any]:
         return self.law.numbers.exactly([parameters[name] for name in self.law.parameters])
 

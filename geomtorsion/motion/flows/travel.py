@@ -170,13 +170,14 @@ def travel(
     import numpy as np
 
     size = flow.size
-    state: Sequence[Any] = list(flow.start)
+    plain = engine.precision == 53 and not moved and run_leg is None
+    state: Sequence[Any] = flow.start_floats if plain else flow.start
     pieces: list[Piece] = []
     for k, leg in enumerate(legs):
         start = list(state[:size])
         for name, value in leg.jumps.items():
             start[flow.states.index(name)] = value
-        numbers = leg.numbers
+        numbers = flow.floats_of(leg.numbers) if plain else leg.numbers
         if moved:
             numbers = moved_by(numbers, engine, moved, exact_too=False)
             start = moved_by(start, engine, moved, exact_too=True) if k == 0 else start
