@@ -65,7 +65,7 @@ def test_against_rivals(case, capsys):
             (Taylor(optimised=True), heyoka_by_hand),
             (RungeKutta(), scipy_by_hand),
         ):
-            best_times([partial(solve, case.problem, case.t, accuracy, engine)])
+            best_times([partial(solve, case.problem, case.t, accuracy, engine)], 1.0)
             sol = solve(case.problem, case.t, accuracy, engine)
             error = true_error(case, sol)
             rival = by_hand(case, accuracy)
