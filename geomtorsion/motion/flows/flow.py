@@ -163,7 +163,7 @@ class Flow:
 
     def numbers_of(self, parameters: Mapping[str, Any]) -> list[Any]:
         """The run-time numbers of the system for values of the parameters."""
-        if parameters == self.parameters:
+        if parameters is self.parameters or parameters == self.parameters:
             return self._own_numbers
         return self._exactly(parameters)
 

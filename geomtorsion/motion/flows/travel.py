@@ -135,6 +135,8 @@ def cut_legs(flow: Flow, end: float, cuts: int) -> tuple[Leg, ...]:
 
 def legs_of(flow: Flow, end: float, breaks: Sequence[float] = ()) -> tuple[Leg, ...]:
     """The flow from 0 to a last time, cut at switches and at other breaks."""
+    if not flow.switches and not breaks:
+        return (Leg(0.0, end, flow.parameters, flow.numbers_of(flow.parameters), {}),)
     sign = -1.0 if end < 0 else 1.0
     parameters = dict(flow.parameters)
     table = {at: values for at, values in flow.switches if at == 0 or 0 < at * sign < end * sign}
@@ -209,6 +211,8 @@ def samples_of(grid: Any, legs: Sequence[Leg], k: int) -> tuple[Any, int, Any]:
     import numpy as np
 
     leg, final = legs[k], k + 1 == len(legs)
+    if len(legs) == 1 and grid[0] == leg.begin and grid[-1] == leg.end:
+        return grid, 0, grid
     sign = -1.0 if legs[-1].end < 0 else 1.0
     order = sign * grid
     first = int(np.searchsorted(order, sign * leg.begin, "left"))
