@@ -1,7 +1,24 @@
 """Rates of smaller systems against those of the full ones, exactly."""
 
+from geomtorsion.motion.equations import Equations
+from geomtorsion.motion.reduced.form import Reduction
+from geomtorsion.motion.reduced.split import Split
 from geomtorsion.motion.reduced.system import substituted
 from geomtorsion.motion.system import derivative
+
+
+def split_of(equations: Equations) -> Split:
+    """The legs along cyclic coordinates, where there are any."""
+    assert equations.momenta is not None
+    parts = Split.of(equations, equations.momenta)
+    assert parts is not None
+    return parts
+
+
+def reduction_of(equations: Equations) -> Reduction:
+    """The smaller system, where there is one."""
+    assert equations.reduction is not None
+    return equations.reduction
 
 
 def compare(equations, parts, small):

@@ -54,6 +54,7 @@ def test_share_of_the_second_lane(tolerance, span):
     lanes = run_abreast(
         Taylor(), law.system, np.tile(start, LANES), np.zeros((0, 1)), times, tolerance, 1e3, 4.0
     )
+    assert lanes is not None
     exact = Taylor(64).run(law.system, law.start, [], times, 2.0**-68).states.astype(float)
     errors = np.abs(lanes.states - exact[:, :, None]).max(axis=(0, 1))
     assert lanes.share == pytest.approx(errors[0] / errors[1], rel=8)
