@@ -9,7 +9,7 @@ from geomtorsion.exact.form import Sum, form
 from geomtorsion.exact.generators import Generator
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from geomtorsion.exact.element import Element
 
@@ -17,6 +17,16 @@ _NUMPY_NAMES = {
     "atan": "arctan", "asin": "arcsin", "acos": "arccos", "asinh": "arcsinh",
     "acosh": "arccosh", "atanh": "arctanh", "atan2": "arctan2",
 }  # fmt: skip
+
+
+def python_function(
+    source: str, names: Mapping[str, Any], name: str = "values"
+) -> Callable[..., Any]:
+    """A function of source that we have written ourselves, by its name there."""
+    table: dict[str, Any] = dict(names)
+    # The source is made of our own names and numbers; no text of a user gets into it.
+    exec(compile(source, "<geomtorsion>", "exec"), table)  # noqa: S102
+    return table[name]
 
 
 def numpy_function(
@@ -71,9 +81,7 @@ def numpy_function(
         from scipy import special
 
         names.update({name: getattr(special, name) for name in program.special})
-    # The source is made of our own names and numbers; no text of a user gets into it.
-    exec(compile(source, "<geomtorsion>", "exec"), names)  # noqa: S102
-    inner = names["values"]
+    inner = python_function(source, names)
     dtype = complex if program.complex else float
 
     def function(*values: Any) -> Any:
@@ -92,6 +100,7 @@ def numpy_function(
             raise SingularPointError(_where_singular(result, arrays, elements, symbols))
         return result
 
+    # Functions have room for attributes of their own, which types do not say.
     function.source = source  # type: ignore[attr-defined]
     return function
 

@@ -62,14 +62,6 @@ def _is_short(code: str) -> bool:
     return code.count("*") < 2 and not any(sign in code for sign in "(/+")
 
 
-def python_function(source: str, names: Mapping[str, Any]) -> Callable[..., tuple[Any, ...]]:
-    """The function of a source made by `python_source`."""
-    table: dict[str, Any] = dict(names)
-    # The source is made of our own names and numbers; no text of a user gets into it.
-    exec(compile(source, "<geomtorsion>", "exec"), table)  # noqa: S102
-    return table["values"]
-
-
 def array_names(functions: set[str]) -> dict[str, Any]:
     """NumPy functions, for code that runs on arrays."""
     import numpy

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zipfile
+import zlib
 from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
@@ -125,7 +126,7 @@ def _guarded(path: Path, load: Callable[[], Any]) -> Any:
         return load()
     except (
         OSError, EOFError, ValueError, TypeError, KeyError, IndexError, AssertionError,
-        zipfile.BadZipFile, zipfile.zlib.error,  # type: ignore[attr-defined]
+        zipfile.BadZipFile, zlib.error,
     ) as error:  # fmt: skip
         raise FileFormatError(
             f"{path}: it cannot be read, it is truncated or no file of this kind "

@@ -106,7 +106,8 @@ def shaken(sides: Sequence[Side]) -> tuple[np.ndarray, np.ndarray]:
     each = max(1, SHAKEN_POINTS // len(chosen))
     s = (np.arange(each) + 0.382) / each
     pairs = [side.shape(s) for side in chosen]
-    return tuple(np.concatenate(arrays, axis=1) for arrays in zip(*pairs, strict=True))  # type: ignore[return-value]
+    offsets, slopes = (np.concatenate(arrays, axis=1) for arrays in zip(*pairs, strict=True))
+    return offsets, slopes
 
 
 def _sum_of(forms: Forms, sizes: np.ndarray, slopes: np.ndarray, sides: int) -> float:

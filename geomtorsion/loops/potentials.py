@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import numpy as np
@@ -85,14 +85,14 @@ def _summed(
     vectors: np.ndarray,
     errors: np.ndarray,
     parent: np.ndarray,
-    both: object,
+    both: Any,
     component: np.ndarray,
 ) -> Forest:
     """Sums along the forest by pointer doubling, and the closure of the chords."""
     import numpy as np
 
     inner = np.flatnonzero(parent >= 0)
-    used = np.asarray(both[parent[inner], inner]).ravel().astype(np.int64) - 1  # type: ignore[index]
+    used = np.asarray(both[parent[inner], inner]).ravel().astype(np.int64) - 1
     forward = edges[used, 1] == inner
     potential = np.zeros((nodes, vectors.shape[1]), dtype=vectors.dtype)
     potential[inner] = np.where(forward[:, None], vectors[used], -vectors[used])

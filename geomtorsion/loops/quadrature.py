@@ -253,4 +253,5 @@ def _at(sides: Sequence[Side], owner: np.ndarray, s: np.ndarray) -> tuple[np.nda
     back = np.empty_like(order)
     back[order] = np.arange(len(order))
     shape = (len(offsets), *s.shape)
-    return tuple(x.reshape(shape)[:, back].reshape(len(x), -1) for x in (offsets, slopes))  # type: ignore[return-value]
+    first, second = (x.reshape(shape)[:, back].reshape(len(x), -1) for x in (offsets, slopes))
+    return first, second

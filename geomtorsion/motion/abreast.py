@@ -112,11 +112,15 @@ def side_by_side(
 
 
 def gaps(
-    states: Any, sizes: Sequence[float], blocks: Sequence[Sequence[int]]
+    states: Any,
+    sizes: Sequence[float],
+    blocks: Sequence[Sequence[int]],
+    ignored: Callable[[Sequence[int], float, float], bool] = lambda _index, _part, _size: False,
 ) -> list[float] | None:
     """How far each lane is from the first, relative to the size of each block; None: no number.
 
     states: shape (m, size, lanes); sizes: the largest of each state in the first lane.
+    ignored: (block, largest part by which its lanes differ, size) -> whether that says nothing.
     """
     import numpy as np
 
@@ -126,13 +130,15 @@ def gaps(
     largest = np.maximum.reduce
     rows = largest(apart)
     for block in blocks:
-        first, last = block[0], block[-1] + 1
-        size = max(sizes[first:last])
-        for k, gap in enumerate(largest(rows[first:last]).tolist()[1:]):
-            if gap > 0:
-                worst[k] = max(worst[k], gap / size if size > 0 else math.inf)
-            elif gap != 0:
-                return None
+        found = largest(rows[list(block)])[1:].tolist()
+        if not math.isfinite(sum(found)):
+            return None
+        if not any(found):
+            continue
+        size = max([sizes[k] for k in block])
+        parts = [gap / size if size > 0 else math.inf for gap in found]
+        if not ignored(block, max(parts), size):
+            worst = [max(pair) for pair in zip(worst, parts, strict=True)]
     return worst
 
 

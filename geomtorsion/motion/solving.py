@@ -37,9 +37,9 @@ def solve(
 ) -> Solution:
     """Solve a motion so that the result, not each step, is as accurate as asked.
 
-    The error is measured against a second, coarser integration, by how much engines gain from
-    one tolerance to the other (see `checking`); near the rounding against a finer one. The
-    tolerance goes down until the error is below the accuracy.
+    The error is told by runs beside the answer or after it (see `abreast`, `in_turn`, and for
+    what they cannot tell `checking`). The tolerance goes down until the error is below the
+    accuracy.
 
     Parameters
     ----------

@@ -9,13 +9,8 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.exact.engine_code import (
-    Products,
-    array_names,
-    python_function,
-    python_source,
-    scalar_names,
-)
+from geomtorsion.exact.compile import python_function
+from geomtorsion.exact.engine_code import Products, array_names, python_source, scalar_names
 from geomtorsion.exact.factored import factored
 from geomtorsion.exact.line_code import line_expressions, line_source
 from geomtorsion.exact.signs import of_same_sign

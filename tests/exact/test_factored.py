@@ -10,7 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geomtorsion.exact import Field
-from geomtorsion.exact.engine_code import python_function, python_source
+from geomtorsion.exact.compile import python_function
+from geomtorsion.exact.engine_code import python_source
 from geomtorsion.exact.factored import factored
 from geomtorsion.exact.line_code import line_source
 from geomtorsion.exact.straight_line import MANY_QUOTIENTS

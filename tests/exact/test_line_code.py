@@ -7,7 +7,8 @@ import pytest
 import sympy as sp
 
 from geomtorsion.exact import Field
-from geomtorsion.exact.engine_code import array_names, python_function, scalar_names
+from geomtorsion.exact.compile import python_function
+from geomtorsion.exact.engine_code import array_names, scalar_names
 from geomtorsion.exact.factored import factored
 from geomtorsion.exact.line_code import line_expressions, line_source
 

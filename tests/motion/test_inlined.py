@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from geomtorsion.exact.engine_code import python_function
+from geomtorsion.exact.compile import python_function
 from geomtorsion.geometry import levi_civita
 from geomtorsion.motion import geodesic
 from geomtorsion.motion.engines.inlined import inlined

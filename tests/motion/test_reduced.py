@@ -17,7 +17,7 @@ from geomtorsion.motion.equations import written
 from geomtorsion.motion.journey import departure
 from geomtorsion.motion.laws import Hamel
 from geomtorsion.motion.reduced.rates import in_momenta
-from geomtorsion.motion.reduced.runs import Reduction, integrated, run
+from geomtorsion.motion.reduced.runs import Reduction, integrated
 from geomtorsion.spaces import load, names
 from tests.motion.engines import every_engine
 from tests.motion.reduced_truth import compare, reduction_of, split_of
@@ -138,7 +138,8 @@ def test_against_the_full_system(velocity, end):
     equations, system, vector, parameters = started(orbit(frame_velocity=velocity), 113)
     times = np.linspace(0, end, 9)
     whole = engine.run(system, vector, parameters, times, tolerance, dense=True)
-    small = run(engine, reduction_of(equations), vector, parameters, times, tolerance, dense=True)
+    assert reduction_of(equations).opened(engine, vector, parameters) is not None
+    small = integrated(engine, equations, system, vector, parameters, times, tolerance, dense=True)
     assert small.states.shape == whole.states.shape
     gaps = [small.states - whole.states, (small.last - whole.last)[None]]
     between = times[:-1] + 0.3
@@ -233,7 +234,7 @@ def test_digits_that_momenta_would_lose():
     smaller = Reduction(equations.system, in_momenta(parts, frame.field.one, ()))
     assert smaller.opened(RungeKutta(), vector, parameters) is None
     near = smaller.opening(vector, parameters, 53)
-    back = smaller.full(near.start[None, :], parameters, near.constants)[0]
+    back = smaller.widened(near.start[None, :], near.numbers, 53)[0]
     assert np.abs(back - vector).max() > 1e-9
 
 

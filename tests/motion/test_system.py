@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from geomtorsion.exact.engine_code import python_function, python_source, scalar_names
+from geomtorsion.exact.compile import python_function
+from geomtorsion.exact.engine_code import python_source, scalar_names
 from geomtorsion.motion import geodesic, solve
 from geomtorsion.spaces import load
 from tests.motion.engines import every_engine

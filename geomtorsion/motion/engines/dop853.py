@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
+from geomtorsion.exact.compile import python_function
 from geomtorsion.exact.engine_code import scalar_names
 from geomtorsion.motion.engines.inlined import inlined
 from geomtorsion.motion.system import System
@@ -51,12 +52,9 @@ def _kind(system: System) -> tuple[int, int, str, frozenset[str]]:
 def _made(
     name: str, n: int, parameters: int, source: str, functions: frozenset[str]
 ) -> Callable[..., Any]:
-    table: dict[str, Any] = dict(scalar_names(set(functions)))
     writer = _writer(n, parameters, source)
     code = "\n    ".join(writer.step() if name == "step" else writer.rows())
-    # Made of our own names and of scipy's numbers.
-    exec(compile(code, "<dop853>", "exec"), table)  # noqa: S102
-    return table[name]
+    return python_function(code, scalar_names(set(functions)), name)
 
 
 def _writer(n: int, parameters: int, source: str) -> _Writer:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.motion.abreast import judged, moves, side_by_side, told
-from geomtorsion.motion.engines.abreast import LANES, looseness, tolerance_of_second
+from geomtorsion.motion.abreast import gaps, judged, moves, side_by_side, told
+from geomtorsion.motion.engines.abreast import LANES, looseness, sizes_of, tolerance_of_second
 from geomtorsion.motion.flows.adjust import make_unit, moved_by, unit_rows
 from geomtorsion.motion.flows.compare import is_noise
 from geomtorsion.motion.flows.law import CLOCK
@@ -126,24 +126,8 @@ def _gaps(flow: Flow, answer: Trip, states: Any) -> list[float] | None:
     if flow.unit_places:
         each = [unit_rows(flow, states[:, :, lane]) for lane in range(LANES)]
         states = np.stack(each, axis=2)
-    largest = np.maximum.reduce
-    gaps_of = states - states[:, :, :1]
-    apart = largest(np.abs(gaps_of, gaps_of))
-    if not np.isfinite(apart).all():
-        return None
-    rows = apart.tolist()
-    sizes = largest(np.abs(states[:, :, 0])).tolist()
-    begun = answer.pieces[0].start
-    worst, size_of_flow = [0.0] * (LANES - 1), flow.size
-    for block in flow.system.blocks:
-        index = [k for k in block if k < size_of_flow]
-        if not index:
-            continue
-        gaps = list(map(max, *(rows[k][1:] for k in index), [0.0] * (LANES - 1)))
-        if not any(gaps):
-            continue
-        size = max([max(sizes[k], abs(begun[k])) for k in index])
-        parts = [gap / size if size > 0 else math.inf for gap in gaps]
-        if not is_noise(answer, index, max(parts), size):
-            worst = [max(old, new) for old, new in zip(worst, parts, strict=True)]
-    return worst
+    begun = [abs(x) for x in answer.pieces[0].start[: flow.size]]
+    sizes = list(map(max, sizes_of(states), begun))
+    # The clock is no state of the flow.
+    blocks = [block for block in flow.system.blocks if block[0] < flow.size]
+    return gaps(states, sizes, blocks, partial(is_noise, answer))

@@ -11,7 +11,7 @@ from typing import Any
 import sympy as sp
 
 from geomtorsion.errors import ExpressionError
-from geomtorsion.exact.engine_code import python_function
+from geomtorsion.exact.compile import python_function
 
 # numpy's names of functions that sympy calls otherwise.
 _NAMES = {

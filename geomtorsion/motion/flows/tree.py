@@ -10,7 +10,7 @@ from typing import Any
 import sympy as sp
 
 from geomtorsion.errors import ExpressionError
-from geomtorsion.exact.engine_code import python_function
+from geomtorsion.exact.compile import python_function
 from geomtorsion.exact.line_code import line_expressions, line_source
 from geomtorsion.exact.straight_line import StraightLine
 from geomtorsion.motion.flows.dual import DUAL_NAMES, Dual

@@ -139,15 +139,8 @@ class Reduction:
             found = self._out.array_rates(*rows)
         return np.array([np.broadcast_to(row, rows.shape[1]) for row in found])
 
-    def full(
-        self, states: Any, parameters: Sequence[Any], constants: Sequence[Any], precision: int = 53
-    ) -> Any:
-        """Full states, shape (m, full size), of those of the smaller system, shape (m, size)."""
-        numbers = (*parameters, *constants[: len(self.written.constants)])
-        return self.widened(states, Taylor(precision).array(numbers), precision)
-
     def widened(self, states: Any, numbers: Any, bits: int) -> Any:
-        """The same with the numbers of an opening."""
+        """Full states, shape (m, full size), of shape (m, size); numbers: those of an opening."""
         import numpy as np
 
         count, size = states.shape

@@ -14,7 +14,7 @@ from geomtorsion.motion.system import System
 if TYPE_CHECKING:
     from geomtorsion.motion.equations import Equations
 
-__all__ = ["Opening", "Reduction", "integrated", "reduction", "run"]
+__all__ = ["Opening", "Reduction", "integrated", "reduction"]
 
 
 def reduction(equations: Equations) -> Reduction | None:
@@ -45,20 +45,6 @@ def integrated(
     if smaller is None or opening is None:
         return engine.run(system, start, parameters, times, tolerance, dense=dense)
     return _run(engine, smaller, opening, system, times, tolerance, dense)
-
-
-def run(
-    engine: Engine,
-    smaller: Reduction,
-    start: Sequence[Any],
-    parameters: Sequence[Any],
-    times: Any,
-    tolerance: float,
-    dense: bool = False,
-) -> Run:
-    """One run of the smaller system; states, last state and dense output are full again."""
-    opening = smaller.opening(start, parameters, engine.precision)
-    return _run(engine, smaller, opening, smaller.full_system, times, tolerance, dense)
 
 
 def _run(
