@@ -25,13 +25,12 @@ SEEN = 1e-3
 class Opening:
     """A start of the smaller system.
 
-    start, values: of its states and parameters; constants: of `Reduction.names`.
+    start, values: of its states and parameters.
     numbers: old parameters and plain constants, of which velocities are made.
     """
 
     start: Any
     values: Any
-    constants: tuple[Any, ...]
     numbers: Any
 
 
@@ -92,8 +91,8 @@ class Reduction:
         numbers = (*parameters, *constants[: len(self.written.constants)])
         if precision == 53:
             begun, values = np.array(begun, dtype=float), np.array(values, dtype=float)
-            return Opening(begun, values, constants, np.array(numbers, dtype=float))
-        return Opening(begun, values, constants, Taylor(precision).array(numbers))
+            return Opening(begun, values, np.array(numbers, dtype=float))
+        return Opening(begun, values, Taylor(precision).array(numbers))
 
     @cached_property
     def _places(self) -> tuple[int, ...]:
