@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -68,6 +69,35 @@ class Watched:
         """Open a tab."""
         self.page.get_by_role("tab", name=name, exact=True).click()
         return self.page
+
+    def says(self, selector: str, text: str | re.Pattern[str]) -> str:
+        """Wait until a part of the page says this; the whole of what it says then.
+
+        Parts are drawn anew when something changes: for a moment they are not there at all.
+        """
+        from playwright.sync_api import expect
+
+        part = self.page.locator(selector)
+        expect(part).to_contain_text(text, use_inner_text=True, timeout=PATIENCE)
+        return part.inner_text()
+
+    def typed(self, texts: dict[str, str], shown: Any) -> None:
+        """Type into fields, by their labels, until what follows from it is shown.
+
+        A field that has just been drawn shows what is typed and forgets to tell of it, for some
+        tenths of a second, and nobody can see when that ends. What is typed again has to differ:
+        spaces mean nothing here.
+        """
+        from playwright.sync_api import expect
+
+        for again, patience in enumerate((PATIENCE // 20, PATIENCE // 6, PATIENCE)):
+            for label, text in texts.items():
+                self.page.get_by_label(label, exact=True).fill(text + " " * again)
+            try:
+                return expect(shown).to_be_visible(timeout=patience)
+            except AssertionError:
+                if patience == PATIENCE:
+                    raise
 
 
 @pytest.fixture(scope="session")

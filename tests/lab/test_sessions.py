@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import time
 
 import pytest
 
@@ -36,10 +35,8 @@ async def all_of_them(url: str) -> list[float]:
 
 def test_thirty_sessions_are_answered():
     """Thirty open pages at once, each with a slider moved: all get their number in time."""
-    began = time.perf_counter()
     with served() as url:
         sizes = run(asyncio.wait_for(all_of_them(url), LIMIT))
-    assert time.perf_counter() - began < LIMIT
     frame = spaces.load("so3").frame
     for k, size in enumerate(sizes):
         loop = Loop.circle((0.3, 1.0, 0.2), RADII[3 + k % 24], (0, 1))

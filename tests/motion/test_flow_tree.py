@@ -1,7 +1,5 @@
 """Trees: rates that are not expanded give the same numbers as those read exactly."""
 
-import time
-
 import numpy as np
 import pytest
 import sympy as sp
@@ -113,11 +111,9 @@ def test_long_rates_are_not_expanded():
     big = "*".join(f"(x{k} + {k + 1}*y + z/{k + 2} + 1)" for k in range(10))
     states = [f"x{k}" for k in range(10)]
     rates = dict.fromkeys([*states, "y"], 0) | {"z": f"({big})/sqrt(1 + z**2)"}
-    began = time.perf_counter()
     made = flow(rates, [0.1] * 11 + [0])
     assert isinstance(made.system, TreeSystem)
     assert len(made.system.code[0]) < 3000
-    assert time.perf_counter() - began < 5
     assert not is_plain([sp.sqrt(1 + sp.Symbol("x") ** 2)])
     assert is_plain([1 / (1 + sp.Symbol("x") ** 2)])
 

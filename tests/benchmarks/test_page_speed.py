@@ -1,0 +1,50 @@
+"""How long the page takes from a slider that is moved to the new picture, in a real browser.
+
+Run with `python -m pytest tests/benchmarks/test_page_speed.py -s`. What is asserted is that every
+movement is answered, not how soon.
+"""
+
+from __future__ import annotations
+
+import statistics
+
+import pytest
+
+from tests.lab.conftest import (  # noqa: F401 (fixtures)
+    Watched,
+    address,
+    browser,
+    context,
+    lab,
+    watched,
+)
+
+# Milliseconds from the next key to the next change of what is said about the loop.
+TIMING = """(before) => {
+    let pressed = 0;
+    const press = () => { pressed = performance.now(); };
+    window.addEventListener("keydown", press, { capture: true, once: true });
+    window.moved = new Promise((done) => {
+        const look = () => {
+            const said = document.querySelector("#loop-said")?.innerText;
+            if (said && said !== before) done(performance.now() - pressed);
+            else requestAnimationFrame(look);
+        };
+        look();
+    });
+}"""
+
+
+def test_from_slider_to_picture(lab: Watched, capsys: pytest.CaptureFixture[str]):  # noqa: F811
+    """The radius of the loop, moved by key ten times."""
+    page = lab.tab("Loops")
+    page.wait_for_selector("#loop svg")
+    page.get_by_role("slider").first.focus()
+    took = []
+    for _ in range(10):
+        page.evaluate(TIMING, lab.says("#loop-said", "|b| = "))
+        page.keyboard.press("ArrowRight")
+        took.append(page.evaluate("() => window.moved"))
+    assert min(took) > 0
+    with capsys.disabled():
+        print(f"\nslider to picture: {statistics.median(took):.0f} ms, at most {max(took):.0f}")
