@@ -54,7 +54,7 @@ def _attempt(
     )
     smaller = None if opened.widths is None else equations.reduction
     if smaller is not None:
-        system = smaller.watching(system)
+        system = smaller.watching(system, opened.confined)
     lanes = side_by_side(
         engine, system, opened.starts, opened.numbers, times, tolerance, looser, known
     )
@@ -62,7 +62,7 @@ def _attempt(
         return None
     states, sizes = lanes.states, lanes.sizes
     if smaller is not None:
-        states = smaller.abreast(states, opened.widths)
+        states = smaller.abreast(states, opened.widths, opened.confined)
         sizes = sizes_of(states)
     apart = gaps(states, sizes, equations.system.blocks)
     if apart is None:
@@ -83,11 +83,13 @@ class _Opened:
     """Starts and numbers of all lanes, shapes (size, lanes) and (parameters, lanes).
 
     widths: numbers of which velocities are made that are no states, or None where all are.
+    confined: whether the smaller system is that of confined motions.
     """
 
     starts: Any
     numbers: Any
     widths: Any
+    confined: bool = False
 
 
 def _opened(
@@ -99,10 +101,12 @@ def _opened(
     starts = vector[:, None] + np.multiply.outer(steps_of(equations, vector), moves(looser))
     smaller = equations.reduction
     if smaller is not None:
-        lanes = [smaller.opened(engine, start, numbers) for start in starts.T]
+        first = smaller.opened(engine, starts[:, 0], numbers)
+        others = starts.T[1:] if first is not None else ()
+        lanes = [first, *(smaller.opened(engine, start, numbers, first) for start in others)]
         found = [lane for lane in lanes if lane is not None]
-        if len(found) == len(lanes):
+        if first is not None and len(found) == len(lanes):
             parts = ([getattr(x, name) for x in found] for name in ("start", "values", "numbers"))
             starts, values, widths = (np.array(part).T for part in parts)
-            return _Opened(starts, values, widths)
+            return _Opened(starts, values, widths, first.confined)
     return _Opened(starts, numbers[:, None], None)

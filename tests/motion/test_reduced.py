@@ -234,7 +234,7 @@ def test_digits_that_momenta_would_lose():
     smaller = Reduction(equations.system, in_momenta(parts, frame.field.one, ()))
     assert smaller.opened(RungeKutta(), vector, parameters) is None
     near = smaller.opening(vector, parameters, 53)
-    back = smaller.widened(near.start[None, :], near.numbers, 53)[0]
+    back = smaller.widened(near.start[None, :], near, 53)[0]
     assert np.abs(back - vector).max() > 1e-9
 
 

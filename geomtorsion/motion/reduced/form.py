@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
 from geomtorsion.motion.engines.protocol import Engine
 from geomtorsion.motion.engines.taylor import Taylor, heyoka, is_available
-from geomtorsion.motion.reduced.constants import Constants
+from geomtorsion.motion.reduced.confined import Confined
+from geomtorsion.motion.reduced.constants import SPARE, Constants
 from geomtorsion.motion.reduced.split import Written
-from geomtorsion.motion.system import System, floats
+from geomtorsion.motion.system import System, floats, mpf
 
 # Velocities that come back from their momenta more roundings off than this are not reduced.
 ROUNDINGS = 64
@@ -26,12 +28,14 @@ class Opening:
     """A start of the smaller system.
 
     start, values: of its states and parameters.
-    numbers: old parameters and plain constants, of which velocities are made.
+    numbers: old parameters, momenta that are constants, and constants of single coordinates.
+    confined: whether it is one of the system for confined motions.
     """
 
     start: Any
     values: Any
     numbers: Any
+    confined: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,8 +62,17 @@ class Reduction:
         """The smaller system: states that are left, in the old order; more parameters."""
         return self.written.system
 
-    def watching(self, system: System) -> System:
-        """The smaller system with the edge that a variant of the full one has."""
+    @cached_property
+    def _confined(self) -> Confined:
+        return Confined(self.full_system, self.written)
+
+    def watching(self, system: System, confined: bool = False) -> System:
+        """The smaller system with the edge that a variant of the full one has.
+
+        confined: as the opening says.
+        """
+        if confined:
+            return self._confined.system
         if system.edge is None:
             return self.system.without_edge
         return self.system.to_the_end if len(system.edge) == 1 else self.system
@@ -88,7 +101,8 @@ class Reduction:
         momenta, constants = self._constants.entered(start, parameters, precision)
         begun = [*start[: self.written.width], *momenta]
         values = [*parameters, *(constants[k] for k in self._places)]
-        numbers = (*parameters, *constants[: len(self.written.constants)])
+        count = len(self.written.constants) + len(self.written.singles)
+        numbers = (*parameters, *constants[:count])
         if precision == 53:
             begun, values = np.array(begun, dtype=float), np.array(values, dtype=float)
             return Opening(begun, values, np.array(numbers, dtype=float))
@@ -105,57 +119,86 @@ class Reduction:
     @cached_property
     def _out(self) -> System:
         """The velocities that are no states here."""
-        numbers = (*self.full_system.parameters, *self.written.constants)
-        return System(self.system.states, numbers, self.written.velocities, ())
+        written = self.written
+        numbers = (*self.full_system.parameters, *written.constants, *written.separators)
+        return System(self.system.states, numbers, written.velocities, ())
 
     @cached_property
-    def _functions(self) -> dict[int, Callable[[Any], Any]]:
+    def _functions(self) -> dict[tuple[int, bool], Callable[[Any], Any]]:
         return {}
 
-    def function(self, bits: int) -> tuple[Callable[[Any], Any], float]:
-        """These velocities as a function of rows of numbers, and the seconds to compile it."""
-        known = self._functions.get(bits)
+    def function(self, bits: int, confined: bool) -> tuple[Callable[[Any], Any], float]:
+        """Angles behind cosines, then velocities, as a function of rows of numbers.
+
+        With the seconds that it takes to compile it.
+        """
+        known = self._functions.get((bits, confined))
         if known is not None:
             return known, 0.0
         began = time.perf_counter()
-        made = self._by_heyoka(bits) if is_available() else self._by_numpy
-        self._functions[bits] = made
+        cosines = self._cosines(confined)
+        made = self._by_heyoka(bits, cosines) if is_available() else self._by_numpy(cosines)
+        self._functions[bits, confined] = made
         return made, time.perf_counter() - began
 
-    def _by_heyoka(self, bits: int) -> Callable[[Any], Any]:
+    def _cosines(self, confined: bool) -> tuple[int, ...]:
+        """Places of the states that are cosines of coordinates."""
+        return self._confined.cosines if confined else ()
+
+    def _by_heyoka(self, bits: int, cosines: Sequence[int]) -> Callable[[Any], Any]:
         hy, number = heyoka(), Taylor(bits).number
         names = (*self._out.states, *self._out.parameters)
         variables = hy.make_vars(*(f"s{k}" for k in range(len(names))))
-        known = dict(zip(names, variables, strict=True))
+        inputs = list(variables)
+        for place in cosines:
+            inputs[place] = hy.acos(variables[place])
+        known = dict(zip(names, inputs, strict=True))
         rows, _ = self._out.written(known, lambda p, q: hy.expression(number(Fraction(p, q))))
+        rows = [*(inputs[place] for place in cosines), *rows]
         options: dict[str, Any] = {"prec": bits} if bits > 113 else {}
         return hy.cfunc(rows, variables, fp_type=type(number(0)), **options)
 
-    def _by_numpy(self, rows: Any) -> Any:
+    def _by_numpy(self, cosines: Sequence[int]) -> Callable[[Any], Any]:
         import numpy as np
 
-        with np.errstate(all="ignore"):
-            found = self._out.array_rates(*rows)
-        return np.array([np.broadcast_to(row, rows.shape[1]) for row in found])
+        def function(rows: Any) -> Any:
+            inputs = list(rows)
+            with np.errstate(all="ignore"):
+                for place in cosines:
+                    inputs[place] = np.arccos(rows[place])
+                found = self._out.array_rates(*inputs)
+            angles = [inputs[place] for place in cosines]
+            return np.array([np.broadcast_to(row, rows.shape[1]) for row in (*angles, *found)])
 
-    def widened(self, states: Any, numbers: Any, bits: int) -> Any:
-        """Full states, shape (m, full size), of shape (m, size); numbers: those of an opening."""
+        return function
+
+    def widened(self, states: Any, opening: Opening, bits: int) -> Any:
+        """Full states, shape (m, full size), of shape (m, size) of the opened system."""
         import numpy as np
 
-        count, size = states.shape
+        (count, size), numbers = states.shape, opening.numbers
         rows = np.empty((size + len(numbers), count), dtype=states.dtype)
         rows[:size] = states.T
         rows[size:] = numbers[:, None]
         out = np.empty((self.full_system.size, count), dtype=states.dtype)
-        width = self.written.width
-        out[:width] = rows[:width]
-        out[width:] = self.function(bits)[0](rows)
+        self._fill(out, rows, bits, opening.confined)
         return out.T
 
-    def abreast(self, states: Any, numbers: Any) -> Any:
+    def _fill(self, out: Any, rows: Any, bits: int, confined: bool) -> None:
+        """Coordinates and velocities of rows of smaller states and numbers."""
+        width, cosines = self.written.width, self._cosines(confined)
+        found = self.function(bits, confined)[0](rows.reshape(len(rows), -1))
+        found = found.reshape(-1, *out.shape[1:])
+        out[:width] = rows[:width]
+        out[width:] = found[len(cosines) :]
+        for angle, place in zip(found, cosines, strict=False):
+            out[place] = angle
+
+    def abreast(self, states: Any, numbers: Any, confined: bool) -> Any:
         """Full states of lanes, shape (m, full size, lanes), of shape (m, size, lanes).
 
         numbers: those of the openings of all lanes, shape (numbers, lanes).
+        confined: as the openings say.
         """
         import numpy as np
 
@@ -164,10 +207,7 @@ class Reduction:
         rows[:size] = states.swapaxes(0, 1)
         rows[size:] = numbers[:, None]
         out = np.empty((self.full_system.size, count, lanes))
-        width = self.written.width
-        out[:width] = rows[:width]
-        found = self.function(53)[0](rows.reshape(len(rows), -1))
-        out[width:] = found.reshape(-1, count, lanes)
+        self._fill(out, rows, 53, confined)
         return out.swapaxes(0, 1)
 
     # -- whether ---------------------------------------------------------------------------------
@@ -189,10 +229,15 @@ class Reduction:
         return isinstance(engine, Taylor) or max(left) >= SEEN * size
 
     def opened(
-        self, engine: Engine, start: Sequence[Any], parameters: Sequence[Any]
+        self,
+        engine: Engine,
+        start: Sequence[Any],
+        parameters: Sequence[Any],
+        like: Opening | None = None,
     ) -> Opening | None:
         """The start of the smaller system, or None where it does not serve.
 
+        like: that of a start nearby, which is confined or not as this one is.
         One problem starts many runs from the same read-only arrays: the last is remembered.
         """
         flags = getattr(start, "flags", None)
@@ -206,6 +251,39 @@ class Reduction:
         except (ArithmeticError, ValueError):
             return None
         result = found if self.serves(engine, found, start) else None
+        if result is not None:
+            result = self._within(result, start, engine.precision, like)
         if lasting:
             self.__dict__["_last"] = (start, parameters, kind, result)
         return result
+
+    def _within(
+        self, opening: Opening, start: Sequence[Any], bits: int, like: Opening | None
+    ) -> Opening:
+        """The opening of the system for confined motions where this is one."""
+        if not self.written.singles:
+            return opening
+        if like is not None:
+            confined = like.confined
+        else:
+            confined = self._confined.holds(floats(start), floats(opening.numbers))
+        if not confined:
+            return opening
+        begun = [*opening.start]
+        for place in self._confined.cosines:
+            begun[place] = cosine(start[place], bits)
+        if bits == 53:
+            import numpy as np
+
+            return replace(opening, start=np.array(begun), confined=True)
+        return replace(opening, start=begun, confined=True)
+
+
+def cosine(angle: Any, bits: int) -> Any:
+    """A float, or an mpmath number above 53 bits."""
+    if bits == 53:
+        return math.cos(angle)
+    import mpmath
+
+    with mpmath.workprec(bits + SPARE):
+        return mpmath.cos(mpf(angle, bits + SPARE))

@@ -58,12 +58,12 @@ def _run(
 ) -> Run:
     import numpy as np
 
-    small, bits = smaller.watching(system), engine.precision
+    small, bits = smaller.watching(system, opening.confined), engine.precision
     found = engine.run(small, opening.start, opening.values, times, tolerance, dense=dense)
-    _, seconds = smaller.function(bits)
+    _, seconds = smaller.function(bits, opening.confined)
 
     def full(states: Any) -> Any:
-        return smaller.widened(states, opening.numbers, bits)
+        return smaller.widened(states, opening, bits)
 
     if found.outcome == "done":
         rows = full(found.states)

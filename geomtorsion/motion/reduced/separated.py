@@ -17,46 +17,11 @@ from typing import TYPE_CHECKING, Any
 
 from geomtorsion.exact.engine_code import Products
 from geomtorsion.exact.separate import additive_parts, by_powers, clearing
-from geomtorsion.motion.reduced.split import HALF, Pairs, Split, Written, free_name
+from geomtorsion.motion.reduced.split import HALF, Pairs, Single, Split, Written, free_name
 from geomtorsion.motion.reduced.system import gathered, names_in
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Element
-
-
-@dataclass(frozen=True, eq=False)
-class Single:
-    """What belongs to one coordinate.
-
-    place, symbol: of the coordinate; weight: A; rest: W with the names of constants.
-    root: h; state, constant: names of v and c.
-    """
-
-    place: int
-    symbol: Any
-    weight: Element
-    rest: Products
-    root: Element
-    state: str
-    constant: str
-
-    @property
-    def factor(self) -> Element:
-        """v over p."""
-        return self.root * self.weight
-
-    @property
-    def square(self) -> Products:
-        """Q, with names of constants."""
-        cleared = self.root * self.root * self.weight
-        rest = ((value * -cleared, names) for value, names in self.rest)
-        return ((cleared, (self.constant,)), *rest)
-
-    @property
-    def value(self) -> Products:
-        """c, as a sum of products of v and constants."""
-        above = self.root * self.root * self.weight
-        return ((1 / above, (self.state, self.state)), *self.rest)
 
 
 def separated(parts: Split, singles: Sequence[Single], whole: Written) -> Written:
@@ -89,7 +54,7 @@ def separated(parts: Split, singles: Sequence[Single], whole: Written) -> Writte
         mixing.table,
         tuple(_renamed(row, back) for row in whole.velocities),
         whole.along,
-        {one.constant: one.value for one in singles},
+        tuple(singles),
     )
 
 

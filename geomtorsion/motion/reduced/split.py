@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +22,41 @@ HALF = Fraction(1, 2)
 
 
 @dataclass(frozen=True, eq=False)
+class Single:
+    """What belongs to one coordinate.
+
+    place, symbol: of the coordinate; weight: A; rest: W with the names of constants.
+    root: h; state, constant: names of v and c.
+    """
+
+    place: int
+    symbol: Any
+    weight: Element
+    rest: Products
+    root: Element
+    state: str
+    constant: str
+
+    @property
+    def factor(self) -> Element:
+        """v over p."""
+        return self.root * self.weight
+
+    @property
+    def square(self) -> Products:
+        """Q, with names of constants."""
+        cleared = self.root * self.root * self.weight
+        rest = ((value * -cleared, names) for value, names in self.rest)
+        return ((cleared, (self.constant,)), *rest)
+
+    @property
+    def value(self) -> Products:
+        """c, as a sum of products of v and constants."""
+        above = self.root * self.root * self.weight
+        return ((1 / above, (self.state, self.state)), *self.rest)
+
+
+@dataclass(frozen=True, eq=False)
 class Written:
     """A smaller system, and how it hangs together with the full one.
 
@@ -31,7 +66,7 @@ class Written:
     constants: name -> sum over full states; mixtures: name -> products of constants.
     velocities: for each u^i the sum over states and constants that gives it.
     along: legs along cyclic coordinates alone.
-    separators: name -> a further constant as a sum over coordinates, momenta and constants.
+    singles: coordinates that have a constant each.
     """
 
     system: Reduced
@@ -41,7 +76,12 @@ class Written:
     mixtures: Mapping[str, Products]
     velocities: tuple[Products, ...]
     along: tuple[int, ...]
-    separators: Mapping[str, Products] = field(default_factory=dict)
+    singles: tuple[Single, ...] = ()
+
+    @property
+    def separators(self) -> dict[str, Products]:
+        """Name -> a further constant as a sum over coordinates, momenta and constants."""
+        return {one.constant: one.value for one in self.singles}
 
 
 @dataclass(frozen=True, eq=False)
