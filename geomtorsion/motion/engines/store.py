@@ -9,6 +9,7 @@ from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import lru_cache
 from importlib import import_module
 from threading import RLock
 from typing import Any
@@ -77,6 +78,7 @@ def is_available() -> bool:
     return find_spec("heyoka") is not None
 
 
+@lru_cache(maxsize=256)
 def order_of(tolerance: float) -> int:
     """The order of the series that heyoka takes for a tolerance; it depends on nothing else."""
     return max(2, math.ceil(1 - math.log(tolerance) / 2 - 1e-9))

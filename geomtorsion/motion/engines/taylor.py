@@ -172,14 +172,11 @@ class Taylor:
         dense: bool,
     ) -> Run:
         """The same with its integrator, which nobody else may use meanwhile."""
-        import numpy as np
-
-        integrator = compiled.integrator
-        began = time.perf_counter()
-        grid, start = self.array(times), self.array(start)
+        integrator, began = compiled.integrator, time.perf_counter()
+        state, grid, start = integrator.state, self.array(times), self.array(start)
         integrator.time = grid[0]
-        integrator.state[:] = start
-        if len(system.parameters):
+        state[:] = start
+        if system.parameters:
             integrator.pars[:] = self.array(parameters)
         if system.edge is not None:
             integrator.reset_cooldowns()
@@ -189,11 +186,13 @@ class Taylor:
             record = Record(integrator, grid[0])
             integrator.propagate_until(grid[-1], callback=record, write_tc=True)
             integrator.time = grid[0]
-            integrator.state[:] = start
+            state[:] = start
         states, outcome, steps, reason = self._propagated(integrator, grid)
         if outcome == "stuck":
+            import numpy as np
+
             place = last_regular(integrator, grid[0], start, grid[-1], steps)
-            integrator.time, integrator.state[:] = place
+            integrator.time, state[:] = place
             lasted = abs(float(place[0] - grid[0]))
             states = states[np.abs((grid[: len(states)] - grid[0]).astype(float)) <= lasted]
         ended = time.perf_counter()
@@ -202,7 +201,7 @@ class Taylor:
             grid[: len(states)],
             states,
             integrator.time,
-            integrator.state.copy(),
+            state.copy(),
             outcome,
             steps,
             steps * (integrator.order + 1),
@@ -214,21 +213,19 @@ class Taylor:
 
     def _propagated(self, integrator: Any, grid: Any) -> tuple[Any, str, int, str]:
         """States on the grid, outcome, steps and reason; stops a run that gets nowhere."""
-        import numpy as np
-
         if grid[0] == grid[-1]:
             return integrator.state.copy()[None, :], "done", 0, ""
-        rows, done, steps, before = [], 0, 0, grid[0]
         at_once = STEPS_AT_ONCE if self.precision <= 64 else STEPS_AT_ONCE // 4
+        out = integrator.propagate_grid(grid, max_steps=at_once)
+        if out[0] == type(out[0]).time_limit:
+            return out[5], "done", out[3], ""
+        import numpy as np
+
+        rows, done, steps, before = [], 0, 0, grid[0]
         while True:
-            rest = grid[done:] if not done else np.concatenate(([integrator.time], grid[done:]))
-            out = integrator.propagate_grid(rest, max_steps=at_once)
-            taken, values = out[3], out[5]
-            if not done and out[0] == type(out[0]).time_limit:
-                return values, "done", taken, ""
             code = int_of(out[0])
-            steps += taken
-            new = values if not done else values[1:]
+            steps += out[3]
+            new = out[5][1:] if done else out[5]
             rows.append(new)
             done += len(new)
             if code == TIME_LIMIT:
@@ -249,6 +246,8 @@ class Taylor:
                     "Ask for less accuracy or time, use engine=Stiff(), or raise max_steps."
                 )
             before = integrator.time
+            rest = np.concatenate(([before], grid[done:]))
+            out = integrator.propagate_grid(rest, max_steps=at_once)
 
 
 NO_VALUE = "the series has no finite value"
