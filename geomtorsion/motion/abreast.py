@@ -96,15 +96,12 @@ def side_by_side(
     starts, parameters, looser: as in `run_abreast`.
     known: keeps that size for the next run of equal equations.
     """
-    import numpy as np
-
-    largest = np.maximum.reduce
-    size = max(known.get("size", 1.0), float(largest(np.abs(starts[:, 0]), initial=1.0)))
+    size = max(known.get("size", 1.0), 1.0, *map(abs, starts[:, 0].tolist()))
     for _ in range(3):
         lanes = run_abreast(engine, system, starts, parameters, times, tolerance, looser, size)
         if lanes is None or min(lanes.steps) < LEAST_STEPS:
             return None
-        top = max(1.0, *lanes.sizes)
+        top = max(1.0, *lanes.extents[0])
         if size / OVERSIZED <= top <= OUTGROWN * size:
             return lanes
         known["size"] = size = top
@@ -112,33 +109,27 @@ def side_by_side(
 
 
 def gaps(
-    states: Any,
-    sizes: Sequence[float],
+    extents: Sequence[Sequence[float]],
     blocks: Sequence[Sequence[int]],
     ignored: Callable[[Sequence[int], float, float], bool] = lambda _index, _part, _size: False,
 ) -> list[float] | None:
     """How far each lane is from the first, relative to the size of each block; None: no number.
 
-    states: shape (m, size, lanes); sizes: the largest of each state in the first lane.
+    extents: sizes of the states, and how far they are from these in each other lane.
     ignored: (block, largest part by which its lanes differ, size) -> whether that says nothing.
     """
-    import numpy as np
-
-    apart = states - states[:, :, :1]
-    np.abs(apart, apart)
-    worst = [0.0] * (states.shape[2] - 1)
-    largest = np.maximum.reduce
-    rows = largest(apart)
+    sizes, *apart = extents
+    if not math.isfinite(sum(map(sum, apart))):
+        return None
+    worst = [0.0] * len(apart)
     for block in blocks:
-        found = largest(rows[list(block)])[1:].tolist()
-        if not math.isfinite(sum(found)):
-            return None
+        found = [max([row[k] for k in block]) for row in apart]
         if not any(found):
             continue
         size = max([sizes[k] for k in block])
         parts = [gap / size if size > 0 else math.inf for gap in found]
         if not ignored(block, max(parts), size):
-            worst = [max(pair) for pair in zip(worst, parts, strict=True)]
+            worst = list(map(max, worst, parts))
     return worst
 
 

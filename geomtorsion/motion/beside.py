@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from geomtorsion.motion.abreast import gaps, judged, moves, side_by_side, told
 from geomtorsion.motion.disturbed import steps_of
-from geomtorsion.motion.engines.abreast import looseness, sizes_of, tolerance_of_second
+from geomtorsion.motion.engines.abreast import extents, looseness, tolerance_of_second
 from geomtorsion.motion.journey import Journey, Segment, departure
 from geomtorsion.motion.search import Told
 
@@ -60,22 +60,25 @@ def _attempt(
     )
     if lanes is None:
         return None
-    states, sizes = lanes.states, lanes.sizes
+    states, found = lanes.states, lanes.extents
     if smaller is not None:
         states = smaller.abreast(states, opened.widths, opened.confined)
-        sizes = sizes_of(states)
-    apart = gaps(states, sizes, equations.system.blocks)
+        found = extents(states)
+    apart = gaps(found, equations.system.blocks)
     if apart is None:
         return None
     left_out, rounded = judged(lanes.share, apart)
-    journeys = []
-    for lane in (0, 1):
+
+    def journey(lane: int, own: float) -> Journey:
         run = lanes.run(lane, states[:, :, lane])
         part = Segment(name, equations, run, float(times[0]), 0, vector, numbers)
-        own = tolerance if lane == 0 else tolerance_of_second(tolerance, lanes.looser)
-        journeys.append(Journey(problem, engine, own, (part,), "done", ""))
-    answer, check = journeys
-    return Told(answer, check, apart[0], left_out, rounded, (answer, check), lanes.run_seconds)
+        return Journey(problem, engine, own, (part,), "done", "")
+
+    def check() -> Journey:
+        return journey(1, tolerance_of_second(tolerance, looser))
+
+    answer = journey(0, tolerance)
+    return Told(answer, check, apart[0], left_out, rounded, (answer,), lanes.run_seconds)
 
 
 @dataclass(frozen=True, eq=False)

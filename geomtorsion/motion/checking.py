@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, NamedTuple, Protocol, TypeVar
 
 from geomtorsion.motion.engines.protocol import Engine
 
@@ -57,20 +56,25 @@ class Attempt(Protocol):
 A = TypeVar("A", bound=Attempt)
 
 
-@dataclass(frozen=True, eq=False)
-class Checked(Generic[A]):
+class Checked(NamedTuple, Generic[A]):
     """An answer, the run it was held against, and the error.
 
+    against: gives the run that the answer was held against.
     share: the error is this many times the difference of the two.
     error: estimate, relative; infinite where nothing could be compared.
-    spent: all runs, answer and check among them.
+    spent: all runs that took time of their own.
     """
 
     answer: A
-    check: A
+    against: Callable[[], A]
     share: float
     error: float
     spent: tuple[A, ...]
+
+    @property
+    def check(self) -> A:
+        """The run that the answer was held against."""
+        return self.against()
 
 
 def checked(
@@ -159,7 +163,8 @@ def checked(
         tolerance = _next(engine, answer, check, error / accuracy, reusable=reusable)
     assert best is not None
     every = {id(one): one for one in (*made.values(), *aside.values())}
-    return Checked(*best, tuple(every.values()))
+    answer, check, share, error = best
+    return Checked(answer, lambda: check, share, error, tuple(every.values()))
 
 
 def rounding(engine: Engine, steps: int) -> float:

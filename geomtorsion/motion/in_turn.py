@@ -111,11 +111,11 @@ def _told(
         if share is None or not compared:
             return None
         left_out = max(left_out, CAUTION * share * near)
-        return Told(answer, coarse, gap, left_out, 0.0, (answer, coarse, middle))
+        return Told(answer, lambda: coarse, gap, left_out, 0.0, (answer, coarse, middle))
     if not fine or left_out > accuracy:
-        return Told(answer, coarse, gap, left_out, 0.0, (answer, coarse))
+        return Told(answer, lambda: coarse, gap, left_out, 0.0, (answer, coarse))
     others, rounded = _roundings(accuracy, answer, left_out, moved, difference)
-    return Told(answer, coarse, gap, left_out, rounded, (answer, coarse, *others))
+    return Told(answer, lambda: coarse, gap, left_out, rounded, (answer, coarse, *others))
 
 
 def _roundings(

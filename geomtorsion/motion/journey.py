@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from geomtorsion.errors import ChartEdgeError
 from geomtorsion.motion.crossing import State, moved_over
@@ -27,8 +27,7 @@ PATIENCE, STANDSTILL = 2, 1e-9
 GAIN = 1.5
 
 
-@dataclass(frozen=True, eq=False)
-class Segment:
+class Segment(NamedTuple):
     """What was computed in one chart.
 
     chart: its name; "" where velocities alone are followed.
@@ -71,33 +70,25 @@ class Journey:
         """Number of samples reached."""
         return sum([len(segment.run.times) - segment.skips for segment in self.segments])
 
-    def _total(self, name: str) -> Any:
-        """A count of the runs of all segments, added up."""
-        first, *others = self.segments
-        total = getattr(first.run, name)
-        for segment in others:
-            total += getattr(segment.run, name)
-        return total
-
     @property
     def steps(self) -> int:
         """Steps of all segments."""
-        return self._total("steps")
+        return sum([segment.run.steps for segment in self.segments])
 
     @property
     def evaluations(self) -> int:
         """Evaluations of all segments."""
-        return self._total("evaluations")
+        return sum([segment.run.evaluations for segment in self.segments])
 
     @property
     def compile_seconds(self) -> float:
         """Time spent on compilation."""
-        return self._total("compile_seconds")
+        return sum([segment.run.compile_seconds for segment in self.segments])
 
     @property
     def run_seconds(self) -> float:
         """Time spent on integration."""
-        return self._total("run_seconds")
+        return sum([segment.run.run_seconds for segment in self.segments])
 
     @property
     def reached(self) -> float:

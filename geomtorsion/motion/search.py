@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from geomtorsion.motion.checking import CAUTION, LITTLE, Attempt, Checked, rounding
 from geomtorsion.motion.engines.protocol import Engine
@@ -13,17 +13,17 @@ from geomtorsion.motion.engines.protocol import Engine
 A = TypeVar("A", bound=Attempt)
 
 
-@dataclass(frozen=True, eq=False)
-class Told(Generic[A]):
+class Told(NamedTuple, Generic[A]):
     """An answer, a looser run of the same motion, and what they and other runs tell.
 
+    check: gives the looser run, of which nothing is needed but how far it is from the answer.
     gap: how far answer and check are apart, relative to the size of each block.
     left_out: error by what the steps leave out; rounded: by rounding as it grows on the way.
-    spent: all runs; seconds: how long the answer ran.
+    spent: all runs that took time of their own; seconds: how long the answer ran.
     """
 
     answer: A
-    check: A
+    check: Callable[[], A]
     gap: float
     left_out: float
     rounded: float
@@ -79,7 +79,8 @@ def searched(
         found = attempt(tolerance)
         if found is None:
             return None
-        spent |= {id(run): run for run in found.spent}
+        for run in found.spent:
+            spent[id(run)] = run
         error = max(found.left_out, found.rounded, rounding(engine, found.answer.steps))
         good = found.left_out <= rules.taken * accuracy and error <= accuracy
         if good:

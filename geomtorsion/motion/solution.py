@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -73,7 +73,7 @@ class Solution:
     engine, why: what solved it, and why that was chosen.
     cost: steps, evaluations, seconds.
     complete: whether the last time was reached.
-    journey, witness: the integration, and the other one that it was held against.
+    journey, check: the integration, and what gives the other one that it was held against.
     share: the error is this many times the difference of the two.
 
     Examples
@@ -95,7 +95,7 @@ class Solution:
     cost: Cost
     complete: bool
     journey: Journey
-    witness: Journey | None = None
+    check: Callable[[], Journey] | None = None
     share: float = CAUTION
 
     # -- arrays at the times ---------------------------------------------------------------------
@@ -171,6 +171,11 @@ class Solution:
         return reading.at_times(self, time)
 
     # -- how good it is --------------------------------------------------------------------------
+
+    @cached_property
+    def witness(self) -> Journey | None:
+        """The integration that the answer was held against."""
+        return None if self.check is None else self.check()
 
     @cached_property
     def drift(self) -> Mapping[str, float]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 from geomtorsion.errors import AccuracyError, ChartEdgeError
@@ -73,7 +74,9 @@ def solve(
     """
     accuracy = checked_accuracy(accuracy)
     times, grid = checked_times(t)
-    scaled = grid * problem.speed
+    speed = problem.speed
+    # What nobody may write to need not be copied.
+    scaled = grid if speed == 1.0 and not grid.flags.writeable else grid * speed
     spent: list[Journey] = []
     best = math.inf
     for candidate, why in candidates(problem, scaled, accuracy, engine):
@@ -227,17 +230,13 @@ def _solution(
     spent: list[Journey],
 ) -> Solution:
     """The answer with what is known about it."""
-    from dataclasses import replace
-
-    answer, error = found.answer, found.error
-    count = answer.count
+    answer = found.answer
     complete = answer.outcome == "done"
-    reached = times if complete else grid[:count]
+    reached = times if complete else grid[: answer.count]
     if complete and len(grid) > len(times):
         first = answer.segments[0]
-        answer = replace(
-            answer, segments=(replace(first, skips=first.skips + 1), *answer.segments[1:])
-        )
+        first = first._replace(skips=first.skips + 1)
+        answer = replace(answer, segments=(first, *answer.segments[1:]))
     run_seconds = answer.run_seconds
     cost = Cost(
         answer.steps,
@@ -246,18 +245,17 @@ def _solution(
         run_seconds,
         sum([journey.run_seconds for journey in spent]) - run_seconds,
     )
-    name = answer.engine.name
     return Solution(
         problem,
         reached,
         accuracy,
-        error,
-        name,
+        found.error,
+        answer.engine.name,
         why,
         cost,
         complete,
         answer,
-        found.check,
+        found.against,
         found.share,
     )
 

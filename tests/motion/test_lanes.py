@@ -10,7 +10,7 @@ import pytest
 from geomtorsion.geometry import cartan
 from geomtorsion.motion import Taylor, abreast, autoparallel, beside, flow, geodesic, solve
 from geomtorsion.motion.abreast import CAUTION
-from geomtorsion.motion.engines.abreast import LANES, run_abreast, sizes_of
+from geomtorsion.motion.engines.abreast import LANES, extents, run_abreast
 from geomtorsion.motion.flows import beside as flow_beside
 from geomtorsion.motion.flows.travel import legs_of, travel
 from geomtorsion.motion.journey import departure
@@ -37,11 +37,16 @@ def test_what_lanes_tell():
 def test_gaps_of_lanes():
     """Each lane against the first, in the largest of each block; no number is no answer."""
     states = np.array([[[1.0, 1.5, 1.0, 1.0], [-8.0, -8.0, -8.0, -6.0], [2.0, 2.0, 2.5, 2.0]]])
-    sizes = sizes_of(states)
-    assert sizes == [1.0, 8.0, 2.0]
-    assert abreast.gaps(states, sizes, [[0, 1], [2]]) == [0.0625, 0.25, 0.25]
-    states[0, 1, 2] = np.nan
-    assert abreast.gaps(states, sizes, [[0, 1], [2]]) is None
+    states = np.concatenate((states, 0.5 * states))
+    found = extents(states)
+    assert found == [[1.0, 8.0, 2.0], [0.5, 0.0, 0.0], [0.0, 0.0, 0.5], [0.0, 2.0, 0.0]]
+    assert abreast.gaps(found, [[0, 1], [2]]) == [0.0625, 0.25, 0.25]
+    assert abreast.gaps(found, [[0, 1], [2]], lambda *seen: seen == ([2], 0.25, 2.0)) == [
+        0.0625, 0.0, 0.25
+    ]  # fmt: skip
+    for bad in (np.nan, np.inf):
+        states[1, 1, 2] = bad
+        assert abreast.gaps(extents(states), [[0, 1], [2]]) is None
 
 
 @pytest.mark.parametrize("tolerance", [1e-8, 1e-10, 1e-12])

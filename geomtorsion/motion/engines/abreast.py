@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from geomtorsion.motion.engines.protocol import Run
 from geomtorsion.motion.engines.store import order_of, ready, tolerance_of
@@ -35,23 +34,20 @@ MOST_STEPS = 30_000
 FEW_STEPS = 8
 
 
-@dataclass(frozen=True, eq=False)
-class Abreast:
+class Abreast(NamedTuple):
     """The runs of all lanes, complete; the first is the answer.
 
     states: shape (m, size, lanes).
-    sizes: the largest of each state in the first lane, without sign.
+    extents: how large states are in the first lane, and how far from it in others (see `extents`).
     steps: of each lane.
-    looser: by how much the second lane leaves out more.
     share: error of the answer over that of the second lane.
     """
 
     times: Any
     states: Any
-    sizes: list[float]
+    extents: list[list[float]]
     steps: tuple[int, ...]
     order: int
-    looser: float
     share: float
     compile_seconds: float
     run_seconds: float
@@ -96,8 +92,6 @@ def run_abreast(
     looser: see `looseness`.
     size: what the tolerance is relative to; larger than any state.
     """
-    import numpy as np
-
     order = order_of(tolerance)
     compiled, compiling = ready(
         system, order, 53, LANES, engine.optimised, engine.number, abreast=True
@@ -110,14 +104,14 @@ def run_abreast(
         state[:-1] = starts
         # heyoka measures what it leaves out by the largest state: here that is one of our own.
         state[-1] = size, looser * size, OTHERWISE * size, OTHERWISE**2 * size
-        if len(system.parameters):
+        if system.parameters:
             integrator.pars[:] = parameters
         touched: set[int] = set()
         if system.edge is not None:
             integrator.reset_cooldowns()
             touched = integrator.nt_events[0].callback.lanes
             touched.clear()
-        grid = np.repeat(times, LANES).reshape(-1, LANES)
+        grid = times.repeat(LANES).reshape(-1, LANES)
         rows = integrator.propagate_grid(grid, max_steps=MOST_STEPS)[1]
         results, at_edge = integrator.propagate_res, bool(touched)
     ended = time.perf_counter()
@@ -131,16 +125,23 @@ def run_abreast(
     steps = tuple([result[3] for result in results])
     states = rows[:, :-1]
     share = _share(steps, order, looser)
-    return Abreast(
-        times, states, sizes_of(states), steps, order, looser, share, compiling, ended - began
-    )
+    return Abreast(times, states, extents(states), steps, order, share, compiling, ended - began)
 
 
-def sizes_of(states: Any) -> list[float]:
-    """The largest of each state in the first lane, without sign; states: (m, size, lanes)."""
+def extents(states: Any) -> list[list[float]]:
+    """For each lane a number for each state, the largest at any time, without sign.
+
+    In the first lane of the state itself, in others of its difference to the first lane.
+
+    states: shape (m, size, lanes).
+    """
     import numpy as np
 
-    return np.maximum.reduce(np.abs(states[:, :, 0])).tolist()
+    # One state of one lane after the other: numbers in a row are worked through the fastest.
+    rows = states.T.copy()
+    others = rows[1:]
+    others -= rows[0]
+    return np.maximum.reduce(np.abs(rows, rows), 2).tolist()
 
 
 def _share(steps: tuple[int, ...], order: int, looser: float) -> float:

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from geomtorsion.motion.abreast import gaps, judged, moves, side_by_side, told
-from geomtorsion.motion.engines.abreast import LANES, looseness, sizes_of, tolerance_of_second
+from geomtorsion.motion.engines.abreast import (
+    LANES,
+    Abreast,
+    extents,
+    looseness,
+    tolerance_of_second,
+)
 from geomtorsion.motion.flows.adjust import make_unit, moved_by, unit_rows
 from geomtorsion.motion.flows.compare import is_noise
 from geomtorsion.motion.flows.law import CLOCK
@@ -49,37 +55,57 @@ def _attempt(
     known: dict[Any, Any],
 ) -> Told[Trip] | None:
     """One answer with what its neighbours tell."""
-    import numpy as np
-
     looser = looseness(accuracy)
     parts = moves(looser)
-    pieces: list[list[Piece]] = [[], []]
-    rows, share, starts = [], 0.0, None
+    passed: list[_Passed] = []
+    starts = None
     for k, leg in enumerate(legs):
         starts, numbers = _prepared(flow, engine, leg, starts, parts)
         times, head, inside = samples_of(grid, legs, k)
         lanes = side_by_side(engine, flow.system, starts, numbers, times, tolerance, looser, known)
         if lanes is None:
             return None
-        share = max(share, lanes.share)
-        rows.append(lanes.states[head : head + len(inside), : flow.size])
-        for lane, found in enumerate(pieces):
-            run = lanes.run(lane)
-            states = run.states[head : head + len(inside)]
-            found.append(Piece(leg, starts[:, lane].tolist(), run, inside, states))
+        passed.append(_Passed(leg, starts, lanes, head, inside))
         starts = lanes.states[-1]
-    states = rows[0] if len(rows) == 1 else np.concatenate(rows)
-    own = tolerance, tolerance_of_second(tolerance, looser)
-    answer, check = (
-        Trip(flow, engine, one, tuple(found), "done", "")
-        for one, found in zip(own, pieces, strict=True)
-    )
-    apart = _gaps(flow, answer, states)
+
+    def trip(lane: int, own: float) -> Trip:
+        pieces = tuple([each.piece(lane) for each in passed])
+        return Trip(flow, engine, own, pieces, "done", "")
+
+    def check() -> Trip:
+        return trip(1, tolerance_of_second(tolerance, looser))
+
+    answer = trip(0, tolerance)
+    apart = _gaps(flow, answer, passed)
     if apart is None:
         return None
-    left_out, rounded = judged(share, apart)
-    runs = answer, check
-    return Told(answer, check, apart[0], left_out, rounded, runs, answer.run_seconds)
+    left_out, rounded = judged(max([each.lanes.share for each in passed]), apart)
+    return Told(answer, check, apart[0], left_out, rounded, (answer,), answer.run_seconds)
+
+
+class _Passed(NamedTuple):
+    """One leg with its lanes.
+
+    starts: of all lanes, shape (size, lanes).
+    head: how many samples come first that nobody asked for; inside: the times of the others.
+    """
+
+    leg: Leg
+    starts: Any
+    lanes: Abreast
+    head: int
+    inside: Any
+
+    @property
+    def states(self) -> Any:
+        """States of all lanes at the samples asked for, shape (m, size, lanes)."""
+        return self.lanes.states[self.head : self.head + len(self.inside)]
+
+    def piece(self, lane: int) -> Piece:
+        """What was computed in one lane."""
+        start, run = self.starts[:, lane].tolist(), self.lanes.run(lane)
+        states = run.states[self.head : self.head + len(self.inside)]
+        return Piece(self.leg, start, run, self.inside, states)
 
 
 def _prepared(
@@ -119,15 +145,24 @@ def _made(
     return np.array(columns).T, np.array(numbers).reshape(LANES, -1).T
 
 
-def _gaps(flow: Flow, answer: Trip, states: Any) -> list[float] | None:
+def _gaps(flow: Flow, answer: Trip, passed: Sequence[_Passed]) -> list[float] | None:
     """How far each lane is from the first, relative to the size of each block."""
+    sizes, *apart = _extents(flow, passed)
+    begun = [abs(x) for x in answer.pieces[0].start[: flow.size]]
+    # The clock is no state of the flow.
+    blocks = [block for block in flow.system.blocks if block[0] < flow.size]
+    return gaps([list(map(max, sizes, begun)), *apart], blocks, partial(is_noise, answer))
+
+
+def _extents(flow: Flow, passed: Sequence[_Passed]) -> list[list[float]]:
+    """How large states are, and how far apart lanes are, at the samples asked for."""
     import numpy as np
 
+    first = passed[0]
+    if len(passed) == 1 and not flow.unit_places and len(first.inside) == len(first.lanes.states):
+        return first.lanes.extents
+    states = np.concatenate([each.states[:, : flow.size] for each in passed])
     if flow.unit_places:
         each = [unit_rows(flow, states[:, :, lane]) for lane in range(LANES)]
         states = np.stack(each, axis=2)
-    begun = [abs(x) for x in answer.pieces[0].start[: flow.size]]
-    sizes = list(map(max, sizes_of(states), begun))
-    # The clock is no state of the flow.
-    blocks = [block for block in flow.system.blocks if block[0] < flow.size]
-    return gaps(states, sizes, blocks, partial(is_noise, answer))
+    return extents(states)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -64,8 +64,9 @@ class FlowSolution:
     cost: steps, evaluations, seconds.
     outcome: "done"; "stopped" at the condition of the flow; "stuck" where it could not go on.
     recipe: how to make it again.
-    trips, share: the integration and the one it was held against; the error is this many times
-        their difference.
+    made, check: the integration, and what gives the one that it was held against (see `trips`);
+        None where it was loaded.
+    share: the error is this many times their difference.
 
     Examples
     --------
@@ -87,14 +88,20 @@ class FlowSolution:
     outcome: str
     reason: str
     recipe: Recipe
-    trips: tuple[Trip, ...] = ()
+    made: Trip | None = None
+    check: Callable[[], Trip] | None = None
     share: float = CAUTION
     _loaded: Mapping[str, Any] | None = None
 
     @cached_property
     def trip(self) -> Trip:
         """The integration, made again where it was loaded from a file."""
-        return self.trips[0] if self.trips else self.recipe.trip(self.flow)
+        return self.recipe.trip(self.flow) if self.made is None else self.made
+
+    @cached_property
+    def trips(self) -> tuple[Trip, ...]:
+        """The integration and the one that it was held against; none where it was loaded."""
+        return () if self.made is None or self.check is None else (self.made, self.check())
 
     @property
     def complete(self) -> bool:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -100,9 +99,13 @@ def _solved(
 ) -> FlowSolution:
     """The answer of the first engine and tolerance that are good enough."""
 
-    @cache
+    made: dict[tuple[Engine, float, float], Trip] = {}
+
     def go(solver: Engine, tolerance: float, moved: float) -> Trip:
-        return travel(flow, solver, tolerance, grid, legs, keeper, moved=moved)
+        key = solver, tolerance, moved
+        if key not in made:
+            made[key] = travel(flow, solver, tolerance, grid, legs, keeper, moved=moved)
+        return made[key]
 
     spent: list[Trip] = []
     best = math.inf
@@ -220,12 +223,13 @@ def _solution(
         reached = np.concatenate((reached, [answer.reached]))
     if rows.dtype == float:
         rows = unit_rows(flow, rows)
+    run_seconds = answer.run_seconds
     cost = Cost(
         answer.steps,
         answer.evaluations,
-        sum(trip.compile_seconds for trip in spent),
-        answer.run_seconds,
-        sum(trip.run_seconds for trip in spent) - answer.run_seconds,
+        sum([trip.compile_seconds for trip in spent]),
+        run_seconds,
+        sum([trip.run_seconds for trip in spent]) - run_seconds,
     )
     return FlowSolution(
         flow,
@@ -239,7 +243,8 @@ def _solution(
         answer.outcome,
         answer.reason,
         recipe,
-        (answer, found.check),
+        answer,
+        found.against,
         found.share,
     )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from geomtorsion.motion.engines.protocol import Engine, Run
 from geomtorsion.motion.engines.taylor import Taylor
@@ -19,8 +19,7 @@ if TYPE_CHECKING:
 RunLeg = Callable[[tuple[int, float], Engine, Sequence[Any], Sequence[Any], Any, float], Run]
 
 
-@dataclass(frozen=True, eq=False)
-class Leg:
+class Leg(NamedTuple):
     """What is to be integrated without a break.
 
     begin, end: times; parameters: name -> number; numbers: those of the system.
@@ -34,8 +33,7 @@ class Leg:
     jumps: Mapping[str, Any]
 
 
-@dataclass(frozen=True, eq=False)
-class Piece:
+class Piece(NamedTuple):
     """One leg with what was computed.
 
     start: the states at its beginning, of the engine's kind, as a list; clock included.
@@ -63,27 +61,27 @@ class Trip:
     @property
     def count(self) -> int:
         """Number of samples reached."""
-        return sum(len(piece.times) for piece in self.pieces)
+        return sum([len(piece.times) for piece in self.pieces])
 
     @property
     def steps(self) -> int:
         """Steps of all pieces."""
-        return sum(piece.run.steps for piece in self.pieces)
+        return sum([piece.run.steps for piece in self.pieces])
 
     @property
     def evaluations(self) -> int:
         """Evaluations of all pieces."""
-        return sum(piece.run.evaluations for piece in self.pieces)
+        return sum([piece.run.evaluations for piece in self.pieces])
 
     @property
     def compile_seconds(self) -> float:
         """Time spent on compilation."""
-        return sum(piece.run.compile_seconds for piece in self.pieces)
+        return sum([piece.run.compile_seconds for piece in self.pieces])
 
     @property
     def run_seconds(self) -> float:
         """Time spent on integration."""
-        return sum(piece.run.run_seconds for piece in self.pieces)
+        return sum([piece.run.run_seconds for piece in self.pieces])
 
     @property
     def reached(self) -> float:
@@ -100,8 +98,7 @@ class Trip:
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
-@dataclass(frozen=True, eq=False)
-class Recipe:
+class Recipe(NamedTuple):
     """What is needed to make a trip again.
 
     grid: times from 0 on; cuts: whether it was cut into legs for a checkpoint.
@@ -130,7 +127,7 @@ class Recipe:
 
 def cut_legs(flow: Flow, end: float, cuts: int) -> tuple[Leg, ...]:
     """The flow from 0 to a last time, cut into so many legs of equal length, and at switches."""
-    return legs_of(flow, end, [end * k / cuts for k in range(1, cuts)] if end else [])
+    return legs_of(flow, end, [end * k / cuts for k in range(1, cuts)] if end else ())
 
 
 def legs_of(flow: Flow, end: float, breaks: Sequence[float] = ()) -> tuple[Leg, ...]:
