@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import GeomtorsionError, StartError
 from geomtorsion.motion.engines import Engine, Taylor
 from geomtorsion.motion.engines.scipy_run import error_scales
-from geomtorsion.motion.engines.taylor import heyoka
 from geomtorsion.motion.equations import Equations
+from geomtorsion.motion.groups import Show, groups, run_group
 from geomtorsion.motion.problem import Problem
 from geomtorsion.motion.reading import converted
 from geomtorsion.motion.system import System
@@ -21,7 +19,6 @@ if TYPE_CHECKING:
 
 # States in one stacked Runge-Kutta system: larger ones leave the cache and set BLAS threads off.
 STACKED = 6144
-Show = Callable[[int], None] | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,11 +98,11 @@ def run_lanes(
         crossed = None
     try:
         if isinstance(engine, Taylor):
-            width = _batch_width(lanes)
-            compiled, compiling = engine.ready(system, tolerance, width)
-            with compiled.lock:
-                inner = compiled.integrator
-                _taylor(inner, width, lanes, grid, result, finished, show, crossed)
+            compiling, interrupted = _by_groups(
+                engine, lanes, system, grid, tolerance, result, finished, show, crossed
+            )
+            if interrupted:
+                raise KeyboardInterrupt
         else:
             share = max(1, STACKED // lanes.equations.system.size)
             for first in range(0, number, share):
@@ -139,82 +136,32 @@ def _edges(system: System, states: Any, parameters: Any) -> Any:
         return system.edge_values(states, list(parameters))
 
 
-def _batch_width(lanes: Lanes) -> int:
-    """Lanes in one call: two registers for small systems, one for large ones."""
-    simd = int(heyoka().recommended_simd_size())
-    return 2 * simd if lanes.equations.system.size <= 4 else simd
-
-
-def _taylor(
-    integrator: Any,
-    width: int,
+def _by_groups(
+    engine: Taylor,
     lanes: Lanes,
+    system: System,
     grid: Any,
+    tolerance: float,
     result: Any,
     finished: Any,
     show: Show,
     crossed: Any,
-) -> None:
-    """All lanes, some at a time, through heyoka's batch integrator."""
+) -> tuple[float, bool]:
+    """All lanes by heyoka; compile time, and whether it was interrupted."""
     import numpy as np
 
-    number = len(lanes.states)
-    # Lanes of a call wait for the slowest: fast ones are put together.
-    order = np.argsort(np.abs(lanes.velocities * lanes.speeds[:, None]).sum(axis=1))
-    count = -(-number // width)
-    index = order[np.minimum(np.arange(count * width), number - 1)]
-    states, values = (
-        _in_calls(lanes.states[index], width),
-        _in_calls(lanes.parameters[index], width),
-    )
-    times = np.multiply.outer(grid, lanes.speeds[index]).reshape(len(grid), count, width)
-    own, pars, until = integrator.state, integrator.pars, integrator.propagate_until
-    ends, clocks = times[-1], np.zeros((count, width))
-    several = len(grid) > 2
-    found = np.zeros((count, len(grid) if several else 1, lanes.states.shape[1], width))
-    last, done = time.perf_counter(), 0
-    # Lanes that have come to the edge in this call; heyoka keeps a copy of its own.
-    hits = integrator.nt_events[0].callback.lanes if crossed is not None else set()
-    try:
-        for k in range(count):
-            own[:] = states[k]
-            if values.shape[1]:
-                pars[:] = values[k]
-            integrator.set_time(0.0)
-            if several:
-                rows = integrator.propagate_grid(np.ascontiguousarray(times[:, k]))[1]
-                found[k, : len(rows)] = rows
-            else:
-                until(ends[k])
-                found[k, 0] = own
-            clocks[k] = integrator.time
-            if hits and crossed is not None:
-                crossed[index[k * width + np.array(sorted(hits))]] = True
-                hits.clear()
-            done = k + 1
-            if show is not None and time.perf_counter() - last > 0.2:
-                last = time.perf_counter()
-                show(min(done * width, number))
-    finally:
-        # Also after Ctrl-C: what is done is kept.
-        arrived = (clocks == ends) & np.isfinite(found).all(axis=(1, 2))
-        arrived[done:] = False
-        good = arrived.reshape(-1)
-        rows = found.transpose(0, 3, 1, 2).reshape(count * width, found.shape[1], -1)
-        finished[index[good]] = True
-        if several:
-            result[index[good]] = rows[good]
-        else:
-            result[index[good], 0] = lanes.states[index[good]]
-            result[index[good], -1] = rows[good, 0]
-
-
-def _in_calls(array: Any, width: int) -> Any:
-    """Rows of lanes as one contiguous block per call, lanes last."""
-    import numpy as np
-
-    blocks = array.reshape(len(array) // width, width, array.shape[1])
-    return np.ascontiguousarray(blocks.swapaxes(1, 2))
+    pace = np.abs(lanes.velocities * lanes.speeds[:, None]).sum(axis=1)
+    compiling, before = 0.0, 0
+    for group in groups(lanes.equations, system, lanes.states, lanes.parameters, lanes.speeds):
+        found = run_group(engine, group, pace[group.index], grid, tolerance, show, before)
+        index = group.index
+        result[index], finished[index] = found.states, found.finished
+        if crossed is not None:
+            crossed[index] |= found.crossed
+        compiling, before = compiling + found.compile_seconds, before + len(index)
+        if found.interrupted:
+            return compiling, True
+    return compiling, False
 
 
 def _stacked(

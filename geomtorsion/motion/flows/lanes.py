@@ -128,7 +128,7 @@ def run_flows(
             start = np.concatenate((states, np.full((number, 1), begin / CLOCK)), axis=1)
         lanes = SimpleNamespace(
             problem=None,
-            equations=SimpleNamespace(system=flow.system),
+            equations=SimpleNamespace(system=flow.system, reduction=None),
             velocities=np.abs(start).sum(axis=1, keepdims=True),
             states=start,
             parameters=own,

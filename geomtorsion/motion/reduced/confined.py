@@ -30,7 +30,7 @@ NEAREST, GROWTH, PLACES = 1e-3, 1.4, 32
 # A wall is where Q is below zero by this part of its largest value on the way there.
 SOLID = 1e-6
 # Places of each coordinate at which edges are looked for.
-LOOKS = 33
+LOOKS = 17
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,30 +80,31 @@ class Confined:
         moving = {symbol.name for value, _ in edge for symbol in value.symbols} & states
         return bool(singles) and not moving
 
-    def holds(self, start: Sequence[float], numbers: Sequence[float]) -> bool:
-        """Whether a motion stays away from all edges, as far as some looks around it can tell.
+    def holds(self, start: Sequence[Any], numbers: Sequence[Any]) -> Any:
+        """Whether motions stay away from all edges, as far as some looks around them can tell.
 
-        start: of the full system; numbers: those of an opening.
+        start: of the full system, arrays of shape (n,); numbers: those of openings, the same.
         """
         import numpy as np
 
+        singles, rows = self.written.singles, [*start]
+        sure = np.full(len(rows[0]), self._can_tell)
         if not self._can_tell:
-            return False
-        singles = self.written.singles
-        rows: list[Any] = [*start]
+            return sure
         with np.errstate(all="ignore"):
             for axis, (one, square) in enumerate(zip(singles, self._squares, strict=True)):
-                angle = one.place in self.cosines
-                places = _around_angle() if angle else _around(rows[one.place])
+                here = rows[one.place]
+                places = _angles() if one.place in self.cosines else _around(here)
                 (values,) = square.array_rates(places, *numbers)
-                room = _room(rows[one.place], places, np.broadcast_to(values, places.shape))
-                if room is None:
-                    return False
+                low, high, walled = _room(here, *np.broadcast_arrays(places, values))
+                sure &= walled
+                looks = np.linspace(low, high, LOOKS)
                 shape = [LOOKS if k == axis else 1 for k in range(len(singles))]
-                rows[one.place] = np.linspace(*room, LOOKS).reshape(shape)
-            edge = self.full_system.edge
+                rows[one.place] = looks.reshape(*shape, len(here))
+            if self.full_system.edge is None:
+                return sure
             count = len(self.full_system.parameters)
-            return edge is None or _is_clear(self.full_system.edge_values(rows, numbers[:count]))
+            return sure & _is_clear(self.full_system.edge_values(rows, numbers[:count]))
 
 
 def _with_cosine(system: Reduced, one: Single) -> Reduced | None:
@@ -146,39 +147,51 @@ class _Unturned(Exception):
     """An element depends on an angle by more than its cosine."""
 
 
-def _around_angle() -> Any:
-    """Places of an angle, from near one end of the axis to near the other."""
+def _angles() -> Any:
+    """Places of an angle, from near one end of the axis to near the other, shape (places, 1)."""
     import numpy as np
 
     nearest = math.asin(AXIS)
-    return np.linspace(nearest, math.pi - nearest, ANGLES)
+    return np.linspace(nearest, math.pi - nearest, ANGLES)[:, None]
 
 
-def _around(start: float) -> Any:
-    """Places on both sides of a start, the more apart the further away."""
+def _around(start: Any) -> Any:
+    """Places on both sides of starts, the more apart the further away, shape (places, n)."""
     import numpy as np
 
-    away = max(abs(start), NEAREST) * NEAREST * GROWTH ** np.arange(PLACES)
-    return np.concatenate((start - away[::-1], start + away))
+    away = NEAREST * GROWTH ** np.arange(PLACES)
+    steps = np.concatenate((-away[::-1], away))
+    return start + np.multiply.outer(steps, np.maximum(np.abs(start), NEAREST))
 
 
-def _room(start: float, places: Any, squares: Any) -> tuple[float, float] | None:
-    """Between which walls a coordinate stays; None where there are none on both sides."""
+def _room(start: Any, places: Any, squares: Any) -> tuple[Any, Any, Any]:
+    """Between which walls coordinates stay, and whether there are any on both sides.
+
+    start: shape (n,); places, squares: shape (places, n), places in rising order.
+    """
     import numpy as np
 
-    found = []
-    for side in (np.flatnonzero(places < start)[::-1], np.flatnonzero(places > start)):
-        values = squares[side]
-        walls = side[values < -SOLID * np.maximum.accumulate(np.abs(values))]
-        if not len(walls):
-            return None
-        found.append(float(places[walls[0]]))
-    return found[0], found[1]
+    lanes, found, walled = np.arange(len(start)), [], np.full(len(start), True)
+    for side, order in ((places < start, -1), (places > start, 1)):
+        values = np.where(side, squares, 0.0)[::order]
+        walls = values < -SOLID * np.maximum.accumulate(np.abs(values))
+        nearest = walls.argmax(axis=0)
+        walled &= walls[nearest, lanes]
+        found.append(places[::order][nearest, lanes])
+    return found[0], found[1], walled
 
 
-def _is_clear(edge: Any) -> bool:
-    """Whether an edge function is above zero at some looks, and so between: it changes slowly."""
+def _is_clear(edge: Any) -> Any:
+    """Whether edge functions are above zero at some looks, and so between: they change slowly.
+
+    edge: shape (looks, ..., n).
+    """
     import numpy as np
 
-    most = max([np.abs(np.diff(edge, axis=axis)).max(initial=0.0) for axis in range(edge.ndim)])
-    return bool(edge.min() > most)
+    edge = np.atleast_1d(edge)
+    looked = tuple(range(edge.ndim - 1))
+    lowest = edge.min(axis=looked)
+    clear = lowest > 0
+    for axis in looked:
+        clear &= lowest > np.abs(np.diff(edge, axis=axis)).max(axis=looked, initial=0.0)
+    return clear

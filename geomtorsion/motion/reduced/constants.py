@@ -89,12 +89,41 @@ class Constants:
         """The same with digits to spare: constants are differences of what may be much larger."""
         import numpy as np
 
-        if np.finfo(np.longdouble).nmant < ENOUGH:
+        if not is_longer():
             return self.entered(start, parameters, 53 + SPARE)
         numbers = [np.longdouble(x) for x in floats(parameters)]
-        begun = [np.longdouble(x) for x in floats(start)]
+        return self._of_arrays([np.longdouble(x) for x in floats(start)], numbers)
+
+    def of_many(self, start: Any, parameters: Any) -> tuple[list[Any], list[Any]] | None:
+        """The same of many starts, shapes (size, n) and (parameters, n), as lists of arrays.
+
+        None where the machine has no numbers that are long enough.
+        """
+        import numpy as np
+
+        kind = np.float64 if self._separator is None else np.longdouble
+        if self._separator is not None and not is_longer():
+            return None
+        count = start.shape[1]
+        found = self._of_arrays(list(start.astype(kind)), list(parameters.astype(kind)))
+        momenta, constants = (
+            [np.broadcast_to(np.asarray(x, dtype=float), count) for x in row] for row in found
+        )
+        return momenta, constants
+
+    def _of_arrays(self, start: list[Any], numbers: list[Any]) -> tuple[Sequence[Any], Any]:
+        """Momenta and constants of numbers of the machine."""
+        import numpy as np
+
         with np.errstate(all="ignore"):
-            return self._stages(lambda s, x: s.array_rates(*x, *numbers), begun)
+            return self._stages(lambda s, x: s.array_rates(*x, *numbers), start)
+
+
+def is_longer() -> bool:
+    """Whether the machine's long numbers have digits to spare."""
+    import numpy as np
+
+    return np.finfo(np.longdouble).nmant >= ENOUGH
 
 
 def _rounded(momenta: Sequence[Any], constants: Sequence[Any]) -> Any:

@@ -63,7 +63,8 @@ class Reduction:
         return self.written.system
 
     @cached_property
-    def _confined(self) -> Confined:
+    def confined(self) -> Confined:
+        """The system for motions that cannot reach an edge."""
         return Confined(self.full_system, self.written)
 
     def watching(self, system: System, confined: bool = False) -> System:
@@ -72,7 +73,7 @@ class Reduction:
         confined: as the opening says.
         """
         if confined:
-            return self._confined.system
+            return self.confined.system
         if system.edge is None:
             return self.system.without_edge
         return self.system.to_the_end if len(system.edge) == 1 else self.system
@@ -80,27 +81,28 @@ class Reduction:
     # -- in --------------------------------------------------------------------------------------
 
     @cached_property
-    def _constants(self) -> Constants:
+    def worked_out(self) -> Constants:
+        """How constants follow from a start."""
         return Constants(self.full_system, self.written)
 
     @property
     def names(self) -> tuple[str, ...]:
         """What `constants` gives: momenta, those of single coordinates, sums of products."""
-        return self._constants.names
+        return self.worked_out.names
 
     def constants(
         self, start: Sequence[Any], parameters: Sequence[Any], precision: int = 53
     ) -> tuple[Any, ...]:
         """Values of `names` for a full start: floats, or mpmath numbers above 53 bits."""
-        return self._constants.entered(start, parameters, precision)[1]
+        return self.worked_out.entered(start, parameters, precision)[1]
 
     def opening(self, start: Sequence[Any], parameters: Sequence[Any], precision: int) -> Opening:
         """The start of the smaller system for a full start."""
         import numpy as np
 
-        momenta, constants = self._constants.entered(start, parameters, precision)
+        momenta, constants = self.worked_out.entered(start, parameters, precision)
         begun = [*start[: self.written.width], *momenta]
-        values = [*parameters, *(constants[k] for k in self._places)]
+        values = [*parameters, *(constants[k] for k in self.places)]
         count = len(self.written.constants) + len(self.written.singles)
         numbers = (*parameters, *constants[:count])
         if precision == 53:
@@ -109,7 +111,7 @@ class Reduction:
         return Opening(begun, values, Taylor(precision).array(numbers))
 
     @cached_property
-    def _places(self) -> tuple[int, ...]:
+    def places(self) -> tuple[int, ...]:
         """Places in `names` of the parameters that the smaller system has more."""
         extra = self.system.parameters[len(self.full_system.parameters) :]
         return tuple(self.names.index(name) for name in extra)
@@ -117,7 +119,7 @@ class Reduction:
     # -- out -------------------------------------------------------------------------------------
 
     @cached_property
-    def _out(self) -> System:
+    def out(self) -> System:
         """The velocities that are no states here."""
         written = self.written
         numbers = (*self.full_system.parameters, *written.constants, *written.separators)
@@ -143,17 +145,17 @@ class Reduction:
 
     def _cosines(self, confined: bool) -> tuple[int, ...]:
         """Places of the states that are cosines of coordinates."""
-        return self._confined.cosines if confined else ()
+        return self.confined.cosines if confined else ()
 
     def _by_heyoka(self, bits: int, cosines: Sequence[int]) -> Callable[[Any], Any]:
         hy, number = heyoka(), Taylor(bits).number
-        names = (*self._out.states, *self._out.parameters)
+        names = (*self.out.states, *self.out.parameters)
         variables = hy.make_vars(*(f"s{k}" for k in range(len(names))))
         inputs = list(variables)
         for place in cosines:
             inputs[place] = hy.acos(variables[place])
         known = dict(zip(names, inputs, strict=True))
-        rows, _ = self._out.written(known, lambda p, q: hy.expression(number(Fraction(p, q))))
+        rows, _ = self.out.written(known, lambda p, q: hy.expression(number(Fraction(p, q))))
         rows = [*(inputs[place] for place in cosines), *rows]
         options: dict[str, Any] = {"prec": bits} if bits > 113 else {}
         return hy.cfunc(rows, variables, fp_type=type(number(0)), **options)
@@ -166,7 +168,7 @@ class Reduction:
             with np.errstate(all="ignore"):
                 for place in cosines:
                     inputs[place] = np.arccos(rows[place])
-                found = self._out.array_rates(*inputs)
+                found = self.out.array_rates(*inputs)
             angles = [inputs[place] for place in cosines]
             return np.array([np.broadcast_to(row, rows.shape[1]) for row in (*angles, *found)])
 
@@ -212,17 +214,21 @@ class Reduction:
 
     # -- whether ---------------------------------------------------------------------------------
 
+    def lost(self, size: Any) -> Any:
+        """By how much velocities of a size may come back changed."""
+        return ROUNDINGS * 2.0**-53 * size
+
     def serves(self, engine: Engine, opening: Opening, start: Sequence[Any]) -> bool:
         """Whether this start loses no digits, and leaves the engine something to measure."""
         whole = floats(start)
         try:
-            found = self._out.scalar_function(*floats(opening.start), *floats(opening.numbers))
+            found = self.out.scalar_function(*floats(opening.start), *floats(opening.numbers))
         except (ArithmeticError, ValueError):
             return False
         own = whole[self.written.width :]
         size = max(map(abs, own))
         gap = max([abs(x - y) for x, y in zip(own, found, strict=True)])
-        if not gap <= ROUNDINGS * 2.0**-53 * size:
+        if not gap <= self.lost(size):
             return False
         # Others than Taylor series measure steps block by block.
         left = [abs(x) for k, x in enumerate(own) if k not in self.written.along]
@@ -261,20 +267,21 @@ class Reduction:
         self, opening: Opening, start: Sequence[Any], bits: int, like: Opening | None
     ) -> Opening:
         """The opening of the system for confined motions where this is one."""
+        import numpy as np
+
         if not self.written.singles:
             return opening
         if like is not None:
             confined = like.confined
         else:
-            confined = self._confined.holds(floats(start), floats(opening.numbers))
+            rows = ([np.array([x]) for x in floats(row)] for row in (start, opening.numbers))
+            confined = bool(self.confined.holds(*rows)[0])
         if not confined:
             return opening
         begun = [*opening.start]
-        for place in self._confined.cosines:
+        for place in self.confined.cosines:
             begun[place] = cosine(start[place], bits)
         if bits == 53:
-            import numpy as np
-
             return replace(opening, start=np.array(begun), confined=True)
         return replace(opening, start=begun, confined=True)
 
