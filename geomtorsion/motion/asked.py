@@ -43,7 +43,8 @@ def checked_times(t: Any) -> tuple[np.ndarray, np.ndarray]:
     if type(t) is float and math.isfinite(t):
         return _samples(t), _samples(t)
     try:
-        asked = np.asarray(t, dtype=float)
+        # A copy: what becomes of an array later is its owner's business.
+        asked = np.array(t, dtype=float)
     except (TypeError, ValueError):
         raise TimeError(f"t = {t!r}: a number or a list of numbers was needed.") from None
     if asked.size == 0 or asked.ndim > 1:

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geomtorsion.errors import ChartEdgeError
-from geomtorsion.motion import Taylor, flow, geodesic, solve
+from geomtorsion.motion import RungeKutta, Taylor, flow, geodesic, solve
 from geomtorsion.motion.beside import solved_beside
 from geomtorsion.motion.engines.abreast import LANES, run_abreast
 from geomtorsion.motion.flows import beside as flow_beside
@@ -182,6 +182,23 @@ def test_series_without_value_are_left_to_single_runs(told):
     with pytest.raises(StuckError):
         solve(flow({"x": "x**2"}, [1.0]), 2.0, 1e-8)
     assert told[0] is None
+
+
+@pytest.mark.parametrize("engine", [Taylor(), RungeKutta()], ids=lambda engine: engine.name)
+def test_times_are_those_of_the_call(engine):
+    """Whoever gave an array of times may write to it later."""
+    times = np.linspace(0.0, 9.0, 10)
+    motion = geodesic(load("s3").frame, (0.7, 0.2, 0.3), frame_velocity=[1.0, 0.0, 0.0])
+    for problem in (flow({"x": "v", "v": "-x"}, [1.0, 0.0]), motion):
+        solution = solve(problem, times, 1e-8, engine)
+        there = solution.at(4.5)
+        times *= 2
+        assert solution.times[-1] == times[-1] / 2
+        again = solve(problem, solution.times, 1e-8, engine)
+        times /= 2
+        for name in ("states",) if problem is not motion else ("coordinates", "velocity"):
+            assert np.array_equal(getattr(again, name), getattr(solution, name))
+            assert np.array_equal(getattr(again.at(4.5), name), getattr(there, name))
 
 
 def test_tolerance_is_remembered():
