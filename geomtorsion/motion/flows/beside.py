@@ -147,22 +147,22 @@ def _made(
 
 def _gaps(flow: Flow, answer: Trip, passed: Sequence[_Passed]) -> list[float] | None:
     """How far each lane is from the first, relative to the size of each block."""
-    sizes, *apart = _extents(flow, passed)
-    begun = [abs(x) for x in answer.pieces[0].start[: flow.size]]
     # The clock is no state of the flow.
     blocks = [block for block in flow.system.blocks if block[0] < flow.size]
-    return gaps([list(map(max, sizes, begun)), *apart], blocks, partial(is_noise, answer))
+    return gaps(_extents(flow, passed), blocks, partial(is_noise, answer))
 
 
 def _extents(flow: Flow, passed: Sequence[_Passed]) -> list[list[float]]:
-    """How large states are, and how far apart lanes are, at the samples asked for."""
+    """How large states are, at the start, too, and how far apart lanes are at the samples."""
     import numpy as np
 
     first = passed[0]
     if len(passed) == 1 and not flow.unit_places and len(first.inside) == len(first.lanes.states):
+        # The start is one of the samples.
         return first.lanes.extents
     states = np.concatenate([each.states[:, : flow.size] for each in passed])
     if flow.unit_places:
-        each = [unit_rows(flow, states[:, :, lane]) for lane in range(LANES)]
-        states = np.stack(each, axis=2)
-    return extents(states)
+        lanes = [unit_rows(flow, states[:, :, lane]) for lane in range(LANES)]
+        states = np.stack(lanes, axis=2)
+    sizes, *apart = extents(states)
+    return [list(map(max, sizes, np.abs(first.starts[:, 0]).tolist())), *apart]

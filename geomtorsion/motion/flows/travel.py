@@ -91,11 +91,13 @@ class Trip:
     @property
     def states(self) -> Any:
         """States at the samples, shape (m, size of the flow), of the engine's kind."""
-        import numpy as np
-
         size = self.flow.size
         parts = [piece.states[:, :size] for piece in self.pieces]
-        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+        if len(parts) == 1:
+            return parts[0]
+        import numpy as np
+
+        return np.concatenate(parts)
 
 
 class Recipe(NamedTuple):
@@ -127,7 +129,7 @@ class Recipe(NamedTuple):
 
 def cut_legs(flow: Flow, end: float, cuts: int) -> tuple[Leg, ...]:
     """The flow from 0 to a last time, cut into so many legs of equal length, and at switches."""
-    return legs_of(flow, end, [end * k / cuts for k in range(1, cuts)] if end else ())
+    return legs_of(flow, end, [end * k / cuts for k in range(1, cuts)] if end and cuts > 1 else ())
 
 
 def legs_of(flow: Flow, end: float, breaks: Sequence[float] = ()) -> tuple[Leg, ...]:
@@ -205,11 +207,11 @@ def travel(
 def samples_of(grid: Any, legs: Sequence[Leg], k: int) -> tuple[Any, int, Any]:
     """Times for an engine in one leg, how many of them come first that nobody asked for (0 or 1),
     and those that are of the grid."""
-    import numpy as np
-
     leg, final = legs[k], k + 1 == len(legs)
     if len(legs) == 1 and grid[0] == leg.begin and grid[-1] == leg.end:
         return grid, 0, grid
+    import numpy as np
+
     sign = -1.0 if legs[-1].end < 0 else 1.0
     order = sign * grid
     first = int(np.searchsorted(order, sign * leg.begin, "left"))
