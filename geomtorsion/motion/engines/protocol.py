@@ -11,7 +11,8 @@ from geomtorsion.motion.system import System
 Dense = Callable[[Any], Any]
 
 
-@dataclass(frozen=True, eq=False)
+# Frozen, it would take a microsecond to make, which some runs would notice.
+@dataclass(eq=False, slots=True)
 class Run:
     """What one integration gave, complete or not.
 

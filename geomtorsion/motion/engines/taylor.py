@@ -158,58 +158,46 @@ class Taylor:
     ) -> Run:
         """See `Engine.run`."""
         compiled, compiling = self.ready(system, tolerance)
+        integrator, record = compiled.integrator, None
+        # Nobody else may use the integrator meanwhile.
         with compiled.lock:
-            return self._run(compiled, compiling, system, start, parameters, times, dense)
-
-    def _run(
-        self,
-        compiled: Compiled,
-        compiling: float,
-        system: System,
-        start: Sequence[Any],
-        parameters: Sequence[Any],
-        times: Any,
-        dense: bool,
-    ) -> Run:
-        """The same with its integrator, which nobody else may use meanwhile."""
-        integrator, began = compiled.integrator, time.perf_counter()
-        state, grid, start = integrator.state, self.array(times), self.array(start)
-        integrator.time = grid[0]
-        state[:] = start
-        if system.parameters:
-            integrator.pars[:] = self.array(parameters)
-        if system.edge is not None:
-            integrator.reset_cooldowns()
-        record = None
-        if dense:
-            # The steps are the same with and without the grid, so this comes first.
-            record = Record(integrator, grid[0])
-            integrator.propagate_until(grid[-1], callback=record, write_tc=True)
+            began = time.perf_counter()
+            state, grid, start = integrator.state, self.array(times), self.array(start)
             integrator.time = grid[0]
             state[:] = start
-        states, outcome, steps, reason = self._propagated(integrator, grid)
-        if outcome == "stuck":
-            import numpy as np
+            if system.parameters:
+                integrator.pars[:] = self.array(parameters)
+            if system.edge is not None:
+                integrator.reset_cooldowns()
+            if dense:
+                # The steps are the same with and without the grid, so this comes first.
+                record = Record(integrator, grid[0])
+                integrator.propagate_until(grid[-1], callback=record, write_tc=True)
+                integrator.time = grid[0]
+                state[:] = start
+            states, outcome, steps, reason = self._propagated(integrator, grid)
+            if outcome == "stuck":
+                import numpy as np
 
-            place = last_regular(integrator, grid[0], start, grid[-1], steps)
-            integrator.time, state[:] = place
-            lasted = abs(float(place[0] - grid[0]))
-            states = states[np.abs((grid[: len(states)] - grid[0]).astype(float)) <= lasted]
-        ended = time.perf_counter()
-        compiled.used += ended - began
-        return Run(
-            grid[: len(states)],
-            states,
-            integrator.time,
-            state.copy(),
-            outcome,
-            steps,
-            steps * (integrator.order + 1),
-            compiling,
-            ended - began,
-            record.dense() if record is not None else None,
-            reason,
-        )
+                place = last_regular(integrator, grid[0], start, grid[-1], steps)
+                integrator.time, state[:] = place
+                lasted = abs(float(place[0] - grid[0]))
+                states = states[np.abs((grid[: len(states)] - grid[0]).astype(float)) <= lasted]
+            ended = time.perf_counter()
+            compiled.used += ended - began
+            return Run(
+                grid[: len(states)],
+                states,
+                integrator.time,
+                state.copy(),
+                outcome,
+                steps,
+                steps * (integrator.order + 1),
+                compiling,
+                ended - began,
+                record.dense() if record is not None else None,
+                reason,
+            )
 
     def _propagated(self, integrator: Any, grid: Any) -> tuple[Any, str, int, str]:
         """States on the grid, outcome, steps and reason; stops a run that gets nowhere."""
