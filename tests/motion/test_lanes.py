@@ -178,8 +178,23 @@ def test_witness_is_a_looser_run():
     exact = travel_space(problem, Taylor(64), 2.0**-68, times * problem.speed).segments[0].states
     error = np.abs(solution.at(times).coordinates - exact[:, :3].astype(float)).max()
     assert error / np.abs(exact[:, :3]).max() < 10 * solution.error_between
-    answer, check = solve(flow({"x": "v", "v": "-x"}, [1.0, 0.0]), 9.0, 1e-7).trips
+    one, two = (x.segments[0].run.states for x in (solution.journey, solution.witness))
+    blocks = solution.journey.segments[0].equations.system.blocks
+    gap = max(np.abs(one - two)[:, b].max() / np.abs(one[:, b]).max() for b in map(list, blocks))
+    assert gap > 0
+    assert solution.error == pytest.approx(solution.share * gap)
+
+
+def test_trips_are_answer_and_looser_run():
+    """The error is a share of their difference, relative to the size of the flow from its start."""
+    law = flow({"x": "v", "v": "-2.2*v - x"}, [1.0, 0.0], blocks=[("x", "v")])
+    solution = solve(law, [6.0, 9.0], 1e-7)
+    answer, check = solution.trips
     assert check.tolerance > 100 * answer.tolerance
+    gap = np.abs(answer.states - check.states).max()
+    assert gap > 0
+    assert np.abs(solution.states).max() < 0.1
+    assert solution.error == pytest.approx(solution.share * gap)
 
 
 def test_jumps_of_states_of_length_one():

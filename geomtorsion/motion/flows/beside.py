@@ -153,16 +153,14 @@ def _gaps(flow: Flow, answer: Trip, passed: Sequence[_Passed]) -> list[float] | 
 
 
 def _extents(flow: Flow, passed: Sequence[_Passed]) -> list[list[float]]:
-    """How large states are, at the start, too, and how far apart lanes are at the samples."""
+    """How large states are, and how far apart lanes are, at the samples; the first is the start."""
     import numpy as np
 
     first = passed[0]
     if len(passed) == 1 and not flow.unit_places and len(first.inside) == len(first.lanes.states):
-        # The start is one of the samples.
         return first.lanes.extents
     states = np.concatenate([each.states[:, : flow.size] for each in passed])
     if flow.unit_places:
         lanes = [unit_rows(flow, states[:, :, lane]) for lane in range(LANES)]
         states = np.stack(lanes, axis=2)
-    sizes, *apart = extents(states)
-    return [list(map(max, sizes, np.abs(first.starts[:, 0]).tolist())), *apart]
+    return extents(states)
