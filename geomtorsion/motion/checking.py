@@ -26,6 +26,8 @@ TRUSTED = 0.05
 REAL_STEP = 0.15
 # An error above this part of the accuracy is confirmed by a second check.
 DOUBTED = 0.01
+# Of more than double precision there is more to be had where an error is not below this part.
+LONGER = 0.4
 # Two fine runs share so many roundings, which grow like any error on the way.
 SHARED = 6.0
 # Where an attempt fails, the next tolerance is this much below what the estimate asks for, ...
@@ -140,11 +142,13 @@ def checked(
             engine, answer, made if disturbed is None else {}, run_aside, difference, coarse
         )
         enough = TAKEN * accuracy
-        close = DOUBTED * accuracy < error <= accuracy and check.tolerance < answer.tolerance
-        if close and disturbed is not None:
-            enough = accuracy
-            # Two runs may agree by chance where rounding is all that tells them apart.
-            gap, compared = difference(answer, run_aside(check.tolerance, answer, -1.0))
+        if DOUBTED * accuracy < error <= accuracy and disturbed is not None:
+            finer = check.tolerance < answer.tolerance
+            enough = accuracy * (1.0 if engine.precision == 53 else LONGER) if finer else enough
+            # Two runs may agree by chance where rounding is all that tells them apart; and of what
+            # is rounded on the way, a coarser run shows only a share.
+            second = check.tolerance if finer else answer.tolerance
+            gap, compared = difference(answer, run_aside(second, answer, -1.0))
             error = max(error, CAUTION * gap if compared else math.inf)
         if check.tolerance < answer.tolerance and before < math.inf:
             error = max(error, TRUSTED * before * answer.tolerance / last)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -52,6 +53,11 @@ def moved_over(problem: Problem, source: str, target: str, state: State, bits: i
         entries, n = chart.frame.coframe.components.nonzero, chart.frame.dimension
         velocities = applied(entries, n, chart, coordinates, rates, problem, bits)
     return coordinates, velocities, riders
+
+
+def has_value(state: State) -> bool:
+    """Whether a motion can begin with a state."""
+    return all(math.isfinite(float(x)) for row in state for x in row)
 
 
 def same_frame(problem: Problem, source: str, target: str) -> bool:

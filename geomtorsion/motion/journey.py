@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from geomtorsion.errors import ChartEdgeError
-from geomtorsion.motion.crossing import State, moved_over
+from geomtorsion.motion.crossing import State, has_value, moved_over
 from geomtorsion.motion.disturbed import interrupted, moved_start
 from geomtorsion.motion.engines.protocol import Engine, Run
 from geomtorsion.motion.equations import Equations
@@ -123,9 +123,11 @@ def travel(
     while True:
         equations = problem.equations(name)
         system = equations.system if several else equations.system.to_the_end
-        if moved and not segments and 0 < at < len(rest) - 1:
+        # What is rounded after the last sample shows nowhere.
+        place = min(at, len(rest) - 2)
+        if moved and not segments and place > 0:
             start = vector, parameters
-            run = interrupted(engine, (equations, system), start, rest, tolerance, moved, at)
+            run = interrupted(engine, (equations, system), start, rest, tolerance, moved, place)
         else:
             run = integrated(
                 engine, equations, system, vector, parameters, rest, tolerance, dense=dense
@@ -192,6 +194,8 @@ def best_chart(
         try:
             there = moved_over(problem, source, name, state, precision)
         except (ChartEdgeError, ArithmeticError, ValueError):
+            continue
+        if not has_value(there):
             continue
         distance = edge_distance(problem, name, there)
         if distance >= 2 * GAIN:

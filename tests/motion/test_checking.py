@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from geomtorsion.geometry import blend, cartan, levi_civita
-from geomtorsion.motion import RungeKutta, Stiff, Taylor, autoparallel, geodesic, solve
+from geomtorsion.motion import RungeKutta, Stiff, Taylor, autoparallel, flow, geodesic, solve
 from geomtorsion.motion.checking import CAUTION, TAKEN, checked, rounding
 from geomtorsion.motion.compare import difference
 from geomtorsion.motion.engines.store import order_of, tolerance_of
@@ -159,3 +159,33 @@ def test_states_of_uneven_size_are_held_against_a_finer_run(start, accuracy):
     true, _ = difference(sol.journey, fine)
     assert true <= accuracy
     assert 0.1 * true <= sol.error <= 100 * true
+
+
+@needs_heyoka
+def test_roundings_of_what_has_grown():
+    """Autoparallels of Sol: z grows a hundredfold, and e^z takes all of its roundings."""
+    problem = autoparallel(
+        cartan(load("sol").frame),
+        [0.3, -0.4, 0.6],
+        frame_velocity=[0.7, 0.2, -1.3],
+    )
+    for end in (60.0, 75.0, 91.0):
+        sol = solve(problem, end, 1e-12)
+        times = np.asarray(sol.times) * problem.speed
+        truth = travel(problem, Taylor(113), 1e-30, times).segments[0].states.astype(float)
+        gap = np.abs(sol.journey.segments[0].states - truth).max() / np.abs(truth).max()
+        assert gap <= 1e-12
+        assert sol.error >= 0.3 * gap
+
+
+@needs_heyoka
+@pytest.mark.parametrize("near", [1e-3, 3e-4, 1e-4])
+def test_more_digits_near_a_separatrix(near):
+    """A pendulum that lingers upside down: what is said and asked is held by 64 bits, too."""
+    for end, accuracy in ((30.0, 1e-11), (45.0, 1e-11), (38.0, 1e-13)):
+        made = flow({"x": "y", "y": "sin(x)"}, {"x": near, "y": 0.0})
+        truth = solve(made, end, 1e-20, Taylor(113)).states.astype(float)
+        sol = solve(made, end, accuracy)
+        gap = float(np.abs(sol.states - truth).max() / np.abs(truth).max())
+        assert gap <= accuracy
+        assert sol.error >= 0.3 * gap
