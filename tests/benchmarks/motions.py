@@ -85,26 +85,7 @@ def kerr_orbit(hy: Any) -> tuple[list[Any], list[float], list[float]]:
     (Hamilton's equations in r and theta, the same with R(r)) this is the fastest by a half.
     """
     problem = kerr()
-    assert problem.start is not None
-    t0, r0, theta, phi0 = (float(q) for q in problem.start)
-    u = [float(x) for x in problem.frame_velocity]
-    mass, a = (float(problem.parameters[name]) for name in ("M", "a"))
-    c, s = np.cos(theta), np.sin(theta)
-    rho, delta = np.sqrt(r0**2 + (a * c) ** 2), r0**2 - 2 * mass * r0 + a**2
-    energy = (np.sqrt(delta) * u[0] + a * s * u[3]) / rho
-    turn = (a * np.sqrt(delta) * s**2 * u[0] + (r0**2 + a**2) * s * u[3]) / rho
-    size = u[0] ** 2 - u[1] ** 2 - u[2] ** 2 - u[3] ** 2
-    carter = size * (a * c) ** 2 + (rho * u[2]) ** 2 + (turn / s - a * energy * s) ** 2
-    lever, bend = a * (a * energy - turn), a**2 * (size - energy**2)
-    values = [
-        mass * carter,
-        2 * energy * lever - carter - a**2 * size,
-        3 * mass * size,
-        2 * (energy**2 - size),
-        carter - (turn - a * energy) ** 2 + bend + turn**2,
-        2 * bend,
-        energy, lever, 2 * mass, a**2, turn, -lever, a**2 * energy, a * energy, a,
-    ]  # fmt: skip
+    start, values = carter(problem, problem.frame_velocity)
     t, r, z, phi, x, y = hy.make_vars("t", "r", "z", "phi", "x", "y")
     p = hy.par
     rr, zz = r * r, z * z
@@ -118,8 +99,33 @@ def kerr_orbit(hy: Any) -> tuple[list[Any], list[float], list[float]]:
         (x, (p[0] + r * (p[1] + r * (p[2] + r * p[3]))) * inverse),
         (y, z * (p[4] - p[5] * zz) * inverse),
     ]
+    return rates, start, values
+
+
+def carter(problem: Problem, velocity: Any) -> tuple[list[float], list[float]]:
+    """Start and constants of Carter's equations, from frame velocities at the problem's start."""
+    assert problem.start is not None
+    t0, r0, theta, phi0 = (float(q) for q in problem.start)
+    u = [float(x) for x in velocity]
+    mass, a = (float(problem.parameters[name]) for name in ("M", "a"))
+    c, s = np.cos(theta), np.sin(theta)
+    rho, delta = np.sqrt(r0**2 + (a * c) ** 2), r0**2 - 2 * mass * r0 + a**2
+    energy = (np.sqrt(delta) * u[0] + a * s * u[3]) / rho
+    turn = (a * np.sqrt(delta) * s**2 * u[0] + (r0**2 + a**2) * s * u[3]) / rho
+    size = u[0] ** 2 - u[1] ** 2 - u[2] ** 2 - u[3] ** 2
+    separated = size * (a * c) ** 2 + (rho * u[2]) ** 2 + (turn / s - a * energy * s) ** 2
+    lever, bend = a * (a * energy - turn), a**2 * (size - energy**2)
+    values = [
+        mass * separated,
+        2 * energy * lever - separated - a**2 * size,
+        3 * mass * size,
+        2 * (energy**2 - size),
+        separated - (turn - a * energy) ** 2 + bend + turn**2,
+        2 * bend,
+        energy, lever, 2 * mass, a**2, turn, -lever, a**2 * energy, a * energy, a,
+    ]  # fmt: skip
     start = [t0, r0, c, phi0, rho * np.sqrt(delta) * u[1], rho * s * u[2]]
-    return rates, [float(q) for q in start], [float(q) for q in values]
+    return [float(q) for q in start], [float(q) for q in values]
 
 
 def heavy_top(hy: Any) -> tuple[list[Any], list[float], list[float]]:

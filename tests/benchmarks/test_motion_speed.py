@@ -25,11 +25,7 @@ from tests.benchmarks.motion_rivals import (
     scipy_by_hand,
     scipy_on_christoffel,
 )
-from tests.benchmarks.motions import (
-    MOMENTS,
-    cases,
-    true_error,
-)
+from tests.benchmarks.motions import MOMENTS, carter, cases, kerr, kerr_orbit, true_error
 
 hy = pytest.importorskip("heyoka")
 ACCURACIES = (1e-6, 1e-9, 1e-12)
@@ -136,10 +132,33 @@ def test_batch(accuracy, with_attitude, capsys):
         )
 
 
-def _lanes(engine, many):
+@pytest.mark.parametrize("accuracy", ACCURACIES)
+def test_batch_of_orbits(accuracy, capsys):
+    """Two thousand bound orbits in Kerr's space, against Carter's equations in batches by hand."""
+    problem = kerr().with_charts("kerr")
+    ahead = np.array([float(u) for u in problem.frame_velocity])
+    velocities = ahead * (1 + 0.03 * np.random.default_rng(0).normal(size=(2000, 4)))
+    many = solve_many(problem, None, 1500.0, accuracy, frame_velocities=velocities)
+    assert many.error <= accuracy
+    assert many.finished.all()
+    opened = [carter(problem, velocity) for velocity in velocities]
+    columns, pars = (np.array([one[k] for one in opened]).T for k in (0, 1))
+    rates, _, _ = kerr_orbit(hy)
+    rate, hand = 0.0, 0.0
+    for _ in range(3):
+        rate = max(rate, _lanes(Taylor(), many, 1500.0))
+        hand = max(hand, _batches(rates, columns, pars, 4, many.tolerance, 1500.0))
+    with capsys.disabled():
+        print(
+            f"\n{accuracy:.0e} Kerr orbits: {rate:.3g} per second, by hand {hand:.3g} at the same "
+            f"tolerance (ratio {rate / hand:.2f})"
+        )
+
+
+def _lanes(engine, many, end=10.0):
     """Trajectories per CPU second of our batches at a tolerance, without the error estimate."""
     began = time.process_time()
-    run_lanes(engine, many.lanes, np.array([0.0, 10.0]), many.tolerance, None)
+    run_lanes(engine, many.lanes, np.array([0.0, end]), many.tolerance, None)
     return len(many) / (time.process_time() - began)
 
 
@@ -147,18 +166,24 @@ def _by_hand(spins, tolerance, with_attitude):
     """Trajectories per second of heyoka's batch mode in a plain loop."""
     from tests.benchmarks.motions import attitude, euler_rates
 
-    lanes = 8 if with_attitude else 16
     rates, start, values = (attitude if with_attitude else euler_rates)(hy)
-    size = len(start)
-    pars = np.tile(np.array(values)[:, None], lanes)
-    integrator = hy.taylor_adaptive_batch(rates, np.zeros((size, lanes)), pars=pars, tol=tolerance)
     columns = np.tile(np.array(start)[:, None], len(spins))
     columns[-3:] = spins.T
+    pars = np.tile(np.array(values)[:, None], len(spins))
+    return _batches(rates, columns, pars, 8 if with_attitude else 16, tolerance, 10.0)
+
+
+def _batches(rates, columns, pars, lanes, tolerance, end):
+    """Trajectories per second of heyoka's batch mode in a plain loop; one column for each."""
+    integrator = hy.taylor_adaptive_batch(
+        rates, columns[:, :lanes].copy(), pars=pars[:, :lanes].copy(), tol=tolerance
+    )
     out = np.zeros(columns.shape)
     began = time.process_time()
-    for k in range(0, len(spins), lanes):
+    for k in range(0, columns.shape[1], lanes):
         integrator.set_time(0.0)
         integrator.state[:] = columns[:, k : k + lanes]
-        integrator.propagate_until(10.0)
+        integrator.pars[:] = pars[:, k : k + lanes]
+        integrator.propagate_until(end)
         out[:, k : k + lanes] = integrator.state
-    return len(spins) / (time.process_time() - began)
+    return columns.shape[1] / (time.process_time() - began)
