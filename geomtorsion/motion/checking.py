@@ -24,10 +24,10 @@ LITTLE, PATIENCE = 0.5, 2
 TRUSTED = 0.05
 # (Only a step of the tolerance by more than this is a step.)
 REAL_STEP = 0.15
-# An error above this part of the accuracy is confirmed by a second check.
+# An error above this part of the accuracy is confirmed by a second check by a finer run.
 DOUBTED = 0.01
-# Of more than double precision there is more to be had where an error is not below this part.
-LONGER = 0.4
+# Of long numbers, of which longer ones are to be had, two checks are trusted less.
+LONGER = 2.5
 # Two fine runs share so many roundings, which grow like any error on the way.
 SHARED = 6.0
 # Where an attempt fails, the next tolerance is this much below what the estimate asks for, ...
@@ -142,21 +142,29 @@ def checked(
             engine, answer, made if disturbed is None else {}, run_aside, difference, coarse
         )
         enough = TAKEN * accuracy
-        if DOUBTED * accuracy < error <= accuracy and disturbed is not None:
-            finer = check.tolerance < answer.tolerance
-            enough = accuracy * (1.0 if engine.precision == 53 else LONGER) if finer else enough
+        finer = check.tolerance < answer.tolerance
+        if (
+            disturbed is not None
+            and error <= accuracy
+            and (error > DOUBTED * accuracy or not finer)
+        ):
+            if finer:
+                enough = accuracy
             # Two runs may agree by chance where rounding is all that tells them apart; and of what
-            # is rounded on the way, a coarser run shows only a share.
-            second = check.tolerance if finer else answer.tolerance
+            # is rounded on the way, a coarser run shows only a share: one of other, shorter steps
+            # shows all.
+            shorter = max(engine.rung(answer.tolerance * SMALLEST_STEP), engine.finest)
+            second = check.tolerance if finer else shorter
             gap, compared = difference(answer, run_aside(second, answer, -1.0))
-            error = max(error, CAUTION * gap if compared else math.inf)
-        if check.tolerance < answer.tolerance and before < math.inf:
+            weight = CAUTION if engine.precision == 53 else LONGER * CAUTION
+            error = max(error, weight * gap if compared else math.inf)
+        if finer and before < math.inf:
             error = max(error, TRUSTED * before * answer.tolerance / last)
         if best is None or error < best[-1]:
             best = answer, check, share, error
         if error <= enough or ended(answer):
             break
-        if check.tolerance < answer.tolerance:
+        if finer:
             # Nothing is gained any more by smaller steps: what is left is rounding.
             gains = not LITTLE * before < error < SATURATED or answer.tolerance >= REAL_STEP * last
             idle = 0 if gains else idle + 1

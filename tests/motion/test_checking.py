@@ -189,3 +189,23 @@ def test_more_digits_near_a_separatrix(near):
         gap = float(np.abs(sol.states - truth).max() / np.abs(truth).max())
         assert gap <= accuracy
         assert sol.error >= 0.3 * gap
+
+
+@needs_heyoka
+@pytest.mark.parametrize("end", [0.0021, 0.00215, 0.0022, 0.0023])
+def test_roundings_beside_a_pole(end):
+    """A millionth from the pole of s2, where theta is rounded as everywhere: phi takes it all."""
+    sphere = load("s2").frame
+    between = blend(levi_civita(sphere), cartan(sphere))
+    numbers = {symbol.name: 1.2 for symbol in sphere.field.symbols[2:]} | {"R": 1.3}
+    problem = autoparallel(
+        between,
+        [1.0, 0.5],
+        frame_velocity=[-4542.008374395556, 0.004829829911202137],
+        parameters=numbers,
+    )
+    sol = solve(problem, end, 1e-9)
+    truth = travel(problem, Taylor(64), 2.0**-68, np.asarray(sol.times) * problem.speed)
+    gap, _ = difference(sol.journey, truth)
+    assert gap <= 1e-9
+    assert sol.error >= 0.3 * gap
