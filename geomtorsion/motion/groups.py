@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 Show = Callable[[int], None] | None
 # Systems of at most so many states take two registers at a time.
 FEW = 4
+# After so many steps, one looks which lanes still get anywhere: by this part of their time.
+MOST_STEPS, STANDSTILL = 20_000, 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,13 +165,15 @@ def _run(
     import numpy as np
 
     index, (count, size, width) = calls.index, calls.states.shape
-    own, pars, until = integrator.state, integrator.pars, integrator.propagate_until
+    own, pars = integrator.state, integrator.pars
     ends, clocks = calls.times[-1], np.zeros((count, width))
     several = len(calls.times) > 2
     found = np.zeros((count, len(calls.times) if several else 1, size, width))
     last, done = time.perf_counter(), 0
     # Lanes that have come to the edge in this call; heyoka keeps a copy of its own.
     hits = integrator.nt_events[0].callback.lanes if crossed is not None else set()
+    # Beyond an edge steps may become as small as they like; without one, motions just go on.
+    most = MOST_STEPS if crossed is not None else 0
     try:
         for k in range(count):
             own[:] = calls.states[k]
@@ -177,10 +181,11 @@ def _run(
                 pars[:] = calls.parameters[k]
             integrator.set_time(0.0)
             if several:
-                rows = integrator.propagate_grid(np.ascontiguousarray(calls.times[:, k]))[1]
+                block = np.ascontiguousarray(calls.times[:, k])
+                rows = integrator.propagate_grid(block, max_steps=most)[1]
                 found[k, : len(rows)] = rows
             else:
-                until(ends[k])
+                _to_the_end(integrator, ends[k], hits, most)
                 found[k, 0] = own
             clocks[k] = integrator.time
             if hits and crossed is not None:
@@ -202,3 +207,23 @@ def _run(
         else:
             result[index[good], 0] = calls.starts[index[good]]
             result[index[good], -1] = rows[good, 0]
+
+
+def _to_the_end(integrator: Any, ends: Any, crossed: set[int], most: int) -> None:
+    """Go on until all lanes have arrived, have crossed an edge or get no further.
+
+    most: steps between two looks; 0: do not look.
+    """
+    import numpy as np
+
+    while True:
+        before = integrator.time.copy()
+        integrator.propagate_until(ends, max_steps=most)
+        waiting = [
+            lane
+            for lane, result in enumerate(integrator.propagate_res)
+            if result[0] == type(result[0]).step_limit and lane not in crossed
+        ]
+        moved = np.abs(integrator.time - before) > STANDSTILL * np.abs(ends)
+        if not moved[waiting].any():
+            return

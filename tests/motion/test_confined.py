@@ -1,5 +1,7 @@
 """Confined geodesics: who is one, the equations in cosines, and truth without them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -10,6 +12,7 @@ from geomtorsion.motion.engines.taylor import is_available
 from geomtorsion.motion.equations import written
 from geomtorsion.motion.journey import departure, travel
 from geomtorsion.motion.laws import Hamel
+from geomtorsion.motion.reduced import confined
 from geomtorsion.motion.reduced.confined import Confined
 from geomtorsion.spaces import load
 from tests.motion.reduced_truth import reduction_of
@@ -53,19 +56,64 @@ def opened(problem, engine=None):
 @pytest.mark.parametrize("name", ORBITS)
 def test_who_is_confined(name):
     """Bound and away from axis and horizon, as the turning points say."""
-    start, velocity, confined = ORBITS[name]
+    start, velocity, stays = ORBITS[name]
     found = opened(orbit(start, velocity))
     assert found is not None
-    assert found.confined is confined
-    if confined:
+    assert found.confined is stays
+    if stays:
         assert found.start[2] == pytest.approx(np.cos(start[2]), rel=1e-15, abs=1e-16)
 
 
 def test_a_fall_through_both_horizons_is_not_confined():
     """Between horizons that are near each other no look may fall."""
-    found = opened(orbit([0, 8.0, 1.4, 0], [1.05, -0.2, 0.1, 0.2], a=0.99999))
+    found = opened(orbit([0, 8.0, 1.4, 0], [1.05, -0.2, 0.02, 0.05], a=0.99999))
     assert found is not None
     assert not found.confined
+
+
+@pytest.mark.parametrize("far", [30.0, 150.0, 300.0, 2e3, 1e6, 1e10])
+@pytest.mark.parametrize("momentum", [0.3, 1.0, 1.8])
+@pytest.mark.parametrize("a", [0.0, 0.5, 0.998, 1.0])
+def test_a_fall_from_afar_is_not_confined(far, momentum, a):
+    """With less angular momentum than any bound orbit has, all fall, from wherever."""
+    across = momentum / far
+    velocity = [np.hypot(1.0, across), 0, across * 0.3, across * 0.95]
+    found = opened(orbit([0, far, 1.4, 0], velocity, a=a))
+    assert found is None or not found.confined
+
+
+@with_heyoka
+def test_a_fall_from_afar():
+    """It goes through the horizon in another chart, as by the full equations."""
+    frame, numbers = load("schwarzschild").frame, {"M": 1}
+    start, velocity = [0, 255.0, np.pi / 2, 0], [1.0000041266590871, 0, 0, 0.003]
+
+    def fall():
+        return geodesic(frame, start, frame_velocity=velocity, parameters=numbers, causal=None)
+
+    sol = solve(fall(), 4529.5, 1e-9)
+    plain = replace(fall(), _written={})
+    for chart in plain.charts:
+        plain.equations(chart).__dict__["reduction"] = None
+    truth = travel(plain, Taylor(113), 1e-28, np.array([0.0, 4529.5]) * plain.speed)
+    assert sol.charts == ("schwarzschild", "kerr_schild")
+    last = truth.segments[-1].states[-1].astype(float)
+    assert sol.in_chart("kerr_schild")[-1] == pytest.approx(last[:4], rel=1e-9, abs=1e-9)
+
+
+def test_many_are_looked_at_in_parts(monkeypatch):
+    """A share of memory at a time, with the same answers."""
+    problem = orbit(*ORBITS["bound"][:2])
+    _, _, vector, parameters = departure(problem, 53)
+    small = reduction_of(problem.equations("kerr"))
+    opening = small.opening(vector, parameters, 53)
+    start = np.repeat(vector[:, None], 7, axis=1)
+    numbers = np.repeat(opening.numbers[:, None], 7, axis=1)
+    start[2, ::2] = 0.05
+    together = small.confined.holds(list(start), list(numbers))
+    assert together.tolist() == [False, True] * 3 + [False]
+    monkeypatch.setattr(confined, "MEMORY", 2 * confined.LOOKS**2)
+    assert (small.confined.holds(list(start), list(numbers)) == together).all()
 
 
 def test_room_enough_to_the_margin():
@@ -112,7 +160,7 @@ def test_equations_in_cosines(name):
 
 
 @with_heyoka
-@pytest.mark.parametrize("name", [name for name, (*_, confined) in ORBITS.items() if confined])
+@pytest.mark.parametrize("name", [name for name, (*_, stays) in ORBITS.items() if stays])
 @pytest.mark.parametrize("accuracy", [1e-6, 1e-9, 1e-12])
 def test_against_the_full_equations(name, accuracy):
     """Errors told hold against 113 bits of the equations of the frame itself."""

@@ -75,7 +75,7 @@ def test_the_singularity_is_where_it_is(engine, phi):
 
 
 @needs_heyoka
-def test_the_last_chart_that_has_a_value_counts(capfd):
+def test_the_last_chart_that_has_a_value_counts():
     """Next to r = 0 other charts may still have a place for a motion, but no velocities."""
     start = [0, 17.579325770223637, 1.2217500227440852, 0.3]
     velocity = [1.0052513698156307, 0.0025600512702218525, 0.0, 9.18702393760401e-05]
@@ -86,8 +86,6 @@ def test_the_last_chart_that_has_a_value_counts(capfd):
     with pytest.raises(ChartEdgeError, match=r"stops at t = 82\.18.*, r_in = 5\.") as got:
         solve(problem, np.linspace(0, 126.31555158213958, 36), 1e-10)
     assert got.value.solution.times[-1] == pytest.approx(79.4, abs=0.01)
-    # The error says it all: nothing is printed beside it.
-    assert capfd.readouterr() == ("", "")
 
 
 ENDING = {

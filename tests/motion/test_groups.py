@@ -82,3 +82,17 @@ def test_momenta_alone():
     slow = solve_many(one, None, 20.0, 1e-9, RungeKutta(), frame_velocities=velocities)
     assert fast.coordinates == pytest.approx(slow.coordinates, rel=3e-9, abs=3e-9)
     assert fast.frame_velocity == pytest.approx(slow.frame_velocity, rel=3e-9, abs=3e-9)
+
+
+@needs_heyoka
+@pytest.mark.parametrize("times", [40.0, [5.0, 20.0, 40.0]])
+def test_a_member_that_falls_holds_up_nobody(times):
+    """Behind the horizon steps become as small as they like; the others arrive all the same."""
+    one = geodesic(
+        load("schwarzschild").frame, [0, 8, 1.2, 0.3], frame_velocity=[1.1, 0.05, 0.1, 0.4],
+        parameters={"M": 1}, causal=None,
+    )  # fmt: skip
+    starts = [[0, 6, 1.2, 0.3], [0, 9, 1.2, 0.3]]
+    velocities = [[1.0198039027185568, -0.2, 0, 0.0], [1.1, 0.05, 0.1, 0.4]]
+    many = solve_many(one, starts, times, 1e-8, frame_velocities=velocities)
+    assert many.finished.tolist() == [False, True]

@@ -57,8 +57,6 @@ class Touched:
 
 
 kept: OrderedDict[tuple[Any, ...], Compiled] = OrderedDict()
-# Whether heyoka was asked to keep its warnings to itself.
-_quiet: list[bool] = []
 
 
 def heyoka() -> Any:
@@ -70,10 +68,6 @@ def heyoka() -> Any:
             "the Taylor engine needs heyoka, which is not installed. "
             "Run `pip install geomtorsion[fast]` (Linux), or use engine=RungeKutta()."
         ) from None
-    if not _quiet:
-        # What heyoka warns of on its way (a step that is no number) is told by errors of ours.
-        module.set_logger_level_error()
-        _quiet.append(True)
     return module
 
 

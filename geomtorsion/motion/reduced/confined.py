@@ -1,7 +1,7 @@
 """Reduced confined: separated geodesics that stay away from every edge of their chart.
 
 v_k^2 = Q_k (see `separated`): where Q_k < 0 on both sides of a start, the motion stays between.
-If no edge is there, nothing has to be watched. And where the equations have an angle by its cosine
+If no edge is seen there, none is watched. And where the equations have an angle by its cosine
 alone, z = cos q may be the state, z' = -sin(q) v / (h sigma): no sine is left. Near an axis q would
 lose digits, but a motion that is confined does not get there.
 """
@@ -23,14 +23,14 @@ from geomtorsion.motion.system import System
 
 # Angles this near an axis lose three bits to their cosine.
 AXIS = 1 / 8
-# Places at which Q is looked at, on both sides: of an angle; of others at distances that grow from
-# the first part of their size, each so many times the one before.
+# Places at which Q is looked at: of an angle; of others on both sides, in logarithms, of which the
+# first is so far and each so many times as far as the one before. (None changes its sign.)
 ANGLES = 65
 NEAREST, GROWTH, PLACES = 1e-3, 1.4, 32
 # A wall is where Q is below zero by this part of its largest value on the way there.
 SOLID = 1e-6
-# Places of each coordinate at which edges are looked for.
-LOOKS = 17
+# Places of each coordinate at which edges are looked for, and how many numbers at once.
+LOOKS, MEMORY = 17, 2**18
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,24 +87,36 @@ class Confined:
         """
         import numpy as np
 
-        singles, rows = self.written.singles, [*start]
-        sure = np.full(len(rows[0]), self._can_tell)
+        count = len(start[0])
         if not self._can_tell:
-            return sure
+            return np.full(count, False)
+        share = max(1, MEMORY // LOOKS ** len(self.written.singles))
+        parts = [slice(k, k + share) for k in range(0, count, share)]
         with np.errstate(all="ignore"):
-            for axis, (one, square) in enumerate(zip(singles, self._squares, strict=True)):
-                here = rows[one.place]
-                places = _angles() if one.place in self.cosines else _around(here)
-                (values,) = square.array_rates(places, *numbers)
-                low, high, walled = _room(here, *np.broadcast_arrays(places, values))
-                sure &= walled
-                looks = np.linspace(low, high, LOOKS)
-                shape = [LOOKS if k == axis else 1 for k in range(len(singles))]
-                rows[one.place] = looks.reshape(*shape, len(here))
-            if self.full_system.edge is None:
-                return sure
-            count = len(self.full_system.parameters)
-            return sure & _is_clear(self.full_system.edge_values(rows, numbers[:count]))
+            return np.concatenate(
+                [self._hold([x[k] for x in start], [x[k] for x in numbers]) for k in parts]
+            )
+
+    def _hold(self, start: list[Any], numbers: list[Any]) -> Any:
+        """The same of as many as memory has room for."""
+        import numpy as np
+
+        singles, rows = self.written.singles, list(start)
+        sure = np.full(len(rows[0]), True)
+        for axis, (one, square) in enumerate(zip(singles, self._squares, strict=True)):
+            here, angle = rows[one.place], one.place in self.cosines
+            places = _angles() if angle else _around(here)
+            (values,) = square.array_rates(places, *numbers)
+            low, high, walled = _room(here, *np.broadcast_arrays(places, values))
+            sure &= walled
+            # Between looks in proportion edges change evenly: they are near zero if anywhere.
+            looks = np.linspace(low, high, LOOKS) if angle else _in_proportion(low, high)
+            shape = [LOOKS if k == axis else 1 for k in range(len(singles))]
+            rows[one.place] = looks.reshape(*shape, len(here))
+        if self.full_system.edge is None:
+            return sure
+        count = len(self.full_system.parameters)
+        return sure & _is_clear(self.full_system.edge_values(rows, numbers[:count]))
 
 
 def _with_cosine(system: Reduced, one: Single) -> Reduced | None:
@@ -121,30 +133,35 @@ def _with_cosine(system: Reduced, one: Single) -> Reduced | None:
     others = [symbol for symbol in inside.symbols if symbol != one.symbol]
     field = Field((*others, cosine))
 
-    def turned(products: Products) -> Products:
-        found = [(by_cosine(value, one.symbol, field, cosine), names) for value, names in products]
-        if any(value is None for value, _ in found):
-            raise _Unturned
-        return tuple((value, names) for value, names in found if value is not None)
+    def turned(products: Products) -> Products | None:
+        found = []
+        for value, names in products:
+            element = by_cosine(value, one.symbol, field, cosine)
+            if element is None:
+                return None
+            found.append((element, names))
+        return tuple(found)
 
-    rates = list(system.rates)
-    rates[one.place] = ()
-    slope: Products = ((source.read(-sine) / one.root, (one.state,)),)
-    try:
-        rows = [turned(row) for row in rates]
-        rows[one.place] = turned(slope)
-        given = tuple((name, turned(sums)) for name, sums in system.given)
-        scale = system.scale
-        factor = None if scale is None else turned(((scale, ()),))[0][0]
-    except _Unturned:
-        return None
-    states = list(system.states)
+    states, rates = list(system.states), list(system.rates)
     states[one.place] = cosine.name
-    return replace(system, states=tuple(states), rates=tuple(rows), given=given, scale=factor)
-
-
-class _Unturned(Exception):
-    """An element depends on an angle by more than its cosine."""
+    rates[one.place] = ()
+    rows = [turned(row) for row in rates]
+    rows[one.place] = turned(((source.read(-sine) / one.root, (one.state,)),))
+    given = [turned(sums) for _, sums in system.given]
+    scale = () if system.scale is None else turned(((system.scale, ()),))
+    if scale is None or None in (*rows, *given):
+        return None
+    return replace(
+        system,
+        states=tuple(states),
+        rates=tuple(row for row in rows if row is not None),
+        given=tuple(
+            (name, sums)
+            for (name, _), sums in zip(system.given, given, strict=True)
+            if sums is not None
+        ),
+        scale=scale[0][0] if scale else None,
+    )
 
 
 def _angles() -> Any:
@@ -156,12 +173,19 @@ def _angles() -> Any:
 
 
 def _around(start: Any) -> Any:
-    """Places on both sides of starts, the more apart the further away, shape (places, n)."""
+    """Places on both sides of starts, in proportion to them, of the same sign; (places, n)."""
     import numpy as np
 
     away = NEAREST * GROWTH ** np.arange(PLACES)
-    steps = np.concatenate((-away[::-1], away))
-    return start + np.multiply.outer(steps, np.maximum(np.abs(start), NEAREST))
+    steps = np.exp(np.concatenate((-away[::-1], away)))
+    return np.where(start > 0, np.multiply.outer(steps, start), np.multiply.outer(1 / steps, start))
+
+
+def _in_proportion(low: Any, high: Any) -> Any:
+    """Looks between two places of the same sign, shape (looks, n)."""
+    import numpy as np
+
+    return low * (high / low) ** np.linspace(0.0, 1.0, LOOKS)[:, None]
 
 
 def _room(start: Any, places: Any, squares: Any) -> tuple[Any, Any, Any]:
