@@ -165,7 +165,7 @@ def _run(
     import numpy as np
 
     index, (count, size, width) = calls.index, calls.states.shape
-    own, pars = integrator.state, integrator.pars
+    own, pars, until = integrator.state, integrator.pars, integrator.propagate_until
     ends, clocks = calls.times[-1], np.zeros((count, width))
     several = len(calls.times) > 2
     found = np.zeros((count, len(calls.times) if several else 1, size, width))
@@ -185,7 +185,9 @@ def _run(
                 rows = integrator.propagate_grid(block, max_steps=most)[1]
                 found[k, : len(rows)] = rows
             else:
-                _to_the_end(integrator, ends[k], hits, most)
+                until(ends[k], max_steps=most)
+                if most and (integrator.time != ends[k]).any():
+                    _go_on(integrator, ends[k], hits, most)
                 found[k, 0] = own
             clocks[k] = integrator.time
             if hits and crossed is not None:
@@ -209,21 +211,22 @@ def _run(
             result[index[good], -1] = rows[good, 0]
 
 
-def _to_the_end(integrator: Any, ends: Any, crossed: set[int], most: int) -> None:
+def _go_on(integrator: Any, ends: Any, crossed: set[int], most: int) -> None:
     """Go on until all lanes have arrived, have crossed an edge or get no further.
 
-    most: steps between two looks; 0: do not look.
+    most: steps between two looks.
     """
     import numpy as np
 
+    moved = np.full(len(ends), True)
     while True:
-        before = integrator.time.copy()
-        integrator.propagate_until(ends, max_steps=most)
         waiting = [
             lane
             for lane, result in enumerate(integrator.propagate_res)
             if result[0] == type(result[0]).step_limit and lane not in crossed
         ]
-        moved = np.abs(integrator.time - before) > STANDSTILL * np.abs(ends)
         if not moved[waiting].any():
             return
+        before = integrator.time.copy()
+        integrator.propagate_until(ends, max_steps=most)
+        moved = np.abs(integrator.time - before) > STANDSTILL * np.abs(ends)

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from geomtorsion.motion import RungeKutta, Taylor, geodesic, solve_many
+from geomtorsion.motion import groups as groups_module
 from geomtorsion.motion.groups import groups
 from geomtorsion.motion.journey import travel
-from geomtorsion.motion.many import Lanes
+from geomtorsion.motion.many import Lanes, run_lanes
 from geomtorsion.motion.reduced import constants
 from geomtorsion.spaces import load
 from tests.motion.engines import needs_heyoka
@@ -96,3 +97,26 @@ def test_a_member_that_falls_holds_up_nobody(times):
     velocities = [[1.0198039027185568, -0.2, 0, 0.0], [1.1, 0.05, 0.1, 0.4]]
     many = solve_many(one, starts, times, 1e-8, frame_velocities=velocities)
     assert many.finished.tolist() == [False, True]
+
+
+@needs_heyoka
+@pytest.mark.parametrize("times", [60.0, [20.0, 60.0]])
+def test_looks_on_the_way_change_nothing(times, monkeypatch):
+    """A batch that is looked at every few steps gives what it gives at one go."""
+    one, velocities = problem("kerr"), VELOCITIES[:3]
+    whole = solve_many(one, STARTS[:3], times, 1e-10, frame_velocities=velocities)
+    edged = Lanes.laid_out(one, STARTS[4:5], VELOCITIES[4:5])
+    grid = np.array([0.0, 4.0]) if np.ndim(times) == 0 else np.array([0.0, 2.0, 4.0])
+    truth = run_lanes(Taylor(), edged, grid, 1e-12, None, np.array([False]))
+    monkeypatch.setattr(groups_module, "MOST_STEPS", 1)
+    again = solve_many(one, STARTS[:3], times, 1e-10, frame_velocities=velocities)
+    assert again.finished.all()
+    assert (again.coordinates == whole.coordinates).all()
+    looked = run_lanes(Taylor(), edged, grid, 1e-12, None, np.array([False]))
+    assert truth[1].all()
+    if np.ndim(times) == 0:
+        assert looked[1].all()
+        assert looked[0] == pytest.approx(truth[0], rel=1e-12)
+    else:
+        # Between samples nobody goes on: such members are followed one by one.
+        assert not looked[1].any()
