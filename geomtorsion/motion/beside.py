@@ -74,11 +74,11 @@ def _attempt(
         part = Segment(name, equations, run, float(times[0]), 0, vector, numbers)
         return Journey(problem, engine, own, (part,), "done", "")
 
-    def check() -> Journey:
+    def against() -> Journey:
         return journey(1, tolerance_of_second(tolerance, looser))
 
     answer = journey(0, tolerance)
-    return Told(answer, check, apart[0], left_out, rounded, (answer,), lanes.run_seconds)
+    return Told(answer, against, apart[0], left_out, rounded, (answer,), lanes.run_seconds)
 
 
 @dataclass(frozen=True, eq=False)

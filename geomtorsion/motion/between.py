@@ -31,7 +31,7 @@ def error_between(solution: Solution) -> float:
     count = max(LEAST, -(-PLACES // (len(knots) - 1)))
     parts = (np.arange(count) + SHIFT) / count
     times = (knots[:-1, None] + parts * np.diff(knots)[:, None]).ravel()
-    other = replace(solution, journey=solution.witness, check=None)
+    other = replace(solution, journey=solution.witness, against=None)
     one, two = (dense_pieces(x, times) for x in (solution, other))
     charts = {segment.chart for segment, _, _ in (*one, *two)}
     if len(charts) == len(one) == len(two) == 1:

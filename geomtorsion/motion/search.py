@@ -16,14 +16,14 @@ A = TypeVar("A", bound=Attempt)
 class Told(NamedTuple, Generic[A]):
     """An answer, a looser run of the same motion, and what they and other runs tell.
 
-    check: gives the looser run, of which nothing is needed but how far it is from the answer.
-    gap: how far answer and check are apart, relative to the size of each block.
+    against: gives the looser run, of which nothing is needed but how far it is from the answer.
+    gap: how far answer and that run are apart, relative to the size of each block.
     left_out: error by what the steps leave out; rounded: by rounding as it grows on the way.
     spent: all runs that took time of their own; seconds: how long the answer ran.
     """
 
     answer: A
-    check: Callable[[], A]
+    against: Callable[[], A]
     gap: float
     left_out: float
     rounded: float
@@ -99,7 +99,7 @@ def searched(
             return None
         if good or idle or finest:
             share = least / best.gap if best.gap > 0 else CAUTION
-            return Checked(best.answer, best.check, share, least, tuple(spent.values()))
+            return Checked(best.answer, best.against, share, least, tuple(spent.values()))
         known[missing] = min(tolerance, known.get(missing, math.inf))
         before = error if found.rounded > found.left_out else math.inf
         # Of an error that cannot be told no more is known than that it is too large.

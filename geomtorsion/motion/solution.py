@@ -73,7 +73,7 @@ class Solution:
     engine, why: what solved it, and why that was chosen.
     cost: steps, evaluations, seconds.
     complete: whether the last time was reached.
-    journey, check: the integration, and what gives the other one that it was held against.
+    journey, against: the integration, and what gives the other one that it was held against.
     share: the error is this many times the difference of the two.
 
     Examples
@@ -95,7 +95,7 @@ class Solution:
     cost: Cost
     complete: bool
     journey: Journey
-    check: Callable[[], Journey] | None = None
+    against: Callable[[], Journey] | None = None
     share: float = CAUTION
 
     # -- arrays at the times ---------------------------------------------------------------------
@@ -175,7 +175,7 @@ class Solution:
     @cached_property
     def witness(self) -> Journey | None:
         """The integration that the answer was held against."""
-        return None if self.check is None else self.check()
+        return None if self.against is None else self.against()
 
     @cached_property
     def drift(self) -> Mapping[str, float]:

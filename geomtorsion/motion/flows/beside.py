@@ -72,7 +72,7 @@ def _attempt(
         pieces = tuple([each.piece(lane) for each in passed])
         return Trip(flow, engine, own, pieces, "done", "")
 
-    def check() -> Trip:
+    def against() -> Trip:
         return trip(1, tolerance_of_second(tolerance, looser))
 
     answer = trip(0, tolerance)
@@ -80,7 +80,7 @@ def _attempt(
     if apart is None:
         return None
     left_out, rounded = judged(max([each.lanes.share for each in passed]), apart)
-    return Told(answer, check, apart[0], left_out, rounded, (answer,), answer.run_seconds)
+    return Told(answer, against, apart[0], left_out, rounded, (answer,), answer.run_seconds)
 
 
 class _Passed(NamedTuple):

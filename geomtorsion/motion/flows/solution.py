@@ -64,7 +64,7 @@ class FlowSolution:
     cost: steps, evaluations, seconds.
     outcome: "done"; "stopped" at the condition of the flow; "stuck" where it could not go on.
     recipe: how to make it again.
-    made, check: the integration, and what gives the one that it was held against (see `trips`);
+    made, against: the integration, and what gives the one that it was held against (see `trips`);
         None where it was loaded.
     share: the error is this many times their difference.
 
@@ -89,7 +89,7 @@ class FlowSolution:
     reason: str
     recipe: Recipe
     made: Trip | None = None
-    check: Callable[[], Trip] | None = None
+    against: Callable[[], Trip] | None = None
     share: float = CAUTION
     _loaded: Mapping[str, Any] | None = None
 
@@ -101,7 +101,7 @@ class FlowSolution:
     @cached_property
     def trips(self) -> tuple[Trip, ...]:
         """The integration and the one that it was held against; none where it was loaded."""
-        return () if self.made is None or self.check is None else (self.made, self.check())
+        return () if self.made is None or self.against is None else (self.made, self.against())
 
     @property
     def complete(self) -> bool:
