@@ -259,3 +259,36 @@ def test_smaller_systems_move_their_constants():
         gaps = np.abs(numbers - numbers[:, :1]).max(axis=0)
         assert gaps[1] > 1e-13
         assert (gaps[2:] > 1e-16).all()
+
+
+GROWING = [
+    (
+        [[-0.156, -0.662, 0.051], [-0.363, -2.282, -0.158], [1.252, 0.197, 0.484]],
+        [-0.3971099294651292, -0.9990910626819414, 0.49343008615190687],
+        1e-4,
+        31.614600435833268,
+    ),
+    (
+        [[-0.584, -0.64, -0.079], [-0.504, -1.757, 0.555], [-0.527, 1.251, 0.567]],
+        [62.675550954521384, 422.5848617235808, -101.99884386824368],
+        1e-5,
+        20.388273768796285,
+    ),
+]
+
+
+@pytest.mark.parametrize(("matrix", "start", "accuracy", "end"), GROWING)
+def test_what_grows_out_of_all_proportion(matrix, start, accuracy, end):
+    """Lanes have their first steps in common, whose errors grow with the solution."""
+    names = "xyz"
+    rates = {
+        name: " + ".join(f"({value})*{other}" for value, other in zip(row, names, strict=True))
+        for name, row in zip(names, matrix, strict=True)
+    }
+    made = flow(rates, dict(zip(names, start, strict=True)))
+    sol = solve(made, end, accuracy, Taylor())
+    trip = travel(made, Taylor(113), 1e-30, np.asarray(sol.times), legs_of(made, end))
+    truth = trip.states.astype(float)
+    gap = np.abs(sol.states - truth).max() / np.abs(truth).max()
+    assert gap <= accuracy
+    assert sol.error >= 0.4 * gap

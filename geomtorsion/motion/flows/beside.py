@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from geomtorsion.motion.abreast import gaps, judged, moves, side_by_side, told
+from geomtorsion.motion.abreast import GROWN, gaps, judged, moves, side_by_side, told
 from geomtorsion.motion.engines.abreast import (
     LANES,
     Abreast,
@@ -24,6 +24,10 @@ if TYPE_CHECKING:
     from geomtorsion.motion.checking import Checked
     from geomtorsion.motion.engines.taylor import Taylor
     from geomtorsion.motion.flows.flow import Flow
+
+# Lanes of a motion that grows out of all proportion have their first steps in common, as these are
+# measured by what it grows to: they show a part of the error that these steps make.
+WARY = 4.0
 
 
 def solved_beside(
@@ -80,6 +84,8 @@ def _attempt(
     if apart is None:
         return None
     left_out, rounded = judged(max([each.lanes.share for each in passed]), apart)
+    if known.get("size", 1.0) > GROWN * max(map(abs, passed[0].starts[:, 0].tolist())):
+        left_out *= WARY
     return Told(answer, against, apart[0], left_out, rounded, (answer,), answer.run_seconds)
 
 
