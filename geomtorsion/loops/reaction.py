@@ -35,9 +35,7 @@ def exact_vector(values: Any, where: str, dimension: int | None = None) -> Vecto
 def _number(value: Any, where: str) -> Any:
     """An exact number, or a finite float."""
     if isinstance(value, sp.Expr):
-        if value.is_Rational:
-            return Fraction(int(value.p), int(value.q))  # type: ignore[attr-defined]
-        return value
+        return Fraction(int(value.p), int(value.q)) if isinstance(value, sp.Rational) else value
     if isinstance(value, int | Fraction) and not isinstance(value, bool):
         return Fraction(value)
     try:
@@ -111,14 +109,14 @@ class Reaction:
         if not self.before or not self.after:
             raise NetworkError("a reaction needs a dislocation before and after.")
         first = exact_vector(self.before[0], "before[0]")
-        sides = []
+        sides, every = [], []
         for name, vectors in (("before", self.before), ("after", self.after)):
             read = [exact_vector(b, f"{name}[{k}]", len(first)) for k, b in enumerate(vectors)]
             object.__setattr__(self, name, tuple(read))
             sides.append(total(read))
+            every += read
         missing = tuple(a - b for a, b in zip(sides[1], sides[0], strict=True))
-        scale = max(size(b) for b in (*self.before, *self.after))  # type: ignore[arg-type]
-        if not vanishes(missing, scale, self.tolerance):
+        if not vanishes(missing, max(map(size, every)), self.tolerance):
             raise NetworkError(
                 f"the reaction does not conserve b: {written(sides[0])} before, "
                 f"{written(sides[1])} after, the difference is {written(missing)}. Turn all lines "

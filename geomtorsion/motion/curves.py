@@ -127,7 +127,7 @@ def geodesic(
     u2' = (1)*u1*u3
     u3' = (-1/3)*u1*u2
     """
-    frame: Frame = getattr(space, "frame", space)  # type: ignore[assignment]
+    frame: Any = getattr(space, "frame", space)
     law = Hamel(None if metric is None else kinetic_metric(metric, frame.dimension))
     return _posed(
         "geodesic", frame, law, start, velocity, frame_velocity, parameters, causal, atlas

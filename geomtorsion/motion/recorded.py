@@ -112,4 +112,5 @@ def save(solution: Solution, path: str | Path) -> None:
         "drift": {name: float(value) for name, value in solution.drift.items()},
     }
     plain = {name: np.asarray(value).astype(float) for name, value in arrays.items()}
+    # Any array may be named as it likes; the type takes one name for an option.
     np.savez_compressed(path, metadata=np.array(json.dumps(metadata)), **plain)  # type: ignore[arg-type]

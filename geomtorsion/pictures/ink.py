@@ -135,6 +135,7 @@ def captioned(figure: Figure, lines: Sequence[str]) -> None:
     width, height = figure.get_size_inches()
     rows = [row for line in lines for row in wrap(line, int(width * 15.5))]
     share = (0.07 + 0.155 * len(rows)) / height
+    # Our figures are all made with the engine that may be None in others.
     figure.get_layout_engine().set(rect=(0, share, 1, 1 - share))  # type: ignore[union-attr]
     figure.text(
         0.5, 0.06 / height, "\n".join(rows), ha="center", va="bottom", size=8.5, color="#444444",

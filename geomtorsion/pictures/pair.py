@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -46,7 +46,7 @@ class Pair:
     straight: Solution
     shortest: Solution
     chosen: tuple[str, ...] = ()
-    stops: Mapping[str, str] = ()  # type: ignore[assignment]
+    stops: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def curves(self) -> dict[str, Solution]:

@@ -205,4 +205,5 @@ def plan(result: SceneResult) -> Figure:
     """What is in and what was left out."""
     from geomtorsion.scenes.plan_drawing import plan_figure
 
+    # A result that was loaded has a text for its plan; `album` offers it no picture of one.
     return plan_figure(result.plan)  # type: ignore[arg-type]

@@ -62,6 +62,7 @@ def _set(thing: Any, steps: list[tuple[str, tuple[int, ...]]], value: Any, path:
     new = _set_here(getattr(thing, name), places, rest, value, path)
     instead = next((set(names) - {name} for names in ONE_OF if name in names), ())
     others = {other: None for other in instead if new is not None and other in known}
+    # That it is a dataclass is known from its fields, which types do not see.
     return replace(thing, **{name: new}, **others)  # type: ignore[type-var]
 
 

@@ -82,6 +82,7 @@ class ClosedForm:
             back = attitude.quaternion_from_matrix(axes.T)
             q = product(top.quaternion(times), back)
             first = product(top.quaternion(np.zeros(1)), back)[0]
+            # Who watches an attitude was asked for a start with one.
             begin = self.scene.start.attitude  # type: ignore[union-attr]
             q = q if first @ begin >= 0 else -q
             columns |= {s.name: q[:, k] for k, s in enumerate(QUATERNION)}
@@ -248,6 +249,7 @@ def _drifts(scene: Scene, times: Any, states: Any) -> dict[str, float]:
     """Largest relative change of each invariant along given states."""
     from types import SimpleNamespace
 
+    # Of a solution no more is read than these three.
     return reading.drifts(SimpleNamespace(flow=scene.flow, times=times, states=states))  # type: ignore[arg-type]
 
 

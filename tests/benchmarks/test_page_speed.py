@@ -35,7 +35,7 @@ TIMING = """(before) => {
 }"""
 
 
-def test_from_slider_to_picture(lab: Watched, capsys: pytest.CaptureFixture[str]):  # noqa: F811
+def test_from_slider_to_picture(lab: Watched, capsys: pytest.CaptureFixture[str]):  # noqa: F811 (the fixture)
     """The radius of the loop, moved by key ten times."""
     page = lab.tab("Loops")
     page.wait_for_selector("#loop svg")

@@ -6,8 +6,9 @@ import pytest
 from geomtorsion.errors import AccuracyError, ShapeError, StartError
 from geomtorsion.geometry import cartan
 from geomtorsion.motion import RungeKutta, autoparallel, distance_apart, geodesic, solve
+from geomtorsion.pictures.album import metadata
 from geomtorsion.pictures.drift import drift_over_time, error_over_time
-from geomtorsion.pictures.pair import follow
+from geomtorsion.pictures.pair import Pair, follow
 from geomtorsion.pictures.quality import coincide
 from geomtorsion.spaces import load
 
@@ -119,3 +120,11 @@ def test_bad_input(name, options, error, says):
     """Each with what came and what to do."""
     with pytest.raises(error, match=says):
         follow(load(name), **options)
+
+
+def test_two_solutions_make_a_pair():
+    """Whoever solved both is asked for nothing else: no curve stopped, nothing was chosen."""
+    space = load("so3")
+    known = follow(space, engine=RungeKutta())
+    pair = Pair(space, known.straight, known.shortest)
+    assert metadata(pair)["curves"]["geodesic"]["stopped"] == ""

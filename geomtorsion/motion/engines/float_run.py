@@ -130,6 +130,7 @@ def _crossing(edge: Callable[[Sequence[float]], float], piece: Polynomial, after
     if value(piece.t) <= 0 or value(after) >= 0:
         return after
     tiny = 4 * np.finfo(float).eps
+    # Typed as the pair that it gives where a report is asked for, too.
     return float(brentq(value, piece.t, after, xtol=tiny, rtol=tiny))  # type: ignore[arg-type]
 
 

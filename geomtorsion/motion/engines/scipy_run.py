@@ -162,6 +162,7 @@ def _edge_event(system: System, values: Sequence[float]) -> Any:
     def event(_: float, y: Any) -> float:
         return float(system.edge_values(y, values))
 
+    # Functions have room for attributes of their own, which types do not say.
     event.terminal = True  # type: ignore[attr-defined]
     event.direction = -1  # type: ignore[attr-defined]
     return event

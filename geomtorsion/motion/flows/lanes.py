@@ -141,6 +141,7 @@ def run_flows(
         times = np.unique(np.concatenate(([0.0], local, [end - begin])))
         if end < 0:
             times = times[::-1]
+        # Flows have what a batch reads of its lanes, but no problem in a space.
         rows, done, interrupted, more = run_lanes(engine, lanes, times, tolerance, show)  # type: ignore[arg-type]
         compiling += more
         finished &= done

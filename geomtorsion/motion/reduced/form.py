@@ -103,8 +103,7 @@ class Reduction:
         momenta, constants = self.worked_out.entered(start, parameters, precision)
         begun = [*start[: self.written.width], *momenta]
         values = [*parameters, *(constants[k] for k in self.places)]
-        count = len(self.written.constants) + len(self.written.singles)
-        numbers = (*parameters, *constants[:count])
+        numbers = (*parameters, *constants)[: len(self.out.parameters)]
         if precision == 53:
             begun, values = np.array(begun, dtype=float), np.array(values, dtype=float)
             return Opening(begun, values, np.array(numbers, dtype=float))

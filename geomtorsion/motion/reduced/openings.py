@@ -40,8 +40,7 @@ def openings(reduction: Reduction, starts: Any, parameters: Any) -> Iterator[Ope
     momenta, constants = found
     begun = np.array([*starts[: written.width], *momenta])
     values = np.array([*parameters, *(constants[k] for k in reduction.places)])
-    count = len(written.constants) + len(written.singles)
-    numbers = np.array([*parameters, *constants[:count]])
+    numbers = np.array([*parameters, *constants][: len(reduction.out.parameters)])
     own = starts[written.width :]
     with np.errstate(all="ignore"):
         back = reduction.out.array_rates(*begun, *numbers)
