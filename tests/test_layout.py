@@ -16,10 +16,12 @@ FILES = sorted(PACKAGE.rglob("*.py"))
 # Lowest floor first; packages on one floor do not know each other.
 FLOORS = (
     ("errors",),
-    ("conventions",),
+    ("conventions", "checks"),
     ("exact",),
-    ("geometry",),
-    ("action", "motion", "loops"),
+    ("codegen",),
+    ("geometry", "ode"),
+    ("motion",),
+    ("action", "curves", "loops", "rigid"),
     ("spaces",),
     ("accuracy", "pictures"),
     ("scenes", "exercises"),
@@ -31,9 +33,9 @@ NEIGHBOURS: dict[tuple[str, str], str] = {
     ("accuracy", "pictures"): "a table of costs draws itself in the ink of all pictures",
     ("cli", "lab"): "the command that serves the page",
 }
-# Files above the limit, with the reason why they are better in one piece.
+# Files of more lines hold more than one idea, unless a reason stands here.
 LONG: dict[str, str] = {}
-LONGEST = 300
+LONGEST = 500
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")
 
 
@@ -95,7 +97,7 @@ def test_an_upward_arrow_would_be_found():
     """The check above can fail: each of these is refused."""
     assert upward("exact", "geometry")
     assert upward("geometry", "cli")
-    assert upward("motion", "loops")
+    assert upward("motion", "curves")
     assert not upward("cli", "exact")
     with pytest.raises(AssertionError, match="stands on no floor"):
         floor_of("cellar")
@@ -112,8 +114,8 @@ def test_public_names_are_exported_once():
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: str(file.relative_to(PACKAGE)))
-def test_files_stay_short(file):
-    """No file has more than 300 lines, unless a reason is stated here."""
+def test_a_long_file_has_a_reason(file):
+    """No file has more than 500 lines, unless a reason is stated here."""
     name = str(file.relative_to(PACKAGE))
     lines = len(file.read_text("utf-8").splitlines())
     assert lines <= LONGEST or LONG.get(name), f"{name} has {lines} lines"
