@@ -6,6 +6,8 @@ import time
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.accuracy.cost import ACCURACIES, WATCHED, CostRow, CostTable
 from geomtorsion.errors import AccuracyError, GeomtorsionError
 from geomtorsion.motion import Engine, RungeKutta, Taylor, solve
@@ -59,8 +61,6 @@ def scene_accuracy(
 
 def _truth(scene: Scene) -> tuple[Any, str]:
     """States that count as true, shape (m, size), and what they are."""
-    import numpy as np
-
     form = closed_form(scene)
     if form is not None:
         return np.asarray(form.states(scene.times), dtype=float), "the closed form"
@@ -73,8 +73,6 @@ def _truth(scene: Scene) -> tuple[Any, str]:
 
 def _error(scene: Scene, states: Any, truth: Any) -> float:
     """Largest error, each block against its own largest size."""
-    import numpy as np
-
     found = np.asarray(states).astype(float)
     count = min(len(found), len(truth))
     worst = 0.0

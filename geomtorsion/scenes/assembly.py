@@ -19,6 +19,7 @@ from geomtorsion.scenes.context import (
     VELOCITY,
     Context,
 )
+from geomtorsion.scenes.kane import accelerations, vector_sum
 
 if TYPE_CHECKING:
     from geomtorsion.scenes.body import Body
@@ -165,8 +166,6 @@ def assemble(body: Body, effects: Mapping[str, Effect]) -> Assembly:
     >>> free.rates[free.context.Omega[0]]
     Omega2*Omega3*(I2 - I3)/I1
     """
-    from geomtorsion.scenes.kane import accelerations
-
     context = Context(body)
     parts: dict[str, Contribution] = {}
     for key, effect in effects.items():
@@ -231,16 +230,6 @@ def _inertia(context: Context, parts: Any) -> Any:
     for part in parts:
         if part.inertia is not None:
             total = total + sp.Matrix([list(row) for row in part.inertia])
-    return total
-
-
-def vector_sum(parts: Any, name: str) -> Any:
-    """Sum of one kind of vector over all contributions."""
-    total = NOTHING
-    for part in parts:
-        vector = getattr(part, name)
-        if vector is not None:
-            total = total + sp.Matrix(list(vector))
     return total
 
 

@@ -10,12 +10,11 @@ from __future__ import annotations
 
 from difflib import get_close_matches
 from itertools import product as choices
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from geomtorsion.errors import ShapeError, StartError, UnknownNameError
-
-if TYPE_CHECKING:
-    import numpy as np
 
 PAPER = "zyz"
 _SMALL = tuple(
@@ -58,8 +57,6 @@ def matrix_from_quaternion(quaternion: Any) -> np.ndarray:
     >>> matrix_from_quaternion([1, 0, 0, 0]).tolist()
     [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
     """
-    import numpy as np
-
     q = _array(quaternion, (4,), "quaternion")
     w, x, y, z = np.moveaxis(q / np.linalg.norm(q, axis=-1, keepdims=True), -1, 0)
     rows = [
@@ -80,8 +77,6 @@ def quaternion_from_matrix(matrix: Any) -> np.ndarray:
     >>> quaternion_from_matrix([[0, -1, 0], [1, 0, 0], [0, 0, 1]]).round(12).tolist()
     [0.707106781187, 0.0, 0.0, 0.707106781187]
     """
-    import numpy as np
-
     r = _array(matrix, (3, 3), "matrix")
     d0, d1, d2 = r[..., 0, 0], r[..., 1, 1], r[..., 2, 2]
     plus = {(i, j): r[..., i, j] + r[..., j, i] for i, j in ((0, 1), (0, 2), (1, 2))}
@@ -112,8 +107,6 @@ def quaternion_from_euler(angles: Any, convention: str = PAPER) -> np.ndarray:
     >>> quaternion_from_euler([0, 0.2, 0]).round(6).tolist()  # phi2 tilts about y
     [0.995004, 0.0, 0.099833, 0.0]
     """
-    import numpy as np
-
     from geomtorsion.motion.free_top_attitude import product
 
     name = checked_convention(convention)
@@ -154,8 +147,6 @@ def euler_from_quaternion(
     >>> euler_from_quaternion(quaternion_from_euler([0.1, 1e-9, 0.2])).round(12).tolist()
     [0.1, 1e-09, 0.2]
     """
-    import numpy as np
-
     name = checked_convention(convention)
     q = _array(quaternion, (4,), "quaternion")
     i, j, k = ("xyz".index(c) for c in (name if name.islower() else name[::-1].lower()))
@@ -213,8 +204,6 @@ def checked_quaternion(quaternion: Any) -> np.ndarray:
     StartError
         it is 0, not finite, or not of unit length.
     """
-    import numpy as np
-
     q = _numbers(quaternion, (4,), "quaternion", "four numbers, scalar first")
     length = float(np.linalg.norm(q))
     if length == 0:
@@ -236,8 +225,6 @@ def checked_matrix(matrix: Any) -> np.ndarray:
     StartError
         its columns are not orthonormal, or it is a reflection.
     """
-    import numpy as np
-
     r = _numbers(matrix, (3, 3), "matrix", "3 x 3 numbers, body to space")
     excess = float(np.abs(r.T @ r - np.eye(3)).max())
     if excess > ROUNDED:
@@ -256,8 +243,6 @@ def checked_matrix(matrix: Any) -> np.ndarray:
 
 def _kept(angles: Any, lost: Any) -> Any:
     """Angles, lost ones replaced by the one before (else after) along the first axis, else nan."""
-    import numpy as np
-
     angles = np.where(lost, np.nan, angles)
     if angles.ndim != 1 or not lost.any() or lost.all():
         return angles
@@ -268,8 +253,6 @@ def _kept(angles: Any, lost: Any) -> Any:
 
 def _array(values: Any, shape: tuple[int, ...], name: str) -> np.ndarray:
     """An array of floats that ends in this shape."""
-    import numpy as np
-
     array = np.asarray(values, dtype=float)
     if array.shape[-len(shape) :] != shape:
         wanted = ", ".join(["...", *map(str, shape)])
@@ -279,8 +262,6 @@ def _array(values: Any, shape: tuple[int, ...], name: str) -> np.ndarray:
 
 def _numbers(values: Any, shape: tuple[int, ...], name: str, wanted: str) -> np.ndarray:
     """Finite numbers of this shape, as part of a start."""
-    import numpy as np
-
     try:
         array = np.asarray(values, dtype=float)
     except (TypeError, ValueError, OverflowError):

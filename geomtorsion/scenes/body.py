@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from geomtorsion.errors import BodyError
 from geomtorsion.scenes import inertia as shapes
 from geomtorsion.scenes.context import exact
-
-if TYPE_CHECKING:
-    import numpy as np
 
 
 @dataclass(frozen=True)
@@ -116,8 +115,6 @@ class Body:
     @cached_property
     def tensor(self) -> np.ndarray:
         """The inertia tensor about the centre of mass, body axes, shape (3, 3), kg m^2."""
-        import numpy as np
-
         return np.array([[float(v) for v in row] for row in self.exact_tensor])
 
     @cached_property
@@ -141,8 +138,6 @@ class Body:
         >>> Body(moments=(2, 1, 2)).symmetry_axis.tolist()
         [0.0, 1.0, 0.0]
         """
-        import numpy as np
-
         moments, axes = self.principal_moments, self.principal_axes
         close = np.abs(np.diff(moments)) <= 1e-14 * moments[2]
         if close.all():

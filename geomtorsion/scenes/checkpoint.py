@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.errors import CheckpointError
 from geomtorsion.motion import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.motion.engines.protocol import Run
@@ -50,8 +52,6 @@ def kept(scene: Scene, path: str | Path, engine: Engine | None = None) -> SceneR
     >>> part.outcome, bool(abs(part["energy"] - whole["energy"]).max() < 1e-9)
     ('interrupted', True)
     """
-    import numpy as np
-
     flow, (times, grid) = scene.flow, checked_times(scene.times)
     if not Path(path).exists():
         raise CheckpointError(f"{path}: there is no such checkpoint. Run the scene with it first.")

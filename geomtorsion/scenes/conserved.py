@@ -8,6 +8,7 @@ from fractions import Fraction
 from random import Random
 from typing import TYPE_CHECKING, Any
 
+import mpmath
 import sympy as sp
 
 from geomtorsion.errors import GeomtorsionError
@@ -79,8 +80,6 @@ def is_constant(made: Assembly, quantity: Any) -> bool:
     >>> is_constant(free, free.kinetic_energy), is_constant(free, free.context.Omega[0])
     (True, False)
     """
-    import mpmath
-
     terms = [sp.diff(quantity, s) * made.rate_of(s) for s in quantity.free_symbols]
     terms = [term for term in terms if term != 0]
     if not terms:

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 from geomtorsion.errors import GeomtorsionError, SceneError
 from geomtorsion.motion import solve
+from geomtorsion.scenes.assembly import assemble
+from geomtorsion.scenes.watch import watched
 
 if TYPE_CHECKING:
     from geomtorsion.motion import Engine
@@ -91,9 +93,6 @@ def _row(scene: Scene, count: int, key: str, engine: Engine | None, repeats: int
 
 def _with_first(scene: Scene, count: int) -> Scene:
     """The scene with its first effects; what only later ones provide is not watched."""
-    from geomtorsion.scenes.assembly import assemble
-    from geomtorsion.scenes.watch import watched
-
     if count == len(scene.effects):
         return scene
     keyed = dict(list(scene.keyed.items())[:count])

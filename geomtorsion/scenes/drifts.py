@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from geomtorsion.motion.flows import reading
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from geomtorsion.scenes.result import SceneResult
 
 
 def states_of(result: SceneResult) -> np.ndarray | None:
     """States of the flow at the times of a result, shape (m, size); None if it was loaded."""
-    import numpy as np
-
     if result.form is not None:
         return np.asarray(result.form.states(result.times), dtype=float)
     if result.solved is not None:
@@ -36,8 +34,6 @@ def drifts_over_time(result: SceneResult) -> dict[str, np.ndarray]:
     >>> all(float(drifts[name].max()) == result.drift[name] for name in result.drift)
     True
     """
-    import numpy as np
-
     states = states_of(result)
     if states is None or result.scene is None:
         return {}

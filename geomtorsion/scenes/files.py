@@ -7,18 +7,16 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, fields
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from geomtorsion.exact.names import CONSTANTS, FUNCTIONS
 from geomtorsion.scenes.blame import placed
 from geomtorsion.scenes.body import Body
 from geomtorsion.scenes.effects import EFFECTS, Effect
 from geomtorsion.scenes.places import Key, TomlFile, read_toml
+from geomtorsion.scenes.scene import Scene
 from geomtorsion.scenes.state import State
 from geomtorsion.scenes.units import quantity, scale_of, with_unit
-
-if TYPE_CHECKING:
-    from geomtorsion.scenes.scene import Scene
 
 TEXT_KEYS = ("name", "title", "story")
 KEYS = (*TEXT_KEYS, "watch", "t", "accuracy", "samples", "body", "effects", "start")
@@ -104,8 +102,6 @@ def scene_from(file: TomlFile, name: str = "") -> Scene:
     FileFormatError
         As for `read_file`.
     """
-    from geomtorsion.scenes.scene import Scene
-
     data = file.data
     for key in data:
         if key not in KEYS:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from geomtorsion.errors import SceneError, StartError
+from geomtorsion.motion.flows import flow
 from geomtorsion.scenes import attitude
 from geomtorsion.scenes.assembly import by_quaternion, quaternion_rates
 from geomtorsion.scenes.conserved import invariants
@@ -46,8 +47,6 @@ def attitude_states(plan: ScenePlan) -> dict[Any, Any]:
 
 def flow_of(scene: Scene) -> Flow:
     """The flow of a scene: one compiled integrator serves all scenes with equal equations."""
-    from geomtorsion.motion.flows import flow
-
     plan = scene.plan()
     chosen = attitude_states(plan)
     unit = [

@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from geomtorsion.errors import BodyError
-
-if TYPE_CHECKING:
-    import numpy as np
 
 # A plate has A + B = C; rounding may leave it this much (relative to C) on the wrong side.
 ROUNDING = 1e-12
@@ -45,8 +44,6 @@ def checked_moments(moments: Any) -> tuple[Any, Any, Any]:
 
 def checked_tensor(inertia: Any) -> tuple[tuple[Any, ...], ...]:
     """A symmetric 3 x 3 tensor, positive, that some body can have."""
-    import numpy as np
-
     try:
         matrix = np.array(inertia, dtype=float)
     except (TypeError, ValueError, OverflowError):
@@ -89,8 +86,6 @@ def principal(tensor: Any) -> tuple[np.ndarray, np.ndarray]:
 
     A tensor that is diagonal already keeps its axes (in the order of rising moments).
     """
-    import numpy as np
-
     matrix = np.asarray(tensor, dtype=float)
     if np.count_nonzero(matrix - np.diag(np.diagonal(matrix))) == 0:
         order = np.argsort(np.diagonal(matrix), kind="stable")

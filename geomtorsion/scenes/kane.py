@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from geomtorsion.scenes.assembly import Assembly, vector_sum
 from geomtorsion.scenes.context import ATTITUDE
+
+if TYPE_CHECKING:
+    from geomtorsion.scenes.assembly import Assembly
+    from geomtorsion.scenes.effects.protocol import Contribution
 
 # Terms with more operations than this are not multiplied out.
 SHORT = 60
@@ -41,6 +44,16 @@ def accelerations(made: Assembly) -> list[Any]:
         [[sp.expand(w.dot(inertia * o) + mass * m.dot(n)) for o, n in pairs] for w, m in pairs]
     )
     return _solved(made, matrix, [w.dot(turning) + m.dot(pulling) for w, m in pairs])
+
+
+def vector_sum(parts: Iterable[Contribution], name: str) -> sp.Matrix:
+    """Sum of one kind of vector over all contributions."""
+    total = sp.zeros(3, 1)
+    for part in parts:
+        vector = getattr(part, name)
+        if vector is not None:
+            total = total + sp.Matrix(list(vector))
+    return total
 
 
 def _solved(made: Assembly, matrix: Any, right: Sequence[Any]) -> list[Any]:

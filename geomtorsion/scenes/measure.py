@@ -5,13 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from geomtorsion.errors import SceneError, UnknownNameError
 from geomtorsion.exact.names import near_names
-
-if TYPE_CHECKING:
-    import numpy as np
 
 # Samples from which a value between them is interpolated.
 NEIGHBOURS = 12
@@ -62,8 +61,6 @@ class SweepRun:
         >>> bool(np.abs(run.zeros("x") - np.pi * np.array([0.5, 1.5, 2.5])).max() < 1e-12)
         True
         """
-        import numpy as np
-
         values = self.part(name, part)
         change = np.flatnonzero(np.sign(values[1:]) * np.sign(values[:-1]) < 0)
         found = [self._crossing(values, int(k)) for k in change]
@@ -80,8 +77,7 @@ class SweepRun:
         >>> abs(run.largest("x", sign=-1) + 1) < 1e-12
         True
         """
-        import numpy as np
-        from scipy.optimize import minimize_scalar
+        from scipy.optimize import minimize_scalar  # half a second to load, for a few measures
 
         values = sign * self.part(name, part)
         k = int(np.argmax(values))
@@ -98,7 +94,7 @@ class SweepRun:
 
     def _crossing(self, values: Any, k: int) -> float:
         """The zero between samples k and k + 1."""
-        from scipy.optimize import brentq
+        from scipy.optimize import brentq  # half a second to load, for a few measures
 
         a, b = float(self.times[k]), float(self.times[k + 1])
         root: Any = brentq(self._between(values, k), 0.0, 1.0, xtol=1e-15, rtol=1e-15)
@@ -106,8 +102,6 @@ class SweepRun:
 
     def _between(self, values: Any, k: int) -> Callable[[float], float]:
         """Values from sample k (at 0) to k + 1 (at 1), by the polynomial through neighbours."""
-        import numpy as np
-
         low = min(max(k + 1 - NEIGHBOURS // 2, 0), max(len(values) - NEIGHBOURS, 0))
         near = slice(low, low + NEIGHBOURS)
         a, b = float(self.times[k]), float(self.times[k + 1])

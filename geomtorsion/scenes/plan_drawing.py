@@ -78,8 +78,8 @@ def _box(group: str, names: list[str]) -> str:
 
 def drawn(plan: ScenePlan) -> str:
     """The figure as SVG text, the same each time."""
-    figure: Any = plan_figure(plan)  # which says so where matplotlib is missing
-    import matplotlib as mpl
+    figure: Any = plan_figure(plan)
+    import matplotlib as mpl  # an extra; `plan_figure` says so where it is missing
 
     data = StringIO()
     with mpl.rc_context({"svg.hashsalt": "geomtorsion"}):

@@ -7,7 +7,16 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from geomtorsion.pictures.ink import number, save
+from geomtorsion.pictures.scene_axis import axes_picture, axis_picture
+from geomtorsion.pictures.scene_cones import cones_picture
+from geomtorsion.pictures.scene_lines import watched_picture
+from geomtorsion.pictures.scene_path import path_picture
+from geomtorsion.pictures.scene_trust import change_picture, trust_picture
 from geomtorsion.scenes.drifts import drifts_over_time
+from geomtorsion.scenes.plan_drawing import plan_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -31,8 +40,6 @@ def plot(result: SceneResult, path: str | Path | None = None) -> Figure:
     MissingExtraError
         matplotlib is not installed.
     """
-    from geomtorsion.pictures.ink import save
-
     figure = watched(result)
     if path is not None:
         save(figure, Path(path))
@@ -70,8 +77,6 @@ def album(result: SceneResult) -> dict[str, tuple[Drawn, str]]:
 
 def _turns(omega: Any) -> bool:
     """Whether an angular velocity changes its direction in the body."""
-    import numpy as np
-
     if omega is None or not np.abs(omega).max():
         return False
     return bool(np.abs(np.cross(omega, omega[0])).max() > STEADY * np.abs(omega).max() ** 2)
@@ -79,8 +84,6 @@ def _turns(omega: Any) -> bool:
 
 def finely(result: SceneResult, *names: str) -> list[Any]:
     """Times, and quantities of these names at them, close enough for smooth curves."""
-    import numpy as np
-
     if result.scene is None or len(result.times) >= SMOOTH or len(result.times) < 2:
         return [result.times, *(result.values.get(name) for name in names)]
     times = np.linspace(float(result.times[0]), float(result.times[-1]), SMOOTH)
@@ -95,8 +98,6 @@ def title_of(result: SceneResult) -> str:
 
 def notes_of(result: SceneResult) -> list[str]:
     """One line on how good the numbers are."""
-    from geomtorsion.pictures.ink import number
-
     error = number(float(f"{result.error:.1e}"))
     how = result.closed_form or result.engine
     ended = "" if result.outcome == "done" else f"; {result.outcome}"
@@ -105,8 +106,6 @@ def notes_of(result: SceneResult) -> list[str]:
 
 def watched(result: SceneResult) -> Figure:
     """Everything that was watched, over time."""
-    from geomtorsion.pictures.scene_lines import watched_picture
-
     quantities = getattr(result.plan, "watch", ())
     times, *values = finely(result, *result.values)
     named = dict(zip(result.values, values, strict=True))
@@ -125,24 +124,18 @@ def watched(result: SceneResult) -> Figure:
 
 def axis(result: SceneResult) -> Figure:
     """The tip of the axis on the sphere."""
-    from geomtorsion.pictures.scene_axis import axis_picture
-
     times, tips = finely(result, "axis")
     return axis_picture(times, tips, title=title_of(result), notes=notes_of(result))
 
 
 def attitude(result: SceneResult) -> Figure:
     """The axes of the body on the sphere."""
-    from geomtorsion.pictures.scene_axis import axes_picture
-
     _, matrix = finely(result, "matrix")
     return axes_picture(matrix.reshape(-1, 3, 3), title_of(result), notes_of(result))
 
 
 def cones(result: SceneResult) -> Figure:
     """Polhode and cones."""
-    from geomtorsion.pictures.scene_cones import cones_picture
-
     assert result.scene is not None
     moments = [float(x) for x in result.scene.body.moments or ()]
     _, omega, matrix = finely(result, "omega", "matrix")
@@ -152,8 +145,6 @@ def cones(result: SceneResult) -> Figure:
 
 def path_in_space(result: SceneResult) -> Figure:
     """The way in space, with the body on it."""
-    from geomtorsion.pictures.scene_path import path_picture
-
     _, places, matrix = finely(result, "position", "matrix")
     turned = None if matrix is None else matrix.reshape(-1, 3, 3)
     return path_picture({"position": places}, turned, title_of(result), notes_of(result))
@@ -161,11 +152,6 @@ def path_in_space(result: SceneResult) -> Figure:
 
 def laws(result: SceneResult) -> Figure:
     """What should be constant, or the path, by this law and by that which bodies obey."""
-    import numpy as np
-
-    from geomtorsion.pictures.scene_path import path_picture
-    from geomtorsion.pictures.scene_trust import change_picture
-
     scene = result.scene
     assert scene is not None
     (key,) = LAWS & set(scene.keyed)
@@ -189,8 +175,6 @@ def laws(result: SceneResult) -> Figure:
 
 def trust(result: SceneResult) -> Figure:
     """Error and drift over time."""
-    from geomtorsion.pictures.scene_trust import trust_picture
-
     return trust_picture(
         result.times,
         drifts_over_time(result),
@@ -203,7 +187,5 @@ def trust(result: SceneResult) -> Figure:
 
 def plan(result: SceneResult) -> Figure:
     """What is in and what was left out."""
-    from geomtorsion.scenes.plan_drawing import plan_figure
-
     # A result that was loaded has a text for its plan; `album` offers it no picture of one.
     return plan_figure(result.plan)  # type: ignore[arg-type]

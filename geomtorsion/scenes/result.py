@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import json
+import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.errors import FileFormatError, SceneError, UnknownNameError
 from geomtorsion.exact.names import near_names
+from geomtorsion.motion import solve
 from geomtorsion.motion.solution import Cost
+from geomtorsion.motion.tables import pandas_table
+from geomtorsion.pictures.ink import save
+from geomtorsion.pictures.scene_lines import watched_picture
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from geomtorsion.motion import FlowSolution
     from geomtorsion.scenes.plan import ScenePlan
     from geomtorsion.scenes.running import ClosedForm
@@ -98,8 +103,6 @@ class SceneResult:
         TimeError
             a time lies outside of what was solved.
         """
-        import numpy as np
-
         from geomtorsion.scenes.running import read
 
         if self.scene is None:
@@ -126,8 +129,6 @@ class SceneResult:
             return self.solved
         if self.scene is None:
             raise SceneError("a result from a file has no solution; run the scene.")
-        from geomtorsion.motion import solve
-
         return solve(self.scene.flow, self.times, self.accuracy)
 
     # -- showing ---------------------------------------------------------------------------------
@@ -171,9 +172,6 @@ class SceneResult:
         MissingExtraError
             matplotlib is not installed.
         """
-        from geomtorsion.pictures.ink import save
-        from geomtorsion.pictures.scene_lines import watched_picture
-
         how = self.closed_form or self.engine
         notes = [f"By {how}; accuracy {self.accuracy:.1e} asked, error below {self.error:.1e}."]
         figure = watched_picture(
@@ -193,14 +191,10 @@ class SceneResult:
         MissingExtraError
             pandas is not installed.
         """
-        from geomtorsion.motion.tables import pandas_table
-
         return pandas_table(self.columns())
 
     def save(self, path: str | Path) -> None:
         """Write an NPZ file with arrays and metadata; `SceneResult.load` reads it."""
-        import numpy as np
-
         about = {
             "format": FORMAT,
             "labels": {k: list(v) for k, v in self.labels.items()},
@@ -229,10 +223,6 @@ class SceneResult:
         FileFormatError
             the file cannot be read, or is something else.
         """
-        import zipfile
-
-        import numpy as np
-
         try:
             with np.load(path, allow_pickle=False) as data:
                 about = json.loads(str(data["about"]))

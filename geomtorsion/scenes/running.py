@@ -9,8 +9,10 @@ from functools import cached_property
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.errors import AccuracyError, StuckError, TimeError
-from geomtorsion.motion import solve
+from geomtorsion.motion import free_top, solve
 from geomtorsion.motion.flows import reading
 from geomtorsion.motion.free_top_attitude import product
 from geomtorsion.motion.solution import Cost
@@ -21,8 +23,6 @@ from geomtorsion.scenes.result import SceneResult
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-    import numpy as np
 
     from geomtorsion.motion import Engine, FlowSolution
     from geomtorsion.scenes.scene import Scene
@@ -52,10 +52,6 @@ class ClosedForm:
     @cached_property
     def _top(self) -> tuple[Any, np.ndarray]:
         """The free top in its principal axes, and these as columns in body axes."""
-        import numpy as np
-
-        from geomtorsion.motion import free_top
-
         body = self.scene.body
         tensor = body.tensor
         if np.count_nonzero(tensor - np.diag(np.diagonal(tensor))) == 0:
@@ -71,8 +67,6 @@ class ClosedForm:
 
     def states(self, times: Any) -> np.ndarray:
         """States of the flow at the times, shape (m, size)."""
-        import numpy as np
-
         top, axes = self._top
         columns: dict[str, Any] = {}
         names = self.scene.plan().states
@@ -151,8 +145,6 @@ def run(
 
 def of_solution(scene: Scene, solved: FlowSolution) -> SceneResult:
     """The result of a scene from the solution of its flow."""
-    import numpy as np
-
     states = np.asarray(solved.states, dtype=float)
     return _result(
         scene,
@@ -171,8 +163,6 @@ def of_solution(scene: Scene, solved: FlowSolution) -> SceneResult:
 
 def _in_closed_form(scene: Scene, form: ClosedForm) -> SceneResult | None:
     """The result by the closed form; None where it does not reach or fails its check."""
-    import numpy as np
-
     times = scene.times
     began = perf_counter()
     try:
@@ -207,8 +197,6 @@ def _checked(scene: Scene, form: ClosedForm, times: Any) -> tuple[float, float]:
 
     Where doubles lose too much (next to an unstable axis) the integrator has more digits.
     """
-    import numpy as np
-
     state: Any = scene.start
     speed = math.hypot(*(float(x) for x in state.omega))
     last = float(times[-1])
@@ -233,8 +221,6 @@ def _checked(scene: Scene, form: ClosedForm, times: Any) -> tuple[float, float]:
 
 def _gap(scene: Scene, ours: Any, theirs: Any) -> float:
     """Largest difference of states, each block against its own size."""
-    import numpy as np
-
     theirs, worst = np.asarray(theirs, dtype=float), 0.0
     for block in scene.flow.system.blocks:
         places = list(block)

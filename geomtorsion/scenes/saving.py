@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import SceneError
+from geomtorsion.pictures.album import can_draw
+from geomtorsion.pictures.ink import save
 from geomtorsion.scenes.plotting import album
 from geomtorsion.scenes.table import write_csv
 from geomtorsion.scenes.writing import write_file
@@ -44,9 +46,6 @@ def write_run(
     ...     [path.name for path in write_run(result, Path(folder))][:4]
     ['table.csv', 'result.npz', 'run.json', 'scene.toml']
     """
-    from geomtorsion.pictures.album import can_draw
-    from geomtorsion.pictures.ink import save
-
     if result.scene is None:
         raise SceneError("a result from a file has no scene; run the scene and write that.")
     figures: dict[str, Any] = {}

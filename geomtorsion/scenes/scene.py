@@ -7,13 +7,21 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.errors import SceneError
+from geomtorsion.motion.solving import checked_accuracy, checked_times
 from geomtorsion.scenes.assembly import Assembly, assemble
 from geomtorsion.scenes.body import Body
+from geomtorsion.scenes.cost import scene_cost
 from geomtorsion.scenes.effects import Drift, Effect, Spin
+from geomtorsion.scenes.flowing import flow_of, parameters_of, pruned_rates, start_of
 from geomtorsion.scenes.intake import effect_list, watch_list
 from geomtorsion.scenes.plan import ScenePlan
+from geomtorsion.scenes.replacing import replaced
+from geomtorsion.scenes.running import run
 from geomtorsion.scenes.state import State
+from geomtorsion.scenes.sweep import sweep
 from geomtorsion.scenes.watch import QUANTITIES, watched
 
 if TYPE_CHECKING:
@@ -70,8 +78,6 @@ class Scene:
 
     def __post_init__(self) -> None:
         """Check everything that can be checked without solving."""
-        from geomtorsion.motion.solving import checked_accuracy, checked_times
-
         if not isinstance(self.body, Body):
             raise SceneError(
                 f"body = {self.body!r}: a Body was needed, as Body(moments=(1, 2, 3))."
@@ -138,22 +144,16 @@ class Scene:
     @cached_property
     def flow(self) -> Flow:
         """The equations that are solved, with start, parameters and invariants."""
-        from geomtorsion.scenes.flowing import flow_of
-
         return flow_of(self)
 
     @property
     def equations(self) -> Mapping[str, Any]:
         """State -> rate as sympy expression, of the states that are solved for."""
-        from geomtorsion.scenes.flowing import pruned_rates
-
         return pruned_rates(self._plan)
 
     @property
     def numbers(self) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
         """Start of each state and value of each parameter: what differs between equal scenes."""
-        from geomtorsion.scenes.flowing import parameters_of, start_of
-
         return start_of(self), parameters_of(self)
 
     @cached_property
@@ -165,8 +165,6 @@ class Scene:
     @property
     def times(self) -> Any:
         """Times that are reported, shape (m,)."""
-        import numpy as np
-
         t = np.asarray(self.t, dtype=float)
         return t if t.ndim else np.linspace(0.0, float(t), self.samples if t else 1)
 
@@ -197,14 +195,10 @@ class Scene:
         StuckError
             the motion cannot go on; the `solution` of the error is the result so far.
         """
-        from geomtorsion.scenes.running import run
-
         return run(self, engine, checkpoint, progress)
 
     def cost(self, engine: Engine | None = None, repeats: int = 5) -> SceneCost:
         """States and run time with the effects added one by one; prints as a table."""
-        from geomtorsion.scenes.cost import scene_cost
-
         return scene_cost(self, engine, repeats)
 
     def sweep(
@@ -228,8 +222,6 @@ class Scene:
         SceneError
             nothing is varied, lengths differ, or words that are no measure.
         """
-        from geomtorsion.scenes.sweep import sweep
-
         return sweep(self, varied, measure, **options)
 
     def replaced(self, changes: Mapping[str, Any] | None = None, **fields: Any) -> Scene:
@@ -245,8 +237,6 @@ class Scene:
         UnknownNameError
             a path leads nowhere; the message names what is there.
         """
-        from geomtorsion.scenes.replacing import replaced
-
         if changes is not None and not isinstance(changes, Mapping):
             raise SceneError(f"{changes!r}: a mapping was needed, as {{'body.moments[2]': 3.1}}.")
         return replaced(self, {**(changes or {}), **fields})

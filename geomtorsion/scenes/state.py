@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from geomtorsion.errors import StartError
 from geomtorsion.scenes import attitude
 from geomtorsion.scenes.context import exact
-
-if TYPE_CHECKING:
-    import numpy as np
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,17 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.errors import SceneError, StuckError
+from geomtorsion.motion.tables import pandas_table
+from geomtorsion.pictures.ink import number, save
+from geomtorsion.pictures.scene_sweep import WIDE, sweep_picture
 from geomtorsion.scenes.measure import Measure, measures, only_words, quantities
 from geomtorsion.scenes.sweeping import Found, groups, solve_group
 from geomtorsion.scenes.table import write_csv
 
 if TYPE_CHECKING:
-    import numpy as np
     from matplotlib.figure import Figure
 
     from geomtorsion.motion import Engine
@@ -48,8 +52,6 @@ class SceneSweep:
 
     def columns(self) -> dict[str, Any]:
         """A column for each path and measure, a row for each combination."""
-        import numpy as np
-
         shape = next(iter(self.measured.values())).shape
         table: dict[str, Any] = {}
         for axis, (path, values) in enumerate(self.varied.items()):
@@ -69,8 +71,6 @@ class SceneSweep:
         MissingExtraError
             pandas is not installed.
         """
-        from geomtorsion.motion.tables import pandas_table
-
         return pandas_table(self.columns())
 
     def to_csv(self, path: str | Path) -> None:
@@ -94,11 +94,6 @@ class SceneSweep:
         MissingExtraError
             matplotlib is not installed.
         """
-        import numpy as np
-
-        from geomtorsion.pictures.ink import number, save
-        from geomtorsion.pictures.scene_sweep import WIDE, sweep_picture
-
         name = measure or next(iter(self.measured))
         values = self.measured[name]
         # Whole vectors have no axis of their own: they are counted.
@@ -124,8 +119,6 @@ class SceneSweep:
         return figure
 
     def __str__(self) -> str:
-        import numpy as np
-
         sizes = " x ".join(f"{len(values)} {path}" for path, values in self.varied.items())
         lines = [f"{self.title or 'scene'}: {sizes}, by {self.engine} in {self.seconds:.2g} s"]
         for name, values in self.measured.items():
@@ -223,8 +216,6 @@ def sweep(
 
 def _column(path: str, column: Any) -> np.ndarray:
     """Values of a path: numbers, or vectors of equal length."""
-    import numpy as np
-
     try:
         return np.asarray(list(column), dtype=float)
     except (TypeError, ValueError):

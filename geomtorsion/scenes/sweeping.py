@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.errors import AccuracyError, StartError, StuckError
 from geomtorsion.motion import solve_many
 from geomtorsion.scenes.flowing import parameters_of, start_of
@@ -15,8 +17,6 @@ from geomtorsion.scenes.measure import SweepRun
 from geomtorsion.scenes.running import closed_form, read
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from geomtorsion.motion import Engine
     from geomtorsion.scenes.scene import Scene
 
@@ -35,8 +35,6 @@ class Found:
     def __init__(
         self, readers: Mapping[str, Callable], count: int, progress: Callable[[float], object]
     ) -> None:
-        import numpy as np
-
         self.readers, self.count = readers, count
         self.columns = {name: np.full(count, np.nan) for name in readers}
         self.error, self.engines, self.done = 0.0, set[str](), 0
@@ -108,8 +106,6 @@ def _restarted(scene: Scene, changes: Mapping[str, Any]) -> Any:
 
 def solve_group(scene: Scene, members: list[Lane], engine: Engine | None, found: Found) -> None:
     """Solve motions of equal equations, in the way that suits them, and measure them."""
-    import numpy as np
-
     first = members[0].scene or scene
     if first.flow.law.stop is not None or np.ndim(first.t):
         _one_by_one(scene, members, engine, found)
@@ -125,15 +121,11 @@ def solve_group(scene: Scene, members: list[Lane], engine: Engine | None, found:
 
 def _sampled(scene: Scene) -> np.ndarray:
     """Times close enough to measure what is between them."""
-    import numpy as np
-
     return np.linspace(0.0, float(scene.times[-1]), max(SAMPLES, len(scene.times)))
 
 
 def _in_batches(scene: Scene, members: list[Lane], engine: Engine | None, found: Found) -> None:
     """Some motions at a time, by `solve_many`."""
-    import numpy as np
-
     flow, times = scene.flow, _sampled(scene)
     room = max(ROOM // (len(times) * flow.size), 1)
     for begin in range(0, len(members), room):
@@ -158,8 +150,6 @@ def _in_batches(scene: Scene, members: list[Lane], engine: Engine | None, found:
 
 def _in_closed_form(scene: Scene, members: list[Lane], found: Found) -> None:
     """Free bodies at all times at once; a few of them are checked against the integrator."""
-    import numpy as np
-
     some = np.unique(np.linspace(0, len(members) - 1, CHECKED).round().astype(int)).tolist()
     for k, lane in enumerate(members):
         own = lane.scene or scene.replaced(dict(lane.varied))

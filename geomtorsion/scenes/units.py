@@ -7,6 +7,7 @@ import re
 import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cache
 from typing import Any
 
@@ -201,7 +202,6 @@ def exact(text: str) -> str:
     >>> exact("0.25*sin(t) + 1e-3"), exact("x1 + 2")
     ('(1/4)*sin(t) + (1/1000)', 'x1 + 2')
     """
-    from fractions import Fraction
 
     def fraction(found: re.Match[str]) -> str:
         if found[0].isdigit():

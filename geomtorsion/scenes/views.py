@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from geomtorsion.scenes.attitude import euler_from_quaternion
-
-if TYPE_CHECKING:
-    import numpy as np
 
 
 def nutation(vertical: Any) -> np.ndarray:
@@ -22,8 +21,6 @@ def nutation(vertical: Any) -> np.ndarray:
     >>> nutation([[1e-9, 0, 1.0]]).tolist()
     [1e-09]
     """
-    import numpy as np
-
     n = np.asarray(vertical, dtype=float)
     return np.arctan2(np.hypot(n[..., 0], n[..., 1]), n[..., 2])
 
@@ -40,8 +37,6 @@ def spin(vertical: Any) -> np.ndarray:
     >>> spin([[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).round(6).tolist()
     [0.0, 1.570796]
     """
-    import numpy as np
-
     n = np.asarray(vertical, dtype=float)
     return np.unwrap(np.arctan2(n[..., 1], -n[..., 0] + 0.0), axis=0)
 
@@ -71,8 +66,6 @@ def unspun(vectors: Any) -> np.ndarray:
     >>> unspun([[1.0, 0.0, 5.0, 0.0, 1.0, 0.0]]).round(12).tolist()  # phi1 is a right angle
     [[0.0, 1.0, 5.0]]
     """
-    import numpy as np
-
     table = np.asarray(vectors, dtype=float)
     v, n = table[..., :3], table[..., 3:]
     size = np.hypot(n[..., 0], n[..., 1])

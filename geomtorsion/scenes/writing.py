@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import FileFormatError
 from geomtorsion.scenes.files import START_UNITS
+from geomtorsion.scenes.scene import Scene
+from geomtorsion.scenes.state import State
 
 if TYPE_CHECKING:
     from geomtorsion.scenes.effects import Effect
-    from geomtorsion.scenes.scene import Scene
-
 # Lines of a list longer than this are broken, an entry each.
 LONGEST = 88
 
@@ -60,9 +60,6 @@ def to_toml(scene: Scene, story: str = "") -> str:
     omega = [0, 1, 0.1]
     <BLANKLINE>
     """
-    from geomtorsion.scenes.scene import Scene
-    from geomtorsion.scenes.state import State
-
     head = {"name": scene.name, "title": scene.title, "story": story}
     body = scene.body
     parts = [

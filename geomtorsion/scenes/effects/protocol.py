@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
-if TYPE_CHECKING:
-    from geomtorsion.scenes.body import Body
-    from geomtorsion.scenes.context import Context
+from geomtorsion.scenes.body import Body
+from geomtorsion.scenes.context import Context, groups_in
 
 Expression = Any
 Triple = tuple[Expression, Expression, Expression]
@@ -116,9 +115,6 @@ class Effect:
 
         Some of "omega", "vertical", "attitude", "position", "velocity", "time".
         """
-        from geomtorsion.scenes.body import Body
-        from geomtorsion.scenes.context import Context, groups_in
-
         context = Context(body or Body(mass=1.0, moments=(2, 3, 4)))
         return groups_in(context, self.adds(context))
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.exact.names import near_names
+from geomtorsion.scenes.files import read_file
 from geomtorsion.scenes.places import TomlFile, read_toml
 
 if TYPE_CHECKING:
@@ -67,6 +68,4 @@ def load(name: str) -> Scene:
     >>> load("dzhanibekov").start.omega
     (0.001, 1, 0)
     """
-    from geomtorsion.scenes.files import read_file
-
     return read_file(path_of(name))
