@@ -9,6 +9,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import mpmath
+import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import LoopError
@@ -20,8 +21,6 @@ from geomtorsion.loops.line import line_at
 from geomtorsion.loops.sides import exact_number
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from geomtorsion.geometry import Frame
     from geomtorsion.loops import Loop
 
@@ -32,7 +31,7 @@ RAYS = 6
 DIGITS = 50
 # A time is the best of several runs, as long as they take less than this.
 PATIENCE = 0.02
-Nodes = Callable[[int], tuple["np.ndarray", "np.ndarray"]]
+Nodes = Callable[[int], tuple[np.ndarray, np.ndarray]]
 
 
 @dataclass(frozen=True)
@@ -219,7 +218,6 @@ def _quad(
     """scipy.integrate.quad on every component of every side."""
     import warnings
 
-    import numpy as np
     from scipy.integrate import quad
 
     compiled = forms(frame)
@@ -256,7 +254,6 @@ def _fixed(
     weights: np.ndarray,
 ) -> tuple[Any, int, None]:
     """A rule with fixed nodes and weights on every side."""
-    import numpy as np
 
     compiled = forms(frame)
     numbers = parameter_values(frame, compiled.parameters, parameters)
@@ -274,14 +271,12 @@ def _fixed(
 
 def _equal(count: int) -> tuple[np.ndarray, np.ndarray]:
     """The trapezoid rule on a closed curve."""
-    import numpy as np
 
     return np.arange(count) / count, np.full(count, 1 / count)
 
 
 def _gauss(count: int) -> tuple[np.ndarray, np.ndarray]:
     """Gauss and Legendre on (0, 1)."""
-    import numpy as np
 
     x, w = np.polynomial.legendre.leggauss(count)
     return (1 + x) / 2, w / 2
@@ -289,7 +284,6 @@ def _gauss(count: int) -> tuple[np.ndarray, np.ndarray]:
 
 def _clenshaw_curtis(count: int) -> tuple[np.ndarray, np.ndarray]:
     """Clenshaw and Curtis on (0, 1), ends included."""
-    import numpy as np
 
     k = np.arange(count)
     angles = np.pi * k / (count - 1)

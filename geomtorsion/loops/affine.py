@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import sympy as sp
 
 from geomtorsion.exact import Element, numpy_function
@@ -14,8 +15,6 @@ from geomtorsion.geometry import contract
 from geomtorsion.loops.forms import parameter_values
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from geomtorsion.geometry import Connection
 
 Entries = tuple[tuple[tuple[int, ...], Element], ...]
@@ -42,7 +41,6 @@ class AffineForm:
 
         points, slopes: shape (n, k).
         """
-        import numpy as np
 
         turn, step = _compiled(self.connection, "line")
         values = self._values(turn.function, points)
@@ -62,7 +60,6 @@ class AffineForm:
 
         points, x, v: shape (n, k); results (k, n, n) with row j, column i, and (k, n).
         """
-        import numpy as np
 
         turn, step = _compiled(self.connection, "area")
         values = self._values(turn.function, points)
@@ -82,7 +79,6 @@ class AffineForm:
 
     def coframe(self, point: np.ndarray) -> np.ndarray:
         """e^i_mu at one point, shape (n, n)."""
-        import numpy as np
 
         n = self.dimension
         rows = [self.along(point[:, None], np.eye(n)[:, [a]])[1][0] for a in range(n)]

@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.errors import GeomtorsionError, SingularPointError
 from geomtorsion.exact import numpy_function
 from geomtorsion.loops.burgers import DISAGREE, burgers_vector
@@ -15,13 +17,11 @@ from geomtorsion.loops.line import EPS, SHAKE
 from geomtorsion.loops.loop import Loop
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from geomtorsion.geometry import Frame
 
 # Where a denominator falls below this share of its largest value, a loop is looked at alone.
 NEAR_POLE = 0.05
-Values = Callable[..., tuple["np.ndarray", "np.ndarray"]]
+Values = Callable[..., tuple[np.ndarray, np.ndarray]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +74,6 @@ class Batch:
         parameters: Mapping[Any, Any] | None,
     ) -> Batch:
         """Compile what a survey needs of a frame."""
-        import numpy as np
 
         n, spent, compiled = frame.dimension, [0], forms(frame)
         entries = frame.coframe.components.nonzero
@@ -114,7 +113,6 @@ class Batch:
 
     def solve(self, centres: np.ndarray, axes: np.ndarray) -> Found:
         """All loops with these centres, shape (n, k), and axes, shape (2, k)."""
-        import numpy as np
 
         scale = axes.max(axis=0)
         rim, rim_error = self._refined(self._along, centres, axes)
@@ -147,7 +145,6 @@ class Batch:
 
     def _near_poles(self, centres: np.ndarray, axes: np.ndarray) -> np.ndarray:
         """Loops on which a denominator of the coframe comes close to zero, shape (k,)."""
-        import numpy as np
 
         if self.poles is None:
             return np.zeros(axes.shape[1], dtype=bool)
@@ -166,7 +163,6 @@ class Batch:
         axes: np.ndarray,
     ) -> tuple[np.ndarray, np.ndarray]:
         """Values and errors by rules of rising level, on those loops that need them."""
-        import numpy as np
 
         before, noise = rule(0, centres, axes)
         error = np.full(len(noise), np.inf)
@@ -185,7 +181,6 @@ class Batch:
 
     def _points(self, rule: Rule, centres: np.ndarray, axes: np.ndarray) -> np.ndarray:
         """Points of a rule on every loop, shape (n, loops * points)."""
-        import numpy as np
 
         offsets = axes[:, :, None] * rule.points[:, None, :]
         spread = np.tensordot(self.plane, offsets, axes=(0, 0))
@@ -195,7 +190,6 @@ class Batch:
         self, level: int, centres: np.ndarray, axes: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """Line integrals over the larger axis, and what rounding does to them."""
-        import numpy as np
 
         rule = self.cell.rim(level)
         points = self._points(rule, centres, axes)
@@ -222,7 +216,6 @@ class Batch:
 
     def _single(self, result: Found, k: int, centre: np.ndarray, axes: np.ndarray) -> None:
         """One loop that the batch could not settle."""
-        import numpy as np
 
         try:
             loop = self._loop(centre, axes)
@@ -257,7 +250,6 @@ def _weighted(
 
     The function gives values of shape (weights, n, k), and how far rounding may move them.
     """
-    import numpy as np
 
     elements = [value for _, value, _ in terms]
     needed = {symbol for value in elements for symbol in value.symbols} - set(frame.coordinates)

@@ -6,7 +6,10 @@ import time
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal, overload
 
+import numpy as np
+
 from geomtorsion.errors import LoopError
+from geomtorsion.loops.exact_integral import ExactBurgersVector, exact_burgers_vector
 from geomtorsion.loops.flux import flux_route
 from geomtorsion.loops.forms import forms, parameter_values
 from geomtorsion.loops.line import Route, line_route
@@ -14,10 +17,7 @@ from geomtorsion.loops.loop import Loop, Part
 from geomtorsion.loops.result import BurgersVector, Check
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from geomtorsion.geometry import Frame
-    from geomtorsion.loops.exact_integral import ExactBurgersVector
 
 # Two routes disagree when they differ by more than this many times their errors together.
 DISAGREE = 30
@@ -106,15 +106,12 @@ def burgers_vector(
             "give a loop in the coordinates of the frame."
         )
     if exact:
-        from geomtorsion.loops.exact_integral import exact_burgers_vector
-
         return exact_burgers_vector(frame, loop)
     if not LEAST_ACCURACY <= accuracy < 1:
         raise LoopError(
             f"accuracy: a relative error from {LEAST_ACCURACY} to below 1 was needed, "
             f"but {accuracy!r} came."
         )
-    import numpy as np
 
     start = time.perf_counter()
     if loop.symbols:
@@ -160,7 +157,6 @@ def _chosen(
     part: Part, line: Route, flux: Route | None, accuracy: float
 ) -> tuple[Route, bool | None, str]:
     """The better route, whether both agree, and why it was chosen."""
-    import numpy as np
 
     if flux is None:
         return (
@@ -194,7 +190,6 @@ def _chosen(
 
 def _total(loop: Loop, routes: Sequence[Route], power: int) -> tuple[np.ndarray, float]:
     """Sum over the parts of a loop and its error, in units of size**power."""
-    import numpy as np
 
     total, error = np.zeros(1), 0.0
     for part, route in zip(loop.parts, routes, strict=True):

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    import numpy as np
+import numpy as np
 
 # Each level is compared with the one before; the last is followed by one loop at a time.
 LEVELS = 5
@@ -43,7 +41,6 @@ class Cell:
 @cache
 def _disk(level: int) -> Rule:
     """Gauss in the squared radius times equidistant angles: exact to degree 4 level + 7."""
-    import numpy as np
 
     rings, spokes = level + 2, 4 * (level + 2)
     x, w = np.polynomial.legendre.leggauss(rings)
@@ -56,7 +53,6 @@ def _disk(level: int) -> Rule:
 @cache
 def _circle(level: int) -> Rule:
     """The trapezoid rule with an odd number of points."""
-    import numpy as np
 
     count = (9, 15, 25, 41, 67)[level]
     angle = 2 * np.pi * (np.arange(count) + 0.382 * level) / count
@@ -67,7 +63,6 @@ def _circle(level: int) -> Rule:
 @cache
 def _square(level: int) -> Rule:
     """Gauss times Gauss on (-1/2, 1/2) squared."""
-    import numpy as np
 
     x, w = np.polynomial.legendre.leggauss(2 * level + 2)
     points = np.stack(np.meshgrid(x / 2, x / 2)).reshape(2, -1)
@@ -77,7 +72,6 @@ def _square(level: int) -> Rule:
 @cache
 def _rim(level: int) -> Rule:
     """Gauss on each side, against the clock."""
-    import numpy as np
 
     x, w = np.polynomial.legendre.leggauss(3 * level + 3)
     x, w = x / 2, w / 2

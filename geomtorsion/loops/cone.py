@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import numpy as np
 
 from geomtorsion.errors import LoopError, SingularPointError
 from geomtorsion.loops.affine import AffineForm
@@ -13,9 +13,6 @@ from geomtorsion.loops.motions import Motion
 from geomtorsion.loops.sides import Straight
 from geomtorsion.loops.steps import collocation, inner_turns
 from geomtorsion.loops.transport import Integrand, Transported, transported
-
-if TYPE_CHECKING:
-    import numpy as np
 
 # Gauss points along the rays: pairs that are compared, the next if they disagree.
 LEVELS = ((6, 10), (10, 16), (16, 26))
@@ -34,7 +31,6 @@ def around_cone(form: AffineForm, part: Part, accuracy: float) -> Transported | 
     so that nothing cancels, however small the loop.
 
     """
-    import numpy as np
 
     if part.size * part.size < SMALLEST_AREA:
         return None
@@ -60,7 +56,6 @@ def around_cone(form: AffineForm, part: Part, accuracy: float) -> Transported | 
 
 def _levels(form: AffineForm, part: Part, accuracy: float) -> tuple[int, float, float] | None:
     """How many points the rays need; what they and rounding miss of translation and rotation."""
-    import numpy as np
 
     x, v = shaken(part.sides)
     signs = np.where(np.arange(len(part.centre)) % 2 == 0, SHAKE, -SHAKE)
@@ -88,7 +83,6 @@ def cone_rate(
     form: AffineForm, part: Part, offsets: np.ndarray, slopes: np.ndarray, count: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """The rate of H at points of the loop, seen from the centre, shapes (k, n, n) and (k, n)."""
-    import numpy as np
 
     n, k = offsets.shape
     u, weights = ray_rule(count)
@@ -109,7 +103,6 @@ def _along_rays(
     form: AffineForm, part: Part, offsets: np.ndarray, stops: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Rotation and translation along each ray up to the stops, shapes (k, u, n, n), (k, u, n)."""
-    import numpy as np
 
     n, k = offsets.shape
     nodes, _, integrals = collocation(len(stops))
@@ -129,7 +122,6 @@ def _along_rays(
 
 def integrals_up_to(stops: np.ndarray, stages: int) -> np.ndarray:
     """Integrals of the node polynomials from 0 to each stop, shape (stops, stages)."""
-    import numpy as np
 
     x, w = np.polynomial.legendre.leggauss(stages)
     values = np.polynomial.legendre.legvander(2 * stops - 1, stages)
@@ -151,7 +143,6 @@ def from_centre(form: AffineForm, part: Part) -> Motion:
 
 def line_rate(form: AffineForm, part: Part) -> Integrand:
     """The form along a side of a part, from offsets and slopes."""
-    import numpy as np
 
     centre = np.array(part.centre)[:, None]
 

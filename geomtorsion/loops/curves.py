@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import ExpressionError, LoopError, MissingValueError
@@ -15,9 +16,6 @@ from geomtorsion.loops import intake
 from geomtorsion.loops.loop import Part, shown
 from geomtorsion.loops.quadrature import kronrod
 from geomtorsion.loops.sides import Curve, exact_number
-
-if TYPE_CHECKING:
-    import numpy as np
 
 # A curve closes if start and end agree to this share of its extent.
 CLOSED = 1e-12
@@ -138,7 +136,6 @@ def _read(value: Any, names: Mapping[str, sp.Symbol], where: str) -> sp.Expr:
 
 def _check_closed(side: Curve) -> None:
     """Refuse a curve whose ends do not meet, that is a point, or is not finite."""
-    import numpy as np
 
     with np.errstate(all="ignore"):
         points, _ = side.shape(np.linspace(0, 1, 258)[1:-1])
@@ -162,7 +159,6 @@ def _check_closed(side: Curve) -> None:
 
 def _gap(side: Curve) -> np.ndarray:
     """End minus start, with more digits than a double has."""
-    import numpy as np
 
     gaps = [
         (x.subs(side.parameter, side.end) - x.subs(side.parameter, side.start)).evalf(30, chop=True)
@@ -173,7 +169,6 @@ def _gap(side: Curve) -> np.ndarray:
 
 def _resolved(side: Curve) -> Curve:
     """The curve with its highest frequency, and whether it repeats after the interval."""
-    import numpy as np
 
     probe = np.array([0.137, 0.311, 0.618, 0.871])
     with np.errstate(all="ignore"):
@@ -200,7 +195,6 @@ def _resolved(side: Curve) -> Curve:
 
 def _check_length(side: Curve) -> None:
     """Refuse a curve whose length does not converge: it runs through a pole."""
-    import numpy as np
 
     def speed(_: np.ndarray, slopes: np.ndarray) -> np.ndarray:
         return np.sqrt((slopes * slopes).sum(axis=0))[None]
@@ -217,7 +211,6 @@ def _check_length(side: Curve) -> None:
 
 def _highest(side: Curve, samples: int) -> int | None:
     """The highest frequency that these samples show, None if they resolve none."""
-    import numpy as np
 
     _, slopes = side.shape(np.arange(samples) / samples)
     spectrum = np.abs(np.fft.rfft(slopes, axis=1)).max(axis=0)

@@ -6,12 +6,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import LoopError, MissingValueError
+from geomtorsion.loops.affine import AffineForm
+from geomtorsion.loops.cone import line_rate
+from geomtorsion.loops.denominators import factors
 from geomtorsion.loops.intake import rows
 from geomtorsion.loops.loop import Loop, shown
 from geomtorsion.loops.motions import Motion
+from geomtorsion.loops.transport import transported
 from geomtorsion.loops.turning import turns_round
 
 if TYPE_CHECKING:
@@ -88,7 +93,6 @@ class Defect:
                 f"{self}: a loop winds round a line (a point in the plane), not round this. "
                 "Surround it with a closed surface instead."
             )
-        import numpy as np
 
         place = self.place(parameters)
         across = np.array(rows(self.across, len(place)))
@@ -140,8 +144,6 @@ def find_defects(frame: Frame) -> tuple[Defect, ...]:
 
 def _found(frame: Frame) -> tuple[Defect, ...]:
     """The defects, once for each place."""
-    from geomtorsion.loops.denominators import factors
-
     found: dict[tuple[Any, ...], Defect] = {}
     for factor in factors(frame):
         place = isolated_zero(factor, frame.coordinates)
@@ -249,11 +251,6 @@ def charge(
     >>> charge(cartan(frame), axis, loop, {"b": 0.5}).burgers.round(12).tolist()
     [0.0, 0.0, 0.5]
     """
-    import numpy as np
-
-    from geomtorsion.loops.affine import AffineForm
-    from geomtorsion.loops.cone import line_rate
-    from geomtorsion.loops.transport import transported
 
     if defect.across is None:
         raise LoopError(f"{defect}: it is no line; no loop winds round it.")

@@ -7,9 +7,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.errors import LoopError
 from geomtorsion.loops.affine import AffineForm
 from geomtorsion.loops.cone import around_cone
+from geomtorsion.loops.defects import Defect, Enclosed, enclosed_defects
 from geomtorsion.loops.forms import forms, parameter_values
 from geomtorsion.loops.line import refuse_poles
 from geomtorsion.loops.loop import Loop
@@ -18,10 +21,7 @@ from geomtorsion.loops.routes import agree, along_line, better, joined, repeated
 from geomtorsion.loops.transport import Transported
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from geomtorsion.geometry import Connection
-    from geomtorsion.loops.defects import Defect, Enclosed
 
 LEAST_ACCURACY = 1e-15
 
@@ -193,8 +193,6 @@ def develop(
     ]
     enclosed: tuple[Enclosed, ...] = ()
     if defects is not None or not all(agrees):
-        from geomtorsion.loops.defects import enclosed_defects
-
         enclosed = enclosed_defects(frame, loop, parameters, defects=defects, connection=connection)
     routes = ["cone" if one is cone else "line" for one, cone in zip(chosen, cones, strict=True)]
     total = joined(chosen)

@@ -65,7 +65,7 @@ class DislocationNetwork:
 
     def __post_init__(self) -> None:
         """Read the Burgers vectors exactly, once."""
-        import networkx as nx
+        import networkx as nx  # 0.15 s, and networks alone need it
 
         if not isinstance(self.graph, nx.MultiDiGraph):
             raise NetworkError(
@@ -94,7 +94,7 @@ class DislocationNetwork:
         positions: Mapping[Any, Sequence[float]] | None = None,
     ) -> DislocationNetwork:
         """From lines (start, end, b); `surface` names the nodes where lines leave the crystal."""
-        import networkx as nx
+        import networkx as nx  # as above
 
         graph = nx.MultiDiGraph()
         for start, end, b in lines:
@@ -222,7 +222,7 @@ class DislocationNetwork:
 
     def _open(self) -> nx.MultiDiGraph:
         """A copy of the graph that may be changed."""
-        import networkx as nx
+        import networkx as nx  # as above
 
         return nx.MultiDiGraph(self.graph)
 

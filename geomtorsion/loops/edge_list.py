@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.errors import NetworkError
 
 if TYPE_CHECKING:
     import networkx as nx
-    import numpy as np
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +54,6 @@ def edge_list(graph: Any, position: str, dimension: int) -> EdgeList:
     NetworkError
         There are no edges, a node has no usable position, or an edge no length.
     """
-    import numpy as np
 
     if isinstance(graph, EdgeList):
         positions = np.asarray(graph.positions, dtype=float)
@@ -97,7 +97,6 @@ def _of_graph(
     graph: nx.Graph, position: str, dimension: int
 ) -> tuple[np.ndarray, np.ndarray, list[Hashable]]:
     """Arrays of a networkx graph."""
-    import numpy as np
 
     labels = list(graph.nodes)
     rows = []

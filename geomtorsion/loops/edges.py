@@ -6,13 +6,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.errors import NetworkError, SingularPointError
+from geomtorsion.loops.defects import find_defects
 from geomtorsion.loops.forms import Forms, forms, parameter_values
+from geomtorsion.loops.intake import rows
 from geomtorsion.loops.line import EPS
+from geomtorsion.loops.loop import shown
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from geomtorsion.geometry import Frame
 
 # Edges that are evaluated at once: what fits in the cache goes fastest.
@@ -54,7 +57,6 @@ def edge_integrals(
     NetworkError
         The frame is complex.
     """
-    import numpy as np
 
     if frame.complex:
         raise NetworkError(
@@ -84,11 +86,6 @@ def refuse_touching(
     SingularPointError
         An edge does; the message names edge, point and line.
     """
-    import numpy as np
-
-    from geomtorsion.loops.defects import find_defects
-    from geomtorsion.loops.intake import rows
-    from geomtorsion.loops.loop import shown
 
     for defect in find_defects(frame):
         if defect.across is None:
@@ -120,7 +117,6 @@ def _piece(
     first: int,
 ) -> EdgeIntegrals:
     """A block of edges: those that do not converge are halved again and again."""
-    import numpy as np
 
     vectors = np.zeros(starts.shape)
     errors = np.zeros(len(starts))
@@ -144,8 +140,6 @@ def _piece(
         middle = (starts + ends) / 2
         starts, ends = np.concatenate([starts, middle]), np.concatenate([middle, ends])
         owner = np.concatenate([owner, owner])
-    from geomtorsion.loops.loop import shown
-
     raise SingularPointError(
         f"edge {first + int(owner[0])} passes through {shown(starts[0])}, where the integral of "
         "the coframe does not converge: it is singular there. Lead the edge past that point."
@@ -156,7 +150,6 @@ def _gauss(
     compiled: Forms, parameters: tuple[Any, ...], starts: np.ndarray, ends: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Integrals by both rules, shape (edges, n), and the size of what was summed."""
-    import numpy as np
 
     (x, w), (y, u) = (np.polynomial.legendre.leggauss(k) for k in (MANY, FEW))
     share = (np.concatenate([x, y]) + 1)[:, None] / 2

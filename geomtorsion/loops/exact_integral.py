@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import mpmath
+import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import LoopError, MissingValueError, UndecidedError
@@ -16,8 +17,6 @@ from geomtorsion.loops.loop import Loop, Part
 from geomtorsion.loops.sides import Curve, Ellipse, Side, exact_number
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from geomtorsion.geometry import Frame
 
 SECONDS = 20.0
@@ -50,7 +49,6 @@ class ExactBurgersVector:
         MissingValueError
             A symbol has no value.
         """
-        import numpy as np
 
         names = {str(key): value for key, value in (values or {}).items()}
         table = {}

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from geomtorsion.errors import SingularPointError
 from geomtorsion.loops.forms import Forms
 from geomtorsion.loops.line import EPS, SHAKE, Route, shaken
 from geomtorsion.loops.loop import Part
 from geomtorsion.loops.quadrature import integrate
-
-if TYPE_CHECKING:
-    import numpy as np
 
 # Gauss points along the rays of the cone: pairs that are compared, the next if they disagree.
 LEVELS = ((4, 6), (6, 10), (10, 16), (16, 26), (26, 42))
@@ -35,7 +34,6 @@ def flux_route(
     (sum over all m, n; Stokes on the surface q0 + s x).  The curl is exact, and x is the offset
     itself: nothing cancels, however small the loop.
     """
-    import numpy as np
 
     if forms.curl is None:
         zero = np.zeros(len(part.centre))
@@ -76,7 +74,6 @@ def flux_at(
 
     Shape (n, k) for one rule, (2 n, k) for two.
     """
-    import numpy as np
 
     compiled = forms.curl
     if compiled is None:
@@ -98,7 +95,6 @@ def flux_at(
 
 def _rounding(forms: Forms, part: Part, parameters: Sequence[Any]) -> float:
     """What rounding does to the flux, from points whose coordinates are shaken."""
-    import numpy as np
 
     compiled = forms.curl
     assert compiled is not None
@@ -117,7 +113,6 @@ def _rounding(forms: Forms, part: Part, parameters: Sequence[Any]) -> float:
 @cache
 def ray_rule(points: int) -> tuple[np.ndarray, np.ndarray]:
     """Nodes on (0, 1) and weights for the weight s: Gauss and Jacobi, by Golub and Welsch."""
-    import numpy as np
 
     k = np.arange(points)
     # Recurrence of the Jacobi polynomials with alpha = 0, beta = 1 on (-1, 1).

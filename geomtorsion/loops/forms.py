@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
@@ -14,11 +15,9 @@ from geomtorsion.exact import Element, numpy_function
 from geomtorsion.exact.form import Sum, form
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from geomtorsion.geometry import Frame
 
-Values = Callable[..., "np.ndarray"]
+Values = Callable[..., np.ndarray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +61,6 @@ def forms(frame: Frame) -> Forms:
 
 def _made(frame: Frame) -> Forms:
     """Compile coframe and curl."""
-    import numpy as np
 
     n = frame.dimension
     if n < 2:
@@ -100,7 +98,6 @@ def _compiled(
     entries: Mapping[tuple[int, ...], Element], arguments: Sequence[sp.Symbol], n: int
 ) -> Compiled:
     """Entries (row, column) -> element as one function."""
-    import numpy as np
 
     unknown = sorted({str(f) for x in entries.values() for f in x.sympy.atoms(AppliedUndef)})
     if unknown:

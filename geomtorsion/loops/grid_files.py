@@ -7,12 +7,11 @@ import zlib
 from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from geomtorsion.errors import FileFormatError, MissingExtraError
-
-if TYPE_CHECKING:
-    import numpy as np
 
 Grid = tuple[list[Any], Any, tuple[str, ...], bool]
 HDF5 = b"\x89HDF"
@@ -46,7 +45,6 @@ def read_grid(path: Path) -> Grid:
 
 def _npz(path: Path) -> Grid:
     """A grid from an NPZ file."""
-    import numpy as np
 
     def load() -> dict[str, np.ndarray]:
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as content:
@@ -96,7 +94,7 @@ def _netcdf(path: Path) -> Grid:
 
 def _classic(path: Path) -> Grid:
     """A grid from a classic NetCDF file, by scipy."""
-    from scipy.io import netcdf_file
+    from scipy.io import netcdf_file  # 0.2 s, and this format alone needs it
 
     with path.open("rb") as stream:
         if stream.read(4) == HDF5:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from geomtorsion.errors import GridError
-
-if TYPE_CHECKING:
-    import numpy as np
 
 # Steps of an axis may differ by this share: coordinates are often stored as 32-bit floats.
 REGULAR = 1e-4
@@ -16,7 +15,6 @@ REGULAR = 1e-4
 
 def numbers(values: Any, where: str) -> np.ndarray:
     """An array of real numbers."""
-    import numpy as np
 
     try:
         result = np.asarray(values)
@@ -31,7 +29,6 @@ def numbers(values: Any, where: str) -> np.ndarray:
 
 def regular_axis(values: Any, name: str) -> np.ndarray:
     """A regular axis."""
-    import numpy as np
 
     axis = numbers(values, f"axis {name}")
     if axis.ndim != 1 or len(axis) < 2:
@@ -71,7 +68,6 @@ def check_shape(
 
 def check_finite(values: np.ndarray, axes: Sequence[np.ndarray], names: Sequence[str]) -> None:
     """Refuse values that are not finite; the message names the first."""
-    import numpy as np
 
     bad = np.argwhere(~np.isfinite(values))
     if len(bad):

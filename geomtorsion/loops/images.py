@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+
+import numpy as np
 
 from geomtorsion.loops.forms import forms, parameter_values
 from geomtorsion.loops.line import line_at
 from geomtorsion.loops.quadrature import kronrod_rule
 from geomtorsion.loops.result import BurgersVector
-
-if TYPE_CHECKING:
-    import numpy as np
 
 POINTS = 360
 # Smaller loops are drawn at this size: their deviation from the linear image scales as its square.
@@ -40,7 +38,6 @@ class Image:
 
 def image(b: BurgersVector, points: int = POINTS) -> Image:
     """The image of a loop in the frame, with its gap enlarged where it could not be seen."""
-    import numpy as np
 
     loop, compiled = b.loop, forms(b.frame)
     numbers = parameter_values(b.frame, compiled.parameters, b.parameters)
@@ -87,6 +84,5 @@ def image(b: BurgersVector, points: int = POINTS) -> Image:
 
 def _running(steps: np.ndarray) -> np.ndarray:
     """Running sum from zero, along the last axis."""
-    import numpy as np
 
     return np.concatenate([np.zeros((len(steps), 1)), np.cumsum(steps, axis=1)], axis=1)

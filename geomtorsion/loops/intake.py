@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import LoopError
 from geomtorsion.loops.sides import exact_number
-
-if TYPE_CHECKING:
-    import numpy as np
 
 
 def number(value: Any, where: str) -> float:
@@ -70,7 +68,6 @@ def is_symbolic(*values: Any) -> bool:
 
 def rows(plane: Any, dimension: int) -> tuple[np.ndarray, np.ndarray]:
     """The two directions of a plane as vectors: from coordinate numbers, or as they were given."""
-    import numpy as np
 
     if isinstance(plane, str) or not hasattr(plane, "__len__") or len(plane) != 2:
         raise LoopError(
@@ -101,7 +98,6 @@ def _direction(side: Any, dimension: int) -> tuple[float, ...]:
 
 def orthonormal(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Two orthonormal vectors in the same plane, the first along the first."""
-    import numpy as np
 
     u = first / np.linalg.norm(first)
     v = second / np.linalg.norm(second)

@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from geomtorsion.errors import SingularPointError
 from geomtorsion.loops.forms import Forms
 from geomtorsion.loops.loop import Part, shown
 from geomtorsion.loops.quadrature import MOST_POINTS, integrate
 from geomtorsion.loops.sides import Side
-
-if TYPE_CHECKING:
-    import numpy as np
 
 EPS = 2.0**-52
 # Points whose coordinates are shaken by this much, to see what rounding does to the integrand.
@@ -63,7 +62,6 @@ def line_route(
     SingularPointError
         The coframe has no finite value somewhere on the loop.
     """
-    import numpy as np
 
     centre = np.array(part.centre)[:, None]
     compiled = forms.coframe
@@ -90,7 +88,6 @@ def line_at(
     forms: Forms, part: Part, parameters: Sequence[Any], offsets: np.ndarray, slopes: np.ndarray
 ) -> np.ndarray:
     """e^i_mu(q0 + size x) dx^mu/ds at offsets x, shape (n, k)."""
-    import numpy as np
 
     compiled = forms.coframe
     points = np.array(part.centre)[:, None] + part.size * offsets
@@ -100,7 +97,6 @@ def line_at(
 
 def shaken(sides: Sequence[Side]) -> tuple[np.ndarray, np.ndarray]:
     """Offsets and slopes at a few points of every side (of some, where there are many)."""
-    import numpy as np
 
     chosen = sides[:: -(-len(sides) // SHAKEN_POINTS)]
     each = max(1, SHAKEN_POINTS // len(chosen))
@@ -112,7 +108,6 @@ def shaken(sides: Sequence[Side]) -> tuple[np.ndarray, np.ndarray]:
 
 def _sum_of(forms: Forms, sizes: np.ndarray, slopes: np.ndarray, sides: int) -> float:
     """Integral of sizes |dx| along all sides from a few points: the largest component."""
-    import numpy as np
 
     compiled = forms.coframe
     sums = compiled.gather @ (sizes * np.abs(slopes[compiled.columns]))
@@ -121,7 +116,6 @@ def _sum_of(forms: Forms, sizes: np.ndarray, slopes: np.ndarray, sides: int) -> 
 
 def refuse_poles(forms: Forms, part: Part, parameters: Sequence[Any]) -> None:
     """Refuse a loop on which a denominator of the coframe vanishes."""
-    import numpy as np
 
     if forms.poles is None:
         return
@@ -146,7 +140,6 @@ def refuse_poles(forms: Forms, part: Part, parameters: Sequence[Any]) -> None:
 
 def _dips(sizes: np.ndarray) -> np.ndarray:
     """Places of the local minima that are small."""
-    import numpy as np
 
     inner = (sizes[1:-1] <= sizes[:-2]) & (sizes[1:-1] <= sizes[2:])
     return np.flatnonzero(inner & (sizes[1:-1] < 0.3 * sizes.max())) + 1
@@ -163,7 +156,6 @@ def _zero(
     largest: float,
 ) -> float | None:
     """Where denominator k vanishes between two values of s, or None."""
-    import numpy as np
 
     for _ in range(ZOOMS):
         s = np.linspace(low, high, 9)

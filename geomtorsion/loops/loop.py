@@ -6,12 +6,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.errors import LoopError
 from geomtorsion.loops.making import Makers, Plane
 from geomtorsion.loops.sides import Side
 
 if TYPE_CHECKING:
-    import numpy as np
     import sympy as sp
 
 # Two loops share a base point if they miss each other by less than this share of their size.
@@ -37,7 +38,6 @@ class Part:
 
     def points(self, side: Side, s: Any) -> tuple[np.ndarray, np.ndarray]:
         """Coordinates and their derivatives by s on a side, shape (n, k) each."""
-        import numpy as np
 
         offsets, slopes = side.shape(np.atleast_1d(np.asarray(s, dtype=float)))
         return np.array(self.centre)[:, None] + self.size * offsets, self.size * slopes
@@ -45,14 +45,12 @@ class Part:
     @property
     def base_offset(self) -> np.ndarray:
         """Where it starts and ends, as offset, shape (n,)."""
-        import numpy as np
 
         return self.sides[0].shape(np.zeros(1))[0][:, 0]
 
     @property
     def base(self) -> np.ndarray:
         """Where it starts and ends, as coordinates, shape (n,)."""
-        import numpy as np
 
         return np.array(self.centre) + self.size * self.base_offset
 
@@ -87,7 +85,6 @@ class Loop(Makers):
         LoopError
             They start at different points; the message names the gap.
         """
-        import numpy as np
 
         if other.dimension != self.dimension:
             raise LoopError(
@@ -188,7 +185,6 @@ class Loop(Makers):
 
     def points(self, count: int = 400) -> np.ndarray:
         """Coordinates of points along it for pictures, shape (n, about count), both ends in."""
-        import numpy as np
 
         stretches = list(self.walk())
         each = max(2, -(-count // len(stretches)))

@@ -5,19 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import intake
 from geomtorsion.loops.quadrature import integrate
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from geomtorsion.loops.loop import Loop
 
 
 def area(loop: Loop) -> np.ndarray:
     """A^{mn}, shape (n, n); see Loop.area."""
-    import numpy as np
 
     total = np.zeros((loop.dimension, loop.dimension))
     upper = np.triu_indices(loop.dimension, 1)
@@ -34,7 +33,6 @@ def _wedge(x: np.ndarray, v: np.ndarray, upper: Any) -> np.ndarray:
 
 def length(loop: Loop) -> float:
     """Length in the Euclidean sense; see Loop.length."""
-    import numpy as np
 
     total = 0.0
     for part in loop.parts:
@@ -45,7 +43,6 @@ def length(loop: Loop) -> float:
 
 def winding(loop: Loop, axis: Sequence[float], plane: Any) -> int:
     """Turns round an axis; see Loop.winding."""
-    import numpy as np
 
     from geomtorsion.loops.turning import turns_round
 

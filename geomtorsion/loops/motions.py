@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+
+import numpy as np
 
 from geomtorsion.errors import LoopError, ShapeError
-
-if TYPE_CHECKING:
-    import numpy as np
 
 # Below this size the series of the logarithm converges in few terms.
 SMALL = 0.3
@@ -38,7 +36,6 @@ class Motion:
     @classmethod
     def of(cls, turn: np.ndarray, translation: np.ndarray | list[float]) -> Motion:
         """From rotation - 1, shape (n, n), and translation, shape (n,)."""
-        import numpy as np
 
         turn, column = np.asarray(turn), np.asarray(translation)
         if turn.shape != (len(column), len(column)):
@@ -53,7 +50,6 @@ class Motion:
     @property
     def matrix(self) -> np.ndarray:
         """The map in homogeneous form, shape (n + 1, n + 1)."""
-        import numpy as np
 
         return np.eye(len(self.increment)) + self.increment
 
@@ -80,7 +76,6 @@ class Motion:
     @cached_property
     def inverse(self) -> Motion:
         """The motion of the path run backwards."""
-        import numpy as np
 
         return Motion(-np.linalg.solve(self.matrix, self.increment))
 
@@ -91,7 +86,6 @@ class Motion:
         --------
         G' = P^-1 G P, with P the development of the path from the old base point to the new.
         """
-        import numpy as np
 
         return Motion(np.linalg.solve(path.matrix, self.increment @ path.matrix))
 
@@ -114,7 +108,6 @@ class Motion:
     @property
     def frank_vector(self) -> np.ndarray:
         """Axis times angle of the transported frame, shape (3,); only in three dimensions."""
-        import numpy as np
 
         self._needs(3, "frank_vector")
         angle, axis = self.angle, self.axis
@@ -132,7 +125,6 @@ class Motion:
         LoopError
             The linear part is no rotation: the connection does not keep Euclidean lengths.
         """
-        import numpy as np
 
         n = len(self.increment) - 1
         turn = self._rotating
@@ -146,7 +138,6 @@ class Motion:
     @property
     def axis(self) -> np.ndarray | None:
         """Unit vector about which a carried vector turns, shape (3,); None without a turn."""
-        import numpy as np
 
         self._needs(3, "axis")
         vector = -_axial(self._rotating)
@@ -174,7 +165,6 @@ class Motion:
         In two and three dimensions: where the defect seems to sit, seen along the loop.
         None without a turn.
         """
-        import numpy as np
 
         n = len(self.increment) - 1
         if not np.abs(self.turn).max() > 0:
@@ -192,7 +182,6 @@ class Motion:
     @cached_property
     def _rotating(self) -> np.ndarray:
         """The turn, where it belongs to a rotation."""
-        import numpy as np
 
         turn = self.turn
         stretch = np.abs(turn + turn.T + turn @ turn.T).max(initial=0.0)
@@ -215,7 +204,6 @@ class Motion:
 
 def _axial(turn: np.ndarray) -> np.ndarray:
     """sin(angle) * axis of a rotation given as rotation - 1."""
-    import numpy as np
 
     pairs = (turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1])
     return np.array(pairs) / 2
@@ -223,7 +211,6 @@ def _axial(turn: np.ndarray) -> np.ndarray:
 
 def _length(vector: np.ndarray) -> float:
     """The length of a vector whose squares may underflow."""
-    import numpy as np
 
     scale = float(np.abs(vector).max())
     return scale * float(np.linalg.norm(vector / scale)) if scale else 0.0
@@ -231,7 +218,6 @@ def _length(vector: np.ndarray) -> float:
 
 def logarithm(turn: np.ndarray) -> np.ndarray:
     """log(1 + turn), to full relative accuracy for tiny turns; turn has shape (n, n)."""
-    import numpy as np
 
     n = len(turn)
     identity = np.eye(n)
@@ -244,7 +230,7 @@ def logarithm(turn: np.ndarray) -> np.ndarray:
             power = power @ square
             total = total + power / k
         return 2 * total
-    from scipy.linalg import logm
+    from scipy.linalg import logm  # 0.16 s, and large angles alone need it
 
     if np.linalg.eigvals(identity + turn).real.min() < 0:
         # A real root of the map exists only away from negative eigenvalues.

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.errors import LimitError, NetworkError
 from geomtorsion.loops.edge_list import EdgeList, edge_list
 from geomtorsion.loops.edges import EdgeIntegrals, edge_integrals, refuse_touching
 from geomtorsion.loops.loop import Loop, shown
+from geomtorsion.loops.node_rule import NodeRule, node_rule
 from geomtorsion.loops.potentials import Forest, spanning_forest
 
 if TYPE_CHECKING:
     import networkx as nx
-    import numpy as np
 
     from geomtorsion.geometry import Frame
-    from geomtorsion.loops.node_rule import NodeRule
 
 # networkx takes minutes for the minimum cycle basis of a graph with more edges.
 MINIMUM_BASIS_EDGES = 200
@@ -139,10 +141,6 @@ class Network:
         NetworkError
             Two neighbours are not joined by an edge, or there are fewer than three nodes.
         """
-        import math
-
-        import numpy as np
-
         chain = list(cycle)
         if len(chain) > 1 and chain[0] == chain[-1]:
             chain.pop()
@@ -217,7 +215,7 @@ class Network:
 
     def _minimum_cycles(self) -> tuple[Cycle, ...]:
         """The minimum cycle basis, by networkx."""
-        import networkx as nx
+        import networkx as nx  # 0.15 s, and this basis alone needs it
 
         if len(self.edges.pairs) > MINIMUM_BASIS_EDGES:
             raise LimitError(
@@ -259,8 +257,6 @@ class Network:
         NodeRule: how many cells were checked, which violate the rule, and which faces a defect
         line pierces (there line integral and flux of torsion differ).
         """
-        from geomtorsion.loops.node_rule import node_rule
-
         return node_rule(self, cells)
 
     def __repr__(self) -> str:

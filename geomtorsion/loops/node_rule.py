@@ -6,14 +6,14 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.errors import LimitError, NetworkError, SingularPointError
 from geomtorsion.loops.flux import ray_rule
 from geomtorsion.loops.forms import forms, parameter_values
 from geomtorsion.loops.loop import shown
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from geomtorsion.loops.network import Network
 
 Face = tuple[Hashable, ...]
@@ -68,7 +68,6 @@ class NodeRule:
 
 def node_rule(net: Network, cells: Sequence[Sequence[Sequence[Hashable]]] | None) -> NodeRule:
     """Check all cells of a network; see Network.node_rule."""
-    import numpy as np
 
     chosen = tetrahedra(net) if cells is None else [tuple(map(tuple, cell)) for cell in cells]
     for cell in chosen:
@@ -99,7 +98,6 @@ def node_rule(net: Network, cells: Sequence[Sequence[Sequence[Hashable]]] | None
 
 def tetrahedra(net: Network) -> list[tuple[Face, ...]]:
     """All sets of four nodes that are joined pairwise, with faces turned outwards."""
-    import numpy as np
 
     neighbours: dict[int, set[int]] = {}
     for a, b in net.edges.pairs.tolist():
@@ -153,7 +151,6 @@ def _sense(face: Face, other: Face) -> int:
 
 def _fluxes(net: Network, faces: list[Face]) -> dict[frozenset[Hashable], tuple[np.ndarray, float]]:
     """Flux of torsion through each face, spanned from its first node, and its error."""
-    import numpy as np
 
     n = net.frame.dimension
     compiled = forms(net.frame)
@@ -180,7 +177,6 @@ def _triangle(
     forms_: Any, parameters: tuple[Any, ...], a: np.ndarray, b: np.ndarray, c: np.ndarray
 ) -> tuple[np.ndarray, float]:
     """Flux through a triangle by two rules: the finer, and how far they are apart."""
-    import numpy as np
 
     first, second = b - a, c - b
     m, k = forms_.pairs

@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.errors import LoopError
 from geomtorsion.loops.affine import AffineForm
 from geomtorsion.loops.cone import line_rate
@@ -109,7 +111,6 @@ def develop_round(
     >>> round(math.degrees(turn.angle), 9), turn.burgers.round(9).tolist()
     (60.0, [-1.0, -1.732050808, 0.0])
     """
-    import numpy as np
 
     frame = connection.frame
     names = {symbol.name: k for k, symbol in enumerate(frame.coordinates)}

@@ -13,6 +13,7 @@ def counted(what: str, total: int) -> Iterator[Callable[[int], object]]:
     if not sys.stderr.isatty():
         yield lambda _: None
         return
+    # Nobody who reads no bar should wait for its library.
     from rich.console import Console
     from rich.progress import Progress
 

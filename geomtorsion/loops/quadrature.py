@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    import numpy as np
+import numpy as np
 
+if TYPE_CHECKING:
     from geomtorsion.loops.sides import Side
 
-Integrand = Callable[["np.ndarray", "np.ndarray"], "np.ndarray"]
+Integrand = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 # How many points an integral may take, and how many are evaluated at once.
 MOST_POINTS = 2**25
@@ -87,7 +87,6 @@ def integrate(
     most
         Largest number of points.
     """
-    import numpy as np
 
     # What is not finite is looked at, and never counts as converged.
     with np.errstate(all="ignore"):
@@ -102,7 +101,6 @@ def trapezoid(
     side: Side, integrand: Integrand, accuracy: float, floor: float, most: int = MOST_POINTS
 ) -> Integral:
     """The trapezoid rule on a closed smooth side: spectral, compared with fewer points."""
-    import numpy as np
 
     few = max(FIRST_TRAPEZOID, 3 * side.waves + 1)
     last = min(most, PATIENCE * few)
@@ -128,7 +126,6 @@ def _next(points: int) -> int:
 
 def _mean(side: Side, integrand: Integrand, points: int) -> np.ndarray:
     """Mean over equidistant points, in pieces that fit in memory."""
-    import numpy as np
 
     total = 0.0
     for start in range(0, points, PIECE):
@@ -144,7 +141,6 @@ def _values(side: Side, integrand: Integrand, s: np.ndarray) -> np.ndarray:
 
 def _norm(vector: np.ndarray) -> float:
     """Largest component; what is not finite counts as infinite."""
-    import numpy as np
 
     largest = float(np.abs(vector).max(initial=0.0))
     return float("inf") if np.isnan(largest) else largest
@@ -153,7 +149,6 @@ def _norm(vector: np.ndarray) -> float:
 @cache
 def kronrod_rule() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Nodes on (0, 1), Kronrod's weights and Gauss's weights on the same nodes."""
-    import numpy as np
 
     half = np.array(KRONROD_NODES)
     nodes = np.concatenate([-half[:-1], half[::-1]])
@@ -172,7 +167,6 @@ def kronrod(
     most: int = MOST_POINTS,
 ) -> Integral:
     """Gauss and Kronrod on every side, the worst intervals halved until the sum is accurate."""
-    import numpy as np
 
     owner = np.arange(len(sides))
     low, width = np.zeros(len(sides)), np.ones(len(sides))
@@ -221,7 +215,6 @@ def _panels(
     width: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Value, shape (m, panels), error, and integral of the absolute value over each interval."""
-    import numpy as np
 
     nodes, fine, coarse = kronrod_rule()
     most = max(1, PIECE // len(nodes))
@@ -239,7 +232,6 @@ def _panels(
 
 def _at(sides: Sequence[Side], owner: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Offsets and slopes on several sides at once, shape (n, points)."""
-    import numpy as np
 
     if (owner == owner[0]).all():
         return sides[owner[0]].shape(s.ravel())

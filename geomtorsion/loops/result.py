@@ -9,15 +9,14 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import mpmath
+import numpy as np
 
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import intake
+from geomtorsion.loops.defects import Enclosed, enclosed_defects
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from geomtorsion.geometry import Frame
-    from geomtorsion.loops.defects import Enclosed
     from geomtorsion.loops.loop import Loop
 
 
@@ -80,7 +79,6 @@ class BurgersVector:
     @cached_property
     def vector(self) -> np.ndarray:
         """b^i in the frame, shape (n,)."""
-        import numpy as np
 
         with np.errstate(over="ignore"):
             result = self.reduced * self.size
@@ -97,7 +95,6 @@ class BurgersVector:
     @property
     def relative_error(self) -> float:
         """Error over largest component: 0 for an exact zero, infinite for a zero that is not."""
-        import numpy as np
 
         largest = float(np.abs(self.reduced).max())
         if largest:
@@ -120,8 +117,6 @@ class BurgersVector:
 
         A loop round a defect has a Burgers vector although the torsion vanishes all along it.
         """
-        from geomtorsion.loops.defects import enclosed_defects
-
         if self.check.agrees is not False:
             return ()
         return enclosed_defects(self.frame, self.loop, self.parameters)
@@ -176,7 +171,6 @@ class BurgersVector:
         LoopError
             The direction has no length in the metric of the frame.
         """
-        import numpy as np
 
         along = np.array(intake.vector(direction, "direction", self.frame.dimension))
         square = along @ self._eta @ along

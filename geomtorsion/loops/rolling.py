@@ -6,14 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.errors import LoopError
 from geomtorsion.loops.affine import AffineForm
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.steps import collocation, increments
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from geomtorsion.geometry import Connection
 
 STAGES = 6
@@ -57,7 +57,6 @@ def roll_out(
     >>> path.places.shape, path.legs[-1].round(3).tolist()
     ((2, 41), [[0.973, 0.233], [-0.233, 0.973]])
     """
-    import numpy as np
 
     n = connection.frame.dimension
     if loop.dimension != n:

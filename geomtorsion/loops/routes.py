@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from geomtorsion.loops.affine import AffineForm
 from geomtorsion.loops.cone import line_rate
 from geomtorsion.loops.loop import Part
@@ -15,7 +17,6 @@ DISAGREE = 30
 
 def along_line(form: AffineForm, part: Part, accuracy: float) -> Transported:
     """The development once round along the line, with what rounding of the points does."""
-    import numpy as np
 
     found = transported(part.sides, line_rate(form, part), accuracy)
     place = np.abs(np.array(part.centre)).max() / part.size
@@ -53,7 +54,6 @@ def joined(parts: Sequence[Transported]) -> Transported:
 
 def agree(line: Transported, cone: Transported) -> bool:
     """Whether both routes give the same motion within their errors."""
-    import numpy as np
 
     apart = np.abs(line.motion.increment - cone.motion.increment)
     shift = float(apart[:-1, -1].max()) <= DISAGREE * (line.error + cone.error)

@@ -8,7 +8,11 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.errors import GridError
+from geomtorsion.loops.forms import forms, parameter_values
+from geomtorsion.loops.grid_files import read_grid
 from geomtorsion.loops.grid_intake import (
     check_finite,
     check_names,
@@ -16,14 +20,12 @@ from geomtorsion.loops.grid_intake import (
     numbers,
     regular_axis,
 )
+from geomtorsion.loops.sampled_loop import SampledBurgers, sampled_burgers
 from geomtorsion.loops.stencils import applied, differentiation, integration
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from geomtorsion.geometry import Frame
     from geomtorsion.loops.loop import Loop
-    from geomtorsion.loops.sampled_loop import SampledBurgers
 
 ORDERS = (2, 4, 6, 8)
 
@@ -105,7 +107,6 @@ class SampledFrame:
         when u points from the real to the ideal place. For displacements from ideal to real places
         give -beta (small distortions), or the inverse of (1 + beta) minus 1.
         """
-        import numpy as np
 
         values = numbers(distortion, "distortion")
         if values.ndim < 3:
@@ -131,9 +132,6 @@ class SampledFrame:
         SingularPointError
             The frame has no finite value at a node.
         """
-        import numpy as np
-
-        from geomtorsion.loops.forms import forms, parameter_values
 
         lines = [numbers(axis, "axis") for axis in axes]
         if len(lines) != frame.dimension:
@@ -160,8 +158,6 @@ class SampledFrame:
         GridError
             What it holds is no regular grid of finite numbers.
         """
-        from geomtorsion.loops.grid_files import read_grid
-
         axes, values, names, is_distortion = read_grid(Path(path))
         if is_distortion:
             return cls.from_distortion(axes, values, order, names)
@@ -169,7 +165,6 @@ class SampledFrame:
 
     def save(self, path: str | Path) -> None:
         """Write an NPZ file that `read` reads back."""
-        import numpy as np
 
         lines = {f"axis_{name}": axis for name, axis in zip(self.names, self.axes, strict=True)}
         content: dict[str, Any] = {"coframe": self.coframe, "names": np.array(self.names), **lines}
@@ -209,7 +204,6 @@ class SampledFrame:
         GridError
             The plane does not name two different axes.
         """
-        import numpy as np
 
         a, b = self._plane(plane)
         vectors = self._cells(a, b, self.order)
@@ -219,7 +213,6 @@ class SampledFrame:
 
     def _cells(self, a: int, b: int, order: int) -> np.ndarray:
         """Closure of all cells, by quadrature of one order along the edges."""
-        import numpy as np
 
         along_a, along_b = (
             self.steps[k] * applied(integration(order, len(self.axes[k])), self._bent[:, k], 1 + k)
@@ -239,7 +232,6 @@ class SampledFrame:
         Returns arrays of shape (rows, N_1, ..., N_d): the values, and their distance from
         differences of another order.
         """
-        import numpy as np
 
         a, b = self._plane(plane)
         fine, other = (self._curl(a, b, order) for order in (self.order, self.other_order))
@@ -261,7 +253,6 @@ class SampledFrame:
         b^i of a small area with normal n_k is alpha^{ik} n_k A. On a plane grid (two axes) only
         k = 2 is known, and the shape is (rows, 1, N_1, N_2).
         """
-        import numpy as np
 
         if self.dimension == 2:
             return self.torsion((0, 1))[0][:, None]
@@ -280,8 +271,6 @@ class SampledFrame:
         GridError
             The loop leaves the grid, or has another dimension; the message names the point.
         """
-        from geomtorsion.loops.sampled_loop import sampled_burgers
-
         return sampled_burgers(self, loop)
 
     def _plane(self, plane: Any) -> tuple[int, int]:

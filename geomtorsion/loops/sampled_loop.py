@@ -6,14 +6,14 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from geomtorsion.errors import GridError
 from geomtorsion.loops.loop import Loop, Part, shown
 from geomtorsion.loops.sides import Side
 from geomtorsion.loops.stencils import interpolated
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from geomtorsion.loops.sampled import SampledFrame
 
 # Gauss points on each stretch, and stretches per cell that a loop crosses.
@@ -47,7 +47,6 @@ class SampledBurgers:
 
 def sampled_burgers(grid: SampledFrame, loop: Loop) -> SampledBurgers:
     """The integral of the interpolated coframe along a loop; see SampledFrame.burgers."""
-    import numpy as np
 
     if loop.dimension != grid.dimension:
         raise GridError(
@@ -80,7 +79,6 @@ def sampled_burgers(grid: SampledFrame, loop: Loop) -> SampledBurgers:
 
 def _stretches(grid: SampledFrame, part: Part, side: Side) -> int:
     """How many stretches a side needs so that each stays within a part of a cell."""
-    import numpy as np
 
     count = max(65, 16 * side.waves + 1)
     points, _ = part.points(side, np.linspace(0, 1, count))
@@ -92,7 +90,6 @@ def _points(
     grid: SampledFrame, part: Part, side: Side, count: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Places in units of the grid, slopes and weights of a composite Gauss rule."""
-    import numpy as np
 
     x, w = np.polynomial.legendre.leggauss(GAUSS)
     s = ((np.arange(count)[:, None] + (x + 1) / 2) / count).ravel()
@@ -120,7 +117,6 @@ def _sum(
     grid: SampledFrame, places: np.ndarray, slopes: np.ndarray, weights: np.ndarray, order: int
 ) -> np.ndarray:
     """The integral along one side; the mean coframe is left out, it closes exactly."""
-    import numpy as np
 
     n = grid.dimension
     flat = grid._bent.reshape(grid.rows * n, *grid._bent.shape[2:])

@@ -6,12 +6,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
+import numpy as np
 import sympy as sp
-
-if TYPE_CHECKING:
-    import numpy as np
 
 Vector = tuple[float, ...]
 
@@ -67,7 +65,6 @@ class Ellipse:
 
     def shape(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Offsets and their derivatives by s."""
-        import numpy as np
 
         u, v = self._columns
         angle = 2 * np.pi * s
@@ -77,7 +74,6 @@ class Ellipse:
     @cached_property
     def _columns(self) -> tuple[np.ndarray, np.ndarray]:
         """u and v as columns."""
-        import numpy as np
 
         return np.array(self.first)[:, None], np.array(self.second)[:, None]
 
@@ -104,7 +100,6 @@ class Straight:
 
     def shape(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Offsets and their derivatives by s."""
-        import numpy as np
 
         start, end = np.array(self.start)[:, None], np.array(self.end)[:, None]
         step = end - start
@@ -130,7 +125,6 @@ class Cubic:
 
     def shape(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Offsets and their derivatives by s."""
-        import numpy as np
 
         a, b, c, d = np.array(self.coefficients).T[:, :, None]
         return ((a * s + b) * s + c) * s + d, (3 * a * s + 2 * b) * s + c
@@ -168,7 +162,6 @@ class Curve:
 
     def shape(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Offsets and their derivatives by s."""
-        import numpy as np
 
         low, width = float(self.start), float(self.end - self.start)
         values = np.empty((2, len(self.expressions), len(s)))

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    import numpy as np
+import numpy as np
 
 # Fixed-point sweeps before the linear system is solved instead.
 SWEEPS = 30
@@ -15,7 +13,6 @@ SWEEPS = 30
 @cache
 def collocation(stages: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Nodes and weights of Gauss on (0, 1), integrals of the node polynomials up to each node."""
-    import numpy as np
 
     x, w = np.polynomial.legendre.leggauss(stages)
     # Integrals of Lagrange polynomials through their expansion in Legendre polynomials.
@@ -33,7 +30,6 @@ def inner_turns(omega: np.ndarray, weights: np.ndarray) -> np.ndarray:
 
     weights: the integrals of `collocation`.
     """
-    import numpy as np
 
     # Matrices as rows: a product of weights with all stretches at once, much faster than einsum.
     flat = (*omega.shape[:2], -1)
@@ -50,7 +46,6 @@ def inner_turns(omega: np.ndarray, weights: np.ndarray) -> np.ndarray:
 
 def _solved(omega: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """The same by one linear system for each stretch, where the fixed point is too far."""
-    import numpy as np
 
     m, stages, n, _ = omega.shape
     system = np.eye(stages * n) - np.einsum("kl,mlij->mkjli", weights, omega).reshape(
@@ -72,7 +67,6 @@ def increments(omega: np.ndarray, theta: np.ndarray) -> np.ndarray:
         Values at the nodes times the width of the stretch, shapes (m, stages, n, n) and
         (m, stages, n).
     """
-    import numpy as np
 
     m, stages, n = theta.shape
     _, weights, integrals = collocation(stages)
@@ -95,7 +89,6 @@ def product(increments: np.ndarray, errors: np.ndarray) -> tuple[np.ndarray, np.
     errors
         Errors of the rotation and of the translation of each, shape (m, 2).
     """
-    import numpy as np
 
     while len(increments) > 1:
         odd = len(increments) % 2

@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import intake
 from geomtorsion.loops.batch import Batch, Found
@@ -14,8 +16,6 @@ from geomtorsion.loops.cells import DISK, SQUARE, Cell
 from geomtorsion.loops.progress import counted
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from geomtorsion.geometry import Frame
 
 # Loops that are treated together: their points fit in the cache of the processor.
@@ -61,19 +61,16 @@ class BurgersMap:
     @property
     def reached(self) -> np.ndarray:
         """Where the relative error asked for was reached, shape (*shape)."""
-        import numpy as np
 
         return self.errors <= self.accuracy * np.abs(self.vectors).max(axis=0)
 
     @property
     def total(self) -> np.ndarray:
         """Sum of all finished vectors, shape (n,): on a grid, b of the loop round all of it."""
-        import numpy as np
 
         return np.nansum(self.vectors.reshape(len(self.vectors), -1), axis=1)
 
     def __repr__(self) -> str:
-        import numpy as np
 
         text = f"BurgersMap({self.done} of {self.areas.size} loops, {self.seconds:.2g} s"
         if self.enclosed.any():
@@ -120,7 +117,6 @@ def burgers_vectors(
     >>> found.vectors[2] / found.areas
     array([2., 2.])
     """
-    import numpy as np
 
     places = _array(centres, "centres", 2)
     radii = np.broadcast_to(_array(radius, "radius"), places.shape[:1])
@@ -174,7 +170,6 @@ def burgers_map(
     >>> found.areas.shape, found.enclosed.sum(), abs(found.total).round(9)
     ((11, 11), np.int64(1), array([0., 0., 3.]))
     """
-    import numpy as np
 
     if not hasattr(edges, "__len__") or isinstance(edges, str) or len(edges) != 2:
         raise LoopError("edges: two arrays were needed, one for each direction of the plane.")
@@ -201,7 +196,6 @@ def _survey(
     parameters: Mapping[Any, Any] | None,
 ) -> BurgersMap:
     """Do all loops piece by piece; on Ctrl-C keep what is done."""
-    import numpy as np
 
     start = time.perf_counter()
     if not 1e-14 <= accuracy < 1:
@@ -243,7 +237,6 @@ def _survey(
 
 def _array(values: Any, where: str, rank: int | None = None) -> np.ndarray:
     """An array of finite floats of a given rank."""
-    import numpy as np
 
     try:
         result = np.asarray(values, dtype=float)

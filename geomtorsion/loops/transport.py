@@ -6,17 +6,18 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from geomtorsion.errors import LoopError
+from geomtorsion.loops.loop import shown
 from geomtorsion.loops.motions import Motion
 from geomtorsion.loops.steps import collocation, increments, product
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from geomtorsion.loops.sides import Side
 
 # From offsets and slopes, shape (n, k), to omega (k, n, n) and theta (k, n).
-Integrand = Callable[["np.ndarray", "np.ndarray"], tuple["np.ndarray", "np.ndarray"]]
+Integrand = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 STAGES = 8
 # How many points one evaluation may take, and how many stretches a path may need.
@@ -66,7 +67,6 @@ def transported(sides: Sequence[Side], integrand: Integrand, accuracy: float) ->
     LoopError
         It does not converge near some point of the path; the message names it.
     """
-    import numpy as np
 
     counts = [max(1, 2 * side.waves) for side in sides]
     owner = np.repeat(np.arange(len(sides)), counts)
@@ -105,7 +105,6 @@ def transported(sides: Sequence[Side], integrand: Integrand, accuracy: float) ->
 
 def _assembled(done: list[_Stretches], errors: list[np.ndarray], points: int) -> Transported:
     """All stretches in the order of the path, multiplied."""
-    import numpy as np
 
     owner = np.concatenate([part.owner for part in done])
     low = np.concatenate([part.low for part in done])
@@ -130,7 +129,6 @@ def _chosen(
 
 def _halved(sides: Sequence[Side], integrand: Integrand, stretches: _Stretches) -> _Stretches:
     """Both halves of each stretch, one after the other."""
-    import numpy as np
 
     owner, width = np.repeat(stretches.owner, 2), np.repeat(stretches.width / 2, 2)
     low = np.repeat(stretches.low, 2)
@@ -146,7 +144,6 @@ def _measured(
     width: np.ndarray,
 ) -> _Stretches:
     """Motions over stretches, in pieces that fit in memory."""
-    import numpy as np
 
     nodes, weights, _ = collocation(STAGES)
     most = max(1, PIECE // STAGES)
@@ -169,7 +166,6 @@ def at_sides(
     sides: Sequence[Side], owner: np.ndarray, s: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Offsets and slopes at s, shape (m, nodes), on sides named by owner; shape (n, m * nodes)."""
-    import numpy as np
 
     if len(sides) == 1:
         return sides[0].shape(s.ravel())
@@ -187,9 +183,6 @@ def at_sides(
 
 def _stuck(sides: Sequence[Side], stretches: _Stretches, worst: int) -> LoopError:
     """The error for a path along which the integral does not converge."""
-    import numpy as np
-
-    from geomtorsion.loops.loop import shown
 
     side = sides[int(stretches.owner[worst])]
     middle = float(stretches.low[worst] + stretches.width[worst] / 2)

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+
+import numpy as np
 
 from geomtorsion.errors import GeomtorsionError, SingularPointError
 from geomtorsion.loops.loop import Loop, Part, shown
 from geomtorsion.loops.sides import Side, Straight
-
-if TYPE_CHECKING:
-    import numpy as np
 
 # Points per side at first, and how often stretches that turn too far may be halved.
 FIRST_POINTS = 33
@@ -47,7 +45,6 @@ def turns_round(
     >>> turns_round(loop, [0, 0, 0], np.eye(3)[:2], "axis")
     1
     """
-    import numpy as np
 
     total = 0
     for part in loop.parts:
@@ -64,7 +61,6 @@ def turns_round(
 
 def _turned(side: Side, across: np.ndarray, offset: np.ndarray) -> tuple[float, float | None]:
     """The angle by which one side turns round the line, and the s at which it meets it."""
-    import numpy as np
 
     def plane(s: np.ndarray) -> np.ndarray:
         return across @ side.shape(s)[0] + offset[:, None]
@@ -101,7 +97,6 @@ def _turned(side: Side, across: np.ndarray, offset: np.ndarray) -> tuple[float, 
 
 def _through(part: Part, side: Side, s: float, name: str) -> str:
     """The message for a loop that goes through the line."""
-    import numpy as np
 
     place = shown(part.points(side, np.array([s]))[0][:, 0])
     return (
