@@ -62,8 +62,8 @@ def show(number: Number, seed: Seed = 0) -> None:
       geomtorsion exercises show 3.2 --seed 7
     """
     from geomtorsion.exercises import load
+    from geomtorsion.exercises.prompts import how_to_answer
     from geomtorsion.exercises.prose import text_of
-    from geomtorsion.exercises.wording import how_to_answer
 
     exercise = load(number, seed)
     typer.echo(typer.style(f"{exercise.number}  {exercise.title}", bold=True))

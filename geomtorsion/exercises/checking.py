@@ -7,12 +7,12 @@ from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import GeomtorsionError, LimitError
+from geomtorsion.exercises.answers import completed, components, expression
 from geomtorsion.exercises.compare import EQUAL, PARTLY, compare_all, same
 from geomtorsion.exercises.diagnoses import MESSAGES
 from geomtorsion.exercises.equations import equations
-from geomtorsion.exercises.mistakes import scaled
-from geomtorsion.exercises.numbers import ROUNDED, UnitError, deviation, numbers
-from geomtorsion.exercises.reading import completed, components, expression
+from geomtorsion.exercises.numbers import ROUNDED, UnitError, numbers
+from geomtorsion.exercises.question import deviation, scaled
 from geomtorsion.exercises.verdict import QuestionVerdict
 
 if TYPE_CHECKING:
@@ -118,14 +118,14 @@ def _agreement(question: Question, value: Value) -> dict[Index, str]:
 
 def _check_exactly(question: Question, value: Value) -> QuestionVerdict:
     """Exact: right if every difference vanishes and every value agrees over the domain."""
-    ground, given = question.ground, value
+    domain, given = question.domain, value
     value = completed(given, question.symmetry)
-    agreement = compare_all(ground, value, question.solution)
+    agreement = compare_all(domain, value, question.solution)
     if all(state == EQUAL for state in agreement.values()):
         return _right(question)
     # A mistake may lack the symmetry of the solution: then it counts as it was written.
     written = (value, given) if len(given) < len(value) else (value,)
-    found = [m for m in question.mistakes if any(same(ground, x, m.value) for x in written)]
+    found = [m for m in question.mistakes if any(same(domain, x, m.value) for x in written)]
     said = _diagnosed(question, found)
     if said is not None:
         return said
@@ -144,7 +144,7 @@ def _counted_from_zero(question: Question, value: Value) -> QuestionVerdict | No
         return None
     moved = {tuple(k + 1 for k in key): x for key, x in value.items()}
     inside = all(k < n for key in moved for k, n in zip(key, question.shape, strict=True))
-    if inside and same(question.ground, moved, question.solution):
+    if inside and same(question.domain, moved, question.solution):
         return _wrong(question, "counted", MESSAGES["counted"])
     return _wrong(question, "counted", "An index is 0: " + MESSAGES["counted"])
 
@@ -172,9 +172,9 @@ def _shared(question: Question, wrong: list[Index], value: Value) -> str:
     given = {key: value[key] for key in wrong if key in value}
     right = {key: question.solution[key] for key in wrong if key in question.solution}
     for code, factor in (("sign", -1), ("factor", 2)):
-        if code in question.generic and same(question.ground, given, scaled(right, factor)):
+        if code in question.generic and same(question.domain, given, scaled(right, factor)):
             return code
-    if "factor" in question.generic and same(question.ground, scaled(given, 2), right):
+    if "factor" in question.generic and same(question.domain, scaled(given, 2), right):
         return "factor"
     return ""
 

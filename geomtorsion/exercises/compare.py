@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import sympy
 
 from geomtorsion.errors import ExpressionError, GeomtorsionError, LimitError
@@ -12,7 +13,7 @@ from geomtorsion.exercises.limits import check_weight
 from geomtorsion.exercises.numeric import at_point, at_points, at_points_with_size
 
 if TYPE_CHECKING:
-    from geomtorsion.exercises.ground import Ground
+    from geomtorsion.exercises.domain import Domain
 
 Index = tuple[int, ...]
 Value = Mapping[Index, Any]
@@ -29,7 +30,7 @@ BEYOND = 1e120
 SURE = 1e-30
 
 
-def compare(ground: Ground, one: Any, two: Any) -> str:
+def compare(domain: Domain, one: Any, two: Any) -> str:
     """How two expressions are related: EQUAL, PARTLY (on a part of the domain) or DIFFERENT.
 
     Equal means that the difference vanishes exactly and that both have the same value at every
@@ -42,47 +43,45 @@ def compare(ground: Ground, one: Any, two: Any) -> str:
 
     Examples
     --------
-    >>> from geomtorsion.exercises.ground import Ground
+    >>> from geomtorsion.exercises.domain import Domain
     >>> x = sympy.Symbol("x", real=True)
-    >>> whole, half = Ground((x,), (x > 0, x < 2 * sympy.pi)), Ground((x,), (x > 0, x < sympy.pi))
+    >>> whole, half = Domain((x,), (x > 0, x < 2 * sympy.pi)), Domain((x,), (x > 0, x < sympy.pi))
     >>> root = sympy.sqrt(1 - sympy.cos(x) ** 2)
-    >>> [compare(ground, root, sympy.sin(x)) for ground in (whole, half)]
+    >>> [compare(domain, root, sympy.sin(x)) for domain in (whole, half)]
     ['partly', 'equal']
     """
     one, two = sympy.sympify(one), sympy.sympify(two)
     if one == two:
         return EQUAL
-    near, largest = _near(ground, one, two)
+    near, largest = _near(domain, one, two)
     if not any(near):
         return DIFFERENT
     if not all(near):
         return PARTLY
     if not largest < BEYOND:
         raise LimitError("answer: numbers beyond all size occur on the way. Write it without them.")
-    return EQUAL if _is_zero(ground, one, two) else DIFFERENT
+    return EQUAL if _is_zero(domain, one, two) else DIFFERENT
 
 
-def compare_all(ground: Ground, given: Value, right: Value) -> dict[Index, str]:
+def compare_all(domain: Domain, given: Value, right: Value) -> dict[Index, str]:
     """`compare` for every component that occurs in one of two; what is missing is zero."""
     keys = sorted({*given, *right})
-    return {key: compare(ground, given.get(key, 0), right.get(key, 0)) for key in keys}
+    return {key: compare(domain, given.get(key, 0), right.get(key, 0)) for key in keys}
 
 
-def same(ground: Ground, given: Value, right: Value) -> bool:
+def same(domain: Domain, given: Value, right: Value) -> bool:
     """Whether all components are equal; ends at the first that is not."""
     return all(
-        compare(ground, given.get(key, 0), right.get(key, 0)) == EQUAL for key in {*given, *right}
+        compare(domain, given.get(key, 0), right.get(key, 0)) == EQUAL for key in {*given, *right}
     )
 
 
-def _near(ground: Ground, one: Any, two: Any) -> tuple[list[bool], float]:
+def _near(domain: Domain, one: Any, two: Any) -> tuple[list[bool], float]:
     """At each point where both have a value, whether it is the same; and the largest number.
 
     Floats tell where they differ by more than rounding can do; else many digits are taken.
     """
-    import numpy as np
-
-    arrays, points = ground.arrays, ground.places
+    arrays, points = domain.arrays, domain.places
     first, size = at_points_with_size(one, arrays)
     second, other = at_points_with_size(two, arrays)
     apart = np.abs(first - second)
@@ -107,13 +106,13 @@ def _settled(point: Any, one: Any, two: Any) -> bool | None:
     return bool(abs(a - b) <= SURE * (1 + abs(a) + abs(b)))
 
 
-def _is_zero(ground: Ground, one: Any, two: Any) -> bool:
+def _is_zero(domain: Domain, one: Any, two: Any) -> bool:
     """Whether the difference vanishes exactly; where nothing decides it, what many digits say."""
     for expr in (one, two):
         check_weight(expr, "answer")
     try:
-        first, second = ground.field().read_all(
-            [("answer", _without_sizes(ground, one)), ("solution", _without_sizes(ground, two))]
+        first, second = domain.field().read_all(
+            [("answer", _without_sizes(domain, one)), ("solution", _without_sizes(domain, two))]
         )
         verdict = (first - second).is_zero
     except (LimitError, RecursionError) as error:
@@ -123,16 +122,16 @@ def _is_zero(ground: Ground, one: Any, two: Any) -> bool:
     except GeomtorsionError:
         verdict = None
     if verdict is None:
-        settled = [_settled(point, one, two) for point in ground.places]
+        settled = [_settled(point, one, two) for point in domain.places]
         return False not in settled and True in settled
     return verdict
 
 
-def _without_sizes(ground: Ground, expr: Any) -> Any:
+def _without_sizes(domain: Domain, expr: Any) -> Any:
     """|x| as x or -x, where it has one sign at all points; sympy makes it of sqrt(x**2)."""
     table = {}
     for size in expr.atoms(sympy.Abs):
-        inner = at_points(size.args[0], ground.arrays).real
+        inner = at_points(size.args[0], domain.arrays).real
         if (inner >= 0).all():
             table[size] = size.args[0]
         elif (inner <= 0).all():

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 import sympy
 
 from geomtorsion.errors import ExpressionError, LimitError
-from geomtorsion.exercises.ground import Ground
+from geomtorsion.exercises.answers import expression
+from geomtorsion.exercises.domain import Domain
 from geomtorsion.exercises.limits import LARGEST_ANSWER, LARGEST_EQUATION, check_weight
-from geomtorsion.exercises.reading import expression, plain_name, shown_name
+from geomtorsion.exercises.prompts import plain_name, shown_name
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Element
@@ -39,7 +40,7 @@ def equations(question: Question, given: Any, where: str) -> dict[Index, sympy.E
     """
     unknowns = [sympy.Symbol(plain_name(name), real=True) for name in question.unknowns]
     wide = replace(
-        question, ground=Ground((*question.ground.symbols, *unknowns), question.ground.domain)
+        question, domain=Domain((*question.domain.symbols, *unknowns), question.domain.relations)
     )
     residuals = []
     for number, (left, right) in enumerate(_sides(given, where)):
@@ -52,7 +53,7 @@ def equations(question: Question, given: Any, where: str) -> dict[Index, sympy.E
             f"but {len(residuals)} came."
         )
     explicit = _explicit(residuals, unknowns)
-    return explicit or _solved(wide.ground, residuals, unknowns, where)
+    return explicit or _solved(wide.domain, residuals, unknowns, where)
 
 
 def _sides(given: Any, where: str) -> list[tuple[Any, Any]]:
@@ -97,7 +98,7 @@ def _explicit(
 
 
 def _solved(
-    ground: Ground,
+    domain: Domain,
     residuals: list[tuple[str, sympy.Expr]],
     unknowns: list[sympy.Symbol],
     where: str,
@@ -106,7 +107,7 @@ def _solved(
     for place, residual in residuals:
         check_weight(residual, place, LARGEST_EQUATION)
         _check_plain(residual, place)
-    field = ground.field()
+    field = domain.field()
     rows: list[list[Element]] = []
     for place, residual in residuals:
         element = field.read(residual, place)

@@ -8,6 +8,7 @@ from difflib import get_close_matches
 from typing import Any
 
 from geomtorsion.errors import UnknownNameError
+from geomtorsion.exercises.answers import answer_text
 from geomtorsion.exercises.checking import check_question
 from geomtorsion.exercises.compare import Value
 from geomtorsion.exercises.question import Question
@@ -15,7 +16,7 @@ from geomtorsion.exercises.verdict import Verdict
 
 
 @dataclass(frozen=True, eq=False)
-class Posed:
+class Variant:
     """One variant of an exercise, as its file makes it.
 
     statement: Markdown with LaTeX between dollar signs.
@@ -37,7 +38,7 @@ class Exercise:
     """An exercise in one variant.
 
     number: "3.2". title, chapter: what it is called and where it stands. level: warm-up, exercise
-    or project. seed: which variant; 0 is the one of the paper. posed: what it says.
+    or project. seed: which variant; 0 is the one of the paper. variant: what it says.
 
     Examples
     --------
@@ -52,22 +53,22 @@ class Exercise:
     chapter: str
     level: str
     seed: int
-    posed: Posed
+    variant: Variant
 
     @property
     def statement(self) -> str:
         """What is given and what is asked: Markdown, LaTeX between dollar signs."""
-        return self.posed.statement
+        return self.variant.statement
 
     @property
     def questions(self) -> tuple[Question, ...]:
         """What is asked, in order."""
-        return self.posed.questions
+        return self.variant.questions
 
     @property
     def hints(self) -> tuple[str, ...]:
         """Steps, from a nudge to nearly all of it; Markdown with LaTeX."""
-        return self.posed.hints
+        return self.variant.hints
 
     def question(self, name: str) -> Question:
         """The question of a name.
@@ -93,8 +94,6 @@ class Exercise:
 
     def answers(self) -> dict[str, str]:
         """The right answers as texts that `check` takes."""
-        from geomtorsion.exercises.writing import answer_text
-
         return {q.name: answer_text(q, q.solution) for q in self.questions}
 
     def check(self, answers: Mapping[str, Any] | str) -> Verdict:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from geomtorsion.exercises.exercise import Exercise
-from geomtorsion.exercises.wording import how_to_answer
+from geomtorsion.exercises.prompts import how_to_answer
 
 
 def notebook_of(title: str, exercises: Sequence[Exercise]) -> dict[str, Any]:

@@ -9,11 +9,11 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import ExpressionError
+from geomtorsion.exercises.answers import components, expression
 from geomtorsion.exercises.numeric import at_point
-from geomtorsion.exercises.reading import components, expression
 
 if TYPE_CHECKING:
-    from geomtorsion.exercises.compare import Index, Value
+    from geomtorsion.exercises.compare import Index
     from geomtorsion.exercises.question import Question
 
 # Unit -> what it measures, and its size.
@@ -87,14 +87,3 @@ def _float(expr: Any, where: str) -> float:
     if found is None or found.imag or not isfinite(float(found.real)):
         raise ExpressionError(f"{where}: this has no finite real value. Give a number.")
     return float(found.real)
-
-
-def deviation(question: Question, given: Value, right: Value) -> float:
-    """Largest difference, in tolerances of the question."""
-    size = max((abs(float(x)) for x in right.values()), default=0.0)
-    allowed = question.tolerance * (size or 1.0)
-    keys = {*given, *right}
-    return (
-        max((abs(float(given.get(k, 0)) - float(right.get(k, 0))) for k in keys), default=0.0)
-        / allowed
-    )

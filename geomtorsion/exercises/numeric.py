@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import mpmath
+import numpy as np
 import sympy
 
 from geomtorsion.errors import ExpressionError
@@ -45,8 +46,6 @@ def at_points_with_size(expr: Any, points: Mapping[sympy.Symbol, Any]) -> tuple[
 
     A value far below that size has lost digits by cancellation.
     """
-    import numpy as np
-
     shape = next(iter(points.values())).shape if points else (1,)
     values = {symbol: array.astype(complex) for symbol, array in points.items()}
     table = _Arrays(np.zeros(shape))
@@ -85,20 +84,14 @@ class _Arrays:
         return complex(int(expr.p) / int(expr.q)) if expr.is_Rational else complex(expr)
 
     def power(self, base: Any, exponent: Any) -> Any:
-        import numpy as np
-
         return np.sqrt(base) if np.ndim(exponent) == 0 and exponent == 0.5 else base**exponent
 
     def call(self, name: str, arguments: list[Any]) -> Any:
-        import numpy as np
-
         if name == "atan2":
             return np.arctan2(arguments[0].real, arguments[1].real)
         return getattr(np, _NUMPY[name])(*arguments)
 
     def checked(self, value: Any) -> Any:
-        import numpy as np
-
         self.largest = np.fmax(self.largest, np.abs(value))
         return value
 

@@ -10,6 +10,7 @@ from random import Random
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import UnknownNameError
+from geomtorsion.exercises.exercise import Exercise
 
 if TYPE_CHECKING:
     from geomtorsion.exercises.exercise import Exercise
@@ -121,12 +122,10 @@ def load(number: str, seed: int = 0) -> Exercise:
 @lru_cache(maxsize=512)
 def _loaded(number: str, module: str, title: str, level: str, seed: int) -> Exercise:
     """An exercise, kept: what was computed for one student serves the next."""
-    from geomtorsion.exercises.exercise import Exercise
-
     # Text as seed: the same draws on every platform and for every version of Python.
     draw = Random(f"{number}/{seed}")
-    posed = import_module(f"geomtorsion.exercises.{module}").pose(draw, seed)
-    return Exercise(number, title, chapter_of(number), level, seed, posed)
+    variant = import_module(f"geomtorsion.exercises.{module}").make(draw, seed)
+    return Exercise(number, title, chapter_of(number), level, seed, variant)
 
 
 def check(number: str, answers: Mapping[str, Any] | str, seed: int = 0) -> Verdict:

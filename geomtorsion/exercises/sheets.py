@@ -9,14 +9,14 @@ from os import PathLike
 from pathlib import Path
 
 from geomtorsion.errors import UnknownNameError
+from geomtorsion.exercises.answers import answer_text
 from geomtorsion.exercises.diagnoses import MESSAGES, TITLES
 from geomtorsion.exercises.exercise import Exercise
 from geomtorsion.exercises.notebook import notebook_of
+from geomtorsion.exercises.prompts import how_to_answer
 from geomtorsion.exercises.prose import html_of
 from geomtorsion.exercises.question import Question
 from geomtorsion.exercises.registry import CHAPTERS, load, names
-from geomtorsion.exercises.wording import how_to_answer
-from geomtorsion.exercises.writing import answer_text
 from geomtorsion.pictures.mathml import identifier, mathml
 from geomtorsion.pictures.style import CSS
 from geomtorsion.pictures.text import greek_name

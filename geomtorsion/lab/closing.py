@@ -5,9 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.lab.facts import space_of
 from geomtorsion.lab.numbers import names_text, shown, table
-from geomtorsion.lab.svg import LOOKS, Look, Plot
+from geomtorsion.lab.plot import LOOKS, Look, Plot
+from geomtorsion.loops import Loop, burgers_vector
+from geomtorsion.loops.forms import forms, parameter_values
+from geomtorsion.loops.images import image
 from geomtorsion.pictures.ink import number
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.spaces.first_motions import first_motion
@@ -45,11 +50,6 @@ def closing(
     >>> max(abs(x - y) for x, y in zip(found["b"], found["expected"])) < 1e-12
     True
     """
-    import numpy as np
-
-    from geomtorsion.loops import Loop, burgers_vector
-    from geomtorsion.loops.images import image
-
     frame = space_of(space).frame
     values = dict(first_motion(frame).parameters)
     first, second = plane
@@ -75,10 +75,6 @@ def density(frame: Frame, b: BurgersVector, first: int, second: int) -> list[flo
     --------
     2 S_{mn}^i = d_m e^i_n - d_n e^i_m, A the oriented area of the loop in its plane.
     """
-    import numpy as np
-
-    from geomtorsion.loops.forms import forms, parameter_values
-
     compiled = forms(frame)
     result = np.zeros(frame.dimension)
     if compiled.curl is not None:
@@ -105,8 +101,6 @@ def _path(drawn: Any, names: list[str], first: int, second: int) -> str:
 
 def _image(drawn: Any, b: BurgersVector) -> str:
     """The image in the frame, seen from the side from which the gap is widest."""
-    import numpy as np
-
     curve = np.real(drawn.image)
     widths = np.ptp(curve, axis=1)
     gap = np.abs(curve[:, -1] - curve[:, 0])
@@ -133,8 +127,6 @@ def _raised(k: int) -> str:
 
 def _table(b: BurgersVector, expected: Sequence[float]) -> str:
     """Both routes, component by component, beside what a small loop has."""
-    import numpy as np
-
     flux = b.check.flux
     rows = []
     for k, value in enumerate(np.real(b.vector)):
@@ -155,8 +147,6 @@ def _sentence(
     b: BurgersVector, expected: Sequence[float], names: Sequence[str], plane: tuple[int, int]
 ) -> str:
     """What the pictures show, in words."""
-    import numpy as np
-
     around = names_text([names[k] for k in plane])
     area = float(b.loop.area[plane])
     said = f"Area A = {number(float(f'{area:.6g}'))} in {around}. "

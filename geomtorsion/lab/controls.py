@@ -8,7 +8,7 @@ from typing import Any
 from geomtorsion.lab.facts import drawable
 from geomtorsion.lab.tetrad import OFFERED, USUAL
 from geomtorsion.lab.top import SWITCHES, WATCHED
-from geomtorsion.lab.views import TABS
+from geomtorsion.lab.views import TABS, intro
 from geomtorsion.pictures.text import greek_name
 
 Facts = Mapping[str, Any]
@@ -29,8 +29,6 @@ _LETTERS = ("x", "y", "z", "w")
 
 def tabs(mo: Any) -> Any:
     """The six tabs, which hold nothing but tell which is open."""
-    from geomtorsion.lab.views import intro
-
     return mo.ui.tabs({name: mo.Html(intro(name)) for name in TABS})
 
 

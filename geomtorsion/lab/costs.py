@@ -6,10 +6,16 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any
 
+from geomtorsion.accuracy import accuracy_cost
+from geomtorsion.accuracy.loops import loop_costs
 from geomtorsion.lab.facts import space_of
 from geomtorsion.lab.numbers import table
-from geomtorsion.lab.svg import LOOKS, Plot
+from geomtorsion.lab.plot import LOOKS, Plot
+from geomtorsion.lab.top import made, scene_of
+from geomtorsion.loops import Loop
 from geomtorsion.pictures.ink import number
+from geomtorsion.pictures.pair import posed
+from geomtorsion.scenes.accuracies import scene_accuracy
 from geomtorsion.spaces.first_motions import first_motion
 
 if TYPE_CHECKING:
@@ -51,9 +57,6 @@ def _of_loop(
     space: str, centre: Sequence[float], radius: float, plane: Sequence[int]
 ) -> dict[str, Any]:
     """Rules of quadrature round a circle, against fifty digits."""
-    from geomtorsion.accuracy.loops import loop_costs
-    from geomtorsion.loops import Loop
-
     frame = space_of(space).frame
     first, second = plane
     loop = Loop.circle([float(x) for x in centre], float(radius), (first, second))
@@ -77,9 +80,6 @@ def _of_motion(
     moments: Sequence[float] | None = None,
 ) -> dict[str, Any]:
     """Engines along one of the two curves, against a closed form or quadruple precision."""
-    from geomtorsion.accuracy import accuracy_cost
-    from geomtorsion.pictures.pair import posed
-
     problems, _, last = posed(
         space_of(space), frame_velocity=list(velocity), t=float(t), moments=moments
     )
@@ -97,9 +97,6 @@ def _of_top(
     watch: Sequence[str] = ("nutation",),
 ) -> dict[str, Any]:
     """Engines on the equations of a body that turns."""
-    from geomtorsion.lab.top import made, scene_of
-    from geomtorsion.scenes.accuracies import scene_accuracy
-
     scene = scene_of(moments, omega, tilt, t, made(effects), watch)
     acting = ", ".join(effects) or "free"
     return _of_table(f"The top ({acting}), to t = {number(t)} s", scene_accuracy(scene))

@@ -5,11 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.lab.facts import space_of
 from geomtorsion.lab.numbers import table
-from geomtorsion.lab.svg import LOOKS, Look, Plot
+from geomtorsion.lab.plot import LOOKS, Look, Plot
 from geomtorsion.lab.turning import Curve, Film, thinned, turnable
 from geomtorsion.pictures.ink import number
+from geomtorsion.pictures.pair import follow
+from geomtorsion.pictures.quality import coincide
 from geomtorsion.pictures.text import greek_name
 
 if TYPE_CHECKING:
@@ -48,8 +52,6 @@ def paths(
     >>> paths("flat_polar", [0.3, 1.0], 2.0)["largest"] > 0.5
     True
     """
-    from geomtorsion.pictures.pair import follow
-
     pair = follow(
         space_of(space),
         frame_velocity=[float(x) for x in velocity],
@@ -112,8 +114,6 @@ def _three(names: Sequence[str]) -> tuple[str, str, str]:
 
 def _radius(places: dict[str, Any]) -> float:
     """Radius of the sphere on which all points lie, or zero."""
-    import numpy as np
-
     lengths = np.concatenate([np.linalg.norm(points, axis=1) for points in places.values()])
     return float(lengths.max()) if np.ptp(lengths) < 1e-6 * lengths.max() else 0.0
 
@@ -155,8 +155,6 @@ def _plane(places: dict[str, Any], names: Sequence[str], title: str, *, equal: b
 
 def _distance(pair: Pair) -> str:
     """How far apart they are over time; on a logarithmic axis where they are one."""
-    from geomtorsion.pictures.quality import coincide
-
     times = pair.times[: len(pair.distance)].tolist()
     distances = pair.distance.tolist()
     if coincide(pair):
@@ -185,8 +183,6 @@ def _table(pair: Pair) -> str:
 
 
 def _sentence(pair: Pair, largest: float) -> str:
-    from geomtorsion.pictures.quality import coincide
-
     if coincide(pair):
         said = f"Straightest and shortest are one curve here, to {largest:.0e}."
     else:

@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from geomtorsion import exercises
 from geomtorsion.errors import LimitError
+from geomtorsion.exercises.prompts import how_to_answer, symbol_names
+from geomtorsion.exercises.prose.markdown import html_of
 
 if TYPE_CHECKING:
     from geomtorsion.exercises import Question
@@ -32,8 +35,6 @@ def how(question: Question) -> str:
     >>> how(exercises.load("3.2").questions[0])
     'an expression, such as sin(phi2)/2. Names that may occur: phi1, phi2'
     """
-    from geomtorsion.exercises.wording import how_to_answer, symbol_names
-
     text = HOW[question.kind]
     if question.kind == "number":
         return f"{text}; {how_to_answer(question).rpartition(', ')[2]}"
@@ -51,8 +52,6 @@ def listing() -> dict[str, Any]:
     >>> list(listing()["chapters"])[0]
     '1. Frames and anholonomy'
     """
-    from geomtorsion import exercises
-
     titles = exercises.titles()
     return {
         "chapters": {
@@ -73,9 +72,6 @@ def statement(number: str, seed: int = 0) -> dict[str, Any]:
     >>> found["title"], [question["name"] for question in found["questions"]], found["hints"]
     ('The legs of a coframe', ['legs'], 3)
     """
-    from geomtorsion import exercises
-    from geomtorsion.exercises.prose.markdown import html_of
-
     found = exercises.load(number, seed)
     return {
         "number": found.number,
@@ -107,9 +103,6 @@ def hints(number: str, seed: int, count: int) -> dict[str, Any]:
     >>> len(hints("1.1", 0, 2)["hints"])
     2
     """
-    from geomtorsion import exercises
-    from geomtorsion.exercises.prose.markdown import html_of
-
     return {"hints": [html_of(hint) for hint in exercises.load(number, seed).hints[:count]]}
 
 
@@ -128,9 +121,6 @@ def answer(number: str, seed: int, answers: Mapping[str, str]) -> dict[str, Any]
     >>> answer("2.1", 0, {"connection": "2,1,2 = 1/r"})["questions"][0]["diagnosis"]
     'permuted'
     """
-    from geomtorsion import exercises
-    from geomtorsion.exercises.prose.markdown import html_of
-
     given = {name: text for name, text in answers.items() if text.strip()}
     for name, text in given.items():
         if len(text) > LONGEST:

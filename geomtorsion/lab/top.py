@@ -6,9 +6,13 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.lab.numbers import shown, table
-from geomtorsion.lab.svg import LOOKS, Look, Plot
+from geomtorsion.lab.plot import LOOKS, Look, Plot
 from geomtorsion.lab.turning import Curve, Film, thinned, turnable
+from geomtorsion.scenes import Body, Scene, State, effects
+from geomtorsion.scenes.effects import Naive
 
 if TYPE_CHECKING:
     from geomtorsion.scenes import Scene, SceneResult
@@ -74,8 +78,6 @@ def top(
     >>> found["naive"], len(found["omega"])
     ([0.1, 2.0, 0.1], 3)
     """
-    from geomtorsion.scenes.effects import Naive
-
     turns = math.hypot(*omega) * float(t) / (2 * math.pi)
     samples = round(min(max(LEAST_TIMES, EACH_TURN * turns), MOST_TIMES))
     acting = made(effects)
@@ -105,8 +107,6 @@ def made(names: Sequence[str]) -> tuple[Effect, ...]:
     >>> [effect.key for effect in made(["pivot", "gravity"])]
     ['gravity', 'pivot']
     """
-    from geomtorsion.scenes import effects
-
     makers = {
         "gravity": lambda: effects.Gravity(9.81),
         "pivot": lambda: effects.Pivot((0, 0, 0.5)),
@@ -128,8 +128,6 @@ def scene_of(
     samples: int = LEAST_TIMES,
 ) -> Scene:
     """The scene that the switches and sliders describe."""
-    from geomtorsion.scenes import Body, Scene, State
-
     return Scene(
         Body(mass=1.0, moments=tuple(moments)),
         tuple(effects),
@@ -143,8 +141,6 @@ def scene_of(
 
 def _film(result: SceneResult) -> Film:
     """Body cone and space cone: the one rolls on the other."""
-    import numpy as np
-
     omega, fixed, turns = result["omega"], result["omega_space"], result["matrix"]
     size = float(np.linalg.norm(omega, axis=1).max()) or 1.0
     momentum = result["angular_momentum_space"]
@@ -198,8 +194,6 @@ def _plan(scene: Scene) -> str:
 
 def _compared(result: SceneResult, wrong: SceneResult | None) -> str:
     """The component of the angular velocity in which the naive law is most wrong."""
-    import numpy as np
-
     right = result["omega"]
     other = right if wrong is None else wrong["omega"]
     spread = np.ptp(right, axis=0) if wrong is None else np.abs(right - other).max(axis=0)
@@ -220,8 +214,6 @@ def _pairs(times: Sequence[float], values: Any) -> list[tuple[float, float]]:
 
 def _change(values: Any) -> float:
     """Largest change of a vector since the start, relative to its size."""
-    import numpy as np
-
     moved = np.linalg.norm(values - values[0], axis=-1).max()
     return float(moved / (np.linalg.norm(values, axis=-1).max() or 1.0))
 

@@ -10,7 +10,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from geomtorsion.lab.svg import Look, Point, marker, polyline
+from geomtorsion.lab.plot import Look, Point, marker, polyline
 
 # Points of a curve that are sent; digits of each.
 MOST_POINTS, DIGITS = 600, 5
@@ -75,7 +75,7 @@ def turnable(scene: Film) -> str:
 
     Examples
     --------
-    >>> from geomtorsion.lab.svg import LOOKS
+    >>> from geomtorsion.lab.plot import LOOKS
     >>> line = Curve([(0, 0, 0), (1, 1, 1)], LOOKS[0], "a line")
     >>> page = turnable(Film("x", "A line", ("x", "y", "z"), (line,)))
     >>> "http" in page, page.count("<canvas")

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.pictures.ink import (
     STROKES,
     Stroke,
@@ -19,7 +21,6 @@ from geomtorsion.pictures.ink import (
 from geomtorsion.pictures.sphere import curve_on, globe, space_axes, towards
 
 if TYPE_CHECKING:
-    import numpy as np
     from matplotlib.figure import Figure
 
     from geomtorsion.pictures.pair import Pair
@@ -98,8 +99,6 @@ def coordinates_picture(pair: Pair) -> Figure:
 
 def continued(pair: Pair) -> dict[str, np.ndarray]:
     """Coordinates with angles carried on beyond a full turn instead of jumping back."""
-    import numpy as np
-
     atlas = pair.problem.atlas
     angles: set[int] = set()
     for other in atlas.makers:
@@ -116,15 +115,11 @@ def continued(pair: Pair) -> dict[str, np.ndarray]:
 
 
 def _beside(times: Any, points: Any) -> Any:
-    import numpy as np
-
     return np.column_stack([times, points])
 
 
 def _view(figure: Any, place: Any, paths: Any, labels: Any, title: str, equal: bool) -> Any:
     """One panel: on a globe, in space or in a plane, as the points demand."""
-    import numpy as np
-
     every = np.concatenate(list(paths.values()))
     radius = np.linalg.norm(every, axis=1)
     if equal and len(labels) == 3 and np.ptp(radius) < FLAT * radius.max():
@@ -163,8 +158,6 @@ def _on_globe(figure: Any, place: Any, paths: Any, radius: float, title: str) ->
 
 
 def _in_space(figure: Any, place: Any, paths: Any, labels: Any, title: str, equal: bool) -> Any:
-    import numpy as np
-
     axes = figure.add_subplot(*place, projection="3d")
     for name, stroke in STROKES.items():
         axes.plot(*paths[name].T, **stroke.line, label=name)
@@ -199,8 +192,6 @@ def _in_space(figure: Any, place: Any, paths: Any, labels: Any, title: str, equa
 
 def _azimuth(points: Any) -> float:
     """The side from which curves spread over the largest area."""
-    import numpy as np
-
     e = np.radians(ELEVATION)
     best, where = -1.0, -58.0
     for azimuth in range(-75, -10, 5):

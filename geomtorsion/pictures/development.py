@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from sympy import latex
 
 from geomtorsion.loops import Loop, develop
@@ -13,8 +14,6 @@ from geomtorsion.pictures.ink import new_figure
 from geomtorsion.pictures.loops import GAP, IMAGE, PATH, START
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from geomtorsion.geometry import Connection
     from geomtorsion.loops import Development
 
@@ -60,8 +59,6 @@ def draw_development(
 
 def _plane(points: np.ndarray) -> tuple[int, int]:
     """The two directions in which most is to be seen, that of the gap among them."""
-    import numpy as np
-
     widths, gap = np.ptp(points, axis=1), np.abs(points[:, -1] - points[:, 0])
     order = [int(k) for k in np.argsort(-widths, kind="stable")]
     first = int(gap.argmax()) if gap.max() > 0.01 * widths.max() else order[0]
@@ -103,8 +100,6 @@ def _draw_loop(axes: Any, path: RolledPath, names: list[str], frames: int) -> No
 
 def _draw_rolled(axes: Any, path: RolledPath, frames: int) -> None:
     """The rolled-out path, the frames along it, and the gap."""
-    import numpy as np
-
     a, b = _plane(path.places)
     x, y = path.places[a], path.places[b]
     span = max(float(np.ptp(x)), float(np.ptp(y)))
@@ -159,8 +154,6 @@ def _draw_frame(
 
 def _tell(axes: Any, turn: Development) -> None:
     """Gap and turn in numbers, and what lies inside."""
-    import numpy as np
-
     size = float(np.linalg.norm(turn.burgers))
     told = f"|b| = {size:.4g}" if size > turn.error else "b = 0"
     rotated = float(np.abs(turn.motion.turn).max())

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.motion.compare import pairs
 from geomtorsion.motion.system import evaluated
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from geomtorsion.motion import Solution
 
 
@@ -26,8 +26,6 @@ def error_over_time(solution: Solution) -> np.ndarray | None:
     >>> bool(abs(error_over_time(sol).max() - sol.error) < 1e-16)
     True
     """
-    import numpy as np
-
     if solution.witness is None:
         return None
     count = min(solution.journey.count, solution.witness.count)
@@ -58,8 +56,6 @@ def drift_over_time(solution: Solution) -> dict[str, np.ndarray]:
     >>> sorted(sol)
     ['momentum of phi', 'norm']
     """
-    import numpy as np
-
     pieces: dict[str, list[Any]] = {}
     segments = [segment for segment in solution.journey.segments if len(segment.states)]
     for number, segment in enumerate(segments):
@@ -78,8 +74,6 @@ def drift_over_time(solution: Solution) -> dict[str, np.ndarray]:
 
 def _segment_drifts(segment: Any) -> dict[str, Any]:
     """Drifts on one segment, against its own start."""
-    import numpy as np
-
     equations = segment.equations
     begin = np.array([[float(x) for x in segment.start]])
     states = np.concatenate((begin, np.asarray(segment.states, dtype=float)))

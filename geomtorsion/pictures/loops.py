@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from sympy import latex
 
 from geomtorsion.errors import LoopError
@@ -48,8 +49,6 @@ def draw_closure(b: BurgersVector) -> Any:
 
 def _extents(points: Any) -> list[int]:
     """The two or three directions in which there is something to see, in order."""
-    import numpy as np
-
     widths = np.ptp(points, axis=1)
     wide = [int(k) for k in np.argsort(-widths, kind="stable") if widths[k] > FLAT * widths.max()]
     chosen = wide[:3]
@@ -181,8 +180,6 @@ def draw_map(survey: BurgersMap, *, relative: bool = False) -> Any:
     MissingExtraError
         matplotlib is not installed.
     """
-    import numpy as np
-
     if survey.areas.ndim != 2:
         raise LoopError("only a survey over a grid (burgers_map) can be drawn as a map.")
     density = np.real(survey.density)
@@ -217,8 +214,6 @@ def _extend(largest: float, limit: float) -> str:
 
 def _corners(survey: BurgersMap, names: list[str]) -> tuple[tuple[Any, Any], list[str]]:
     """Corners of the cells, and what the two axes show."""
-    import numpy as np
-
     labels, lines = [], []
     for axis in (0, 1):
         direction = survey.plane[axis]
@@ -232,8 +227,6 @@ def _corners(survey: BurgersMap, names: list[str]) -> tuple[tuple[Any, Any], lis
 
 def _edges(middles: Any, areas: Any, axis: int) -> Any:
     """Edges of cells from their middles, from the widths that the areas tell."""
-    import numpy as np
-
     widths = np.abs(areas.sum(axis=1 - axis))
     if len(middles) > 1:
         span = middles[-1] - middles[0]
@@ -250,8 +243,6 @@ def _similar(corners: tuple[Any, Any]) -> bool:
 
 def _ring(axes: Any, survey: BurgersMap, corners: tuple[Any, Any], k: int) -> None:
     """Rings round the cells that enclose a defect, with its strength."""
-    import numpy as np
-
     for row, column in np.argwhere(survey.enclosed)[:40]:
         x = (corners[0][row] + corners[0][row + 1]) / 2
         y = (corners[1][column] + corners[1][column + 1]) / 2

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping, Sequence
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from geomtorsion.errors import LimitError, NetworkError
 from geomtorsion.loops.reaction import size, written
@@ -41,8 +44,6 @@ def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = 
     MissingExtraError
         matplotlib is not installed.
     """
-    import numpy as np
-
     if len(net.edges.pairs) > MOST_EDGES:
         raise LimitError(
             f"a picture of {len(net.edges.pairs)} edges shows nothing; the limit is {MOST_EDGES}."
@@ -84,8 +85,6 @@ def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = 
 
 def _shades(figure: Any, axes: Any, largest: float) -> Any:
     """A scale of colours from 0 to the largest |b|, with its bar."""
-    from importlib import import_module
-
     colours, scale = import_module("matplotlib.colors"), import_module("matplotlib.cm")
     ramp = colours.LinearSegmentedColormap.from_list("b", ["#fff4e6", "#f2a65e", GAP])
     mapped = scale.ScalarMappable(colours.Normalize(0, largest or 1.0), ramp)
@@ -179,8 +178,6 @@ def _draw_line(
     label: str,
 ) -> None:
     """One line: a curve with an arrow half way and its Burgers vector beside it."""
-    import numpy as np
-
     one, two = np.array(start), np.array(end)
     across = np.array([one[1] - two[1], two[0] - one[0]])
     middle = (one + two) / 2 + bend * across

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from sympy import Derivative
 
 from geomtorsion.errors import AccuracyError, ChartEdgeError, StartError
@@ -24,8 +25,6 @@ from geomtorsion.spaces.embeddings import Embedding, embedding_of
 from geomtorsion.spaces.first_motions import first_motion
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from geomtorsion.spaces.space import Space
 
 SAMPLES = 401
@@ -241,8 +240,6 @@ def refuse_unknown_functions(space: Space) -> None:
 
 def _times(t: float, samples: int) -> Any:
     """Evenly spaced times from 0 on."""
-    import numpy as np
-
     if samples < 2:
         raise StartError(f"{samples} samples were asked for; two at least are needed.")
     if t == 0:

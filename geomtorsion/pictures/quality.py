@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.pictures.drift import drift_over_time, error_over_time
 from geomtorsion.pictures.ink import (
     SERIES,
@@ -18,7 +20,6 @@ from geomtorsion.pictures.ink import (
 from geomtorsion.pictures.text import greek_name
 
 if TYPE_CHECKING:
-    import numpy as np
     from matplotlib.figure import Figure
 
     from geomtorsion.pictures.pair import Pair
@@ -31,8 +32,6 @@ WITHIN = 10.0
 
 def coincide(pair: Pair) -> bool:
     """Whether the two motions are the same as far as their errors can tell."""
-    import numpy as np
-
     size = float(np.abs(pair.coordinates["geodesic"]).max()) or 1.0
     return float(pair.distance.max()) <= WITHIN * pair.straight.accuracy * size
 
@@ -141,6 +140,4 @@ def visible(values: Any) -> np.ndarray:
     >>> visible([0.0, 1e-12]).tolist()
     [1e-17, 1e-12]
     """
-    import numpy as np
-
     return np.maximum(np.asarray(values, dtype=float), NOTHING)

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.pictures.ink import SERIES, Stroke, captioned, new_figure, quiet
-from geomtorsion.pictures.sphere import curve_on, globe, space_axes, towards
+import numpy as np
+
+from geomtorsion.pictures.ink import SERIES, Stroke, captioned, legend, new_figure, quiet
+from geomtorsion.pictures.sphere import curve_on, globe, numbered, parted, space_axes, towards
 
 if TYPE_CHECKING:
-    import numpy as np
     from matplotlib.figure import Figure
 
 TRACE = Stroke("#0072B2", "-", 1.7, "^")
@@ -43,8 +44,6 @@ def axis_picture(
     MissingExtraError
         matplotlib is not installed.
     """
-    import numpy as np
-
     tip = np.asarray(axis, dtype=float)
     tip = tip / np.linalg.norm(tip, axis=1, keepdims=True)
     theta = np.arccos(np.clip(tip[:, 2], -1, 1))
@@ -77,15 +76,11 @@ def axis_picture(
 
 def _azimuth(tip: np.ndarray) -> np.ndarray:
     """Angle about the vertical, carried on beyond full turns."""
-    import numpy as np
-
     return np.unwrap(np.arctan2(tip[:, 1], tip[:, 0]))
 
 
 def _first_turns(tip: np.ndarray) -> int:
     """How many samples the first turns about the vertical have."""
-    import numpy as np
-
     phi = _azimuth(tip)
     beyond = np.flatnonzero(np.abs(phi - phi[0]) > 2 * np.pi * TURNS)
     return int(beyond[0]) + 1 if len(beyond) else len(tip)
@@ -93,10 +88,6 @@ def _first_turns(tip: np.ndarray) -> int:
 
 def _parallel(axes: Any, theta: float, viewer: Any) -> None:
     """A circle of constant angle from the vertical."""
-    import numpy as np
-
-    from geomtorsion.pictures.sphere import parted
-
     turn = np.linspace(0, 2 * np.pi, 181)
     ring = np.column_stack(
         [np.sin(theta) * np.cos(turn), np.sin(theta) * np.sin(turn), np.full(181, np.cos(theta))]
@@ -109,8 +100,6 @@ def _parallel(axes: Any, theta: float, viewer: Any) -> None:
 
 def _unrolled(axes: Any, tip: np.ndarray, theta: np.ndarray, bounds: Any) -> None:
     """Angle from the vertical against the angle about it, upright as on the sphere."""
-    import numpy as np
-
     phi, tilt = np.degrees(_azimuth(tip)), np.degrees(theta)
     axes.plot(phi, tilt, **TRACE.line)
     axes.scatter(phi[0], tilt[0], s=36, color="#222222", zorder=5, edgecolors="white")
@@ -128,8 +117,6 @@ def _unrolled(axes: Any, tip: np.ndarray, theta: np.ndarray, bounds: Any) -> Non
 
 def _from_above(axes: Any, tip: np.ndarray, theta: np.ndarray, bounds: Any) -> None:
     """The tip seen from above: the radius is the angle from the vertical."""
-    import numpy as np
-
     phi, tilt = np.arctan2(tip[:, 1], tip[:, 0]), np.degrees(theta)
     place = np.column_stack([tilt * np.cos(phi), tilt * np.sin(phi)])
     axes.plot(*place.T, **TRACE.line)
@@ -164,11 +151,6 @@ def axes_picture(
     MissingExtraError
         matplotlib is not installed.
     """
-    import numpy as np
-
-    from geomtorsion.pictures.ink import legend
-    from geomtorsion.pictures.sphere import numbered
-
     turn = np.asarray(matrices, dtype=float)
     figure = new_figure(6.6, 6.4)
     axes: Any = figure.add_subplot(projection="3d")

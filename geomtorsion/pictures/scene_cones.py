@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.pictures.ink import SERIES, Stroke, captioned, new_figure
 from geomtorsion.pictures.sphere import BEHIND, curve_on, globe, parted, space_axes, towards
 
 if TYPE_CHECKING:
-    import numpy as np
     from matplotlib.figure import Figure
 
 SEPARATRIX, OTHERS = "#b04a86", "#a9cbe6"
@@ -47,8 +48,6 @@ def cones_picture(
     MissingExtraError
         matplotlib is not installed.
     """
-    import numpy as np
-
     inertia = np.asarray(moments, dtype=float)
     momentum = inertia * np.asarray(omega, dtype=float)
     sizes = np.linalg.norm(momentum, axis=1, keepdims=True)
@@ -71,8 +70,6 @@ def cones_picture(
 
 def _in_body(axes: Any, inertia: np.ndarray, direction: np.ndarray) -> None:
     """The sphere of angular momentum with the family of polhodes and the one that is travelled."""
-    import numpy as np
-
     viewer = globe(axes, 1.0, towards([direction]), elevation=24.0)
     for value in _levels(inertia):
         for ring, special in polhodes(inertia, value):
@@ -92,8 +89,6 @@ def _in_body(axes: Any, inertia: np.ndarray, direction: np.ndarray) -> None:
 
 def _levels(inertia: np.ndarray) -> list[float]:
     """Values of 2 E / L^2 between the least and the largest, the middle axis among them."""
-    import numpy as np
-
     low, middle, high = sorted(1 / inertia)
     if high - low <= 1e-9 * high:
         return []
@@ -115,8 +110,6 @@ def polhodes(inertia: Any, value: float) -> list[tuple[np.ndarray, bool]]:
     >>> len(rings), bool(abs((rings[0][0] ** 2 / [1, 2, 3]).sum(axis=1) - 0.8).max() < 1e-12)
     (2, True)
     """
-    import numpy as np
-
     weights = 1 / np.asarray(inertia, dtype=float)
     order = np.argsort(weights)
     low, middle, high = weights[order]
@@ -141,8 +134,6 @@ def polhodes(inertia: Any, value: float) -> list[tuple[np.ndarray, bool]]:
 
 def _in_space(axes: Any, turn: np.ndarray, omega: np.ndarray, momentum: np.ndarray) -> None:
     """Axis of the body, angular velocity and angular momentum as directions in space."""
-    import numpy as np
-
     tip = turn[:, :, 2]
     spin = np.einsum("mij,mj->mi", turn, omega)
     fixed = np.einsum("mij,mj->mi", turn, momentum)

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from geomtorsion.errors import FileFormatError, MissingExtraError
 from geomtorsion.pictures.ink import SERIES, new_figure
-
-if TYPE_CHECKING:
-    import numpy as np
 
 FRAMES_PER_SECOND = 25
 MOST_FRAMES = 500
@@ -31,8 +30,6 @@ def block_sides(moments: Any) -> np.ndarray:
     >>> block_sides([1.0, 1.0, 1.0]).tolist()
     [1.0, 1.0, 1.0]
     """
-    import numpy as np
-
     inertia = np.asarray(moments, dtype=float)
     squares = np.maximum(inertia.sum() / 2 - inertia, 0)
     sides = np.sqrt(squares)
@@ -48,8 +45,6 @@ def polygons(sides: Any) -> tuple[list[np.ndarray], list[str]]:
     >>> len(polygons([1.0, 0.5, 0.2])[0]), len(polygons([1.0, 1.0, 0.1])[0])
     (6, 34)
     """
-    import numpy as np
-
     sides = np.asarray(sides, dtype=float)
     for axis in (2, 0, 1):
         one, other = (k for k in range(3) if k != axis)
@@ -103,8 +98,6 @@ def write_film(
     FileFormatError
         the suffix is neither .gif nor .mp4.
     """
-    import numpy as np
-
     writer = _writer(path)
     frames = int(min(max(seconds * FRAMES_PER_SECOND, 2), MOST_FRAMES, len(times)))
     chosen = np.linspace(0, len(times) - 1, frames).round().astype(int)
@@ -157,7 +150,6 @@ class _Stage:
     """The drawing that changes from frame to frame."""
 
     def __init__(self, axes: Any, turn: np.ndarray, positions: Any, sides: np.ndarray) -> None:
-        import numpy as np
         from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
         self.turn = turn
@@ -189,8 +181,6 @@ class _Stage:
 
     def _frame(self, centre: np.ndarray, half: float) -> None:
         """Faint axes of space, and the ground."""
-        import numpy as np
-
         corner = centre - 0.75 * half
         for k, letter in enumerate("xyz"):
             end = corner + 0.5 * half * np.eye(3)[k]

@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.pictures.ink import SERIES, captioned, new_figure, number, quiet
 
 if TYPE_CHECKING:
@@ -52,8 +54,6 @@ def watched_picture(
     >>> len(figure.axes)
     1
     """
-    import numpy as np
-
     panels = {name: np.asarray(values, dtype=float) for name, values in watched.items()}
     columns = 1 if len(panels) <= 3 else 2
     rows = math.ceil(len(panels) / columns)
@@ -81,8 +81,6 @@ def _panel(
     axes: Any, heading: str, times: Any, values: Any, unit: str, parts: Sequence[str]
 ) -> None:
     """One quantity; one that keeps its value is drawn on a scale that shows it so."""
-    import numpy as np
-
     flat = values.reshape(len(values), -1)
     for part, stroke in zip(range(flat.shape[1]), SERIES * 2, strict=False):
         axes.plot(times[: len(flat)], flat[:, part], **stroke.line, label=parts[part])

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.pictures.ink import SERIES, Stroke, captioned, legend, new_figure, quiet
 
 if TYPE_CHECKING:
-    import numpy as np
     from matplotlib.figure import Figure
 
 # A direction in which a path stretches less than this share is not drawn.
@@ -38,8 +39,6 @@ def path_picture(
     MissingExtraError
         matplotlib is not installed.
     """
-    import numpy as np
-
     places = {name: np.asarray(points, dtype=float) for name, points in paths.items()}
     every = np.concatenate(list(places.values()))
     stretch = np.ptp(every, axis=0)
@@ -78,8 +77,6 @@ def _strokes(places: Mapping[str, Any]) -> list[tuple[str, Any, Stroke]]:
 
 def _stations(points: np.ndarray) -> np.ndarray:
     """Samples at which the body is shown: at equal steps of the way, of time where it stands."""
-    import numpy as np
-
     way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     if way[-1] == 0:
         return np.array([0])
@@ -88,7 +85,6 @@ def _stations(points: np.ndarray) -> np.ndarray:
 
 
 def _in_space(axes: Any, places: Mapping[str, Any], turn: Any, every: np.ndarray) -> None:
-    import numpy as np
     from matplotlib.ticker import MaxNLocator
 
     low, high = every.min(axis=0), every.max(axis=0)
@@ -131,8 +127,6 @@ def _in_space(axes: Any, places: Mapping[str, Any], turn: Any, every: np.ndarray
 
 
 def _in_plane(axes: Any, places: Mapping[str, Any], turn: Any, seen: Sequence[int]) -> None:
-    import numpy as np
-
     for name, points, stroke in _strokes(places):
         axes.plot(*points[:, seen].T, **stroke.line, label=name)
     flat = np.concatenate([points[:, seen] for points in places.values()])

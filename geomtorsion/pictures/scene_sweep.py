@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.pictures.ink import SERIES, captioned, new_figure, quiet
 
 if TYPE_CHECKING:
@@ -37,8 +39,6 @@ def sweep_picture(
     MissingExtraError
         matplotlib is not installed.
     """
-    import numpy as np
-
     figure = new_figure(7.6, 5.0)
     axes: Any = figure.add_subplot()
     values = np.asarray(measured[1], dtype=float)
@@ -74,8 +74,6 @@ def sweep_picture(
 
 def _scaled(setter: Any, values: Any) -> None:
     """A logarithmic axis where the values ask for one."""
-    import numpy as np
-
     finite = values[np.isfinite(values)]
     if finite.size and finite.min() > 0 and finite.max() > WIDE * finite.min():
         setter("log")

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.pictures.ink import SERIES, captioned, new_figure, number, quiet
 
 if TYPE_CHECKING:
-    import numpy as np
     from matplotlib.figure import Figure
 
 # Below the rounding of doubles, and drawn at the bottom of a logarithmic scale.
@@ -44,8 +45,6 @@ def trust_picture(
     MissingExtraError
         matplotlib is not installed.
     """
-    import numpy as np
-
     clock = np.asarray(times, dtype=float)
     figure = new_figure(8.6, 4.8)
     axes: Any = figure.add_subplot()
@@ -99,8 +98,6 @@ def change_picture(
     MissingExtraError
         matplotlib is not installed.
     """
-    import numpy as np
-
     clock = np.asarray(times, dtype=float)
     figure = new_figure(8.6, 1.2 + 2.4 * len(kept))
     first: Any = None
@@ -141,6 +138,4 @@ def change_picture(
 
 def _visible(values: Any) -> np.ndarray:
     """Sizes for a logarithmic scale; what is zero stands at its bottom."""
-    import numpy as np
-
     return np.maximum(np.abs(np.asarray(values, dtype=float)), NOTHING)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from geomtorsion.pictures.ink import FAINT, Stroke
-
-if TYPE_CHECKING:
-    import numpy as np
 
 MERIDIANS, PARALLELS = 12, 5
 BEHIND = 0.32
@@ -16,8 +15,6 @@ BEHIND = 0.32
 
 def globe(axes: Any, radius: float, facing: Any, elevation: float = 22.0) -> np.ndarray:
     """Draw a globe seen from above a direction; return the unit vector towards the viewer."""
-    import numpy as np
-
     azimuth = float(np.degrees(np.arctan2(facing[1], facing[0])))
     axes.view_init(elev=elevation, azim=azimuth)
     axes.set_proj_type("ortho")
@@ -71,16 +68,12 @@ def numbered(axes: Any, place: Any, viewer: Any, text: str, stroke: Stroke) -> N
 
 def _upwards(viewer: Any) -> Any:
     """The direction that is up in the picture."""
-    import numpy as np
-
     up = np.array([0.0, 0.0, 1.0]) - viewer[2] * viewer
     return up / np.linalg.norm(up)
 
 
 def space_axes(axes: Any, radius: float, viewer: Any) -> None:
     """Short pins on the globe where the axes of space leave it."""
-    import numpy as np
-
     for letter, pin in zip("xyz", np.eye(3), strict=True):
         look = {"alpha": 1.0 if pin @ viewer >= 0 else BEHIND, "color": "#555555"}
         axes.plot(*np.array([pin, 1.09 * pin]).T * radius, linewidth=1.4, **look)
@@ -96,8 +89,6 @@ def towards(paths: Any) -> Any:
     >>> bool(towards([np.array([[1.0, 0.0, 0.0], [0.9, 0.1, 0.0]])])[0] > 0.5)
     True
     """
-    import numpy as np
-
     turns = np.linspace(0, 2 * np.pi, 24, endpoint=False)
     sides = np.column_stack([np.cos(turns), np.sin(turns), np.full_like(turns, 0.4)])
     score = np.zeros(len(sides))
@@ -120,8 +111,6 @@ def parted(points: Any, viewer: Any) -> list[tuple[Any, bool]]:
     >>> [(len(part), front) for part, front in parted(ring, np.array([0.9, 0.1, 0.4]))]
     [(5, False), (3, True), (3, True)]
     """
-    import numpy as np
-
     front = points @ viewer >= 0
     cuts = np.flatnonzero(front[1:] != front[:-1]) + 1
     bounds = [0, *cuts.tolist(), len(points)]

@@ -6,9 +6,9 @@ from random import Random
 
 import sympy as sp
 
+from geomtorsion.exercises.answers import answer_text
+from geomtorsion.exercises.prompts import shown_name
 from geomtorsion.exercises.question import Question
-from geomtorsion.exercises.reading import shown_name
-from geomtorsion.exercises.writing import answer_text
 from geomtorsion.pictures.text import expression_text
 
 
@@ -46,7 +46,7 @@ def expression_form(expr, question: Question, draw: Random) -> str:
     for _ in range(draw.randint(1, 2)):
         expr = draw.choice(REWRITES)(expr)
     text = expression_text(expr, greek=False)
-    symbols = question.ground.symbols
+    symbols = question.domain.symbols
     if symbols:
         x = draw.choice(symbols).name
         text = draw.choice(

@@ -7,17 +7,17 @@ import sympy as sp
 
 from geomtorsion import exercises
 from geomtorsion.exercises.checking import check_question
-from geomtorsion.exercises.ground import Ground
+from geomtorsion.exercises.domain import Domain
 from geomtorsion.exercises.question import Mistake, Question
 
 x, y = sp.symbols("x y", real=True)
 t = sp.Symbol("t", positive=True)
-WIDE = Ground((x, y, t), (x > 0, x < 2 * sp.pi, y > -1, y < 1))
+WIDE = Domain((x, y, t), (x > 0, x < 2 * sp.pi, y > -1, y < 1))
 
 
-def asked(answer, ground=WIDE, kind="expression", **more) -> Question:
+def asked(answer, domain=WIDE, kind="expression", **more) -> Question:
     """A question with this answer."""
-    return Question("q", kind, "What?", lambda: answer, ground, **more)
+    return Question("q", kind, "What?", lambda: answer, domain, **more)
 
 
 def code_of(question: Question, given) -> str:
@@ -179,7 +179,7 @@ def test_a_share_of_the_components_counts():
 
 def number(value, **more) -> Question:
     """A question for a number."""
-    return asked(value, Ground(), "number", **more)
+    return asked(value, Domain(), "number", **more)
 
 
 @pytest.mark.parametrize(
@@ -233,7 +233,7 @@ def test_several_numbers():
 
 
 RATES = Question(
-    "q", "equations", "?", lambda: [x * y, -x], Ground((x, y, t)),
+    "q", "equations", "?", lambda: [x * y, -x], Domain((x, y, t)),
     lambda: [Mistake("naive", [0, 0])], unknowns=("x'", "y'"), generic=("sign",),
 )  # fmt: skip
 

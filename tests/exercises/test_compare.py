@@ -12,52 +12,52 @@ from geomtorsion.exercises.compare import (
     compare_all,
     same,
 )
-from geomtorsion.exercises.ground import Ground
+from geomtorsion.exercises.domain import Domain
 
 x = sp.Symbol("x", real=True)
 p = sp.Symbol("p", positive=True)
-GROUND = Ground((x, p), (x > -2, x < 2))
+DOMAIN = Domain((x, p), (x > -2, x < 2))
 
 
 def test_three_verdicts():
     """Equal in another form, equal for one sign of x, different."""
-    assert compare(GROUND, (x + 1) ** 2, x**2 + 2 * x + 1) == EQUAL
-    assert compare(GROUND, sp.sqrt(x**2 * p**2), x * p) == PARTLY
-    assert compare(GROUND, x, x + 1) == DIFFERENT
+    assert compare(DOMAIN, (x + 1) ** 2, x**2 + 2 * x + 1) == EQUAL
+    assert compare(DOMAIN, sp.sqrt(x**2 * p**2), x * p) == PARTLY
+    assert compare(DOMAIN, x, x + 1) == DIFFERENT
 
 
 def test_poles_do_not_count():
     """Points at which one side has no value are left out."""
-    assert compare(GROUND, (x**2 - 1) / (x - 1), x + 1) == EQUAL
+    assert compare(DOMAIN, (x**2 - 1) / (x - 1), x + 1) == EQUAL
 
 
 def test_opaque_constants_are_decided_by_digits():
     """Where exact arithmetic has no rule, 50 digits at every point decide."""
-    assert compare(GROUND, sp.cos(sp.pi / 7) * x, -sp.cos(6 * sp.pi / 7) * x) == EQUAL
+    assert compare(DOMAIN, sp.cos(sp.pi / 7) * x, -sp.cos(6 * sp.pi / 7) * x) == EQUAL
     near = sp.Rational(900968867902419126, 10**18)
-    assert compare(GROUND, sp.cos(sp.pi / 7) * x, near * x) == DIFFERENT
+    assert compare(DOMAIN, sp.cos(sp.pi / 7) * x, near * x) == DIFFERENT
 
 
 def test_imaginary_answers_are_refused():
     """The imaginary unit is not among the symbols of a real problem."""
-    assert compare(GROUND, sp.I * x, x) == DIFFERENT
+    assert compare(DOMAIN, sp.I * x, x) == DIFFERENT
     waves = (sp.exp(sp.I * x) + sp.exp(-sp.I * x)) / 2
     with pytest.raises(ExpressionError, match="cannot be read exactly"):
-        compare(GROUND, waves, sp.cos(x))
+        compare(DOMAIN, waves, sp.cos(x))
     with pytest.raises(ExpressionError, match="Heaviside"):
-        compare(GROUND, sp.Heaviside(x), x)
+        compare(DOMAIN, sp.Heaviside(x), x)
 
 
 def test_too_large_is_said():
     """Equal at all points, but too large to be multiplied out."""
     big = sp.Mul(*(sp.sin(k * x) ** 2 + sp.cos(k * x) ** 2 for k in range(1, 25)))
     with pytest.raises(LimitError, match="multiplied out"):
-        compare(GROUND, big * x, x)
+        compare(DOMAIN, big * x, x)
 
 
 def test_components_are_compared_one_by_one():
     """Missing components are zero."""
-    found = compare_all(GROUND, {(0,): x, (1,): p}, {(0,): x, (2,): 1})
+    found = compare_all(DOMAIN, {(0,): x, (1,): p}, {(0,): x, (2,): 1})
     assert found == {(0,): EQUAL, (1,): DIFFERENT, (2,): DIFFERENT}
-    assert same(GROUND, {(0,): x - x}, {})
-    assert not same(GROUND, {(0,): x}, {})
+    assert same(DOMAIN, {(0,): x - x}, {})
+    assert not same(DOMAIN, {(0,): x}, {})

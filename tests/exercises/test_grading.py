@@ -10,9 +10,9 @@ from geomtorsion import exercises
 from geomtorsion.errors import FileFormatError, UnknownNameError
 from geomtorsion.exercises import examiner as examiner_module
 from geomtorsion.exercises import grading
+from geomtorsion.exercises.answers import answer_text
 from geomtorsion.exercises.examiner import Examiner
 from geomtorsion.exercises.grading import GRADED, PARTLY, REFUSED, grade
-from geomtorsion.exercises.writing import answer_text
 from tests.exercises.forms import another_form
 
 STUDENTS = 200

@@ -1,4 +1,4 @@
-"""Parts: ground, numeric values, limits, reading, writing, mistakes."""
+"""Parts: domain, numeric values, limits, reading, writing, mistakes."""
 
 import mpmath
 import numpy as np
@@ -8,42 +8,50 @@ import sympy as sp
 from geomtorsion import spaces
 from geomtorsion.errors import ExpressionError, LimitError, UnknownNameError
 from geomtorsion.exercises import registry
+from geomtorsion.exercises.answers import answer_text, components, expression, index, rational
+from geomtorsion.exercises.domain import POINTS, Domain
 from geomtorsion.exercises.equations import equations
-from geomtorsion.exercises.ground import POINTS, Ground
+from geomtorsion.exercises.families import ANGLES, attitude, matrix_of, seen_from_space
 from geomtorsion.exercises.limits import ANSWER, check_weight
-from geomtorsion.exercises.mistakes import all_mistakes, permuted, reordered, scaled
-from geomtorsion.exercises.numbers import deviation, numbers
+from geomtorsion.exercises.numbers import numbers
 from geomtorsion.exercises.numeric import at_point, at_points
-from geomtorsion.exercises.question import Mistake, Question, normal
-from geomtorsion.exercises.reading import components, expression, index, plain_name, rational
+from geomtorsion.exercises.prompts import plain_name
+from geomtorsion.exercises.question import (
+    Mistake,
+    Question,
+    _all_mistakes,
+    deviation,
+    normal,
+    permuted,
+    reordered,
+    scaled,
+)
 from geomtorsion.exercises.sizes import check_constants
-from geomtorsion.exercises.variants import ANGLES, attitude, matrix_of, seen_from_space
-from geomtorsion.exercises.writing import answer_text
 
 x, y = sp.symbols("x y", real=True)
 
 
 def question(kind="expression", **more) -> Question:
     """A question whose answer is x."""
-    return Question("q", kind, "?", lambda: more.pop("right", x), Ground((x, y)), **more)
+    return Question("q", kind, "?", lambda: more.pop("right", x), Domain((x, y)), **more)
 
 
 def test_points_lie_in_the_domain():
     """As many as asked for, spread over the whole of it, the same each time."""
     frame = spaces.load("so3").frame
-    ground = Ground.of(frame)
-    assert len(ground.points) == POINTS
+    domain = Domain.of(frame)
+    assert len(domain.points) == POINTS
     for relation in frame.domain:
-        assert all(relation.subs(point) == sp.true for point in ground.points)
-    second = [float(point[frame.coordinates[1]]) for point in ground.points]
+        assert all(relation.subs(point) == sp.true for point in domain.points)
+    second = [float(point[frame.coordinates[1]]) for point in domain.points]
     assert min(second) < 0.6
     assert max(second) > 2.5
-    assert ground.points == Ground.of(frame).points
+    assert domain.points == Domain.of(frame).points
 
 
 def test_greek_letters_are_names():
     """phi2 may be written as a person would."""
-    names = Ground.of(spaces.load("so3").frame).names
+    names = Domain.of(spaces.load("so3").frame).names
     assert names["φ2"] == names["phi2"]
 
 
@@ -170,12 +178,12 @@ def test_deviation_counts_tolerances():
 def test_mistakes_never_equal_the_solution():
     """A permuted symmetric tensor, a doubled zero: these are no mistakes."""
     symmetric = Question(
-        "q", "components", "?", lambda: [[1, 2], [2, 3]], Ground((x,)),
+        "q", "components", "?", lambda: [[1, 2], [2, 3]], Domain((x,)),
         lambda: [Mistake("inverse", [[1, 2], [2, 3]])], shape=(2, 2),
     )  # fmt: skip
-    assert {m.code for m in all_mistakes(symmetric)} == {"sign", "factor"}
-    zero = Question("q", "expression", "?", lambda: 0, Ground((x,)))
-    assert all_mistakes(zero) == ()
+    assert {m.code for m in _all_mistakes(symmetric)} == {"sign", "factor"}
+    zero = Question("q", "expression", "?", lambda: 0, Domain((x,)))
+    assert _all_mistakes(zero) == ()
 
 
 def test_permutations():
@@ -226,12 +234,11 @@ def test_listing_loads_nothing(monkeypatch):
 
 def test_loading_solves_nothing(monkeypatch):
     """An exercise is stated without its solution."""
-    from geomtorsion.exercises import question as module
 
-    def refuse(value):
+    def refuse(question):
         raise AssertionError("a solution was computed")
 
-    monkeypatch.setattr(module, "normal", refuse)
+    monkeypatch.setattr(Question, "solution", property(refuse))
     for entry in registry.EXERCISES:
         exercise = registry._loaded.__wrapped__(*entry, 11)
         assert exercise.statement

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from geomtorsion import exercises
-from geomtorsion.exercises.reading import shown_name
+from geomtorsion.exercises.prompts import shown_name
 from geomtorsion.lab.desk import Desk
 from geomtorsion.lab.problems import LONGEST, answer, statement
 from geomtorsion.lab.tasks import LONGEST_REQUEST, TASKS
@@ -162,7 +162,7 @@ def test_an_exercise_right_and_wrong(number):
     ]
     for told, question in zip(shown["questions"], posed.questions, strict=True):
         if question.kind not in ("number", "choice"):
-            assert all(shown_name(symbol.name) in told["how"] for symbol in question.ground.symbols)
+            assert all(shown_name(symbol.name) in told["how"] for symbol in question.domain.symbols)
     assert answer(number, 0, posed.answers())["right"]
     first = posed.questions[0].name
     found = answer(number, 0, {first: "17*17"})

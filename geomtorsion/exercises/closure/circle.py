@@ -5,12 +5,12 @@ from random import Random
 
 import sympy as sp
 
-from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, scaled, steps, tex
+from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, scaled, steps, tex
 from geomtorsion.geometry import Frame, cartan
 from geomtorsion.loops import Loop, burgers_vector
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """Heisenberg's frame for seed 0; other seeds: torsion that varies from place to place."""
     x, y, z = q = sp.symbols("x y z", real=True)
     radius = sp.Symbol("R", positive=True)
@@ -19,7 +19,7 @@ def pose(draw: Random, seed: int) -> Posed:
     frame = Frame(q, [[1, 0, 0], [0, 1, 0], [across * y, factor * x**power, 1]], name="a frame")
     centre = 0 if seed == 0 else draw.choice((1, 2, 3, -1))
     loop = Loop.circle([centre, 0, 0], radius, plane=(0, 1))
-    ground = Ground((radius,))
+    domain = Domain((radius,))
 
     @cache
     def vector() -> tuple[sp.Expr, ...]:
@@ -29,7 +29,7 @@ def pose(draw: Random, seed: int) -> Posed:
         torsion, here = cartan(frame).torsion.T.in_frame(), {x: centre, y: 0, z: 0}
         return [torsion[0, 1, k].subs(here) * sp.pi * radius**2 for k in range(3)]
 
-    return Posed(
+    return Variant(
         statement=(
             f"For the forms\n\n$${tex.forms(frame)}$$\n\na circle of radius $R$ about "
             f"$(x, y, z) = ({centre}, 0, 0)$ runs once round in the coordinate plane $x, y$, from "
@@ -41,7 +41,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 kind="components",
                 prompt=r"Its Burgers vector $b^k = \oint e^k{}_\mu\,\mathrm{d}q^\mu$, exactly, "
                 "with `R` for the radius.",
-                ground=ground,
+                domain=domain,
                 answer=vector,
                 errors=lambda: [
                     Mistake("direction", scaled(vector(), -1)),

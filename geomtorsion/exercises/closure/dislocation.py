@@ -5,12 +5,12 @@ from random import Random
 
 import sympy as sp
 
-from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, scaled, steps
+from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, scaled, steps
 from geomtorsion.loops import Loop, burgers_vector
 from geomtorsion.spaces import load
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """A screw along z; the seed chooses how often the loop goes round, and which way."""
     frame = load("screw_dislocation").frame
     b = frame.parameters[0]
@@ -27,7 +27,7 @@ def pose(draw: Random, seed: int) -> Posed:
         found = burgers_vector(frame, loop, exact=True).vector
         return {(k,): value for k, value in enumerate(found)}
 
-    return Posed(
+    return Variant(
         statement=(
             "The legs of a crystal with a screw dislocation along the $z$ axis have the forms\n\n"
             r"$$e^1 = \mathrm{d}x,\quad e^2 = \mathrm{d}y,\quad e^3 = \mathrm{d}z + "
@@ -40,7 +40,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 kind="components",
                 prompt=f"The Burgers vector of a circle of radius ${radius}$ about the axis that "
                 f"is run through {abs(turns)} times, {way}.",
-                ground=Ground((b,)),
+                domain=Domain((b,)),
                 answer=lambda: vector(winding),
                 errors=lambda: [
                     Mistake("direction", scaled(vector(winding), -1)),
@@ -62,7 +62,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 name="beside",
                 kind="components",
                 prompt=f"The same for a circle of half that radius about $({away}, 0, 0)$, once.",
-                ground=Ground((b,)),
+                domain=Domain((b,)),
                 answer=lambda: vector(beside),
                 errors=lambda: [
                     Mistake("forgotten", vector(around), "Does this loop enclose the axis?")

@@ -4,13 +4,13 @@ from functools import cache
 from math import pi
 from random import Random
 
-from geomtorsion.exercises.kit import Mistake, Posed, Question, steps
+from geomtorsion.exercises.authoring import Mistake, Question, Variant, steps
 from geomtorsion.geometry import cartan, levi_civita
 from geomtorsion.loops import Loop, develop
 from geomtorsion.spaces import load
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """A patch between two circles of latitude and two meridians; the seed chooses which."""
     frame = load("s2").frame
     low, high = (0.6, 1.1) if seed == 0 else (draw.choice((0.4, 0.5, 0.7)), draw.choice((1.2, 1.4)))
@@ -21,7 +21,7 @@ def pose(draw: Random, seed: int) -> Posed:
     def angle(path: Loop, connection=levi_civita) -> float:
         return float(develop(connection(frame), path, parameters={"R": 1}).angle or 0.0)
 
-    return Posed(
+    return Variant(
         statement=(
             r"On the unit sphere, $e^1 = \mathrm{d}\theta$, $e^2 = \sin\theta\,\mathrm{d}\phi$, a "
             f"loop runs along $\\phi = 0$ from $\\theta = {low:g}$ to ${high:g}$, then along the "

@@ -2,13 +2,13 @@
 
 from random import Random
 
-from geomtorsion.exercises.kit import Mistake, Posed, Question, steps
+from geomtorsion.exercises.authoring import Mistake, Question, Variant, steps
 from geomtorsion.geometry import cartan
 from geomtorsion.loops import Loop, burgers_vector
 from geomtorsion.spaces import load
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """A circle in the plane of two angles; the seed chooses centre, radius and plane."""
     frame = load("so3").frame
     centre = [0.3, 1.0, 0.2]
@@ -26,7 +26,7 @@ def pose(draw: Random, seed: int) -> Posed:
         legs = frame.coframe.at(place)
         return [float(legs[k] @ torsion[plane]) * area for k in range(3)]
 
-    return Posed(
+    return Variant(
         statement=(
             "In the angles of the paper (coframe of exercise 1.2, seed 0) a circle of radius "
             f"${radius:g}$ about $\\phi = ({', '.join(f'{x:g}' for x in centre)})$ runs once round "

@@ -4,12 +4,12 @@ from random import Random
 
 import sympy as sp
 
-from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, scaled, steps, tex
-from geomtorsion.exercises.variants import group, rotations
+from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, scaled, steps, tex
+from geomtorsion.exercises.families import group, rotations
 from geomtorsion.geometry import cartan
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """so3 and the plane of its first two legs for seed 0."""
     frame = draw.choice((rotations, group))(draw, seed) if seed else rotations(draw, 0)
     area = sp.Symbol("A", positive=True)
@@ -20,7 +20,7 @@ def pose(draw: Random, seed: int) -> Posed:
     def burgers() -> dict[tuple[int, ...], sp.Expr]:
         return {(k,): torsion[i, j, k] * area for k in range(3)}
 
-    return Posed(
+    return Variant(
         statement=(
             f"For the forms\n\n$${tex.forms(frame)}$$\n\nin ${tex.symbols(frame)}$ a very small "
             f"loop runs in the plane of the legs $E_{i + 1}$ and $E_{j + 1}$, from the first "
@@ -32,7 +32,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 name="burgers",
                 kind="components",
                 prompt="The three components $b^k$, to leading order in `A`.",
-                ground=Ground((area,)),
+                domain=Domain((area,)),
                 answer=burgers,
                 errors=lambda: [
                     Mistake("direction", scaled(burgers(), -1)),

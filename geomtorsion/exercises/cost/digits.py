@@ -5,7 +5,7 @@ from math import log10
 from random import Random
 from statistics import median
 
-from geomtorsion.exercises.kit import Mistake, Posed, Question, steps
+from geomtorsion.exercises.authoring import Mistake, Question, Variant, steps
 from geomtorsion.loops import BurgersVector, Loop, burgers_vector
 from geomtorsion.spaces import load
 
@@ -14,7 +14,7 @@ PLACES = 5
 ALL_DIGITS = 16
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """A circle in the angles of the paper; the seed chooses how tiny."""
     frame = load("so3").frame
     decades = 8 if seed == 0 else draw.randint(5, 10)
@@ -34,7 +34,7 @@ def pose(draw: Random, seed: int) -> Posed:
     def by_flux() -> float:
         return min(ALL_DIGITS, -log10(median(b.relative_error for b in found())))
 
-    return Posed(
+    return Variant(
         statement=(
             r"A circle of radius $\rho = 10^{-" + str(decades) + r"}$ runs round in the plane of "
             r"the angles $\phi_1, \phi_2$ of a rigid body. Its Burgers vector, about $\pi\rho^2$, "

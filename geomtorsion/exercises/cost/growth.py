@@ -5,7 +5,7 @@ from random import Random
 
 import sympy as sp
 
-from geomtorsion.exercises.kit import Mistake, Posed, Question, steps, tex
+from geomtorsion.exercises.authoring import Mistake, Question, Variant, steps, tex
 from geomtorsion.geometry import Frame
 from geomtorsion.motion import geodesic, geodesic_deviation, solve
 
@@ -16,7 +16,7 @@ SURFACES = {
 }
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """The hyperbolic plane for seed 0; other seeds: also sphere and plane."""
     kind = "hyperbolic" if seed == 0 else draw.choice(sorted(SURFACES))
     name, length = SURFACES[kind]
@@ -39,7 +39,7 @@ def pose(draw: Random, seed: int) -> Posed:
     def factor(f=length) -> float:
         return passenger() * float(f(sp.Float(begin + last)) / f(sp.Float(begin)))
 
-    return Posed(
+    return Variant(
         statement=(
             f"On {name} in polar coordinates, ${tex.forms(frame)}$, a geodesic leaves from "
             f"$r = {begin:g}$ straight outwards with speed 1. A computer makes a tiny error "

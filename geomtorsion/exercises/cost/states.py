@@ -2,7 +2,7 @@
 
 from random import Random
 
-from geomtorsion.exercises.kit import Mistake, Posed, Question, steps
+from geomtorsion.exercises.authoring import Mistake, Question, Variant, steps
 from geomtorsion.geometry import cartan
 from geomtorsion.motion import Problem, autoparallel, geodesic
 from geomtorsion.spaces import load
@@ -11,7 +11,7 @@ START = (0.3, 1.0, 0.2, 0.0, 0.0, 0.0)
 SPEEDS = (1.0, 0.5, -0.2, 0.1, 0.2, 0.3)
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """A free top; the seed chooses its moments."""
     moments = (1, 2, 3) if seed == 0 else tuple(draw.sample(range(1, 8), 3))
     flying = seed != 0 and draw.random() < 0.5
@@ -37,7 +37,7 @@ def pose(draw: Random, seed: int) -> Posed:
             generic=(),
         )
 
-    return Posed(
+    return Variant(
         statement=(
             f"A body with the moments of inertia ${moments}$ {moves}. Its motion is solved as "
             r"$\dot q^\mu = E_i{}^\mu u^i$, $\dot u^k = \ldots$ of first order. Nothing is computed"

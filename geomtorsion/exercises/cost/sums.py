@@ -4,7 +4,10 @@ from functools import cache
 from math import cos, log2, pi, sin, sqrt
 from random import Random
 
-from geomtorsion.exercises.kit import Mistake, Posed, Question, steps
+import numpy as np
+
+from geomtorsion.exact import numpy_function
+from geomtorsion.exercises.authoring import Mistake, Question, Variant, steps
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop, burgers_vector
 from geomtorsion.spaces import load
@@ -14,7 +17,7 @@ MOST = 200
 COARSE = 64
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """A circle in the angles of the paper; the seed chooses its radius and centre."""
     frame = load("so3").frame
     radius = 0.5 if seed == 0 else draw.choice((0.3, 0.4, 0.6, 0.7))
@@ -34,7 +37,7 @@ def pose(draw: Random, seed: int) -> Posed:
         size = float(abs(exact()).max())
         return COARSE * sqrt(error(COARSE, True) / (WANTED * size))
 
-    return Posed(
+    return Variant(
         statement=(
             f"The Burgers vector of a circle of radius ${radius:g}$ about "
             f"$\\phi = (0.3, {middle:g}, 0.2)$, in the plane of $\\phi_1$ and $\\phi_2$ of the "
@@ -90,8 +93,6 @@ def pose(draw: Random, seed: int) -> Posed:
 
 def added(frame: Frame, centre: list[float], radius: float, count: int, chords: bool):
     """The sum over count points of a circle in the plane of the first two angles."""
-    import numpy as np
-
     angles = [2 * pi * (k + 0.5 * chords) / count for k in range(count)]
     short = cos(pi / count) if chords else 1.0
     length = 2 * sin(pi / count) if chords else 2 * pi / count
@@ -107,8 +108,6 @@ def added(frame: Frame, centre: list[float], radius: float, count: int, chords: 
 @cache
 def coframe_function(frame: Frame):
     """The coframe as a function of numbers."""
-    from geomtorsion.exact import numpy_function
-
     n = range(frame.dimension)
     entries = [frame.coframe.element(i, mu) for i in n for mu in n]
     return numpy_function(entries, frame.coordinates)

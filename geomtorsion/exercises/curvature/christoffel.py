@@ -4,12 +4,12 @@ from random import Random
 
 import sympy as sp
 
-from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, steps, tex
-from geomtorsion.exercises.variants import profile
+from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, steps, tex
+from geomtorsion.exercises.families import profile
 from geomtorsion.geometry import Frame, cartan, levi_civita
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """The sphere for seed 0, with phi1 along its circles; other seeds: other surfaces."""
     phi1, phi2 = sp.symbols("phi1 phi2", real=True)
     f = profile(draw, phi2) if seed else sp.sin(phi2)
@@ -21,7 +21,7 @@ def pose(draw: Random, seed: int) -> Posed:
         name="a surface of revolution",
     )
     bar, straight = levi_civita(frame), cartan(frame)
-    return Posed(
+    return Variant(
         statement=(
             "The legs along the circles and along the meridians of a surface of revolution are dual"
             f" to ${tex.forms(frame)}$, with $0 < \\phi_2 < {tex.tex(end)}$. "
@@ -32,7 +32,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 name="christoffel",
                 kind="expression",
                 prompt=r"$\bar\Gamma_{12}{}^1$, where 1 and 2 stand for $\phi_1$ and $\phi_2$.",
-                ground=Ground.of(frame),
+                domain=Domain.of(frame),
                 answer=lambda: bar[0, 1, 0],
                 errors=lambda: [
                     Mistake("cartan", straight[0, 1, 0]),

@@ -2,8 +2,8 @@
 
 from random import Random
 
-from geomtorsion.exercises.kit import Mistake, Posed, Question, steps, tex
-from geomtorsion.exercises.variants import circles
+from geomtorsion.exercises.authoring import Mistake, Question, Variant, steps, tex
+from geomtorsion.exercises.families import circles
 from geomtorsion.geometry import cartan, levi_civita
 from geomtorsion.spaces import load
 
@@ -11,7 +11,7 @@ ZERO = {"zero": "it vanishes", "not zero": "it does not vanish"}
 SPACES = ("so3", "heisenberg", "flat_polar", "flat_spherical", "s3", "sol")
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """so3 for seed 0; other seeds: spheres, groups, flat space, circles."""
     name = draw.choice((*SPACES, "circles", "circles"))
     if name == "circles" and seed:
@@ -19,7 +19,7 @@ def pose(draw: Random, seed: int) -> Posed:
     else:
         frame = load("so3" if seed == 0 else name).frame
     straight, short = cartan(frame), levi_civita(frame)
-    return Posed(
+    return Variant(
         statement=(
             f"Two connections belong to the forms\n\n$${tex.forms(frame)}$$\n\n"
             f"in ${tex.symbols(frame)}$: the Cartan connection, in which the legs are parallel, "

@@ -2,16 +2,16 @@
 
 from random import Random
 
-from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, steps, tex
-from geomtorsion.exercises.variants import group, rotations
+from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, steps, tex
+from geomtorsion.exercises.families import group, rotations
 from geomtorsion.geometry import cartan, levi_civita
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """so3 for seed 0; other seeds: stretched (Berger's) spheres and other groups."""
     frame = draw.choice((rotations, rotations, group))(draw, seed) if seed else rotations(draw, 0)
     curvature, straight = levi_civita(frame).curvature, cartan(frame)
-    return Posed(
+    return Variant(
         statement=(
             f"The forms, in ${tex.symbols(frame)}$, are\n\n$${tex.forms(frame)},$$\n\n"
             "and $\\eta = 1$. The Cartan curvature vanishes; the Levi-Civita connection of the "
@@ -23,7 +23,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 name="ricci",
                 kind="components",
                 prompt=r"The Ricci tensor $\bar R_{ij}$ in the **frame**.",
-                ground=Ground.of(frame),
+                domain=Domain.of(frame),
                 answer=curvature.ricci.in_frame,
                 errors=lambda: [
                     Mistake("cartan", straight.curvature.ricci),
@@ -38,7 +38,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 name="scalar",
                 kind="expression",
                 prompt=r"The curvature scalar $\bar R$.",
-                ground=Ground.of(frame),
+                domain=Domain.of(frame),
                 answer=lambda: curvature.scalar[()],
                 errors=lambda: [
                     Mistake("cartan", 0),

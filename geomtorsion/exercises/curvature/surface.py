@@ -4,16 +4,16 @@ from random import Random
 
 import sympy as sp
 
-from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, steps, tex
-from geomtorsion.exercises.variants import circles
+from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, steps, tex
+from geomtorsion.exercises.families import circles
 from geomtorsion.geometry import Frame, levi_civita
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """A sphere of radius R for seed 0; other seeds: other surfaces of revolution."""
     frame = circles(draw, seed) if seed else _sphere()
     curvature = levi_civita(frame).curvature
-    return Posed(
+    return Variant(
         statement=(
             f"A surface has the forms ${tex.forms(frame)}$: $r$ is the length along its meridians. "
             r"The conventions are $R_{nl} = R_{mnl}{}^m$, positive for spheres, and "
@@ -24,7 +24,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 name="ricci",
                 kind="components",
                 prompt=r"The Ricci tensor $R_{ab}$ in the coordinates.",
-                ground=Ground.of(frame),
+                domain=Domain.of(frame),
                 answer=lambda: curvature.ricci,
                 errors=lambda: [
                     Mistake("cartan", {}),
@@ -43,7 +43,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 name="scalar",
                 kind="expression",
                 prompt="The curvature scalar $R$.",
-                ground=Ground.of(frame),
+                domain=Domain.of(frame),
                 answer=lambda: curvature.scalar[()],
                 errors=lambda: [
                     Mistake("cartan", 0),

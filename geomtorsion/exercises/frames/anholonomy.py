@@ -2,16 +2,16 @@
 
 from random import Random
 
-from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, steps, tex
-from geomtorsion.exercises.variants import group
+from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, steps, tex
+from geomtorsion.exercises.families import group
 from geomtorsion.geometry import cartan
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """A left-invariant frame of a small group; the seed chooses group and constants."""
     frame = group(draw, seed)
     n = frame.dimension
-    return Posed(
+    return Variant(
         statement=(
             f"Given are, in the coordinates ${tex.symbols(frame)}$, the one-forms"
             f"\n\n$${tex.forms(frame)}.$$\n\n"
@@ -26,7 +26,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 kind="components",
                 prompt=r"All components $C_{ij}{}^k$ that do not vanish, those with $i<j$ at "
                 "least, indices in the frame, in the order $i, j, k$.",
-                ground=Ground.of(frame),
+                domain=Domain.of(frame),
                 answer=lambda: frame.anholonomy,
                 errors=lambda: [
                     Mistake(

@@ -4,13 +4,13 @@ from random import Random
 
 import sympy as sp
 
-from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, steps, tex
-from geomtorsion.exercises.variants import ANGLES, attitude, seen_from_space
+from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, steps, tex
+from geomtorsion.exercises.families import ANGLES, attitude, seen_from_space
 from geomtorsion.geometry import Frame
 from geomtorsion.spaces import load
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """z-y-z as in the paper; the seed chooses the angles and which axes."""
     name = "so3" if seed == 0 else draw.choice(sorted(ANGLES))
     in_space = seed != 0 and draw.random() < 0.5
@@ -22,7 +22,7 @@ def pose(draw: Random, seed: int) -> Posed:
     turns = r"\,".join(rf"R_{axis}({tex.tex(body.coordinates[k])})" for axis, k in ANGLES[name])
     axes = "space" if in_space else "body"
     said = ", ".join(f"`{symbol}'`" for symbol in body.coordinates)
-    return Posed(
+    return Variant(
         statement=(
             f"The attitude of a body (from body to space) is $R = {turns}$, with $R_a(\\alpha)$ "
             r"the right-handed turn by $\alpha$ about axis $a$. Its angular velocity is "
@@ -36,7 +36,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 kind="components",
                 prompt=f"The three components of the angular velocity along the axes of the "
                 f"**{axes}**, linear in the rates {said} of the angles.",
-                ground=Ground.of(body, *rates),
+                domain=Domain.of(body, *rates),
                 answer=lambda: applied(wanted, rates),
                 errors=lambda: [
                     Mistake(
@@ -56,7 +56,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 kind="expression",
                 prompt=r"The function of the angles that vanishes where the rates cannot be read "
                 r"off the angular velocity (gimbal lock): $\det e$.",
-                ground=Ground.of(body),
+                domain=Domain.of(body),
                 answer=lambda: body.determinant[()],
                 errors=lambda: [Mistake("inverse", 1 / body.determinant[()])],
             ),

@@ -2,15 +2,23 @@
 
 from random import Random
 
-from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, reordered, steps, tex
-from geomtorsion.exercises.variants import turned_plane
+from geomtorsion.exercises.authoring import (
+    Domain,
+    Mistake,
+    Question,
+    Variant,
+    reordered,
+    steps,
+    tex,
+)
+from geomtorsion.exercises.families import turned_plane
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """Cartesian one-forms in polar coordinates; other seeds turn, boost and scale them."""
     frame = turned_plane(draw, seed)
     n = frame.dimension
-    return Posed(
+    return Variant(
         statement=(
             f"In the coordinates ${tex.symbols(frame)}$ a coframe "
             r"$e^i = e^i{}_\mu\,\mathrm{d}q^\mu$ is given by the matrix (rows: forms)"
@@ -24,7 +32,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 kind="components",
                 prompt=r"The matrix $E_i{}^\mu$ with one leg per **column**: "
                 r"row $\mu$, column $i$.",
-                ground=Ground.of(frame),
+                domain=Domain.of(frame),
                 answer=lambda: frame.legs,
                 errors=lambda: [
                     Mistake("inverse", frame.coframe),

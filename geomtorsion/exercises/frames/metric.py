@@ -4,11 +4,11 @@ from random import Random
 
 import sympy as sp
 
-from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, steps, tex
-from geomtorsion.exercises.variants import matrix_of, rotations
+from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, steps, tex
+from geomtorsion.exercises.families import matrix_of, rotations
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """Body-fixed frames of the rotation group; other seeds: other angles, stretched forms."""
     frame = rotations(draw, seed)
     n = frame.dimension
@@ -17,7 +17,7 @@ def pose(draw: Random, seed: int) -> Posed:
         rows = matrix_of(frame.coframe)
         return (rows * rows.T).applyfunc(sp.factor)
 
-    return Posed(
+    return Variant(
         statement=(
             f"The coframe of a rigid body in the angles ${tex.symbols(frame)}$ is"
             f"\n\n$$e = {tex.coframe(frame)},\\qquad \\eta = 1.$$"
@@ -27,7 +27,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 name="metric",
                 kind="components",
                 prompt=r"The metric $g_{\mu\nu} = e^i{}_\mu\,\eta_{ij}\,e^j{}_\nu$.",
-                ground=Ground.of(frame),
+                domain=Domain.of(frame),
                 answer=lambda: frame.metric,
                 errors=lambda: [
                     Mistake("inverse", frame.inverse_metric, "That is the inverse metric."),
@@ -46,7 +46,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 name="volume",
                 kind="expression",
                 prompt=r"The volume element $\det e$ (with its sign).",
-                ground=Ground.of(frame),
+                domain=Domain.of(frame),
                 answer=lambda: frame.determinant[()],
                 errors=lambda: [
                     Mistake(

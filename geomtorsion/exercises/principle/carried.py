@@ -5,12 +5,12 @@ from random import Random
 import sympy as sp
 
 from geomtorsion.action import equations_of_motion
-from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, steps
+from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, steps
 from geomtorsion.exercises.principle.euler import omegas
 from geomtorsion.spaces import load
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """No force for seed 0; other seeds: a thruster fixed in the body."""
     mass = sp.Symbol("M", positive=True)
     push = [sp.S.Zero] * 3
@@ -57,7 +57,7 @@ def pose(draw: Random, seed: int) -> Posed:
             ),
         ]
 
-    return Posed(
+    return Variant(
         statement=(
             "A body of mass $M$ turns with the angular velocity $\\Omega$ and moves with the "
             "velocity $V$ of its centre of mass, both taken along the axes of the **body**. " + said
@@ -68,7 +68,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 kind="equations",
                 prompt="Three equations for `V1'`, `V2'`, `V3'` in `V1`, `V2`, `V3`, `Omega1`, "
                 "`Omega2`, `Omega3` and `M`, separated by semicolons.",
-                ground=Ground((*turns, *speeds, mass)),
+                domain=Domain((*turns, *speeds, mass)),
                 answer=rates,
                 errors=expected,
                 unknowns=("V1'", "V2'", "V3'"),

@@ -5,12 +5,12 @@ from random import Random
 import sympy as sp
 
 from geomtorsion.action import equations_of_motion
-from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, steps, tex
+from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, steps, tex
 from geomtorsion.geometry import Frame
 from geomtorsion.spaces import load
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """Moments as letters for seed 0, as numbers for other seeds."""
     frame = load("so3").frame
     turns = omegas()
@@ -19,7 +19,7 @@ def pose(draw: Random, seed: int) -> Posed:
     known = letters if seed == 0 else ()
     values = ",\\ ".join(f"I_{k + 1} = {tex.tex(x)}" for k, x in enumerate(moments))
     given = "" if seed == 0 else f" with ${values}$"
-    return Posed(
+    return Variant(
         statement=(
             r"A body turns freely about its centre of mass. Its kinetic energy is "
             r"$L = \tfrac12\,(I_1\Omega_1^2 + I_2\Omega_2^2 + I_3\Omega_3^2)$" + given + r", where "
@@ -32,7 +32,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 kind="equations",
                 prompt="Three equations for `Omega1'`, `Omega2'`, `Omega3'`, separated by "
                 "semicolons, in any equivalent form.",
-                ground=Ground((*turns, *known)),
+                domain=Domain((*turns, *known)),
                 answer=lambda: turning(frame, moments),
                 errors=lambda: [
                     Mistake("naive", turning(frame, moments, "naive")),

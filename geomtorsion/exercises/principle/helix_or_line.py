@@ -7,7 +7,7 @@ from random import Random
 import sympy as sp
 
 from geomtorsion.action import equations_of_motion
-from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, scaled, steps
+from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, scaled, steps
 from geomtorsion.geometry import cartan
 from geomtorsion.motion import autoparallel, geodesic, solve
 from geomtorsion.spaces import load
@@ -22,7 +22,7 @@ U = sp.symbols("u1:7", real=True)
 START = (0.3, 1.0, 0.2, 0.0, 0.0, 0.0)
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """Spin and velocity; the seed chooses them."""
     frame = load("r3xso3").frame
     spin = 2 if seed == 0 else draw.choice((1, 2, 3, 4))
@@ -48,7 +48,7 @@ def pose(draw: Random, seed: int) -> Posed:
         pairs = zip(place(True, last), place(False, last), strict=True)
         return hypot(*(x - y for x, y in pairs))
 
-    return Posed(
+    return Variant(
         statement=(
             "A rigid body in space has six coordinates, the angles and the place of its centre of "
             "mass (in this order). Its frame $(e^1, e^2, e^3) = \\Omega\\,\\mathrm{d}t$, "
@@ -65,7 +65,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 kind="expression",
                 prompt="The component $2S_{15}{}^6$ of the torsion in the frame: turning about "
                 "axis 1 with moving along axis 2.",
-                ground=Ground(),
+                domain=Domain(),
                 answer=lambda: torsion()[0, 4, 5],
                 errors=lambda: [
                     Mistake("factor", torsion()[0, 4, 5] / 2, "That is $S$; asked is $2S$."),
@@ -77,7 +77,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 kind="components",
                 prompt=r"The torsion force $f^k = 2\,S_i{}^k{}_j\,u^i u^j$ in the frame, six "
                 "components in `u1` to `u6` (the first three are $\\Omega$, the others $V$).",
-                ground=Ground(U),
+                domain=Domain(U),
                 answer=lambda: force(frame),
                 errors=lambda: [
                     Mistake(

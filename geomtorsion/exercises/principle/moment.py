@@ -5,13 +5,13 @@ from random import Random
 import sympy as sp
 
 from geomtorsion.action import equations_of_motion
-from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, scaled, steps, tex
-from geomtorsion.exercises.variants import attitude, seen_from_space
+from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, scaled, steps, tex
+from geomtorsion.exercises.families import attitude, seen_from_space
 from geomtorsion.geometry import Frame
 from geomtorsion.spaces import load
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """Centre of mass on the third axis for seed 0; other seeds: elsewhere in the body."""
     frame = load("so3").frame
     weight = sp.Symbol("W", positive=True)
@@ -34,7 +34,7 @@ def pose(draw: Random, seed: int) -> Posed:
             for k in range(n)
         ]
 
-    return Posed(
+    return Variant(
         statement=(
             "The attitude of a top that turns about a fixed point is "
             r"$R = R_z(\phi_3)R_y(\phi_2)R_z(\phi_1)$, its body-fixed coframe "
@@ -49,7 +49,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 kind="components",
                 prompt=r"The moment of the weight along the axes of the **body**, "
                 r"$M_k = -E_k{}^\mu\,\partial_\mu V$.",
-                ground=Ground.of(frame, weight),
+                domain=Domain.of(frame, weight),
                 answer=moment,
                 errors=lambda: [
                     Mistake(

@@ -5,12 +5,12 @@ from random import Random
 import sympy as sp
 
 from geomtorsion.action import equations_of_motion
-from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, steps, tex
+from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, steps, tex
 from geomtorsion.exercises.principle.euler import omegas, turning
 from geomtorsion.spaces import load
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """Letters for seed 0; other seeds: moments as numbers."""
     w, v = sp.symbols("w v", positive=True)
     if seed == 0:
@@ -18,7 +18,7 @@ def pose(draw: Random, seed: int) -> Posed:
     else:
         across, along = map(sp.Integer, draw.sample(range(1, 7), 2))
     letters = tuple(x for x in (across, along) if x.is_Symbol)
-    ground = Ground((*letters, w, v))
+    domain = Domain((*letters, w, v))
     turns = omegas()
 
     def in_body() -> sp.Expr:
@@ -32,7 +32,7 @@ def pose(draw: Random, seed: int) -> Posed:
         square = sp.Add(*(p**2 for p in momenta)).subs({u[0]: v, u[1]: 0, u[2]: w})
         return sp.sqrt(square) / across
 
-    return Posed(
+    return Variant(
         statement=(
             f"A free top has the moments $I_1 = I_2 = {tex.tex(across)}$ and "
             f"$I_3 = {tex.tex(along)}$. Its angular velocity along its own axes is "
@@ -45,7 +45,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 prompt=r"Seen from the **body** the angular velocity runs round the third axis: "
                 r"$\dot\Omega_1 = -\lambda\,\Omega_2$, $\dot\Omega_2 = \lambda\,\Omega_1$. "
                 r"What is $\lambda$?",
-                ground=ground,
+                domain=domain,
                 answer=in_body,
                 errors=lambda: [
                     Mistake("axes", in_space(), "That is how fast the axis runs round in space.")
@@ -56,7 +56,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 kind="expression",
                 prompt="Seen from **space** the third axis runs round the angular momentum. With "
                 "which angular velocity?",
-                ground=ground,
+                domain=domain,
                 answer=in_space,
                 errors=lambda: [
                     Mistake("axes", in_body(), "That is how fast it runs round in the body."),

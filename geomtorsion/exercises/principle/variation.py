@@ -5,13 +5,22 @@ from random import Random
 import sympy as sp
 
 from geomtorsion.action import variation
-from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, normal, scaled, steps, tex
-from geomtorsion.exercises.variants import ANGLES, group, seen_from_space
+from geomtorsion.exercises.authoring import (
+    Domain,
+    Mistake,
+    Question,
+    Variant,
+    normal,
+    scaled,
+    steps,
+    tex,
+)
+from geomtorsion.exercises.families import ANGLES, group, seen_from_space
 from geomtorsion.geometry import Frame
 from geomtorsion.spaces import load
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """so3 for seed 0; other seeds: other angles and other groups."""
     name = "so3" if seed == 0 else draw.choice((*sorted(ANGLES), "", ""))
     frame = load(name).frame if name else group(draw, seed)
@@ -39,7 +48,7 @@ def pose(draw: Random, seed: int) -> Posed:
             mistakes.append(Mistake("axes", terms(seen_from_space(name))))
         return mistakes
 
-    return Posed(
+    return Variant(
         statement=(
             f"Over the forms\n\n$${tex.forms(frame)}$$\n\nin ${tex.symbols(frame)}$ a path has the "
             r"velocities $u^i = e^i{}_\mu\dot q^\mu$. It is varied by $\delta q^\mu$, and "
@@ -55,7 +64,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 kind="components",
                 prompt=r"The second term, $2S_{kj}{}^i\,u^j\,\delta\Phi^k$, for $i = 1, 2, 3$, in "
                 "`u1`, `u2`, `u3` and `dPhi1`, `dPhi2`, `dPhi3`.",
-                ground=Ground((*u, *images)),
+                domain=Domain((*u, *images)),
                 answer=lambda: terms(frame),
                 errors=expected,
                 shape=(3,),

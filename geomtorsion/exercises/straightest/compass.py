@@ -4,7 +4,7 @@ from functools import cache
 from math import cos, pi, radians, sin
 from random import Random
 
-from geomtorsion.exercises.kit import Mistake, Posed, Question, steps
+from geomtorsion.exercises.authoring import Mistake, Question, Variant, steps
 from geomtorsion.geometry import cartan
 from geomtorsion.motion import Problem, autoparallel, geodesic, solve
 from geomtorsion.spaces import load
@@ -12,7 +12,7 @@ from geomtorsion.spaces import load
 ACCURACY = 1e-8
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """A ship on the unit sphere; the seed chooses where, whither and how far."""
     frame = load("s2").frame
     colatitude = 1.0 if seed == 0 else draw.choice((0.8, 0.9, 1.0, 1.1))
@@ -32,7 +32,7 @@ def pose(draw: Random, seed: int) -> Posed:
         cosine = cos(one[0]) * cos(two[0]) + sin(one[0]) * sin(two[0]) * cos(one[1] - two[1])
         return float(max(-1.0, min(1.0, cosine)))
 
-    return Posed(
+    return Variant(
         statement=(
             "A ship on the unit sphere starts at colatitude "
             f"$\\theta = {colatitude:g}$, longitude $0$, on the course ${course}$ degrees (from "

@@ -4,13 +4,13 @@ from random import Random
 
 import sympy as sp
 
-from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, scaled, steps, tex
+from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, scaled, steps, tex
+from geomtorsion.exercises.families import circles
 from geomtorsion.exercises.straightest.force import christoffel_terms, quadratic
-from geomtorsion.exercises.variants import circles
 from geomtorsion.geometry import cartan
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """Polar legs for seed 0; other seeds: circles of other lengths."""
     frame = circles(draw, seed)
     rates = [sp.Symbol(f"{symbol}_d", real=True) for symbol in frame.coordinates]
@@ -19,7 +19,7 @@ def pose(draw: Random, seed: int) -> Posed:
     def straight():
         return quadratic(table.nonzero(), rates, -1)
 
-    return Posed(
+    return Variant(
         statement=(
             f"For the forms ${tex.forms(frame)}$ write down the equations of the **straightest** "
             "lines of the Cartan connection, the autoparallels,\n\n"
@@ -31,7 +31,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 kind="equations",
                 prompt="Two equations for `r''` and `phi''`, with `r'` and `phi'` for the "
                 "velocities, separated by a semicolon; any equivalent pair will do.",
-                ground=Ground.of(frame, *rates),
+                domain=Domain.of(frame, *rates),
                 answer=straight,
                 errors=lambda: [
                     Mistake(

@@ -4,19 +4,19 @@ from random import Random
 
 import sympy as sp
 
-from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, steps, tex
-from geomtorsion.exercises.variants import circles, group
+from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, steps, tex
+from geomtorsion.exercises.families import circles, group
 from geomtorsion.geometry import Frame, cartan
 from geomtorsion.spaces import load
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """Polar legs for seed 0; other seeds: circles and groups."""
     frame = load("flat_polar").frame if seed == 0 else draw.choice((circles, group))(draw, seed)
     n, torsion = frame.dimension, cartan(frame).torsion
     rates = [sp.Symbol(f"{symbol}_d", real=True) for symbol in frame.coordinates]
     said = ", ".join(f"`{symbol}'`" for symbol in frame.coordinates)
-    return Posed(
+    return Variant(
         statement=(
             f"For the forms\n\n$${tex.forms(frame)}$$\n\nin ${tex.symbols(frame)}$ let $S$ be the "
             "torsion of the Cartan connection (with the half). On an autoparallel\n\n"
@@ -30,7 +30,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 name="force",
                 kind="components",
                 prompt=f"The components $f^c$ in coordinates, with the velocities {said}.",
-                ground=Ground.of(frame, *rates),
+                domain=Domain.of(frame, *rates),
                 answer=lambda: torsion.force(rates),
                 errors=lambda: [
                     Mistake(

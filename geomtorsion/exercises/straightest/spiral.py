@@ -4,7 +4,7 @@ from functools import cache
 from random import Random
 from typing import Any
 
-from geomtorsion.exercises.kit import Mistake, Posed, Question, steps
+from geomtorsion.exercises.authoring import Mistake, Question, Variant, steps
 from geomtorsion.geometry import cartan
 from geomtorsion.motion import Problem, autoparallel, geodesic, solve
 from geomtorsion.spaces import load
@@ -12,7 +12,7 @@ from geomtorsion.spaces import load
 ACCURACY = 1e-8
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """Radius, speeds and time; the seed chooses them."""
     frame = load("flat_polar").frame
     radius = 1.0 if seed == 0 else draw.choice((0.5, 1.0, 1.5, 2.0))
@@ -22,7 +22,7 @@ def pose(draw: Random, seed: int) -> Posed:
     straight = autoparallel(cartan(frame), start, frame_velocity=[out, around])
     short = geodesic(frame, start, frame_velocity=[out, around])
     mistaken = autoparallel(cartan(frame), start, velocity=[out, around])
-    return Posed(
+    return Variant(
         statement=(
             r"In the plane let $e^1 = \mathrm{d}r$ and $e^2 = r\,\mathrm{d}\phi$. A traveller "
             f"starts at $r = {radius:g}$, $\\phi = 0.2$ and keeps the frame components of the "

@@ -2,19 +2,27 @@
 
 from random import Random
 
-from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, reordered, steps, tex
-from geomtorsion.exercises.variants import ANGLES, group
+from geomtorsion.exercises.authoring import (
+    Domain,
+    Mistake,
+    Question,
+    Variant,
+    reordered,
+    steps,
+    tex,
+)
+from geomtorsion.exercises.families import ANGLES, group
 from geomtorsion.geometry import cartan, levi_civita
 from geomtorsion.spaces import load
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """so3 for seed 0; other seeds: other angles, or another group."""
     turning = seed == 0 or draw.random() < 0.5
     names = ["so3"] if seed == 0 else sorted(ANGLES)
     frame = load(draw.choice(names)).frame if turning else group(draw, seed)
     connection = cartan(frame)
-    return Posed(
+    return Variant(
         statement=(
             f"The coframe of this exercise, in the coordinates ${tex.symbols(frame)}$, is"
             f"\n\n$$e = {tex.coframe(frame)}.$$\n\n"
@@ -26,7 +34,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 kind="components",
                 prompt=r"All components $\Gamma_{ab}{}^c$ that do not vanish, in the order "
                 "$a, b, c$, the direction of differentiation first.",
-                ground=Ground.of(frame),
+                domain=Domain.of(frame),
                 answer=lambda: connection.coefficients,
                 errors=lambda: [
                     Mistake("levi-civita", levi_civita(frame).coefficients),

@@ -2,18 +2,18 @@
 
 from random import Random
 
-from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, steps, tex
-from geomtorsion.exercises.variants import circles, group
+from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, steps, tex
+from geomtorsion.exercises.families import circles, group
 from geomtorsion.geometry import cartan
 from geomtorsion.spaces import load
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """Spherical legs in flat space for seed 0; other seeds: groups and circles."""
     family = draw.choice((circles, group))
     frame = family(draw, seed) if seed else load("flat_spherical").frame
     n, torsion = frame.dimension, cartan(frame).torsion
-    return Posed(
+    return Variant(
         statement=(
             f"The legs of this exercise belong to the forms\n\n$${tex.forms(frame)}$$\n\n"
             f"in the coordinates ${tex.symbols(frame)}$. The torsion of their Cartan connection is"
@@ -25,7 +25,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 kind="components",
                 prompt=r"The components $S_{ab}{}^c$ in coordinates that do not vanish, those "
                 "with $a<b$ at least.",
-                ground=Ground.of(frame),
+                domain=Domain.of(frame),
                 answer=lambda: torsion.S,
                 errors=lambda: [
                     Mistake("factor", torsion.T, "That is $T = 2S$; the half is missing."),
@@ -45,7 +45,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 name="vector",
                 kind="components",
                 prompt=r"The torsion vector $v_a = 2\,S_{ab}{}^b$.",
-                ground=Ground.of(frame),
+                domain=Domain.of(frame),
                 answer=lambda: torsion.vector,
                 errors=lambda: [
                     Mistake("basis", torsion.vector.in_frame()),

@@ -2,13 +2,13 @@
 
 from random import Random
 
-from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, steps, tex
-from geomtorsion.exercises.variants import ANGLES, seen_from_space, stretched
+from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, steps, tex
+from geomtorsion.exercises.families import ANGLES, seen_from_space, stretched
 from geomtorsion.geometry import cartan, levi_civita
 from geomtorsion.spaces import load
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """The body-fixed frame of so3 for seed 0; other seeds: other angles, forms stretched."""
     name = "so3" if seed == 0 else draw.choice(sorted(ANGLES))
     which, factor = draw.randrange(3), draw.choice((2, 3))
@@ -16,7 +16,7 @@ def pose(draw: Random, seed: int) -> Posed:
     if seed:
         frame, other = stretched(frame, which, factor), stretched(other, which, factor)
     torsion = cartan(frame).torsion
-    return Posed(
+    return Variant(
         statement=(
             "The body-fixed forms in the angles "
             f"${tex.symbols(frame)}$ are\n\n$$e = {tex.coframe(frame)},\\qquad \\eta = 1.$$\n\n"
@@ -29,7 +29,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 kind="components",
                 prompt=r"The components $2S_{ij}{}^k$ in the frame that do not vanish, those with "
                 "$i<j$ at least.",
-                ground=Ground.of(frame),
+                domain=Domain.of(frame),
                 answer=torsion.T.in_frame,
                 errors=lambda: [
                     Mistake("factor", torsion.S.in_frame(), "That is $S$; asked is $2S$."),
@@ -51,7 +51,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 kind="expression",
                 prompt=r"The torsion scalar $\tfrac14 T_{abc}T^{abc} + \tfrac12 T_{abc}T^{cba} - "
                 r"v_a v^a$ with $T = 2S$.",
-                ground=Ground.of(frame),
+                domain=Domain.of(frame),
                 answer=lambda: torsion.scalar[()],
                 errors=lambda: [
                     Mistake(

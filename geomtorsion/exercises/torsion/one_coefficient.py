@@ -2,16 +2,24 @@
 
 from random import Random
 
-from geomtorsion.exercises.kit import Ground, Mistake, Posed, Question, reordered, steps, tex
-from geomtorsion.exercises.variants import circles
+from geomtorsion.exercises.authoring import (
+    Domain,
+    Mistake,
+    Question,
+    Variant,
+    reordered,
+    steps,
+    tex,
+)
+from geomtorsion.exercises.families import circles
 from geomtorsion.geometry import cartan, levi_civita
 
 
-def pose(draw: Random, seed: int) -> Posed:
+def make(draw: Random, seed: int) -> Variant:
     """Polar legs for seed 0; other seeds: circles of other lengths."""
     frame = circles(draw, seed)
     connection = cartan(frame)
-    return Posed(
+    return Variant(
         statement=(
             f"In the coordinates ${tex.symbols(frame)}$ let ${tex.forms(frame)}$. "
             "The Cartan connection is the one in which the legs are parallel,\n\n"
@@ -24,7 +32,7 @@ def pose(draw: Random, seed: int) -> Posed:
                 kind="components",
                 prompt=r"The components $\Gamma_{ab}{}^c$ that do not vanish (there is one), "
                 "indices in the order $a, b, c$.",
-                ground=Ground.of(frame),
+                domain=Domain.of(frame),
                 answer=lambda: connection.coefficients,
                 errors=lambda: [
                     Mistake("levi-civita", levi_civita(frame).coefficients),

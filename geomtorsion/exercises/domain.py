@@ -1,4 +1,4 @@
-"""Ground: the symbols an answer may be written with, and where they lie."""
+"""domain: the symbols an answer may be written with, and where they lie."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from functools import cached_property
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import sympy
 
 from geomtorsion.exact import Field
@@ -18,7 +19,8 @@ if TYPE_CHECKING:
 
 # As many points decide where in the domain an answer is right; each exact decision is its own.
 POINTS = 24
-# A generic point for the branches of roots: no small fraction, where accidents happen.
+# The signs of roots are read off at a point with large denominators: small fractions may lie
+# where two expressions agree by chance.
 FINENESS = 10**12
 _LETTERS = dict(
     zip(
@@ -31,25 +33,25 @@ _LETTERS = dict(
 
 
 @dataclass(frozen=True, eq=False)
-class Ground:
+class Domain:
     """Symbols with the domain in which they lie.
 
     symbols: in order, each of which may occur in an answer.
-    domain: relations between them that hold.
+    relations: what holds between them, such as 0 < x.
 
     Examples
     --------
     >>> x = sympy.Symbol("x", real=True)
-    >>> ground = Ground((x,), (x > 0, x < 1))
-    >>> all(0 < value < 1 for point in ground.points for value in point.values())
+    >>> domain = Domain((x,), (x > 0, x < 1))
+    >>> all(0 < value < 1 for point in domain.points for value in point.values())
     True
     """
 
     symbols: tuple[sympy.Symbol, ...] = ()
-    domain: tuple[Any, ...] = ()
+    relations: tuple[Any, ...] = ()
 
     @classmethod
-    def of(cls, frame: Frame, *more: sympy.Symbol) -> Ground:
+    def of(cls, frame: Frame, *more: sympy.Symbol) -> Domain:
         """The coordinates and parameters of a frame, and further symbols."""
         return cls((*frame.coordinates, *frame.parameters, *more), frame.domain)
 
@@ -66,7 +68,7 @@ class Ground:
     @cached_property
     def points(self) -> tuple[Mapping[sympy.Symbol, sympy.Rational], ...]:
         """Places all over the domain, always the same ones."""
-        return tuple(islice(candidate_points(self.symbols, (), self.domain), POINTS))
+        return tuple(islice(candidate_points(self.symbols, (), self.relations), POINTS))
 
     @property
     def places(self) -> tuple[Mapping[sympy.Symbol, sympy.Rational], ...]:
@@ -76,8 +78,6 @@ class Ground:
     @cached_property
     def arrays(self) -> Mapping[sympy.Symbol, Any]:
         """The points as one array of floats for each symbol."""
-        import numpy as np
-
         return {
             symbol: np.array([float(point[symbol]) for point in self.points])
             for symbol in self.symbols
@@ -86,7 +86,7 @@ class Ground:
     @cached_property
     def _generic(self) -> Mapping[sympy.Symbol, sympy.Rational]:
         """The place at which signs of roots are read off."""
-        return next(candidate_points(self.symbols, (), self.domain, FINENESS))
+        return next(candidate_points(self.symbols, (), self.relations, FINENESS))
 
     def field(self) -> Field:
         """A fresh exact field over the symbols: no answer leaves traces in the next."""

@@ -1,4 +1,4 @@
-"""Reading: answers as they come from a student, by the whitelist parser and nothing else."""
+"""answers: what a student gives, read by the whitelist parser; and solutions as texts like it."""
 
 from __future__ import annotations
 
@@ -11,16 +11,18 @@ import sympy
 from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exercises.limits import ANSWER, LARGEST_ANSWER
-from geomtorsion.exercises.remedies import fitting
+from geomtorsion.exercises.prompts import advice, plain_name, shown_name
 from geomtorsion.exercises.sizes import check_constants
+from geomtorsion.pictures.text import expression_text
 
 if TYPE_CHECKING:
-    from geomtorsion.exercises.compare import Index
+    from geomtorsion.exercises.compare import Index, Value
     from geomtorsion.exercises.question import Question
 
 MOST_ENTRIES = 500
+# Digits of a number that is written.
+DIGITS = 12
 _DECIMAL = re.compile(r"(?<![\w.])([0-9]*)\.([0-9]*)(?:[eE]([+-]?[0-9]{1,3}))?(?![\w.])")
-_PRIMES = re.compile(r"([^\W\d]\w*)\s*(['′’]{1,2}|″)")
 _POWER_OF_TEN = re.compile(r"(?<![\w.])([0-9]+)[eE]([+-]?[0-9]{1,3})(?![\w.])")
 
 
@@ -49,35 +51,11 @@ def expression(question: Question, given: Any, where: str) -> sympy.Expr:
             "Write it shorter."
         )
     text = plain_name(rational(given))
-    check_constants(text, question.ground.names, where, ANSWER)
+    check_constants(text, question.domain.names, where, ANSWER)
     try:
-        return parse_expression(text, question.ground.names, {}, where=where, limits=ANSWER)
+        return parse_expression(text, question.domain.names, {}, where=where, limits=ANSWER)
     except (ExpressionError, LimitError) as error:
-        raise type(error)(fitting(question, str(error))) from None
-
-
-def plain_name(text: str) -> str:
-    """Derivatives as names of symbols: r'' becomes r_dd.
-
-    Examples
-    --------
-    >>> plain_name("Omega1' + r''")
-    'Omega1_d + r_dd'
-    """
-    return _PRIMES.sub(
-        lambda match: f"{match[1]}_{'d' * (len(match[2]) + (match[2] == '″'))}", text
-    )
-
-
-def shown_name(text: str) -> str:
-    """The same backwards.
-
-    Examples
-    --------
-    >>> shown_name("Omega1_d + r_dd")
-    "Omega1' + r''"
-    """
-    return re.sub(r"(\w+?)_(d{1,2})\b", lambda match: match[1] + "'" * len(match[2]), text)
+        raise type(error)(advice(question, str(error))) from None
 
 
 def rational(text: str) -> str:
@@ -160,14 +138,14 @@ def index(question: Question, key: Any, where: str) -> Index:
     rank = len(question.shape)
     if all(part.isdigit() for part in parts) and len("".join(parts)) == rank:
         parts = list("".join(parts))
-    names = list(question.ground.names)
-    symbols = list(question.ground.symbols)
+    names = list(question.domain.names)
+    symbols = list(question.domain.symbols)
     found = []
     for k, part in enumerate(parts):
         if part.isdecimal() and len(part) < 4:
             found.append(int(part) - 1)
         elif part in names:
-            found.append(symbols.index(question.ground.names[part]))
+            found.append(symbols.index(question.domain.names[part]))
         else:
             raise ExpressionError(
                 f"{where}: {part!r} is no index {k + 1}. Indices are numbers counted from 1, as in "
@@ -188,7 +166,7 @@ def index(question: Question, key: Any, where: str) -> Index:
 
 def _names(question: Question, text: str) -> bool:
     """Whether an index names coordinates."""
-    return any(part in question.ground.names for part in re.split(r"[\s,_^{}\[\]()]+", text))
+    return any(part in question.domain.names for part in re.split(r"[\s,_^{}\[\]()]+", text))
 
 
 def completed(given: Mapping[Index, Any], symmetry: str) -> dict[Index, Any]:
@@ -286,3 +264,40 @@ def _kind(value: Any) -> str:
     """What an answer is, in a few words."""
     names = {bool: "true or false", list: "a list", dict: "a table", type(None): "nothing"}
     return names.get(type(value), f"{type(value).__name__} {str(value)[:40]}")
+
+
+def answer_text(question: Question, value: Value) -> str:
+    """A value as text that `Exercise.check` reads back.
+
+    Examples
+    --------
+    >>> from geomtorsion.exercises import load
+    >>> question = load("1.1").questions[0]
+    >>> answer_text(question, {(0, 0): sympy.Integer(1), (1, 1): 1 / sympy.Symbol("r")})
+    '1,1 = 1; 2,2 = 1/r'
+    """
+    if question.kind == "choice":
+        return str(value[()])
+    if question.kind == "equations":
+        return "; ".join(
+            f"{name} = {component_text(value.get((k,), 0))}"
+            for k, name in enumerate(question.unknowns)
+        )
+    if not question.shape:
+        text = component_text(value.get((), 0))
+        return f"{text} {question.unit}".strip()
+    if question.kind == "number":
+        largest = max((abs(float(x)) for x in value.values()), default=0.0)
+        kept = {key: x for key, x in value.items() if abs(float(x)) > 10**-DIGITS * largest}
+        parts = [component_text(kept.get((k,), 0)) for k in range(question.shape[0])]
+        return f"[{', '.join(parts)}]"
+    pairs = [f"{','.join(str(k + 1) for k in key)} = {component_text(x)}" for key, x in
+             sorted(value.items())]  # fmt: skip
+    return "; ".join(pairs) or "0"
+
+
+def component_text(value: Any) -> str:
+    """One expression or number as text without Greek letters."""
+    if isinstance(value, float):
+        return f"{value:.{DIGITS}g}"
+    return shown_name(expression_text(sympy.sympify(value), greek=False))
