@@ -23,7 +23,7 @@ FLOORS = (
     ("motion",),
     ("action", "curves", "loops", "rigid"),
     ("spaces",),
-    ("accuracy", "pictures"),
+    ("accuracy", "pictures", "paper"),
     ("scenes", "exercises"),
     ("cli", "lab"),
     ("__main__",),

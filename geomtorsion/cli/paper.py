@@ -15,38 +15,8 @@ TITLE = (
     "c1, s1, c2, s2: cosines and sines of phi1, phi2; indices count from 1, as in the paper;\n"
     "Omega = (u1, u2, u3), V = (u4, u5, u6), u1dot: the change of u1"
 )
-
-
-def written(format: str = "text") -> str:
-    """The claims of the paper as text or JSON.
-
-    Raises
-    ------
-    UnknownNameError
-        The format is neither text nor json.
-
-    Examples
-    --------
-    >>> print(written().splitlines()[-1])
-    42 claims recomputed: 33 agree, 9 misprints.
-    """
-    from geomtorsion.cli.claims import claims
-
-    found = claims()
-    if format == "json":
-        return json.dumps([asdict(claim) for claim in found], indent=2)
-    if format != "text":
-        raise UnknownNameError(f"paper has no format {format!r}; choose text or json.")
-    lines = [TITLE, ""]
-    for claim in found:
-        note = f" ({claim.note})" if claim.note else ""
-        lines.append(f"{claim.equation:<12}{claim.says}")
-        lines.append(f"{'':<12}{claim.verdict}{note}")
-        lines.append(f"{'':<12}{'' if claim.agrees else 'right: '}{claim.right}")
-    right = sum(claim.agrees for claim in found)
-    misprints = len(found) - right
-    lines += ["", f"{len(found)} claims recomputed: {right} agree, {misprints} misprints."]
-    return "\n".join(lines)
+# Where what is said of an equation begins.
+INDENT = 12
 
 
 def paper(
@@ -60,4 +30,21 @@ def paper(
 
     Example:  geomtorsion paper --format json
     """
-    typer.echo(written(format))
+    from geomtorsion.paper import statements
+
+    if format not in ("text", "json"):
+        raise UnknownNameError(f"paper has no format {format!r}; choose text or json.")
+    found = statements()
+    if format == "json":
+        typer.echo(json.dumps([asdict(statement) for statement in found], indent=2))
+        return
+    typer.echo(f"{TITLE}\n")
+    for statement in found:
+        note = f" ({statement.note})" if statement.note else ""
+        right = statement.right if statement.agrees else f"right: {statement.right}"
+        typer.echo(f"{statement.equation:<{INDENT}}{statement.says}")
+        typer.echo(f"{'':<{INDENT}}{statement.verdict}{note}")
+        typer.echo(f"{'':<{INDENT}}{right}")
+    agree = sum(statement.agrees for statement in found)
+    misprints = len(found) - agree
+    typer.echo(f"\n{len(found)} claims recomputed: {agree} agree, {misprints} misprints.")

@@ -122,11 +122,6 @@ def test_report_where_it_cannot_be_written(tmp_path):
     assert "Traceback" not in error
 
 
-def test_paper_is_there():
-    """The claims of the paper are recomputed."""
-    assert "misprint" in run("paper").stdout
-
-
 def test_an_attempt_at_code_does_nothing(tmp_path):
     """The file is refused and its code is not run."""
     trace = tmp_path / "trace"

@@ -1,32 +1,32 @@
-"""claims_motion: what the paper says of both kinds of motion, worked out once over a frame."""
+"""mechanics: a body over one of the paper's frames, and everything that follows from its energy."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from geomtorsion.cli.claims_frames import attitude
-from geomtorsion.cli.printed import short
-
-if TYPE_CHECKING:
-    from geomtorsion.action import EquationsOfMotion, Variation
-    from geomtorsion.geometry import Frame
+from geomtorsion.action import EquationsOfMotion, Variation, equations_of_motion, variation
+from geomtorsion.geometry import Frame
+from geomtorsion.paper.frames import PaperFrames, attitude
+from geomtorsion.paper.statement import short
 
 MOMENTS = sp.symbols("I1 I2 I3", positive=True)
 MASS = sp.Symbol("M", positive=True)
 # Phi'^i and X'^i as the library calls them: u1 ... u6.
-TURN, SPEED = sp.symbols("u1 u2 u3"), sp.symbols("u4 u5 u6")
+OMEGA, VELOCITY = sp.symbols("u1 u2 u3"), sp.symbols("u4 u5 u6")
 TORQUE, FORCE = sp.symbols("M1 M2 M3"), sp.symbols("F1 F2 F3")
-ROTATION_ENERGY = sum(
-    (moment * u**2 / 2 for moment, u in zip(MOMENTS, TURN, strict=True)), start=sp.S.Zero
-)
-FLIGHT_ENERGY = MASS * sum((u**2 for u in SPEED), start=sp.S.Zero) / 2
+ANGULAR_MOMENTUM = [moment * u for moment, u in zip(MOMENTS, OMEGA, strict=True)]
+MOMENTUM = [MASS * u for u in VELOCITY]
 
 Row = Sequence[sp.Expr]
+
+
+def dot(one: Row, two: Row) -> sp.Expr:
+    """a_i b^i."""
+    return sp.Add(*(a * b for a, b in zip(one, two, strict=True)))
 
 
 def cross(one: Row, two: Row) -> list[sp.Expr]:
@@ -34,14 +34,14 @@ def cross(one: Row, two: Row) -> list[sp.Expr]:
     return list(sp.Matrix(one).cross(sp.Matrix(two)))
 
 
-def angular_momentum() -> list[sp.Expr]:
-    """L_i = I_i Phi'^i."""
-    return [moment * u for moment, u in zip(MOMENTS, TURN, strict=True)]
+def total(*rows: Row) -> list[sp.Expr]:
+    """The sum of rows, component by component."""
+    return [sp.Add(*parts) for parts in zip(*rows, strict=True)]
 
 
-def momentum() -> list[sp.Expr]:
-    """P = M V."""
-    return [MASS * u for u in SPEED]
+def minus(row: Row) -> list[sp.Expr]:
+    """The row with the other sign."""
+    return [-value for value in row]
 
 
 def equal(one: Row, two: Row) -> bool:
@@ -55,11 +55,30 @@ def written(values: Row) -> str:
     return "(" + ", ".join(short(value) for value in values) + ")"
 
 
+def euler() -> tuple[list[sp.Expr], list[sp.Expr]]:
+    """L' and Omega x L."""
+    rates = sp.symbols("u1dot u2dot u3dot")
+    change = [moment * rate for moment, rate in zip(MOMENTS, rates, strict=True)]
+    return change, cross(OMEGA, ANGULAR_MOMENTUM)
+
+
+def newton() -> tuple[list[sp.Expr], list[sp.Expr]]:
+    """P' and Omega x P."""
+    change = [MASS * rate for rate in sp.symbols("u4dot u5dot u6dot")]
+    return change, cross(OMEGA, MOMENTUM)
+
+
+def by_parts(momenta: Row, changes: Row, images: Row, rates: Row) -> list[sp.Expr]:
+    """Coefficients of dPhi^k in p_i delta-bar u^i - d/dt (p_i dPhi^i), p' written u'dot."""
+    integrand = sp.expand(dot(momenta, total(changes, minus(rates))))
+    return [integrand.coeff(image) for image in images]
+
+
 @dataclass(frozen=True)
 class Mechanics:
     """One frame with its kinetic energy and forces, and everything that follows.
 
-    frame: so3 or r3xso3. energy: the Lagrangian in the body. forces: their components in it.
+    frame: rotations or motions. energy: the Lagrangian in the body. forces: their components in it.
     """
 
     frame: Frame
@@ -69,21 +88,15 @@ class Mechanics:
     @cached_property
     def right(self) -> EquationsOfMotion:
         """From variations that close in the coordinates."""
-        from geomtorsion.action import equations_of_motion
-
         return equations_of_motion(self.frame, self.energy, self.forces)
 
     def varied(self, principle: str) -> EquationsOfMotion:
         """From other variations, without forces."""
-        from geomtorsion.action import equations_of_motion
-
         return equations_of_motion(self.frame, self.energy, principle=principle)
 
     @cached_property
     def variation(self) -> Variation:
         """delta-bar of the velocities."""
-        from geomtorsion.action import variation
-
         return variation(self.frame)
 
     def residuals(self) -> list[sp.Expr]:
@@ -107,11 +120,21 @@ class Mechanics:
     def transformed(self, kinetic: sp.Matrix) -> bool:
         """Whether the energy is q'^T K q' / 2 once u = e q' is put in."""
         phase = self.right.hamel.phase
-        rates = phase.letters.rates
-        v = sp.Matrix(rates)
+        v = sp.Matrix(phase.letters.rates)
         difference = self.energy.xreplace(self.right.lagrange.velocities)
         printed = (v.T * kinetic * v)[0] / 2
         return phase.frame.read([("energy", difference - printed)])[0].is_zero is True
+
+
+def turning_body(frames: PaperFrames) -> Mechanics:
+    """Sections 1 and 3: a body that turns."""
+    return Mechanics(frames.rotations, dot(ANGULAR_MOMENTUM, OMEGA) / 2, TORQUE)
+
+
+def flying_body(frames: PaperFrames) -> Mechanics:
+    """Sections 1 and 4: a body that turns and flies."""
+    energy = (dot(ANGULAR_MOMENTUM, OMEGA) + dot(MOMENTUM, VELOCITY)) / 2
+    return Mechanics(frames.motions, energy, (*TORQUE, *FORCE))
 
 
 class Strip:
@@ -124,32 +147,24 @@ class Strip:
         self.coframe = frame.coframe.to_sympy().tomatrix()
         self.coordinates = frame.coordinates
 
-    def on(self, expression: Any) -> Any:
-        """A function of the coordinates on the strip."""
-        return sp.sympify(expression).subs(self.paths)
-
-    def row(self, i: int, by: sp.Symbol) -> sp.Expr:
+    def form(self, i: int, by: sp.Symbol) -> sp.Expr:
         """e^i_mu dq^mu/ds or e^i_mu dq^mu/dt."""
-        return sp.Add(
-            *(self.on(self.coframe[i, mu]) * self.paths[q].diff(by)
-              for mu, q in enumerate(self.coordinates))
-        )  # fmt: skip
+        parts = zip(self.coframe[i, :], self.paths.values(), strict=True)
+        return sp.Add(*(value.subs(self.paths) * path.diff(by) for value, path in parts))
 
-    def curl(self, i: int, rows: Sequence[int], columns: Sequence[int]) -> sp.Expr:
-        """d_la e^i_mu (x'^mu dphi^la - phi'^la dx^mu) with la in rows and mu in columns."""
+    def curl(self, i: int, first: Sequence[int], second: Sequence[int]) -> sp.Expr:
+        """d_la e^i_mu (x'^mu dphi^la - phi'^la dx^mu) with la in first and mu in second."""
         terms = []
-        for la in rows:
-            for mu in columns:
-                slope = self.on(sp.diff(self.coframe[i, mu], self.coordinates[la]))
-                one, two = (self.paths[self.coordinates[k]] for k in (mu, la))
-                terms.append(
-                    slope
-                    * (one.diff(self.t) * two.diff(self.s) - two.diff(self.t) * one.diff(self.s))
-                )
+        for la in first:
+            for mu in second:
+                slope = sp.diff(self.coframe[i, mu], self.coordinates[la]).subs(self.paths)
+                x, phi = (self.paths[self.coordinates[k]] for k in (mu, la))
+                area = x.diff(self.t) * phi.diff(self.s) - phi.diff(self.t) * x.diff(self.s)
+                terms.append(slope * area)
         return sp.Add(*terms)
 
-    def holds(self, i: int, rows: Sequence[int], columns: Sequence[int]) -> bool:
+    def holds(self, i: int, first: Sequence[int], second: Sequence[int]) -> bool:
         """Whether delta (e^i q') = d/dt (e^i dq) + curl, identically."""
-        varied = self.row(i, self.t).diff(self.s)
-        changed = self.row(i, self.s).diff(self.t)
-        return sp.expand(varied - changed - self.curl(i, rows, columns)) == 0
+        varied = self.form(i, self.t).diff(self.s)
+        changed = self.form(i, self.s).diff(self.t)
+        return sp.expand(varied - changed - self.curl(i, first, second)) == 0

@@ -1,19 +1,17 @@
-"""printed: statements as the paper prints them, compared and written in its notation."""
+"""statement: one sentence of the paper, compared with what is computed, in its notation."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import permutations
-from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-if TYPE_CHECKING:
-    from geomtorsion.geometry import Tensor
+from geomtorsion.geometry import Tensor
 
 Index = tuple[int, ...]
-Components = Mapping[Index, Any]
+Components = Mapping[Index, "sp.Expr | int"]
 
 PHI = phi1, phi2, phi3 = sp.symbols("phi1 phi2 phi3", real=True)
 c1, s1, c2, s2 = sp.cos(phi1), sp.sin(phi1), sp.cos(phi2), sp.sin(phi2)
@@ -21,7 +19,7 @@ SHORT = dict(zip((c1, s1, c2, s2), sp.symbols("c1 s1 c2 s2"), strict=True))
 
 
 @dataclass(frozen=True)
-class Claim:
+class Statement:
     """One statement of the paper, compared with what the generic classes compute.
 
     Fields
@@ -39,7 +37,7 @@ class Claim:
 
     Examples
     --------
-    >>> Claim("(12)", "2 S_ijk = -eps_ijk", "agrees", "2 S_123 = -1").agrees
+    >>> Statement("(12)", "2 S_ijk = -eps_ijk", "agrees", "2 S_123 = -1").agrees
     True
     """
 
@@ -55,19 +53,27 @@ class Claim:
         return self.verdict == "agrees"
 
 
-def epsilon(scale: Any) -> dict[Index, Any]:
+def verdict(holds: bool, wrong: str = "the print differs from the formula on the right") -> str:
+    """ "agrees", or what is wrong."""
+    return "agrees" if holds else f"misprint: {wrong}"
+
+
+def lost(what: str, corrected: bool) -> str:
+    """What is wrong in print, where the corrected formula was found to hold."""
+    return f"{what} is lost" if corrected else "wrong in more than its notation"
+
+
+def epsilon(scale: sp.Expr | int) -> dict[Index, sp.Expr]:
     """Components of scale * eps_abc."""
     return {i: scale * sp.LeviCivita(*i) for i in permutations(range(3))}
 
 
 def same(tensor: Tensor, printed: Components) -> bool:
     """Whether a tensor has exactly these components and no others."""
-    from geomtorsion.geometry import Tensor
-
     return tensor == Tensor(tensor.frame, tensor.slots, printed)
 
 
-def short(expression: Any) -> str:
+def short(expression: sp.Expr | int) -> str:
     """An expression with c1, s1, c2, s2 for cosines and sines."""
     return str(sp.sympify(expression).xreplace(SHORT))
 
@@ -83,16 +89,11 @@ def listed(symbol: str, tensor: Tensor) -> str:
     heights = ["^" if slot in "uU" else "_" for slot in tensor.slots]
     groups: dict[str, list[str]] = {}
     for index, value in tensor.nonzero().items():
-        place, last = "", ""
+        label, last = symbol, ""
         for k, height in zip(index, heights, strict=True):
-            place += (height if height != last else "") + str(k + 1)
+            label += (height if height != last else "") + str(k + 1)
             last = height
-        groups.setdefault(short(value), []).append(symbol + place)
+        groups.setdefault(short(value), []).append(label)
     if not groups:
         return f"{symbol} = 0"
     return "; ".join(f"{' = '.join(names)} = {value}" for value, names in groups.items())
-
-
-def verdict(holds: bool, wrong: str = "the print differs from the formula on the right") -> str:
-    """ "agrees", or what is wrong."""
-    return "agrees" if holds else f"misprint: {wrong}"
