@@ -1,0 +1,1 @@
+"""Golden answers: what public calls gave before the house was rebuilt."""
