@@ -17,6 +17,7 @@ FILES = sorted(PACKAGE.rglob("*.py"))
 FLOORS = (
     ("errors",),
     ("conventions", "checks"),
+    ("files",),
     ("exact",),
     ("codegen",),
     ("geometry", "ode"),

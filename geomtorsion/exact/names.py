@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from difflib import get_close_matches
 from types import MappingProxyType
 from typing import Any
 
 import sympy
+
+# Those who import it from here are being moved to checks, one by one.
+from geomtorsion.checks import near_names as near_names
 
 _ONE = (1,)
 _CIRCLE = "sin cos tan cot sec csc asin acos atan acot"
@@ -39,33 +40,3 @@ NOT_SMOOTH: MappingProxyType[str, str] = MappingProxyType(
         "Write the smooth expression of one region, and name the region as the domain.",
     )
 )
-
-_GREEK: dict[str, str] = dict(
-    zip(
-        "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho "
-        "sigma tau upsilon phi chi psi omega".split(),
-        "αβγδεζηθικλμνξοπρστυφχψω",
-        strict=True,
-    )
-)
-
-
-def near_names(name: str, known: Iterable[str]) -> str:
-    """Return the known name that was probably meant, or an empty text.
-
-    Examples
-    --------
-    >>> near_names("thetta", ["r", "theta", "phi"])
-    'theta'
-    >>> near_names("θ", ["r", "theta", "phi"])
-    'theta'
-    >>> near_names("banana", ["r", "theta", "phi"])
-    ''
-    """
-    known = list(known)
-    for candidate in known:
-        if candidate.lower() == name.lower():
-            return candidate
-        if _GREEK.get(candidate) == name or _GREEK.get(name) == candidate:
-            return candidate
-    return next(iter(get_close_matches(name, known, n=1, cutoff=0.65)), "")

@@ -10,14 +10,9 @@ from typing import Any, NoReturn
 
 import sympy
 
+from geomtorsion.checks import near_names
 from geomtorsion.errors import ExpressionError
-from geomtorsion.exact.names import (
-    CONSTANTS,
-    DERIVATIVE_NAMES,
-    FUNCTIONS,
-    NOT_SMOOTH,
-    near_names,
-)
+from geomtorsion.exact.names import CONSTANTS, DERIVATIVE_NAMES, FUNCTIONS, NOT_SMOOTH
 from geomtorsion.exact.rewriting import Rewritten, rewrite
 from geomtorsion.exact.tokens import Limits, Source, tokens_of
 

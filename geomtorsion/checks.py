@@ -1,0 +1,552 @@
+"""Checks: what comes from outside, looked at once: numbers, arrays, names, words.
+
+Every function takes the value, the subject (how messages call it: "radius", "start[2]") and the
+class of error to raise. Where the usual sentence does not fit, give another: a text in which
+``{subject}`` and ``{value}`` stand for the two, and whatever else the function lists.
+
+Nothing here reads text. A text in the place of a number is refused, and so is a list: sympy would
+run it as code. Who accepts text reads it first with `geomtorsion.exact.parse_expression`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from decimal import Decimal
+from difflib import get_close_matches
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, NoReturn
+
+import sympy as sp
+
+from geomtorsion.errors import GeomtorsionError
+
+if TYPE_CHECKING:
+    import numpy as np
+
+ErrorClass = type[GeomtorsionError]
+# Longer values are cut in messages: what came is recognised by its beginning.
+LONGEST_SHOWN = 200
+
+NUMBER = "{subject}: a number was needed, but {value} came."
+FINITE = "{subject}: a finite number was needed, but {value} came."
+POSITIVE = "{subject}: a positive number was needed, but {value} came."
+LISTED = "{subject}: a list of numbers was needed, but {value} came."
+COUNTED = "{subject}: {wanted} numbers were needed, but {came} came."
+SHAPED = "{subject}: shape {wanted} was needed, but {came} came."
+WHOLE = "{subject}: a whole number {range} was needed, but {value} came."
+WORD = "{subject}: one of {known} was needed, but {value} came."
+TEXT = "{subject}: a text was needed, but {value} came."
+UNKNOWN = "{subject}: {value} is not known. {hint}Known are {known}."
+EXPRESSION = "{subject}: one expression was needed, but {value} came."
+
+_GREEK: dict[str, str] = dict(
+    zip(
+        "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho "
+        "sigma tau upsilon phi chi psi omega".split(),
+        "αβγδεζηθικλμνξοπρστυφχψω",
+        strict=True,
+    )
+)
+
+
+# -- what messages show ---------------------------------------------------------------------------
+
+
+def cut(text: str, most: int = LONGEST_SHOWN) -> str:
+    """A text, shortened for a message.
+
+    Examples
+    --------
+    >>> cut("abcdefgh", 6), cut("abc", 6)
+    ('abc...', 'abc')
+    """
+    return text if len(text) <= most else f"{text[: most - 3]}..."
+
+
+def shown(value: object) -> str:
+    """The repr of a value, shortened for a message; never an error of its own.
+
+    Examples
+    --------
+    >>> shown("r"), len(shown("r" * 10**6))
+    ("'r'", 200)
+    """
+    try:
+        # Of a long text the beginning is enough: its repr would be as long again.
+        start = value[: LONGEST_SHOWN + 1] if isinstance(value, str | bytes) else value
+        return cut(repr(start))
+    except Exception:  # noqa: BLE001
+        # A whole number of 5,000 digits has no repr, and __repr__ of others may do anything.
+        return f"a value of type {type(value).__name__}"
+
+
+def _fail(error: ErrorClass, message: str, subject: str, value: object, **more: object) -> NoReturn:
+    raise error(message.format(subject=subject, value=shown(value), **more)) from None
+
+
+# -- numbers --------------------------------------------------------------------------------------
+
+
+def plain(value: Any) -> Any:
+    """A NumPy number, or an array without axes, as the Python number in it; an exact element as
+    its sympy expression; everything else as it came.
+    """
+    if hasattr(type(value), "dtype") and getattr(value, "shape", None) == ():
+        value = value.item()
+    inner = getattr(value, "sympy", None) if hasattr(type(value), "sympy") else None
+    return inner if isinstance(inner, sp.Expr) else value
+
+
+def real(value: Any) -> float | None:
+    """The size of a real number as a float, perhaps nan or infinite; None for all else.
+
+    Real numbers are int, float, Fraction, mpmath's, NumPy's and sympy's, and exact elements. Text,
+    truth values, complex numbers, lists and expressions with symbols are none.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> real(Fraction(1, 4)), real(sp.pi), real(10**400)
+    (0.25, 3.141592653589793, inf)
+    >>> real("1"), real([1]), real(True), real(sp.Symbol("x"))
+    (None, None, None, None)
+    """
+    found: Any = plain(value)
+    if isinstance(found, bool | str | bytes | complex) or hasattr(found, "__len__"):
+        return None
+    if not hasattr(type(found), "__float__"):
+        return None
+    try:
+        return float(found)
+    except OverflowError:
+        return math.inf
+    except (TypeError, ValueError, RecursionError):
+        return None
+
+
+def number(
+    value: Any, subject: str, error: ErrorClass, *, message: str = NUMBER, infinite: str = FINITE
+) -> float:
+    """A finite float.
+
+    message, infinite: what is said of what is no real number, and of nan and infinity.
+
+    Examples
+    --------
+    >>> from geomtorsion.errors import LoopError
+    >>> number(Fraction(1, 2), "radius", LoopError)
+    0.5
+    >>> number(["1"], "radius", LoopError)
+    Traceback (most recent call last):
+    geomtorsion.errors.LoopError: radius: a number was needed, but ['1'] came.
+    """
+    size = real(value)
+    if size is None:
+        _fail(error, message, subject, value)
+    if not math.isfinite(size):
+        _fail(error, infinite, subject, value)
+    return size
+
+
+def exact_number(
+    value: Any, subject: str, error: ErrorClass, *, message: str = NUMBER, infinite: str = FINITE
+) -> Any:
+    """A finite real number kept as it came: fractions, sympy numbers and exact elements stay.
+
+    NumPy's numbers become Python's.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from geomtorsion.errors import StartError
+    >>> exact_number(Fraction(1, 3), "mass", StartError), exact_number(np.int64(3), "m", StartError)
+    (Fraction(1, 3), 3)
+    """
+    number(value, subject, error, message=message, infinite=infinite)
+    return value.item() if hasattr(type(value), "dtype") else value
+
+
+def positive(
+    value: Any,
+    subject: str,
+    error: ErrorClass,
+    *,
+    message: str = POSITIVE,
+    number_message: str = NUMBER,
+    infinite: str = FINITE,
+) -> float:
+    """A positive finite float.
+
+    Examples
+    --------
+    >>> from geomtorsion.errors import LoopError
+    >>> positive(0, "radius", LoopError)
+    Traceback (most recent call last):
+    geomtorsion.errors.LoopError: radius: a positive number was needed, but 0 came.
+    """
+    size = number(value, subject, error, message=number_message, infinite=infinite)
+    if size <= 0:
+        _fail(error, message, subject, value)
+    return size
+
+
+def count(
+    value: Any,
+    subject: str,
+    error: ErrorClass,
+    low: int = 0,
+    high: int | None = None,
+    *,
+    message: str = WHOLE,
+) -> int:
+    """A whole number from low to high; the message may use {range}.
+
+    Examples
+    --------
+    >>> from geomtorsion.errors import TimeError
+    >>> count(7, "samples", TimeError, 1)
+    7
+    >>> count(2.5, "seed", TimeError, 1, 10**6)
+    Traceback (most recent call last):
+    geomtorsion.errors.TimeError: seed: a whole number from 1 to 1,000,000 was needed, but 2.5 came.
+    """
+    found = plain(value)
+    is_whole = isinstance(found, int | sp.Integer) and not isinstance(found, bool)
+    if is_whole and low <= found and (high is None or found <= high):
+        return int(found)
+    bounds = f"from {low:,} on" if high is None else f"from {low:,} to {high:,}"
+    _fail(error, message, subject, value, range=bounds)
+
+
+def fraction(value: Any) -> Fraction | None:
+    """A rational number or a float as the fraction that it is; None for what is no fraction.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> fraction(sp.Rational(1, 3)), fraction(0.5), fraction(sp.pi), fraction("1/2")
+    (Fraction(1, 3), Fraction(1, 2), None, None)
+    """
+    value = plain(value)
+    if isinstance(value, bool):
+        return None
+    if isinstance(value, sp.Rational):
+        return Fraction(int(value.p), int(value.q))
+    if isinstance(value, int | Fraction):
+        return Fraction(value)
+    if isinstance(value, float | Decimal) and math.isfinite(value):
+        return Fraction(value)
+    # A number of mpmath: sign, mantissa, exponent, bits. Its repr would lose digits.
+    parts = getattr(value, "_mpf_", None)
+    if isinstance(parts, tuple) and real(value) not in (None, math.inf, -math.inf):
+        sign, mantissa, exponent, _ = parts
+        return Fraction(-int(mantissa) if sign else int(mantissa)) * Fraction(2) ** exponent
+    return None
+
+
+def rational(
+    value: Any,
+    subject: str,
+    error: ErrorClass,
+    *,
+    decimal: bool = False,
+    message: str = FINITE,
+    infinite: str = FINITE,
+) -> sp.Expr:
+    """A finite real number as an exact sympy number; roots and pi stay as they are.
+
+    decimal: 0.3 means 3/10; otherwise it means the fraction of powers of two that it is.
+
+    Examples
+    --------
+    >>> from geomtorsion.errors import SceneError
+    >>> rational(0.25, "g", SceneError), rational(0.3, "g", SceneError, decimal=True)
+    (1/4, 3/10)
+    """
+    size = number(value, subject, error, message=message, infinite=infinite)
+    found = plain(value)
+    if isinstance(found, sp.Expr) and not found.is_Float:
+        return found
+    exact = fraction(repr_fraction(size) if decimal and isinstance(found, float) else found)
+    if exact is None:
+        exact = Fraction(size)
+    return sp.Rational(exact.numerator, exact.denominator)
+
+
+def repr_fraction(value: float) -> Fraction:
+    """The shortest decimal that a float is written as, as a fraction: 0.1 is 1/10."""
+    return Fraction(repr(float(value)))
+
+
+def expression(
+    value: Any,
+    subject: str,
+    error: ErrorClass,
+    *,
+    read: Callable[[str], sp.Expr] | None = None,
+    message: str = EXPRESSION,
+) -> sp.Expr:
+    """One sympy expression: a number, an expression or an exact element.
+
+    This is what stands where others write ``sympify``: that runs text as Python, also text in
+    lists, and the text that ``str`` makes of an object it does not know.
+
+    read: reads text, such as a `parse_expression` that knows the names; without it text is refused.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from geomtorsion.errors import ExpressionError
+    >>> expression(Fraction(1, 2), "a", ExpressionError), expression(sp.pi, "a", ExpressionError)
+    (1/2, pi)
+    >>> expression(["1"], "curve[0]", ExpressionError)
+    Traceback (most recent call last):
+    geomtorsion.errors.ExpressionError: curve[0]: one expression was needed, but ['1'] came.
+    """
+    found = plain(value)
+    if isinstance(found, sp.Expr) and not getattr(found, "is_Matrix", False):
+        return found
+    if isinstance(found, str) and read is not None:
+        return read(found)
+    if isinstance(found, int) and not isinstance(found, bool):
+        return sp.Integer(found)
+    if isinstance(found, Fraction):
+        return sp.Rational(found.numerator, found.denominator)
+    if isinstance(found, complex):
+        return sp.Float(found.real) + sp.I * sp.Float(found.imag)
+    if isinstance(found, float) or hasattr(found, "_mpf_"):
+        return sp.Float(found)
+    if real(found) is not None:
+        return sp.Float(float(found))
+    _fail(error, message, subject, value)
+
+
+# -- several numbers ------------------------------------------------------------------------------
+
+
+def numbers(
+    values: Any,
+    wanted: int | None,
+    subject: str,
+    error: ErrorClass,
+    *,
+    shape_error: ErrorClass | None = None,
+    listed: str = LISTED,
+    counted: str = COUNTED,
+    message: str = NUMBER,
+    infinite: str = FINITE,
+) -> tuple[Any, ...]:
+    """A list of so many finite real numbers (None: of any number), kept as they came.
+
+    shape_error: for what is no list, or one of another length. listed, counted: what is said then;
+    they may use {wanted} and {came}. The subject of an entry is ``subject[k]``.
+
+    Examples
+    --------
+    >>> from geomtorsion.errors import StartError
+    >>> numbers([1, Fraction(1, 2)], 2, "start", StartError)
+    (1, Fraction(1, 2))
+    >>> numbers([1, "2"], 2, "start", StartError)
+    Traceback (most recent call last):
+    geomtorsion.errors.StartError: start[1]: a number was needed, but '2' came.
+    """
+    wrong = shape_error or error
+    more = {"wanted": wanted, "came": ""}
+    if isinstance(values, str | bytes | Mapping) or not hasattr(values, "__iter__"):
+        _fail(wrong, listed, subject, values, **more)
+    try:
+        found = tuple(values)
+    except TypeError:
+        # An array without axes looks like a list, but has no entries.
+        _fail(wrong, listed, subject, values, **more)
+    if wanted is not None and len(found) != wanted:
+        _fail(wrong, counted, subject, values, **more | {"came": len(found)})
+    return tuple(
+        exact_number(value, f"{subject}[{k}]", error, message=message, infinite=infinite)
+        for k, value in enumerate(found)
+    )
+
+
+def array(
+    values: Any,
+    subject: str,
+    error: ErrorClass,
+    *,
+    shape: tuple[int | None, ...] | None = None,
+    shape_error: ErrorClass | None = None,
+    message: str = "{subject}: an array of real numbers was needed, but {value} came.",
+    shaped: str = SHAPED,
+    infinite: str | None = "{subject}{place} = {value} is not finite. Give finite numbers.",
+) -> np.ndarray:
+    """An array of finite doubles; None in the shape stands for any length.
+
+    message is used for what is no array of real numbers: text, rows of different lengths, complex
+    numbers. shaped may use {wanted} and {came}; infinite may use {place}, such as [0, 2], its value
+    being the entry there; infinite=None lets nan and infinity through.
+
+    Examples
+    --------
+    >>> from geomtorsion.errors import StartError
+    >>> array([[1, 2], [3, 4]], "starts", StartError, shape=(None, 2)).sum()
+    np.float64(10.0)
+    >>> array([[1, 2], [3, float("nan")]], "starts", StartError)
+    Traceback (most recent call last):
+    geomtorsion.errors.StartError: starts[1, 1] = nan is not finite. Give finite numbers.
+    """
+    # numpy takes 0.09 s to load, which `import geomtorsion` does not need.
+    import numpy as np
+
+    wrong = shape_error or error
+    try:
+        found = np.asarray(values)
+        if found.dtype.kind == "O":
+            # Fractions and sympy numbers come as objects; each is looked at.
+            sizes = [real(entry) for entry in found.ravel()]
+            found = np.array([np.nan if x is None else x for x in sizes]).reshape(found.shape)
+            if None in sizes:
+                _fail(wrong, message, subject, values)
+    except (TypeError, ValueError, OverflowError, RecursionError) as reason:
+        if isinstance(reason, GeomtorsionError):
+            raise
+        _fail(wrong, message, subject, values)
+    if found.dtype.kind not in "iuf":
+        _fail(wrong, message, subject, values)
+    fits = shape is None or (
+        found.ndim == len(shape)
+        and all(n in (None, m) for n, m in zip(shape, found.shape, strict=True))
+    )
+    if not fits:
+        named = ", ".join("any" if n is None else str(n) for n in shape or ())
+        _fail(wrong, shaped, subject, values, wanted=f"({named})", came=found.shape)
+    found = found.astype(float)
+    if infinite is not None and not np.isfinite(found).all():
+        place = tuple(int(k) for k in np.argwhere(~np.isfinite(found))[0])
+        _fail(error, infinite, subject, float(found[place]), place=list(place) or "")
+    return found
+
+
+# -- names and words ------------------------------------------------------------------------------
+
+
+def close_names(name: str, known: Iterable[str], most: int = 1, cutoff: float = 0.65) -> list[str]:
+    """Known names that may have been meant, the likeliest first.
+
+    Examples
+    --------
+    >>> close_names("kerr_schildd", ["kerr", "kerr_schild", "flat"], most=2)
+    ['kerr_schild']
+    """
+    # Long texts are no misspelt names, and would take long to compare.
+    return get_close_matches(name[:LONGEST_SHOWN], list(known), n=most, cutoff=cutoff)
+
+
+def near_names(name: str, known: Iterable[str]) -> str:
+    """Return the known name that was probably meant, or an empty text.
+
+    Examples
+    --------
+    >>> near_names("thetta", ["r", "theta", "phi"])
+    'theta'
+    >>> near_names("θ", ["r", "theta", "phi"])
+    'theta'
+    >>> near_names("banana", ["r", "theta", "phi"])
+    ''
+    """
+    known = list(known)
+    for candidate in known:
+        if candidate.lower() == name.lower():
+            return candidate
+        if _GREEK.get(candidate) == name or _GREEK.get(name) == candidate:
+            return candidate
+    return next(iter(close_names(name, known)), "")
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """The question "Did you mean ...? " with a space behind it, or an empty text.
+
+    Examples
+    --------
+    >>> did_you_mean("thetta", ["theta"])
+    'Did you mean theta? '
+    """
+    near = near_names(name, known)
+    return f"Did you mean {near}? " if near else ""
+
+
+def known_name(
+    name: Any, known: Iterable[str], subject: str, error: ErrorClass, *, message: str = UNKNOWN
+) -> str:
+    """A name that is known; the message may use {name}, {hint} (did you mean) and {known}.
+
+    Symbols count by their names.
+
+    Examples
+    --------
+    >>> from geomtorsion.errors import StartError
+    >>> known_name("omga", ["omega"], "start", StartError)
+    Traceback (most recent call last):
+    geomtorsion.errors.StartError: start: 'omga' is not known. Did you mean omega? Known are omega.
+    """
+    words = list(known)
+    text = name.name if isinstance(name, sp.Symbol) else name
+    if isinstance(text, str) and text in words:
+        return text
+    hint = did_you_mean(text, words) if isinstance(text, str) else ""
+    called = cut(text) if isinstance(text, str) else shown(text)
+    listed = ", ".join(words) or "none"
+    _fail(error, message, subject, text, hint=hint, known=listed, name=called)
+
+
+def known_keys(
+    given: Any, known: Iterable[str], subject: str, error: ErrorClass, *, message: str = UNKNOWN
+) -> dict[str, Any]:
+    """A mapping whose keys are all known, by name; see `known_name`.
+
+    Examples
+    --------
+    >>> from geomtorsion.errors import StartError
+    >>> known_keys({sp.Symbol("M"): 1}, ["M", "a"], "parameters", StartError)
+    {'M': 1}
+    """
+    if not isinstance(given, Mapping):
+        _fail(error, "{subject}: names with values were needed, but {value} came.", subject, given)
+    words = list(known)
+    return {
+        known_name(key, words, subject, error, message=message): value
+        for key, value in given.items()
+    }
+
+
+def choice(
+    value: Any, words: Sequence[str], subject: str, error: ErrorClass, *, message: str = WORD
+) -> str:
+    """One of several words; the message may use {known}.
+
+    Examples
+    --------
+    >>> from geomtorsion.errors import LoopError
+    >>> choice("lines", ["line", "flux"], "method", LoopError)
+    Traceback (most recent call last):
+    geomtorsion.errors.LoopError: method: one of line, flux was needed, but 'lines' came.
+    """
+    if isinstance(value, str) and value in words:
+        return value
+    _fail(error, message, subject, value, known=", ".join(words))
+
+
+def text(
+    value: Any, subject: str, error: ErrorClass, *, longest: int = 10**6, message: str = TEXT
+) -> str:
+    """A text of at most so many characters.
+
+    Examples
+    --------
+    >>> from geomtorsion.errors import SceneError
+    >>> text(3, "name", SceneError)
+    Traceback (most recent call last):
+    geomtorsion.errors.SceneError: name: a text was needed, but 3 came.
+    """
+    if isinstance(value, str) and len(value) <= longest:
+        return value
+    _fail(error, message, subject, value)

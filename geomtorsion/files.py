@@ -1,0 +1,483 @@
+"""Files: TOML, JSON and NPZ from outside, read within limits; nothing in them is ever run as code.
+
+Each reader turns every way in which a file can be damaged into one error that names the file and,
+where there is one, the line or the part.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import struct
+import tomllib
+import zipfile
+import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import isfinite, prod
+from os import PathLike
+from pathlib import Path
+from stat import S_ISREG
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from geomtorsion.checks import ErrorClass, cut, did_you_mean, shown
+from geomtorsion.errors import FileFormatError, LimitError
+
+if TYPE_CHECKING:
+    import numpy as np
+
+LARGEST_TEXT = 10_000_000
+LARGEST_ARRAYS = 2_000_000_000
+Key = tuple[str | int, ...]
+
+_HEADER = re.compile(r"\s*(\[\[?)([^\[\]#]+)\]\]?\s*(?:#.*)?$")
+_WORD = r"(?:[A-Za-z0-9_-]+|\"[^\"]*\"|'[^']*')"
+_ASSIGNED = re.compile(rf"\s*({_WORD}(?:\s*\.\s*{_WORD})*)\s*=")
+_QUOTE = re.compile(r"\"\"\"|'''|\"(?:[^\"\\]|\\.)*\"|'[^']*'|#.*|[\[\]{}]")
+_PLACE = re.compile(r"\(at line ([0-9]+), column ([0-9]+)\)")
+
+_FOREIGN = (
+    ArithmeticError, EOFError, LookupError, MemoryError, OSError, RuntimeError, TypeError,
+    ValueError, struct.error, zipfile.BadZipFile, zlib.error,
+)  # fmt: skip
+
+
+def read_text(path: str | PathLike[str], largest: int = LARGEST_TEXT) -> str:
+    """The text of a file (UTF-8) of at most so many bytes.
+
+    Raises
+    ------
+    FileFormatError
+        There is no such file, it is a pipe or a device, or no UTF-8 text.
+    LimitError
+        It is longer.
+    """
+    path = Path(path)
+    try:
+        # A pipe or a device would never end.
+        if not S_ISREG(path.stat().st_mode):
+            raise OSError(0, "this is no regular file")
+        with path.open("rb") as file:
+            content = file.read(largest + 1)
+        text = content.decode("utf-8-sig")
+    except OSError as error:
+        reason = error.strerror or type(error).__name__
+        raise FileFormatError(f"{path}: the file cannot be read: {reason}.") from None
+    except UnicodeDecodeError:
+        raise FileFormatError(
+            f"{path.name}: the file is no UTF-8 text. Save it as UTF-8."
+        ) from None
+    except ValueError:
+        raise FileFormatError(f"{shown(str(path))}: this is no name of a file.") from None
+    if len(content) > largest:
+        raise LimitError(f"{path.name}: the file is longer than the limit of {largest:,} bytes.")
+    return text
+
+
+# -- TOML -----------------------------------------------------------------------------------------
+
+
+class Decimal(str):
+    """A decimal number as it stands in a file, so that its exact value can be offered."""
+
+    __slots__ = ()
+
+
+@dataclass(frozen=True)
+class TomlFile:
+    """The content of a TOML file that can say where it stands.
+
+    name: of the file, for messages. data: what tomllib reads. lines: key -> line, from 1.
+    """
+
+    name: str
+    data: Mapping[str, Any]
+    lines: Mapping[Key, int]
+
+    def line(self, key: Sequence[str | int]) -> int:
+        """Line of a key, or of the nearest thing above it.
+
+        Examples
+        --------
+        >>> file = read_toml_text("t = 1\\n[body]\\nmoments = [1, 2]", "a.toml")
+        >>> file.line(("body", "moments", 1)), file.line(("body", "mass")), file.line(("x",))
+        (3, 2, 0)
+        """
+        path = tuple(key)
+        while path and path not in self.lines:
+            path = path[:-1]
+        return self.lines.get(path, 0)
+
+    def fail(self, key: Sequence[str | int], message: str) -> NoReturn:
+        """Refuse what stands at a key, saying the file and the line."""
+        line = self.line(key)
+        where = f"{self.name}: line {line}: " if line else f"{self.name}: "
+        raise FileFormatError(f"{where}{message}")
+
+    def unknown(self, key: Sequence[str | int], known: Sequence[str], what: str) -> NoReturn:
+        """Refuse a key or a word that is not known, naming the nearest."""
+        hint = did_you_mean(str(key[-1]), known)
+        self.fail(key, f"{what}. {hint}Known are {', '.join(known)}.")
+
+
+def read_toml(
+    path: str | PathLike[str],
+    *,
+    advice: str = "Texts stand in quotes.",
+    decimals: bool = False,
+    largest: int = LARGEST_TEXT,
+) -> TomlFile:
+    """Read a TOML file and note where its keys stand.
+
+    advice: what the message for bad TOML ends with. decimals: keep 0.1 as the text `Decimal`.
+
+    Raises
+    ------
+    FileFormatError
+        The file cannot be read, is no UTF-8 text or no TOML; the message names the line.
+    LimitError
+        The file is too long or too deep, or has a number of very many digits.
+    """
+    text = read_text(path, largest)
+    return read_toml_text(text, Path(path).name, advice=advice, decimals=decimals)
+
+
+def read_toml_text(
+    text: str, name: str, *, advice: str = "Texts stand in quotes.", decimals: bool = False
+) -> TomlFile:
+    """Read the text of a TOML file; see `read_toml`.
+
+    Examples
+    --------
+    >>> file = read_toml_text("t = 1\\n\\n[[effects]]\\nkind = 'spin'\\n", "top.toml")
+    >>> file.data["effects"], file.line(("effects", 0, "kind"))
+    ([{'kind': 'spin'}], 4)
+    """
+    try:
+        data = tomllib.loads(text, parse_float=Decimal if decimals else float)
+        # Python writes no whole number of many thousand digits, which hexadecimal ones may have.
+        _ = repr(data)
+    except RecursionError:
+        raise LimitError(f"{name}: lists are nested too deeply to be read.") from None
+    except tomllib.TOMLDecodeError as error:
+        raise _bad_toml(name, text, str(error), advice) from None
+    except ValueError:
+        raise LimitError(
+            f"{name}: a number has more digits than can be read. Write a shorter one."
+        ) from None
+    return TomlFile(name, data, _lines(text))
+
+
+def _bad_toml(name: str, text: str, reason: str, advice: str) -> FileFormatError:
+    """The error for what tomllib refuses, with the line it refuses."""
+    found = _PLACE.search(reason)
+    if found is None:
+        return FileFormatError(f"{name}: this is no TOML file: {cut(reason)}. {advice}")
+    line, column = int(found[1]), int(found[2])
+    row = text.replace("\r\n", "\n").split("\n")[line - 1]
+    # Of a long line the part before the mark is shown.
+    first = max(0, column - 1 - 150)
+    return FileFormatError(
+        f"{name}: line {line}, column {column}: this is no TOML: "
+        f"{cut(reason[: found.start()].strip())}.\n    {row[first : first + 200]}\n"
+        f"    {' ' * (column - 1 - first)}^\n{advice}"
+    )
+
+
+def _lines(text: str) -> dict[Key, int]:
+    """Key -> line of everything that is assigned or begins a table.
+
+    The text is TOML already: only where things begin is looked for.
+    """
+    lines: dict[Key, int] = {}
+    counts: dict[Key, int] = {}
+    table: Key = ()
+    depth, until = 0, ""
+    for number, row in enumerate(text.splitlines(), start=1):
+        if not depth and not until:
+            header, assigned = _HEADER.match(row), _ASSIGNED.match(row)
+            if header is not None:
+                table = _words(header[2])
+                if header[1] == "[[":
+                    counts[table] = counts.get(table, -1) + 1
+                    lines.setdefault(table, number)
+                    table = (*table, counts[table])
+                elif table[:1] in counts:
+                    table = (table[0], counts[table[:1]], *table[1:])
+                lines[table] = number
+                continue
+            if assigned is not None:
+                lines[(*table, *_words(assigned[1]))] = number
+        depth, until = _inside(row, depth, until)
+    return lines
+
+
+def _words(dotted: str) -> Key:
+    """The parts of a dotted key without their quotes."""
+    return tuple(word.strip("\"'") for word in re.findall(_WORD, dotted))
+
+
+def _inside(row: str, depth: int, until: str) -> tuple[int, str]:
+    """Brackets that are open behind a row, and the quotes of a text that goes on."""
+    place = 0
+    if until:
+        end = row.find(until)
+        if end < 0:
+            return depth, until
+        place = end + 3
+    while (found := _QUOTE.search(row, place)) is not None:
+        mark, place = found[0], found.end()
+        if mark in ('"""', "'''"):
+            end = row.find(mark, place)
+            if end < 0:
+                return depth, mark
+            place = end + 3
+        elif mark[0] == "#":
+            break
+        elif mark in "[{":
+            depth += 1
+        elif mark in "]}":
+            depth -= 1
+    return depth, ""
+
+
+# -- JSON -----------------------------------------------------------------------------------------
+
+
+def read_json_text(text: str, name: str) -> Any:
+    """The content of JSON text; nan and infinity, which JSON does not know, are refused.
+
+    Raises
+    ------
+    FileFormatError
+        The text is no JSON; the message names the line.
+    LimitError
+        Lists are nested too deeply, or a number has too many digits.
+
+    Examples
+    --------
+    >>> read_json_text('{"a": [1, 2]}', "a.json")
+    {'a': [1, 2]}
+    """
+
+    def refuse(word: str) -> NoReturn:
+        raise FileFormatError(f"{name}: {word} is no number that JSON knows.")
+
+    try:
+        return json.loads(text, parse_constant=refuse)
+    except json.JSONDecodeError as error:
+        raise FileFormatError(
+            f"{name}: line {error.lineno}, column {error.colno}: this is no JSON: {error.msg}. "
+            "Is the file complete?"
+        ) from None
+    except RecursionError:
+        raise LimitError(f"{name}: lists are nested too deeply to be read.") from None
+    except FileFormatError:
+        raise
+    except ValueError:
+        raise LimitError(
+            f"{name}: a number has more digits than can be read. Write a shorter one."
+        ) from None
+
+
+def conforming(value: Any, form: Any, where: str, error: ErrorClass = FileFormatError) -> Any:
+    """A value of JSON that has a given form, as it came.
+
+    A form is a type (``float`` takes every finite number, ``int`` no truth values), a tuple of
+    forms of which one fits, ``[form]`` for a list, ``{str: form}`` for a table with any keys,
+    ``{"key": form, ...}`` for a table that has these keys (and perhaps more), or None. A key that
+    ends in a question mark may be missing.
+
+    Examples
+    --------
+    >>> conforming({"steps": 3, "names": ["x"]}, {"steps": int, "names": [str]}, "a.npz")
+    {'steps': 3, 'names': ['x']}
+    >>> conforming({"steps": "3"}, {"steps": int}, "a.npz")
+    Traceback (most recent call last):
+    geomtorsion.errors.FileFormatError: a.npz: steps: a whole number was needed, but '3' came.
+    """
+    reason = _differs(value, form, "")
+    if reason:
+        raise error(f"{where}: {reason}")
+    return value
+
+
+def _differs(value: Any, form: Any, where: str) -> str:
+    """What is wrong with a value, or nothing."""
+    place = f"{where}: " if where else ""
+    if isinstance(form, tuple):
+        reasons = [_differs(value, part, where) for part in form]
+        return "" if "" in reasons else reasons[0]
+    if isinstance(form, list):
+        if not isinstance(value, list):
+            return f"{place}a list was needed, but {shown(value)} came."
+        found = (_differs(part, form[0], f"{where}[{k}]") for k, part in enumerate(value))
+        return next((reason for reason in found if reason), "")
+    if isinstance(form, dict):
+        if not isinstance(value, dict):
+            return f"{place}a table was needed, but {shown(value)} came."
+        dot = f"{where}." if where else ""
+        if str in form:
+            found = (_differs(x, form[str], f"{dot}{cut(k, 60)}") for k, x in value.items())
+            return next((reason for reason in found if reason), "")
+        for key, part in form.items():
+            name = key.removesuffix("?")
+            if name in value:
+                reason = _differs(value[name], part, f"{dot}{name}")
+                if reason:
+                    return reason
+            elif name == key:
+                return f"{place}{name} is missing."
+        return ""
+    if form is None:
+        return "" if value is None else f"{place}nothing was needed, but {shown(value)} came."
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if form is float and is_number and (isinstance(value, int) or isfinite(value)):
+        return ""
+    if form is int and is_number and isinstance(value, int):
+        return ""
+    if form in (str, bool) and isinstance(value, form):
+        return ""
+    words = {float: "a finite number", int: "a whole number", str: "a text", bool: "true or false"}
+    return f"{place}{words[form]} was needed, but {shown(value)} came."
+
+
+# -- NPZ ------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class ArrayForm:
+    """What an array in an NPZ file has to be.
+
+    shape: one entry per axis: a length, None for any, or a letter, equal letters meaning equal
+    lengths throughout the file; shape None: any. kinds: NumPy's letters of dtypes: "f" floats,
+    "i" and "u" whole numbers, "U" text, "b" truth values. optional: whether it may be missing.
+    """
+
+    shape: tuple[int | str | None, ...] | None = None
+    kinds: str = "fiu"
+    optional: bool = False
+
+
+TEXT_FORM = ArrayForm((), "U")
+# What np.save writes before the numbers; a header of any other form is not read at all.
+_NPY = re.compile(
+    rb"\{'descr': '([<>|=]?[a-zA-Z][0-9]{1,12})', 'fortran_order': (True|False), "
+    rb"'shape': \(([0-9, ]*)\),? *\} *\n?"
+)
+# zlib packs a byte into no less than an eighth of a bit: a larger size is a lie.
+_DENSEST = 1032
+
+
+def read_npz(
+    path: str | PathLike[str],
+    forms: Mapping[str, ArrayForm],
+    *,
+    error: ErrorClass = FileFormatError,
+    message: str = "{path}: it cannot be read ({reason}). Write it again.",
+    largest: int = LARGEST_ARRAYS,
+) -> dict[str, np.ndarray]:
+    """Arrays of an NPZ file, each checked against its form before memory is taken for it.
+
+    forms: name -> form; a name that ends in a star stands for all names that begin like it.
+    Arrays that no form names are not read. message: what is said, with {path} and {reason}.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder, "a.npz")
+    ...     np.savez(file, times=np.zeros(3), states=np.ones((3, 2)))
+    ...     forms = {"times": ArrayForm(("m",)), "states": ArrayForm(("m", "n"))}
+    ...     sorted(read_npz(file, forms))
+    ['states', 'times']
+    """
+    path = Path(path)
+    lengths: dict[str, int] = {}
+    arrays: dict[str, np.ndarray] = {}
+    try:
+        if not S_ISREG(path.stat().st_mode):
+            raise ValueError("this is no regular file")
+        with path.open("rb") as stream, zipfile.ZipFile(stream) as archive:
+            members = {m.filename.removesuffix(".npy"): m for m in archive.infolist()}
+            if len(members) != len(archive.infolist()):
+                raise ValueError("a name stands in it twice")
+            left = largest
+            for name, form in forms.items():
+                stem = name.removesuffix("*")
+                wanted = (
+                    [key for key in members if key.startswith(stem)]
+                    if name.endswith("*")
+                    else [name] * (name in members or not form.optional)
+                )
+                for key in wanted:
+                    if key not in members:
+                        raise KeyError(f"{key} is not a file in the archive")
+                    found = _array(archive, members[key], form, lengths, left)
+                    arrays[key], left = found, left - found.nbytes
+    except _FOREIGN as reason:
+        said = cut(str(reason)) or type(reason).__name__
+        raise error(message.format(path=path, reason=said)) from None
+    return arrays
+
+
+def _array(
+    archive: zipfile.ZipFile,
+    member: zipfile.ZipInfo,
+    form: ArrayForm,
+    lengths: dict[str, int],
+    left: int,
+) -> np.ndarray:
+    """One array; foreign errors and ValueError for what it has not to be."""
+    # numpy takes 0.09 s to load, which reading a TOML file does not need.
+    import numpy as np
+
+    name = member.filename.removesuffix(".npy")
+    if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+        raise ValueError(f"{name} is packed in a way that NumPy does not use")
+    with archive.open(member) as stream:
+        begin = stream.read(10)
+        if begin[:6] != b"\x93NUMPY" or len(begin) < 10 or begin[6] not in (1, 2, 3):
+            raise ValueError(f"{name} is no array")
+        length = int.from_bytes(
+            begin[8:10] if begin[6] == 1 else begin[8:] + stream.read(2), "little"
+        )
+        header = _NPY.fullmatch(stream.read(min(length, 10_000)))
+        if header is None:
+            raise ValueError(f"{name} has a header that is not known")
+        dtype = np.dtype(header[1].decode())
+        shape = tuple(int(part) for part in header[3].split(b",") if part.strip())
+        if dtype.kind not in form.kinds or dtype.hasobject:
+            raise ValueError(f"{name} holds {dtype}, not what is needed there")
+        _check_shape(name, shape, form, lengths)
+        size = prod(shape) * dtype.itemsize
+        if size > min(left, _DENSEST * max(member.compress_size, 1)):
+            raise ValueError(f"{name} would take {size:,} bytes, more than can be in this file")
+        content = stream.read(size)
+        # Reading to the end compares the checksum.
+        if len(content) != size or stream.read(1):
+            raise ValueError(f"{name} has not as many numbers as its shape {shape} says")
+    found = np.frombuffer(content, dtype).reshape(shape, order="F" if header[2] == b"True" else "C")
+    return found.astype(dtype.newbyteorder("="))
+
+
+def _check_shape(
+    name: str, shape: tuple[int, ...], form: ArrayForm, lengths: dict[str, int]
+) -> None:
+    """Refuse a shape that is not of the form, or not that of the arrays before it."""
+    if form.shape is None:
+        return
+    fits = len(shape) == len(form.shape)
+    for wanted, came in zip(form.shape, shape, strict=False):
+        expected = lengths.setdefault(wanted, came) if isinstance(wanted, str) else wanted
+        fits = fits and expected in (None, came)
+    if not fits:
+        known = [str(lengths.get(n, n) if isinstance(n, str) else n) for n in form.shape]
+        needed = ", ".join("any" if n == "None" else n for n in known)
+        raise ValueError(f"{name} has the shape {shape}, but ({needed}) is needed")
+
+
+def text_of(array: np.ndarray) -> str:
+    """The text in an array without axes, as `TEXT_FORM` asks for."""
+    return str(array[()])

@@ -1,0 +1,243 @@
+"""Checks: every validator takes what it should, and refuses all else in its own words."""
+
+from decimal import Decimal
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+
+from geomtorsion import checks
+from geomtorsion.errors import GridError, LoopError, ShapeError, StartError
+from geomtorsion.exact import Field
+
+X = sp.Symbol("x")
+HALVES = [
+    0.5,
+    Fraction(1, 2),
+    np.float64(0.5),
+    np.float32(0.5),
+    np.array(0.5),
+    np.array(Fraction(1, 2)),
+    sp.Rational(1, 2),
+    sp.Float("0.5"),
+    sp.cos(sp.pi / 3),
+    mpmath.mpf("0.5"),
+    Decimal("0.5"),
+    Field([X]).read(sp.Rational(1, 2)),
+]
+
+
+class Disguised:
+    """An object that pretends to be an expression in words."""
+
+    def __str__(self) -> str:
+        return "1/2"
+
+    __repr__ = __str__
+
+
+NO_NUMBERS = [
+    "1/2",
+    b"1",
+    ["1"],
+    [0.5],
+    (0.5,),
+    {"a": 1},
+    {0.5},
+    None,
+    True,
+    np.True_,
+    np.str_("1"),
+    np.array(["1"]),
+    np.array("1"),
+    np.array([0.5]),
+    1j,
+    np.complex64(1),
+    sp.I,
+    X,
+    sp.Matrix([1]),
+    sp.Tuple(1),
+    X > 0,
+    Disguised(),
+]
+INFINITE = [float("nan"), float("inf"), -np.inf, np.float32("nan"), sp.oo, sp.nan, 10**400]
+
+
+@pytest.mark.parametrize("value", HALVES, ids=lambda x: type(x).__name__)
+def test_numbers_of_all_kinds(value):
+    """A half is a half, whoever brings it, and stays exact where exactness is asked for."""
+    assert checks.real(value) == 0.5
+    assert checks.number(value, "a", LoopError) == 0.5
+    assert checks.rational(value, "a", LoopError) in (sp.Rational(1, 2), sp.cos(sp.pi / 3))
+    assert float(checks.expression(value, "a", LoopError)) == 0.5
+    kept = checks.exact_number(value, "a", LoopError)
+    assert kept is value or kept == value.item()
+
+
+@pytest.mark.parametrize("value", NO_NUMBERS, ids=repr)
+def test_no_numbers(value):
+    """Text, lists, truth values, symbols: refused by name, and never read."""
+    assert checks.real(value) is None
+    assert checks.fraction(value) is None
+    for check in (checks.number, checks.exact_number, checks.rational, checks.positive):
+        with pytest.raises(LoopError, match=r"^radius: .*number was needed, but .* came\.$"):
+            check(value, "radius", LoopError)
+    with pytest.raises(LoopError, match="radius"):
+        checks.count(value, "radius", LoopError)
+
+
+@pytest.mark.parametrize("value", INFINITE, ids=lambda x: str(x)[:5])
+def test_infinite_numbers(value):
+    """What is a number but not finite has a sentence of its own."""
+    with pytest.raises(LoopError, match="t: a finite number was needed, but"):
+        checks.number(value, "t", LoopError)
+    with pytest.raises(StartError, match="endless t"):
+        checks.exact_number(value, "t", StartError, infinite="endless {subject}")
+    with pytest.raises(LoopError, match="finite"):
+        checks.rational(value, "t", LoopError)
+
+
+@pytest.mark.parametrize("value", [x for x in NO_NUMBERS if x is not X], ids=repr)
+def test_no_expressions(value):
+    """Only numbers and expressions become expressions; complex numbers are numbers here."""
+    if isinstance(value, complex | np.complexfloating | sp.Expr):
+        assert isinstance(checks.expression(value, "f", LoopError), sp.Expr)
+    else:
+        with pytest.raises(LoopError, match="f: one expression was needed, but"):
+            checks.expression(value, "f", LoopError)
+
+
+def test_expressions_keep_what_they_are():
+    """Symbols stay, text goes through the reader that is given and through none else."""
+    assert checks.expression(X**2, "f", LoopError) == X**2
+    assert checks.expression(Field([X]).read(X**2), "f", LoopError) == X**2
+    assert checks.expression("anything", "f", LoopError, read=sp.Symbol) == (sp.Symbol("anything"))
+    with pytest.raises(LoopError):
+        checks.expression(["anything"], "f", LoopError, read=sp.Symbol)
+
+
+def test_rational_numbers():
+    """A float is the fraction it is, or the decimal that it is written as."""
+    assert checks.rational(0.1, "a", LoopError) == sp.Rational(*(0.1).as_integer_ratio())
+    assert checks.rational(0.1, "a", LoopError, decimal=True) == sp.Rational(1, 10)
+    assert checks.rational(1e-300, "a", LoopError, decimal=True) == sp.Rational(1, 10**300)
+    assert checks.rational(sp.sqrt(2), "a", LoopError) == sp.sqrt(2)
+    with mpmath.workdps(50):
+        third = mpmath.mpf(1) / 3
+    exact = checks.rational(third, "a", LoopError)
+    assert abs(exact - sp.Rational(1, 3)) < sp.Rational(1, 10**49)
+    assert checks.fraction(-mpmath.mpf(3) / 4) == Fraction(-3, 4)
+    assert checks.fraction(np.float32(0.5)) == Fraction(1, 2)
+    assert checks.fraction(float("nan")) is None
+    assert checks.fraction(mpmath.inf) is None
+
+
+def test_messages_are_short():
+    """A value of a million characters is cut, and one that cannot be written does no harm."""
+    with pytest.raises(LoopError) as caught:
+        checks.number("r" * 10**6, "radius", LoopError)
+    assert len(str(caught.value)) < 300
+    assert checks.shown(10**5000) == "a value of type int"
+    assert len(checks.shown(list(range(10**4)))) == checks.LONGEST_SHOWN
+
+    class Broken:
+        def __repr__(self) -> str:
+            raise SystemError
+
+    assert checks.shown(Broken()) == "a value of type Broken"
+
+
+def test_braces_in_values_are_no_fields():
+    """What came is shown as it is, also if it looks like a part of the sentence."""
+    with pytest.raises(LoopError, match=r"a\{0\}: a number was needed, but '\{subject\}' came"):
+        checks.number("{subject}", "a{0}", LoopError)
+
+
+def test_positive_and_whole_numbers():
+    """Bounds belong to the range, one beyond them does not."""
+    assert checks.positive(1e-300, "r", LoopError) == 1e-300
+    for value in (0, -1, -1e-300):
+        with pytest.raises(LoopError, match="r: a positive number was needed"):
+            checks.positive(value, "r", LoopError)
+    for value in (1, 9, sp.Integer(3), np.int64(4)):
+        assert checks.count(value, "n", LoopError, 1, 9) == int(value)
+    for value in (0, 10, 3.0, "3", True):
+        with pytest.raises(LoopError, match="n: a whole number from 1 to 9 was needed, but"):
+            checks.count(value, "n", LoopError, 1, 9)
+    with pytest.raises(LoopError, match="from 1 on"):
+        checks.count(0, "n", LoopError, 1)
+
+
+def test_lists_of_numbers():
+    """So many numbers, each kept; the error of the list and that of an entry may differ."""
+    kept = checks.numbers([1, Fraction(1, 3), np.float64(2)], 3, "u", StartError)
+    assert kept == (1, Fraction(1, 3), 2.0)
+    assert type(kept[2]) is float
+    assert checks.numbers(np.eye(2)[0], None, "u", StartError) == (1, 0)
+    for values in ("12", {1: 2}, 3, None, np.array(1.0)):
+        with pytest.raises(ShapeError, match=r"u: a list of numbers was needed, but .* came"):
+            checks.numbers(values, 2, "u", StartError, shape_error=ShapeError)
+    with pytest.raises(ShapeError, match="u: 2 numbers were needed, but 3 came"):
+        checks.numbers([1, 2, 3], 2, "u", StartError, shape_error=ShapeError)
+    for wrong in ([1, "2"], [1, [2]], [1, None], [[1], 2], [1, np.array([2])]):
+        with pytest.raises(StartError, match=r"u\[[01]\]: a number was needed"):
+            checks.numbers(wrong, 2, "u", StartError, shape_error=ShapeError)
+    with pytest.raises(StartError, match=r"u\[1\] is not finite"):
+        checks.numbers([1, np.nan], 2, "u", StartError, infinite="{subject} is not finite")
+
+
+def test_arrays():
+    """Doubles of the shape asked for, from lists, arrays and exact numbers."""
+    assert checks.array([1, 2], "a", GridError).dtype == np.float64
+    exact = checks.array([[Fraction(1, 2), sp.sqrt(4)], [1, 2.5]], "a", GridError, shape=(2, 2))
+    assert exact.tolist() == [[0.5, 2], [1, 2.5]]
+    assert checks.array(np.float32(2), "a", GridError, shape=()) == 2
+    wrong = (["1"], "1", [1, "2"], [None], [[1], [1, 2]], [1j], [True], {"a": 1}, [X], [[["1"]]])
+    for values in wrong:
+        with pytest.raises(GridError, match="a: an array of real numbers was needed"):
+            checks.array(values, "a", GridError)
+    with pytest.raises(ShapeError, match=r"shape \(any, 2\) was needed, but \(2, 3\) came"):
+        checks.array(np.ones((2, 3)), "a", GridError, shape=(None, 2), shape_error=ShapeError)
+    with pytest.raises(GridError, match=r"a\[1, 0\] = inf is not finite"):
+        checks.array([[1, 2], [np.inf, 3]], "a", GridError)
+    assert np.isnan(checks.array([np.nan], "a", GridError, infinite=None)[0])
+
+
+def test_names():
+    """Known names, by text or by symbol; near ones are offered, long ones cut."""
+    assert checks.known_name("a", ["a", "b"], "p", StartError) == "a"
+    assert checks.known_name(sp.Symbol("a"), ["a", "b"], "p", StartError) == "a"
+    with pytest.raises(StartError, match=r"'omgea' .*Did you mean omega\? Known are omega, b\."):
+        checks.known_name("omgea", ["omega", "b"], "p", StartError)
+    with pytest.raises(StartError, match="no parameter omgea"):
+        checks.known_name("omgea", [], "p", StartError, message="no parameter {name}")
+    for value in (1, None, ["a"], {"a": 1}.keys()):
+        with pytest.raises(StartError, match="is not known"):
+            checks.known_name(value, ["a"], "p", StartError)
+    with pytest.raises(StartError) as caught:
+        checks.known_name("a" * 10**6, ["a"], "p", StartError)
+    assert len(str(caught.value)) < 300
+
+
+def test_keys():
+    """A table of known keys; anything else is no table."""
+    assert checks.known_keys({"a": 1, X: 2}, ["a", "x"], "p", StartError) == {"a": 1, "x": 2}
+    with pytest.raises(StartError, match="p: 'c' is not known"):
+        checks.known_keys({"c": 1}, ["a"], "p", StartError)
+    for value in ("a", [("a", 1)], None, 3):
+        with pytest.raises(StartError, match="p: names with values were needed"):
+            checks.known_keys(value, ["a"], "p", StartError)
+
+
+def test_words_and_texts():
+    """One word of several, and texts of a length."""
+    assert checks.choice("line", ["line", "flux"], "method", LoopError) == "line"
+    for value in ("lin", 1, None, ["line"]):
+        with pytest.raises(LoopError, match="method: one of line, flux was needed"):
+            checks.choice(value, ["line", "flux"], "method", LoopError)
+    assert checks.text("abc", "name", LoopError, longest=3) == "abc"
+    for value in ("abcd", 3, b"abc", None):
+        with pytest.raises(LoopError, match="name: a text was needed"):
+            checks.text(value, "name", LoopError, longest=3)

@@ -1,0 +1,208 @@
+"""Files: what is read comes back as it was written; what is damaged ends in one kind of error."""
+
+import io
+import random
+import zipfile
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import CheckpointError, FileFormatError, GeomtorsionError, LimitError
+from geomtorsion.files import (
+    TEXT_FORM,
+    ArrayForm,
+    Decimal,
+    conforming,
+    read_json_text,
+    read_npz,
+    read_text,
+    read_toml,
+    read_toml_text,
+    text_of,
+)
+
+FORMS = {
+    "times": ArrayForm(("m",), "f"),
+    "states": ArrayForm(("m", "n"), "fiu"),
+    "about": TEXT_FORM,
+    "value *": ArrayForm(("m",), "fiu"),
+    "more": ArrayForm(optional=True),
+}
+
+
+@pytest.fixture
+def saved(tmp_path):
+    """A file with an array of each kind."""
+    path = tmp_path / "run.npz"
+    arrays = {"value a": np.arange(3), "value b": np.ones(3)}
+    states = np.asfortranarray(np.arange(6.0).reshape(3, 2))
+    np.savez_compressed(path, times=np.zeros(3), states=states, about=np.array("{}"), **arrays)
+    return path
+
+
+def test_arrays_come_back(saved):
+    """Values, shapes, order and text as they were written."""
+    found = read_npz(saved, FORMS)
+    assert set(found) == {"times", "states", "about", "value a", "value b"}
+    assert found["states"].tolist() == [[0, 1], [2, 3], [4, 5]]
+    assert found["value a"].dtype == np.arange(3).dtype
+    assert text_of(found["about"]) == "{}"
+    found["times"][0] = 1  # they may be written to
+
+
+@pytest.mark.parametrize("dtype", [">f8", "<f4", ">i2", "<u8", "|b1", "<U5"])
+def test_byte_orders(tmp_path, dtype):
+    """Numbers of either byte order and any size."""
+    values = np.array([1, 0, 1]).astype(dtype)
+    np.savez(tmp_path / "a.npz", x=values)
+    found = read_npz(tmp_path / "a.npz", {"x": ArrayForm((3,), "fiubU")})["x"]
+    assert (found == values).all()
+    assert found.dtype.isnative
+
+
+@pytest.mark.parametrize(
+    ("arrays", "says"),
+    [
+        ({}, "times is not a file in the archive"),
+        ({"times": np.zeros((2, 2))}, r"times has the shape \(2, 2\), but \(any\) is needed|times"),
+        ({"times": np.array(["a"])}, "times holds <U1"),
+        ({"times": np.array([{}], dtype=object)}, "times has a header|times holds"),
+        ({"times": np.zeros(3), "states": np.zeros((4, 2))}, r"states .*\(3, .*\) is needed"),
+        ({"times": np.zeros(3, dtype=[("a", "f8")])}, "times has a header that is not known"),
+    ],
+)
+def test_wrong_arrays(tmp_path, arrays, says):
+    """A missing array, a wrong shape or type: the message names the array."""
+    np.savez(tmp_path / "a.npz", **arrays)
+    with pytest.raises(FileFormatError, match=f"a.npz: .*({says})"):
+        read_npz(tmp_path / "a.npz", FORMS)
+    message = "no {path}: {reason}"
+    with pytest.raises(CheckpointError, match=r"^no .*a.npz: "):
+        read_npz(tmp_path / "a.npz", FORMS, error=CheckpointError, message=message)
+
+
+def test_declared_sizes_take_no_memory(tmp_path):
+    """A header that promises a terabyte is refused before memory is taken for it."""
+    buffer = io.BytesIO()
+    header = b"{'descr': '<f8', 'fortran_order': False, 'shape': (100000000000,), }"
+    buffer.write(b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header + b"\0" * 80)
+    with zipfile.ZipFile(tmp_path / "a.npz", "w") as archive:
+        archive.writestr("times.npy", buffer.getvalue())
+    with pytest.raises(FileFormatError, match="would take 800,000,000,000 bytes"):
+        read_npz(tmp_path / "a.npz", {"times": ArrayForm()})
+    np.savez(tmp_path / "b.npz", times=np.zeros(1000))
+    with pytest.raises(FileFormatError, match="would take 8,000 bytes"):
+        read_npz(tmp_path / "b.npz", {"times": ArrayForm()}, largest=7999)
+    assert len(read_npz(tmp_path / "b.npz", {"times": ArrayForm()}, largest=8000)["times"]) == 1000
+
+
+def test_damaged_files(saved, tmp_path):
+    """Bytes changed, cut or doubled at random: one error, or the same numbers."""
+    whole = saved.read_bytes()
+    draw = random.Random(5)
+    path = tmp_path / "damaged.npz"
+    refused = 0
+    for _ in range(400):
+        data = bytearray(whole)
+        for _ in range(draw.choice((1, 1, 3))):
+            place = draw.randrange(len(data))
+            kind = draw.randrange(3)
+            if kind == 0:
+                data[place] = draw.randrange(256)
+            elif kind == 1:
+                del data[place : place + draw.randrange(1, 30)]
+            else:
+                data[place:place] = data[: draw.randrange(1, 30)]
+        path.write_bytes(data)
+        try:
+            read_npz(path, FORMS)
+        except FileFormatError as error:
+            refused += "damaged.npz" in str(error)
+    assert refused > 200
+
+
+def test_no_files(tmp_path):
+    """Missing files, directories and names that are none."""
+    for path in (tmp_path / "none.npz", tmp_path, "a\0b"):
+        with pytest.raises(FileFormatError):
+            read_npz(path, FORMS)
+        with pytest.raises(FileFormatError):
+            read_text(path)
+    (tmp_path / "a.txt").write_bytes(b"abc\xff")
+    with pytest.raises(FileFormatError, match="no UTF-8"):
+        read_text(tmp_path / "a.txt")
+    (tmp_path / "a.txt").write_bytes("\ufeffabc".encode())
+    assert read_text(tmp_path / "a.txt") == "abc"
+    with pytest.raises(LimitError, match="longer than the limit of 5 bytes"):
+        read_text(tmp_path / "a.txt", 5)
+
+
+def test_toml(tmp_path):
+    """Values, lines, and decimals as they were written."""
+    file = tmp_path / "a.toml"
+    file.write_text("a = 0.10\n[b]\nc = [1,\n2]\n")
+    found = read_toml(file, decimals=True)
+    assert found.data == {"a": "0.10", "b": {"c": [1, 2]}}
+    assert isinstance(found.data["a"], Decimal)
+    assert read_toml(file).data["a"] == 0.1
+    assert found.line(("b", "c", 1)) == 3
+    with pytest.raises(FileFormatError, match="a.toml: line 3: wrong"):
+        found.fail(("b", "c"), "wrong")
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (
+            "a = 1\nb = x\n",
+            r"line 2, column 5: this is no TOML: .*\n    b = x\n        \^\nAdvice.",
+        ),
+        ("a = " + "[" * 5000, "nested too deeply|no TOML"),
+        ("a = 1" + "0" * 5000, "more digits"),
+        ("a = 0x1" + "0" * 5000, "more digits"),
+        ("a = 1979-13-45", "no TOML"),
+        ("# " + "x" * 10**5 + "\n" + "a = " + "1, " * 10**5, "no TOML"),
+    ],
+)
+def test_bad_toml(text, says):
+    """Each is refused with a short message that ends in advice where it may help."""
+    with pytest.raises(GeomtorsionError, match=f"(?s)^a.toml: .*({says})") as caught:
+        read_toml_text(text, "a.toml", advice="Advice.")
+    assert len(str(caught.value)) < 900
+
+
+def test_json():
+    """Lists and numbers; no nan, no endless nesting, no endless numbers."""
+    assert read_json_text("[1, {}]", "a.json") == [1, {}]
+    for text, says in [
+        ("[1, ", "line 1, column 5: this is no JSON"),
+        ("[NaN]", "NaN is no number that JSON knows"),
+        ("[" * 10**5, "nested too deeply|no JSON"),
+        ("1" * 5000, "more digits"),
+    ]:
+        with pytest.raises(GeomtorsionError, match=f"a.json: .*({says})"):
+            read_json_text(text, "a.json")
+
+
+def test_forms():
+    """A form is met, or the first part that does not meet it is named."""
+    form = {"a": float, "b": [int], "c": {str: (str, None)}, "d?": bool}
+    good = {"a": 1, "b": [1, 2], "c": {"x": "y", "z": None}, "extra": 3}
+    assert conforming(good, form, "f") is good
+    for change, says in [
+        ({"a": "1"}, "f: a: a finite number was needed, but '1' came"),
+        ({"a": float("nan")}, "f: a: a finite number"),
+        ({"a": True}, "f: a: a finite number"),
+        ({"b": 3}, "f: b: a list was needed"),
+        ({"b": [1, 2.5]}, r"f: b\[1\]: a whole number was needed"),
+        ({"b": [True]}, r"f: b\[0\]: a whole number"),
+        ({"c": []}, "f: c: a table was needed"),
+        ({"c": {"x": 1}}, "f: c.x: a text was needed"),
+        ({"d": 1}, "f: d: true or false was needed"),
+    ]:
+        with pytest.raises(FileFormatError, match=says):
+            conforming(good | change, form, "f")
+    with pytest.raises(CheckpointError, match="f: a is missing"):
+        conforming({"b": [], "c": {}}, form, "f", CheckpointError)
+    with pytest.raises(FileFormatError, match="f: a table was needed"):
+        conforming([], form, "f")
