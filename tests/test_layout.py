@@ -35,7 +35,9 @@ NEIGHBOURS: dict[tuple[str, str], str] = {
     ("cli", "lab"): "the command that serves the page",
 }
 # Files of more lines hold more than one idea, unless a reason stands here.
-LONG: dict[str, str] = {}
+LONG: dict[str, str] = {
+    "checks.py": "all validators side by side, so that nobody writes another; half are examples",
+}
 LONGEST = 500
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")
 
