@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from geomtorsion.errors import SceneError
+from geomtorsion.rigid.attitude import rotation_rows
 from geomtorsion.scenes.context import (
     ATTITUDE,
     OMEGA,
@@ -233,24 +234,7 @@ def _inertia(context: Context, parts: Any) -> Any:
     return total
 
 
-def quaternion_rates(omega: Any) -> list[Any]:
-    """q' = q (0, Omega) / 2."""
-    q0, q1, q2, q3 = QUATERNION
-    a, b, c = omega
-    return [
-        (-q1 * a - q2 * b - q3 * c) / 2,
-        (q0 * a + q2 * c - q3 * b) / 2,
-        (q0 * b + q3 * a - q1 * c) / 2,
-        (q0 * c + q1 * b - q2 * a) / 2,
-    ]
-
-
-def by_quaternion() -> dict[Any, Any]:
+def by_quaternion() -> dict[sp.Symbol, sp.Expr]:
     """Elements of R (and with them the vertical) as polynomials of the unit quaternion."""
-    w, x, y, z = QUATERNION
-    rows = [
-        [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z],
-    ]
+    rows = rotation_rows(QUATERNION)
     return {ATTITUDE[i, j]: rows[i][j] for i in range(3) for j in range(3)}

@@ -9,8 +9,8 @@ import sympy as sp
 
 from geomtorsion.errors import SceneError, StartError
 from geomtorsion.motion.flows import flow
-from geomtorsion.scenes import attitude
-from geomtorsion.scenes.assembly import by_quaternion, quaternion_rates
+from geomtorsion.rigid import attitude
+from geomtorsion.scenes.assembly import by_quaternion
 from geomtorsion.scenes.conserved import invariants
 from geomtorsion.scenes.context import ATTITUDE, OMEGA, POSITION, QUATERNION, VELOCITY, VERTICAL
 from geomtorsion.scenes.intake import missing_attitude
@@ -27,7 +27,7 @@ ROUNDED = 1e-9
 def pruned_rates(plan: ScenePlan) -> dict[str, Any]:
     """State -> rate, in the attitude states that the plan chose."""
     made, rates = plan.assembly, {}
-    turning = dict(zip(QUATERNION, quaternion_rates(made.omega), strict=True))
+    turning = dict(zip(QUATERNION, attitude.quaternion_rates(QUATERNION, made.omega), strict=True))
     chosen = attitude_states(plan)
     for symbol in plan.symbols:
         if symbol in turning:

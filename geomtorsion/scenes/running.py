@@ -14,9 +14,8 @@ import numpy as np
 from geomtorsion.errors import AccuracyError, StuckError, TimeError
 from geomtorsion.motion import free_top, solve
 from geomtorsion.motion.flows import reading
-from geomtorsion.motion.free_top_attitude import product
 from geomtorsion.motion.solution import Cost
-from geomtorsion.scenes import attitude
+from geomtorsion.rigid import attitude
 from geomtorsion.scenes.context import OMEGA, POSITION, QUATERNION, VELOCITY, VERTICAL
 from geomtorsion.scenes.flowing import parameters_of, start_of
 from geomtorsion.scenes.result import SceneResult
@@ -62,7 +61,7 @@ class ClosedForm:
         state: Any = self.scene.start
         omega = axes.T @ np.array([float(x) for x in state.omega])
         q = state.attitude if state.attitude is not None else np.array([1.0, 0.0, 0.0, 0.0])
-        turned = product(q, attitude.quaternion_from_matrix(axes))
+        turned = attitude.product(q, attitude.quaternion_from_matrix(axes))
         return free_top(tuple(moments), tuple(omega), tuple(turned)), axes
 
     def states(self, times: Any) -> np.ndarray:
@@ -74,8 +73,8 @@ class ClosedForm:
         columns |= {s.name: rates[:, k] for k, s in enumerate(OMEGA)}
         if {QUATERNION[0].name, VERTICAL[0].name} & set(names):
             back = attitude.quaternion_from_matrix(axes.T)
-            q = product(top.quaternion(times), back)
-            first = product(top.quaternion(np.zeros(1)), back)[0]
+            q = attitude.product(top.quaternion(times), back)
+            first = attitude.product(top.quaternion(np.zeros(1)), back)[0]
             # Who watches an attitude was asked for a start with one.
             begin = self.scene.start.attitude  # type: ignore[union-attr]
             q = q if first @ begin >= 0 else -q

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from geomtorsion.errors import StartError
-from geomtorsion.scenes import attitude
+from geomtorsion.rigid import attitude
 from geomtorsion.scenes.context import exact
 
 
@@ -23,7 +23,7 @@ class State:
     quaternion: (q0, q1, q2, q3), scalar first, body to space, length 1.
     matrix: 3 x 3 rotation, body to space.
     position, velocity: of the centre of mass in space axes, m and m/s; 0 if not given.
-    euler_convention: one of 24 names, see `geomtorsion.scenes.attitude`.
+    euler_convention: one of 24 names, see `geomtorsion.rigid.attitude`.
 
     Raises
     ------

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion.scenes.attitude import euler_from_quaternion
+from geomtorsion.rigid.attitude import euler_from_quaternion
 
 
 def nutation(vertical: Any) -> np.ndarray:

@@ -11,7 +11,8 @@ import sympy as sp
 
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.exact.names import near_names
-from geomtorsion.scenes import attitude, views
+from geomtorsion.rigid import attitude
+from geomtorsion.scenes import views
 from geomtorsion.scenes.assembly import WORK, Assembly
 from geomtorsion.scenes.context import (
     ATTITUDE,

@@ -1,12 +1,15 @@
 """Attitude: every convention against matrices multiplied out and against scipy, at the lock too."""
 
+import warnings
+
 import mpmath
 import numpy as np
 import pytest
+import sympy as sp
 from scipy.spatial.transform import Rotation
 
 from geomtorsion.errors import ShapeError, StartError, UnknownNameError
-from geomtorsion.scenes import attitude as att
+from geomtorsion.rigid import attitude as att
 
 ANGLES = np.random.default_rng(5).uniform(-3.1, 3.1, (40, 3))
 
@@ -66,6 +69,32 @@ def test_near_the_lock(name, gap, side):
             assert np.allclose(back, angles, atol=1e-14 / max(gap, 1e-2))
 
 
+@pytest.mark.parametrize("name", att.CONVENTIONS)
+@pytest.mark.parametrize("side", [0, 1])
+def test_the_third_angle_is_0_at_the_lock(name, side):
+    """One attitude at gimbal lock: the first angle takes all of the turn, as with scipy."""
+    proper = name[0].lower() == name[2].lower()
+    lock = side * np.pi if proper else (2 * side - 1) * np.pi / 2
+    given = Rotation.from_euler(name, [0.4, lock, 1.1])
+    first, middle, third = att.euler_from_matrix(given.as_matrix(), name)
+    assert third == 0
+    assert abs(middle - lock) < 1e-7
+    back = Rotation.from_euler(name, [first, middle, third])
+    assert np.abs(back.as_matrix() - given.as_matrix()).max() < 1e-7
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        expected = given.as_euler(name)
+    assert said, "scipy sees no gimbal lock here"
+    assert np.abs(np.exp(1j * expected) - np.exp(1j * np.array([first, middle, 0]))).max() < 1e-7
+
+
+def test_where_an_angle_is_lost():
+    """Halves of 2e-14 still hold an angle, those of 0.5e-14 are taken for rounding."""
+    for gap, kept in ((4e-14, True), (1e-14, False)):
+        back = att.euler_from_quaternion(att.quaternion_from_euler([0.4, gap, 1.1]))
+        assert np.allclose(back[[0, 2]], [0.4, 1.1] if kept else [1.5, 0.0], atol=1e-12)
+
+
 def test_middle_angle_in_thirty_digits():
     """phi2 of a quaternion near the lock against mpmath: no arc cosine, no loss."""
     q = att.quaternion_from_euler([0.3, 1e-7, 0.2])
@@ -105,6 +134,44 @@ def test_quaternions_of_half_turns():
     assert np.abs(q - many.as_quat(canonical=True, scalar_first=True)).max() < 2e-15
 
 
+def test_products_and_turned_vectors():
+    """A product turns by the second, then by the first; scipy agrees for arrays of any shape."""
+    p, q = (Rotation.random(6, random_state=seed) for seed in (2, 3))
+    left, right = (r.as_quat(scalar_first=True).reshape(2, 3, 4) for r in (p, q))
+    expected = (p * q).as_matrix().reshape(2, 3, 3, 3)
+    assert np.abs(att.matrix_from_quaternion(att.product(left, right)) - expected).max() < 2e-15
+    v = np.random.default_rng(4).normal(size=(2, 3, 3))
+    assert np.abs(att.rotated(left, v) - p.apply(v.reshape(6, 3)).reshape(2, 3, 3)).max() < 4e-15
+
+
+def test_rotation_vectors():
+    """As scipy has them: up to half a turn, back and forth, and tiny ones to the last place."""
+    many = Rotation.random(200, random_state=7)
+    vectors = many.as_rotvec()
+    q = att.quaternion_from_rotation_vector(vectors)
+    assert np.abs(att.matrix_from_quaternion(q) - many.as_matrix()).max() < 2e-15
+    assert np.abs(att.rotation_vector_from_quaternion(q) - vectors).max() < 4e-15
+    assert np.abs(att.rotation_vector_from_quaternion(-3 * q) - vectors).max() < 4e-15
+    for size in (0.0, 1e-150, 1e-20, 1e-9):
+        tiny = size * np.array([0.6, 0.0, -0.8])
+        back = att.rotation_vector_from_quaternion(att.quaternion_from_rotation_vector(tiny))
+        assert np.abs(back - tiny).max() <= 4e-16 * size
+    half = att.rotation_vector_from_quaternion([0, 0.6, 0, 0.8])
+    assert np.abs(half - np.pi * np.array([0.6, 0, 0.8])).max() < 1e-15
+
+
+def test_rates_are_those_of_the_matrix():
+    """q' = q (0, Omega) / 2 in symbols gives R' = R [Omega]x, and keeps the length."""
+    q, omega = sp.symbols("q0:4"), sp.symbols("a b c")
+    rates = att.quaternion_rates(q, omega)
+    assert sp.expand(sum(x * rate for x, rate in zip(q, rates, strict=True))) == 0
+    matrix = sp.Matrix(att.rotation_rows(q))
+    change = sum((matrix.diff(x) * rate for x, rate in zip(q, rates, strict=True)), sp.zeros(3, 3))
+    a, b, c = omega
+    cross = sp.Matrix([[0, -c, b], [c, 0, -a], [-b, a, 0]])
+    assert (change - matrix * cross).expand() == sp.zeros(3, 3)
+
+
 def test_bad_attitudes():
     """Each is refused with what came and what to do."""
     with pytest.raises(StartError, match="is 0, which is no attitude"):
@@ -123,6 +190,20 @@ def test_bad_attitudes():
         att.euler_from_quaternion([1, 0, 0, 0], "zzy")
     with pytest.raises(ShapeError, match="shape \\(3,\\)"):
         att.matrix_from_quaternion([1, 0, 0])
+
+
+def test_how_much_rounding_is_allowed():
+    """Lengths and columns that are wrong by less than 1e-6 are rounded, by more mistaken."""
+    for excess, fine in ((0.9e-6, True), (1.1e-6, False)):
+        for check, value in (
+            (att.checked_quaternion, [1 + excess, 0, 0, 0]),
+            (att.checked_matrix, np.diag([np.sqrt(1 + excess), 1, 1])),
+        ):
+            if fine:
+                assert check(value).tolist() == [1, 0, 0, 0]
+            else:
+                with pytest.raises(StartError):
+                    check(value)
 
 
 def test_rounded_input_is_normalised():

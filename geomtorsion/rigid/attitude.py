@@ -1,20 +1,27 @@
-"""Attitude: quaternions, matrices and Euler angles of all 24 conventions, one into another.
+"""Attitude: quaternions, matrices, rotation vectors and Euler angles, one into another.
 
 Quaternions are (q0, q1, q2, q3), scalar first; q and the matrix R map body to space. Arrays may
-have any leading shape. Conventions are named as in scipy: three small letters turn about space
-axes in the order written, three capitals about body axes. The paper's angles (phi1, phi2, phi3),
-R = Rz(phi3) Ry(phi2) Rz(phi1), are "zyz".
+have any leading shape. Euler angles come in 24 conventions, named as in scipy: three small letters
+turn about space axes in the order written, three capitals about body axes. The paper's angles
+(phi1, phi2, phi3), R = Rz(phi3) Ry(phi2) Rz(phi1), are "zyz".
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from difflib import get_close_matches
 from itertools import product as choices
 from typing import Any
 
 import numpy as np
+import sympy as sp
+from numpy.typing import ArrayLike, NDArray
 
 from geomtorsion.errors import ShapeError, StartError, UnknownNameError
+
+Array = NDArray[np.float64]
+# One component of a quaternion: a number, an array of them, or an expression.
+Component = Any
 
 PAPER = "zyz"
 _SMALL = tuple(
@@ -22,13 +29,15 @@ _SMALL = tuple(
     if letters[0] != letters[1] != letters[2]
 )  # fmt: skip
 CONVENTIONS: tuple[str, ...] = (*_SMALL, *(name.upper() for name in _SMALL))
-# Input that is this far from a unit quaternion or a rotation matrix is taken for rounded.
+# Attitudes printed with seven digits are this far from a unit quaternion or a rotation matrix: what
+# is nearer is taken for rounded, what is farther for a mistake.
 ROUNDED = 1e-6
-# Below this an angle at gimbal lock is made of rounding alone.
+# Two components of a quaternion that are this small beside the other two hold no angle any more:
+# they come from sums of terms of size 1, each rounded at 1e-16.
 LOCKED = 1e-14
 
 
-def checked_convention(name: Any) -> str:
+def checked_convention(name: object) -> str:
     """One of the 24 names; "paper" is "zyz".
 
     Examples
@@ -49,7 +58,80 @@ def checked_convention(name: Any) -> str:
     )
 
 
-def matrix_from_quaternion(quaternion: Any) -> np.ndarray:
+def hamilton_product(p: Sequence[Component], q: Sequence[Component]) -> list[Component]:
+    """Product p q of quaternions given by components: the turn q, then the turn p.
+
+    Examples
+    --------
+    >>> a, b = sp.symbols("a b")
+    >>> hamilton_product((a, 0, 0, b), (0, 1, 0, 0))
+    [0, a, b, 0]
+    """
+    p0, p1, p2, p3 = p
+    q0, q1, q2, q3 = q
+    return [
+        p0 * q0 - p1 * q1 - p2 * q2 - p3 * q3,
+        p0 * q1 + p1 * q0 + p2 * q3 - p3 * q2,
+        p0 * q2 - p1 * q3 + p2 * q0 + p3 * q1,
+        p0 * q3 + p1 * q2 - p2 * q1 + p3 * q0,
+    ]
+
+
+def rotation_rows(q: Sequence[Component]) -> list[list[Component]]:
+    """Rows of the rotation matrix, body to space, times the square of the quaternion's length.
+
+    Examples
+    --------
+    >>> w, x, y, z = sp.symbols("w x y z")
+    >>> rotation_rows((w, x, y, z))[2]
+    [-2*w*y + 2*x*z, 2*w*x + 2*y*z, w**2 - x**2 - y**2 + z**2]
+    """
+    w, x, y, z = q
+    return [
+        [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z],
+    ]
+
+
+def quaternion_rates(q: Sequence[sp.Expr], omega: Sequence[sp.Expr]) -> list[sp.Expr]:
+    """Rates of the quaternion of a body with angular velocity omega (body axes), in symbols.
+
+    Equation
+    --------
+    q' = q (0, omega) / 2
+    """
+    return [rate / 2 for rate in hamilton_product(q, (sp.S.Zero, *omega))]
+
+
+def product(p: ArrayLike, q: ArrayLike) -> Array:
+    """Product p q of quaternions, shape (..., 4): the turn q, then the turn p.
+
+    Examples
+    --------
+    >>> product([0, 1, 0, 0], [0, 0, 1, 0]).tolist()
+    [0.0, 0.0, 0.0, 1.0]
+    """
+    left = np.moveaxis(_array(p, (4,), "quaternion"), -1, 0)
+    right = np.moveaxis(_array(q, (4,), "quaternion"), -1, 0)
+    return np.stack(hamilton_product(list(left), list(right)), -1)
+
+
+def rotated(quaternion: ArrayLike, vector: ArrayLike) -> Array:
+    """R(q) v: a vector of the body as space sees it, shape (..., 3), for a unit quaternion.
+
+    Examples
+    --------
+    >>> rotated([0, 0, 0, 1], [1, 2, 3]).tolist()
+    [-1.0, -2.0, 3.0]
+    """
+    q, v = _array(quaternion, (4,), "quaternion"), _array(vector, (3,), "vector")
+    scalar, axis = q[..., :1], q[..., 1:]
+    across = np.cross(axis, v)
+    return v + 2 * (scalar * across + np.cross(axis, across))
+
+
+def matrix_from_quaternion(quaternion: ArrayLike) -> Array:
     """R of shape (..., 3, 3) from q of shape (..., 4), of any length but 0.
 
     Examples
@@ -58,16 +140,11 @@ def matrix_from_quaternion(quaternion: Any) -> np.ndarray:
     [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
     """
     q = _array(quaternion, (4,), "quaternion")
-    w, x, y, z = np.moveaxis(q / np.linalg.norm(q, axis=-1, keepdims=True), -1, 0)
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
+    rows = rotation_rows(list(np.moveaxis(q / np.linalg.norm(q, axis=-1, keepdims=True), -1, 0)))
     return np.stack([np.stack(row, -1) for row in rows], -2)
 
 
-def quaternion_from_matrix(matrix: Any) -> np.ndarray:
+def quaternion_from_matrix(matrix: ArrayLike) -> Array:
     """q of shape (..., 4), q0 >= 0, from R of shape (..., 3, 3).
 
     The largest of the four components is found first, so that no sum cancels.
@@ -99,7 +176,38 @@ def quaternion_from_matrix(matrix: Any) -> np.ndarray:
     return np.where(q[..., :1] < 0, -q, q) + 0.0
 
 
-def quaternion_from_euler(angles: Any, convention: str = PAPER) -> np.ndarray:
+def quaternion_from_rotation_vector(vector: ArrayLike) -> Array:
+    """q of shape (..., 4) of the turn about v, shape (..., 3), by the angle |v|, rad.
+
+    Examples
+    --------
+    >>> quaternion_from_rotation_vector([0, 0, np.pi / 2]).round(6).tolist()
+    [0.707107, 0.0, 0.0, 0.707107]
+    """
+    v = _array(vector, (3,), "rotation vector")
+    half = np.linalg.norm(v, axis=-1, keepdims=True) / 2
+    # numpy's sinc(x) is sin(pi x) / (pi x), and 1 at 0: small turns lose nothing.
+    return np.concatenate([np.cos(half), np.sinc(half / np.pi) * v / 2], axis=-1)
+
+
+def rotation_vector_from_quaternion(quaternion: ArrayLike) -> Array:
+    """The axis of the turn times its angle in [0, pi], rad, shape (..., 3), from q != 0.
+
+    Examples
+    --------
+    >>> rotation_vector_from_quaternion([0, 0, 0, -2]).round(6).tolist()
+    [0.0, 0.0, -3.141593]
+    """
+    q = _array(quaternion, (4,), "quaternion")
+    q = np.where(q[..., :1] < 0, -q, q)
+    scalar, axis = q[..., :1], q[..., 1:]
+    length = np.linalg.norm(axis, axis=-1, keepdims=True)
+    none = length == 0
+    angle = 2 * np.arctan2(length, scalar)
+    return np.where(none, 0.0, axis * (angle / np.where(none, 1.0, length)))
+
+
+def quaternion_from_euler(angles: ArrayLike, convention: str = PAPER) -> Array:
     """q of shape (..., 4) from angles of shape (..., 3), rad.
 
     Examples
@@ -107,8 +215,6 @@ def quaternion_from_euler(angles: Any, convention: str = PAPER) -> np.ndarray:
     >>> quaternion_from_euler([0, 0.2, 0]).round(6).tolist()  # phi2 tilts about y
     [0.995004, 0.0, 0.099833, 0.0]
     """
-    from geomtorsion.motion.free_top_attitude import product
-
     name = checked_convention(convention)
     turns = _array(angles, (3,), "angles")
     order = [0, 1, 2] if name.islower() else [2, 1, 0]
@@ -123,8 +229,8 @@ def quaternion_from_euler(angles: Any, convention: str = PAPER) -> np.ndarray:
 
 
 def euler_from_quaternion(
-    quaternion: Any, convention: str = PAPER, *, continuous: bool = False
-) -> np.ndarray:
+    quaternion: ArrayLike, convention: str = PAPER, *, continuous: bool = False
+) -> Array:
     """Angles of shape (..., 3), rad, from q of shape (..., 4); accurate at gimbal lock too.
 
     The middle angle is in [0, pi] ("zyz" and its like) or [-pi/2, pi/2] ("xyz" and its like), the
@@ -160,8 +266,10 @@ def euler_from_quaternion(
     size = LOCKED * np.hypot(near, far)
     half_sum = _kept(np.arctan2(b, a), near <= size)
     half_difference = _kept(np.arctan2(d, c), far <= size)
-    half_sum = np.where(np.isnan(half_sum), -half_difference, half_sum)
-    half_difference = np.where(np.isnan(half_difference), -half_sum, half_difference)
+    # Capitals come out in the reverse order: their third angle is `first` here.
+    other = -1 if name.islower() else 1
+    half_sum = np.where(np.isnan(half_sum), other * half_difference, half_sum)
+    half_difference = np.where(np.isnan(half_difference), other * half_sum, half_difference)
     first, third = half_sum - half_difference, half_sum + half_difference
     if not proper:
         third, middle = sign * third, middle - np.pi / 2
@@ -173,19 +281,19 @@ def euler_from_quaternion(
     return np.stack(found, -1) + 0.0
 
 
-def matrix_from_euler(angles: Any, convention: str = PAPER) -> np.ndarray:
+def matrix_from_euler(angles: ArrayLike, convention: str = PAPER) -> Array:
     """R of shape (..., 3, 3) from angles of shape (..., 3), rad."""
     return matrix_from_quaternion(quaternion_from_euler(angles, convention))
 
 
 def euler_from_matrix(
-    matrix: Any, convention: str = PAPER, *, continuous: bool = False
-) -> np.ndarray:
+    matrix: ArrayLike, convention: str = PAPER, *, continuous: bool = False
+) -> Array:
     """Angles of shape (..., 3), rad, from R of shape (..., 3, 3)."""
     return euler_from_quaternion(quaternion_from_matrix(matrix), convention, continuous=continuous)
 
 
-def euler_from_euler(angles: Any, given: str, wanted: str = PAPER) -> np.ndarray:
+def euler_from_euler(angles: ArrayLike, given: str, wanted: str = PAPER) -> Array:
     """Angles of one convention as those of another.
 
     Examples
@@ -196,7 +304,7 @@ def euler_from_euler(angles: Any, given: str, wanted: str = PAPER) -> np.ndarray
     return euler_from_quaternion(quaternion_from_euler(angles, given), wanted)
 
 
-def checked_quaternion(quaternion: Any) -> np.ndarray:
+def checked_quaternion(quaternion: object) -> Array:
     """A unit quaternion, shape (4,); rounding in the input is taken out.
 
     Raises
@@ -217,7 +325,7 @@ def checked_quaternion(quaternion: Any) -> np.ndarray:
     return q / length
 
 
-def checked_matrix(matrix: Any) -> np.ndarray:
+def checked_matrix(matrix: object) -> Array:
     """The unit quaternion, shape (4,), of a rotation matrix; rounding is taken out.
 
     Raises
@@ -241,7 +349,7 @@ def checked_matrix(matrix: Any) -> np.ndarray:
     return quaternion_from_matrix(left @ right)
 
 
-def _kept(angles: Any, lost: Any) -> Any:
+def _kept(angles: Array, lost: NDArray[np.bool_]) -> Array:
     """Angles, lost ones replaced by the one before (else after) along the first axis, else nan."""
     angles = np.where(lost, np.nan, angles)
     if angles.ndim != 1 or not lost.any() or lost.all():
@@ -251,7 +359,7 @@ def _kept(angles: Any, lost: Any) -> Any:
     return angles[known[np.maximum(before, 0)]]
 
 
-def _array(values: Any, shape: tuple[int, ...], name: str) -> np.ndarray:
+def _array(values: ArrayLike, shape: tuple[int, ...], name: str) -> Array:
     """An array of floats that ends in this shape."""
     array = np.asarray(values, dtype=float)
     if array.shape[-len(shape) :] != shape:
@@ -260,10 +368,10 @@ def _array(values: Any, shape: tuple[int, ...], name: str) -> np.ndarray:
     return array
 
 
-def _numbers(values: Any, shape: tuple[int, ...], name: str, wanted: str) -> np.ndarray:
+def _numbers(values: object, shape: tuple[int, ...], name: str, wanted: str) -> Array:
     """Finite numbers of this shape, as part of a start."""
     try:
-        array = np.asarray(values, dtype=float)
+        array = np.asarray(values, dtype=np.float64)  # type: ignore[arg-type]
     except (TypeError, ValueError, OverflowError):
         array = np.empty(0)
     if array.shape != shape:
