@@ -14,11 +14,11 @@ import sympy as sp
 
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import burgers_vector
+from geomtorsion.loops.arcs import exact_number
 from geomtorsion.loops.exact_integral import pieces, pulled_back
 from geomtorsion.loops.flux import flux_at
 from geomtorsion.loops.forms import forms, parameter_values
 from geomtorsion.loops.line import line_at
-from geomtorsion.loops.sides import exact_number
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
@@ -197,8 +197,8 @@ def _runs(
         return [(partial(_quad, frame, loop, parameters, asked), 0, asked) for asked in TOLERANCES]
     nodes: Nodes = {"Gauss": _gauss, "Clenshaw-Curtis": _clenshaw_curtis}.get(rule, _equal)
     if rule == "flux":
-        nodes = _equal if loop.parts[0].sides[0].is_periodic else _gauss
-    sides = sum(len(part.sides) for part in loop.parts)
+        nodes = _equal if loop.parts[0].arcs[0].is_periodic else _gauss
+    sides = sum(len(part.arcs) for part in loop.parts)
     each = sides * (RAYS if rule == "flux" else 1)
     call = partial(_fixed, rule, frame, loop, parameters)
     return [(partial(call, *nodes(count)), count * each, None) for count in points]
@@ -227,7 +227,7 @@ def _quad(
         # It warns where rounding keeps it from the tolerance; the table shows that as error.
         warnings.simplefilter("ignore")
         for part in loop.parts:
-            for side in part.sides:
+            for side in part.arcs:
                 for i in range(frame.dimension):
                     value, bound, info = quad(
                         lambda s, part=part, side=side, i=i: line_at(
@@ -259,7 +259,7 @@ def _fixed(
     numbers = parameter_values(frame, compiled.parameters, parameters)
     total = np.zeros(frame.dimension)
     for part in loop.parts:
-        for side in part.sides:
+        for side in part.arcs:
             if rule == "flux":
                 values = flux_at(compiled, part, numbers, *side.shape(s), RAYS)
                 total = total + part.times * part.size * (part.size * (values @ weights))

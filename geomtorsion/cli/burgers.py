@@ -134,7 +134,7 @@ def burgers(
 
 def _read(frame: Frame, path: Path) -> Any:
     """Loops of a file, or of standard input."""
-    from geomtorsion.loops.files import loops_from_json, read_loops
+    from geomtorsion.loops.loop_files import loops_from_json, read_loops
 
     if str(path) == "-":
         return loops_from_json(frame, sys.stdin.read(), "standard input")
@@ -143,7 +143,7 @@ def _read(frame: Frame, path: Path) -> Any:
 
 def _described(frame: Frame, given: dict[str, list[str]], interval: str) -> list[Loop]:
     """Loops that stand on the command line."""
-    from geomtorsion.loops.describe import loop_from_data
+    from geomtorsion.loops.loop_files import loop_from_data
 
     return [
         loop_from_data(frame, described(kind, text, interval), f"--{kind} {text}")

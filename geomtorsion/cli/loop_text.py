@@ -42,7 +42,7 @@ def _list(text: str) -> list[str]:
 
 def assignments(texts: list[str]) -> dict[str, Any]:
     """Values of parameters from NAME=VALUE."""
-    from geomtorsion.loops.describe import number_of
+    from geomtorsion.loops.loop_files import number_of
 
     values = {}
     for text in texts:

@@ -12,7 +12,7 @@ from geomtorsion.lab.numbers import names_text, shown, table
 from geomtorsion.lab.plot import LOOKS, Look, Plot
 from geomtorsion.loops import Loop, burgers_vector
 from geomtorsion.loops.forms import forms, parameter_values
-from geomtorsion.loops.images import image
+from geomtorsion.loops.hodograph import image
 from geomtorsion.pictures.ink import number
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.spaces.first_motions import first_motion

@@ -1,5 +1,7 @@
 """Loops: closed paths to Burgers vectors."""
 
+from geomtorsion.loops.affine_map import Motion
+from geomtorsion.loops.arcs import Arc, Part
 from geomtorsion.loops.burgers import burgers_vector
 from geomtorsion.loops.defect_frames import (
     dispiration,
@@ -9,21 +11,18 @@ from geomtorsion.loops.defect_frames import (
 )
 from geomtorsion.loops.defects import Defect, Enclosed, enclosed_defects, find_defects
 from geomtorsion.loops.development import Development, develop
-from geomtorsion.loops.dislocation_network import DislocationNetwork
-from geomtorsion.loops.edge_list import EdgeList
+from geomtorsion.loops.dislocation_network import DislocationNetwork, Reaction
 from geomtorsion.loops.exact_integral import ExactBurgersVector, exact_burgers_vector
-from geomtorsion.loops.loop import Loop, Part
-from geomtorsion.loops.motions import Motion
-from geomtorsion.loops.network import Network
+from geomtorsion.loops.loop import Loop
+from geomtorsion.loops.maps import BurgersMap, burgers_map, burgers_vectors
+from geomtorsion.loops.network import EdgeList, Network
 from geomtorsion.loops.node_rule import NodeRule
 from geomtorsion.loops.paths import develop_path, develop_round
-from geomtorsion.loops.reaction import Reaction
 from geomtorsion.loops.result import BurgersVector, Check
 from geomtorsion.loops.sampled import SampledFrame
-from geomtorsion.loops.sides import Side
-from geomtorsion.loops.survey import BurgersMap, burgers_map, burgers_vectors
 
 __all__ = [
+    "Arc",
     "BurgersMap",
     "BurgersVector",
     "Check",
@@ -40,7 +39,6 @@ __all__ = [
     "Part",
     "Reaction",
     "SampledFrame",
-    "Side",
     "burgers_map",
     "burgers_vector",
     "burgers_vectors",

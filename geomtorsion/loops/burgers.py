@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 import numpy as np
 
 from geomtorsion.errors import LoopError
+from geomtorsion.loops.arcs import Part
 from geomtorsion.loops.exact_integral import ExactBurgersVector, exact_burgers_vector
 from geomtorsion.loops.flux import flux_route
 from geomtorsion.loops.forms import forms, parameter_values
 from geomtorsion.loops.line import Route, line_route
-from geomtorsion.loops.loop import Loop, Part
+from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.result import BurgersVector, Check
 
 if TYPE_CHECKING:

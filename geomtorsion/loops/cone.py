@@ -5,13 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from geomtorsion.errors import LoopError, SingularPointError
-from geomtorsion.loops.affine import AffineForm
+from geomtorsion.loops.affine_form import AffineForm
+from geomtorsion.loops.affine_map import Motion
+from geomtorsion.loops.arcs import Part, Segment
+from geomtorsion.loops.collocation import collocation, inner_turns
 from geomtorsion.loops.flux import ray_rule
 from geomtorsion.loops.line import EPS, SHAKE, shaken
-from geomtorsion.loops.loop import Part
-from geomtorsion.loops.motions import Motion
-from geomtorsion.loops.sides import Straight
-from geomtorsion.loops.steps import collocation, inner_turns
 from geomtorsion.loops.transport import Integrand, Transported, transported
 
 # Gauss points along the rays: pairs that are compared, the next if they disagree.
@@ -39,13 +38,13 @@ def around_cone(form: AffineForm, part: Part, accuracy: float) -> Transported | 
         if levels is None:
             return None
         count, missed, turn_missed = levels
-        found = transported(part.sides, lambda x, v: cone_rate(form, part, x, v, count), accuracy)
+        found = transported(part.arcs, lambda x, v: cone_rate(form, part, x, v, count), accuracy)
         # Without turns a motion is a plain sum, the same from everywhere.
         ray = from_centre(form, part) if form.turns else None
     except (SingularPointError, LoopError):
         return None
-    turn_error = found.turn_error + turn_missed * len(part.sides)
-    error = found.error + missed * len(part.sides)
+    turn_error = found.turn_error + turn_missed * len(part.arcs)
+    error = found.error + missed * len(part.arcs)
     motion = found.motion
     if ray is not None:
         motion = motion.seen_from(ray)
@@ -57,10 +56,10 @@ def around_cone(form: AffineForm, part: Part, accuracy: float) -> Transported | 
 def _levels(form: AffineForm, part: Part, accuracy: float) -> tuple[int, float, float] | None:
     """How many points the rays need; what they and rounding miss of translation and rotation."""
 
-    x, v = shaken(part.sides)
+    x, v = shaken(part.arcs)
     signs = np.where(np.arange(len(part.centre)) % 2 == 0, SHAKE, -SHAKE)
     centre = tuple((np.array(part.centre) * (1 + signs)).tolist())
-    moved = Part(centre, part.size, part.sides, part.times)
+    moved = Part(centre, part.size, part.arcs, part.times)
     known: dict[int, tuple[np.ndarray, np.ndarray]] = {}
     for few, many in LEVELS:
         for count in (few, many):
@@ -137,12 +136,12 @@ def integrals_up_to(stops: np.ndarray, stages: int) -> np.ndarray:
 def from_centre(form: AffineForm, part: Part) -> Motion:
     """Development from the centre of a part straight to its base point."""
     base = tuple(part.base_offset.tolist())
-    ray = Straight((0.0,) * len(base), base)
+    ray = Segment((0.0,) * len(base), base)
     return transported([ray], line_rate(form, part), 1e-14).motion
 
 
 def line_rate(form: AffineForm, part: Part) -> Integrand:
-    """The form along a side of a part, from offsets and slopes."""
+    """The form along an arc of a part, from offsets and slopes."""
 
     centre = np.array(part.centre)[:, None]
 

@@ -9,7 +9,7 @@ import sympy as sp
 
 from geomtorsion.errors import ShapeError
 from geomtorsion.geometry import Frame
-from geomtorsion.loops.sides import exact_number
+from geomtorsion.loops.arcs import exact_number
 
 X, Y, Z = sp.symbols("x y z", real=True)
 
@@ -17,7 +17,7 @@ X, Y, Z = sp.symbols("x y z", real=True)
 def parallel_dislocations(
     positions: Sequence[Sequence[Any]], burgers: Sequence[Sequence[Any]], name: str | None = None
 ) -> Frame:
-    """Straight dislocations along z through points of the plane, with any Burgers vectors.
+    """Segment dislocations along z through points of the plane, with any Burgers vectors.
 
     Equation
     --------
@@ -62,7 +62,7 @@ def parallel_dislocations(
 
 
 def parallel_screws(positions: Sequence[Sequence[Any]], burgers: Sequence[Any]) -> Frame:
-    """Straight screw dislocations along z, b_k along z.
+    """Segment screw dislocations along z, b_k along z.
 
     Examples
     --------
@@ -76,7 +76,7 @@ def parallel_screws(positions: Sequence[Sequence[Any]], burgers: Sequence[Any]) 
 
 
 def parallel_edges(positions: Sequence[Sequence[Any]], burgers: Sequence[Sequence[Any]]) -> Frame:
-    """Straight edge dislocations along z, b_k in the plane across, shape (m, 2).
+    """Segment edge dislocations along z, b_k in the plane across, shape (m, 2).
 
     Examples
     --------

@@ -10,16 +10,19 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import LoopError, MissingValueError
-from geomtorsion.loops.affine import AffineForm
+from geomtorsion.exact.form import Sum, form
+from geomtorsion.loops.affine_form import AffineForm
+from geomtorsion.loops.affine_map import Motion
+from geomtorsion.loops.arcs import shown
 from geomtorsion.loops.cone import line_rate
-from geomtorsion.loops.denominators import factors
-from geomtorsion.loops.intake import rows
-from geomtorsion.loops.loop import Loop, shown
-from geomtorsion.loops.motions import Motion
+from geomtorsion.loops.loop import Loop
+from geomtorsion.loops.planes import rows
 from geomtorsion.loops.transport import transported
-from geomtorsion.loops.turning import turns_round
+from geomtorsion.loops.winding import turns_round
 
 if TYPE_CHECKING:
+    from geomtorsion.exact import Element
+    from geomtorsion.exact.generators import Generator
     from geomtorsion.geometry import Connection, Frame
 
 # A loop as small as this share of the distance to the nearest other defect measures one alone.
@@ -96,7 +99,7 @@ class Defect:
 
         place = self.place(parameters)
         across = np.array(rows(self.across, len(place)))
-        return turns_round(loop, place, across, str(self))
+        return turns_round(loop.parts, place, across, str(self))
 
     def __str__(self) -> str:
         names = self.names or tuple(f"q{k}" for k in range(len(self.point)))
@@ -271,4 +274,41 @@ def charge(
     circle = Loop.circle(centre.tolist(), radius, (dual[:, 0], dual[:, 1]))
     form = AffineForm(connection, parameters)
     (part,) = circle.parts
-    return transported(part.sides, line_rate(form, part), 1e-12).motion
+    return transported(part.arcs, line_rate(form, part), 1e-12).motion
+
+
+def factors(frame: Frame) -> tuple[sp.Expr, ...]:
+    """Denominators of the coframe and factors of its determinant, those that contain coordinates.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> factors(load("screw_dislocation").frame)
+    (x**2 + y**2,)
+    """
+    found: dict[sp.Expr, None] = {}
+    for element in frame.coframe.components.independent.values():
+        found.update(dict.fromkeys(_bases(element, below=True)))
+    determinant = frame.determinant.element()
+    found.update(dict.fromkeys(_bases(determinant, below=True)))
+    found.update(dict.fromkeys(_bases(determinant, below=False)))
+    coordinates = set(frame.coordinates)
+    return tuple(factor for factor in found if factor.free_symbols & coordinates)
+
+
+def _bases(element: Element, below: bool) -> list[sp.Expr]:
+    """The factors of a denominator, or of a numerator."""
+    return [_expression(base) for base, exponent in form(element).powers if (exponent < 0) is below]
+
+
+def _expression(base: Generator | Sum) -> sp.Expr:
+    """A factor as sympy; of a root what stands under it, which has the same zeros."""
+    if not isinstance(base, Sum):
+        if base.kind == "root" and base.tail is not None:
+            return base.tail.sympy
+        return base.shown
+    terms = []
+    for value, monomial in base.terms:
+        powers = [generator.shown**exponent for generator, exponent in monomial]
+        terms.append(sp.Mul(sp.Rational(int(value.p), int(value.q)), *powers))
+    return sp.Add(*terms)

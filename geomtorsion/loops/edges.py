@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geomtorsion.errors import NetworkError, SingularPointError
+from geomtorsion.loops.arcs import shown
 from geomtorsion.loops.defects import find_defects
 from geomtorsion.loops.forms import Forms, forms, parameter_values
-from geomtorsion.loops.intake import rows
 from geomtorsion.loops.line import EPS
-from geomtorsion.loops.loop import shown
+from geomtorsion.loops.planes import rows
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame

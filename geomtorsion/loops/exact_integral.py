@@ -12,9 +12,9 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import LoopError, MissingValueError, UndecidedError
+from geomtorsion.loops.arcs import Arc, Curve, Ellipse, Part, exact_number
 from geomtorsion.loops.closed_forms import OutOfTimeError, deadline, definite
-from geomtorsion.loops.loop import Loop, Part
-from geomtorsion.loops.sides import Curve, Ellipse, Side, exact_number
+from geomtorsion.loops.loop import Loop
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
@@ -70,7 +70,7 @@ class ExactBurgersVector:
 def exact_burgers_vector(frame: Frame, loop: Loop, seconds: float = SECONDS) -> ExactBurgersVector:
     """Burgers vector of a loop in closed form.
 
-    The pulled-back one-forms are integrated over every side: constants, polynomials, trigonometric
+    The pulled-back one-forms are integrated over every arc: constants, polynomials, trigonometric
     polynomials and waves of them (Bessel functions), rational functions on the circle, and what
     sympy can integrate. The result is compared with a numerical integral before it is given.
     Decimal numbers in the loop count as what they say: 0.3 is 3/10.
@@ -134,22 +134,22 @@ def pieces(loop: Loop) -> Iterator[tuple[int, Piece]]:
                 f"{loop.name}: this loop is known by numbers only, it has no closed form. "
                 "Give a circle, ellipse, polygon or exact expressions."
             )
-        for side in part.sides:
-            yield part.times, _piece(part, side)
+        for arc in part.arcs:
+            yield part.times, _piece(part, arc)
 
 
-def _piece(part: Part, side: Side) -> Piece:
-    """Coordinates along one side as exact expressions."""
+def _piece(part: Part, arc: Arc) -> Piece:
+    """Coordinates along one arc as exact expressions."""
     assert part.given is not None
     centre, size = part.given
     t = sp.Dummy("t", real=True)
-    if isinstance(side, Ellipse):
-        offsets, low, high = side.exact(t / (2 * sp.pi)), sp.S.Zero, 2 * sp.pi
-    elif isinstance(side, Curve):
-        offsets = tuple(x.subs(side.parameter, t) for x in side.expressions)
-        low, high = side.start, side.end
+    if isinstance(arc, Ellipse):
+        offsets, low, high = arc.exact(t / (2 * sp.pi)), sp.S.Zero, 2 * sp.pi
+    elif isinstance(arc, Curve):
+        offsets = tuple(x.subs(arc.parameter, t) for x in arc.expressions)
+        low, high = arc.start, arc.end
     else:
-        offsets, low, high = side.exact(t), sp.S.Zero, sp.S.One
+        offsets, low, high = arc.exact(t), sp.S.Zero, sp.S.One
     pairs = zip(centre, offsets, strict=True)
     return tuple(exact_number(q) + exact_number(size) * x for q, x in pairs), t, low, high
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from geomtorsion.errors import SingularPointError
+from geomtorsion.loops.arcs import Part
 from geomtorsion.loops.forms import Forms
 from geomtorsion.loops.line import EPS, SHAKE, Route, shaken
-from geomtorsion.loops.loop import Part
 from geomtorsion.loops.quadrature import integrate
 
 # Gauss points along the rays of the cone: pairs that are compared, the next if they disagree.
@@ -40,10 +40,10 @@ def flux_route(
         return Route(zero, 2, 0.0, 0.0, True, "torsion vanishes identically", 0)
     try:
         rounding = _rounding(forms, part, parameters)
-        spent = 2 * len(shaken(part.sides)[0][0])
+        spent = 2 * len(shaken(part.arcs)[0][0])
         for few, many in LEVELS:
             found = integrate(
-                part.sides,
+                part.arcs,
                 lambda x, v, rays=(many, few): flux_at(forms, part, parameters, x, v, *rays),
                 accuracy / 2,
                 rounding,
@@ -98,7 +98,7 @@ def _rounding(forms: Forms, part: Part, parameters: Sequence[Any]) -> float:
 
     compiled = forms.curl
     assert compiled is not None
-    offsets, slopes = shaken(part.sides)
+    offsets, slopes = shaken(part.arcs)
     points = np.array(part.centre)[:, None] + 0.7 * part.size * offsets
     signs = np.where(np.arange(points.size).reshape(points.shape) * 7 % 3 == 1, SHAKE, -SHAKE)
     both = np.concatenate([points, points * (1 + signs)], axis=1)
@@ -107,7 +107,7 @@ def _rounding(forms: Forms, part: Part, parameters: Sequence[Any]) -> float:
     a, b = forms.pairs
     areas = np.abs(offsets[a] * slopes[b]) + np.abs(offsets[b] * slopes[a])
     sums = compiled.gather @ (noise * areas[compiled.columns] / 2)
-    return float(sums.mean(axis=1).max()) * len(part.sides)
+    return float(sums.mean(axis=1).max()) * len(part.arcs)
 
 
 @cache

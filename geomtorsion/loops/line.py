@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 
 from geomtorsion.errors import SingularPointError
+from geomtorsion.loops.arcs import Arc, Part, shown
 from geomtorsion.loops.forms import Forms
-from geomtorsion.loops.loop import Part, shown
 from geomtorsion.loops.quadrature import MOST_POINTS, integrate
-from geomtorsion.loops.sides import Side
 
 EPS = 2.0**-52
 # Points whose coordinates are shaken by this much, to see what rounding does to the integrand.
@@ -67,17 +66,17 @@ def line_route(
     compiled = forms.coframe
     integrand = partial(line_at, forms, part, parameters)
     refuse_poles(forms, part, parameters)
-    offsets, slopes = shaken(part.sides)
+    offsets, slopes = shaken(part.arcs)
     points = centre + part.size * offsets
     signs = np.where(np.arange(points.size).reshape(points.shape) * 7 % 3 == 1, SHAKE, -SHAKE)
     both = np.concatenate([points, points * (1 + signs)], axis=1)
     values = compiled.function(*both, *parameters)
     values, moved = values[:, : points.shape[1]], values[:, points.shape[1] :]
     noise = np.abs(moved - values) / 4 + 2 * EPS * np.abs(values)
-    rounding = _sum_of(forms, noise, slopes, len(part.sides))
-    found = integrate(part.sides, integrand, accuracy, rounding, most)
+    rounding = _sum_of(forms, noise, slopes, len(part.arcs))
+    found = integrate(part.arcs, integrand, accuracy, rounding, most)
     if not found.converged and found.truncation > 1e-2 * _sum_of(
-        forms, np.abs(values), slopes, len(part.sides)
+        forms, np.abs(values), slopes, len(part.arcs)
     ):
         raise SingularPointError(_diverges(part, found.worst))
     used = found.points + 2 * points.shape[1]
@@ -95,23 +94,23 @@ def line_at(
     return compiled.gather @ (values * slopes[compiled.columns])
 
 
-def shaken(sides: Sequence[Side]) -> tuple[np.ndarray, np.ndarray]:
-    """Offsets and slopes at a few points of every side (of some, where there are many)."""
+def shaken(arcs: Sequence[Arc]) -> tuple[np.ndarray, np.ndarray]:
+    """Offsets and slopes at a few points of every arc (of some, where there are many)."""
 
-    chosen = sides[:: -(-len(sides) // SHAKEN_POINTS)]
+    chosen = arcs[:: -(-len(arcs) // SHAKEN_POINTS)]
     each = max(1, SHAKEN_POINTS // len(chosen))
     s = (np.arange(each) + 0.382) / each
-    pairs = [side.shape(s) for side in chosen]
+    pairs = [arc.shape(s) for arc in chosen]
     offsets, slopes = (np.concatenate(arrays, axis=1) for arrays in zip(*pairs, strict=True))
     return offsets, slopes
 
 
-def _sum_of(forms: Forms, sizes: np.ndarray, slopes: np.ndarray, sides: int) -> float:
-    """Integral of sizes |dx| along all sides from a few points: the largest component."""
+def _sum_of(forms: Forms, sizes: np.ndarray, slopes: np.ndarray, arcs: int) -> float:
+    """Integral of sizes |dx| along all arcs from a few points: the largest component."""
 
     compiled = forms.coframe
     sums = compiled.gather @ (sizes * np.abs(slopes[compiled.columns]))
-    return float(sums.mean(axis=1).max()) * sides
+    return float(sums.mean(axis=1).max()) * arcs
 
 
 def refuse_poles(forms: Forms, part: Part, parameters: Sequence[Any]) -> None:
@@ -119,19 +118,19 @@ def refuse_poles(forms: Forms, part: Part, parameters: Sequence[Any]) -> None:
 
     if forms.poles is None:
         return
-    for side in part.sides:
-        count = max(17, 4 * side.waves + 1)
+    for arc in part.arcs:
+        count = max(17, 4 * arc.waves + 1)
         s = np.linspace(0, 1, count)
-        values = _poles(forms, part, side, s, parameters)
+        values = _poles(forms, part, arc, s, parameters)
         for k, row in enumerate(values):
             largest = np.abs(row).max()
             best = int(np.abs(row).argmin())
             signs = np.flatnonzero(row[1:] * row[:-1] < 0) if not np.iscomplexobj(row) else ()
             for start in sorted({best, *_dips(np.abs(row)).tolist(), *map(int, signs)}):
                 low, high = s[max(start - 1, 0)], s[min(start + 1, count - 1)]
-                place = _zero(forms, part, side, parameters, k, low, high, largest)
+                place = _zero(forms, part, arc, parameters, k, low, high, largest)
                 if place is not None:
-                    point = part.points(side, place)[0][:, 0]
+                    point = part.points(arc, place)[0][:, 0]
                     raise SingularPointError(
                         f"the loop passes through {shown(point)}, where {forms.pole_names[k]} "
                         "vanishes and the coframe has no finite value. Lead it past that point."
@@ -148,7 +147,7 @@ def _dips(sizes: np.ndarray) -> np.ndarray:
 def _zero(
     forms: Forms,
     part: Part,
-    side: Side,
+    arc: Arc,
     parameters: Sequence[Any],
     k: int,
     low: float,
@@ -159,7 +158,7 @@ def _zero(
 
     for _ in range(ZOOMS):
         s = np.linspace(low, high, 9)
-        row = _poles(forms, part, side, s, parameters)[k]
+        row = _poles(forms, part, arc, s, parameters)[k]
         best = int(np.abs(row).argmin())
         crosses = not np.iscomplexobj(row) and row.min() < 0 < row.max()
         if np.abs(row[best]) <= POLE * largest or crosses:
@@ -171,18 +170,18 @@ def _zero(
 
 
 def _poles(
-    forms: Forms, part: Part, side: Side, s: np.ndarray, parameters: Sequence[Any]
+    forms: Forms, part: Part, arc: Arc, s: np.ndarray, parameters: Sequence[Any]
 ) -> np.ndarray:
-    """Values of all denominators along a side, shape (poles, k)."""
+    """Values of all denominators along an arc, shape (poles, k)."""
     assert forms.poles is not None
-    return forms.poles(*part.points(side, s)[0], *parameters)
+    return forms.poles(*part.points(arc, s)[0], *parameters)
 
 
 def _diverges(part: Part, worst: tuple[int, float] | None) -> str:
     """The message for an integral that does not converge at all."""
     place = ""
     if worst is not None:
-        place = f" near {shown(part.points(part.sides[worst[0]], worst[1])[0][:, 0])}"
+        place = f" near {shown(part.points(part.arcs[worst[0]], worst[1])[0][:, 0])}"
     return (
         f"the integral along the loop does not converge{place}: the coframe seems to be singular "
         "there, or to vary faster than can be resolved. Lead the loop past that point."

@@ -4,59 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
 from geomtorsion.errors import LoopError
-from geomtorsion.loops.making import Makers, Plane
-from geomtorsion.loops.sides import Side
+from geomtorsion.loops import constructors, parametric, planes
+from geomtorsion.loops.arcs import Arc, Part, shown
+from geomtorsion.loops.quadrature import integrate
+from geomtorsion.loops.winding import turns_round
 
 if TYPE_CHECKING:
+    import networkx as nx
     import sympy as sp
 
 # Two loops share a base point if they miss each other by less than this share of their size.
 SAME_POINT = 1e-12
 
 
-@dataclass(frozen=True)
-class Part:
-    """One closed path, run through `times` times: q(s) = centre + size * offset(s).
-
-    centre: coordinates q0^mu, shape (n,).
-    size: how large it is, in coordinates; offsets are of order one.
-    sides: smooth arcs in the order in which they are run through, s from 0 to 1 on each.
-    times: how often; negative: backwards.
-    given: centre and size as the user gave them, for exact integrals.
-    """
-
-    centre: tuple[float, ...]
-    size: float
-    sides: tuple[Side, ...]
-    times: int = 1
-    given: tuple[tuple[Any, ...], Any] | None = None
-
-    def points(self, side: Side, s: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Coordinates and their derivatives by s on a side, shape (n, k) each."""
-
-        offsets, slopes = side.shape(np.atleast_1d(np.asarray(s, dtype=float)))
-        return np.array(self.centre)[:, None] + self.size * offsets, self.size * slopes
-
-    @property
-    def base_offset(self) -> np.ndarray:
-        """Where it starts and ends, as offset, shape (n,)."""
-
-        return self.sides[0].shape(np.zeros(1))[0][:, 0]
-
-    @property
-    def base(self) -> np.ndarray:
-        """Where it starts and ends, as coordinates, shape (n,)."""
-
-        return np.array(self.centre) + self.size * self.base_offset
+Plane = tuple[Any, Any]
 
 
 @dataclass(frozen=True)
-class Loop(Makers):
+class Loop:
     """A closed path in coordinates: one part, or several run through one after the other.
 
     parts: closed paths from one common base point, in order.
@@ -74,6 +44,213 @@ class Loop(Makers):
 
     parts: tuple[Part, ...]
     name: str = ""
+
+    # -- constructors ---------------------------------------------------------------------------
+
+    @classmethod
+    def circle(
+        cls, centre: Sequence[Any], radius: Any, plane: Plane = (0, 1), name: str = "circle"
+    ) -> Self:
+        """Circle about a point, from the first direction of the plane towards the second.
+
+        Parameters
+        ----------
+        centre
+            q0^mu, shape (n,).
+        radius
+            In coordinates, positive.
+        plane
+            Two coordinates (counted from 0), or two vectors of shape (n,), which are made
+            orthonormal in the coordinates.
+
+        Raises
+        ------
+        LoopError
+            The radius is not positive, a number is not finite, or the plane is none.
+
+        Examples
+        --------
+        >>> Loop.circle([0, 0], 2).area[0, 1].round(12)
+        np.float64(12.566370614359)
+        """
+        return cls((constructors.circle(centre, radius, plane),), name)
+
+    @classmethod
+    def ellipse(
+        cls,
+        centre: Sequence[Any],
+        axes: tuple[Any, Any],
+        plane: Plane = (0, 1),
+        name: str = "ellipse",
+    ) -> Self:
+        """Ellipse with two semi-axes along the directions of a plane (vectors count as given).
+
+        Raises
+        ------
+        LoopError
+            A semi-axis is not positive, a number is not finite, or the plane is none.
+
+        Examples
+        --------
+        >>> float(Loop.ellipse([0, 0], (2, 1)).area[0, 1].round(12))
+        6.28318530718
+        """
+        return cls((constructors.ellipse(centre, axes, plane),), name)
+
+    @classmethod
+    def polygon(
+        cls,
+        vertices: Sequence[Sequence[Any]],
+        centre: Sequence[Any] | None = None,
+        size: Any = 1,
+        name: str = "polygon",
+    ) -> Self:
+        """Polygon with sides that are straight in the coordinates.
+
+        Parameters
+        ----------
+        vertices
+            Shape (k, n), at least three; the last is joined to the first. Without a centre these
+            are coordinates; with one they are offsets from it, in units of `size`.
+        centre, size
+            Where a tiny polygon lies, and how large it is.
+
+        Raises
+        ------
+        LoopError
+            Fewer than three vertices, two neighbours that coincide, or a number that is not
+            finite.
+
+        Examples
+        --------
+        >>> triangle = [[0, 0], [1, 0], [0, 1]]
+        >>> float(Loop.polygon(triangle).area[0, 1])
+        0.5
+        >>> tiny = Loop.polygon(triangle, centre=[7, 7], size=1e-12)
+        >>> float(tiny.area[0, 1])
+        5e-25
+        """
+        return cls((constructors.polygon(vertices, centre, size),), name)
+
+    @classmethod
+    def plaquette(
+        cls,
+        corner: Sequence[Any],
+        steps: tuple[Any, Any],
+        plane: Plane = (0, 1),
+        name: str = "plaquette",
+    ) -> Self:
+        """Parallelogram from a corner, one step along the first direction of a plane at first.
+
+        Raises
+        ------
+        LoopError
+            A step is zero, a number is not finite, or the plane is none.
+
+        Examples
+        --------
+        >>> float(Loop.plaquette([0, 0], (2, 3)).area[0, 1])
+        6.0
+        """
+        return cls((constructors.plaquette(corner, steps, plane),), name)
+
+    @classmethod
+    def parametric(
+        cls,
+        expressions: Sequence[Any],
+        parameter: Any = "s",
+        interval: tuple[Any, Any] = (0, 1),
+        centre: Sequence[Any] | None = None,
+        size: Any = 1,
+        symbols: Mapping[str, sp.Symbol] | None = None,
+        name: str = "curve",
+    ) -> Self:
+        """Closed curve from exact expressions in a parameter.
+
+        Parameters
+        ----------
+        expressions
+            q^mu(s), shape (n,): sympy expressions, or text that is read by a whitelist. With a
+            centre they are offsets from it, in units of `size`.
+        parameter
+            The symbol, or its name.
+        interval
+            Exact bounds of the parameter, such as (0, 2*pi) or text.
+        symbols
+            Names that the text may use beside the parameter.
+
+        Raises
+        ------
+        LoopError
+            The curve does not close (the message names the gap), has no length, or is not finite.
+        ExpressionError
+            An expression cannot be read, or is not smooth.
+
+        Examples
+        --------
+        >>> curve = Loop.parametric(["cos(s)", "sin(2*s)/2"], interval=(0, "2*pi"))
+        >>> float(abs(curve.area).max()) < 1e-15
+        True
+        """
+        part = parametric.parametric(expressions, parameter, interval, centre, size, symbols)
+        return cls((part,), name)
+
+    @classmethod
+    def spline(
+        cls,
+        points: Sequence[Sequence[Any]],
+        centre: Sequence[Any] | None = None,
+        size: Any = 1,
+        name: str = "spline",
+    ) -> Self:
+        """Smooth closed curve through points: the periodic cubic spline over the chord length.
+
+        Points are given as the vertices of a polygon are.
+
+        Raises
+        ------
+        LoopError
+            Fewer than three points, two neighbours that coincide, or a number that is not finite.
+
+        Examples
+        --------
+        >>> Loop.spline([[1, 0], [0, 1], [-1, 0], [0, -1]]).area[0, 1].round(3)
+        np.float64(3.05)
+        """
+        return cls((constructors.spline(points, centre, size),), name)
+
+    @classmethod
+    def from_cycle(
+        cls,
+        graph: nx.Graph,
+        cycle: Sequence[Any],
+        position: str = "position",
+        name: str = "cycle",
+    ) -> Self:
+        """Polygon along a cycle of a networkx graph whose nodes have positions.
+
+        Parameters
+        ----------
+        graph
+            Its nodes carry coordinates q^mu under the key `position`.
+        cycle
+            Nodes in order, as `networkx.cycle_basis` gives them; edges must join neighbours.
+
+        Raises
+        ------
+        LoopError
+            A node or an edge is not in the graph, or a node has no position.
+
+        Examples
+        --------
+        >>> import networkx as nx
+        >>> graph = nx.cycle_graph(4)
+        >>> corners = {0: (0, 0), 1: (1, 0), 2: (1, 1), 3: (0, 1)}
+        >>> nx.set_node_attributes(graph, corners, "position")
+        >>> float(Loop.from_cycle(graph, [0, 1, 2, 3]).area[0, 1])
+        1.0
+        """
+        return cls((constructors.cycle(graph, cycle, position),), name)
 
     # -- algebra --------------------------------------------------------------------------------
 
@@ -130,7 +307,7 @@ class Loop(Makers):
     @property
     def symbols(self) -> frozenset[sp.Symbol]:
         """Symbols other than the curve parameter: they need values before numbers can come."""
-        found = [getattr(side, "symbols", frozenset()) for p in self.parts for side in p.sides]
+        found = [getattr(arc, "symbols", frozenset()) for p in self.parts for arc in p.arcs]
         return frozenset().union(*found)
 
     def at(self, values: Mapping[Any, Any]) -> Loop:
@@ -148,9 +325,9 @@ class Loop(Makers):
         >>> float(Loop.circle([0, 0], R).at({R: 1}).area[0, 1].round(12))
         3.14159265359
         """
-        from geomtorsion.loops.curves import filled
-
-        parts = tuple(filled(part, values) if self.symbols else part for part in self.parts)
+        parts = tuple(
+            parametric.filled(part, values) if self.symbols else part for part in self.parts
+        )
         return Loop(parts, self.name)
 
     # -- what it is -----------------------------------------------------------------------------
@@ -175,22 +352,22 @@ class Loop(Makers):
         """Coordinates of the point where it starts and ends, shape (n,)."""
         return self.parts[0].base
 
-    def walk(self) -> Iterator[tuple[Part, Side, bool]]:
-        """The sides in the order in which they are run through: (part, side, backwards)."""
+    def arcs(self) -> Iterator[tuple[Part, Arc, bool]]:
+        """The arcs in the order in which they are run through: (part, arc, backwards)."""
         for part in self.parts:
-            sides = part.sides if part.times > 0 else tuple(reversed(part.sides))
+            arcs = part.arcs if part.times > 0 else tuple(reversed(part.arcs))
             for _ in range(abs(part.times)):
-                for side in sides:
-                    yield part, side, part.times < 0
+                for arc in arcs:
+                    yield part, arc, part.times < 0
 
     def points(self, count: int = 400) -> np.ndarray:
         """Coordinates of points along it for pictures, shape (n, about count), both ends in."""
 
-        stretches = list(self.walk())
+        stretches = list(self.arcs())
         each = max(2, -(-count // len(stretches)))
         s = np.linspace(0, 1, each + 1)
         pieces = [
-            part.points(side, s[::-1] if backwards else s)[0] for part, side, backwards in stretches
+            part.points(arc, s[::-1] if backwards else s)[0] for part, arc, backwards in stretches
         ]
         return np.concatenate([piece[:, :-1] for piece in pieces] + [pieces[-1][:, -1:]], axis=1)
 
@@ -200,16 +377,21 @@ class Loop(Makers):
 
         Shape (n, n), antisymmetric; a small loop has b^i = S_{mn}^i A^{mn}.
         """
-        from geomtorsion.loops.measure import area
-
-        return area(self)
+        total = np.zeros((self.dimension, self.dimension))
+        a, b = np.triu_indices(self.dimension, 1)
+        for part in self.parts:
+            found = integrate(part.arcs, lambda x, v: (x[a] * v[b] - x[b] * v[a]) / 2, 1e-14)
+            total[a, b] += part.times * part.size * (part.size * found.value)
+        return total - total.T
 
     @property
     def length(self) -> float:
         """Length in the Euclidean sense of the coordinates."""
-        from geomtorsion.loops.measure import length
-
-        return length(self)
+        total = 0.0
+        for part in self.parts:
+            found = integrate(part.arcs, lambda x, v: np.sqrt((v * v).sum(axis=0))[None], 1e-10)
+            total += abs(part.times) * part.size * float(found.value[0])
+        return total
 
     def winding(self, axis: Sequence[float], plane: Plane = (0, 1)) -> int:
         """How often it turns round an axis, counted from the first direction to the second.
@@ -231,11 +413,6 @@ class Loop(Makers):
         >>> Loop.circle([0, 0, 0], 1).reversed().winding([0.5, 0, 0])
         -1
         """
-        from geomtorsion.loops.measure import winding
-
-        return winding(self, axis, plane)
-
-
-def shown(vector: Any) -> str:
-    """A vector in messages."""
-    return "(" + ", ".join(f"{float(x):.6g}" for x in vector) + ")"
+        place = planes.vector(axis, "axis", self.dimension)
+        rows = np.array(planes.rows(plane, self.dimension))
+        return turns_round(self.parts, place, rows, "axis", LoopError)

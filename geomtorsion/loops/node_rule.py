@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geomtorsion.errors import LimitError, NetworkError, SingularPointError
+from geomtorsion.loops.arcs import shown
 from geomtorsion.loops.flux import ray_rule
 from geomtorsion.loops.forms import forms, parameter_values
-from geomtorsion.loops.loop import shown
 
 if TYPE_CHECKING:
     from geomtorsion.loops.network import Network

@@ -1,4 +1,4 @@
-"""Quadrature: integrals along sides, by the trapezoid rule or by Gauss and Kronrod, adaptive."""
+"""Quadrature: integrals along arcs, by the trapezoid rule or by Gauss and Kronrod, adaptive."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from geomtorsion.loops.sides import Side
+    from geomtorsion.loops.arcs import Arc
 
 Integrand = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
@@ -58,7 +58,7 @@ class Integral:
     points: how many points were evaluated.
     converged: whether truncation is below the accuracy or the floor asked for.
     rule: which rule it was.
-    worst: where it converged worst, (number of the side, s); None if it converged.
+    worst: where it converged worst, (number of the arc, s); None if it converged.
     """
 
     value: np.ndarray
@@ -70,13 +70,13 @@ class Integral:
 
 
 def integrate(
-    sides: Sequence[Side],
+    arcs: Sequence[Arc],
     integrand: Integrand,
     accuracy: float,
     floor: float = 0.0,
     most: int = MOST_POINTS,
 ) -> Integral:
-    """Integral over s along all sides of integrand(offsets, slopes).
+    """Integral over s along all arcs of integrand(offsets, slopes).
 
     Parameters
     ----------
@@ -90,23 +90,23 @@ def integrate(
 
     # What is not finite is looked at, and never counts as converged.
     with np.errstate(all="ignore"):
-        if len(sides) == 1 and sides[0].is_periodic:
-            found = trapezoid(sides[0], integrand, accuracy, floor, most)
+        if len(arcs) == 1 and arcs[0].is_periodic:
+            found = trapezoid(arcs[0], integrand, accuracy, floor, most)
             if found.converged:
                 return found
-        return kronrod(sides, integrand, accuracy, floor, most)
+        return kronrod(arcs, integrand, accuracy, floor, most)
 
 
 def trapezoid(
-    side: Side, integrand: Integrand, accuracy: float, floor: float, most: int = MOST_POINTS
+    arc: Arc, integrand: Integrand, accuracy: float, floor: float, most: int = MOST_POINTS
 ) -> Integral:
-    """The trapezoid rule on a closed smooth side: spectral, compared with fewer points."""
+    """The trapezoid rule on a closed smooth arc: spectral, compared with fewer points."""
 
-    few = max(FIRST_TRAPEZOID, 3 * side.waves + 1)
+    few = max(FIRST_TRAPEZOID, 3 * arc.waves + 1)
     last = min(most, PATIENCE * few)
     many = _next(few)
     s = np.concatenate([np.arange(few) / few, (np.arange(many) + SHIFT) / many])
-    values = _values(side, integrand, s)
+    values = _values(arc, integrand, s)
     coarse, fine = values[:, :few].mean(axis=1), values[:, few:].mean(axis=1)
     points = few + many
     while True:
@@ -115,7 +115,7 @@ def trapezoid(
         if done or _next(many) > last:
             return Integral(fine, truncation, points, done, f"trapezoid, {many} points")
         many = _next(many)
-        coarse, fine = fine, _mean(side, integrand, many)
+        coarse, fine = fine, _mean(arc, integrand, many)
         points += many
 
 
@@ -124,19 +124,19 @@ def _next(points: int) -> int:
     return int(points * GROWTH) | 1
 
 
-def _mean(side: Side, integrand: Integrand, points: int) -> np.ndarray:
+def _mean(arc: Arc, integrand: Integrand, points: int) -> np.ndarray:
     """Mean over equidistant points, in pieces that fit in memory."""
 
     total = 0.0
     for start in range(0, points, PIECE):
         s = (np.arange(start, min(points, start + PIECE)) + SHIFT) / points
-        total = total + _values(side, integrand, s).sum(axis=1)
+        total = total + _values(arc, integrand, s).sum(axis=1)
     return np.asarray(total / points)
 
 
-def _values(side: Side, integrand: Integrand, s: np.ndarray) -> np.ndarray:
-    """The integrand on a side."""
-    return integrand(*side.shape(s))
+def _values(arc: Arc, integrand: Integrand, s: np.ndarray) -> np.ndarray:
+    """The integrand on an arc."""
+    return integrand(*arc.shape(s))
 
 
 def _norm(vector: np.ndarray) -> float:
@@ -160,21 +160,21 @@ def kronrod_rule() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def kronrod(
-    sides: Sequence[Side],
+    arcs: Sequence[Arc],
     integrand: Integrand,
     accuracy: float,
     floor: float,
     most: int = MOST_POINTS,
 ) -> Integral:
-    """Gauss and Kronrod on every side, the worst intervals halved until the sum is accurate."""
+    """Gauss and Kronrod on every arc, the worst intervals halved until the sum is accurate."""
 
-    owner = np.arange(len(sides))
-    low, width = np.zeros(len(sides)), np.ones(len(sides))
-    pieces = max((1 + side.waves // 2 for side in sides), default=1)
+    owner = np.arange(len(arcs))
+    low, width = np.zeros(len(arcs)), np.ones(len(arcs))
+    pieces = max((1 + arc.waves // 2 for arc in arcs), default=1)
     if pieces > 1:
-        owner, low = np.repeat(owner, pieces), np.tile(np.arange(pieces) / pieces, len(sides))
+        owner, low = np.repeat(owner, pieces), np.tile(np.arange(pieces) / pieces, len(arcs))
         width = np.full(len(owner), 1 / pieces)
-    values, errors, sizes = _panels(sides, integrand, owner, low, width)
+    values, errors, sizes = _panels(arcs, integrand, owner, low, width)
     stuck = np.zeros(len(owner), dtype=bool)
     points = 15 * len(owner)
     while True:
@@ -194,7 +194,7 @@ def kronrod(
         starts = np.repeat(low[bad], 2)
         starts[1::2] += halves[1::2]
         owners = np.repeat(owner[bad], 2)
-        new_values, new_errors, new_sizes = _panels(sides, integrand, owners, starts, halves)
+        new_values, new_errors, new_sizes = _panels(arcs, integrand, owners, starts, halves)
         # Halving that helps no more, where the error is small, has met rounding.
         pairs = new_errors.reshape(-1, 2).sum(axis=1)
         held = (pairs > errors[bad] / 2) & (pairs < SMALL * new_sizes.reshape(-1, 2).sum(axis=1))
@@ -208,7 +208,7 @@ def kronrod(
 
 
 def _panels(
-    sides: Sequence[Side],
+    arcs: Sequence[Arc],
     integrand: Integrand,
     owner: np.ndarray,
     low: np.ndarray,
@@ -222,7 +222,7 @@ def _panels(
     for start in range(0, len(owner), most):
         chosen = slice(start, start + most)
         s = low[chosen, None] + width[chosen, None] * nodes
-        offsets, slopes = _at(sides, owner[chosen], s)
+        offsets, slopes = _at(arcs, owner[chosen], s)
         values = integrand(offsets, slopes).reshape(-1, *s.shape) * width[chosen, None]
         errors = np.abs(values @ (fine - coarse)).max(axis=0)
         found.append((values @ fine, errors, (np.abs(values) @ fine).max(axis=0)))
@@ -230,15 +230,15 @@ def _panels(
     return values, np.where(np.isfinite(errors), errors, np.inf), sizes
 
 
-def _at(sides: Sequence[Side], owner: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Offsets and slopes on several sides at once, shape (n, points)."""
+def _at(arcs: Sequence[Arc], owner: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Offsets and slopes on several arcs at once, shape (n, points)."""
 
     if (owner == owner[0]).all():
-        return sides[owner[0]].shape(s.ravel())
+        return arcs[owner[0]].shape(s.ravel())
     order = np.argsort(owner, kind="stable")
     numbers, starts = np.unique(owner[order], return_index=True)
     parts = [
-        sides[k].shape(s[rows].ravel())
+        arcs[k].shape(s[rows].ravel())
         for k, rows in zip(numbers, np.split(order, starts[1:]), strict=True)
     ]
     offsets, slopes = (np.concatenate(arrays, axis=1) for arrays in zip(*parts, strict=True))

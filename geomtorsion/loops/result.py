@@ -12,7 +12,7 @@ import mpmath
 import numpy as np
 
 from geomtorsion.errors import LoopError
-from geomtorsion.loops import intake
+from geomtorsion.loops import planes
 from geomtorsion.loops.defects import Enclosed, enclosed_defects
 
 if TYPE_CHECKING:
@@ -158,7 +158,7 @@ class BurgersVector:
         place = (
             self.loop.centre
             if point is None
-            else intake.vector(point, "point", self.frame.dimension)
+            else planes.vector(point, "point", self.frame.dimension)
         )
         values = dict(zip((s.name for s in self.frame.coordinates), place, strict=True))
         return self.frame.legs.at(self._named(values)) @ self.vector
@@ -172,7 +172,7 @@ class BurgersVector:
             The direction has no length in the metric of the frame.
         """
 
-        along = np.array(intake.vector(direction, "direction", self.frame.dimension))
+        along = np.array(planes.vector(direction, "direction", self.frame.dimension))
         square = along @ self._eta @ along
         if not abs(square) > 1e-15 * np.abs(along).max() ** 2:
             raise LoopError(f"direction {direction!r} has no length in the metric of the frame.")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,17 +12,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geomtorsion.errors import GridError
+from geomtorsion.loops.arcs import Arc, Part, shown
 from geomtorsion.loops.forms import forms, parameter_values
-from geomtorsion.loops.grid_files import read_grid
-from geomtorsion.loops.grid_intake import (
+from geomtorsion.loops.grid_files import (
     check_finite,
     check_names,
     check_shape,
     numbers,
+    read_grid,
     regular_axis,
 )
-from geomtorsion.loops.sampled_loop import SampledBurgers, sampled_burgers
-from geomtorsion.loops.stencils import applied, differentiation, integration
+from geomtorsion.loops.loop import Loop
+from geomtorsion.loops.stencils import applied, differentiation, integration, interpolated
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
@@ -286,3 +288,111 @@ class SampledFrame:
     def __repr__(self) -> str:
         sizes = " x ".join(str(len(axis)) for axis in self.axes)
         return f"SampledFrame({sizes} nodes, {self.rows} rows, order {self.order})"
+
+
+# Gauss points on each stretch, and stretches per cell that a loop crosses.
+GAUSS = 6
+PER_CELL = 2
+# A loop may leave the grid by this share of a step: rounding of its own coordinates.
+SLACK = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class SampledBurgers:
+    """Burgers vector of a loop through a sampled frame.
+
+    vector: b^i, shape (rows,).
+    interpolation_error: distance from the result with interpolation of another order.
+    quadrature_error: distance from the result with half as many stretches.
+    order: order of the interpolation; evaluations: points at which it was taken.
+    """
+
+    vector: np.ndarray
+    interpolation_error: float
+    quadrature_error: float
+    order: int
+    evaluations: int
+
+    @property
+    def error(self) -> float:
+        """Both errors together."""
+        return self.interpolation_error + self.quadrature_error
+
+
+def sampled_burgers(grid: SampledFrame, loop: Loop) -> SampledBurgers:
+    """The integral of the interpolated coframe along a loop; see SampledFrame.burgers."""
+
+    if loop.dimension != grid.dimension:
+        raise GridError(
+            f"the loop has {loop.dimension} coordinates, the grid {grid.dimension} axes: give a "
+            "loop in the coordinates of the grid."
+        )
+    found = np.zeros((3, grid.rows))
+    evaluations = 0
+    for part in loop.parts:
+        for arc in part.arcs:
+            count = _stretches(grid, part, arc)
+            # On the coarse points: how the order matters. On the fine ones: the result.
+            places, slopes, weights = _points(grid, part, arc, 2 * count)
+            fine = _sum(grid, places, slopes, weights, grid.order)
+            other = _sum(grid, places, slopes, weights, grid.other_order)
+            coarse = _sum(grid, *_points(grid, part, arc, count), grid.order)
+            found += part.times * np.array([fine, other, coarse])
+            evaluations += 5 * count * GAUSS
+    fine, other, coarse = found
+    # Order 2 is compared with a better one: its own error is that distance, give or take a little.
+    safety = 4 / 3 if grid.order < grid.other_order else 1.0
+    return SampledBurgers(
+        fine,
+        safety * float(np.abs(fine - other).max()),
+        float(np.abs(fine - coarse).max()) + 2.0**-50 * float(np.abs(grid._bent).max()) * loop.size,
+        grid.order,
+        evaluations,
+    )
+
+
+def _stretches(grid: SampledFrame, part: Part, arc: Arc) -> int:
+    """How many stretches an arc needs so that each stays within a part of a cell."""
+
+    count = max(65, 16 * arc.waves + 1)
+    points, _ = part.points(arc, np.linspace(0, 1, count))
+    steps = np.abs(np.diff(points, axis=1)) / np.abs(np.array(grid.steps))[:, None]
+    return max(4, math.ceil(PER_CELL * float(steps.sum(axis=1).max())), 4 * arc.waves)
+
+
+def _points(
+    grid: SampledFrame, part: Part, arc: Arc, count: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Places in units of the grid, slopes and weights of a composite Gauss rule."""
+
+    x, w = np.polynomial.legendre.leggauss(GAUSS)
+    s = ((np.arange(count)[:, None] + (x + 1) / 2) / count).ravel()
+    weights = np.tile(w / 2, count) / count
+    points, slopes = part.points(arc, s)
+    places = np.array(
+        [
+            (row - axis[0]) / step
+            for row, axis, step in zip(points, grid.axes, grid.steps, strict=True)
+        ]
+    )
+    last = np.array([len(axis) - 1 for axis in grid.axes])[:, None]
+    outside = (places < -SLACK) | (places > last + SLACK) | ~np.isfinite(places)
+    if outside.any():
+        axis, k = (int(i) for i in np.argwhere(outside)[0])
+        low, high = sorted((float(grid.axes[axis][0]), float(grid.axes[axis][-1])))
+        raise GridError(
+            f"the loop leaves the grid at {shown(points[:, k])}: axis {grid.names[axis]} runs from "
+            f"{low:.6g} to {high:.6g}. Choose a smaller loop; nothing is extrapolated."
+        )
+    return np.clip(places, 0, last), slopes, weights
+
+
+def _sum(
+    grid: SampledFrame, places: np.ndarray, slopes: np.ndarray, weights: np.ndarray, order: int
+) -> np.ndarray:
+    """The integral along one arc; the mean coframe is left out, it closes exactly."""
+
+    n = grid.dimension
+    flat = grid._bent.reshape(grid.rows * n, *grid._bent.shape[2:])
+    values = interpolated(flat, places, order).reshape(grid.rows, n, -1)
+    return np.einsum("imk,mk,k->i", values, slopes, weights)

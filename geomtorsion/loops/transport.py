@@ -1,4 +1,4 @@
-"""Transport: path-ordered integrals along the sides of a loop, adaptive, with an error estimate."""
+"""Transport: path-ordered integrals along the arcs of a loop, adaptive, with an error estimate."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion.errors import LoopError
-from geomtorsion.loops.loop import shown
-from geomtorsion.loops.motions import Motion
-from geomtorsion.loops.steps import collocation, increments, product
+from geomtorsion.loops.affine_map import Motion
+from geomtorsion.loops.arcs import shown
+from geomtorsion.loops.collocation import collocation, increments, product
 
 if TYPE_CHECKING:
-    from geomtorsion.loops.sides import Side
+    from geomtorsion.loops.arcs import Arc
 
 # From offsets and slopes, shape (n, k), to omega (k, n, n) and theta (k, n).
 Integrand = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -50,7 +50,7 @@ class Transported:
 
 @dataclass(frozen=True, eq=False)
 class _Stretches:
-    """Intervals on sides, with their motions."""
+    """Intervals on arcs, with their motions."""
 
     owner: np.ndarray
     low: np.ndarray
@@ -59,8 +59,8 @@ class _Stretches:
     size: np.ndarray
 
 
-def transported(sides: Sequence[Side], integrand: Integrand, accuracy: float) -> Transported:
-    """Path-ordered product of 1 + [[omega, theta], [0, 0]] ds along sides, s from 0 to 1 on each.
+def transported(arcs: Sequence[Arc], integrand: Integrand, accuracy: float) -> Transported:
+    """Path-ordered product of 1 + [[omega, theta], [0, 0]] ds along arcs, s from 0 to 1 on each.
 
     Raises
     ------
@@ -68,18 +68,18 @@ def transported(sides: Sequence[Side], integrand: Integrand, accuracy: float) ->
         It does not converge near some point of the path; the message names it.
     """
 
-    counts = [max(1, 2 * side.waves) for side in sides]
-    owner = np.repeat(np.arange(len(sides)), counts)
+    counts = [max(1, 2 * arc.waves) for arc in arcs]
+    owner = np.repeat(np.arange(len(arcs)), counts)
     low = np.concatenate([np.arange(k) / k for k in counts])
     width = np.concatenate([np.full(k, 1 / k) for k in counts])
-    waiting = _measured(sides, integrand, owner, low, width)
+    waiting = _measured(arcs, integrand, owner, low, width)
     points = len(owner) * STAGES
     done: list[_Stretches] = []
     errors: list[np.ndarray] = []
     total = np.maximum(waiting.size.sum(axis=0), np.finfo(float).tiny)
     before = earlier = np.full((len(owner), 2), np.inf)
     while len(waiting.owner):
-        halves = _halved(sides, integrand, waiting)
+        halves = _halved(arcs, integrand, waiting)
         points += len(halves.owner) * STAGES
         one, two = halves.motion[0::2], halves.motion[1::2]
         joined = one + two + one @ two
@@ -87,7 +87,7 @@ def transported(sides: Sequence[Side], integrand: Integrand, accuracy: float) ->
         found = np.stack([change[:, :-1, :-1].max(axis=(1, 2)), change[:, :-1, -1].max(axis=1)], 1)
         total = np.maximum(total, waiting.size.sum(axis=0))
         allowed = np.maximum(
-            accuracy * total * waiting.width[:, None] / len(sides), 16 * EPS * waiting.size
+            accuracy * total * waiting.width[:, None] / len(arcs), 16 * EPS * waiting.size
         )
         slow = (found > before / GAIN) & (before > earlier / GAIN)
         stalled = slow & (found <= NOISE * waiting.size)
@@ -95,7 +95,7 @@ def transported(sides: Sequence[Side], integrand: Integrand, accuracy: float) ->
         narrow = ~good & (waiting.width < NARROWEST)
         if narrow.any() or len(waiting.owner) > MOST_STRETCHES or not np.isfinite(found).all():
             worst = int(np.argmax(np.where(np.isfinite(found[:, 1]), found.max(axis=1), np.inf)))
-            raise _stuck(sides, waiting, worst)
+            raise _stuck(arcs, waiting, worst)
         done.append(_chosen(waiting, good, joined))
         errors.append(found[good] + 2 * EPS * waiting.size[good])
         waiting = _chosen(halves, np.repeat(~good, 2))
@@ -127,17 +127,17 @@ def _chosen(
     )  # fmt: skip
 
 
-def _halved(sides: Sequence[Side], integrand: Integrand, stretches: _Stretches) -> _Stretches:
+def _halved(arcs: Sequence[Arc], integrand: Integrand, stretches: _Stretches) -> _Stretches:
     """Both halves of each stretch, one after the other."""
 
     owner, width = np.repeat(stretches.owner, 2), np.repeat(stretches.width / 2, 2)
     low = np.repeat(stretches.low, 2)
     low[1::2] += width[1::2]
-    return _measured(sides, integrand, owner, low, width)
+    return _measured(arcs, integrand, owner, low, width)
 
 
 def _measured(
-    sides: Sequence[Side],
+    arcs: Sequence[Arc],
     integrand: Integrand,
     owner: np.ndarray,
     low: np.ndarray,
@@ -151,7 +151,7 @@ def _measured(
     for start in range(0, len(owner), most):
         part = slice(start, start + most)
         s = low[part, None] + width[part, None] * nodes
-        offsets, slopes = at_sides(sides, owner[part], s)
+        offsets, slopes = at_sides(arcs, owner[part], s)
         omega, theta = integrand(offsets, slopes)
         n, count = theta.shape[1], len(s)
         omega = omega.reshape(count, STAGES, n, n) * width[part, None, None, None]
@@ -163,17 +163,17 @@ def _measured(
 
 
 def at_sides(
-    sides: Sequence[Side], owner: np.ndarray, s: np.ndarray
+    arcs: Sequence[Arc], owner: np.ndarray, s: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Offsets and slopes at s, shape (m, nodes), on sides named by owner; shape (n, m * nodes)."""
+    """Offsets and slopes at s, shape (m, nodes), on arcs named by owner; shape (n, m * nodes)."""
 
-    if len(sides) == 1:
-        return sides[0].shape(s.ravel())
+    if len(arcs) == 1:
+        return arcs[0].shape(s.ravel())
     parts = []
     order = np.argsort(owner, kind="stable")
     numbers, starts = np.unique(owner[order], return_index=True)
     for number, rows in zip(numbers, np.split(order, starts[1:]), strict=True):
-        parts.append(sides[int(number)].shape(s[rows].ravel()))
+        parts.append(arcs[int(number)].shape(s[rows].ravel()))
     back = np.argsort(order)
     shape = (-1, *s.shape)
     both = (np.concatenate(arrays, axis=1) for arrays in zip(*parts, strict=True))
@@ -181,12 +181,12 @@ def at_sides(
     return offsets, slopes
 
 
-def _stuck(sides: Sequence[Side], stretches: _Stretches, worst: int) -> LoopError:
+def _stuck(arcs: Sequence[Arc], stretches: _Stretches, worst: int) -> LoopError:
     """The error for a path along which the integral does not converge."""
 
-    side = sides[int(stretches.owner[worst])]
+    arc = arcs[int(stretches.owner[worst])]
     middle = float(stretches.low[worst] + stretches.width[worst] / 2)
-    place = shown(side.shape(np.array([middle]))[0][:, 0])
+    place = shown(arc.shape(np.array([middle]))[0][:, 0])
     return LoopError(
         f"the development does not converge near offset {place} from the centre of the loop: the "
         "frame is singular there, or turns without end. Move the loop away from that point."

@@ -9,7 +9,7 @@ import numpy as np
 from sympy import latex
 
 from geomtorsion.loops import Loop, develop
-from geomtorsion.loops.rolling import RolledPath, roll_out
+from geomtorsion.loops.paths import RolledPath, roll_out
 from geomtorsion.pictures.ink import new_figure
 from geomtorsion.pictures.loops import GAP, IMAGE, PATH, START
 

@@ -12,7 +12,7 @@ from sympy import latex
 
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import BurgersMap, BurgersVector, Loop, burgers_vector
-from geomtorsion.loops.images import Image, image
+from geomtorsion.loops.hodograph import Image, image
 from geomtorsion.pictures.ink import new_figure, quiet
 
 if TYPE_CHECKING:

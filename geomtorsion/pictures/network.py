@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geomtorsion.errors import LimitError, NetworkError
-from geomtorsion.loops.reaction import size, written
+from geomtorsion.loops.dislocation_network import size, written
 from geomtorsion.pictures.ink import new_figure
 from geomtorsion.pictures.loops import GAP, PATH, START
 

@@ -39,7 +39,7 @@ def test_one_loop_by_scipy(benchmark: BenchmarkFixture) -> None:
     frame = load("so3").frame
     loop = Loop.circle(CENTRE, 0.3)
     part, compiled = loop.parts[0], forms(frame)
-    (side,) = part.sides
+    (side,) = part.arcs
 
     def components() -> list[float]:
         return [

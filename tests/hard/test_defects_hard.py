@@ -8,8 +8,7 @@ import geomtorsion.spaces as spaces
 from geomtorsion.errors import LoopError, SingularPointError
 from geomtorsion.geometry import Connection, Frame, cartan, levi_civita
 from geomtorsion.loops import Loop, develop, dispiration, parallel_screws
-from geomtorsion.loops.edge_list import EdgeList
-from geomtorsion.loops.network import Network
+from geomtorsion.loops.network import EdgeList, Network
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ from geomtorsion.geometry import (
     levi_civita,
 )
 from geomtorsion.loops import Loop, burgers_vector, develop, develop_path
-from geomtorsion.loops.affine import AffineForm
+from geomtorsion.loops.affine_form import AffineForm
 from tests.loops.digits import sphere_closure
 
 theta, phi = sp.symbols("theta phi", real=True)
@@ -187,7 +187,7 @@ def test_both_routes_agree_with_a_third(so3_half):
     (part,) = loop.parts
 
     def rate(s, flat):
-        points, slopes = part.points(part.sides[0], [s])
+        points, slopes = part.points(part.arcs[0], [s])
         omega, step = form.along(points, slopes)
         return (flat.reshape(4, 4) @ _affine(omega[0], step[0])).ravel()
 

@@ -77,9 +77,9 @@ def test_composition_reversal_and_multiples() -> None:
     assert both.reversed().area == pytest.approx(-both.area, rel=SAME)
     assert both.times(3).area == pytest.approx(3 * both.area, rel=SAME)
     assert both.times(-2).area == pytest.approx(-2 * both.area, rel=SAME)
-    walk = [(side, backwards) for _, side, backwards in both.reversed().walk()]
+    walk = [(side, backwards) for _, side, backwards in both.reversed().arcs()]
     assert [backwards for _, backwards in walk] == [True] * 4
-    assert walk[-1][0] is circle.parts[0].sides[0]
+    assert walk[-1][0] is circle.parts[0].arcs[0]
     assert both.points(100)[:, 0] == pytest.approx(both.points(100)[:, -1], abs=SAME)
 
 
@@ -139,13 +139,13 @@ def test_waves_are_found() -> None:
     """The highest frequency of a curve is known, also where samples could hide it."""
     for frequency in (3, 251, 1000, 1009):
         loop = Loop.parametric([f"cos(s) + cos({frequency}*s)/100", "sin(s)"], interval=(0, "2*pi"))
-        assert loop.parts[0].sides[0].waves == frequency
+        assert loop.parts[0].arcs[0].waves == frequency
 
 
 def test_a_curve_that_is_smooth_only_between_its_ends() -> None:
     """It closes, but not smoothly: no trapezoid rule for it."""
     drop = Loop.parametric(["s*(1 - s)", "s*(1 - s)*(1 - 2*s)"])
-    assert not drop.parts[0].sides[0].is_periodic
+    assert not drop.parts[0].arcs[0].is_periodic
     assert drop.area[0, 1] == pytest.approx(-1 / 30, rel=1e-12)
 
 

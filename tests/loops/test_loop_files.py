@@ -8,7 +8,7 @@ import pytest
 from geomtorsion.errors import ExpressionError, FileFormatError, GeomtorsionError, LoopError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import burgers_vector
-from geomtorsion.loops.files import loops_from_csv, loops_from_json, read_loops
+from geomtorsion.loops.loop_files import loops_from_csv, loops_from_json, read_loops
 
 PLANE = Frame("x y", [[1, 0], [0, 1]])
 

@@ -6,7 +6,7 @@ import pytest
 from geomtorsion.accuracy.loops import LoopCost, LoopCosts
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import Loop, burgers_map, burgers_vector, burgers_vectors
-from geomtorsion.loops.images import image
+from geomtorsion.loops.hodograph import image
 from geomtorsion.pictures.loop_costs import draw_loop_costs
 from geomtorsion.pictures.loops import draw_closure, draw_loop, draw_map
 from geomtorsion.spaces import load

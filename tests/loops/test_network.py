@@ -10,7 +10,7 @@ import geomtorsion.spaces as spaces
 from geomtorsion.errors import LimitError, MissingValueError, NetworkError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import EdgeList, Loop, Network, burgers_vector, parallel_screws
-from geomtorsion.loops.potentials import spanning_forest
+from geomtorsion.loops.spanning_forest import spanning_forest
 
 
 def grid_graph(shape: tuple[int, ...], shift: float, diagonals: bool = False) -> nx.Graph:

@@ -10,8 +10,8 @@ from geomtorsion.loops.quadrature import Integrand, integrate, kronrod_rule, tra
 
 ROUNDED = 1e-14  # sums of some ten rounded terms
 
-CIRCLE = Loop.circle([0, 0], 1).parts[0].sides
-TRIANGLE = Loop.polygon([[0, 0], [1, 0], [0, 1]], centre=[0, 0]).parts[0].sides
+CIRCLE = Loop.circle([0, 0], 1).parts[0].arcs
+TRIANGLE = Loop.polygon([[0, 0], [1, 0], [0, 1]], centre=[0, 0]).parts[0].arcs
 
 
 def test_kronrod_is_exact_to_degree_22_and_gauss_to_13() -> None:

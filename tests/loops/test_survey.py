@@ -7,7 +7,7 @@ import pytest
 
 from geomtorsion.errors import LoopError, MissingValueError
 from geomtorsion.geometry import Frame, cartan
-from geomtorsion.loops import Loop, burgers_map, burgers_vector, burgers_vectors, survey
+from geomtorsion.loops import Loop, burgers_map, burgers_vector, burgers_vectors, maps
 from geomtorsion.spaces import load
 
 SAME = 1e-10  # the accuracy that is asked for
@@ -107,16 +107,16 @@ def test_singular_loops_are_marked_and_the_others_done() -> None:
 
 def test_an_interruption_keeps_what_is_done(so3: Frame, monkeypatch: pytest.MonkeyPatch) -> None:
     """Ctrl-C in the middle: the finished part comes back, the rest is NaN."""
-    solve, calls = survey.Batch.solve, []
+    solve, calls = maps.Batch.solve, []
 
-    def interrupted(self: survey.Batch, *arguments: np.ndarray) -> object:
+    def interrupted(self: maps.Batch, *arguments: np.ndarray) -> object:
         calls.append(1)
         if len(calls) == 3:
             raise KeyboardInterrupt
         return solve(self, *arguments)
 
-    monkeypatch.setattr(survey.Batch, "solve", interrupted)
-    monkeypatch.setattr(survey, "TOGETHER", 10)
+    monkeypatch.setattr(maps.Batch, "solve", interrupted)
+    monkeypatch.setattr(maps, "TOGETHER", 10)
     centres, radii = random_circles(45)
     found = burgers_vectors(so3, centres, radii)
     assert found.done == 20

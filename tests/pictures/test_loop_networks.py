@@ -15,7 +15,7 @@ from geomtorsion.loops import (
     dispiration,
     parallel_screws,
 )
-from geomtorsion.loops.rolling import roll_out
+from geomtorsion.loops.paths import roll_out
 
 pytest.importorskip("matplotlib")
 

@@ -12,10 +12,9 @@ import sympy as sp
 from geomtorsion.errors import ExpressionError, LoopError, MissingValueError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exact.names import FUNCTIONS
-from geomtorsion.loops import intake
-from geomtorsion.loops.loop import Part, shown
+from geomtorsion.loops import planes
+from geomtorsion.loops.arcs import Curve, Part, exact_number, shown
 from geomtorsion.loops.quadrature import kronrod
-from geomtorsion.loops.sides import Curve, exact_number
 
 # A curve closes if start and end agree to this share of its extent.
 CLOSED = 1e-12
@@ -48,49 +47,47 @@ def parametric(
     if not hasattr(interval, "__len__") or isinstance(interval, str) or len(interval) != 2:
         raise LoopError(f"interval: two bounds were needed, but {interval!r} came.")
     start, end = (_read(x, dict(symbols or {}), "interval") for x in interval)
-    place = (0.0,) * len(read) if centre is None else intake.vector(centre, "centre", len(read))
+    place = (0.0,) * len(read) if centre is None else planes.vector(centre, "centre", len(read))
     given = ((0,) * len(read), 1) if centre is None else (tuple(centre), size)
     if centre is None and size != 1:
         raise LoopError(f"size {size} counts offsets from a centre; give the centre as well.")
-    scale = intake.length(size, "size")
-    side = Curve(read, symbol, start, end)
-    part = Part(place, scale, (side,), given=given)
-    return part if side.symbols else _finished(part, side, centre is None)
+    scale = planes.length(size, "size")
+    arc = Curve(read, symbol, start, end)
+    part = Part(place, scale, (arc,), given=given)
+    return part if arc.symbols else _finished(part, arc, centre is None)
 
 
-def _finished(part: Part, side: Curve, movable: bool) -> Part:
+def _finished(part: Part, arc: Curve, movable: bool) -> Part:
     """A part checked and ready for numbers; its constant terms become the centre if movable."""
-    if float(side.end) == float(side.start):
-        raise LoopError(f"interval: it has no length, both bounds are {side.start}.")
-    _check_closed(side)
+    if float(arc.end) == float(arc.start):
+        raise LoopError(f"interval: it has no length, both bounds are {arc.start}.")
+    _check_closed(arc)
     if movable:
-        constants = tuple(
-            x.as_independent(side.parameter, as_Add=True)[0] for x in side.expressions
-        )
-        offsets = tuple(x - c for x, c in zip(side.expressions, constants, strict=True))
-        side, place = replace(side, expressions=offsets), tuple(map(float, constants))
+        constants = tuple(x.as_independent(arc.parameter, as_Add=True)[0] for x in arc.expressions)
+        offsets = tuple(x - c for x, c in zip(arc.expressions, constants, strict=True))
+        arc, place = replace(arc, expressions=offsets), tuple(map(float, constants))
         part = replace(part, centre=place, given=(constants, 1))
-    return replace(part, sides=(_resolved(side),))
+    return replace(part, arcs=(_resolved(arc),))
 
 
 def filled(part: Part, values: Mapping[Any, Any]) -> Part:
     """A part with numbers for its symbols; see Loop.at."""
-    (side,) = part.sides
-    if not isinstance(side, Curve) or not side.symbols:
+    (arc,) = part.arcs
+    if not isinstance(arc, Curve) or not arc.symbols:
         return part
     names = {str(key): value for key, value in values.items()}
-    missing = sorted(s.name for s in side.symbols if s.name not in names)
+    missing = sorted(s.name for s in arc.symbols if s.name not in names)
     if missing:
         raise MissingValueError(
             f"the loop contains {', '.join(missing)}: give values, "
             f"parameters={{{', '.join(f'{name!r}: ...' for name in missing)}}}."
         )
-    table = {s: exact_number(intake.exact_input(names[s.name], s.name)) for s in side.symbols}
+    table = {s: exact_number(planes.exact_input(names[s.name], s.name)) for s in arc.symbols}
     known = replace(
-        side,
-        expressions=tuple(x.subs(table) for x in side.expressions),
-        start=side.start.subs(table),
-        end=side.end.subs(table),
+        arc,
+        expressions=tuple(x.subs(table) for x in arc.expressions),
+        start=arc.start.subs(table),
+        end=arc.end.subs(table),
     )
     return _finished(part, known, part.size == 1 and not any(part.centre))
 
@@ -100,15 +97,15 @@ def symbolic_ellipse(
 ) -> Part:
     """Ellipse whose centre or axes contain symbols, for exact integrals."""
     s = sp.Symbol("s", real=True)
-    intake.rows(plane, len(centre))
+    planes.rows(plane, len(centre))
     u, v = directions(plane, len(centre))
     a, b = (exact_number(axis) for axis in axes)
     expressions = tuple(
         exact_number(q) + a * x * sp.cos(s) + b * y * sp.sin(s)
         for q, x, y in zip(centre, u, v, strict=True)
     )
-    side = Curve(expressions, s, sp.S.Zero, 2 * sp.pi, is_periodic=True, waves=1)
-    return Part((0.0,) * len(centre), 1.0, (side,), given=((0,) * len(centre), 1))
+    arc = Curve(expressions, s, sp.S.Zero, 2 * sp.pi, is_periodic=True, waves=1)
+    return Part((0.0,) * len(centre), 1.0, (arc,), given=((0,) * len(centre), 1))
 
 
 def _name(parameter: Any) -> str:
@@ -134,22 +131,22 @@ def _read(value: Any, names: Mapping[str, sp.Symbol], where: str) -> sp.Expr:
     return expression
 
 
-def _check_closed(side: Curve) -> None:
+def _check_closed(arc: Curve) -> None:
     """Refuse a curve whose ends do not meet, that is a point, or is not finite."""
 
     with np.errstate(all="ignore"):
-        points, _ = side.shape(np.linspace(0, 1, 258)[1:-1])
-        first, last = side.shape(np.array([0.0, 1.0]))[0].T
+        points, _ = arc.shape(np.linspace(0, 1, 258)[1:-1])
+        first, last = arc.shape(np.array([0.0, 1.0]))[0].T
     ends = np.array([first, last])
     if not (np.isfinite(points).all() and np.isfinite(ends).all()):
         raise LoopError(
-            f"curve: it is not finite everywhere between {side.start} and {side.end}. "
+            f"curve: it is not finite everywhere between {arc.start} and {arc.end}. "
             "Choose an interval on which every expression is."
         )
     extent = np.abs(points - points[:, :1]).max()
     if extent <= 1e-15 * np.abs(points).max():
         raise LoopError(f"curve: it stays at the point {shown(points[:, 0])} and has no length.")
-    gap = _gap(side)
+    gap = _gap(arc)
     if np.abs(gap).max() > CLOSED * extent:
         raise LoopError(
             f"curve: it does not close: it starts at {shown(first)} and ends at {shown(last)}, the "
@@ -157,62 +154,62 @@ def _check_closed(side: Curve) -> None:
         )
 
 
-def _gap(side: Curve) -> np.ndarray:
+def _gap(arc: Curve) -> np.ndarray:
     """End minus start, with more digits than a double has."""
 
     gaps = [
-        (x.subs(side.parameter, side.end) - x.subs(side.parameter, side.start)).evalf(30, chop=True)
-        for x in side.expressions
+        (x.subs(arc.parameter, arc.end) - x.subs(arc.parameter, arc.start)).evalf(30, chop=True)
+        for x in arc.expressions
     ]
     return np.array([float(gap) for gap in gaps])
 
 
-def _resolved(side: Curve) -> Curve:
+def _resolved(arc: Curve) -> Curve:
     """The curve with its highest frequency, and whether it repeats after the interval."""
 
     probe = np.array([0.137, 0.311, 0.618, 0.871])
     with np.errstate(all="ignore"):
-        here, after = side.shape(probe), side.shape(probe + 1)
+        here, after = arc.shape(probe), arc.shape(probe + 1)
     scale = np.abs(here[1]).max()
     periodic = all(
         np.isfinite(two).all() and np.abs(one - two).max() <= 1e-9 * scale
         for one, two in zip(here, after, strict=True)
     )
     if not periodic:
-        _check_length(side)
-        return side
-    found = [_highest(side, samples) for samples in SAMPLES[:2]]
+        _check_length(arc)
+        return arc
+    found = [_highest(arc, samples) for samples in SAMPLES[:2]]
     for samples in SAMPLES[2:]:
         if found[-1] is not None and found[-1] == found[-2]:
             break
-        found.append(_highest(side, samples))
+        found.append(_highest(arc, samples))
     waves = found[-1]
     if waves is None:
-        _check_length(side)
+        _check_length(arc)
         waves = SAMPLES[-1] // 3
-    return replace(side, is_periodic=True, waves=waves)
+    return replace(arc, is_periodic=True, waves=waves)
 
 
-def _check_length(side: Curve) -> None:
+def _check_length(arc: Curve) -> None:
     """Refuse a curve whose length does not converge: it runs through a pole."""
 
     def speed(_: np.ndarray, slopes: np.ndarray) -> np.ndarray:
         return np.sqrt((slopes * slopes).sum(axis=0))[None]
 
     with np.errstate(all="ignore"):
-        found = kronrod((side,), speed, 1e-3, 0.0, SAMPLES[-1])
+        found = kronrod((arc,), speed, 1e-3, 0.0, SAMPLES[-1])
     if not found.converged:
-        place = side.start + (side.end - side.start) * (found.worst[1] if found.worst else 0.0)
+        place = arc.start + (arc.end - arc.start) * (found.worst[1] if found.worst else 0.0)
         raise LoopError(
-            f"curve: its length is not finite near {side.parameter} = {float(place):.6g}. "
+            f"curve: its length is not finite near {arc.parameter} = {float(place):.6g}. "
             "Choose an interval on which every expression is finite."
         )
 
 
-def _highest(side: Curve, samples: int) -> int | None:
+def _highest(arc: Curve, samples: int) -> int | None:
     """The highest frequency that these samples show, None if they resolve none."""
 
-    _, slopes = side.shape(np.arange(samples) / samples)
+    _, slopes = arc.shape(np.arange(samples) / samples)
     spectrum = np.abs(np.fft.rfft(slopes, axis=1)).max(axis=0)
     present = np.flatnonzero(spectrum > NOISE * spectrum.max())
     highest = int(present[-1]) if len(present) else 0

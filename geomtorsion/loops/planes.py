@@ -9,7 +9,7 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import LoopError
-from geomtorsion.loops.sides import exact_number
+from geomtorsion.loops.arcs import exact_number
 
 
 def number(value: Any, where: str) -> float:

@@ -7,10 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from geomtorsion.errors import GeomtorsionError, SingularPointError
-from geomtorsion.loops.loop import Loop, Part, shown
-from geomtorsion.loops.sides import Side, Straight
+from geomtorsion.loops.arcs import Arc, Part, Segment, shown
 
-# Points per side at first, and how often stretches that turn too far may be halved.
+# Points per arc at first, and how often stretches that turn too far may be halved.
 FIRST_POINTS = 33
 HALVINGS = 48
 # A loop that comes this close to a line, as share of its size, goes through it.
@@ -18,7 +17,7 @@ TOUCHES = 1e-13
 
 
 def turns_round(
-    loop: Loop,
+    parts: Sequence[Part],
     place: Sequence[float],
     across: np.ndarray,
     name: str,
@@ -41,31 +40,32 @@ def turns_round(
     Examples
     --------
     >>> import numpy as np
+    >>> from geomtorsion.loops import Loop
     >>> loop = Loop.circle([1 - 1e-9, 0, 0], 1)
-    >>> turns_round(loop, [0, 0, 0], np.eye(3)[:2], "axis")
+    >>> turns_round(loop.parts, [0, 0, 0], np.eye(3)[:2], "axis")
     1
     """
 
     total = 0
-    for part in loop.parts:
+    for part in parts:
         offset = across @ ((np.array(part.centre) - np.array(place)) / part.size)
         angle = 0.0
-        for side in part.sides:
-            turned, met = _turned(side, across, offset)
+        for arc in part.arcs:
+            turned, met = _turned(arc, across, offset)
             if met is not None:
-                raise refusal(_through(part, side, met, name))
+                raise refusal(_through(part, arc, met, name))
             angle += turned
         total += part.times * round(angle / (2 * np.pi))
     return total
 
 
-def _turned(side: Side, across: np.ndarray, offset: np.ndarray) -> tuple[float, float | None]:
-    """The angle by which one side turns round the line, and the s at which it meets it."""
+def _turned(arc: Arc, across: np.ndarray, offset: np.ndarray) -> tuple[float, float | None]:
+    """The angle by which one arc turns round the line, and the s at which it meets it."""
 
     def plane(s: np.ndarray) -> np.ndarray:
-        return across @ side.shape(s)[0] + offset[:, None]
+        return across @ arc.shape(s)[0] + offset[:, None]
 
-    count = 2 if isinstance(side, Straight) else max(FIRST_POINTS, 8 * side.waves + 1)
+    count = 2 if isinstance(arc, Segment) else max(FIRST_POINTS, 8 * arc.waves + 1)
     s = np.linspace(0, 1, count)
     low, high = s[:-1], s[1:]
     angle = 0.0
@@ -78,10 +78,10 @@ def _turned(side: Side, across: np.ndarray, offset: np.ndarray) -> tuple[float, 
         share = np.clip(-(one * step).sum(axis=0) / square, 0, 1)
         near = np.abs(one + share * step).max(axis=0)
         touching = near <= TOUCHES
-        if touching.any() and (isinstance(side, Straight) or (high - low).max() < 2.0**-20):
+        if touching.any() and (isinstance(arc, Segment) or (high - low).max() < 2.0**-20):
             k = int(np.flatnonzero(touching)[0])
             return angle, float(low[k] + share[k] * (high[k] - low[k]))
-        if isinstance(side, Straight):
+        if isinstance(arc, Segment):
             return float(turned.sum()), None
         good = (np.abs(turned) < np.pi / 4) & ~touching
         angle += float(turned[good].sum())
@@ -95,10 +95,10 @@ def _turned(side: Side, across: np.ndarray, offset: np.ndarray) -> tuple[float, 
     return angle, float(low[0])
 
 
-def _through(part: Part, side: Side, s: float, name: str) -> str:
+def _through(part: Part, arc: Arc, s: float, name: str) -> str:
     """The message for a loop that goes through the line."""
 
-    place = shown(part.points(side, np.array([s]))[0][:, 0])
+    place = shown(part.points(arc, np.array([s]))[0][:, 0])
     return (
         f"the loop passes through the {name}, at {place}: it has no winding number round it. "
         "Lead it past that point."

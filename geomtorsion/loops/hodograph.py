@@ -41,17 +41,17 @@ def image(b: BurgersVector, points: int = POINTS) -> Image:
 
     loop, compiled = b.loop, forms(b.frame)
     numbers = parameter_values(b.frame, compiled.parameters, b.parameters)
-    stretches = list(loop.walk())
+    stretches = list(loop.arcs())
     each = max(2, points // len(stretches))
     path, steps, linear = [], [], []
     grown = max(1.0, LEAST_SIZE / loop.size) if b.power == 2 else 1.0
     first = loop.parts[0]
     base = tuple(replace(first, size=first.size * grown).base.tolist())
-    for part, side, backwards in stretches:
+    for part, arc, backwards in stretches:
         larger = replace(part, size=part.size * grown)
         nodes, weights, _ = kronrod_rule()
         s = (np.arange(each)[:, None] + nodes).ravel() / each
-        offsets, slopes = side.shape(s)
+        offsets, slopes = arc.shape(s)
         values = line_at(compiled, larger, numbers, offsets, slopes)
         rows = values.reshape(len(values), each, -1) @ weights / each
         # The frame at the base point, taken as constant, gives a linear image that closes.
@@ -62,7 +62,7 @@ def image(b: BurgersVector, points: int = POINTS) -> Image:
         sign = -1 if backwards else 1
         order = slice(None, None, sign)
         shift = (np.array(part.centre) - np.array(loop.centre)) / loop.size
-        ends, _ = side.shape(np.arange(each + 1) / each)
+        ends, _ = arc.shape(np.arange(each + 1) / each)
         path.append((shift[:, None] + share * ends)[:, order])
         linear.append(sign * share * flat[:, order])
         steps.append(sign * share * ((rows - flat) / grown)[:, order])

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geomtorsion.errors import LoopError
-from geomtorsion.loops import intake
-from geomtorsion.loops.loop import Part, shown
-from geomtorsion.loops.sides import Cubic, Ellipse, Straight, exact_number
+from geomtorsion.loops import planes
+from geomtorsion.loops.arcs import Cubic, Ellipse, Part, Segment, exact_number, shown
+from geomtorsion.loops.parametric import symbolic_ellipse
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -22,14 +22,12 @@ COINCIDE = 1e-15
 
 def circle(centre: Sequence[Any], radius: Any, plane: Any) -> Part:
     """Circle of a radius about a centre; see Loop.circle."""
-    if intake.is_symbolic(list(centre), radius):
-        from geomtorsion.loops.curves import symbolic_ellipse
-
-        return symbolic_ellipse(centre, (radius, radius), plane, intake.exact_orthonormal)
-    place = intake.vector(centre, "centre")
-    u, v = intake.orthonormal(*intake.rows(plane, len(place)))
-    size = intake.length(radius, "radius")
-    meant = partial(intake.exact_orthonormal, plane, len(place))
+    if planes.is_symbolic(list(centre), radius):
+        return symbolic_ellipse(centre, (radius, radius), plane, planes.exact_orthonormal)
+    place = planes.vector(centre, "centre")
+    u, v = planes.orthonormal(*planes.rows(plane, len(place)))
+    size = planes.length(radius, "radius")
+    meant = partial(planes.exact_orthonormal, plane, len(place))
     side = Ellipse(tuple(u.tolist()), tuple(v.tolist()), meant)
     return Part(place, size, (side,), given=(tuple(centre), radius))
 
@@ -38,15 +36,13 @@ def ellipse(centre: Sequence[Any], axes: Any, plane: Any) -> Part:
     """Ellipse with two semi-axes along two directions; see Loop.ellipse."""
     if not hasattr(axes, "__len__") or isinstance(axes, str) or len(axes) != 2:
         raise LoopError(f"axes: two semi-axes were needed, but {axes!r} came.")
-    if intake.is_symbolic(list(centre), list(axes)):
-        from geomtorsion.loops.curves import symbolic_ellipse
-
-        return symbolic_ellipse(centre, axes, plane, intake.exact_rows)
-    place = intake.vector(centre, "centre")
-    first, second = intake.rows(plane, len(place))
-    a, b = (intake.length(axis, f"axes[{k}]") for k, axis in enumerate(axes))
+    if planes.is_symbolic(list(centre), list(axes)):
+        return symbolic_ellipse(centre, axes, plane, planes.exact_rows)
+    place = planes.vector(centre, "centre")
+    first, second = planes.rows(plane, len(place))
+    a, b = (planes.length(axis, f"axes[{k}]") for k, axis in enumerate(axes))
     size = max(a, b)
-    meant = partial(intake.exact_multiples, plane, tuple(axes), len(place))
+    meant = partial(planes.exact_multiples, plane, tuple(axes), len(place))
     u, v = first * (a / size), second * (b / size)
     side = Ellipse(tuple(u.tolist()), tuple(v.tolist()), meant)
     return Part(place, size, (side,), given=(tuple(centre), axes[0] if a >= b else axes[1]))
@@ -62,22 +58,22 @@ def polygon(vertices: Sequence[Any], centre: Any, size: Any) -> Part:
 
 def _straight(
     corners: Sequence[tuple[float, ...]], meant: Sequence[tuple[Any, ...]] | None
-) -> tuple[Straight, ...]:
+) -> tuple[Segment, ...]:
     """Sides from corner to corner; meant: the corners as coordinates, as the user gave them."""
     following = [*range(1, len(corners)), 0]
     return tuple(
-        Straight(corners[k], corners[j], (meant[k], meant[j]) if meant else None)
+        Segment(corners[k], corners[j], (meant[k], meant[j]) if meant else None)
         for k, j in enumerate(following)
     )
 
 
 def plaquette(corner: Sequence[Any], steps: Any, plane: Any) -> Part:
     """Parallelogram from a corner; see Loop.plaquette."""
-    place = intake.vector(corner, "corner")
-    first, second = intake.rows(plane, len(place))
+    place = planes.vector(corner, "corner")
+    first, second = planes.rows(plane, len(place))
     if not hasattr(steps, "__len__") or isinstance(steps, str) or len(steps) != 2:
         raise LoopError(f"steps: two steps were needed, but {steps!r} came.")
-    a, b = (intake.number(step, f"steps[{k}]") for k, step in enumerate(steps))
+    a, b = (planes.number(step, f"steps[{k}]") for k, step in enumerate(steps))
     if not (a and b):
         raise LoopError(f"steps: neither may be zero, but {tuple(steps)!r} came.")
     scale = max(abs(a), abs(b))
@@ -145,7 +141,7 @@ def _offsets(
         raise LoopError(f"{where}: at least three points were needed, but none came.")
     dimension = len(points[0]) if hasattr(points[0], "__len__") else None
     rows = np.array(
-        [intake.vector(row, f"{where}[{k}]", dimension) for k, row in enumerate(points)]
+        [planes.vector(row, f"{where}[{k}]", dimension) for k, row in enumerate(points)]
     )
     if len(rows) > 3 and (rows[0] == rows[-1]).all():
         rows = rows[:-1]
@@ -163,8 +159,8 @@ def _offsets(
         place, given = tuple(middle.tolist()), None
         offsets = offsets / scale if scale else offsets
     else:
-        place = intake.vector(centre, "centre", rows.shape[1])
-        scale, offsets = intake.length(size, "size"), rows
+        place = planes.vector(centre, "centre", rows.shape[1])
+        scale, offsets = planes.length(size, "size"), rows
         given = (tuple(centre), size)
     extent = np.abs(offsets).max()
     for k in range(len(rows)):

@@ -14,7 +14,7 @@ import sympy as sp
 Vector = tuple[float, ...]
 
 
-class Side(Protocol):
+class Arc(Protocol):
     """One smooth arc, s from 0 to 1; offsets are counted in units of the size of its loop."""
 
     @property
@@ -85,8 +85,8 @@ class Ellipse:
 
 
 @dataclass(frozen=True)
-class Straight:
-    """The straight side from start to end, in coordinates.
+class Segment:
+    """The straight arc from start to end, in coordinates.
 
     start, end: offsets, shape (n,).
     given: both ends as the user gave them, where these were coordinates.
@@ -183,3 +183,44 @@ class Curve:
         """The offsets as exact expressions in s."""
         inner = self.start + (self.end - self.start) * s
         return tuple(expression.subs(self.parameter, inner) for expression in self.expressions)
+
+
+@dataclass(frozen=True)
+class Part:
+    """One closed path, run through `times` times: q(s) = centre + size * offset(s).
+
+    centre: coordinates q0^mu, shape (n,).
+    size: how large it is, in coordinates; offsets are of order one.
+    arcs: smooth arcs in the order in which they are run through, s from 0 to 1 on each.
+    times: how often; negative: backwards.
+    given: centre and size as the user gave them, for exact integrals.
+    """
+
+    centre: tuple[float, ...]
+    size: float
+    arcs: tuple[Arc, ...]
+    times: int = 1
+    given: tuple[tuple[Any, ...], Any] | None = None
+
+    def points(self, arc: Arc, s: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Coordinates and their derivatives by s on an arc, shape (n, k) each."""
+
+        offsets, slopes = arc.shape(np.atleast_1d(np.asarray(s, dtype=float)))
+        return np.array(self.centre)[:, None] + self.size * offsets, self.size * slopes
+
+    @property
+    def base_offset(self) -> np.ndarray:
+        """Where it starts and ends, as offset, shape (n,)."""
+
+        return self.arcs[0].shape(np.zeros(1))[0][:, 0]
+
+    @property
+    def base(self) -> np.ndarray:
+        """Where it starts and ends, as coordinates, shape (n,)."""
+
+        return np.array(self.centre) + self.size * self.base_offset
+
+
+def shown(vector: Any) -> str:
+    """A vector in messages."""
+    return "(" + ", ".join(f"{float(x):.6g}" for x in vector) + ")"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geomtorsion.errors import LoopError
-from geomtorsion.loops import intake
+from geomtorsion.loops import planes
 from geomtorsion.loops.batch import Batch, Found
 from geomtorsion.loops.cells import DISK, SQUARE, Cell
 from geomtorsion.loops.progress import counted
@@ -124,7 +124,7 @@ def burgers_vectors(
         first = int(np.argmin(radii > 0))
         raise LoopError(f"radius: circle {first} has radius {radii[first]}; give positive ones.")
     _check_dimension(frame, places.shape[1])
-    directions = np.array(intake.orthonormal(*intake.rows(plane, frame.dimension)))
+    directions = np.array(planes.orthonormal(*planes.rows(plane, frame.dimension)))
     axes = np.stack([radii, radii])
     return _survey(frame, DISK, places.T, axes, directions, accuracy, parameters)
 
@@ -178,8 +178,8 @@ def burgers_map(
         if len(side) < 2 or not (np.diff(side) > 0).all():
             raise LoopError(f"edges[{k}]: at least two increasing numbers were needed.")
     n = frame.dimension
-    place = np.zeros(n) if at is None else np.array(intake.vector(at, "at", n))
-    directions = np.array(intake.rows(plane, n))
+    place = np.zeros(n) if at is None else np.array(planes.vector(at, "at", n))
+    directions = np.array(planes.rows(plane, n))
     middles = np.meshgrid(*((side[1:] + side[:-1]) / 2 for side in lines), indexing="ij")
     steps = np.stack(np.meshgrid(*(np.diff(side) for side in lines), indexing="ij"))
     centres = place[:, None, None] + np.einsum("an,akm->nkm", directions, np.stack(middles))
