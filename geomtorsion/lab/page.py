@@ -12,11 +12,11 @@ def _():
     import marimo as mo
 
     from geomtorsion.lab import answering, controls, views
-    from geomtorsion.lab.desk import common_desk
+    from geomtorsion.lab.tasks import common_runner
 
-    desk = common_desk()
+    runner = common_runner()
     mo.Html(views.header())
-    return answering, controls, desk, mo, views
+    return answering, controls, runner, mo, views
 
 
 @app.cell
@@ -37,10 +37,10 @@ def _(controls, mo):
 
 
 @app.cell
-def _(beginning, controls, desk, mo):
+def _(beginning, controls, runner, mo):
     _chosen = beginning.value
     tetrad_facts = (
-        controls.blank(_chosen) if isinstance(_chosen, int) else desk.ask("facts", space=_chosen)
+        controls.blank(_chosen) if isinstance(_chosen, int) else runner.ask("facts", space=_chosen)
     )
     names = controls.names(mo, tetrad_facts)
     entries = controls.entries(mo, tetrad_facts)
@@ -49,9 +49,9 @@ def _(beginning, controls, desk, mo):
 
 
 @app.cell
-def _(controls, desk, entries, mo, names, shown, size, tab, views):
+def _(controls, runner, entries, mo, names, shown, size, tab, views):
     mo.stop(tab.value != views.TETRAD)
-    tetrad_reply = desk.ask(
+    tetrad_reply = runner.ask(
         "tetrad",
         **names.value,
         entries=controls.rows(entries.value, size),
@@ -96,8 +96,8 @@ def _(controls, mo):
 
 
 @app.cell
-def _(controls, desk, loop_space, mo):
-    _facts = desk.ask("facts", space=loop_space.value)
+def _(controls, runner, loop_space, mo):
+    _facts = runner.ask("facts", space=loop_space.value)
     centre = controls.centre(mo, _facts)
     plane = controls.plane(mo, _facts)
     return centre, plane
@@ -117,9 +117,9 @@ def _(centre, controls, loop_space, plane, radius):
 
 
 @app.cell
-def _(desk, loop_case, mo, tab, views):
+def _(runner, loop_case, mo, tab, views):
     mo.stop(tab.value != views.LOOPS)
-    mo.Html(views.loop(desk.ask("loop", **loop_case)))
+    mo.Html(views.loop(runner.ask("loop", **loop_case)))
     return
 
 
@@ -133,8 +133,8 @@ def _(controls, mo):
 
 
 @app.cell
-def _(controls, desk, mo, path_space):
-    velocity = controls.velocity(mo, desk.ask("facts", space=path_space.value))
+def _(controls, runner, mo, path_space):
+    velocity = controls.velocity(mo, runner.ask("facts", space=path_space.value))
     moments = controls.moments(mo, path_space.value)
     return moments, velocity
 
@@ -153,9 +153,9 @@ def _(controls, moments, path_space, velocity):
 
 
 @app.cell
-def _(desk, mo, path_case, tab, views):
+def _(runner, mo, path_case, tab, views):
     mo.stop(tab.value != views.PATHS)
-    mo.Html(views.paths(desk.ask("paths", **path_case)))
+    mo.Html(views.paths(runner.ask("paths", **path_case)))
     return
 
 
@@ -184,9 +184,9 @@ def _(body, controls, switches, watched):
 
 
 @app.cell
-def _(desk, mo, tab, top_case, views):
+def _(runner, mo, tab, top_case, views):
     mo.stop(tab.value != views.TOP)
-    mo.Html(views.top(desk.ask("top", **top_case)))
+    mo.Html(views.top(runner.ask("top", **top_case)))
     return
 
 
@@ -207,10 +207,10 @@ def _(kind, mo, tab, views):
 
 
 @app.cell
-def _(desk, kind, loop_case, mo, path_case, tab, top_case, views):
+def _(runner, kind, loop_case, mo, path_case, tab, top_case, views):
     mo.stop(tab.value != views.COSTS)
     _case = {"loop": loop_case, "top": top_case}.get(kind.value, path_case)
-    mo.Html(views.costs(desk.ask("costs", kind=kind.value, case=_case)))
+    mo.Html(views.costs(runner.ask("costs", kind=kind.value, case=_case)))
     return
 
 
@@ -218,15 +218,15 @@ def _(desk, kind, loop_case, mo, path_case, tab, top_case, views):
 
 
 @app.cell
-def _(answering, desk, mo):
-    exercise = answering.exercises(mo, desk.ask("listing"))
+def _(answering, runner, mo):
+    exercise = answering.exercises(mo, runner.ask("listing"))
     seed = answering.seed(mo)
     return exercise, seed
 
 
 @app.cell
-def _(answering, desk, exercise, mo, seed):
-    stated = desk.ask("exercise", number=exercise.value, seed=int(seed.value or 0))
+def _(answering, runner, exercise, mo, seed):
+    stated = runner.ask("exercise", number=exercise.value, seed=int(seed.value or 0))
     form = answering.answers(mo, stated)
     hint = answering.next_hint(mo, stated)
     return form, hint, stated
@@ -246,11 +246,11 @@ def _(exercise, form, mo, seed, stated, tab, views):
 
 
 @app.cell
-def _(answering, desk, form, mo, stated, tab, views):
+def _(answering, runner, form, mo, stated, tab, views):
     mo.stop(tab.value != views.EXERCISES)
     _reply = None
     if form.value is not None:
-        _reply = desk.ask(
+        _reply = runner.ask(
             "answer",
             number=stated["number"],
             seed=stated["seed"],
@@ -261,9 +261,9 @@ def _(answering, desk, form, mo, stated, tab, views):
 
 
 @app.cell
-def _(desk, hint, mo, stated, tab, views):
+def _(runner, hint, mo, stated, tab, views):
     mo.stop(tab.value != views.EXERCISES or "number" not in stated)
-    _taken = desk.ask("hints", number=stated["number"], seed=stated["seed"], count=hint.value)
+    _taken = runner.ask("hints", number=stated["number"], seed=stated["seed"], count=hint.value)
     mo.vstack([hint, mo.Html(views.steps(_taken))])
     return
 

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from geomtorsion.errors import LimitError, MissingExtraError
-from geomtorsion.lab.desk import common_desk
 from geomtorsion.lab.door import LOOPBACK, MOST_SESSIONS, Door
+from geomtorsion.lab.tasks import common_runner
 
 # What the tabs begin with; the motions among it are compiled.
 _SO3 = {"space": "so3", "velocity": [0.4, 0.3, 1.0], "t": 5.0}
@@ -123,7 +123,7 @@ def serve(
 
     taken = _socket(address)
     port = taken.getsockname()[1]
-    common_desk().warm(FIRST)
+    common_runner().warm(FIRST)
     config = uvicorn.Config(
         app,
         log_level="warning",
@@ -138,7 +138,7 @@ def serve(
     try:
         server.run(sockets=[taken])
     finally:
-        common_desk().close()
+        common_runner().close()
 
 
 def _socket(address: Address) -> socket.socket:

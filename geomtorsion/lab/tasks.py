@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import atexit
+import json
+import os
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from importlib import import_module
 from typing import Any
 
-from geomtorsion.errors import LimitError, UnknownNameError
+from geomtorsion.errors import GeomtorsionError, LimitError, UnknownNameError
+from geomtorsion.exercises.worker_pool import EXCEEDED, Json, WorkerPool
 
 # Longest request, in characters of JSON: the largest tetrad of the page has 36 entries.
 LONGEST_REQUEST = 24_000
+# Characters of all answers that are kept: some hundred pictures.
+MOST_KEPT = 64_000_000
+_BROKEN = (
+    "this request could not be carried out: the worker ended. Nothing else is lost; "
+    "change the input and go on."
+)
 
 
 @dataclass(frozen=True)
@@ -21,9 +34,9 @@ class Task:
     function: str
     seconds: float
 
-    def __call__(self, **arguments: Any) -> dict[str, Any]:
+    def __call__(self, **arguments: Any) -> Json:
         """Do it here and now, without a limit of time."""
-        done: Callable[..., dict[str, Any]] = getattr(import_module(self.module), self.function)
+        done: Callable[..., Json] = getattr(import_module(self.module), self.function)
         return done(**arguments)
 
 
@@ -77,3 +90,99 @@ def checked_length(text: str) -> str:
             f"{LONGEST_REQUEST:,}. Write shorter expressions, or use a tetrad file."
         )
     return text
+
+
+def answer(request: Json) -> Json:
+    """What a task gives, or ``{"problem": message}``: what a worker calls.
+
+    Examples
+    --------
+    >>> answer({"task": "facts", "arguments": {"space": "s2"}})["coordinates"]
+    ['theta', 'phi']
+    >>> answer({"task": "dance", "arguments": {}})["problem"].split(".")[0]
+    "no task is called 'dance'"
+    """
+    try:
+        return task(request["task"])(**request["arguments"])
+    except GeomtorsionError as error:
+        return {"problem": str(error)}
+
+
+class TaskRunner:
+    """Hands the requests of all sessions to a pool of workers, and keeps what was answered.
+
+    limits: seconds by task, where they shall differ from those of the list of tasks.
+    Equal requests are carried out once: whoever asks second gets what is kept.
+    """
+
+    def __init__(
+        self, workers: int = 2, patience: float = 60.0, limits: Mapping[str, float] | None = None
+    ) -> None:
+        self.limits = dict(limits or {})
+        self.pool = WorkerPool(f"{__name__}:answer", workers, patience, errors_shown=True)
+        self.kept: OrderedDict[str, Json] = OrderedDict()
+        self._characters = 0
+        self._lock = threading.Lock()
+
+    def ask(self, name: str, /, **arguments: Any) -> Json:
+        """What a task gives, or ``{"problem": message}``; never an error of this package.
+
+        A task that takes longer than it may is ended, with its process.
+        """
+        request = {"task": name, "arguments": arguments}
+        seconds = 0.0
+        try:
+            key = checked_length(json.dumps(request))
+            seconds = self.limits.get(name, task(name).seconds)
+            with self._lock:
+                if key in self.kept:
+                    self.kept.move_to_end(key)
+                    return self.kept[key]
+            found = self.pool.ask(request, seconds)
+        except (LimitError, UnknownNameError) as error:
+            return {"problem": str(error)}
+        except TimeoutError:
+            return {
+                "problem": f"this takes longer than the {seconds:g} s that a request on this page "
+                "may take, so it was stopped. Ask for something smaller, or use the command line, "
+                "which waits as long as you do."
+            }
+        except ChildProcessError:
+            return {"problem": _BROKEN}
+        if EXCEEDED in found:
+            limit = found[EXCEEDED]
+            found = {"problem": f"this needs more {limit} than the page may use. Ask for less."}
+        self._keep(request, found)
+        return found
+
+    def _keep(self, request: Json, reply: Json) -> None:
+        """Keep an answer; the oldest go when there is too much."""
+        if "problem" in reply or EXCEEDED in reply:
+            return
+        key = json.dumps(request)
+        with self._lock:
+            self.kept[key] = reply
+            self._characters += _length(key, reply)
+            while self._characters > MOST_KEPT:
+                self._characters -= _length(*self.kept.popitem(last=False))
+
+    def warm(self, requests: Sequence[tuple[str, Json]] = ()) -> None:
+        """Start all workers and let each do these tasks, in the background."""
+        self.pool.warm(({"task": n, "arguments": a} for n, a in requests), self._keep)
+
+    def close(self) -> None:
+        """End all workers."""
+        self.pool.close()
+
+
+def _length(key: str, reply: Json) -> int:
+    """About how many characters a kept answer has."""
+    return len(key) + sum(len(str(value)) for value in reply.values())
+
+
+@cache
+def common_runner() -> TaskRunner:
+    """The runner that all sessions of this process share; it ends with the process."""
+    runner = TaskRunner(max(2, min(4, os.cpu_count() or 2)))
+    atexit.register(runner.close)
+    return runner

@@ -8,7 +8,6 @@ import pytest
 
 from geomtorsion import exercises
 from geomtorsion.errors import FileFormatError, UnknownNameError
-from geomtorsion.exercises import examiner as examiner_module
 from geomtorsion.exercises import grading
 from geomtorsion.exercises.answers import answer_text
 from geomtorsion.exercises.examiner import Examiner
@@ -189,75 +188,6 @@ def test_unknown_exercises_and_empty_folders(tmp_path):
     (tmp_path / "a.toml").write_text("", "utf-8")
     with pytest.raises(UnknownNameError, match="9.9"):
         grade(tmp_path, tmp_path / "marks.csv", ["9.9"])
-
-
-# -- the examiner ---------------------------------------------------------------------------------
-
-
-def test_the_examiner_says_what_the_exercise_says():
-    """Another process, the same verdict; a single text counts for the first question."""
-    with Examiner() as examiner:
-        for answer in ("cot(phi2)", "-cot(phi2)", "sin("):
-            there = examiner.check("3.2", answer)
-            assert there == exercises.load("3.2").check({"christoffel": answer})
-
-
-def test_an_answer_that_does_not_end_is_ended(monkeypatch):
-    """The process is killed, the answer counts as too large, the next one is checked."""
-    with Examiner(seconds=30) as examiner:
-        assert examiner.check("3.2", "cot(phi2)").right
-        first = examiner._process
-        assert first is not None
-        # As good as an answer that never ends: no reply is waited for.
-        examiner.seconds = 0.0
-        verdict = examiner.check("3.2", "cot(phi2)")
-        assert verdict["christoffel"].diagnosis == "too large"
-        assert "longer than 0 s" in verdict["christoffel"].message
-        assert first.poll() is not None
-        examiner.seconds = 30
-        assert examiner.check("3.2", "cot(phi2)").right
-        assert examiner._process is not first
-
-
-def test_modules_among_the_answers_are_not_imported(tmp_path, monkeypatch):
-    """Graded from inside the folder, a sympy.py that somebody handed in stays a file."""
-    for name in ("sympy", "flint", "json", "geomtorsion"):
-        (tmp_path / f"{name}.py").write_text(f"open('{tmp_path}/ran', 'w').write('x')", "utf-8")
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.delenv("PYTHONPATH", raising=False)
-    with Examiner() as examiner:
-        assert examiner.check("3.2", "cot(phi2)").right
-    assert not (tmp_path / "ran").exists()
-
-
-def test_a_process_that_dies_costs_one_answer():
-    """Whatever ends it, the next answer is checked."""
-    with Examiner() as examiner:
-        assert examiner.check("3.2", "cot(phi2)").right
-        assert examiner._process is not None
-        examiner._process.kill()
-        examiner._process.wait()
-        assert examiner.check("3.2", "cot(phi2)").right
-    assert examiner._process is None
-
-
-def test_memory_is_limited():
-    """The process asks the system for a bound, where the system has one."""
-    import io
-    import json
-
-    replies = io.StringIO()
-    requests = io.StringIO(
-        json.dumps({"number": "3.2", "seed": 0})
-        + "\n"
-        + json.dumps({"number": "3.2", "seed": 0, "answers": {"christoffel": "cot(phi2)"}})
-        + "\n"
-    )
-    examiner_module.serve(requests, replies)
-    ready, prepared, verdict = replies.getvalue().splitlines()
-    assert ready == "ready"
-    assert json.loads(prepared) == {"prepared": True}
-    assert json.loads(verdict)["verdict"]["questions"][0]["right"]
 
 
 def test_rows_are_harmless_in_a_spreadsheet():

@@ -1,0 +1,50 @@
+"""The examiner: checks in a process of its own, within a time."""
+
+from geomtorsion import exercises
+from geomtorsion.exercises.examiner import Examiner
+
+
+def test_the_examiner_says_what_the_exercise_says():
+    """Another process, the same verdict; a single text counts for the first question."""
+    with Examiner() as examiner:
+        for answer in ("cot(phi2)", "-cot(phi2)", "sin("):
+            there = examiner.check("3.2", answer)
+            assert there == exercises.load("3.2").check({"christoffel": answer})
+
+
+def test_an_answer_that_does_not_end_is_ended():
+    """The process is killed, the answer counts as too large, the next one is checked."""
+    with Examiner(seconds=30) as examiner:
+        assert examiner.check("3.2", "cot(phi2)").right
+        [first] = examiner.pool.workers
+        # As good as an answer that never ends: no reply is waited for.
+        examiner.seconds = 0.0
+        verdict = examiner.check("3.2", "cot(phi2)")
+        assert verdict["christoffel"].diagnosis == "too large"
+        assert "longer than 0 s" in verdict["christoffel"].message
+        assert not first.lives
+        examiner.seconds = 30
+        assert examiner.check("3.2", "cot(phi2)").right
+        assert first not in examiner.pool.workers
+
+
+def test_modules_among_the_answers_are_not_imported(tmp_path, monkeypatch):
+    """Graded from inside the folder, a sympy.py that somebody handed in stays a file."""
+    for name in ("sympy", "flint", "json", "geomtorsion"):
+        (tmp_path / f"{name}.py").write_text(f"open('{tmp_path}/ran', 'w').write('x')", "utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("PYTHONPATH", raising=False)
+    with Examiner() as examiner:
+        assert examiner.check("3.2", "cot(phi2)").right
+    assert not (tmp_path / "ran").exists()
+
+
+def test_a_process_that_dies_costs_one_answer():
+    """Whatever ends it, the next answer is checked."""
+    with Examiner() as examiner:
+        assert examiner.check("3.2", "cot(phi2)").right
+        [worker] = examiner.pool.workers
+        worker.process.kill()
+        worker.process.wait()
+        assert examiner.check("3.2", "cot(phi2)").right
+    assert not examiner.pool.workers

@@ -1,0 +1,115 @@
+"""Tasks of the page: done elsewhere, within limits, and one failure is nobody else's."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from geomtorsion.lab.tasks import LONGEST_REQUEST, TASKS, TaskRunner
+
+# A metric of four unrelated functions of everything takes far longer than its limit here.
+SLOW = {
+    "coordinates": "a b c d",
+    "entries": [
+        [f"sqrt(1 + a^{i + 2}*b^{k + 1} + c^{k + 3}*sin(d)^{i + 1})" for k in range(4)]
+        for i in range(4)
+    ],
+    "show": ["weyl"],
+}
+
+
+@pytest.fixture
+def runner() -> Iterator[TaskRunner]:
+    found = TaskRunner(workers=1, patience=20.0, limits={"tetrad": 2.0})
+    yield found
+    found.close()
+
+
+def test_a_request_is_answered_and_kept(runner: TaskRunner):
+    """The second of two equal requests is the same answer, not a second computation."""
+    one = runner.ask("facts", space="s2")
+    assert one["coordinates"] == ["theta", "phi"]
+    assert runner.ask("facts", space="s2") is one
+
+
+def test_a_request_that_takes_too_long_is_stopped(runner: TaskRunner):
+    """After its time the worker is ended; the next request is answered by another."""
+    runner.ask("facts", space="s2")
+    [worker] = runner.pool.workers
+    assert "takes longer than the 2 s" in runner.ask("tetrad", **SLOW)["problem"]
+    assert not worker.lives
+    assert runner.ask("tetrad", coordinates="r, phi", entries=[["1", "0"], ["0", "r"]])["html"]
+
+
+def test_nothing_that_lies_about_is_imported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """A folder with a module named like one that is needed does not mislead a worker."""
+    (tmp_path / "json.py").write_text("raise SystemExit", "utf-8")
+    (tmp_path / "sympy.py").write_text("raise SystemExit", "utf-8")
+    monkeypatch.chdir(tmp_path)
+    runner = TaskRunner(workers=1)
+    try:
+        assert runner.ask("facts", space="s2")["name"] == "s2"
+    finally:
+        runner.close()
+
+
+def test_warming_up_leaves_a_worker_free():
+    """While one worker practises, the other answers; what was practised is kept."""
+    runner = TaskRunner(workers=2, patience=30.0)
+    try:
+        runner.warm([("facts", {"space": "heisenberg"})])
+        assert runner.ask("facts", space="s2")["name"] == "s2"
+        for _ in range(600):
+            if runner.kept.keys() >= {'{"task": "facts", "arguments": {"space": "heisenberg"}}'}:
+                break
+            time.sleep(0.1)
+        else:
+            pytest.fail("nothing was kept of the practice")
+    finally:
+        runner.close()
+
+
+def test_errors_come_as_messages(runner: TaskRunner):
+    """An error of the package is a message, and is not kept."""
+    case = {"centre": [1, 2, 3], "radius": 1, "plane": [0, 1]}
+    assert "has" in runner.ask("loop", space="s2", **case)["problem"]
+    assert "nobody" in runner.ask("facts", space="nobody")["problem"]
+    assert "no task is called" in runner.ask("rm")["problem"]
+
+
+def test_a_request_that_is_too_long_is_refused(runner: TaskRunner):
+    """Long texts do not even reach a worker."""
+    found = runner.ask("tetrad", coordinates="r", entries=[["1" * LONGEST_REQUEST]])
+    assert "24,000" in found["problem"]
+
+
+def test_a_worker_that_dies_is_replaced(runner: TaskRunner):
+    """What goes wrong in one worker is told to whoever asked, and to nobody else."""
+    assert "worker ended" in runner.ask("facts", wrong="argument")["problem"]
+    assert runner.ask("facts", space="s2")["name"] == "s2"
+
+
+def test_a_crowd_that_waits_too_long_is_told():
+    """One worker, busy: the next in the queue is told to come back, and is not lost."""
+    runner = TaskRunner(workers=1, patience=0.2, limits={"tetrad": 1.0})
+    busy = threading.Thread(target=lambda: runner.ask("tetrad", **SLOW))
+    busy.start()
+    time.sleep(0.1)
+    try:
+        assert "not your turn" in runner.ask("facts", space="s2")["problem"]
+    finally:
+        busy.join()
+        runner.close()
+
+
+def test_every_task_can_be_found():
+    """The list names functions that are there."""
+    from importlib import import_module
+
+    assert len(TASKS) > 8
+    for task in TASKS.values():
+        assert callable(getattr(import_module(task.module), task.function))
