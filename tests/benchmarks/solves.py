@@ -1,0 +1,313 @@
+"""Twenty-eight motions to solve, and a worker that solves them for `two_checkouts`.
+
+Runs with any checkout of the package that is first on the path. Every name that differs between
+checkouts stands in the first part of this file and nowhere else.
+"""
+
+from __future__ import annotations
+
+import gc
+import json
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+if __name__ == "__main__" and "--without-heyoka" in sys.argv:
+    sys.modules["heyoka"] = None  # type: ignore[assignment]
+
+import numpy as np
+import sympy as sp
+
+import geomtorsion as gt
+
+# -- names that differ between checkouts -------------------------------------------------------
+
+
+def named(*names: str) -> Any:
+    """The first of these that this checkout exports."""
+    return getattr(gt, next(name for name in names if name in gt.__all__))
+
+
+def ode(
+    rates: Any, start: Any, parameters: Any = None, *, switches: Any = (), unit: Any = ()
+) -> Any:
+    """An initial value problem; switches are (time, new values), unit are groups of length one."""
+    more: dict[str, Any] = {}
+    if "ode" in gt.__all__:
+        more |= {"events": [gt.At(*switch) for switch in switches]} if switches else {}  # type: ignore[attr-defined]
+        more |= {"normalized": unit} if unit else {}
+    else:
+        more |= {"switches": switches, "unit": unit}
+    return named("ode", "flow")(rates, start, parameters=parameters or {}, **more)
+
+
+def states(solution: Any) -> list[Any]:
+    """The states in pieces of one size: an array of times and states for each chart."""
+    if hasattr(solution, "solution"):  # of a scene
+        solution = solution.solution
+    if hasattr(solution, "journey"):
+        return [np.asarray(segment.states) for segment in solution.journey.segments]
+    return [np.asarray(solution.states)]
+
+
+def blocks(solution: Any) -> list[list[int]]:
+    """Places of the states whose errors are measured together."""
+    if hasattr(solution, "solution"):
+        solution = solution.solution
+    if hasattr(solution, "journey"):
+        found = solution.journey.segments[0].equations.system.blocks
+    elif hasattr(solution, "flow"):
+        found = solution.flow.system.blocks
+    else:
+        found = solution.ode.norm_groups
+    return [list(block) for block in found]
+
+
+def forgetting() -> Callable[[], None]:
+    """A function that removes what earlier solutions have taught, where that is kept."""
+    kept = [thing for thing in gc.get_objects() if type(thing).__name__ == "System"]
+
+    def forget() -> None:
+        for thing in kept:
+            thing.__dict__.pop("_learned", None)
+
+    return forget
+
+
+# -- problems ----------------------------------------------------------------------------------
+
+MOMENTS, SPIN, ANGLES = (1.1, 2.2, 3.3), (0.9, 0.4, 0.7), (0.3, 1.0, 0.2)
+HOLE = {"M": 1, "a": 0.6}
+ORBIT = {"frame_velocity": [1.2, 0.05, 0.2, 0.36], "parameters": HOLE, "causal": None}
+
+
+@dataclass(frozen=True)
+class Case:
+    """A problem, made anew by `make`, and the time to which it is solved."""
+
+    make: Callable[[], Any]
+    t: float
+
+    def asked(self, accuracy: float) -> Any:
+        """The problem; a scene holds its accuracy itself."""
+        problem = self.make()
+        return problem.replaced(accuracy=accuracy) if isinstance(problem, gt.Scene) else problem
+
+    def solve(self, problem: Any, accuracy: float, engine: Any) -> Any:
+        """A solution with its error."""
+        if isinstance(problem, gt.Scene):
+            return problem.run(engine=engine)
+        return gt.solve(problem, self.t, accuracy, engine)
+
+
+def frame(name: str) -> gt.Frame:
+    """Of a shipped space."""
+    return gt.spaces.load(name).frame
+
+
+def geodesic(name: str, start: Any, u: Any, **more: Any) -> Any:
+    """From frame velocities."""
+    return gt.geodesic(frame(name), start, frame_velocity=u, **more)
+
+
+def between(name: str, start: Any, u: Any, **more: Any) -> Any:
+    """An autoparallel half way between both connections."""
+    given = frame(name)
+    connection = gt.blend(gt.levi_civita(given), gt.cartan(given), sp.Rational(1, 2))
+    return gt.autoparallel(connection, start, frame_velocity=u, **more)
+
+
+def top() -> Any:
+    """A free top with its attitude."""
+    return geodesic("so3", ANGLES, SPIN, metric=MOMENTS)
+
+
+def heavy_top() -> Any:
+    """Lagrange's."""
+    rates = {
+        "x": "((A - C)*y*z + w*n2)/A", "y": "((C - A)*z*x - w*n1)/A", "z": "0",
+        "n1": "n2*z - n3*y", "n2": "n3*x - n1*z", "n3": "n1*y - n2*x",
+    }  # fmt: skip
+    return ode(rates, [*SPIN, 0.6, 0.0, 0.8], {"A": 2.2, "C": 1.1, "w": 1.5})
+
+
+def attitude() -> Any:
+    """Euler's equations with a quaternion of length one."""
+    rates = {
+        "a": "(B - C)/A*b*c", "b": "(C - A)/B*c*a", "c": "(A - B)/C*a*b",
+        "q0": "-(q1*a + q2*b + q3*c)/2", "q1": "(q0*a + q2*c - q3*b)/2",
+        "q2": "(q0*b + q3*a - q1*c)/2", "q3": "(q0*c + q1*b - q2*a)/2",
+    }  # fmt: skip
+    numbers = dict(zip("ABC", MOMENTS, strict=True))
+    return ode(rates, [*SPIN, 1, 0, 0, 0], numbers, unit=[("q0", "q1", "q2", "q3")])
+
+
+def kepler(eccentricity: float) -> Any:
+    """From the pericentre."""
+    e = eccentricity
+    rates = {"x": "u", "y": "v", "u": "-x/(x^2+y^2)^(3/2)", "v": "-y/(x^2+y^2)^(3/2)"}
+    return ode(rates, [1 - e, 0, 0, float(np.sqrt((1 + e) / (1 - e)))])
+
+
+def scene(name: str, t: float, **more: Any) -> Any:
+    """A shipped scene to another time."""
+    return gt.scenes.load(name).replaced(t=t, samples=65, **more)
+
+
+def one(rates: Any, start: Any, t: float, **more: Any) -> Case:
+    """A case of one's own equations."""
+    return Case(lambda: ode(rates, start, **more), t)
+
+
+LORENZ = {"x": "10*(y - x)", "y": "x*(28 - z) - y", "z": "x*y - 8*z/3"}
+PUSHES = [(1 / 3, {"a": 3}), (0.5, {"a": 0}), (2.0, {"a": -1}), (7.5, {"a": 0})]
+SPHERE = {"parameters": {"R": 1.3}}
+
+CASES: dict[str, Case] = {
+    # Curves in spaces
+    "Euler rates": Case(lambda: geodesic("so3", None, SPIN, metric=MOMENTS), 100.0),
+    "attitude": Case(top, 100.0),
+    "attitude in angles": Case(lambda: top().with_charts("so3"), 100.0),
+    "so3 autoparallel": Case(
+        lambda: gt.autoparallel(gt.cartan(frame("so3")), ANGLES, frame_velocity=SPIN), 50.0
+    ),
+    "so3 between": Case(lambda: between("so3", ANGLES, SPIN), 20.0),
+    "s2 geodesic": Case(lambda: geodesic("s2", [1.0, 0.5], [0.7, 0.9], **SPHERE), 20.0),
+    "s3 geodesic": Case(lambda: geodesic("s3", [0.7, 0.2, 0.3], SPIN), 10.0),
+    "sl2r between": Case(lambda: between("sl2r", [0.1, 0.2, 0.3], [0.3, 0.1, 0.2]), 5.0),
+    "sol geodesic": Case(lambda: geodesic("sol", [0.1, 0.2, 0.3], SPIN), 5.0),
+    "r3xso3 geodesic": Case(
+        lambda: geodesic("r3xso3", [*ANGLES, 1, 2, 3], [*SPIN, 0.3, 0.2, 0.1]), 10.0
+    ),
+    "Schwarzschild": Case(
+        lambda: geodesic(
+            "schwarzschild", [0, 9.0, 1.1, 0.4], [1.3, 0.1, 0.3, 0.4], parameters={"M": 1}
+        ),
+        50.0,
+    ),
+    "Kerr": Case(lambda: gt.geodesic(frame("kerr"), [0, 8.0, 1.4, 0], **ORBIT), 300.0),
+    "Kerr, long": Case(
+        lambda: gt.geodesic(frame("kerr"), [0, 8.0, 1.4, 0], **ORBIT).with_charts("kerr"), 1500.0
+    ),
+    "transport on s2": Case(
+        lambda: gt.parallel_transport(geodesic("s2", [1.0, 0.5], [0.7, 0.9], **SPHERE), [1, 2]),
+        10.0,
+    ),
+    "deviation on s2": Case(
+        lambda: gt.geodesic_deviation(
+            geodesic("s2", [1.0, 0.5], [0.6, 0.8], **SPHERE), [0.1, 0.2], [0.3, 0.1]
+        ),
+        5.0,
+    ),
+    # Equations of one's own
+    "heavy top": Case(heavy_top, 100.0),
+    "attitude by hand": Case(attitude, 50.0),
+    "pendulum": one({"x": "v", "v": "-sin(x)"}, [2.0, 0.0], 50.0),
+    "forced": one({"x": "v", "v": "-x - x^3 - v/10 + cos(t)/2"}, [1, 0], 50.0),
+    "Kepler 0.3": Case(lambda: kepler(0.3), 50.0),
+    "Kepler 0.9": Case(lambda: kepler(0.9), 20.0),
+    "Lorenz": one(LORENZ, [1, 1, 20], 8.0),
+    "switches": one(
+        {"x": "v", "v": "-x - v/10 + a"}, [1, 0], 20.0, parameters={"a": 0}, switches=PUSHES
+    ),
+    # Scenes
+    "cusps": Case(lambda: scene("lagrange_cusp", 1.0, watch=("matrix", "energy")), 1.0),
+    "missile": Case(lambda: scene("missile", 3.0), 3.0),
+    "rolling disc": Case(lambda: scene("rolling_disc", 2.0), 2.0),
+    "satellite": Case(lambda: scene("gyrostat_satellite", 600.0), 600.0),
+    "Chaplygin's sleigh": Case(lambda: scene("chaplygin_sleigh", 5.0), 5.0),
+}
+ENGINES = {"default": lambda: None, "RungeKutta": gt.RungeKutta}
+
+
+# Beyond what double precision can show.
+TRUTH = 1e-20
+
+# -- worker ------------------------------------------------------------------------------------
+
+
+def seconds(call: Callable[[], Any], before: Callable[[], None], length: float) -> float:
+    """Least CPU time of a call, of as many as fit into a length of time, and three at least."""
+    least, spent, count = np.inf, 0.0, 0
+    while spent < length or count < 3:
+        before()
+        began = time.process_time()
+        call()
+        took = time.process_time() - began
+        least, spent, count = min(least, took), spent + took, count + 1
+    return float(least)
+
+
+def real_error(solution: Any, truth: Any) -> float | None:
+    """Largest difference, each block relative to its size; None where charts differ."""
+    found, known = states(solution), states(truth)
+    if [part.shape for part in found] != [part.shape for part in known]:
+        return None
+    worst = 0.0
+    for part, exact in zip(found, known, strict=True):
+        gaps = np.abs(part.astype(exact.dtype) - exact).astype(float)
+        sizes = np.abs(part).astype(float)
+        for block in blocks(solution):
+            places = [place for place in block if place < part.shape[1]]
+            if places and gaps[:, places].max() > 0:
+                worst = max(worst, float(gaps[:, places].max() / sizes[:, places].max()))
+    return worst
+
+
+class Worker:
+    """Problems of this process, made once each, and their solutions in a hundred bits."""
+
+    def __init__(self) -> None:
+        self.problems: dict[tuple[str, float], Any] = {}
+        self.truths: dict[str, Any] = {}
+
+    def call(self, name: str, accuracy: float, engine: str) -> Callable[[], Any]:
+        """The call that solves; nothing is solved yet."""
+        if (name, accuracy) not in self.problems:
+            self.problems[name, accuracy] = CASES[name].asked(accuracy)
+        problem = self.problems[name, accuracy]
+        return lambda: CASES[name].solve(problem, accuracy, ENGINES[engine]())
+
+    def warm(self, name: str, accuracy: float, engine: str, length: float) -> dict[str, Any]:
+        """Least CPU seconds of a solve that has been done before, with nothing remembered."""
+        call = self.call(name, accuracy, engine)
+        call()
+        return {"seconds": seconds(call, forgetting(), length)}
+
+    def cold(self, name: str, accuracy: float, engine: str) -> dict[str, Any]:
+        """CPU seconds of the first solve in this process."""
+        call = self.call(name, accuracy, engine)
+        began = time.process_time()
+        call()
+        return {"seconds": time.process_time() - began}
+
+    def error(self, name: str, accuracy: float, engine: str) -> dict[str, Any]:
+        """What was claimed, and what is true."""
+        solution = self.call(name, accuracy, engine)()
+        if name not in self.truths:
+            exact = CASES[name].asked(TRUTH)
+            self.truths[name] = CASES[name].solve(exact, TRUTH, gt.Taylor(113))
+        real = real_error(solution, self.truths[name])
+        return {"claimed": float(solution.error), "real": real}
+
+
+def main() -> None:
+    """Answer one JSON line for each that comes: {"do": "warm", "name": ..., ...}."""
+    if sys.modules.get("heyoka", True) is not None:
+        import heyoka  # what other processes compiled must not count
+
+        heyoka.llvm_state.set_diskcache_enabled(False)
+    worker = Worker()
+    for line in sys.stdin:
+        asked = json.loads(line)
+        try:
+            answer = getattr(worker, asked.pop("do"))(**asked)
+        except gt.GeomtorsionError as refused:
+            answer = {"refused": str(refused)}
+        print(json.dumps(answer), flush=True)
+
+
+if __name__ == "__main__":
+    main()
