@@ -36,10 +36,10 @@ _LATER = {
         "geodesic", "geodesic_deviation", "holonomy", "parallel_transport", "solve", "solve_many",
     ),
     "loops": (
-        "BurgersMap", "BurgersVector", "Defect", "Development", "DislocationNetwork", "EdgeList",
-        "Enclosed", "ExactBurgersVector", "Loop", "Motion", "Network", "NodeRule", "Reaction",
-        "SampledFrame", "burgers_map", "burgers_vector", "burgers_vectors", "develop",
-        "develop_path", "develop_round", "dispiration", "enclosed_defects",
+        "AffineMap", "BurgersMap", "BurgersVector", "Defect", "Development", "DislocationNetwork",
+        "EdgeList", "EnclosedDefect", "ExactBurgersVector", "Loop", "Network", "NodeRule",
+        "Reaction", "SampledFrame", "burgers_map", "burgers_vector", "burgers_vectors", "develop",
+        "develop_path", "develop_period", "dispiration", "enclosed_defects",
         "exact_burgers_vector", "find_defects", "parallel_dislocations", "parallel_edges",
         "parallel_screws",
     ),
@@ -53,6 +53,7 @@ _PACKAGES = ("exercises", "scenes")
 _HOME = {name: package for package, names in _LATER.items() for name in names}
 
 __all__ = [
+    "AffineMap",
     "Atlas",
     "Body",
     "Bundle",
@@ -69,7 +70,7 @@ __all__ = [
     "Development",
     "DislocationNetwork",
     "EdgeList",
-    "Enclosed",
+    "EnclosedDefect",
     "Engine",
     "EquationsOfMotion",
     "ExactBurgersVector",
@@ -81,7 +82,6 @@ __all__ = [
     "GeomtorsionError",
     "Identity",
     "Loop",
-    "Motion",
     "Network",
     "NodeRule",
     "Plan",
@@ -112,7 +112,7 @@ __all__ = [
     "contract",
     "develop",
     "develop_path",
-    "develop_round",
+    "develop_period",
     "dispiration",
     "distance_apart",
     "effects",

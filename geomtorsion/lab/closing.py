@@ -12,7 +12,7 @@ from geomtorsion.lab.numbers import names_text, shown, table
 from geomtorsion.lab.plot import LOOKS, Look, Plot
 from geomtorsion.loops import Loop, burgers_vector
 from geomtorsion.loops.forms import forms, parameter_values
-from geomtorsion.loops.hodograph import image
+from geomtorsion.loops.hodograph import hodograph
 from geomtorsion.pictures.ink import number
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.spaces.first_motions import first_motion
@@ -57,7 +57,7 @@ def closing(
     b = burgers_vector(frame, loop, ACCURACY, parameters=values)
     expected = density(frame, b, first, second)
     names = [greek_name(symbol.name) for symbol in frame.coordinates]
-    drawn = image(b, 160)
+    drawn = hodograph(b, 160)
     return {
         "pictures": [_path(drawn, names, first, second), _image(drawn, b)],
         "table": _table(b, expected),

@@ -1,6 +1,6 @@
 """Loops: closed paths to Burgers vectors."""
 
-from geomtorsion.loops.affine_map import Motion
+from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Arc, Part
 from geomtorsion.loops.burgers import burgers_vector
 from geomtorsion.loops.defect_frames import (
@@ -9,7 +9,7 @@ from geomtorsion.loops.defect_frames import (
     parallel_edges,
     parallel_screws,
 )
-from geomtorsion.loops.defects import Defect, Enclosed, enclosed_defects, find_defects
+from geomtorsion.loops.defects import Defect, EnclosedDefect, enclosed_defects, find_defects
 from geomtorsion.loops.development import Development, develop
 from geomtorsion.loops.dislocation_network import DislocationNetwork, Reaction
 from geomtorsion.loops.exact_integral import ExactBurgersVector, exact_burgers_vector
@@ -17,11 +17,12 @@ from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.maps import BurgersMap, burgers_map, burgers_vectors
 from geomtorsion.loops.network import EdgeList, Network
 from geomtorsion.loops.node_rule import NodeRule
-from geomtorsion.loops.paths import develop_path, develop_round
+from geomtorsion.loops.paths import develop_path, develop_period
 from geomtorsion.loops.result import BurgersVector, Check
 from geomtorsion.loops.sampled import SampledFrame
 
 __all__ = [
+    "AffineMap",
     "Arc",
     "BurgersMap",
     "BurgersVector",
@@ -30,10 +31,9 @@ __all__ = [
     "Development",
     "DislocationNetwork",
     "EdgeList",
-    "Enclosed",
+    "EnclosedDefect",
     "ExactBurgersVector",
     "Loop",
-    "Motion",
     "Network",
     "NodeRule",
     "Part",
@@ -44,7 +44,7 @@ __all__ = [
     "burgers_vectors",
     "develop",
     "develop_path",
-    "develop_round",
+    "develop_period",
     "dispiration",
     "enclosed_defects",
     "exact_burgers_vector",

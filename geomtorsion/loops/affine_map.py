@@ -18,7 +18,7 @@ ROUNDING = 1e-14
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class AffineMap:
     """The affine map v -> rotation v + translation, kept as increment = map - identity.
 
     increment: shape (n + 1, n + 1): rotation - 1, translation in the last column, last row zero.
@@ -26,7 +26,7 @@ class Motion:
     Examples
     --------
     >>> import numpy as np
-    >>> tiny = Motion.of(1e-20 * np.array([[0.0, -1.0], [1.0, 0.0]]), [2e-20, 0.0])
+    >>> tiny = AffineMap.of(1e-20 * np.array([[0.0, -1.0], [1.0, 0.0]]), [2e-20, 0.0])
     >>> tiny.angle, (tiny @ tiny).burgers.tolist()
     (-1e-20, [4e-20, 2e-40])
     """
@@ -34,7 +34,7 @@ class Motion:
     increment: np.ndarray
 
     @classmethod
-    def of(cls, turn: np.ndarray, translation: np.ndarray | list[float]) -> Motion:
+    def of(cls, turn: np.ndarray, translation: np.ndarray | list[float]) -> AffineMap:
         """From rotation - 1, shape (n, n), and translation, shape (n,)."""
 
         turn, column = np.asarray(turn), np.asarray(translation)
@@ -68,18 +68,18 @@ class Motion:
         """Linear part, shape (n, n): a rotation where the connection keeps lengths."""
         return self.matrix[:-1, :-1]
 
-    def __matmul__(self, other: Motion) -> Motion:
+    def __matmul__(self, other: AffineMap) -> AffineMap:
         """This motion's path first, then the other's, seen from the first one's base."""
         one, two = self.increment, other.increment
-        return Motion(one + two + one @ two)
+        return AffineMap(one + two + one @ two)
 
     @cached_property
-    def inverse(self) -> Motion:
+    def inverse(self) -> AffineMap:
         """The motion of the path run backwards."""
 
-        return Motion(-np.linalg.solve(self.matrix, self.increment))
+        return AffineMap(-np.linalg.solve(self.matrix, self.increment))
 
-    def seen_from(self, path: Motion) -> Motion:
+    def seen_from(self, path: AffineMap) -> AffineMap:
         """The motion of the same loop from a base point further along a path: conjugation.
 
         Equation
@@ -87,7 +87,7 @@ class Motion:
         G' = P^-1 G P, with P the development of the path from the old base point to the new.
         """
 
-        return Motion(np.linalg.solve(path.matrix, self.increment @ path.matrix))
+        return AffineMap(np.linalg.solve(path.matrix, self.increment @ path.matrix))
 
     # -- invariants -----------------------------------------------------------------------------
 

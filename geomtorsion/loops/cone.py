@@ -6,7 +6,7 @@ import numpy as np
 
 from geomtorsion.errors import LoopError, SingularPointError
 from geomtorsion.loops.affine_form import AffineForm
-from geomtorsion.loops.affine_map import Motion
+from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Part, Segment
 from geomtorsion.loops.collocation import collocation, inner_turns
 from geomtorsion.loops.flux import ray_rule
@@ -133,7 +133,7 @@ def integrals_up_to(stops: np.ndarray, stages: int) -> np.ndarray:
     return upto @ expansion / 2
 
 
-def from_centre(form: AffineForm, part: Part) -> Motion:
+def from_centre(form: AffineForm, part: Part) -> AffineMap:
     """Development from the centre of a part straight to its base point."""
     base = tuple(part.base_offset.tolist())
     ray = Segment((0.0,) * len(base), base)

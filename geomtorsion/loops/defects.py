@@ -12,7 +12,7 @@ import sympy as sp
 from geomtorsion.errors import LoopError, MissingValueError
 from geomtorsion.exact.form import Sum, form
 from geomtorsion.loops.affine_form import AffineForm
-from geomtorsion.loops.affine_map import Motion
+from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import shown
 from geomtorsion.loops.cone import line_rate
 from geomtorsion.loops.loop import Loop
@@ -109,7 +109,7 @@ class Defect:
 
 
 @dataclass(frozen=True, eq=False)
-class Enclosed:
+class EnclosedDefect:
     """A defect inside a loop.
 
     defect: which; turns: how often the loop winds round it.
@@ -119,7 +119,7 @@ class Enclosed:
 
     defect: Defect
     turns: int
-    charge: Motion | None = None
+    charge: AffineMap | None = None
 
     def __str__(self) -> str:
         count = "once" if self.turns == 1 else f"{self.turns} times"
@@ -192,7 +192,7 @@ def enclosed_defects(
     *,
     defects: Sequence[Defect] | None = None,
     connection: Connection | None = None,
-) -> tuple[Enclosed, ...]:
+) -> tuple[EnclosedDefect, ...]:
     """The defects that a loop winds round, with turns and what one turn misses.
 
     Parameters
@@ -218,7 +218,7 @@ def enclosed_defects(
     known = [one for one in (find_defects(frame) if defects is None else defects) if one.across]
     turns = [(one, one.winding(loop, parameters)) for one in known]
     return tuple(
-        Enclosed(
+        EnclosedDefect(
             one, count, None if connection is None else charge(connection, one, loop, parameters)
         )
         for one, count in turns
@@ -231,7 +231,7 @@ def charge(
     defect: Defect,
     near: Loop,
     parameters: Mapping[Any, Any] | None = None,
-) -> Motion:
+) -> AffineMap:
     """What one turn round a defect misses: the development of a small circle about it.
 
     Parameters

@@ -11,10 +11,10 @@ import numpy as np
 
 from geomtorsion.errors import LoopError
 from geomtorsion.loops.affine_form import AffineForm
-from geomtorsion.loops.affine_map import Motion
+from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Part
 from geomtorsion.loops.cone import around_cone, line_rate
-from geomtorsion.loops.defects import Defect, Enclosed, enclosed_defects
+from geomtorsion.loops.defects import Defect, EnclosedDefect, enclosed_defects
 from geomtorsion.loops.forms import forms, parameter_values
 from geomtorsion.loops.line import refuse_poles
 from geomtorsion.loops.loop import Loop
@@ -90,8 +90,8 @@ class RouteCheck:
     text: what the comparison says, in words.
     """
 
-    line: Motion
-    cone: Motion | None
+    line: AffineMap
+    cone: AffineMap | None
     agrees: bool | None
     text: str
 
@@ -112,12 +112,12 @@ class Development:
 
     connection: Connection
     loop: Loop
-    motion: Motion
+    motion: AffineMap
     error: float
     turn_error: float
     route: str
     check: RouteCheck
-    enclosed: tuple[Enclosed, ...]
+    enclosed: tuple[EnclosedDefect, ...]
     evaluations: int
     seconds: float
 
@@ -138,7 +138,7 @@ class Development:
 
     @property
     def angle(self) -> float:
-        """Angle by which a vector carried round the loop turns (see Motion.angle)."""
+        """Angle by which a vector carried round the loop turns (see AffineMap.angle)."""
         return self.motion.angle
 
     @property
@@ -151,7 +151,7 @@ class Development:
         """Burgers vector along the axis of the turn: the same from every base point."""
         return self.motion.along_axis
 
-    def seen_from(self, path: Motion) -> Motion:
+    def seen_from(self, path: AffineMap) -> AffineMap:
         """The motion of the same loop from the end of a path that starts at the base point."""
         return self.motion.seen_from(path)
 
@@ -246,7 +246,7 @@ def develop(
         cone if cone is not None and fits and better(cone, line) else line
         for line, cone, fits in zip(lines, cones, agrees, strict=True)
     ]
-    enclosed: tuple[Enclosed, ...] = ()
+    enclosed: tuple[EnclosedDefect, ...] = ()
     if defects is not None or not all(agrees):
         enclosed = enclosed_defects(frame, loop, parameters, defects=defects, connection=connection)
     routes = ["cone" if one is cone else "line" for one, cone in zip(chosen, cones, strict=True)]
@@ -264,7 +264,7 @@ def _check(
     lines: Sequence[Transported],
     cones: Sequence[Transported | None],
     agrees: Sequence[bool | None],
-    enclosed: tuple[Enclosed, ...],
+    enclosed: tuple[EnclosedDefect, ...],
 ) -> RouteCheck:
     """The comparison of both routes over the whole loop, in words."""
     line = joined(lines).motion

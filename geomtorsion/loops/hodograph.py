@@ -19,7 +19,7 @@ VISIBLE, SHOWN = 0.02, 0.25
 
 
 @dataclass(frozen=True, eq=False)
-class Image:
+class Hodograph:
     """A loop and its image, ready to be drawn.
 
     path: offsets from the centre in units of `unit`, shape (n, k).
@@ -36,7 +36,7 @@ class Image:
     magnified: float
 
 
-def image(b: BurgersVector, points: int = POINTS) -> Image:
+def hodograph(b: BurgersVector, points: int = POINTS) -> Hodograph:
     """The image of a loop in the frame, with its gap enlarged where it could not be seen."""
 
     loop, compiled = b.loop, forms(b.frame)
@@ -77,7 +77,7 @@ def image(b: BurgersVector, points: int = POINTS) -> Image:
     plain = 1e-3 <= loop.size <= 1e3
     size = loop.size if plain else 1.0
     unit = "" if plain else f"{loop.size:.3g}"
-    return Image(
+    return Hodograph(
         way * size, np.real(straight + magnified * curved) * size, loop.centre, unit, magnified
     )
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from geomtorsion.errors import LoopError
 from geomtorsion.loops.affine_form import AffineForm
-from geomtorsion.loops.affine_map import Motion
+from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Part, Segment, shown
 from geomtorsion.loops.collocation import collocation, increments
 from geomtorsion.loops.cone import line_rate
@@ -32,13 +32,13 @@ def develop_path(
     accuracy: float = 1e-12,
     *,
     parameters: Mapping[Any, Any] | None = None,
-) -> Motion:
+) -> AffineMap:
     """Development of an open path through points, straight in the coordinates between them.
 
     Returns
     -------
-    Motion: rotation and place of the frame at the end, seen from the frame at the start. A loop's
-    development from the end of the path is `turn.seen_from(path)`.
+    AffineMap: rotation and place of the frame at the end, seen from the frame at the start. The
+    development of a loop, seen from the end of the path, is `turn.seen_from(path)`.
 
     Raises
     ------
@@ -70,14 +70,14 @@ def develop_path(
     return transported(sides, line_rate(form, part), accuracy).motion
 
 
-def develop_round(
+def develop_period(
     connection: Connection,
     points: Sequence[Sequence[float]],
     periods: Mapping[Any, Any],
     accuracy: float = 1e-12,
     *,
     parameters: Mapping[Any, Any] | None = None,
-) -> Motion:
+) -> AffineMap:
     """Development of a path that closes only because coordinates are periodic, such as angles.
 
     The legs may come back turned (a multivalued frame): then the turn from the legs at the start
@@ -93,7 +93,7 @@ def develop_round(
 
     Returns
     -------
-    Motion: Burgers vector and rotation in the frame at the start, as of a closed loop.
+    AffineMap: Burgers vector and rotation in the frame at the start, as of a closed loop.
 
     Raises
     ------
@@ -109,7 +109,7 @@ def develop_round(
     >>> from geomtorsion.spaces import load
     >>> cone = levi_civita(load("wedge_disclination").frame)
     >>> circle = [[2, 0, 0], [2, 2 * math.pi, 0]]
-    >>> turn = develop_round(cone, circle, {"phi": 2 * math.pi}, parameters={"alpha": 5 / 6})
+    >>> turn = develop_period(cone, circle, {"phi": 2 * math.pi}, parameters={"alpha": 5 / 6})
     >>> round(math.degrees(turn.angle), 9), turn.burgers.round(9).tolist()
     (60.0, [-1.0, -1.732050808, 0.0])
     """
@@ -137,14 +137,14 @@ def develop_round(
     start, end = (form.coframe(np.array(row)) for row in (rows[0], rows[-1]))
     # Components of the legs at the start in those at the end: both sit at the same point.
     back = np.linalg.solve(start.T, (end - start).T).T
-    return open_ @ Motion.of(back, np.zeros(frame.dimension))
+    return open_ @ AffineMap.of(back, np.zeros(frame.dimension))
 
 
 STAGES = 6
 
 
 @dataclass(frozen=True, eq=False)
-class RolledPath:
+class DevelopedPath:
     """A loop and its development, step by step.
 
     points: along the loop, coordinates, shape (n, k).
@@ -157,13 +157,13 @@ class RolledPath:
     legs: np.ndarray
 
 
-def roll_out(
+def developed_path(
     connection: Connection,
     loop: Loop,
     count: int = 400,
     *,
     parameters: Mapping[Any, Any] | None = None,
-) -> RolledPath:
+) -> DevelopedPath:
     """The development of a loop at about `count` points along it, for pictures.
 
     Raises
@@ -177,7 +177,7 @@ def roll_out(
     >>> from geomtorsion.geometry import Frame, levi_civita
     >>> theta, phi = sp.symbols("theta phi")
     >>> sphere = levi_civita(Frame([theta, phi], [[1, 0], [0, sp.sin(theta)]]))
-    >>> path = roll_out(sphere, Loop.plaquette([1, 0], (0.5, 0.5)), 40)
+    >>> path = developed_path(sphere, Loop.plaquette([1, 0], (0.5, 0.5)), 40)
     >>> path.places.shape, path.legs[-1].round(3).tolist()
     ((2, 41), [[0.973, 0.233], [-0.233, 0.973]])
     """
@@ -210,4 +210,4 @@ def roll_out(
         total = total + total @ step
         found.append(total)
     path = np.array(found)
-    return RolledPath(np.concatenate(points, axis=1), path[:, :n, n].T, path[:, :n, :n])
+    return DevelopedPath(np.concatenate(points, axis=1), path[:, :n, n].T, path[:, :n, :n])

@@ -13,7 +13,7 @@ import numpy as np
 
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import planes
-from geomtorsion.loops.defects import Enclosed, enclosed_defects
+from geomtorsion.loops.defects import EnclosedDefect, enclosed_defects
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
@@ -112,7 +112,7 @@ class BurgersVector:
         return self.relative_error >= 1 or not self.reduced.any()
 
     @cached_property
-    def enclosed(self) -> tuple[Enclosed, ...]:
+    def enclosed(self) -> tuple[EnclosedDefect, ...]:
         """Defects inside with place and turns, where line and flux disagree and they are found.
 
         A loop round a defect has a Burgers vector although the torsion vanishes all along it.

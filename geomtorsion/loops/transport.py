@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion.errors import LoopError
-from geomtorsion.loops.affine_map import Motion
+from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import shown
 from geomtorsion.loops.collocation import collocation, increments, product
 
@@ -41,7 +41,7 @@ class Transported:
     points: how many points were evaluated.
     """
 
-    motion: Motion
+    motion: AffineMap
     error: float
     turn_error: float
     scale: float
@@ -113,7 +113,7 @@ def _assembled(done: list[_Stretches], errors: list[np.ndarray], points: int) ->
     size = np.concatenate([part.size for part in done])
     increment, error = product(motion, np.concatenate(errors)[order])
     scale = float(size[:, 1].sum())
-    return Transported(Motion(increment), float(error[1]), float(error[0]), scale, points)
+    return Transported(AffineMap(increment), float(error[1]), float(error[0]), scale, points)
 
 
 def _chosen(

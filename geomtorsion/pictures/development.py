@@ -9,7 +9,7 @@ import numpy as np
 from sympy import latex
 
 from geomtorsion.loops import Loop, develop
-from geomtorsion.loops.paths import RolledPath, roll_out
+from geomtorsion.loops.paths import DevelopedPath, developed_path
 from geomtorsion.pictures.ink import new_figure
 from geomtorsion.pictures.loops import GAP, IMAGE, PATH, START
 
@@ -47,7 +47,7 @@ def draw_development(
         matplotlib is not installed.
     """
     turn = develop(connection, loop, parameters=parameters)
-    path = roll_out(connection, loop, 600, parameters=parameters)
+    path = developed_path(connection, loop, 600, parameters=parameters)
     figure = new_figure(10.4, 5.0)
     left, right = figure.subplots(1, 2)
     _draw_loop(left, path, [latex(symbol) for symbol in connection.frame.coordinates], frames)
@@ -71,7 +71,7 @@ def _marks(count: int, frames: int) -> list[int]:
     return [round(k * (count - 1) / frames) for k in range(1, frames)]
 
 
-def _draw_loop(axes: Any, path: RolledPath, names: list[str], frames: int) -> None:
+def _draw_loop(axes: Any, path: DevelopedPath, names: list[str], frames: int) -> None:
     """The loop in coordinates, with the points at which frames are drawn."""
     a, b = _plane(path.points)
     x, y = path.points[a], path.points[b]
@@ -98,7 +98,7 @@ def _draw_loop(axes: Any, path: RolledPath, names: list[str], frames: int) -> No
     _plain(axes)
 
 
-def _draw_rolled(axes: Any, path: RolledPath, frames: int) -> None:
+def _draw_rolled(axes: Any, path: DevelopedPath, frames: int) -> None:
     """The rolled-out path, the frames along it, and the gap."""
     a, b = _plane(path.places)
     x, y = path.places[a], path.places[b]
@@ -141,7 +141,13 @@ def _draw_rolled(axes: Any, path: RolledPath, frames: int) -> None:
 
 
 def _draw_frame(
-    axes: Any, path: RolledPath, k: int, plane: tuple[int, int], size: float, ink: str, width: float
+    axes: Any,
+    path: DevelopedPath,
+    k: int,
+    plane: tuple[int, int],
+    size: float,
+    ink: str,
+    width: float,
 ) -> None:
     """The legs of one frame that lie in the plane of the picture."""
     a, b = plane

@@ -12,7 +12,7 @@ from sympy import latex
 
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import BurgersMap, BurgersVector, Loop, burgers_vector
-from geomtorsion.loops.hodograph import Image, image
+from geomtorsion.loops.hodograph import Hodograph, hodograph
 from geomtorsion.pictures.ink import new_figure, quiet
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def draw_closure(b: BurgersVector) -> Any:
     MissingExtraError
         matplotlib is not installed.
     """
-    drawn = image(b)
+    drawn = hodograph(b)
     figure = new_figure(9.6, 4.6)
     names = [latex(symbol) for symbol in b.frame.coordinates]
     _draw_path(_axes(figure, 121, drawn.path), drawn, names)
@@ -78,7 +78,7 @@ def _axes(figure: Any, place: int, points: Any) -> Any:
     return axes
 
 
-def _draw_path(axes: Any, drawn: Image, names: list[str]) -> None:
+def _draw_path(axes: Any, drawn: Hodograph, names: list[str]) -> None:
     """The loop in coordinates, with its base point and its sense."""
     chosen = _extents(drawn.path)
     points = drawn.path[chosen]
@@ -109,7 +109,7 @@ def _power(value: float) -> str:
     return f"$10^{{{exponent}}}$" if exponent > 3 else f"{value:g}"
 
 
-def _draw_image(axes: Any, drawn: Image, b: BurgersVector) -> None:
+def _draw_image(axes: Any, drawn: Hodograph, b: BurgersVector) -> None:
     """The image in the frame, and the gap as an arrow from its start to its end."""
     chosen = _extents(drawn.image)
     points = drawn.image[chosen]

@@ -19,7 +19,7 @@ from geomtorsion.cli.app import app
 # Exported names: a renamed one is renamed here.
 ode = gt.flow
 log_map = gt.connecting
-develop_period = gt.develop_round
+develop_period = gt.develop_period
 SWITCHES, STOP, UNIT = "switches", "stop", "unit"
 
 # What is computed exactly and then evaluated may differ by the roundings of its writing.

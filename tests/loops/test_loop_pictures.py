@@ -6,7 +6,7 @@ import pytest
 from geomtorsion.accuracy.loops import LoopCost, LoopCosts
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import Loop, burgers_map, burgers_vector, burgers_vectors
-from geomtorsion.loops.hodograph import image
+from geomtorsion.loops.hodograph import hodograph
 from geomtorsion.pictures.loop_costs import draw_loop_costs
 from geomtorsion.pictures.loops import draw_closure, draw_loop, draw_map
 from geomtorsion.spaces import load
@@ -30,7 +30,7 @@ SEEN = 1e-9  # share of a picture that nobody sees
 def test_the_image_ends_at_the_burgers_vector(name: str, loop: Loop, values: dict) -> None:
     """Start at zero, end at b; the path itself closes."""
     b = burgers_vector(load(name).frame, loop, parameters=values)
-    drawn = image(b)
+    drawn = hodograph(b)
     assert drawn.magnified == 1
     assert drawn.image[:, 0].tolist() == [0] * loop.dimension
     assert drawn.image[:, -1] == pytest.approx(b.vector, abs=SEEN)
@@ -41,7 +41,7 @@ def test_the_image_ends_at_the_burgers_vector(name: str, loop: Loop, values: dic
 def test_a_gap_too_small_to_see_is_enlarged(radius: float) -> None:
     """To about a quarter of the picture, by a power of ten that the title names."""
     b = burgers_vector(load("so3").frame, Loop.circle([0.3, 1, 0.2], radius))
-    drawn = image(b)
+    drawn = hodograph(b)
     gap = drawn.image[:, -1]
     assert 0.03 < np.abs(gap).max() / np.ptp(drawn.image, axis=1).max() < 0.9
     direction = b.reduced / np.abs(b.reduced).max()

@@ -6,7 +6,7 @@ import pytest
 import geomtorsion.spaces as spaces
 from geomtorsion.errors import LoopError
 from geomtorsion.geometry import cartan, levi_civita
-from geomtorsion.loops import Loop, Motion, develop, develop_path, develop_round, dispiration
+from geomtorsion.loops import AffineMap, Loop, develop, develop_path, develop_period, dispiration
 
 TURN = 2 * np.pi
 ROUND = {"phi": TURN}
@@ -17,10 +17,10 @@ def test_polar_frame_misses_the_circumference():
     frame = spaces.load("flat_polar").frame
     for radius in (1e-9, 0.7, 1e5):
         circle = [[radius, 0.3], [radius, 0.3 + TURN]]
-        b = develop_round(cartan(frame), circle, ROUND)
+        b = develop_period(cartan(frame), circle, ROUND)
         assert np.abs(b.burgers - [0, TURN * radius]).max() < 1e-13 * radius
         assert not b.turn.any()
-        closed = develop_round(levi_civita(frame), circle, ROUND)
+        closed = develop_period(levi_civita(frame), circle, ROUND)
         assert np.abs(closed.burgers).max() < 1e-12 * radius
         assert np.abs(closed.turn).max() < 1e-13
 
@@ -33,7 +33,7 @@ def test_cone_is_the_same_in_every_chart_and_frame(space, alpha):
     cartesian = develop(levi_civita(dispiration(alpha, 0)), Loop.circle([0, 0, 0], 2))
     for turns in (1, 2, -1):
         circle = [[2, 0, 0], [2, turns * TURN, 0]]
-        found = develop_round(cone, circle, ROUND, parameters={"alpha": alpha})
+        found = develop_period(cone, circle, ROUND, parameters={"alpha": alpha})
         expected = cartesian.motion.inverse if turns < 0 else cartesian.motion
         expected = expected @ expected if turns == 2 else expected
         assert np.abs(found.increment - expected.increment).max() < 1e-12
@@ -43,8 +43,8 @@ def test_shape_of_the_path_does_not_matter_round_a_line():
     """Flat away from the axis: only the winding counts, from the same base point."""
     cone = levi_civita(spaces.load("wedge_disclination").frame)
     corners = [[2, 0, 0], [0.5, 1, 3], [4, 2, -1], [1, 5, 0], [2, TURN, 0]]
-    crooked = develop_round(cone, corners, ROUND, parameters={"alpha": 0.7})
-    straight = develop_round(cone, [corners[0], corners[-1]], ROUND, parameters={"alpha": 0.7})
+    crooked = develop_period(cone, corners, ROUND, parameters={"alpha": 0.7})
+    straight = develop_period(cone, [corners[0], corners[-1]], ROUND, parameters={"alpha": 0.7})
     assert np.abs(crooked.increment - straight.increment).max() < 1e-11
 
 
@@ -64,11 +64,11 @@ def test_paths_that_do_not_close_are_refused():
     """The gap is named; so are coordinates that do not exist."""
     frame = cartan(spaces.load("flat_polar").frame)
     with pytest.raises(LoopError, match=r"gap of \(0, -0.283185\)"):
-        develop_round(frame, [[1, 0], [1, 6]], ROUND)
+        develop_period(frame, [[1, 0], [1, 6]], ROUND)
     with pytest.raises(LoopError, match=r"gap of \(1, 0\)"):
-        develop_round(frame, [[1, 0], [2, TURN]], ROUND)
+        develop_period(frame, [[1, 0], [2, TURN]], ROUND)
     with pytest.raises(LoopError, match="psi is no coordinate"):
-        develop_round(frame, [[1, 0], [1, TURN]], {"psi": TURN})
+        develop_period(frame, [[1, 0], [1, TURN]], {"psi": TURN})
     with pytest.raises(LoopError, match="neighbours that differ"):
         develop_path(frame, [[1, 0]])
 
@@ -81,7 +81,7 @@ def test_motions_have_invariants_to_the_last_digit():
         # A vector carried round turns by +angle, the frame that arrives by -angle.
         turn = -np.sin(angle) * cross + 2 * np.sin(angle / 2) ** 2 * cross @ cross
         shift = 0.25 * axis - turn @ np.array([1.0, 0.0, -1.0])
-        found = Motion.of(turn, shift)
+        found = AffineMap.of(turn, shift)
         assert abs(found.angle / angle - 1) < 1e-14
         direction = found.axis
         assert direction is not None
@@ -92,21 +92,21 @@ def test_motions_have_invariants_to_the_last_digit():
             assert np.abs(found.centre - [1, 0, -1]).max() < 1e-9
         if angle < 3.13:
             assert np.abs(found.frank / angle - cross).max() < 1e-12
-    nothing = Motion.of(np.zeros((3, 3)), [3.0, 0.0, 4.0])
+    nothing = AffineMap.of(np.zeros((3, 3)), [3.0, 0.0, 4.0])
     assert (nothing.angle, nothing.axis, nothing.centre, nothing.along_axis) == (0, None, None, 5)
     assert not nothing.frank.any()
 
 
 def test_motions_of_other_kinds_are_refused():
     """Axes only in three dimensions, angles only of rotations, shapes that fit."""
-    plane = Motion.of(np.array([[0.0, 1.0], [-1.0, 0.0]]), [0.0, 0.0])
+    plane = AffineMap.of(np.array([[0.0, 1.0], [-1.0, 0.0]]), [0.0, 0.0])
     with pytest.raises(ValueError, match="3 dimensions, but there are 2"):
         _ = plane.axis
     with pytest.raises(LoopError, match="no rotation"):
         _ = plane.angle
     with pytest.raises(ValueError, match="square matrix"):
-        Motion.of(np.zeros((2, 2)), [0.0, 0.0, 0.0])
-    half = Motion.of(np.diag([-2.0, -2.0, 0.0]), [0.0, 0.0, 0.0])
+        AffineMap.of(np.zeros((2, 2)), [0.0, 0.0, 0.0])
+    half = AffineMap.of(np.diag([-2.0, -2.0, 0.0]), [0.0, 0.0, 0.0])
     assert abs(half.angle - np.pi) < 1e-15
     with pytest.raises(LoopError, match="half a turn"):
         _ = half.frank

@@ -15,7 +15,7 @@ from geomtorsion.loops import (
     dispiration,
     parallel_screws,
 )
-from geomtorsion.loops.paths import roll_out
+from geomtorsion.loops.paths import developed_path
 
 pytest.importorskip("matplotlib")
 
@@ -40,7 +40,7 @@ def test_rolled_path_ends_where_the_development_does():
     sphere = levi_civita(Frame([theta, phi], [[1, 0], [0, sp.sin(theta)]]))
     for loop in (Loop.circle([1, 0.5], 0.6), Loop.plaquette([1, 0], (0.3, 0.4)).reversed()):
         turn = develop(sphere, loop)
-        path = roll_out(sphere, loop, 60)
+        path = developed_path(sphere, loop, 60)
         assert np.abs(path.places[:, -1] - turn.burgers).max() < 1e-12
         assert np.abs(path.legs[-1] - turn.rotation).max() < 1e-12
         assert np.abs(path.points[:, 0] - path.points[:, -1]).max() < 1e-12
