@@ -43,7 +43,7 @@ def main(arguments: list[str] | None = None) -> None:
         t=options.t,
         accuracy=options.accuracy,
     )
-    print(f"\n{scene.plan()}\n")
+    print(f"\n{scene.selection}\n")
     closed = scene.run()
     top = gt.free_top(moments, start)
     flow = gt.flow(

@@ -45,7 +45,7 @@ _LATER = {
     ),
     "accuracy": ("CostRow", "CostTable", "accuracy_cost"),
     "scenes": (
-        "Body", "Scene", "SceneCost", "ScenePlan", "SceneResult", "State", "effects",
+        "Body", "Scene", "SceneCost", "StateSelection", "SceneResult", "State", "effects",
     ),
 }  # fmt: skip
 # Packages that are asked for by name, as spaces is.
@@ -91,10 +91,10 @@ __all__ = [
     "SampledFrame",
     "Scene",
     "SceneCost",
-    "ScenePlan",
     "SceneResult",
     "Solution",
     "State",
+    "StateSelection",
     "Stiff",
     "Taylor",
     "Tensor",

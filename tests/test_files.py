@@ -2,6 +2,7 @@
 
 import io
 import random
+import tomllib
 import zipfile
 
 import numpy as np
@@ -169,6 +170,86 @@ def test_bad_toml(text, says):
     with pytest.raises(GeomtorsionError, match=f"(?s)^a.toml: .*({says})") as caught:
         read_toml_text(text, "a.toml", advice="Advice.")
     assert len(str(caught.value)) < 900
+
+
+SCENE = '''# a comment with = and [brackets]
+name = "top # no comment"
+story = """
+[body]
+mass = 7
+"""
+watch = [
+  "nutation",  # ] "
+  "energy",
+]
+
+[body]
+mass = 1.0
+inertia = [
+  [1, 0, 0],
+]
+
+[[effects]]
+kind = "gravity"
+g = 9.81
+
+[[effects]]  # the second
+kind = 'drag'
+"c o" = 1
+area.side = 2
+
+[effects.inner]
+depth = 3
+
+[start]
+omega = [0, 0, 1]
+'''
+
+LINES = {
+    ("name",): 2,
+    ("story",): 3,
+    ("watch",): 7,
+    ("watch", 1): 7,
+    ("body",): 12,
+    ("body", "mass"): 13,
+    ("body", "inertia"): 14,
+    ("effects",): 18,
+    ("effects", 0): 18,
+    ("effects", 0, "g"): 20,
+    ("effects", 1): 22,
+    ("effects", 1, "c o"): 24,
+    ("effects", 1, "area", "side"): 25,
+    ("effects", 1, "inner", "depth"): 28,
+    ("effects", 1, "missing"): 22,
+    ("start", "omega", 2): 31,
+    ("t",): 0,
+}
+
+
+@pytest.mark.parametrize("key", LINES, ids=str)
+def test_lines(key):
+    """Comments, texts and lists over several lines do not mislead."""
+    assert read_toml_text(SCENE, "a.toml").line(key) == LINES[key]
+
+
+def test_every_key_has_a_line():
+    """All that tomllib finds is found."""
+    file = read_toml_text(SCENE, "a.toml")
+    assert file.data == tomllib.loads(SCENE)
+
+    def leaves(value, path):
+        if isinstance(value, dict):
+            for key, inside in value.items():
+                yield from leaves(inside, (*path, key))
+        elif isinstance(value, list) and value and isinstance(value[0], dict):
+            for number, inside in enumerate(value):
+                yield from leaves(inside, (*path, number))
+        else:
+            yield path
+
+    found = list(leaves(file.data, ()))
+    assert len(found) == 12
+    assert all(path in file.lines for path in found)
 
 
 def test_json():

@@ -30,7 +30,7 @@ def main(arguments: list[str] | None = None) -> None:
     )
     assert scene == gt.scenes.load("chaplygin_sleigh")
 
-    result = scene.replaced(t=options.t).run()
+    result = scene.with_values(t=options.t).run()
     print(result)
     # m u' = m a W^2 and (I3 + m a^2) W' = -m a u W: the energy is kept, u = U tanh(k t + c).
     inertia = float(body.tensor[2, 2]) + MASS * ARM**2

@@ -37,7 +37,7 @@ def main(arguments: list[str] | None = None) -> None:
     print(scene.run())
     flip = "between zeros omega[1]"
     tilts = np.geomspace(1e-12, 0.1, 12)
-    sweep = scene.replaced(t=160).sweep({"start.omega[0]": tilts}, flip)
+    sweep = scene.with_values(t=160).sweep({"start.omega[0]": tilts}, flip)
     print(f"\n{'tilt':>10}{'flip after':>16}{'elliptic integral':>20}")
     for tilt, found in zip(tilts, sweep[flip], strict=True):
         print(f"{tilt:>10.1e}{found:>14.8f} s{flip_time(tilt):>18.8f} s")

@@ -45,7 +45,7 @@ def main(arguments: list[str] | None = None) -> None:
     )
     assert scene == gt.scenes.load("euler_top")
 
-    result = scene.replaced(t=options.t).run()
+    result = scene.with_values(t=options.t).run()
     print(result)
     known = rates((1, 2, 3), (0.5, 0.4, 1), result.times)
     gap = np.abs(result["omega"] - known).max()

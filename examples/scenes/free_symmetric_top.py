@@ -26,7 +26,7 @@ def main(arguments: list[str] | None = None) -> None:
     )
     assert scene == gt.scenes.load("free_symmetric_top")
 
-    result = scene.replaced(t=options.t).run()
+    result = scene.with_values(t=options.t).run()
     print(result)
     # In the body: Omega1 + i Omega2 turns at (I3 - I1) / I1 times the spin.
     turned = 0.6 * np.exp(1j * (1 - 2) / 2 * 2 * result.times)

@@ -34,10 +34,10 @@ def main(arguments: list[str] | None = None) -> None:
         title="gyrostat satellite in a gravity gradient",
     )
     shipped = gt.scenes.load("gyrostat_satellite")
-    assert scene == shipped.replaced({"gravity_gradient.rate": RATE, "start.omega[2]": RATE})
+    assert scene == shipped.with_values({"gravity_gradient.rate": RATE, "start.omega[2]": RATE})
     assert math.isclose(shipped.keyed["gravity_gradient"].rate, RATE, rel_tol=1e-15)
 
-    result = scene.replaced(t=options.orbits * 95 * 60).run()
+    result = scene.with_values(t=options.orbits * 95 * 60).run()
     print(result)
     # The field turns with the orbit: energy alone is not kept, energy - n L_z is.
     turning = RATE * result["angular_momentum_space"][:, 2]
@@ -49,7 +49,7 @@ def main(arguments: list[str] | None = None) -> None:
 
     # In the plane of the orbit it is a pendulum in twice the angle, wheel or no wheel.
     pitch = math.radians(25)
-    swing = scene.replaced(
+    swing = scene.with_values(
         {
             "start.euler": (0, 0, pitch),
             "watch": ("matrix",),

@@ -29,7 +29,7 @@ def main(arguments: list[str] | None = None) -> None:
     )
     assert scene == gt.scenes.load("helix")
 
-    result = scene.replaced(t=options.t).run()
+    result = scene.with_values(t=options.t).run()
     print(result)
     # Omega and V are constant in the body: x = R(t) V integrated.
     turn, v = np.array([0, 0, 1.0]), np.array([1, 0, 0.2])

@@ -29,7 +29,7 @@ def main(arguments: list[str] | None = None) -> None:
 
     def integral(moments: tuple[float, ...]) -> np.ndarray:
         """|(W1 + i W2)^2 - (m g a / I3) (n1 + i n2)|^2 over time, n upwards."""
-        result = scene.replaced({"t": options.t, "body.moments": moments}).run()
+        result = scene.with_values({"t": options.t, "body.moments": moments}).run()
         w, n = result["omega"], result["vertical"]
         print(result)
         pull = 1 * 10 * 0.1 / moments[2]

@@ -38,7 +38,7 @@ def main(arguments: list[str] | None = None) -> None:
     assert scene == gt.scenes.load("missile")
 
     spin = options.spin * 2 * math.pi
-    result = scene.replaced({"start.omega[2]": spin}).run()
+    result = scene.with_values({"start.omega[2]": spin}).run()
     print(result)
     across, along = float(body.tensor[0, 0]), float(body.tensor[2, 2])
     # w' = i r w + i M / I1 with w = Omega1 + i Omega2, r = (I3 - I1) / I1 * spin, M = -40 N m.
@@ -55,7 +55,7 @@ def main(arguments: list[str] | None = None) -> None:
         return math.degrees(math.acos(float(aim @ place) / float(np.linalg.norm(place))))
 
     spun = off_course(result)
-    unspun = off_course(scene.replaced({"start.omega[2]": 0}).run())
+    unspun = off_course(scene.with_values({"start.omega[2]": 0}).run())
     print(f"rates agree with the closed form to {gap:.1e} rad/s")
     print(f"off course by {spun:.2f} degrees spinning, by {unspun:.2f} without spin")
     assert gap < 1e-8

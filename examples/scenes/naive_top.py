@@ -30,8 +30,8 @@ def main(arguments: list[str] | None = None) -> None:
     )
     assert scene == gt.scenes.load("naive_top")
 
-    naive = scene.replaced(t=options.t).run()
-    right = gt.scenes.load("euler_top").replaced(t=options.t).run()
+    naive = scene.with_values(t=options.t).run()
+    right = gt.scenes.load("euler_top").with_values(t=options.t).run()
     print(f"{'t':>8}{'naive: L in space':>34}{'right: L in space':>34}")
     for k in range(0, len(naive.times), 40):
         rows = [run["angular_momentum_space"][k] for run in (naive, right)]

@@ -47,7 +47,7 @@ def main(arguments: list[str] | None = None) -> None:
         title="rolling disc",
     )
     shipped = gt.scenes.load("rolling_disc")
-    assert scene.replaced(start=shipped.start) == shipped
+    assert scene.with_values(start=shipped.start) == shipped
     if p == 2:
         assert np.allclose(scene.start.omega, shipped.start.omega, rtol=1e-14, atol=0)
         assert np.allclose(scene.start.position, shipped.start.position, rtol=1e-14, atol=0)

@@ -29,7 +29,7 @@ def main(arguments: list[str] | None = None) -> None:
     )
     assert scene == gt.scenes.load("straight_line")
 
-    result = scene.replaced(t=options.t).run()
+    result = scene.with_values(t=options.t).run()
     print(result)
     known = np.outer(result.times, [1, 0, 0.2])
     gap = np.abs(result["position"] - known).max()

@@ -35,7 +35,7 @@ def main(arguments: list[str] | None = None) -> None:
     )
     assert scene == gt.scenes.load("thrown_body")
 
-    result = scene.replaced(t=options.t).run()
+    result = scene.with_values(t=options.t).run()
     print(result)
     vx, vz = result["velocity"][:, 0], result["velocity"][:, 2]
     slope = vz / vx
@@ -47,7 +47,7 @@ def main(arguments: list[str] | None = None) -> None:
     print(f"Bernoulli's relation drifts by {drift:.1e}; the air has taken {lost:.3f} J")
     assert drift < 1e-9
     assert np.all(np.diff(result["energy"]) < 0)
-    still = scene.replaced({"t": options.t, "start.omega": (0, 0, 0)}).run()
+    still = scene.with_values({"t": options.t, "start.omega": (0, 0, 0)}).run()
     assert np.abs(still["position"] - result["position"]).max() < 1e-8
 
 

@@ -135,7 +135,7 @@ def _of_scene(
     asked: list[float],
 ) -> CostTable:
     """The table of a scene."""
-    from geomtorsion.scenes.accuracies import scene_accuracy
+    from geomtorsion.scenes.accuracy_table import scene_accuracy
 
     scene = open_scene(source, t=t, settings=settings)
     with bar(scene.title or scene.name) as progress:

@@ -12,7 +12,7 @@ from geomtorsion.cli.scene_source import Watch, is_scene, open_scene, space_besi
 from geomtorsion.errors import UnknownNameError
 
 if TYPE_CHECKING:
-    from geomtorsion.scenes import ScenePlan
+    from geomtorsion.scenes import StateSelection
 
 
 def plan(
@@ -56,7 +56,7 @@ def plan(
       geomtorsion plan lagrange_cusp --watch nutation -o plan.svg
     """
     if quantity is None and is_scene(source):
-        shown = open_scene(source, watch).plan()
+        shown = open_scene(source, watch).selection
         typer.echo(_dot(shown) if dot else str(shown))
         if output is not None:
             output.write_text(shown.draw(), "utf-8")
@@ -73,7 +73,7 @@ def plan(
     typer.echo(written)
 
 
-def _dot(plan: ScenePlan) -> str:
+def _dot(plan: StateSelection) -> str:
     """The graph of a scene in Graphviz's format; effects are boxes, what is watched is bold."""
     looks = {"effect": "shape=box", "watch": "style=bold", "state": "shape=ellipse"}
     lines = ["digraph plan {", "  rankdir=LR;"]

@@ -160,10 +160,10 @@ def _left(scene: Scene, checkpoint: Path | None, engine: Engine | None) -> str:
 
 def _partial(scene: Scene, checkpoint: Path, engine: Engine | None) -> str:
     """Write what a stopped run had computed, and say so."""
-    from geomtorsion.scenes.checkpoint import kept
+    from geomtorsion.scenes.checkpoint import partial_result
     from geomtorsion.scenes.table import write_csv
 
-    part = kept(scene, checkpoint, engine)
+    part = partial_result(scene, checkpoint, engine)
     path = checkpoint.with_name(PARTIAL)
     write_csv(path, part.columns())
     reached = float(part.times[-1]) if len(part.times) else 0.0
@@ -184,7 +184,7 @@ def film(
     names = [name for name in ("matrix", "position") if name in result.values]
     if "matrix" not in names:
         more = ("matrix", *names)
-        result = scene.replaced(watch=more, accuracy=max(scene.accuracy, 1e-8)).run()
+        result = scene.with_values(watch=more, accuracy=max(scene.accuracy, 1e-8)).run()
         names = list(more)
     times = np.linspace(float(result.times[0]), float(result.times[-1]), 401)
     found = result.at(times)

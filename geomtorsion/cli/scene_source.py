@@ -50,8 +50,8 @@ Settings = Annotated[
 def is_scene(source: str) -> bool:
     """Whether a source is a scene rather than a space: a shipped one, or a file with a body."""
     from geomtorsion.errors import GeomtorsionError
+    from geomtorsion.files import read_toml
     from geomtorsion.scenes import names
-    from geomtorsion.scenes.places import read_toml
 
     path = Path(source)
     if path.suffix != ".toml" or not path.exists():
@@ -106,7 +106,7 @@ def open_scene(
     if t is not None:
         changes["t"] = quantity(t, "s")
     changes |= dict(_setting(text) for text in settings or ())
-    return scene.replaced(changes) if changes else scene
+    return scene.with_values(changes) if changes else scene
 
 
 def _setting(text: str) -> tuple[str, float]:

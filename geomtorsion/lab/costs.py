@@ -15,7 +15,7 @@ from geomtorsion.lab.top import made, scene_of
 from geomtorsion.loops import Loop
 from geomtorsion.pictures.ink import number
 from geomtorsion.pictures.pair import posed
-from geomtorsion.scenes.accuracies import scene_accuracy
+from geomtorsion.scenes.accuracy_table import scene_accuracy
 from geomtorsion.spaces.first_motions import first_motion
 
 if TYPE_CHECKING:

@@ -184,8 +184,10 @@ def _rays(tips: Sequence[Sequence[float]], count: int = 28) -> list[Sequence[flo
 
 def _plan(scene: Scene) -> str:
     """What is simulated and what is left out, as a table."""
-    plan = scene.plan()
-    rows = [["in" if row.inside else "left out", row.kind, row.name, row.why] for row in plan.rows]
+    plan = scene.selection
+    rows = [
+        ["in" if row.inside else "left out", row.kind, row.name, row.reason] for row in plan.rows
+    ]
     watched = ", ".join(WATCHED.get(name, name) for name in scene.watch)
     return table(
         ("", "", "which", "why"), rows, f"To watch {watched}: {len(plan.states)} equations"

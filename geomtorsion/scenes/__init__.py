@@ -4,9 +4,9 @@ from geomtorsion.scenes import effects
 from geomtorsion.scenes.body import Body
 from geomtorsion.scenes.cost import SceneCost
 from geomtorsion.scenes.files import read_file
-from geomtorsion.scenes.plan import ScenePlan
 from geomtorsion.scenes.result import SceneResult
 from geomtorsion.scenes.scene import Scene
+from geomtorsion.scenes.selection import StateSelection
 from geomtorsion.scenes.shipped import load, names
 from geomtorsion.scenes.state import State
 from geomtorsion.scenes.sweep import SceneSweep
@@ -16,10 +16,10 @@ __all__ = [
     "Body",
     "Scene",
     "SceneCost",
-    "ScenePlan",
     "SceneResult",
     "SceneSweep",
     "State",
+    "StateSelection",
     "effects",
     "load",
     "names",

@@ -17,14 +17,14 @@ from geomtorsion.motion.flows.checkpoint import LEGS, Checkpoint, fingerprint
 from geomtorsion.motion.flows.travel import cut_legs, travel
 from geomtorsion.motion.solution import Cost
 from geomtorsion.motion.solving import checked_times
-from geomtorsion.scenes.result import SceneResult
-from geomtorsion.scenes.running import read
+from geomtorsion.scenes.result import SceneResult, result_of
+from geomtorsion.scenes.to_ode import observed
 
 if TYPE_CHECKING:
     from geomtorsion.scenes.scene import Scene
 
 
-def kept(scene: Scene, path: str | Path, engine: Engine | None = None) -> SceneResult:
+def partial_result(scene: Scene, path: str | Path, engine: Engine | None = None) -> SceneResult:
     """The result of a scene up to where its run was stopped.
 
     Its error is infinite: that is known only when the run has come to its end.
@@ -48,14 +48,14 @@ def kept(scene: Scene, path: str | Path, engine: Engine | None = None) -> SceneR
     >>> scene = load("lagrange_cusp")
     >>> with TemporaryDirectory() as folder:
     ...     whole = scene.run(checkpoint=Path(folder, "run.npz"))
-    ...     part = kept(scene, Path(folder, "run.npz"))
+    ...     part = partial_result(scene, Path(folder, "run.npz"))
     >>> part.outcome, bool(abs(part["energy"] - whole["energy"]).max() < 1e-9)
     ('interrupted', True)
     """
-    flow, (times, grid) = scene.flow, checked_times(scene.times)
+    ode, (times, grid) = scene.ode, checked_times(scene.times)
     if not Path(path).exists():
         raise CheckpointError(f"{path}: there is no such checkpoint. Run the scene with it first.")
-    saved = Checkpoint(path, fingerprint(flow, times, scene.accuracy, engine))
+    saved = Checkpoint(path, fingerprint(ode, times, scene.accuracy, engine))
     found: dict[tuple[str, str, str], int] = {}
     for leg in saved.metadata["legs"]:
         name, tolerance, _, moved = leg.rsplit(" ", 3)
@@ -81,27 +81,22 @@ def kept(scene: Scene, path: str | Path, engine: Engine | None = None) -> SceneR
         none = np.zeros((0, len(start)))
         return Run(at[:0], none, float(at[0]), start, "interrupted", 0, 0, 0.0, 0.0)
 
-    legs = cut_legs(flow, float(grid[-1]), LEGS)
-    trip = travel(flow, solver, float(tolerance), grid, legs, leg_run)
+    legs = cut_legs(ode, float(grid[-1]), LEGS)
+    trip = travel(ode, solver, float(tolerance), grid, legs, leg_run)
     states = np.asarray(trip.states).astype(float)
     # The start is in the grid even where it was not asked for.
     states = states[len(grid) - len(times) :]
-    reached, plan = times[: len(states)], scene.plan()
-    return SceneResult(
-        scene=scene,
+    reached = times[: len(states)]
+    return result_of(
+        scene,
         times=reached,
-        values=read(scene, reached, states),
-        labels={item.name: item.labels for item in plan.watch},
-        units={item.name: item.unit for item in plan.watch},
-        accuracy=scene.accuracy,
+        values=observed(ode, scene.selection, reached, states),
         error=math.inf,
         drift={},
         cost=Cost(trip.steps, trip.evaluations, 0.0, trip.run_seconds, 0.0),
         engine=name,
-        why="kept from a run that was stopped",
+        reason="kept from a run that was stopped",
         outcome="interrupted",
-        closed_form=None,
-        plan=plan,
     )
 
 

@@ -17,14 +17,16 @@ from geomtorsion.scenes.assembly import WORK, Assembly, by_quaternion
 from geomtorsion.scenes.context import ATTITUDE, QUATERNION, TIME, VERTICAL
 
 if TYPE_CHECKING:
-    from geomtorsion.scenes.plan import ScenePlan
+    from geomtorsion.scenes.selection import StateSelection
 
 # Places at which a rate is worked out, and how far below its terms it counts as zero: with
 # fractions it is zero exactly, with roots and functions there are 120 digits.
 PLACES, NOTHING = 3, 1e-60
 
 
-def invariants(plan: ScenePlan, lawful: Assembly, chosen: Mapping[Any, Any]) -> dict[str, Any]:
+def invariants(
+    selection: StateSelection, lawful: Assembly, chosen: Mapping[Any, Any]
+) -> dict[str, Any]:
     """Name -> expression (or several) that does not change, over the states that are solved for.
 
     A quantity is taken for conserved if its rate vanishes, exactly or to 60 digits, at random
@@ -33,9 +35,9 @@ def invariants(plan: ScenePlan, lawful: Assembly, chosen: Mapping[Any, Any]) -> 
     lawful: the equations by which a quantity is to be conserved.
     chosen: elements of R -> expressions in the states that are solved for.
     """
-    made = plan.assembly
-    here = {*plan.symbols, *plan.constants, TIME}
-    if plan.uses_quaternion:
+    made = selection.assembly
+    here = {*selection.symbols, *selection.constants, TIME}
+    if selection.uses_quaternion:
         here |= set(ATTITUDE)
     parameters = {sp.Symbol(name) for name in made.values}
     switched = {

@@ -33,6 +33,26 @@ GROUPS: Mapping[str, frozenset[Any]] = {
     "time": frozenset((TIME,)),
 }
 
+# State -> the group under which tables show it.
+_GROUP_OF: dict[str, str] = {
+    **dict.fromkeys((s.name for s in OMEGA), "rotation"),
+    **dict.fromkeys((s.name for s in QUATERNION), "attitude"),
+    **dict.fromkeys((s.name for s in VERTICAL), "vertical"),
+    **dict.fromkeys((s.name for s in POSITION), "position"),
+    **dict.fromkeys((s.name for s in VELOCITY), "velocity"),
+}
+
+
+def group_of(name: str) -> str:
+    """The group that a state belongs to; other nodes of the graph stand for themselves.
+
+    Examples
+    --------
+    >>> group_of("q2"), group_of("vz"), group_of("work")
+    ('attitude', 'velocity', 'work')
+    """
+    return _GROUP_OF.get(name, name)
+
 
 class Context:
     """What an effect is told: symbols for the state of the body, and a way to name numbers.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from geomtorsion.errors import GeomtorsionError, SceneError
 from geomtorsion.motion import solve
 from geomtorsion.scenes.assembly import assemble
-from geomtorsion.scenes.watch import watched
+from geomtorsion.scenes.observables import observable
 
 if TYPE_CHECKING:
     from geomtorsion.motion import Engine
@@ -82,13 +82,13 @@ def _row(scene: Scene, count: int, key: str, engine: Engine | None, repeats: int
     """The scene with its first effects, watching what there is to watch."""
     try:
         part = _with_first(scene, count)
-        first = solve(part.flow, part.times, part.accuracy, engine)
-        runs = [solve(part.flow, part.times, part.accuracy, engine) for _ in range(repeats)]
+        first = solve(part.ode, part.times, part.accuracy, engine)
+        runs = [solve(part.ode, part.times, part.accuracy, engine) for _ in range(repeats)]
     except GeomtorsionError as problem:
         return SceneCostRow(key, 0, 0, 0.0, 0.0, f"not by itself: {problem}")
     best = min(runs, key=lambda run: run.cost.run_seconds)
     compiled = first.cost.compile_seconds
-    return SceneCostRow(key, part.flow.size, best.cost.steps, best.cost.run_seconds, compiled)
+    return SceneCostRow(key, part.ode.size, best.cost.steps, best.cost.run_seconds, compiled)
 
 
 def _with_first(scene: Scene, count: int) -> Scene:
@@ -100,7 +100,7 @@ def _with_first(scene: Scene, count: int) -> Scene:
     names = []
     for name in scene.watch:
         try:
-            watched(name, made)
+            observable(name, made)
         except GeomtorsionError:
             continue
         names.append(name)

@@ -10,14 +10,16 @@ from pathlib import Path
 from typing import Any
 
 from geomtorsion.exact.names import CONSTANTS, FUNCTIONS
-from geomtorsion.scenes.blame import placed
+from geomtorsion.files import Key, TomlFile, read_toml
 from geomtorsion.scenes.body import Body
 from geomtorsion.scenes.effects import EFFECTS, Effect
-from geomtorsion.scenes.places import Key, TomlFile, read_toml
+from geomtorsion.scenes.error_location import placed
 from geomtorsion.scenes.scene import Scene
 from geomtorsion.scenes.state import State
 from geomtorsion.scenes.units import quantity, scale_of, with_unit
 
+# What an error in the form of a file ends with.
+ADVICE = 'Expressions and numbers with units stand in quotes, as in "9.81 m/s^2".'
 TEXT_KEYS = ("name", "title", "story")
 KEYS = (*TEXT_KEYS, "watch", "t", "accuracy", "samples", "body", "effects", "start")
 START_UNITS: Mapping[str, str | None] = {
@@ -90,8 +92,7 @@ def read_file(path: str | PathLike[str]) -> Scene:
     >>> scene.name, round(scene.start.omega[1], 6)
     ('top', 3.141593)
     """
-    path = Path(path)
-    return scene_from(read_toml(path), path.stem)
+    return scene_from(read_toml(path, advice=ADVICE), Path(path).stem)
 
 
 def scene_from(file: TomlFile, name: str = "") -> Scene:

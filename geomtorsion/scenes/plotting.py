@@ -15,8 +15,7 @@ from geomtorsion.pictures.scene_cones import cones_picture
 from geomtorsion.pictures.scene_lines import watched_picture
 from geomtorsion.pictures.scene_path import path_picture
 from geomtorsion.pictures.scene_trust import change_picture, trust_picture
-from geomtorsion.scenes.drifts import drifts_over_time
-from geomtorsion.scenes.plan_drawing import plan_figure
+from geomtorsion.scenes.selection_drawing import selection_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -93,7 +92,7 @@ def finely(result: SceneResult, *names: str) -> list[Any]:
 
 def title_of(result: SceneResult) -> str:
     """The title of the scene."""
-    return str(getattr(result.plan, "title", ""))
+    return str(getattr(result.selection, "title", ""))
 
 
 def notes_of(result: SceneResult) -> list[str]:
@@ -106,7 +105,7 @@ def notes_of(result: SceneResult) -> list[str]:
 
 def watched(result: SceneResult) -> Figure:
     """Everything that was watched, over time."""
-    quantities = getattr(result.plan, "watch", ())
+    quantities = getattr(result.selection, "watch", ())
     times, *values = finely(result, *result.values)
     named = dict(zip(result.values, values, strict=True))
     # Nine lines tell nothing; the picture of the attitude shows them.
@@ -177,7 +176,7 @@ def trust(result: SceneResult) -> Figure:
     """Error and drift over time."""
     return trust_picture(
         result.times,
-        drifts_over_time(result),
+        result.changes(),
         result.error,
         result.accuracy,
         title=title_of(result),
@@ -187,5 +186,5 @@ def trust(result: SceneResult) -> Figure:
 
 def plan(result: SceneResult) -> Figure:
     """What is in and what was left out."""
-    # A result that was loaded has a text for its plan; `album` offers it no picture of one.
-    return plan_figure(result.plan)  # type: ignore[arg-type]
+    # A result that was loaded has a text for its selection; `album` offers it no picture of one.
+    return selection_figure(result.selection)  # type: ignore[arg-type]

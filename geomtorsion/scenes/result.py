@@ -19,12 +19,13 @@ from geomtorsion.motion.solution import Cost
 from geomtorsion.motion.tables import pandas_table
 from geomtorsion.pictures.ink import save
 from geomtorsion.pictures.scene_lines import watched_picture
+from geomtorsion.scenes.to_ode import invariant_changes, observed
 
 if TYPE_CHECKING:
     from geomtorsion.motion import FlowSolution
-    from geomtorsion.scenes.plan import ScenePlan
-    from geomtorsion.scenes.running import ClosedForm
+    from geomtorsion.scenes.closed_form import ClosedForm
     from geomtorsion.scenes.scene import Scene
+    from geomtorsion.scenes.selection import StateSelection
 
 # Marks NPZ files of this kind.
 FORMAT = "geomtorsion scene result 1"
@@ -42,11 +43,12 @@ class SceneResult:
     error: estimate of the largest error of the states at `times`, relative to their size.
     drift: invariant -> largest relative change.
     cost: steps, evaluations, seconds.
-    engine, why: what solved it, and why that was chosen.
+    engine, reason: what solved it, and why that was chosen.
     outcome: "done", "stopped" (by a condition of the scene), "stuck" or "interrupted".
+    selection: what was in and what was left out; its text in a result that was loaded.
     closed_form: name of the closed form that was used, or None.
-    plan: what was in and what was left out.
-    solved: the solution of the flow; None where the closed form was used.
+    solved: the solution of the equations; None where the closed form was used.
+    form: that closed form.
 
     Examples
     --------
@@ -67,10 +69,10 @@ class SceneResult:
     drift: Mapping[str, float]
     cost: Cost
     engine: str
-    why: str
+    reason: str
     outcome: str
-    closed_form: str | None
-    plan: ScenePlan | str
+    selection: StateSelection | str
+    closed_form: str | None = None
     solved: FlowSolution | None = None
     form: ClosedForm | None = None
 
@@ -103,8 +105,6 @@ class SceneResult:
         TimeError
             a time lies outside of what was solved.
         """
-        from geomtorsion.scenes.running import read
-
         if self.scene is None:
             raise SceneError("a result from a file has no values between its times; run the scene.")
         asked = np.asarray(time, dtype=float)
@@ -113,12 +113,37 @@ class SceneResult:
             states = self.form.states(flat)
         else:
             states = np.asarray(self.solution.at(flat).states, dtype=float)
-        found = read(self.scene, flat, states)
+        found = observed(self.scene.ode, self.scene.selection, flat, states)
         return {k: v.reshape((*asked.shape, *v.shape[1:])) for k, v in found.items()}
+
+    def changes(self) -> dict[str, np.ndarray]:
+        """Change of each invariant at the times since the start (since the last switch), relative.
+
+        The largest value of each is the one in `drift`; a result from a file has none.
+
+        Examples
+        --------
+        >>> from geomtorsion.scenes import load
+        >>> result = load("lagrange_cusp").run()
+        >>> changes = result.changes()
+        >>> all(float(changes[name].max()) == result.drift[name] for name in result.drift)
+        True
+        """
+        if self.scene is None:
+            return {}
+        if self.form is not None:
+            states = self.form.states(self.times)
+        elif self.solved is not None:
+            states = np.asarray(self.solved.states, dtype=float)
+        else:
+            return {}
+        return invariant_changes(self.scene.ode, self.times, states)
 
     @cached_property
     def solution(self) -> FlowSolution:
-        """The solved flow: single states, dense output, zeros; integrated now if it was not.
+        """The solution of the equations: single states, dense output, zeros.
+
+        It is integrated now where the closed form was used.
 
         Raises
         ------
@@ -129,7 +154,7 @@ class SceneResult:
             return self.solved
         if self.scene is None:
             raise SceneError("a result from a file has no solution; run the scene.")
-        return solve(self.scene.flow, self.times, self.accuracy)
+        return solve(self.scene.ode, self.times, self.accuracy)
 
     # -- showing ---------------------------------------------------------------------------------
 
@@ -139,7 +164,7 @@ class SceneResult:
         return (self.scene.title or self.scene.name) if self.scene is not None else ""
 
     def __str__(self) -> str:
-        how = self.closed_form or f"{self.engine} ({self.why})"
+        how = self.closed_form or f"{self.engine} ({self.reason})"
         ended = "" if self.outcome == "done" else f", {self.outcome}"
         lines = [
             f"{self.title or 'scene'}: {', '.join(self.values)}",
@@ -204,10 +229,10 @@ class SceneResult:
             "drift": dict(self.drift),
             "cost": vars(self.cost),
             "engine": self.engine,
-            "why": self.why,
+            "reason": self.reason,
             "outcome": self.outcome,
             "closed_form": self.closed_form,
-            "plan": str(self.plan),
+            "selection": str(self.selection),
             "watch": list(self.values),
         }
         arrays = {f"value {name}": value for name, value in self.values.items()}
@@ -239,3 +264,16 @@ class SceneResult:
         about["labels"] = {k: tuple(v) for k, v in about["labels"].items()}
         about["cost"] = Cost(**about["cost"])
         return cls(None, times, values, **about)
+
+
+def result_of(scene: Scene, **known: Any) -> SceneResult:
+    """A result with what the scene says of itself: labels, units, accuracy, selection."""
+    selection = scene.selection
+    return SceneResult(
+        scene=scene,
+        labels={item.name: item.labels for item in selection.watch},
+        units={item.name: item.unit for item in selection.watch},
+        accuracy=scene.accuracy,
+        selection=selection,
+        **known,
+    )

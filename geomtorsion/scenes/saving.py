@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import SceneError
-from geomtorsion.pictures.album import can_draw
+from geomtorsion.pictures import album as pictures
 from geomtorsion.pictures.ink import save
 from geomtorsion.scenes.plotting import album
 from geomtorsion.scenes.table import write_csv
@@ -41,7 +41,7 @@ def write_run(
     --------
     >>> from tempfile import TemporaryDirectory
     >>> from geomtorsion.scenes import load
-    >>> result = load("lagrange_cusp").replaced(watch=["nutation"]).run()
+    >>> result = load("lagrange_cusp").with_values(watch=["nutation"]).run()
     >>> with TemporaryDirectory() as folder:
     ...     [path.name for path in write_run(result, Path(folder))][:4]
     ['table.csv', 'result.npz', 'run.json', 'scene.toml']
@@ -49,7 +49,7 @@ def write_run(
     if result.scene is None:
         raise SceneError("a result from a file has no scene; run the scene and write that.")
     figures: dict[str, Any] = {}
-    if can_draw():
+    if pictures.can_draw():
         for name, (draw, _) in album(result).items():
             progress(f"drawing {name}")
             figures[f"{name}.{form}"] = draw(result)
@@ -79,10 +79,10 @@ def metadata(result: SceneResult) -> dict[str, Any]:
         "error": result.error,
         "drift": {name: float(value) for name, value in result.drift.items()},
         "engine": result.engine,
-        "why": result.why,
+        "reason": result.reason,
         "closed_form": result.closed_form,
         "outcome": result.outcome,
         "complete": result.complete,
         "cost": {name: float(value) for name, value in vars(result.cost).items()},
-        "plan": str(result.plan).splitlines(),
+        "selection": str(result.selection).splitlines(),
     }

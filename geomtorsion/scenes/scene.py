@@ -13,26 +13,23 @@ from geomtorsion.errors import SceneError
 from geomtorsion.motion.solving import checked_accuracy, checked_times
 from geomtorsion.scenes.assembly import Assembly, assemble
 from geomtorsion.scenes.body import Body
-from geomtorsion.scenes.cost import scene_cost
-from geomtorsion.scenes.effects import Drift, Effect, Spin
-from geomtorsion.scenes.flowing import flow_of, parameters_of, pruned_rates, start_of
-from geomtorsion.scenes.intake import effect_list, watch_list
-from geomtorsion.scenes.plan import ScenePlan
-from geomtorsion.scenes.replacing import replaced
-from geomtorsion.scenes.running import run
+from geomtorsion.scenes.cost import SceneCost, scene_cost
+from geomtorsion.scenes.dotted_paths import with_values
+from geomtorsion.scenes.effects import EFFECTS, Drift, Effect, Spin
+from geomtorsion.scenes.metrics import Measure
+from geomtorsion.scenes.observables import OBSERVABLES, observable
+from geomtorsion.scenes.result import SceneResult
+from geomtorsion.scenes.selection import StateSelection
+from geomtorsion.scenes.solve import solve_scene
 from geomtorsion.scenes.state import State
-from geomtorsion.scenes.sweep import sweep
-from geomtorsion.scenes.watch import QUANTITIES, watched
+from geomtorsion.scenes.sweep import SceneSweep, sweep
+from geomtorsion.scenes.to_ode import ode_of, parameters_of, pruned_rates, start_of
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from geomtorsion.motion import Engine
     from geomtorsion.motion.flows import Flow
-    from geomtorsion.scenes.cost import SceneCost
-    from geomtorsion.scenes.measure import Measure
-    from geomtorsion.scenes.result import SceneResult
-    from geomtorsion.scenes.sweep import SceneSweep
 
 
 @dataclass(frozen=True)
@@ -42,7 +39,7 @@ class Scene:
     body: what moves.
     effects: what acts on it; rotation by its own inertia (spin) is always there.
     start: how it starts.
-    watch: names of the quantities to report, see `geomtorsion.scenes.watch`.
+    watch: names of the quantities to report, see `geomtorsion.scenes.observables`.
     t: last time (s), or all times at which to report, from 0 on.
     accuracy: largest error of the states, relative to their size.
     name, title: for lists and tables.
@@ -60,15 +57,16 @@ class Scene:
     >>> from geomtorsion.scenes import effects
     >>> top = Scene(Body(moments=(1, 1, 0.5)), [effects.Gravity(9.81), effects.Pivot([0, 0, 0.1])],
     ...             State(omega=(0, 0, 20), euler=(0, 0.3, 0)), watch=["nutation"], t=1)
-    >>> top.plan().states
+    >>> top.selection.states
     ('Omega1', 'Omega2', 'Omega3', 'n1', 'n2', 'n3')
-    >>> top.replaced({"gravity.g": 0.0, "start.omega[2]": 0.0}).start.omega
+    >>> top.with_values({"gravity.g": 0.0, "start.omega[2]": 0.0}).start.omega
     (0, 0, 0.0)
     """
 
     body: Body
     effects: Sequence[Effect] = ()
-    start: State | None = None
+    # Without a default it could not follow the effects; None is refused.
+    start: State = None  # type: ignore[assignment]
     watch: Sequence[str] = ("omega",)
     t: Any = 10.0
     accuracy: float = 1e-10
@@ -82,8 +80,8 @@ class Scene:
             raise SceneError(
                 f"body = {self.body!r}: a Body was needed, as Body(moments=(1, 2, 3))."
             )
-        object.__setattr__(self, "effects", effect_list(self.effects))
-        object.__setattr__(self, "watch", watch_list(self.watch))
+        object.__setattr__(self, "effects", _effect_list(self.effects))
+        object.__setattr__(self, "watch", _names(self.watch))
         if not isinstance(self.start, State):
             raise SceneError(
                 f"start = {self.start!r}: a scene starts from a State, as State(omega=(0, 0, 1))."
@@ -96,12 +94,12 @@ class Scene:
             raise SceneError(f"samples = {self.samples!r}: a whole number from 2 on was needed.")
         for key, part in self.assembly.parts.items():
             for name in part.outputs:
-                if name in QUANTITIES:
+                if name in OBSERVABLES:
                     raise SceneError(
                         f"{key} brings {name!r} to be watched, which means something already. "
                         "Choose another name."
                     )
-        _ = self._plan
+        _ = self.selection
 
     # -- what is solved --------------------------------------------------------------------------
 
@@ -129,38 +127,35 @@ class Scene:
         return self.assembly if len(right) == len(self.keyed) else assemble(self.body, right)
 
     @cached_property
-    def _plan(self) -> ScenePlan:
+    def selection(self) -> StateSelection:
+        """Which states and effects are in, which are left out, and why; prints as a table."""
         titles = {"spin": Spin.title}
         if self.assembly.constraint is None:
             titles["drift"] = Drift.title
         titles |= {key: effect.title for key, effect in self.keyed.items()}
-        quantities = tuple(watched(name, self.assembly) for name in self.watch)
-        return ScenePlan(self.title or self.name, self.assembly, quantities, titles)
-
-    def plan(self) -> ScenePlan:
-        """Which states and effects are in, which are left out, and why; prints as a table."""
-        return self._plan
+        quantities = tuple(observable(name, self.assembly) for name in self.watch)
+        return StateSelection(self.title or self.name, self.assembly, quantities, titles)
 
     @cached_property
-    def flow(self) -> Flow:
+    def ode(self) -> Flow:
         """The equations that are solved, with start, parameters and invariants."""
-        return flow_of(self)
+        return ode_of(self)
 
     @property
     def equations(self) -> Mapping[str, Any]:
         """State -> rate as sympy expression, of the states that are solved for."""
-        return pruned_rates(self._plan)
+        return pruned_rates(self.selection)
 
     @property
     def numbers(self) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
         """Start of each state and value of each parameter: what differs between equal scenes."""
-        return start_of(self), parameters_of(self)
+        return start_of(self.selection, self.start), parameters_of(self.selection, self.start)
 
     @cached_property
-    def watchable(self) -> Mapping[str, str]:
+    def observables(self) -> Mapping[str, str]:
         """Name -> what it is, of everything that can be watched here; also euler:CONVENTION."""
         own = [name for part in self.assembly.parts.values() for name in part.outputs]
-        return {name: watched(name, self.assembly).meaning for name in (*QUANTITIES, *own)}
+        return {name: observable(name, self.assembly).meaning for name in (*OBSERVABLES, *own)}
 
     @property
     def times(self) -> Any:
@@ -191,11 +186,11 @@ class Scene:
         AccuracyError
             the accuracy is not to be had.
         StartError
-            the start lacks something that the plan needs.
+            the start lacks something that the selection needs.
         StuckError
             the motion cannot go on; the `solution` of the error is the result so far.
         """
-        return run(self, engine, checkpoint, progress)
+        return solve_scene(self, engine, checkpoint, progress)
 
     def cost(self, engine: Engine | None = None, repeats: int = 5) -> SceneCost:
         """States and run time with the effects added one by one; prints as a table."""
@@ -224,7 +219,7 @@ class Scene:
         """
         return sweep(self, varied, measure, **options)
 
-    def replaced(self, changes: Mapping[str, Any] | None = None, **fields: Any) -> Scene:
+    def with_values(self, changes: Mapping[str, Any] | None = None, **fields: Any) -> Scene:
         """The same scene with other values, named by dotted paths.
 
         Parameters
@@ -239,8 +234,46 @@ class Scene:
         """
         if changes is not None and not isinstance(changes, Mapping):
             raise SceneError(f"{changes!r}: a mapping was needed, as {{'body.moments[2]': 3.1}}.")
-        return replaced(self, {**(changes or {}), **fields})
+        return with_values(self, {**(changes or {}), **fields})
 
     def __str__(self) -> str:
         acting = ", ".join(self.keyed) or "no effects"
         return f"{self.title or self.name or 'scene'}: {acting}; watched: {', '.join(self.watch)}"
+
+
+def _names(watch: Any) -> tuple[str, ...]:
+    """Names of what to report, each once."""
+    names = tuple(watch) if isinstance(watch, list | tuple | set | dict) else (watch,)
+    if not names:
+        raise SceneError('watch is empty: name what to report, for instance "omega".')
+    for name in names:
+        if not isinstance(name, str):
+            raise SceneError(f'watch: {name!r} is no name. Give texts, for instance ["omega"].')
+    return tuple(dict.fromkeys(names))
+
+
+def _effect_list(effects: Any) -> tuple[Effect, ...]:
+    """Effects, each at most once unless it may be there several times, none against another."""
+    if isinstance(effects, Effect):
+        effects = (effects,)
+    try:
+        listed = tuple(effects)
+    except TypeError:
+        listed = (effects,)
+    for effect in listed:
+        if not isinstance(effect, Effect):
+            name = getattr(effect, "__name__", repr(effect))
+            hint = f" Write {name}(...)." if isinstance(effect, type) else ""
+            known = ", ".join(kind.__name__ for kind in EFFECTS)
+            raise SceneError(f"effects: {name} is no effect.{hint} There are {known}.")
+    keys = [effect.key for effect in listed]
+    for effect in listed:
+        if keys.count(effect.key) > 1 and not effect.several:
+            raise SceneError(f"the effect {effect.key} is there twice. Keep one of them.")
+        for other in listed:
+            if other.key in effect.excludes:
+                raise SceneError(
+                    f"{effect.key} and {other.key} contradict each other: {effect.title}; "
+                    f"{other.title}. Keep one of them."
+                )
+    return listed

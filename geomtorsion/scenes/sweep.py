@@ -2,28 +2,38 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion.errors import SceneError, StuckError
+from geomtorsion.errors import AccuracyError, SceneError, StartError, StuckError
+from geomtorsion.motion import solve_many
 from geomtorsion.motion.tables import pandas_table
 from geomtorsion.pictures.ink import number, save
 from geomtorsion.pictures.scene_sweep import WIDE, sweep_picture
-from geomtorsion.scenes.measure import Measure, measures, only_words, quantities
-from geomtorsion.scenes.sweeping import Found, groups, solve_group
+from geomtorsion.scenes.closed_form import closed_form
+from geomtorsion.scenes.metrics import Measure, SweepRun, measures, only_words, quantities
 from geomtorsion.scenes.table import write_csv
+from geomtorsion.scenes.to_ode import observed, parameters_of, start_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from geomtorsion.motion import Engine
     from geomtorsion.scenes.scene import Scene
+    from geomtorsion.scenes.state import State
+
+# Samples of each motion, at least, so that zeros between them are as good as the motion.
+SAMPLES = 1001
+# Numbers that are held at once, 160 MB: longer batches are solved in parts.
+LARGEST_BATCH = 20_000_000
+_START = re.compile(r"start\.([^\W\d]\w*)(?:\[(\d+)\])?")
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +186,6 @@ def sweep(
     >>> flips["between zeros omega[1]"].round(3).tolist()
     [28.731, 20.755]
     """
-
     began = time.perf_counter()
     if not varied or not isinstance(varied, Mapping):
         raise SceneError('nothing is varied. Give paths with values, as {"gravity.g": [1, 2]}.')
@@ -184,7 +193,7 @@ def sweep(
     watch = quantities(measure)
     if not only_words(measure):
         watch = (*scene.watch, *watch)
-    scene = scene.replaced(watch=watch)
+    scene = scene.with_values(watch=watch)
     values = {path: _column(path, column) for path, column in varied.items()}
     shape = tuple(len(column) for column in values.values())
     if together and len(set(shape)) != 1:
@@ -194,14 +203,14 @@ def sweep(
     )
     if not combinations:
         raise SceneError("nothing is varied: there are no values.")
-    lanes = [dict(zip(values, map(_plain, chosen), strict=True)) for chosen in combinations]
-    found = Found(readers, len(lanes), progress)
-    for members in groups(scene, lanes).values():
-        solve_group(scene, members, engine, found)
-    lost = [(lanes[place], why) for place, why in sorted(found.lost.items())]
-    if len(lost) == len(lanes):
+    changes = [dict(zip(values, map(_plain, chosen), strict=True)) for chosen in combinations]
+    found = _Measured(readers, len(changes), progress)
+    for members in _groups(scene, changes).values():
+        _solve_group(scene, members, engine, found)
+    lost = [(changes[place], reason) for place, reason in sorted(found.lost.items())]
+    if len(lost) == len(changes):
         raise StuckError(f"no motion reaches its end; with {lost[0][0]}: {lost[0][1]}.")
-    grid = (len(lanes),) if together else shape
+    grid = (len(changes),) if together else shape
     return SceneSweep(
         scene.title or scene.name,
         values,
@@ -229,3 +238,163 @@ def _plain(value: Any) -> Any:
     """A number, or a tuple of them."""
     rows = value.tolist()
     return tuple(_plain(row) for row in value) if isinstance(rows, list) else rows
+
+
+# -- motions of equal equations -------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class _Member:
+    """One motion: its place, what is varied in it, its numbers, and its scene if it has its own."""
+
+    place: int
+    varied: Mapping[str, Any]
+    start: Mapping[str, Any]
+    parameters: Mapping[str, Any]
+    scene: Scene | None
+
+
+@dataclass
+class _Measured:
+    """What is measured while motions are solved."""
+
+    readers: Mapping[str, Callable[[SweepRun], float]]
+    count: int
+    progress: Callable[[float], object]
+    error: float = 0.0
+    engines: set[str] = field(default_factory=set)
+    lost: dict[int, str] = field(default_factory=dict)
+    done: int = 0
+
+    def __post_init__(self) -> None:
+        """A column for each measure."""
+        self.columns = {name: np.full(self.count, np.nan) for name in self.readers}
+
+    def measure(self, member: _Member, times: np.ndarray, values: Mapping[str, Any]) -> None:
+        """Read one motion."""
+        run = SweepRun(times, values, member.varied)
+        for name, reader in self.readers.items():
+            self.columns[name][member.place] = reader(run)
+        self._went_on()
+
+    def lose(self, member: _Member, reason: str) -> None:
+        """A motion that does not reach its end: nothing is measured, and that is said."""
+        self.lost[member.place] = reason
+        self._went_on()
+
+    def _went_on(self) -> None:
+        self.done += 1
+        self.progress(self.done / self.count)
+
+
+def _groups(scene: Scene, changes: Sequence[Mapping[str, Any]]) -> dict[Any, list[_Member]]:
+    """Motions by their equations: those with equal ones can be solved in one batch."""
+    groups: dict[Any, list[_Member]] = {}
+    own = tuple(scene.numbers[1])
+    for place, varied in enumerate(changes):
+        if all(_START.fullmatch(path) for path in varied):
+            # Another start leaves the equations, and with them the selection, as they are.
+            state, chosen = _restarted(scene, varied), scene.selection
+            numbers = start_of(chosen, state), parameters_of(chosen, state)
+            member = _Member(place, varied, *numbers, None)
+            key: Any = ("start", own)
+        else:
+            other = scene.with_values(varied)
+            member = _Member(place, varied, *other.numbers, other)
+            made = other.assembly
+            switches = str([part.switches for part in made.parts.values()])
+            key = (tuple(member.parameters), tuple(made.rates.items()), switches)
+        groups.setdefault(key, []).append(member)
+    return groups
+
+
+def _restarted(scene: Scene, changes: Mapping[str, Any]) -> State:
+    """The start of a scene with some of its numbers changed."""
+    state = scene.start
+    for path, value in changes.items():
+        match = _START.fullmatch(path)
+        items = getattr(state, match[1], None) if match else None
+        place = int(match[2] or 0) if match else 0
+        if match is None or match[2] is None or not isinstance(items, tuple) or place >= len(items):
+            # The general way knows what to say of this path.
+            state = scene.with_values({"start": state, path: value}).start
+            continue
+        items = (*items[:place], value, *items[place + 1 :])
+        state = replace(state, **{match[1]: items})
+    return state
+
+
+def _solve_group(
+    scene: Scene, members: list[_Member], engine: Engine | None, found: _Measured
+) -> None:
+    """Solve motions of equal equations, in the way that suits them, and measure them."""
+    first = members[0].scene or scene
+    if first.ode.law.stop is not None or np.ndim(first.t):
+        _one_by_one(scene, members, engine, found)
+    elif engine is None and closed_form(first) is not None:
+        _in_closed_form(scene, members, found)
+    else:
+        try:
+            _in_batches(first, members, engine, found)
+        except (AccuracyError, StartError):
+            # One by one there are more digits to be had, and an error names the one that fails.
+            _one_by_one(scene, members, engine, found)
+
+
+def _sampled(scene: Scene) -> np.ndarray:
+    """Times close enough to measure what is between them."""
+    return np.linspace(0.0, float(scene.times[-1]), max(SAMPLES, len(scene.times)))
+
+
+def _in_batches(
+    scene: Scene, members: list[_Member], engine: Engine | None, found: _Measured
+) -> None:
+    """Some motions at a time, by `solve_many`."""
+    ode, times = scene.ode, _sampled(scene)
+    room = max(LARGEST_BATCH // (len(times) * ode.size), 1)
+    for begin in range(0, len(members), room):
+        some = members[begin : begin + room]
+        starts = {name: np.array([float(m.start[name]) for m in some]) for name in ode.states}
+        starts |= {
+            name: np.array([float(m.parameters[name]) for m in some]) for name in ode.law.parameters
+        }
+        solved = solve_many(ode, starts, times, scene.accuracy, engine, progress=False)
+        found.error = max(found.error, solved.error)
+        found.engines.add(solved.engine)
+        for k, member in enumerate(some):
+            if not solved.finished[k]:
+                found.lose(member, "it does not reach the last time")
+                continue
+            own = replace(ode, parameters={**ode.parameters, **member.parameters})
+            values = observed(own, scene.selection, times, solved.states[k])
+            found.measure(member, times, values)
+
+
+def _in_closed_form(scene: Scene, members: list[_Member], found: _Measured) -> None:
+    """Free bodies at all times at once; the first, middle and last are checked."""
+    checked = {0, len(members) // 2, len(members) - 1}
+    for k, member in enumerate(members):
+        own = member.scene or scene.with_values(dict(member.varied))
+        form, times = closed_form(own), _sampled(own)
+        if form is None:
+            _one_by_one(scene, [member], None, found)
+            continue
+        if k in checked:
+            found.error = max(found.error, own.run().error)
+        found.engines.add("closed form")
+        found.measure(member, times, observed(own.ode, own.selection, times, form.states(times)))
+
+
+def _one_by_one(
+    scene: Scene, members: list[_Member], engine: Engine | None, found: _Measured
+) -> None:
+    """Motions that end at times of their own, or are asked for at times of the user's."""
+    for member in members:
+        try:
+            result = (member.scene or scene.with_values(dict(member.varied))).run(engine)
+        except StuckError as stuck:
+            found.lose(member, str(stuck).partition(". Stop earlier")[0])
+            continue
+        found.error = max(found.error, result.error)
+        found.engines.add(result.engine)
+        found.measure(member, result.times, result.values)

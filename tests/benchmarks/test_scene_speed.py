@@ -53,14 +53,14 @@ def test_free_top_against_three_equations(accuracy, last, capsys):
     scene = gt.Scene(
         gt.Body(moments=MOMENTS), (), gt.State(omega=OMEGA), ["omega"], times, accuracy
     )
-    assert scene.plan().states == ("Omega1", "Omega2", "Omega3")
+    assert scene.selection.states == ("Omega1", "Omega2", "Omega3")
     truth = gt.free_top(MOMENTS, OMEGA).omega(times)
     engine = gt.Taylor(optimised=True)
     result = scene.run(engine=engine)
     assert np.abs(result["omega"] - truth).max() < accuracy
-    solution = gt.solve(scene.flow, times, accuracy, engine)
+    solution = gt.solve(scene.ode, times, accuracy, engine)
     # The answer by itself, without what runs beside it to tell its error.
-    ours = min(solution.recipe.trip(scene.flow).run_seconds for _ in range(ROUNDS))
+    ours = min(solution.recipe.trip(scene.ode).run_seconds for _ in range(ROUNDS))
     hand = best(by_hand(solution.trip.tolerance, times))
     whole = best(lambda: scene.run(engine=engine))
     closed = scene.run().form
@@ -85,7 +85,7 @@ def test_what_each_effect_adds(capsys):
     cost = scene.cost(repeats=30)
     # Gravity and drag at the centre of mass never reach the rotation: they cost nothing.
     assert [row.states for row in cost.rows] == [3, 3, 3, 6, 6, 6, 6, 6]
-    whole = scene.replaced(watch=["omega", "position"], title="watch omega and position")
+    whole = scene.with_values(watch=["omega", "position"], title="watch omega and position")
     full = whole.cost(repeats=30)
     assert [row.states for row in full.rows] == [6, 6, 6, 9, 9, 10, 12, 13]
     with capsys.disabled():
@@ -103,7 +103,7 @@ def test_time_to_the_first_number(capsys):
             start,
             ["nutation"],
             1,
-        ).flow
+        ).ode
 
     _ = planned()
     began = time.perf_counter()

@@ -62,7 +62,7 @@ def test_a_run_leaves_what_the_library_computes(tmp_path, no_pictures):
     assert sorted(path.name for path in folder.iterdir()) == [
         "result.npz", "run.json", "scene.toml", "table.csv",
     ]  # fmt: skip
-    scene = load("lagrange_cusp").replaced(
+    scene = load("lagrange_cusp").with_values(
         {"watch": ("nutation", "omega"), "accuracy": 1e-9, "t": 0.5, "gravity.g": 1.62}
     )
     assert read_file(folder / "scene.toml") == scene

@@ -141,7 +141,7 @@ def heavy_top(**more: Any) -> gt.Scene:
 
 def scene(name: str, t: float) -> dict[str, Any]:
     """What is watched at the end of a shipped scene."""
-    result = gt.scenes.load(name).replaced(t=t).run()
+    result = gt.scenes.load(name).with_values(t=t).run()
     return {key: np.asarray(result[key])[-1] for key in result.values}
 
 
@@ -341,8 +341,8 @@ SCENES: dict[str, tuple[float, Call]] = {
     "heavy top": (
         SOLVED, lambda: [heavy_top().run()["nutation"][-1], heavy_top().run()["euler"][-1]]),
     "states of the heavy top": (
-        0, lambda: [list(heavy_top(watch=["nutation"]).plan().states),
-                    list(heavy_top(watch=["nutation"]).plan().left_out)]),
+        0, lambda: [list(heavy_top(watch=["nutation"]).selection.states),
+                    list(heavy_top(watch=["nutation"]).selection.left_out)]),
     "dzhanibekov": (SOLVED, lambda: scene("dzhanibekov", 20.0)),
     "missile": (SOLVED, lambda: scene("missile", 3.0)),
     "rolling disc": (SOLVED, lambda: scene("rolling_disc", 2.0)),

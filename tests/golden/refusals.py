@@ -223,7 +223,7 @@ REFUSALS: dict[str, Callable[[], Any]] = {
     # Scenes
     "body that is impossible": lambda: gt.Body(moments=(1, 1, 5)),
     "quantity that cannot be watched": lambda: heavy_top(watch=["nutaton"]),
-    "path that is none": lambda: heavy_top().replaced({"gravity.gg": 1}),
+    "path that is none": lambda: heavy_top().with_values({"gravity.gg": 1}),
     "gravity without a mass": lambda: gt.Scene(
         gt.Body(moments=(1, 1, 1)),
         [gt.effects.Gravity(9.81), gt.effects.Pivot([0, 0, 0.1])],

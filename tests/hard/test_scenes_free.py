@@ -65,7 +65,7 @@ def test_dzhanibekov(small):
     top = gt.free_top(moments, (small, 1.0, 0.0))
     assert top.first_flip == pytest.approx(flip, rel=1e-12)
     scene = free(moments, (small, 1.0, 0.0), 1.5 * flip, ["omega"])
-    found = solve(scene.flow, 1.5 * flip, 1e-10)
+    found = solve(scene.ode, 1.5 * flip, 1e-10)
     assert found.zeros("Omega2")[0] == pytest.approx(flip, rel=1e-8)
     result = scene.run()
     truth = top.omega(result.times)

@@ -46,7 +46,7 @@ def test_a_gimbal_runs():
     scene = Scene(
         Body(moments=(1, 2, 3)), (Gimbal(),), State(quaternion=(1, 0, 0, 0)), ["a", "energy"], t=9
     )
-    assert scene.plan().states == ("a", "b", "n1", "n2", "n3")
+    assert scene.selection.states == ("a", "b", "n1", "n2", "n3")
     drift = scene.run().drift
     assert drift["energy"] < 1e-10
     assert drift["vertical_angular_momentum"] < 1e-10

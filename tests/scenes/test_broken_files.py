@@ -5,8 +5,8 @@ import random
 import pytest
 
 from geomtorsion.errors import GeomtorsionError
+from geomtorsion.files import read_toml_text
 from geomtorsion.scenes.files import scene_from
-from geomtorsion.scenes.places import read_toml_text
 from geomtorsion.scenes.shipped import names, path_of
 
 PIECES = (

@@ -6,7 +6,7 @@ import pytest
 from geomtorsion.errors import CheckpointError
 from geomtorsion.motion import RungeKutta
 from geomtorsion.scenes import load
-from geomtorsion.scenes.checkpoint import kept
+from geomtorsion.scenes.checkpoint import partial_result
 
 
 class Enough(Exception):
@@ -28,10 +28,10 @@ def stopped(scene, path, engine, share: float) -> None:
 @pytest.mark.parametrize("times", [1.0, (0.25, 0.5, 1.0)], ids=["samples", "own times"])
 def test_part_of_a_run(tmp_path, engine, times):
     """All samples up to where it was stopped, as in the whole run; the error is not yet known."""
-    scene = load("lagrange_cusp").replaced(t=times, accuracy=1e-9)
+    scene = load("lagrange_cusp").with_values(t=times, accuracy=1e-9)
     path = tmp_path / "run.npz"
     stopped(scene, path, engine, 0.3)
-    part = kept(scene, path, engine)
+    part = partial_result(scene, path, engine)
     whole = scene.run(engine)
     assert part.outcome == "interrupted"
     assert not part.complete
@@ -48,7 +48,7 @@ def test_runs_of_missiles_across_switches(tmp_path):
     scene = load("missile")
     path = tmp_path / "run.npz"
     stopped(scene, path, None, 0.45)
-    part, whole = kept(scene, path), scene.run()
+    part, whole = partial_result(scene, path), scene.run()
     assert part.times[-1] > 3.1
     assert np.abs(part["velocity"] - whole["velocity"][: len(part.times)]).max() < 1e-5
 
@@ -58,10 +58,10 @@ def test_what_is_refused(tmp_path):
     scene = load("lagrange_cusp")
     path = tmp_path / "run.npz"
     with pytest.raises(CheckpointError, match="no such checkpoint"):
-        kept(scene, path)
+        partial_result(scene, path)
     stopped(scene, path, None, 0.2)
     with pytest.raises(CheckpointError, match="another run"):
-        kept(scene.replaced({"gravity.g": 1.0}), path)
+        partial_result(scene.with_values({"gravity.g": 1.0}), path)
     path.write_bytes(b"something else")
     with pytest.raises(CheckpointError, match="no checkpoint"):
-        kept(scene, path)
+        partial_result(scene, path)

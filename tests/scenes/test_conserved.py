@@ -44,7 +44,7 @@ ROTATION = {"rotational_energy", "angular_momentum_space", "angular_momentum_squ
 def test_what_is_kept(body, acting, kept):
     """By Noether: energy, momentum and angular momenta, as the symmetry of the effects is."""
     scene = Scene(body, acting, START, ALL, t=1)
-    assert set(scene.flow.invariants) == kept
+    assert set(scene.ode.invariants) == kept
     drift = scene.run(engine=None).drift
     assert set(drift) == kept
     assert max(drift.values(), default=0) < 1e-10
@@ -53,13 +53,13 @@ def test_what_is_kept(body, acting, kept):
 def test_only_what_the_states_make():
     """Energy of translation is not asked for: it costs states."""
     scene = Scene(ASYMMETRIC, (E.Gravity(),), START, ["omega"], t=1)
-    assert set(scene.flow.invariants) == {"rotational_energy", "angular_momentum_squared"}
+    assert set(scene.ode.invariants) == {"rotational_energy", "angular_momentum_squared"}
 
 
 def test_a_switch_does_not_fool_the_proof():
     """Before its start a thrust is zero, and yet the energy is no invariant."""
     scene = Scene(ASYMMETRIC, (E.Thrust((0, 0, 1), start=0.5),), START, ["energy"], t=1)
-    assert "energy" not in scene.flow.invariants
+    assert "energy" not in scene.ode.invariants
 
 
 def test_the_wrong_law_shows_what_it_breaks():
@@ -86,4 +86,4 @@ def test_forces_beyond_all_numbers():
     """What has no double at the places of the proof is not worked out in more digits."""
     huge = E.BodyMoment(("0", "0", "exp(exp(exp(exp(t + 10))))"))
     scene = Scene(ASYMMETRIC, (huge,), START, ["omega"], t=1)
-    assert "rotational_energy" not in scene.flow.invariants
+    assert "rotational_energy" not in scene.ode.invariants

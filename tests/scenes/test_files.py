@@ -5,9 +5,9 @@ import math
 import pytest
 
 from geomtorsion.errors import FileFormatError, GeomtorsionError, StartError, UnknownNameError
+from geomtorsion.files import read_toml_text
 from geomtorsion.scenes import Body, Scene, State, effects, load, names, read_file, to_toml
 from geomtorsion.scenes.files import scene_from
-from geomtorsion.scenes.places import read_toml_text
 from geomtorsion.scenes.shipped import described
 from geomtorsion.scenes.writing import write_file
 
@@ -94,7 +94,7 @@ def test_all_kinds_of_bodies_and_effects_are_written(tmp_path):
     )
     path = tmp_path / "scene.toml"
     write_file(scene, path, story="One line.\nAnother.")
-    assert read_file(path).replaced(name="") == scene
+    assert read_file(path).with_values(name="") == scene
 
 
 @pytest.mark.parametrize(
@@ -225,7 +225,7 @@ def test_lines_of_what_effects_refuse(old, new, says):
     assert FORCED.count(old) == 1
     text = FORCED.replace(old, new)
     if says is None:
-        assert read(text).flow.size in (3, 6)
+        assert read(text).ode.size in (3, 6)
         return
     with pytest.raises(FileFormatError, match=f"a.toml: {says}"):
         read(text)
@@ -238,7 +238,7 @@ def test_a_start_that_lacks_something():
     with pytest.raises(FileFormatError, match="a.toml: line 25: the start has no attitude"):
         read(bare)
     alone = read(text.partition("[start]")[0])
-    assert "n1" in alone.plan().states
+    assert "n1" in alone.selection.states
     with pytest.raises(StartError, match="no angular velocity"):
         alone.run()
 
@@ -257,4 +257,4 @@ def test_what_cannot_be_written():
     """Numbers that are none, and things that are no data."""
     scene = read(TOP)
     with pytest.raises(FileFormatError, match="cannot be written"):
-        to_toml(scene.replaced(title=object()))
+        to_toml(scene.with_values(title=object()))

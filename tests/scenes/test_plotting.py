@@ -7,8 +7,7 @@ import pytest
 
 from geomtorsion.errors import SceneError
 from geomtorsion.scenes import SceneResult, load
-from geomtorsion.scenes.accuracies import scene_accuracy
-from geomtorsion.scenes.drifts import drifts_over_time
+from geomtorsion.scenes.accuracy_table import scene_accuracy
 from geomtorsion.scenes.plotting import album, finely, plot
 from geomtorsion.scenes.saving import write_run
 
@@ -26,7 +25,7 @@ ALBUMS = {
 @pytest.mark.parametrize("name", ALBUMS)
 def test_albums_fit_the_scene(name):
     """Each picture can be drawn, and says how good the numbers are."""
-    result = load(name).replaced(samples=41).run()
+    result = load(name).with_values(samples=41).run()
     pictures = album(result)
     assert list(pictures) == ALBUMS[name]
     for key, (draw, about) in pictures.items():
@@ -39,7 +38,7 @@ def test_albums_fit_the_scene(name):
 
 def test_the_right_law_is_drawn_beside_the_naive_one():
     """Momentum in space moves in the one, not in the other; energy in neither."""
-    result = load("naive_top").replaced(samples=41).run()
+    result = load("naive_top").with_values(samples=41).run()
     figure = album(result)["laws"][0](result)
     energy, momentum = figure.axes
     change = {line.get_label(): np.max(np.asarray(line.get_ydata())) for line in momentum.lines}
@@ -50,7 +49,7 @@ def test_the_right_law_is_drawn_beside_the_naive_one():
 
 def test_curves_are_smooth_between_the_samples():
     """Pictures take more points than the table, at the same times in all."""
-    result = load("lagrange_loop").replaced(samples=21).run()
+    result = load("lagrange_loop").with_values(samples=21).run()
     times, axis, nutation = finely(result, "axis", "nutation")
     assert len(times) == len(axis) == len(nutation) > 1000
     assert np.abs(np.arccos(axis[:, 2]) - nutation).max() < 1e-12
@@ -61,7 +60,7 @@ def test_drifts_over_time_are_those_of_the_result():
     """The largest of each is what the result says; across switches they begin anew."""
     for name in ("lagrange_cusp", "missile", "euler_top"):
         result = load(name).run()
-        drifts = drifts_over_time(result)
+        drifts = result.changes()
         assert drifts.keys() == result.drift.keys()
         for key, values in drifts.items():
             assert values.shape == result.times.shape
@@ -70,7 +69,7 @@ def test_drifts_over_time_are_those_of_the_result():
 
 def test_everything_about_a_run_in_one_place(tmp_path):
     """A result from its own file has no scene, and can be drawn but not written again."""
-    result = load("sleeping_top").replaced(samples=21).run()
+    result = load("sleeping_top").with_values(samples=21).run()
     steps: list[str] = []
     written = write_run(result, tmp_path, "svg", steps.append)
     assert [path.name for path in written[:4]] == [
@@ -97,7 +96,7 @@ def test_accuracy_costs_what_it_costs():
     from geomtorsion.motion import RungeKutta
 
     for name, truth in (("free_symmetric_top", "closed form"), ("lagrange_wave", "")):
-        table = scene_accuracy(load(name).replaced(t=0.5), [RungeKutta()], [1e-4, 1e-9])
+        table = scene_accuracy(load(name).with_values(t=0.5), [RungeKutta()], [1e-4, 1e-9])
         assert truth in table.truth
         for row in table.rows:
             assert row.holds

@@ -30,20 +30,20 @@ def test_the_first_lines():
     assert result.error < TOP.accuracy
     assert result.drift["energy"] < 1e-10
     assert result.complete
-    assert "A top: 6 equations for nutation, energy" in str(result.plan)
+    assert "A top: 6 equations for nutation, energy" in str(result.selection)
     assert "by Taylor" in str(result) or "by RungeKutta" in str(result)
 
 
 def test_times():
     assert TOP.times.tolist() == np.linspace(0, 2, 201).tolist()
-    assert TOP.replaced(samples=3).times.tolist() == [0, 1, 2]
-    assert TOP.replaced(t=[0.5, 1.5]).run().times.tolist() == [0.5, 1.5]
-    assert TOP.replaced(t=0).run()["nutation"] == pytest.approx([0.3])
+    assert TOP.with_values(samples=3).times.tolist() == [0, 1, 2]
+    assert TOP.with_values(t=[0.5, 1.5]).run().times.tolist() == [0.5, 1.5]
+    assert TOP.with_values(t=0).run()["nutation"] == pytest.approx([0.3])
 
 
 def test_replacing():
     """Each kind of path; the rest stays as it was, and all is checked again."""
-    changed = TOP.replaced(
+    changed = TOP.with_values(
         {"body.moments[2]": 0.7, "gravity.g": 1.62, "start.omega[0]": 1e-3, "pivot.arm[2]": 0.2},
         t=5,
     )
@@ -53,9 +53,13 @@ def test_replacing():
     assert changed.keyed["pivot"].arm == (0, 0, 0.2)
     assert changed.t == 5
     assert changed.watch == TOP.watch
-    assert TOP.replaced(start=gt.State(omega=(0, 0, 1), euler=(0, 0, 0))).start.omega == (0, 0, 1)
+    assert TOP.with_values(start=gt.State(omega=(0, 0, 1), euler=(0, 0, 0))).start.omega == (
+        0,
+        0,
+        1,
+    )
     with pytest.raises(gt.errors.BodyError, match="impossible"):
-        TOP.replaced({"body.moments[2]": 5})
+        TOP.with_values({"body.moments[2]": 5})
 
 
 @pytest.mark.parametrize(
@@ -75,24 +79,24 @@ def test_replacing():
 )
 def test_paths_that_lead_nowhere(path, says):
     with pytest.raises(UnknownNameError, match=says):
-        TOP.replaced({path: 1})
+        TOP.with_values({path: 1})
 
 
 def test_equal_equations_share_one_integrator():
     """Another number needs no compilation."""
     TOP.run()
-    other = TOP.replaced({"gravity.g": 3.3, "start.omega[2]": 11.0})
-    assert other.flow.system is TOP.flow.system
+    other = TOP.with_values({"gravity.g": 3.3, "start.omega[2]": 11.0})
+    assert other.ode.system is TOP.ode.system
     assert other.run().cost.compile_seconds == 0
 
 
 def test_numbers_of_scenes():
     """What a sweep varies: starts and parameters by name, exact."""
     start, parameters = TOP.numbers
-    assert list(start) == list(TOP.plan().states)
+    assert list(start) == list(TOP.selection.states)
     assert float(parameters["g"]) == 9.81
     assert set(parameters) == {"m", "I1", "I3", "g", "a3"}
-    assert TOP.flow.moved(start=start, parameters=parameters).start == TOP.flow.start
+    assert TOP.ode.moved(start=start, parameters=parameters).start == TOP.ode.start
 
 
 def test_several_of_a_kind():
@@ -104,7 +108,7 @@ def test_several_of_a_kind():
     assert tuple(two.keyed) == ("spring", "spring2")
     assert np.abs(two.run()["position"] - one.run()["position"]).max() < 1e-9
     assert np.abs(one.run()["position"][:, 0] - np.cos(2 * one.times)).max() < 1e-9
-    assert two.replaced({"spring2.stiffness": 1.0}).keyed["spring2"].stiffness == 1.0
+    assert two.with_values({"spring2.stiffness": 1.0}).keyed["spring2"].stiffness == 1.0
 
 
 def test_result_between_times_and_bad_requests():
@@ -116,14 +120,14 @@ def test_result_between_times_and_bad_requests():
     with pytest.raises(TimeError, match="t = 2.5"):
         result.at(2.5)
     with pytest.raises(AccuracyError):
-        TOP.replaced(accuracy=0)
+        TOP.with_values(accuracy=0)
     with pytest.raises(TimeError):
-        TOP.replaced(t=[1, 1])
+        TOP.with_values(t=[1, 1])
 
 
 def test_save_and_load(tmp_path):
     """Everything but the scene and the dense output comes back."""
-    scene = TOP.replaced(watch=["nutation", "matrix", "omega"], t=1)
+    scene = TOP.with_values(watch=["nutation", "matrix", "omega"], t=1)
     result = scene.run()
     result.save(tmp_path / "top.npz")
     back = gt.SceneResult.load(tmp_path / "top.npz")
@@ -135,7 +139,7 @@ def test_save_and_load(tmp_path):
     assert back.cost == result.cost
     assert back.units == result.units
     assert back.labels["matrix"] == result.labels["matrix"]
-    assert str(result.plan) == back.plan
+    assert str(result.selection) == back.selection
     assert str(back).splitlines()[1:] == str(result).splitlines()[1:]
     with pytest.raises(SceneError, match="from a file"):
         back.at(0.5)
@@ -151,7 +155,7 @@ def test_save_and_load(tmp_path):
 
 def test_tables():
     pandas = pytest.importorskip("pandas")
-    result = TOP.replaced(watch=["nutation", "omega", "matrix"], t=1, samples=5).run()
+    result = TOP.with_values(watch=["nutation", "omega", "matrix"], t=1, samples=5).run()
     table = result.to_pandas()
     assert isinstance(table, pandas.DataFrame)
     names = ["t", "nutation", "omega_1", "omega_2", "omega_3", "matrix_11"]
@@ -163,7 +167,7 @@ def test_tables():
 
 def test_picture(tmp_path):
     pytest.importorskip("matplotlib")
-    result = TOP.replaced(watch=["nutation", "omega"], t=1).run()
+    result = TOP.with_values(watch=["nutation", "omega"], t=1).run()
     figure = result.plot(tmp_path / "top.png")
     assert len(figure.axes) == 2
     assert (tmp_path / "top.png").stat().st_size > 5000
@@ -171,7 +175,7 @@ def test_picture(tmp_path):
 
 def test_what_each_effect_costs():
     """One row for each effect; states grow as effects bring their needs."""
-    scene = TOP.replaced(watch=["omega"], t=1)
+    scene = TOP.with_values(watch=["omega"], t=1)
     cost = scene.cost(repeats=1)
     assert [row.effect for row in cost.rows] == ["spin", "gravity", "pivot"]
     assert [row.states for row in cost.rows] == [3, 3, 6]
@@ -197,7 +201,7 @@ def test_solution_of_a_closed_form():
 def test_progress_and_checkpoint(tmp_path):
     """Both go through to the integrator."""
     seen = []
-    scene = TOP.replaced(t=3, samples=21)
+    scene = TOP.with_values(t=3, samples=21)
     result = scene.run(checkpoint=tmp_path / "c.npz", progress=seen.append)
     assert seen[-1] == pytest.approx(1)
     assert (tmp_path / "c.npz").exists()
@@ -227,10 +231,10 @@ def test_nonsense_gets_an_error_of_ours(bad):
         lambda: gt.Scene(**given, effects=bad),
         lambda: gt.Scene(**given, accuracy=bad),
         lambda: gt.Scene(**given, samples=bad),
-        lambda: gt.Scene(**given, effects=[E.Gravity(bad), E.Pivot((0, 0, 1))]).flow,
-        lambda: gt.Scene(**given, effects=[E.Pivot(bad)]).flow,
-        lambda: TOP.replaced({"start.omega[0]": bad}).flow,
-        lambda: TOP.replaced({"nothing": bad}),
+        lambda: gt.Scene(**given, effects=[E.Gravity(bad), E.Pivot((0, 0, 1))]).ode,
+        lambda: gt.Scene(**given, effects=[E.Pivot(bad)]).ode,
+        lambda: TOP.with_values({"start.omega[0]": bad}).ode,
+        lambda: TOP.with_values({"nothing": bad}),
     ]
     for attempt in attempts:
         with pytest.raises(gt.GeomtorsionError, match=".{20}"):
@@ -241,10 +245,10 @@ def test_what_can_be_watched():
     """Every name in the list can be watched, those of effects too."""
     rotor = E.Rotor((0, 0, 1), momentum=0.1, inertia=0.01)
     scene = gt.Scene(TOP.body, [rotor], TOP.start)
-    names = scene.watchable
+    names = scene.observables
     assert names["rotor_speed"] == "of rotor"
     assert len(names) > 24
-    result = scene.replaced(watch=list(names), t=0.5, samples=3).run()
+    result = scene.with_values(watch=list(names), t=0.5, samples=3).run()
     assert set(result.values) == set(names)
     assert set(result.units) == set(names)
 
@@ -275,7 +279,7 @@ def test_a_force_without_a_value_at_the_start():
 def test_free_bodies_without_more_digits(monkeypatch):
     """Next to an unstable axis Runge and Kutta check the closed form as far as they can."""
     monkeypatch.setattr("geomtorsion.motion.solving.is_available", lambda: False)
-    scene = gt.scenes.load("dzhanibekov").replaced(accuracy=1e-11)
+    scene = gt.scenes.load("dzhanibekov").with_values(accuracy=1e-11)
     result = scene.run()
     assert result.closed_form
     assert result.error <= 1e-11
@@ -300,7 +304,7 @@ def test_numbers_whose_squares_are_no_doubles(moments, omega):
 
 def test_a_closed_form_without_values_is_not_believed(monkeypatch):
     """Not a number is no small difference."""
-    from geomtorsion.scenes.running import ClosedForm
+    from geomtorsion.scenes.closed_form import ClosedForm
 
     scene = gt.Scene(gt.Body(moments=(1, 2, 2.5)), [], gt.State(omega=(1, 2, 3)), ["omega"], t=3)
     right = scene.run()
@@ -317,14 +321,14 @@ def test_engines_that_are_none(engine):
     with pytest.raises(gt.errors.StartError, match="engine = .*RungeKutta.. or Stiff.. was needed"):
         TOP.run(engine=engine)
     with pytest.raises(gt.errors.StartError, match="was needed"):
-        gt.solve_many(TOP.flow, {"Omega1": [1.0, 2.0]}, 1.0, engine=engine)
+        gt.solve_many(TOP.ode, {"Omega1": [1.0, 2.0]}, 1.0, engine=engine)
 
 
 def test_replacing_what_is_given_in_one_way():
     """A new attitude or inertia takes the place of the old one, however that was given."""
-    scene = TOP.replaced({"start.quaternion": (1, 0, 0, 0), "body.inertia": np.eye(3).tolist()})
+    scene = TOP.with_values({"start.quaternion": (1, 0, 0, 0), "body.inertia": np.eye(3).tolist()})
     assert scene.start.euler is None
     assert scene.body.moments is None
-    again = scene.replaced({"start.euler": (0, 0.1, 0), "body.moments": (1, 1, 1)})
+    again = scene.with_values({"start.euler": (0, 0.1, 0), "body.moments": (1, 1, 1)})
     assert again.start.quaternion is None
     assert again.body.inertia is None

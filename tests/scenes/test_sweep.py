@@ -9,7 +9,7 @@ from scipy.special import ellipkm1
 from geomtorsion.errors import SceneError, StartError, StuckError, UnknownNameError
 from geomtorsion.motion import RungeKutta
 from geomtorsion.scenes import Body, Scene, State, effects, load
-from geomtorsion.scenes.measure import SweepRun, measures
+from geomtorsion.scenes.metrics import SweepRun, measures
 
 FLIP = "between zeros omega[1]"
 
@@ -24,7 +24,7 @@ def flip_time(tilt):
 def test_flips_wait_for_an_elliptic_integral():
     """From a tilt of 0.1 down to 1e-9; only the angular velocity is computed for it."""
     tilts = np.geomspace(1e-9, 0.1, 6)
-    scene = load("dzhanibekov").replaced(t=120)
+    scene = load("dzhanibekov").with_values(t=120)
     sweep = scene.sweep({"start.omega[0]": tilts}, FLIP)
     assert sweep[FLIP] == pytest.approx(flip_time(tilts), rel=1e-11)
     assert sweep.engine == "closed form"
@@ -34,13 +34,13 @@ def test_flips_wait_for_an_elliptic_integral():
 
 def test_batches_agree_with_single_runs():
     """Parameters of effects, of the body and of the start, every combination of them."""
-    scene = load("lagrange_cusp").replaced(t=0.5, watch=("nutation", "energy"))
+    scene = load("lagrange_cusp").with_values(t=0.5, watch=("nutation", "energy"))
     varied = {"gravity.g": [1.62, 9.81], "start.omega[2]": [80.0, 100.0, 150.0]}
     sweep = scene.sweep(varied, ["max nutation", "last energy"], engine=RungeKutta())
     assert sweep["max nutation"].shape == (2, 3)
     for i, g in enumerate(varied["gravity.g"]):
         for j, spin in enumerate(varied["start.omega[2]"]):
-            one = scene.replaced({"gravity.g": g, "start.omega[2]": spin, "samples": 2001}).run()
+            one = scene.with_values({"gravity.g": g, "start.omega[2]": spin, "samples": 2001}).run()
             assert sweep["last energy"][i, j] == pytest.approx(one["energy"][-1], rel=1e-9)
             largest = sweep["max nutation"][i, j]
             assert one["nutation"].max() - 1e-9 <= largest <= one["nutation"].max() + 1e-5
@@ -48,13 +48,13 @@ def test_batches_agree_with_single_runs():
 
 def test_equations_that_differ_are_solved_apart():
     """A value of zero and equal moments change the equations; results do not care."""
-    scene = load("lagrange_cusp").replaced(t=0.2, watch=("nutation",))
+    scene = load("lagrange_cusp").with_values(t=0.2, watch=("nutation",))
     equal = (scene.body.moments or (0,))[0]
     paths = {"gravity.g": [0.0, 9.81], "body.moments[1]": [equal, 3e-4]}
     sweep = scene.sweep(paths, "last nutation", together=True)
     assert sweep["last nutation"].shape == (2,)
     for k in range(2):
-        one = scene.replaced({path: values[k] for path, values in paths.items()}).run()
+        one = scene.with_values({path: values[k] for path, values in paths.items()}).run()
         assert sweep["last nutation"][k] == pytest.approx(one["nutation"][-1], rel=1e-8)
 
 
@@ -78,7 +78,7 @@ def test_motions_that_stop_are_run_one_by_one():
 
 def test_tables_and_pictures(tmp_path):
     """A row for each combination, in CSV and pandas; a curve on top; a field for two."""
-    scene = load("dzhanibekov").replaced(t=40)
+    scene = load("dzhanibekov").with_values(t=40)
     sweep = scene.sweep({"start.omega[0]": [1e-3, 1e-2], "start.omega[1]": [1.0, 2.0, 3.0]}, FLIP)
     sweep.to_csv(tmp_path / "sweep.csv")
     with (tmp_path / "sweep.csv").open(newline="") as file:
@@ -151,11 +151,11 @@ def test_what_is_refused(varied, measure, error, says):
 def test_whole_vectors():
     """Attitudes have four numbers that go together; each is a column of the table."""
     turns = [(1, 0, 0, 0), (0.6, 0.8, 0, 0), (0.6, 0, 0, -0.8)]
-    scene = load("dzhanibekov").replaced(t=1, watch=("omega_space",))
+    scene = load("dzhanibekov").with_values(t=1, watch=("omega_space",))
     sweep = scene.sweep({"start.quaternion": turns, "start.omega[0]": [0.1, 0.2]}, LAST)
     for place in np.ndindex(3, 2):
         changes = {"start.quaternion": turns[place[0]], "start.omega[0]": (0.1, 0.2)[place[1]]}
-        single = scene.replaced(changes).run()["omega_space"][-1, 2]
+        single = scene.with_values(changes).run()["omega_space"][-1, 2]
         assert sweep[LAST][place] == pytest.approx(single, abs=1e-9)
     turned = scene.sweep({"start.omega[0]": [0.1, 0.2], "start.quaternion": turns}, LAST)
     assert turned[LAST] == pytest.approx(sweep[LAST].T, abs=1e-9)
@@ -176,7 +176,7 @@ def test_members_that_fail():
     start = State(position=(1, 0, 0), velocity=(1, 0, 0))
     scene = Scene(Body(moments=(1, 2, 2.5)), [pole], start, ["position"], t=1.2)
     sweep = scene.sweep({"custom.parameters.k": [0.1, 9.0, 0.2]}, "max position[0]")
-    single = scene.replaced({"custom.parameters.k": 0.2}).run()["position"][-1, 0]
+    single = scene.with_values({"custom.parameters.k": 0.2}).run()["position"][-1, 0]
     assert sweep["max position[0]"][2] == pytest.approx(single, rel=1e-9)
     assert np.isnan(sweep["max position[0]"]).tolist() == [False, True, False]
     [(where, why)] = sweep.lost

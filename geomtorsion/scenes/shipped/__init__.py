@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.exact.names import near_names
+from geomtorsion.files import TomlFile, read_toml
 from geomtorsion.scenes.files import read_file
-from geomtorsion.scenes.places import TomlFile, read_toml
 
 if TYPE_CHECKING:
     from geomtorsion.scenes.scene import Scene

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from geomtorsion.errors import FileFormatError, GeomtorsionError
-from geomtorsion.scenes.places import Key, TomlFile
+from geomtorsion.files import Key, TomlFile
 
 _WORD = re.compile(r"[^\W0-9]\w*")
 _QUOTED = re.compile(r"'([^']*)'")
@@ -39,7 +39,7 @@ def placed(
     Examples
     --------
     >>> from geomtorsion.errors import SceneError
-    >>> from geomtorsion.scenes.places import read_toml_text
+    >>> from geomtorsion.files import read_toml_text
     >>> file = read_toml_text("[body]\\nmass = 1\\nmoments = [1, 2, 4]", "a.toml")
     >>> with placed(file, ("body",), "body: ", ["mass", "moments"]):
     ...     raise SceneError("moments cannot be.")

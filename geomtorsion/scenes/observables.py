@@ -12,7 +12,7 @@ import sympy as sp
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.exact.names import near_names
 from geomtorsion.rigid import attitude
-from geomtorsion.scenes import views
+from geomtorsion.scenes import body_angles
 from geomtorsion.scenes.assembly import WORK, Assembly
 from geomtorsion.scenes.context import (
     ATTITUDE,
@@ -29,7 +29,7 @@ SPACE = ("x", "y", "z")
 
 
 @dataclass(frozen=True)
-class Quantity:
+class Observable:
     """Something that can be watched.
 
     name, meaning, unit: how it is asked for, what it is, and in which unit (SI).
@@ -46,9 +46,9 @@ class Quantity:
     finish: Finish | None = None
 
 
-def _table() -> tuple[Quantity, ...]:
+def _table() -> tuple[Observable, ...]:
     """Everything that any body can be asked, whatever acts on it."""
-    q = Quantity
+    q = Observable
 
     def in_space(name: str) -> Ingredients:
         return lambda a: tuple(ATTITUDE * getattr(a, name))
@@ -61,13 +61,13 @@ def _table() -> tuple[Quantity, ...]:
         q("omega", "angular velocity, body axes", "rad/s", AXES, lambda a: tuple(a.omega)),
         q("omega_space", "angular velocity, space axes", "rad/s", SPACE, in_space("omega")),
         q("omega_axis", f"angular velocity, {body_axis}", "rad/s", AXES,
-          with_vertical("omega"), views.unspun),
+          with_vertical("omega"), body_angles.unspun),
         q("angular_momentum", "angular momentum, body axes", "N m s", AXES,
           lambda a: tuple(a.angular_momentum)),
         q("angular_momentum_space", "angular momentum, space axes", "N m s", SPACE,
           in_space("angular_momentum")),
         q("angular_momentum_axis", f"angular momentum, {body_axis}", "N m s", AXES,
-          with_vertical("angular_momentum"), views.unspun),
+          with_vertical("angular_momentum"), body_angles.unspun),
         q("quaternion", "attitude, body to space, scalar first", "", ("0", *AXES),
           lambda _: tuple(QUATERNION)),
         q("matrix", "attitude as rotation matrix, body to space", "",
@@ -75,11 +75,11 @@ def _table() -> tuple[Quantity, ...]:
           lambda _: tuple(QUATERNION), attitude.matrix_from_quaternion),
         euler("euler", attitude.PAPER),
         q("nutation", "angle between the third body axis and the vertical", "rad", (),
-          lambda _: tuple(VERTICAL), views.nutation),
+          lambda _: tuple(VERTICAL), body_angles.nutation),
         q("spin", "angle of rotation about the third body axis, phi1", "rad", (),
-          lambda _: tuple(VERTICAL), views.spin),
+          lambda _: tuple(VERTICAL), body_angles.spin),
         q("precession", "angle of the third body axis about the vertical, phi3", "rad", (),
-          lambda _: tuple(QUATERNION), views.precession),
+          lambda _: tuple(QUATERNION), body_angles.precession),
         q("axis", "axis of symmetry (else third body axis) in space", "", SPACE,
           lambda a: tuple(ATTITUDE * sp.Matrix(_axis(a)))),
         q("vertical", "upward direction, body axes", "", AXES, lambda _: tuple(VERTICAL)),
@@ -103,17 +103,17 @@ def _table() -> tuple[Quantity, ...]:
     )  # fmt: skip
 
 
-def euler(name: str, convention: str) -> Quantity:
+def euler(name: str, convention: str) -> Observable:
     """Euler angles of a convention; first and third go on beyond pi."""
     finish = partial(attitude.euler_from_quaternion, convention=convention, continuous=True)
     meaning = f"Euler angles {convention}" + (" (the paper's)" if convention == "zyz" else "")
-    return Quantity(name, meaning, "rad", AXES, lambda _: tuple(QUATERNION), finish)
+    return Observable(name, meaning, "rad", AXES, lambda _: tuple(QUATERNION), finish)
 
 
-QUANTITIES: Mapping[str, Quantity] = {item.name: item for item in _table()}
+OBSERVABLES: Mapping[str, Observable] = {item.name: item for item in _table()}
 
 
-def watched(name: str, assembly: Assembly) -> Quantity:
+def observable(name: str, assembly: Assembly) -> Observable:
     """The quantity of this name in a scene: known to all, an effect's own, or a bare state.
 
     Raises
@@ -121,8 +121,8 @@ def watched(name: str, assembly: Assembly) -> Quantity:
     UnknownNameError
         no effect provides it; the message names near ones.
     """
-    if name in QUANTITIES:
-        return QUANTITIES[name]
+    if name in OBSERVABLES:
+        return OBSERVABLES[name]
     head, _, convention = name.partition(":")
     if head == "euler":
         return euler(name, attitude.checked_convention(convention))
@@ -132,18 +132,18 @@ def watched(name: str, assembly: Assembly) -> Quantity:
             many = isinstance(given, list | tuple | sp.MatrixBase)
             parts = tuple(assembly.tied(x) for x in (given if many else (given,)))
             labels = tuple(str(k) for k in range(1, len(parts) + 1)) if many else ()
-            return Quantity(name, f"of {key}", "", labels, lambda _, parts=parts: parts)
+            return Observable(name, f"of {key}", "", labels, lambda _, parts=parts: parts)
     bare = {s.name: s for s in (*assembly.rates, *VERTICAL, *QUATERNION, *assembly.ties)}
     if name in bare:
         found = (assembly.tied(bare[name]),)
-        return Quantity(name, "state", "", (), lambda _: found)
+        return Observable(name, "state", "", (), lambda _: found)
     own = [key for part in assembly.parts.values() for key in part.outputs]
     raise UnknownNameError(unknown(name, own))
 
 
 def unknown(name: str, own: Iterable[str] = ()) -> str:
     """The message that nothing of this name can be watched."""
-    known = (*QUANTITIES, *own)
+    known = (*OBSERVABLES, *own)
     near = near_names(str(name), known)
     hint = f"Did you mean {near}? " if near else ""
     return (

@@ -45,15 +45,15 @@ TOP = (E.Gravity(9.81), E.Pivot([0, 0, 0.1]))
 def test_states_that_are_needed(acting, watch, states):
     """By hand: what each question needs, and not one equation more."""
     scene = Scene(BODY, acting, START, watch, t=1)
-    assert scene.plan().states == states
-    assert scene.flow.states == states
+    assert scene.selection.states == states
+    assert scene.ode.states == states
     assert tuple(scene.equations) == states
 
 
 def test_every_state_is_needed():
     """Of the states of a plan each one lies on a way to something watched (the graph agrees)."""
     scene = Scene(BODY, TOP, START, ["precession", "energy"], t=1)
-    graph = scene.plan().graph
+    graph = scene.selection.graph
     for node in ("Omega1", "attitude", "effect gravity", "effect pivot", "effect spin"):
         assert nx.has_path(graph, node, "watch precession")
     assert not nx.has_path(graph, "watch energy", "Omega1")
@@ -62,7 +62,7 @@ def test_every_state_is_needed():
 def test_nothing_is_followed_where_nothing_moves():
     """A velocity that no force changes is a number, and yet it can be watched."""
     scene = Scene(BODY, (), FLYING, ["velocity", "kinetic_energy"], t=1)
-    assert [s.name for s in scene.plan().constants] == ["vx", "vy", "vz"]
+    assert [s.name for s in scene.selection.constants] == ["vx", "vy", "vz"]
     result = scene.run()
     assert result["velocity"].tolist()[-1] == [1, 2, 3]
     alone = Scene(BODY, (), FLYING, ["velocity"], t=1).run()
@@ -70,7 +70,7 @@ def test_nothing_is_followed_where_nothing_moves():
 
 
 def test_the_table_says_why():
-    text = str(Scene(BODY, TOP, START, ["nutation"], t=1, title="Top").plan())
+    text = str(Scene(BODY, TOP, START, ["nutation"], t=1, title="Top").selection)
     lines = text.splitlines()
     assert lines[0] == "Top: 6 equations for nutation"
     assert len(lines) == 9
@@ -79,20 +79,20 @@ def test_the_table_says_why():
     assert "attitude  the vertical is enough: nothing needs the turn about it" in text
     assert "position  given by the constraint" in text
     assert "gravity   uniform gravity, downwards; acts on Omega1..Omega3" in text
-    free = Scene(BODY, (E.Gravity(),), START, ["omega"], t=1).plan()
+    free = Scene(BODY, (E.Gravity(),), START, ["omega"], t=1).selection
     assert free.left_out == ("drift", "gravity", "attitude", "vertical", "position", "velocity")
     assert "acts on vz only, which nothing that is watched needs" in str(free)
 
 
 def test_who_asks_for_the_vertical():
-    text = str(Scene(BODY, TOP, START, ["omega"], t=1).plan())
+    text = str(Scene(BODY, TOP, START, ["omega"], t=1).selection)
     assert "vertical  n1..n3: needed by rotation, through gravity, pivot" in text
 
 
 def test_drawing():
     """SVG with every box, those that are left out too; the same bytes each time."""
     pytest.importorskip("matplotlib")
-    plan = Scene(BODY, TOP, START, ["nutation", "energy"], t=1).plan()
+    plan = Scene(BODY, TOP, START, ["nutation", "energy"], t=1).selection
     svg = plan.draw()
     assert svg.lstrip().startswith("<?xml")
     assert svg == plan.draw()
@@ -105,19 +105,19 @@ def test_equal_moments_drop_out():
     """For a symmetric top the axial rate is constant and no product of zero is computed."""
     scene = Scene(Body(moments=(2, 2, 1)), TOP, START, ["nutation"], t=1)
     assert scene.equations["Omega3"] == 0
-    assert "axial_angular_momentum" in scene.flow.invariants
+    assert "axial_angular_momentum" in scene.ode.invariants
 
 
 def test_missing_starts():
     with pytest.raises(SceneError, match="start = None: a scene starts from a State"):
         Scene(BODY)
     with pytest.raises(StartError, match="no angular velocity, which is needed"):
-        _ = Scene(BODY, (), State(), ["omega"]).flow
+        _ = Scene(BODY, (), State(), ["omega"]).ode
     with pytest.raises(StartError, match="no attitude, which is needed .*watched as nutation"):
-        _ = Scene(BODY, (), State(omega=(0, 0, 1)), ["nutation"]).flow
+        _ = Scene(BODY, (), State(omega=(0, 0, 1)), ["nutation"]).ode
     with pytest.raises(StartError, match="needed by rotation, through gravity, pivot"):
-        _ = Scene(BODY, TOP, State(omega=(0, 0, 1)), ["omega"]).flow
-    assert Scene(BODY, TOP, State(position=(0, 0, 0)), ["omega"]).plan().states
+        _ = Scene(BODY, TOP, State(omega=(0, 0, 1)), ["omega"]).ode
+    assert Scene(BODY, TOP, State(position=(0, 0, 0)), ["omega"]).selection.states
 
 
 @pytest.mark.parametrize(
@@ -156,7 +156,7 @@ def test_other_bad_fields():
     with pytest.raises(SceneError, match="samples = 1"):
         Scene(BODY, (), START, samples=1)
     with pytest.raises(SceneError, match="velocity = \\(1, 2, 3\\), but the constraint makes it"):
-        _ = Scene(BODY, TOP, FLYING, ["velocity"]).flow
+        _ = Scene(BODY, TOP, FLYING, ["velocity"]).ode
 
 
 def test_a_start_that_fits_the_constraint():
@@ -170,8 +170,8 @@ def test_rolling_disc():
     """The whole attitude only for where the disc is; to hold it, the vertical is enough."""
     body, start = Body(2.0, (0.05, 0.05, 0.1)), State(omega=(3, -2, 5), euler=(0.1, 0.5, 0.2))
     scene = Scene(body, (E.Rolling(0.3), E.Gravity()), start, ["position", "matrix"], t=2)
-    assert scene.plan().states == (*OMEGA, *Q, "x", "y", "z")
-    assert scene.replaced(watch=["energy", "omega"]).plan().states == (*OMEGA, *N, "z")
+    assert scene.selection.states == (*OMEGA, *Q, "x", "y", "z")
+    assert scene.with_values(watch=["energy", "omega"]).selection.states == (*OMEGA, *N, "z")
     result = scene.run()
     # The centre is as high as the disc is tilted.
     height = 0.3 * (1 - result["matrix"][:, 2, 2] ** 2) ** 0.5
@@ -184,8 +184,8 @@ def test_what_stops_is_followed():
     ground = E.Custom(stop="z")
     start = State(omega=(0, 0, 3), position=(0, 0, 20), euler=(0, 0, 0))
     scene = Scene(BODY, (E.Gravity(10), ground), start, ["omega"], t=5)
-    assert scene.plan().states == (*OMEGA, "z", "vz")
-    assert "z: needed to stop by custom" in str(scene.plan())
+    assert scene.selection.states == (*OMEGA, "z", "vz")
+    assert "z: needed to stop by custom" in str(scene.selection)
     result = scene.run()
     assert result.outcome == "stopped"
     assert result.complete
@@ -197,9 +197,9 @@ def test_switches_of_what_is_left_out():
     """A thrust through the centre of mass does not break up the time of the rotation."""
     push = E.Thrust((0, 0, 5), start=0.1, end=0.2)
     scene = Scene(BODY, (push,), START, ["omega"], t=1)
-    assert scene.flow.switches == ()
+    assert scene.ode.switches == ()
     assert scene.run().closed_form
-    assert len(scene.replaced(watch=["velocity"]).flow.switches) == 2
+    assert len(scene.with_values(watch=["velocity"]).ode.switches) == 2
 
 
 def test_names_that_are_taken():
@@ -215,7 +215,7 @@ def test_energy_that_changes_with_time():
     field = E.Custom(force=("0", "0", "-t"), energy="t*z")
     start = State(omega=(0, 0, 1), position=(0, 0, 2))
     scene = Scene(BODY, (field,), start, ["energy_balance", "work"], t=3)
-    assert "energy_balance" in scene.flow.invariants
+    assert "energy_balance" in scene.ode.invariants
     result = scene.run()
     # z = 2 - t^3/6, so that the work is the integral of z.
     assert result["work"][-1] == pytest.approx(2 * 3 - 3**4 / 24, rel=1e-10)

@@ -1,4 +1,4 @@
-"""Replacing: scenes with other values, named by dotted paths."""
+"""Dotted paths: scenes with other values, each named by where it stands."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ONE_OF = (("euler", "quaternion", "matrix"), ("moments", "inertia"))
 _STEP = re.compile(r"([^\W\d]\w*)((?:\[\d+\])*)")
 
 
-def replaced(scene: Scene, changes: Mapping[str, Any]) -> Scene:
+def with_values(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     """The scene with each path set to its value; all at once, so that checks see the whole."""
     table: dict[str, Any] = {}
     keyed = dict(scene.keyed)

@@ -13,7 +13,7 @@ from geomtorsion.errors import AccuracyError, GeomtorsionError
 from geomtorsion.motion import Engine, RungeKutta, Taylor, solve
 from geomtorsion.motion.engines.taylor import is_available
 from geomtorsion.motion.solving import checked_accuracy
-from geomtorsion.scenes.running import closed_form
+from geomtorsion.scenes.closed_form import closed_form
 
 if TYPE_CHECKING:
     from geomtorsion.scenes.scene import Scene
@@ -65,9 +65,9 @@ def _truth(scene: Scene) -> tuple[Any, str]:
     if form is not None:
         return np.asarray(form.states(scene.times), dtype=float), "the closed form"
     if is_available():
-        solved = solve(scene.flow, scene.times, TRUE, Taylor(precision=BITS))
+        solved = solve(scene.ode, scene.times, TRUE, Taylor(precision=BITS))
         return np.asarray(solved.states).astype(float), "quadruple precision"
-    solved = solve(scene.flow, scene.times, 1e-13, RungeKutta())
+    solved = solve(scene.ode, scene.times, 1e-13, RungeKutta())
     return np.asarray(solved.states, dtype=float), "the most accurate Runge-Kutta solution"
 
 
@@ -76,7 +76,7 @@ def _error(scene: Scene, states: Any, truth: Any) -> float:
     found = np.asarray(states).astype(float)
     count = min(len(found), len(truth))
     worst = 0.0
-    for block in scene.flow.system.blocks:
+    for block in scene.ode.system.blocks:
         index = list(block)
         size = float(np.abs(truth[:, index]).max())
         gap = float(np.abs(found[:count, index] - truth[:count, index]).max())
@@ -87,7 +87,7 @@ def _error(scene: Scene, states: Any, truth: Any) -> float:
 def _row(scene: Scene, engine: Engine, accuracy: float, truth: Any) -> CostRow:
     """Solve, repeat for the clock, measure the error."""
     try:
-        first = solve(scene.flow, scene.times, accuracy, engine)
+        first = solve(scene.ode, scene.times, accuracy, engine)
     except GeomtorsionError as error:
         note = str(error).split(". ")[0]
         return CostRow(engine.name, accuracy, None, None, None, None, 0.0, 0, 0, note)
@@ -95,7 +95,7 @@ def _row(scene: Scene, engine: Engine, accuracy: float, truth: Any) -> CostRow:
     began = time.perf_counter()
     while total == float("inf") or time.perf_counter() - began < WATCHED:
         start = time.perf_counter()
-        found = solve(scene.flow, scene.times, accuracy, engine)
+        found = solve(scene.ode, scene.times, accuracy, engine)
         total = min(total, time.perf_counter() - start)
         if found.cost.run_seconds < best.cost.run_seconds:
             best = found

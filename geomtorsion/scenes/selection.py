@@ -1,8 +1,8 @@
-"""Plan: which states and effects a scene needs, which it leaves out, and why."""
+"""Selection: which states and effects a scene needs, which it leaves out, and why."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -10,13 +10,16 @@ from typing import TYPE_CHECKING, Any
 from geomtorsion.scenes.assembly import WORK, Assembly, power_of
 from geomtorsion.scenes.context import (
     ATTITUDE,
+    OMEGA,
     POSITION,
     QUATERNION,
     TIME,
     VELOCITY,
     VERTICAL,
+    group_of,
 )
-from geomtorsion.scenes.watch import Quantity
+from geomtorsion.scenes.observables import Observable
+from geomtorsion.scenes.selection_drawing import drawn
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -29,20 +32,21 @@ _TOGETHER = {
 
 
 @dataclass(frozen=True)
-class PlanRow:
-    """One line of a plan.
+class SelectionRow:
+    """One line of a selection: an effect, or a group of states.
 
-    kind: "effect" or "states"; name: what it is; inside: whether it is in the equations; why.
+    kind: "effect" or "states"; name: what it is; inside: whether it is in the equations;
+    reason: why.
     """
 
     kind: str
     name: str
     inside: bool
-    why: str
+    reason: str
 
 
 @dataclass(frozen=True, eq=False)
-class ScenePlan:
+class StateSelection:
     """What a scene solves: what is watched, what that needs, and nothing else.
 
     title: of the scene.
@@ -55,13 +59,13 @@ class ScenePlan:
     >>> from geomtorsion.scenes import Body, Scene, State
     >>> body = Body(moments=(1, 2, 3))
     >>> scene = Scene(body, start=State(omega=(0, 1, 1e-3)), watch=["omega"], t=9)
-    >>> scene.plan().states
+    >>> scene.selection.states
     ('Omega1', 'Omega2', 'Omega3')
     """
 
     title: str
     assembly: Assembly
-    watch: tuple[Quantity, ...]
+    watch: tuple[Observable, ...]
     titles: Mapping[str, str]
 
     # -- the graph -------------------------------------------------------------------------------
@@ -189,11 +193,9 @@ class ScenePlan:
         return tuple(found)
 
     @cached_property
-    def rows(self) -> tuple[PlanRow, ...]:
+    def rows(self) -> tuple[SelectionRow, ...]:
         """Every effect and every group of states, with the reason."""
-        from geomtorsion.scenes.plan_reasons import rows
-
-        return rows(self)
+        return _rows(self)
 
     @property
     def left_out(self) -> tuple[str, ...]:
@@ -202,8 +204,6 @@ class ScenePlan:
 
     def draw(self) -> str:
         """The graph as SVG text: what is in and, in grey, what is left out."""
-        from geomtorsion.scenes.plan_drawing import drawn
-
         return drawn(self)
 
     def _repr_svg_(self) -> str:
@@ -217,7 +217,7 @@ class ScenePlan:
         lines = [heading]
         for inside, mark in ((True, "in"), (False, "left out")):
             lines += [
-                f"{mark:<9} {row.kind:<7} {row.name:<{width}}  {row.why}"
+                f"{mark:<9} {row.kind:<7} {row.name:<{width}}  {row.reason}"
                 for row in self.rows
                 if row.inside == inside
             ]
@@ -225,3 +225,89 @@ class ScenePlan:
 
     def __repr__(self) -> str:
         return str(self)
+
+
+# -- why each is in or left out -------------------------------------------------------------------
+
+
+def _rows(selection: StateSelection) -> tuple[SelectionRow, ...]:
+    """All rows: effects in the order of the scene, then groups of states."""
+    found = []
+    solved = set(selection.states) | {s.name for s in selection.constants}
+    for key, title in selection.titles.items():
+        inside = key in selection.effects
+        if inside:
+            acts = _listed(selection._touched(key) & solved)
+            why = f"{title}; acts on {acts}" if acts else f"{title}; watched, or stops the motion"
+        else:
+            acts = _listed(selection._touched(key))
+            why = f"acts on {acts} only, which nothing that is watched needs"
+            if not acts:
+                why = "acts on nothing here"
+        found.append(SelectionRow("effect", key, inside, why))
+    return (*found, *_state_rows(selection))
+
+
+def _state_rows(selection: StateSelection) -> Iterable[SelectionRow]:
+    """Groups of states."""
+    groups: dict[str, list[str]] = {}
+    for name in selection.states:
+        groups.setdefault(group_of(name), []).append(name)
+    for group, members in groups.items():
+        node = group if group in ("attitude", "vertical") else members[0]
+        yield SelectionRow("states", group, True, f"{_listed(members)}: {_wanted(selection, node)}")
+    if selection.constants:
+        names = _listed(s.name for s in selection.constants)
+        yield SelectionRow("states", "velocity", False, f"{names} constant: no force acts along it")
+    ties = selection.assembly.ties
+    known = {*groups, *(["velocity"] if selection.constants else [])}
+    for group, symbols in (
+        ("rotation", OMEGA), ("attitude", QUATERNION), ("vertical", VERTICAL),
+        ("position", POSITION), ("velocity", VELOCITY),
+    ):  # fmt: skip
+        if group in known:
+            continue
+        why = "nothing that is watched or acts needs it"
+        if group == "attitude" and "vertical" in known:
+            why = "the vertical is enough: nothing needs the turn about it"
+        elif group == "vertical" and "attitude" in known:
+            why = "part of the attitude"
+        elif symbols[0] in ties:
+            why = "given by the constraint"
+        yield SelectionRow("states", group, False, why)
+
+
+def _wanted(selection: StateSelection, node: str) -> str:
+    """Who asks for a state: what is watched first, then the rates that contain it."""
+    graph, needed = selection.graph, selection._needed
+    watchers = [
+        other.removeprefix("watch ")
+        for other in graph.successors(node)
+        if other.startswith("watch ")
+    ]
+    if watchers:
+        return f"watched as {_listed(watchers)}" if watchers != [node] else "watched"
+    stops = [other for other in graph.successors(node) if other.startswith("stop ")]
+    if stops:
+        return f"needed to stop by {_listed(other.removeprefix('stop ') for other in stops)}"
+    users = [o for o in graph.successors(node) if o in needed and not o.startswith("effect ")]
+    helpers = [
+        key
+        for key in selection.effects
+        if key not in ("spin", "drift") and set(users) & selection._touched(key)
+    ]
+    groups = dict.fromkeys(map(group_of, users))
+    through = f", through {_listed(helpers)}" if helpers and node != "rotation" else ""
+    return f"needed by {_listed(groups)}{through}"
+
+
+def _listed(names: Iterable[str]) -> str:
+    """Names, in order, runs such as Omega1, Omega2, Omega3 shortened."""
+    names = list(names) if isinstance(names, list | tuple | dict) else sorted(names)
+    for run in (OMEGA, QUATERNION, VERTICAL):
+        whole = [s.name for s in run]
+        if set(whole) <= set(names):
+            place = min(names.index(name) for name in whole)
+            names = [n for n in names if n not in whole]
+            names.insert(place, f"{whole[0]}..{whole[-1]}")
+    return ", ".join(names)

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import geomtorsion as gt
-from geomtorsion.scenes.watch import QUANTITIES
+from geomtorsion.scenes.observables import OBSERVABLES
 from tests.scenes import brute
 
 E = gt.effects
@@ -15,7 +15,7 @@ ARM = np.array([0.05, -0.1, 0.25])
 OMEGA, ANGLES = np.array([1.0, -2.0, 8.0]), (0.5, 0.9, -0.4)
 PLACE, SPEED = np.array([1.0, 2.0, 3.0]), np.array([0.5, -1.0, 4.0])
 TIMES = np.linspace(0, 1.5, 16)
-NAMES = [name for name in QUANTITIES if name not in ("work", "energy_balance")]
+NAMES = [name for name in OBSERVABLES if name not in ("work", "energy_balance")]
 MORE = ["euler:ZYX", "euler:xyx", "Omega2", "n3"]
 
 
@@ -75,7 +75,7 @@ def test_every_quantity(held):
             theirs = theirs - 2 * np.pi * np.round((theirs - ours)[:1] / (2 * np.pi))
         assert np.abs(ours - theirs).max() < 1e-9 * max(1, np.abs(theirs).max()), name
     single = gt.Scene(body, effects, start, ["nutation", "n3"], TIMES, accuracy=1e-11)
-    assert "n1" in single.plan().states
+    assert "n1" in single.selection.states
     assert np.abs(single.run()["n3"] - expected["n3"]).max() < 1e-9
 
 
@@ -148,14 +148,14 @@ def test_next_to_the_unstable_axis(push):
     result = scene.run()
     assert result.closed_form
     assert result.error < 1e-10
-    long = gt.solve(scene.flow, scene.times, 1e-17, gt.Taylor(113))
+    long = gt.solve(scene.ode, scene.times, 1e-17, gt.Taylor(113))
     states = np.asarray(long.states, dtype=float)
     assert np.abs(result["omega"] - states[:, :3]).max() < 1e-14
 
 
 def test_a_closed_form_that_fails_its_check_is_not_used(monkeypatch):
     """One part in 10^7 off: the integrator answers, and the answer is right."""
-    from geomtorsion.scenes.running import ClosedForm
+    from geomtorsion.scenes.closed_form import ClosedForm
 
     start = gt.State(omega=(0.3, 1, 0.2))
     scene = gt.Scene(gt.Body(moments=(1, 2, 3)), (), start, ["omega"], t=5)
