@@ -1,0 +1,192 @@
+"""Source: what the code of the package looks like from outside, for `test_layout`."""
+
+from __future__ import annotations
+
+import ast
+import io
+import tokenize
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
+from pathlib import Path
+
+import networkx as nx
+
+import geomtorsion
+
+PACKAGE = Path(geomtorsion.__file__).parent
+FILES = tuple(sorted(PACKAGE.rglob("*.py")))
+FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
+LOOKED_FOR = (*FUNCTIONS, ast.Import, ast.ImportFrom, ast.AnnAssign)
+Nodes = Iterable[tuple[ast.AST, bool]]
+
+
+def name_of(file: Path) -> str:
+    """A file relative to the package."""
+    return str(file.relative_to(PACKAGE))
+
+
+@cache
+def text_of(file: Path) -> str:
+    """The text of a file."""
+    return file.read_text("utf-8")
+
+
+@cache
+def tree_of(file: Path) -> ast.Module:
+    """The syntax tree of a file."""
+    return ast.parse(text_of(file))
+
+
+def walk(node: ast.AST, inside: bool = False) -> Iterator[tuple[ast.AST, bool]]:
+    """All functions, imports and variables with a type, and whether they stand in a function."""
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.stmt):
+            if isinstance(child, LOOKED_FOR):
+                yield child, inside
+            yield from walk(child, inside or isinstance(child, FUNCTIONS))
+        elif isinstance(child, ast.excepthandler | ast.match_case):
+            yield from walk(child, inside)
+
+
+@cache
+def looked_for(file: Path) -> list[tuple[ast.AST, bool]]:
+    """The same of a file."""
+    return list(walk(tree_of(file)))
+
+
+def part_of(file: Path) -> str:
+    """First name below geomtorsion of a file."""
+    return file.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+def imported_names(nodes: Nodes) -> Iterator[tuple[str, ...]]:
+    """Parts of each dotted name that is imported from geomtorsion, at any depth of the code."""
+    for node, _ in nodes:
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"line {node.lineno}: imports are absolute"
+            names = [f"{node.module}.{alias.name}" for alias in node.names]
+        else:
+            continue
+        for name in names:
+            head, *rest = name.split(".")
+            if head == "geomtorsion":
+                yield tuple(rest)
+
+
+def imported_file(name: tuple[str, ...]) -> Path:
+    """The file that a dotted name stands in: a module, or the __init__ of a package."""
+    for count in range(len(name), 0, -1):
+        place = PACKAGE.joinpath(*name[:count])
+        if place.with_suffix(".py").is_file():
+            return place.with_suffix(".py")
+        if (place / "__init__.py").is_file():
+            return place / "__init__.py"
+    return PACKAGE / "__init__.py"
+
+
+def rings(edges: Mapping[str, set[str]]) -> list[set[str]]:
+    """Groups of nodes from each of which every other one can be reached."""
+    graph = nx.DiGraph([(one, two) for one, found in edges.items() for two in found if two != one])
+    return [ring for ring in nx.strongly_connected_components(graph) if len(ring) > 1]
+
+
+@cache
+def file_imports() -> dict[str, set[str]]:
+    """For each file the files that it imports, inside functions and for types too."""
+    return {
+        name_of(file): {name_of(imported_file(name)) for name in imported_names(looked_for(file))}
+        for file in FILES
+    }
+
+
+@cache
+def package_imports() -> dict[str, set[str]]:
+    """For each package the packages that it imports."""
+    found: dict[str, set[str]] = {}
+    for one, others in file_imports().items():
+        own = found.setdefault(one.partition("/")[0], set())
+        own |= {other.partition("/")[0] for other in others} - {one.partition("/")[0]}
+    return found
+
+
+def bare_inner_imports(text: str, nodes: Nodes) -> list[int]:
+    """Lines of imports inside functions with no comment on their line or on the one before."""
+    inner = [n for n, inside in nodes if inside and isinstance(n, ast.Import | ast.ImportFrom)]
+    if not inner:
+        return []
+    comments = {
+        token.start[0]
+        for token in tokenize.generate_tokens(io.StringIO(text).readline)
+        if token.type == tokenize.COMMENT
+    }
+    bare, explained = set(), set()
+    for node in sorted(inner, key=lambda node: node.lineno):
+        last = node.end_lineno or node.lineno
+        # One comment is enough for imports that stand together.
+        if comments & set(range(node.lineno - 1, last + 1)) or node.lineno - 1 in explained:
+            explained.add(last)
+        else:
+            bare.add(node.lineno)
+    return sorted(bare)
+
+
+def annotated_types(nodes: Nodes) -> Iterator[ast.expr]:
+    """All annotations of arguments, results and variables."""
+    for node, _ in nodes:
+        if isinstance(node, FUNCTIONS):
+            given = node.args
+            every = [*given.posonlyargs, *given.args, *given.kwonlyargs, given.vararg, given.kwarg]
+            yield from (a.annotation for a in every if a is not None and a.annotation is not None)
+            if node.returns is not None:
+                yield node.returns
+        elif isinstance(node, ast.AnnAssign):
+            yield node.annotation
+
+
+def says_any(annotation: ast.expr) -> bool:
+    """Whether Any stands anywhere in an annotation."""
+    return any(isinstance(node, ast.Name) and node.id == "Any" for node in ast.walk(annotation))
+
+
+def tuned_constants(tree: ast.Module) -> list[str]:
+    """Names in capitals that stand for a number, at the level of the module."""
+    found = []
+    for node in tree.body:
+        if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None:
+            continue
+        target = node.targets[0] if isinstance(node, ast.Assign) else node.target
+        if isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple):
+            pairs = list(zip(target.elts, node.value.elts, strict=False))
+        else:
+            pairs = [(target, node.value)]
+        found += [
+            name.id
+            for name, value in pairs
+            if isinstance(name, ast.Name) and name.id.lstrip("_").isupper() and _is_number(value)
+        ]
+    return found
+
+
+def _is_number(node: ast.expr) -> bool:
+    """Whether an expression is made of written numbers alone."""
+    if isinstance(node, ast.Constant):
+        return isinstance(node.value, int | float) and not isinstance(node.value, bool)
+    if isinstance(node, ast.UnaryOp):
+        return _is_number(node.operand)
+    return isinstance(node, ast.BinOp) and _is_number(node.left) and _is_number(node.right)
+
+
+def unmirrored(tests: Path) -> list[str]:
+    """Test files in the folder of a package that have not the name of one of its modules."""
+    found = []
+    for file in sorted(tests.rglob("test_*.py")):
+        place = file.relative_to(tests)
+        package = PACKAGE.joinpath(*place.parts[:-1])
+        if len(place.parts) < 2 or not (PACKAGE / place.parts[0] / "__init__.py").is_file():
+            continue
+        module = file.stem.removeprefix("test_")
+        if not ((package / f"{module}.py").is_file() or (package / module).is_dir()):
+            found.append(str(place))
+    return found
