@@ -7,7 +7,8 @@ from typing import Any
 
 import sympy as sp
 
-from geomtorsion.errors import ShapeError
+from geomtorsion.checks import expression, shown
+from geomtorsion.errors import LoopError, ShapeError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops.arcs import exact_number
 
@@ -108,7 +109,10 @@ def dispiration(alpha: Any, b: Any) -> Frame:
     >>> dispiration(1, 0).coframe.nonzero()
     {(0, 0): 1, (1, 1): 1, (2, 2): 1}
     """
-    left, step = exact_number(sp.sympify(alpha)), exact_number(sp.sympify(b))
+    left, step = (
+        exact_number(expression(value, name, LoopError))
+        for name, value in (("alpha", alpha), ("b", b))
+    )
     square = X**2 + Y**2
     # dr / r and dphi as coefficients of dx and dy.
     radial, angular = (X / square, Y / square), (-Y / square, X / square)
@@ -124,6 +128,8 @@ def dispiration(alpha: Any, b: Any) -> Frame:
 
 def _exact(row: Sequence[Any], length: int, where: str) -> tuple[sp.Expr, ...]:
     """A row of exact numbers or expressions."""
-    if not hasattr(row, "__len__") or len(row) != length:
-        raise ShapeError(f"{where}: {length} numbers were needed, but {row!r} came.")
-    return tuple(exact_number(sp.sympify(value)) for value in row)
+    if isinstance(row, str) or not hasattr(row, "__len__") or len(row) != length:
+        raise ShapeError(f"{where}: {length} numbers were needed, but {shown(row)} came.")
+    return tuple(
+        exact_number(expression(value, f"{where}[{k}]", LoopError)) for k, value in enumerate(row)
+    )
