@@ -147,7 +147,7 @@ def public_functions() -> list[Case]:
             parameters={},
         ),
         _public(
-            "develop_round", connection=CARTAN, points=[[0, 0], [1, 0], [0, 0.5]],
+            "develop_period", connection=CARTAN, points=[[0, 0], [1, 0], [0, 0.5]],
             periods={"y": 0.5}, accuracy=1e-6, parameters={},
         ),
         _public("dispiration", alpha=sp.Rational(1, 2), b=1),
@@ -174,7 +174,7 @@ def public_functions() -> list[Case]:
         ),
         _public("Reaction", before=[(1, 0, 0)], after=[(1, 0, 0)], tolerance=1e-9),
         _public("Loop", parts=CIRCLE.parts, name="loop"),
-        _public("Motion", increment=np.zeros((3, 3))),
+        _public("AffineMap", increment=np.zeros((3, 3))),
     ]  # fmt: skip
 
 
@@ -291,7 +291,7 @@ def public_methods() -> list[Case]:
         ),
         _of("FreeTop.omega", gt.free_top((1, 2, 3), (1, 2, 3)).omega, times=[0, 1]),
         _of("SceneResult.at", RESULT.at, time=0.25),
-        _of("Scene.replaced", SCENE.replaced, changes={"start.omega[0]": 2.0}),
+        _of("Scene.with_values", SCENE.with_values, changes={"start.omega[0]": 2.0}),
         _of("Scene.sweep", SCENE.sweep, varied={"start.omega[0]": [1.0, 2.0]},
             measure=["max omega[0]"]),
         _of(
@@ -326,10 +326,9 @@ def _cycle_with(position: Any) -> Any:
     return gt.Loop.from_cycle(graph, [0, 1, 2])
 
 
-def _ready(scene: Any) -> Any:
-    """A scene with everything made that a run needs, short of the run."""
-    _ = scene.plan()
-    return scene.run(QUICK)
+def _selected(**given: Any) -> Any:
+    """What a scene with this start follows."""
+    return scenes.Scene(BODY, [effects.Gravity(1)], scenes.State(**given)).selection
 
 
 def _with_effect(make: Callable[..., Any]) -> Callable[..., Any]:
@@ -338,7 +337,7 @@ def _with_effect(make: Callable[..., Any]) -> Callable[..., Any]:
     def call(**given: Any) -> Any:
         effect = make(**given)
         start = scenes.State(omega=(1, 2, 3), euler=(0.3, 0.4, 0.5))
-        return scenes.Scene(BODY, [effect], start, t=0.1, accuracy=1e-3).plan()
+        return scenes.Scene(BODY, [effect], start, t=0.1, accuracy=1e-3).selection
 
     return call
 
@@ -385,14 +384,14 @@ def scene_cases() -> list[Case]:
             masses=[(1, (1, 0, 0)), (1, (0, 1, 0)), (1, (0, 0, 1))],
         ),
         _of(
-            "State", lambda **g: scenes.Scene(BODY, [effects.Gravity(1)], scenes.State(**g)).plan(),
+            "State", _selected,
             omega=(1, 2, 3), euler=(0.1, 0.2, 0.3), position=(0, 0, 0), velocity=(0, 0, 0),
             euler_convention="zyz",
         ),
         _of("State with a quaternion", scenes.State, quaternion=(1, 0, 0, 0)),
         _of("State with a matrix", scenes.State, matrix=[[1, 0, 0], [0, 1, 0], [0, 0, 1]]),
         _of(
-            "Scene", lambda **g: scenes.Scene(**g).plan(), body=BODY,
+            "Scene", lambda **g: scenes.Scene(**g).selection, body=BODY,
             effects=[effects.AngularDamping(0.1)], start=scenes.State(omega=(1, 2, 3)),
             watch=["omega"], t=1.0, accuracy=1e-6, name="a", title="b", samples=11,
         ),
@@ -416,8 +415,8 @@ def other_cases() -> list[Case]:
 # Results: what the package makes itself from what was checked. Nobody reads them from outside,
 # except from files, whose readers are tested.
 RESULTS = frozenset(
-    "BurgersMap BurgersVector Connecting CostRow CostTable Development Enclosed "
+    "BurgersMap BurgersVector Connecting CostRow CostTable Development EnclosedDefect "
     "EquationsOfMotion ExactBurgersVector FlowBundle FlowSolution Bundle Identity NodeRule "
-    "SceneCost ScenePlan SceneResult Solution Variation Atlas Chart Change Problem Flow "
+    "SceneCost StateSelection SceneResult Solution Variation Atlas Chart Change Problem Flow "
     "DislocationNetwork Engine".split()
 )

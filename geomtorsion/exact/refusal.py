@@ -7,7 +7,6 @@ from typing import Any
 
 import sympy
 
-from geomtorsion.checks import repr_fraction
 from geomtorsion.errors import ExpressionError
 
 _NOT_SMOOTH = (
@@ -63,7 +62,7 @@ def checked(where: str, value: Any) -> Any:
 def _reason(part: Any) -> str:
     """Why a part cannot be read, or nothing."""
     if part.is_Float:
-        exact = repr_fraction(float(part))
+        exact = sympy.nsimplify(part, rational=True)
         return f"is a floating-point number; write it exactly, for example {exact}"
     if part in (sympy.oo, -sympy.oo, sympy.zoo, sympy.nan):
         return "is not a finite number"
