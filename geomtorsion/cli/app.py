@@ -3,32 +3,40 @@
 from __future__ import annotations
 
 from importlib.metadata import PackageNotFoundError, version
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import typer
 
-from geomtorsion.cli.accuracy import accuracy
-from geomtorsion.cli.burgers import burgers
-from geomtorsion.cli.check import check
-from geomtorsion.cli.curve import curve
-from geomtorsion.cli.exercises import exercises
-from geomtorsion.cli.geometry import geometry
-from geomtorsion.cli.guard import guarded
-from geomtorsion.cli.lab import lab
-from geomtorsion.cli.paper import paper
-from geomtorsion.cli.plan import plan
-from geomtorsion.cli.report import report
-from geomtorsion.cli.run import run
-from geomtorsion.cli.scenes import scenes
-from geomtorsion.cli.spaces import spaces
+from geomtorsion.cli.lazy import SETTINGS, LazyGroup
+
+
+class Commands(LazyGroup):
+    """The commands: the module geomtorsion.cli.commands.NAME holds the function NAME."""
+
+    package = "geomtorsion.cli.commands"
+    summaries: ClassVar = {
+        "spaces": "List the shipped spaces.",
+        "geometry": "Show metric, connections, torsion and curvature.",
+        "check": "Check the identities of a space exactly.",
+        "plan": "Show what a quantity of a space, or a scene, needs, and what is left out.",
+        "report": "Write geometry, motions and a loop of a space as a page.",
+        "curve": "Follow the straightest and the shortest path from one start.",
+        "accuracy": "Measure what accuracy costs, and say what to take.",
+        "burgers": "Compute the Burgers vectors of loops: by how much they fail to close.",
+        "run": "Run a scene: a body, what acts on it, what is watched.",
+        "scenes": "List the shipped scenes; with a name, print that scene as a file.",
+        "paper": "Recompute the equations of Fiziev and Kleinert (1994).",
+        "lab": "Play with tetrads, loops, curves, tops and exercises in a browser.",
+        "exercises": "List, show, check and grade exercises.",
+    }
+
 
 app = typer.Typer(
+    cls=Commands,
     name="geomtorsion",
     no_args_is_help=True,
-    add_completion=False,
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
+    **SETTINGS,
 )
 
 
@@ -63,10 +71,3 @@ def geomtorsion(
       geomtorsion geometry so3 --only torsion,ricci
       geomtorsion report so3 -o so3-report
     """
-
-
-for _command in (spaces, geometry, check, plan, report, curve, accuracy, burgers, run, scenes):
-    app.command()(guarded(_command))
-app.command(short_help="Recompute the equations of the paper.")(guarded(paper))
-app.command(short_help="A page to play with, for the classroom.")(guarded(lab))
-app.add_typer(exercises)

@@ -7,7 +7,6 @@ from typing import Any
 
 import sympy
 
-from geomtorsion.checks import expression
 from geomtorsion.geometry import Frame
 
 
@@ -19,7 +18,7 @@ def tex(expr: Any) -> str:
     >>> tex(sympy.sin(sympy.Symbol("phi1")) / 2)
     '\\\\frac{\\\\sin{\\\\left(\\\\phi_{1} \\\\right)}}{2}'
     """
-    return str(sympy.latex(expression(expr)))
+    return str(sympy.latex(sympy.sympify(expr)))
 
 
 def matrix(rows: Sequence[Sequence[Any]]) -> str:

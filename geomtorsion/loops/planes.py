@@ -57,13 +57,11 @@ def vector(values: Any, where: str, dimension: int | None = None) -> tuple[float
 
 
 def is_symbolic(*values: Any) -> bool:
-    """Whether a value contains symbols, at any depth of lists and arrays."""
+    """Whether a value contains symbols, at any depth of lists."""
     return any(
-        bool(value.free_symbols)
-        if isinstance(value, sp.Expr)
-        else isinstance(value, list | tuple | np.ndarray)
-        and np.ndim(value) > 0
-        and is_symbolic(*value)
+        is_symbolic(*value)
+        if isinstance(value, list | tuple)
+        else isinstance(value, sp.Expr) and bool(value.free_symbols)
         for value in values
     )
 

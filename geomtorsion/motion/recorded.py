@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 from zipfile import BadZipFile
 
 from geomtorsion.errors import FileFormatError
-from geomtorsion.files import conforming
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -73,7 +72,6 @@ class Recorded:
                 f"{path}: this is no motion saved by Solution.save ({error}). "
                 "Save the solution again."
             ) from None
-        conforming(metadata, {"error": float}, str(path))
         if metadata.get("format") != FORMAT:
             raise FileFormatError(
                 f"{path}: format {metadata.get('format')} was found, {FORMAT} is known. "

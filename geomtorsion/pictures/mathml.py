@@ -10,7 +10,6 @@ from typing import Any
 import sympy
 from sympy.core.function import AppliedUndef
 
-from geomtorsion.checks import expression as expression_of
 from geomtorsion.pictures.text import greek_name, ordered_terms
 
 _TIMES = "<mo>&#x2062;</mo>"
@@ -34,9 +33,7 @@ def mathml(expression: Any) -> str:
     >>> mathml(1 - r)
     '<mrow><mn>1</mn><mo>−</mo><mi>r</mi></mrow>'
     """
-    return _written(
-        expression if isinstance(expression, sympy.Basic) else expression_of(expression)
-    )[0]
+    return _written(sympy.sympify(expression))[0]
 
 
 def identifier(name: str) -> str:

@@ -10,8 +10,6 @@ from sympy.core.function import AppliedUndef
 from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.str import StrPrinter
 
-from geomtorsion.checks import expression as expression_of
-
 _LETTERS = (
     "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho "
     "sigma tau upsilon phi chi psi omega".split()
@@ -51,11 +49,7 @@ def expression_text(expression: Any, *, greek: bool = True) -> str:
     >>> expression_text(a.diff(r, 2) / a), expression_text(a.diff(r, 2) / a, greek=False)
     ("a''(r)/a(r)", 'diff(a(r), r, 2)/a(r)')
     """
-    return (
-        _Printer(greek=greek)
-        .doprint(expression if isinstance(expression, sympy.Basic) else expression_of(expression))
-        .replace("**", "^")
-    )
+    return _Printer(greek=greek).doprint(sympy.sympify(expression)).replace("**", "^")
 
 
 def ordered_terms(expression: sympy.Add) -> list[sympy.Expr]:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from sympy import Basic, Expr, Symbol
-
-from geomtorsion.checks import expression
+from sympy import Basic, Expr, Symbol, sympify
 
 
 def box(ranges: Mapping[Symbol, tuple[Expr | int, Expr | int]]) -> tuple[Basic, ...]:
@@ -21,8 +19,8 @@ def box(ranges: Mapping[Symbol, tuple[Expr | int, Expr | int]]) -> tuple[Basic, 
     """
     relations: list[Basic] = []
     for symbol, (low, high) in ranges.items():
-        if expression(low).is_finite is not False:
+        if sympify(low).is_finite is not False:
             relations.append(symbol > low)
-        if expression(high).is_finite is not False:
+        if sympify(high).is_finite is not False:
             relations.append(symbol < high)
     return tuple(relations)

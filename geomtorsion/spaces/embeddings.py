@@ -9,7 +9,6 @@ from typing import Any
 
 import sympy as sp
 
-from geomtorsion.checks import expression
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.exact import Field, numpy_function
 from geomtorsion.geometry import Frame
@@ -71,7 +70,7 @@ class Embedding:
 
     def _compiled(self, expressions: Sequence[sp.Expr]) -> Callable[..., Any]:
         symbols = (*self.coordinates, *self.parameters)
-        elements = Field(symbols).read_all([("embedding", expression(x)) for x in expressions])
+        elements = Field(symbols).read_all([("embedding", sp.sympify(x)) for x in expressions])
         return numpy_function(elements, symbols, check=False)
 
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from itertools import permutations
 
-from sympy import Expr, Integer
+from sympy import Expr, Integer, sympify
 from sympy.combinatorics.permutations import Permutation
-
-from geomtorsion.checks import expression
 
 Index = tuple[int, ...]
 Table = dict[Index, Expr]
@@ -26,7 +24,7 @@ def alternating(components: Mapping[Index, Expr | int]) -> Table:
     for index, value in components.items():
         for order in permutations(range(len(index))):
             sign = Integer(Permutation(order).signature())
-            table[tuple(index[place] for place in order)] = sign * expression(value)
+            table[tuple(index[place] for place in order)] = sign * sympify(value)
     return table
 
 
@@ -40,8 +38,8 @@ def antisymmetric(components: Mapping[Index, Expr | int]) -> Table:
     """
     table: Table = {}
     for (first, second, *rest), value in components.items():
-        table[first, second, *rest] = expression(value)
-        table[second, first, *rest] = -expression(value)
+        table[first, second, *rest] = sympify(value)
+        table[second, first, *rest] = -sympify(value)
     return table
 
 
@@ -55,8 +53,8 @@ def symmetric(components: Mapping[Index, Expr | int]) -> Table:
     """
     table: Table = {}
     for (first, second, *rest), value in components.items():
-        table[first, second, *rest] = expression(value)
-        table[second, first, *rest] = expression(value)
+        table[first, second, *rest] = sympify(value)
+        table[second, first, *rest] = sympify(value)
     return table
 
 
@@ -68,7 +66,7 @@ def diagonal(values: Sequence[Expr | int]) -> Table:
     >>> diagonal([1, 0, 2])
     {(0, 0): 1, (2, 2): 2}
     """
-    return {(k, k): expression(value) for k, value in enumerate(values) if value != 0}
+    return {(k, k): sympify(value) for k, value in enumerate(values) if value != 0}
 
 
 def matrix(rows: Sequence[Sequence[Expr | int]]) -> Table:
@@ -80,7 +78,7 @@ def matrix(rows: Sequence[Sequence[Expr | int]]) -> Table:
     {(0, 1): 3, (1, 0): 1}
     """
     return {
-        (i, j): expression(value)
+        (i, j): sympify(value)
         for i, row in enumerate(rows)
         for j, value in enumerate(row)
         if value != 0

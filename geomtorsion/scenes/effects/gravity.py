@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from geomtorsion.scenes.context import Number
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
 
 if TYPE_CHECKING:
@@ -36,7 +35,7 @@ class Gravity(Effect):
     key: ClassVar[str] = "gravity"
     title: ClassVar[str] = "uniform gravity, downwards"
 
-    g: Number = field(default=9.81, metadata=unit("m/s^2"))
+    g: Any = field(default=9.81, metadata=unit("m/s^2"))
 
     def adds(self, context: Context) -> Contribution:
         """A force at the centre of mass, with its potential."""

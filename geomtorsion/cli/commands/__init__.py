@@ -1,0 +1,1 @@
+"""commands: one module for each, with a function of the same name."""

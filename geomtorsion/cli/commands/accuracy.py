@@ -1,0 +1,135 @@
+"""accuracy: what accuracy costs in time, measured on a motion of a space or on a scene."""
+
+from __future__ import annotations
+
+import json
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from geomtorsion.accuracy import CostTable, accuracy_cost
+from geomtorsion.cli.options import (
+    NO_PICTURES,
+    FrameVelocity,
+    LastTime,
+    Moments,
+    Parameters,
+    PictureFormat,
+    Pictures,
+    SpaceOrScene,
+    Start,
+    Velocity,
+    directory,
+    option,
+    say_written,
+)
+from geomtorsion.cli.problems import engine_of, start_lines, start_options
+from geomtorsion.cli.scene_sources import is_scene, open_scene, space_or_hint
+from geomtorsion.cli.terminal import bar, working
+from geomtorsion.cli.values import numbers
+from geomtorsion.errors import StartError
+from geomtorsion.motion import Engine
+from geomtorsion.pictures.album import can_draw
+from geomtorsion.pictures.ink import save
+from geomtorsion.pictures.pair import posed
+from geomtorsion.scenes.accuracy_table import scene_accuracy
+
+
+class Curve(StrEnum):
+    """Which motion is measured."""
+
+    geodesic = "geodesic"
+    autoparallel = "autoparallel"
+
+
+def accuracy(
+    source: SpaceOrScene,
+    curve: Annotated[Curve, typer.Option(help="Which motion is measured.")] = Curve.geodesic,
+    start: Start = None,
+    velocity: Velocity = None,
+    frame_velocity: FrameVelocity = None,
+    t: LastTime = None,
+    parameters: Parameters = None,
+    moments: Moments = None,
+    accuracies: Annotated[
+        str, typer.Option(metavar="X,...", help="What is asked for, one row each.")
+    ] = "1e-3,1e-6,1e-9,1e-12",
+    engines: Annotated[
+        str | None,
+        option(
+            metavar="NAME,...",
+            text="taylor, rungekutta, stiff; default: taylor (if installed) and rungekutta.",
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None, directory("Write accuracy.json and the picture to this directory.")
+    ] = None,
+    form: Pictures = PictureFormat.png,
+) -> None:
+    """Measure what accuracy costs, and say what to take.
+
+    Errors are measured against a closed form where there is one, else against quadruple precision;
+    times are those of this machine.
+
+    \b
+    Examples:
+      geomtorsion accuracy so3 --moments 1,2,3 --t 100
+      geomtorsion accuracy s2 --accuracies 1e-6,1e-12 -o cost
+      geomtorsion accuracy lagrange_cusp --t 1
+    """
+    asked = numbers(accuracies, "accuracies") or []
+    names = [] if engines is None else engines.split(",")
+    solvers = [solver for name in names if (solver := engine_of(name.strip())) is not None]
+    if is_scene(source):
+        given = {"--start": start, "--velocity": velocity, "--frame-velocity": frame_velocity}
+        _refuse(given | {"--moments": moments})
+        table = _of_scene(source, t, parameters, solvers, asked)
+        typer.echo(str(table))
+    else:
+        space = space_or_hint(source)
+        with working(space.name) as progress:
+            options = start_options(start, velocity, frame_velocity, t, parameters, moments)
+            problems, chosen, last = posed(space, **options)
+            progress("measuring")
+            problem = problems[curve.value]
+            table = accuracy_cost(problem, last, solvers or None, asked)
+        typer.echo("\n".join([*start_lines(problem, chosen), "", str(table)]))
+    if output is not None:
+        _write(table, output, form.value)
+
+
+def _of_scene(
+    source: str,
+    t: str | None,
+    settings: list[str] | None,
+    engines: list[Engine],
+    asked: list[float],
+) -> CostTable:
+    """The table of a scene."""
+    scene = open_scene(source, t=t, settings=settings)
+    with bar(scene.title or scene.name) as progress:
+        return scene_accuracy(scene, engines or None, asked, progress or (lambda _: None))
+
+
+def _refuse(given: dict[str, str | None]) -> None:
+    """Options of spaces mean nothing for a scene."""
+    wrong = [name for name, value in given.items() if value is not None]
+    if wrong:
+        raise StartError(
+            f"{wrong[0]} is for spaces; a scene has its own start: --set start.omega[0]=0.1."
+        )
+
+
+def _write(table: CostTable, folder: Path, form: str) -> None:
+    """Table as data, and the picture where matplotlib is installed."""
+    folder.mkdir(parents=True, exist_ok=True)
+    data, picture = folder / "accuracy.json", folder / f"accuracy.{form}"
+    data.write_text(json.dumps(table.to_json(), indent=2, ensure_ascii=False) + "\n", "utf-8")
+    say_written([data])
+    if can_draw():
+        save(table.plot(), picture)
+        say_written([picture])
+    else:
+        typer.echo(f"No picture: {NO_PICTURES}")

@@ -1,0 +1,262 @@
+"""burgers: Burgers vectors of loops, for a person or for a pipeline."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated, Any
+
+import sympy as sp
+import typer
+
+from geomtorsion.cli.exits import FAILED, INTERRUPTED
+from geomtorsion.cli.options import SpaceOrFile, directory, option
+from geomtorsion.cli.sources import open_space
+from geomtorsion.cli.terminal import working
+from geomtorsion.errors import GeomtorsionError, LoopError, MissingExtraError, MissingValueError
+from geomtorsion.geometry import Frame
+from geomtorsion.loops import BurgersVector, Loop, burgers_vector, exact_burgers_vector
+from geomtorsion.loops.loop_files import (
+    LoopFile,
+    loop_from_data,
+    loops_from_json,
+    number_of,
+    read_loops,
+)
+from geomtorsion.pictures.ink import save
+from geomtorsion.pictures.loops import draw_closure
+
+ACCURACY = 1e-12
+MOST_PICTURES = 12
+# Kinds of loops whose fields are separated by colons, and what the fields are called.
+FIELDS = {
+    "circle": ("centre", "radius", "plane"),
+    "ellipse": ("centre", "axes", "plane"),
+    "plaquette": ("corner", "steps", "plane"),
+}
+Texts = list[str]
+Values = dict[str, "float | sp.Expr"]
+
+
+class Form(StrEnum):
+    """How results are written."""
+
+    text = "text"
+    json = "json"
+
+
+def burgers(
+    source: SpaceOrFile,
+    circle: Annotated[
+        Texts, option(metavar="CENTRE:RADIUS[:PLANE]", text="A circle: 0.3,1,0.2:1e-8:phi1,phi2")
+    ] = [],
+    ellipse: Annotated[
+        Texts, option(metavar="CENTRE:A,B[:PLANE]", text="An ellipse: 0,0,0:2,1")
+    ] = [],
+    polygon: Annotated[
+        Texts, option(metavar="POINT;POINT;...", text="A polygon: '0,0;1,0;0,1'")
+    ] = [],
+    plaquette: Annotated[
+        Texts, option(metavar="CORNER:STEPS[:PLANE]", text="A parallelogram: 0,0,0:1,1:x,y")
+    ] = [],
+    curve: Annotated[
+        Texts, option(metavar="EXPR;EXPR;...", text="A closed curve in s: 'cos(s);sin(s);0'")
+    ] = [],
+    spline: Annotated[
+        Texts, option(metavar="POINT;POINT;...", text="A spline through points.")
+    ] = [],
+    interval: Annotated[
+        str, typer.Option(metavar="START,END", help="Bounds of s in --curve.")
+    ] = "0,2*pi",
+    loops: Annotated[
+        list[Path],
+        option(metavar="FILE", text="Loops from a JSON or CSV file; - for JSON on standard input."),
+    ] = [],
+    values: Annotated[Texts, option("--set", metavar="NAME=VALUE", text="Parameter value.")] = [],
+    accuracy: Annotated[
+        float | None, option(metavar="X", text="Wanted relative error; default: 1e-12.")
+    ] = None,
+    exact: Annotated[bool, typer.Option("--exact", help="A closed form, not numbers.")] = False,
+    form: Annotated[
+        Form, typer.Option("--format", help="text to read, json for programs.")
+    ] = Form.text,
+    output: Annotated[
+        Path | None,
+        directory("Directory for burgers.json and pictures, made if it is missing."),
+    ] = None,
+) -> None:
+    """Compute the Burgers vectors of loops: by how much they fail to close.
+
+    They are measured in the frame. Numbers may be 0.3 or pi/2; PLANE is two coordinates (the first
+    two if left out). A loop that fails among several is reported in its place, and the command
+    ends with 1.
+
+    \b
+    Examples:
+      geomtorsion burgers so3 --circle 0.3,1,0.2:1e-12
+      geomtorsion burgers screw_dislocation --set b=1 --polygon '1,0,0;0,1,0;-1,-1,0'
+      geomtorsion burgers heisenberg --curve 'cos(s);sin(2*s);0' --exact
+      geomtorsion burgers so3 --loops loops.json --format json | jq .results
+    """
+    space = open_space(source)
+    given = {
+        "circle": circle, "ellipse": ellipse, "polygon": polygon,
+        "plaquette": plaquette, "curve": curve, "spline": spline,
+    }  # fmt: skip
+    wanted: list[Loop] = []
+    parameters: Values = {}
+    for path in loops:
+        read = _read(space.frame, path)
+        wanted += read.loops
+        parameters |= read.parameters
+        accuracy = read.accuracy if accuracy is None else accuracy
+    parameters |= exact_assignments(values)
+    wanted += _described(space.frame, given, interval)
+    if not wanted:
+        raise typer.BadParameter("no loop was given: use --circle, --polygon, ... or --loops FILE")
+    accuracy = ACCURACY if accuracy is None else accuracy
+    results: list[dict[str, Any]] = []
+    vectors: list[BurgersVector | None] = []
+    complete = True
+    with working(f"{space.name}: {len(wanted)} loops") as progress:
+        try:
+            for k, loop in enumerate(wanted, 1):
+                progress(f"loop {k}")
+                try:
+                    result, vector = _solved(space.frame, loop, accuracy, parameters, exact)
+                except MissingValueError as error:
+                    raise MissingValueError(f"{error} Here: --set NAME=VALUE.") from None
+                except GeomtorsionError as error:
+                    if len(wanted) == 1:
+                        raise
+                    kind = type(error).__name__
+                    result, vector = {"loop": loop.name, "failed": str(error), "kind": kind}, None
+                results.append(result)
+                vectors.append(vector)
+        except KeyboardInterrupt:
+            complete = False
+    document = {
+        "space": space.name,
+        "parameters": {name: str(value) for name, value in parameters.items()},
+        "complete": complete,
+        "results": results,
+    }
+    if form is Form.json:
+        typer.echo(json.dumps(document, indent=2))
+    else:
+        for result in results:
+            _explain(result)
+    if output is not None:
+        _save(document, vectors, output)
+    if not complete:
+        raise typer.Exit(INTERRUPTED)
+    if any("failed" in result for result in results):
+        raise typer.Exit(FAILED)
+
+
+def exact_assignments(texts: Iterable[str]) -> Values:
+    """Values of parameters from NAME=VALUE, kept exact where they are written so."""
+    values: Values = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not equals or not name.strip() or not value.strip():
+            raise LoopError(f"--set {text}: NAME=VALUE was needed, as in --set R=1.5.")
+        values[name.strip()] = number_of(value.strip(), f"--set {name.strip()}")
+    return values
+
+
+def _read(frame: Frame, path: Path) -> LoopFile:
+    """Loops of a file, or of standard input."""
+    if str(path) == "-":
+        return loops_from_json(frame, sys.stdin.read(), "standard input")
+    return read_loops(frame, path)
+
+
+def _described(frame: Frame, given: Mapping[str, Texts], interval: str) -> Iterator[Loop]:
+    """Loops that stand on the command line."""
+    for kind, texts in given.items():
+        for text in texts:
+            yield loop_from_data(frame, loop_data(kind, text, interval), f"--{kind} {text}")
+
+
+def loop_data(kind: str, text: str, interval: str) -> dict[str, Any]:
+    """The loop that `--kind TEXT` means, as `loop_from_data` takes it."""
+    inner: dict[str, Any]
+    if kind in FIELDS:
+        keys, fields = FIELDS[kind], _split(text, ":")
+        if not 2 <= len(fields) <= 3:
+            wanted = f"{keys[0].upper()}:{keys[1].upper()}[:PLANE]"
+            raise LoopError(f"--{kind} {text}: {wanted} was needed, {len(fields)} parts came.")
+        inner = {key: _split(field, ",") for key, field in zip(keys, fields, strict=False)}
+        if kind == "circle":
+            inner["radius"] = fields[1]
+    elif kind == "curve":
+        inner = {"expressions": _split(text, ";"), "interval": _split(interval, ",")}
+    else:
+        points = [_split(point, ",") for point in text.split(";") if point.strip()]
+        inner = {"points" if kind == "spline" else "vertices": points}
+    return {kind: inner, "name": f"{kind} {text}"}
+
+
+def _split(text: str, separator: str) -> list[str]:
+    return [part.strip() for part in text.split(separator)]
+
+
+def _solved(
+    frame: Frame, loop: Loop, accuracy: float, parameters: Values, exact: bool
+) -> tuple[dict[str, Any], BurgersVector | None]:
+    """The result of one loop as plain data, and as an object for the picture."""
+    if exact:
+        closed = exact_burgers_vector(frame, loop)
+        formula = [str(x) for x in closed.vector]
+        return {"loop": loop.name, "exact": formula, "seconds": closed.seconds}, None
+    vector = burgers_vector(frame, loop, accuracy, parameters=parameters)
+    return vector.to_json(), vector
+
+
+def _explain(result: dict[str, Any]) -> None:
+    """One result in words."""
+    typer.secho(result["loop"], bold=True)
+    if "failed" in result:
+        typer.secho(f"  failed: {result['failed']}", fg=typer.colors.RED)
+        return
+    if "exact" in result:
+        typer.echo(f"  b = ({', '.join(result['exact'])})")
+        return
+    numbers = result["vector"]
+    if not any(numbers) and any(result["reduced"]):
+        unit = result["unit"]
+        shown = ", ".join(f"{x:.15g}" for x in result["reduced"])
+        typer.echo(f"  b = ({shown}) * {unit['size']:g}^{unit['power']}, below all doubles")
+    else:
+        shown = ", ".join(
+            f"{x:.15g}" if isinstance(x, float) else f"{complex(*x):.15g}" for x in numbers
+        )
+        typer.echo(f"  b = ({shown}) +- {result['error']:.1e}")
+    if not result["reached"] and any(numbers):
+        typer.secho(
+            f"  the accuracy {result['accuracy']:g} was not reached", fg=typer.colors.YELLOW
+        )
+    typer.echo(f"  {result['why']}")
+    typer.echo(f"  checked: {result['check']['text']}")
+    typer.echo(f"  {result['evaluations']} evaluations, {result['seconds'] * 1e3:.2f} ms")
+
+
+def _save(document: dict[str, Any], vectors: Sequence[BurgersVector | None], folder: Path) -> None:
+    """burgers.json and a picture of each of the first loops."""
+    folder.mkdir(parents=True, exist_ok=True)
+    target = folder / "burgers.json"
+    drawn = [vector for vector in vectors if vector is not None][:MOST_PICTURES]
+    names = []
+    try:
+        for k, vector in enumerate(drawn, 1):
+            names.append(f"loop-{k}.svg")
+            save(draw_closure(vector), folder / names[-1])
+    except MissingExtraError as error:
+        names.clear()
+        typer.echo(f"no pictures: {error}", err=True)
+    target.write_text(json.dumps(document, indent=2) + "\n", "utf-8")
+    typer.echo(f"wrote {target}{' and ' + ', '.join(names) if names else ''}", err=True)

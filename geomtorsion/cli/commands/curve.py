@@ -1,0 +1,140 @@
+"""curve: the straightest and the shortest path from one start."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+
+from geomtorsion.cli.exits import FAILED
+from geomtorsion.cli.options import (
+    NO_PICTURES,
+    EngineName,
+    FrameVelocity,
+    LastTime,
+    Moments,
+    Parameters,
+    PictureFormat,
+    Pictures,
+    SpaceOrFile,
+    Start,
+    Velocity,
+    directory,
+    say_written,
+)
+from geomtorsion.cli.problems import engine_of, start_lines, start_options
+from geomtorsion.cli.sources import open_space
+from geomtorsion.cli.terminal import working
+from geomtorsion.pictures.album import can_draw, write_curves
+from geomtorsion.pictures.pair import Pair, follow
+from geomtorsion.pictures.quality import coincide
+
+# Rows of the table that are shown in the terminal.
+ROWS = 9
+# Columns of one number, and how many coordinates are shown for both curves in one row.
+WIDTH, SIDE_BY_SIDE = 11, 4
+
+
+def curve(
+    source: SpaceOrFile,
+    start: Start = None,
+    velocity: Velocity = None,
+    frame_velocity: FrameVelocity = None,
+    t: LastTime = None,
+    parameters: Parameters = None,
+    moments: Moments = None,
+    accuracy: Annotated[
+        float, typer.Option(metavar="X", help="Largest error of the result, relative to its size.")
+    ] = 1e-10,
+    samples: Annotated[int, typer.Option(metavar="N", help="Rows of the table.")] = 401,
+    engine: EngineName = "auto",
+    output: Annotated[
+        Path | None, directory("Write curve.csv, curve.json and pictures to this directory.")
+    ] = None,
+    form: Pictures = PictureFormat.png,
+) -> None:
+    """Follow the straightest and the shortest path from one start.
+
+    The autoparallel of the space's connection (its own, or the Cartan connection of the frame) and
+    the geodesic of its metric. What is not given is chosen, and said. Ends with 1 where a motion
+    ran out of its chart before the last time; what was computed is shown and written all the same.
+
+    \b
+    Examples:
+      geomtorsion curve s2 --start 1.9,0 --velocity=-0.2,1.06 --t 6 -o sphere
+      geomtorsion curve so3 --moments 1,2,3 --t 20 --accuracy 1e-12
+      geomtorsion curve my-tetrad.toml --set M=1 -o curves
+    """
+    space = open_space(source)
+    written: list[Path] = []
+    with working(space.name) as progress:
+        progress("solving")
+        pair = follow(
+            space,
+            **start_options(start, velocity, frame_velocity, t, parameters, moments),
+            accuracy=accuracy,
+            engine=engine_of(engine),
+            samples=samples,
+        )
+        if output is not None:
+            written = write_curves(pair, output, form.value, progress)
+    typer.echo("\n".join(_summary(pair)))
+    say_written(written)
+    if output is not None and not can_draw():
+        typer.echo(f"No pictures: {NO_PICTURES}")
+    for name, reason in pair.stops.items():
+        typer.echo(f"geomtorsion: {name}: {reason}", err=True)
+    if pair.stops:
+        raise typer.Exit(FAILED)
+
+
+def _summary(pair: Pair) -> list[str]:
+    """Start, table, errors and distance of a pair, line by line."""
+    title = f"{pair.space.name}: {pair.space.title}" if pair.space.title else pair.space.name
+    starts = start_lines(pair.problem, pair.chosen, float(pair.times[-1]))
+    lines = [title, *starts, "", *_table(pair), ""]
+    for name, solution in pair.curves.items():
+        drift = max(solution.drift.values(), default=None)
+        invariants = "" if drift is None else f", invariants drift by {drift:.1e}"
+        lines.append(
+            f"{name}: {solution.problem.law.text}; {solution.engine}, error below "
+            f"{solution.error:.1e} (asked {solution.accuracy:.1e}){invariants}"
+        )
+    largest = float(pair.distance.max())
+    if coincide(pair):
+        lines.append(f"the two are one: never further apart than {largest:.1e}")
+    else:
+        lines.append(f"apart by {float(pair.distance[-1]):.6g} at the end, {largest:.6g} at most")
+    if pair.chart != pair.problem.atlas.home:
+        lines.append(
+            f"coordinates are those of chart {pair.chart}: the motion leaves the first one"
+        )
+    return lines
+
+
+def _table(pair: Pair) -> list[str]:
+    """Some rows: t, coordinates of both curves side by side or below each other, distance."""
+    count = len(pair.distance)
+    rows = np.unique(np.linspace(0, count - 1, min(ROWS, count)).round().astype(int)).tolist()
+    if len(pair.symbols) <= SIDE_BY_SIDE:
+        return _block(pair, rows, list(pair.curves))
+    one, two = pair.curves
+    return [*_block(pair, rows, [one]), "", *_block(pair, rows, [two])]
+
+
+def _block(pair: Pair, rows: list[int], curves: list[str]) -> list[str]:
+    """Rows of a table, with a heading for each curve."""
+    names = [symbol.name.rstrip("_") for symbol in pair.symbols]
+    heads = "  ".join(name.center(WIDTH * len(names)) for name in curves)
+    parameter = "parameter" if "t" in names else "t"
+    second = "".join(name.rjust(WIDTH) for name in names)
+    lines = [
+        f"{'':>10}{heads}".rstrip(),
+        f"{parameter:>10}{'  '.join([second] * len(curves))}  {'distance':>10}",
+    ]
+    for k in rows:
+        cells = ["".join(f"{x:>{WIDTH}.5g}" for x in pair.coordinates[name][k]) for name in curves]
+        lines.append(f"{pair.times[k]:>10.5g}{'  '.join(cells)}  {pair.distance[k]:>10.3g}")
+    return lines

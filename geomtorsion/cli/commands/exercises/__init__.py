@@ -1,0 +1,57 @@
+"""exercises: the list, and the commands for one exercise or for a course."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import typer
+
+from geomtorsion.cli.lazy import SETTINGS, LazyGroup
+from geomtorsion.exercises.registry import CHAPTERS, EXERCISES
+
+
+class ExerciseCommands(LazyGroup):
+    """The commands below `geomtorsion exercises`."""
+
+    package = "geomtorsion.cli.commands.exercises"
+    summaries: ClassVar = {
+        "show": "Show an exercise: what is given and what is asked.",
+        "hint": "Give hints, one step at a time.",
+        "sheet": "Write a chapter for students, and its solutions for the teacher.",
+        "grade": "Grade a folder of answers.",
+        "check": "Check answers, and name the likely mistake; ends with 1 if one is wrong.",
+    }
+    # An answer may begin with a minus sign, and -h(...) is no cry for help.
+    settings: ClassVar = {
+        "check": {"ignore_unknown_options": True, "help_option_names": ["--help"]}
+    }
+
+
+exercises = typer.Typer(
+    cls=ExerciseCommands, name="exercises", invoke_without_command=True, **SETTINGS
+)
+
+
+@exercises.callback()
+def overview(context: typer.Context) -> None:
+    """List, show, check and grade exercises.
+
+    Without a command: all exercises by chapter. Answers are checked exactly, and the likely mistake
+    is named; nothing that a student writes is ever run as code.
+
+    \b
+    Examples:
+      geomtorsion exercises
+      geomtorsion exercises show 3.2 --seed 7
+      geomtorsion exercises check 3.2 "cos(phi2)/sin(phi2)"
+      geomtorsion exercises grade answers -o marks.csv
+    """
+    if context.invoked_subcommand is not None:
+        return
+    for chapter, title in CHAPTERS:
+        typer.echo(typer.style(f"{chapter}  {title}", bold=True))
+        for number, _, name, level in EXERCISES:
+            if number.startswith(f"{chapter}."):
+                mark = "" if level == "exercise" else f"  ({level})"
+                typer.echo(f"  {number}  {name}{mark}")
+    typer.echo("\n`geomtorsion exercises show 1.1` shows one of them.")

@@ -1,0 +1,105 @@
+"""geometry: the components of the quantities of a space, in the format asked for."""
+
+from __future__ import annotations
+
+import json
+from enum import StrEnum
+from typing import Annotated
+
+import typer
+
+from geomtorsion.cli.formats.latex import latex_of
+from geomtorsion.cli.formats.mathematica import mathematica_of
+from geomtorsion.cli.formats.numpy_code import python_of
+from geomtorsion.cli.formats.text import text_of
+from geomtorsion.cli.options import SpaceOrFile
+from geomtorsion.cli.sources import open_space
+from geomtorsion.cli.terminal import shows_greek, working
+from geomtorsion.cli.values import parts
+from geomtorsion.pictures.chosen import choose
+from geomtorsion.pictures.document import document
+
+
+class Format(StrEnum):
+    """How components are written."""
+
+    text = "text"
+    latex = "latex"
+    json = "json"
+    python = "python"
+    mathematica = "mathematica"
+
+
+class Basis(StrEnum):
+    """The basis to which indices refer."""
+
+    natural = "natural"
+    coordinate = "coordinate"
+    frame = "frame"
+
+
+def geometry(
+    source: SpaceOrFile,
+    only: Annotated[
+        str,
+        typer.Option(
+            metavar="QUANTITY,...",
+            help="Only these quantities, for instance torsion,ricci. `all` is everything.",
+        ),
+    ] = "all",
+    form: Annotated[
+        Format,
+        typer.Option(
+            "--format",
+            help="text to read, latex to print, json for programs, python for NumPy functions, "
+            "mathematica for Wolfram's language.",
+        ),
+    ] = Format.text,
+    basis: Annotated[
+        Basis,
+        typer.Option(help="natural: each quantity in the basis in which it is defined."),
+    ] = Basis.natural,
+    every: Annotated[
+        bool,
+        typer.Option("--every", help="In text and latex: also components that follow by symmetry."),
+    ] = False,
+) -> None:
+    """Show metric, connections, torsion and curvature.
+
+    Only components that do not vanish are shown. Letters are coordinates, digits are legs of the
+    frame, counted from 0.
+
+    \b
+    Examples:
+      geomtorsion geometry so3 --only torsion,ricci
+      geomtorsion geometry kerr --only kretschmann --format python > kerr.py
+      geomtorsion geometry my-tetrad.toml --basis frame --format latex
+
+    \b
+    A tetrad file is TOML; expressions stand in quotes:
+      coordinates = ["t", "r"]      names, in the order of the columns
+      coframe = [["f(r)", 0],       rows are one-forms; or one of
+                 [0, "1/f(r)"]]     frame, metric, structure_constants
+      signature = [-1, 1]           or a constant matrix; default: plus signs
+      domain = ["r > 2*M"]          inequalities
+      parameters = {M = "positive"}
+      functions = {f = ["r"]}
+    and, as needed, name, title, story, source, notes, complex = true, and one of
+    spin_connection, contortion, connection.
+    """
+    with working(source) as progress:
+        space = open_space(source)
+        names = [] if only == "all" else list(parts(only))
+        quantities = choose(space, names, basis.value, progress)
+    match form:
+        case Format.text:
+            written = text_of(space, quantities, greek=shows_greek(), every=every)
+        case Format.latex:
+            written = latex_of(space, quantities, every=every)
+        case Format.json:
+            written = json.dumps(document(space, quantities), indent=2)
+        case Format.python:
+            written = python_of(space, quantities)
+        case Format.mathematica:
+            written = mathematica_of(space, quantities)
+    typer.echo(written)

@@ -1,0 +1,57 @@
+"""lab: the page for the classroom, served or written."""
+
+from __future__ import annotations
+
+import webbrowser
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from geomtorsion.cli.options import option
+from geomtorsion.cli.terminal import working
+from geomtorsion.lab.export import write_pages
+from geomtorsion.lab.server import Address, serve
+
+
+def lab(
+    host: Annotated[
+        str, typer.Option(metavar="HOST", help="Interface; others than this machine need a token.")
+    ] = "127.0.0.1",
+    port: Annotated[int, typer.Option(metavar="N", help="Port; 0 takes a free one.")] = 2718,
+    token: Annotated[
+        str, option(metavar="TEXT", text="Token; default: a new one where needed.")
+    ] = "",
+    sessions: Annotated[
+        int, typer.Option(metavar="N", min=1, help="How many pages may be open at once.")
+    ] = 64,
+    show: Annotated[
+        bool, typer.Option("--open/--no-open", help="Open the page in a browser.")
+    ] = False,
+    export: Annotated[
+        Path | None, option(metavar="DIR", text="Write pages that need no server, and end.")
+    ] = None,
+) -> None:
+    """Play with tetrads, loops, curves, tops and exercises in a browser.
+
+    The page is served to this machine alone unless --host says otherwise, and loads nothing from
+    the network. It needs the extra `lab`; --export does not.
+
+    \b
+    Examples:
+      geomtorsion lab --open
+      geomtorsion lab --host 0.0.0.0 --sessions 40
+      geomtorsion lab --export course/torsion
+    """
+    if export is not None:
+        with working("lab") as progress:
+            written = write_pages(export, progress)
+        typer.echo(f"wrote {len(written)} pages; begin with {written[0]}")
+        return
+
+    def ready(url: str) -> None:
+        typer.echo(f"Torsion lab: {url}  (Ctrl-C ends it)")
+        if show:
+            webbrowser.open(url)
+
+    serve(Address(host, port, token), ready, sessions)

@@ -1,0 +1,53 @@
+"""paper: the equations of the paper, each with its verdict."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from typing import Annotated
+
+import typer
+
+from geomtorsion.errors import UnknownNameError
+from geomtorsion.paper import statements
+
+TITLE = (
+    "P. Fiziev, H. Kleinert, FUB-HEP/94-5 (1994), equations (1) to (27), each recomputed\n"
+    "c1, s1, c2, s2: cosines and sines of phi1, phi2; indices count from 1, as in the paper;\n"
+    "Omega = (u1, u2, u3), V = (u4, u5, u6), u1dot: the change of u1"
+)
+# Where what is said of an equation begins.
+INDENT = 12
+
+
+def paper(
+    format: Annotated[
+        str, typer.Option("--format", metavar="FORMAT", help="text or json.")
+    ] = "text",
+) -> None:
+    """Recompute the equations of Fiziev and Kleinert (1994).
+
+    Equations (1) to (27), each with what it says, whether that agrees with what is computed or is
+    a misprint, and the formula that is right.
+
+    \b
+    Examples:
+      geomtorsion paper
+      geomtorsion paper --format json
+    """
+    if format not in ("text", "json"):
+        raise UnknownNameError(f"paper has no format {format!r}; choose text or json.")
+    found = statements()
+    if format == "json":
+        typer.echo(json.dumps([asdict(statement) for statement in found], indent=2))
+        return
+    typer.echo(f"{TITLE}\n")
+    for statement in found:
+        note = f" ({statement.note})" if statement.note else ""
+        right = statement.right if statement.agrees else f"right: {statement.right}"
+        typer.echo(f"{statement.equation:<{INDENT}}{statement.says}")
+        typer.echo(f"{'':<{INDENT}}{statement.verdict}{note}")
+        typer.echo(f"{'':<{INDENT}}{right}")
+    agree = sum(statement.agrees for statement in found)
+    misprints = len(found) - agree
+    typer.echo(f"\n{len(found)} claims recomputed: {agree} agree, {misprints} misprints.")

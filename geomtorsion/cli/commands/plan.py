@@ -1,0 +1,68 @@
+"""plan: what a quantity of a space, or a scene, would compute, and what not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from geomtorsion.cli.options import SpaceOrScene, Watch, argument, option
+from geomtorsion.cli.scene_sources import is_scene, open_scene, space_or_hint
+from geomtorsion.cli.terminal import working
+from geomtorsion.errors import UnknownNameError
+from geomtorsion.scenes import StateSelection
+
+# How the nodes of a scene's graph are drawn by Graphviz.
+LOOKS = {"effect": "shape=box", "watch": "style=bold", "state": "shape=ellipse"}
+
+
+def plan(
+    source: SpaceOrScene,
+    quantity: Annotated[
+        str | None, argument("[QUANTITY]", "Of a space: the quantity, for instance ricci.")
+    ] = None,
+    watch: Watch = None,
+    dot: Annotated[
+        bool, typer.Option("--dot", help="Print the graph in Graphviz's format.")
+    ] = False,
+    output: Annotated[
+        Path | None,
+        option(
+            "-o", "--output", metavar="FILE.svg", text="Of a scene: draw the plan as a picture."
+        ),
+    ] = None,
+) -> None:
+    """Show what a quantity of a space, or a scene, needs, and what is left out.
+
+    \b
+    Examples:
+      geomtorsion plan kerr ricci
+      geomtorsion plan kerr ricci --dot | dot -Tsvg > plan.svg
+      geomtorsion plan lagrange_cusp --watch nutation -o plan.svg
+    """
+    if quantity is None and is_scene(source):
+        shown = open_scene(source, watch).selection
+        typer.echo(_dot(shown) if dot else str(shown))
+        if output is not None:
+            output.write_text(shown.draw(), "utf-8")
+            typer.echo(f"wrote {output}")
+        return
+    if quantity is None:
+        space_or_hint(source)
+        raise UnknownNameError(
+            f"plan {source}: name a quantity of the space, as in `geomtorsion plan {source} ricci`."
+        )
+    with working(source):
+        wanted = space_or_hint(source).frame.plan(quantity)
+        written = wanted.to_dot() if dot else str(wanted)
+    typer.echo(written)
+
+
+def _dot(plan: StateSelection) -> str:
+    """The graph of a scene in Graphviz's format; effects are boxes, what is watched is bold."""
+    lines = ["digraph plan {", "  rankdir=LR;"]
+    for name, about in plan.graph.nodes(data=True):
+        lines.append(f'  "{name}" [{LOOKS.get(about.get("kind", "state"), "")}];')
+    lines += [f'  "{one}" -> "{other}";' for one, other in plan.graph.edges]
+    return "\n".join([*lines, "}"])

@@ -1,0 +1,41 @@
+"""report: everything about a space on one page."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from geomtorsion.cli.options import SpaceOrFile, directory
+from geomtorsion.cli.sources import open_space
+from geomtorsion.cli.terminal import working
+from geomtorsion.pictures.report import write_report
+
+
+def report(
+    source: SpaceOrFile,
+    output: Annotated[
+        Path | None,
+        directory("Directory to write to, made if it is missing; default: NAME-report."),
+    ] = None,
+    pictures: Annotated[
+        bool, typer.Option("--pictures/--no-pictures", help="Motions and a loop, drawn.")
+    ] = True,
+) -> None:
+    """Write geometry, motions and a loop of a space as a page.
+
+    The page, index.html, is one file that needs no network; geometry.json holds the geometry as
+    data. Pictures need the extra `plots`.
+
+    \b
+    Examples:
+      geomtorsion report so3 -o so3-report
+      geomtorsion report my-tetrad.toml -o my-report
+    """
+    with working(source) as progress:
+        space = open_space(source)
+        default = re.sub(r"[^\w-]+", "-", space.name) + "-report"
+        written = write_report(space, output or default, progress, pictures=pictures)
+    typer.echo(f"{space.name}: wrote {written} and {written.with_name('geometry.json')}")

@@ -1,0 +1,184 @@
+"""run: a scene, solved, as table, arrays, pictures and a film."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+
+from geomtorsion.cli.exits import FAILED, INTERRUPTED, stopped
+from geomtorsion.cli.options import (
+    NO_PICTURES,
+    EngineName,
+    PictureFormat,
+    Pictures,
+    SceneAccuracy,
+    SceneOrFile,
+    SceneTime,
+    Settings,
+    Watch,
+    directory,
+    option,
+    say_written,
+)
+from geomtorsion.cli.problems import engine_of
+from geomtorsion.cli.scene_sources import open_scene
+from geomtorsion.cli.terminal import bar, working
+from geomtorsion.errors import CheckpointError, StuckError
+from geomtorsion.motion import Engine
+from geomtorsion.pictures.album import can_draw
+from geomtorsion.scenes import Scene, SceneResult
+from geomtorsion.scenes.checkpoint import partial_result
+from geomtorsion.scenes.film import write_scene_film
+from geomtorsion.scenes.saving import write_run
+from geomtorsion.scenes.table import write_csv
+
+CHECKPOINT, PARTIAL = "checkpoint.npz", "partial.csv"
+# Rows and columns of the table that are shown in the terminal, and the width of one number.
+ROWS, COLUMNS, WIDTH = 9, 7, 13
+
+
+def run(
+    source: SceneOrFile,
+    watch: Watch = None,
+    accuracy: SceneAccuracy = None,
+    engine: EngineName = "auto",
+    t: SceneTime = None,
+    settings: Settings = None,
+    output: Annotated[
+        Path | None,
+        directory("Write table.csv, result.npz, run.json, scene.toml and pictures there."),
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with the run that was stopped in DIR.")
+    ] = False,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Begin anew where a run was stopped in DIR.")
+    ] = False,
+    only_kept: Annotated[
+        bool,
+        typer.Option(
+            "--kept", help="Go on with nothing: write what a stopped run has to DIR/partial.csv."
+        ),
+    ] = False,
+    animate: Annotated[
+        Path | None,
+        option(metavar="FILE", text="Write a film, .gif or (with ffmpeg) .mp4."),
+    ] = None,
+    form: Pictures = PictureFormat.png,
+) -> None:
+    """Run a scene: a body, what acts on it, what is watched.
+
+    With -o the run is kept in DIR/checkpoint.npz as it goes: stopped by Ctrl-C or killed, it goes
+    on with --resume from there, to the same result bit by bit; --kept writes what there is. Ends
+    with 1 where the motion could not be followed to its end; what was computed is shown and
+    written all the same.
+
+    \b
+    Examples:
+      geomtorsion run dzhanibekov -o flip
+      geomtorsion run lagrange_loop --watch nutation --accuracy 1e-12 --set gravity.g=1.62
+      geomtorsion run my-top.toml -o my-top --animate my-top/film.gif
+    """
+    scene = open_scene(source, watch, accuracy, t, settings)
+    solver = engine_of(engine)
+    checkpoint = _checkpoint(output, resume=resume or only_kept, overwrite=overwrite)
+    if only_kept and checkpoint is not None:
+        typer.echo(_partial(scene, checkpoint, solver))
+        return
+    result = _solved(scene, solver, checkpoint)
+    written: list[Path] = []
+    with working(scene.title or scene.name) as progress:
+        if output is not None:
+            written = write_run(result, output, form.value, progress)
+        if animate is not None:
+            progress("drawing the film")
+            written.append(write_scene_film(result, animate))
+    if checkpoint is not None:
+        checkpoint.unlink(missing_ok=True)
+        checkpoint.with_name(PARTIAL).unlink(missing_ok=True)
+    typer.echo("\n".join(_summary(result)))
+    say_written(written)
+    if output is not None and not can_draw():
+        typer.echo(f"No pictures: {NO_PICTURES}")
+    if not result.complete:
+        raise typer.Exit(FAILED)
+
+
+def _checkpoint(output: Path | None, *, resume: bool, overwrite: bool) -> Path | None:
+    """The file in which the run is kept; refuse to run over one that was not finished."""
+    if resume and overwrite:
+        raise CheckpointError("--overwrite begins anew, --resume and --kept do not: give one.")
+    if output is None:
+        if resume:
+            raise CheckpointError(
+                "--resume and --kept are about the run in a directory: name it with -o."
+            )
+        return None
+    path = output / CHECKPOINT
+    if path.exists() and overwrite:
+        path.unlink()
+    if path.exists() and not resume:
+        raise CheckpointError(
+            f"{output} holds a run that was stopped. Give --resume to go on with it, or "
+            "--overwrite to begin anew."
+        )
+    output.mkdir(parents=True, exist_ok=True)
+    return path
+
+
+def _solved(scene: Scene, engine: Engine | None, checkpoint: Path | None) -> SceneResult:
+    """The result of a scene, as far as it goes."""
+    with bar(scene.title or scene.name) as progress:
+        try:
+            return scene.run(engine, checkpoint, progress)
+        except KeyboardInterrupt:
+            stopped(_left(scene, checkpoint, engine))
+            raise typer.Exit(INTERRUPTED) from None
+        except CheckpointError as error:
+            # The library names the argument of its function; here it is an option.
+            raise CheckpointError(str(error).replace("overwrite=True", "--overwrite")) from None
+        except StuckError as stuck:
+            if checkpoint is not None:
+                checkpoint.unlink(missing_ok=True)
+            if stuck.solution is None or not len(stuck.solution.times):
+                raise
+            typer.echo(f"geomtorsion: {str(stuck).partition(' What was computed')[0]}", err=True)
+            return stuck.solution
+
+
+def _left(scene: Scene, checkpoint: Path | None, engine: Engine | None) -> str:
+    """After Ctrl-C: what is there, and how to go on."""
+    if checkpoint is None or not checkpoint.exists():
+        return ""
+    try:
+        return f"; {_partial(scene, checkpoint, engine)}; go on with --resume"
+    except CheckpointError:
+        return ""
+
+
+def _partial(scene: Scene, checkpoint: Path, engine: Engine | None) -> str:
+    """Write what a stopped run had computed, and say so."""
+    part = partial_result(scene, checkpoint, engine)
+    path = checkpoint.with_name(PARTIAL)
+    write_csv(path, part.columns())
+    reached = float(part.times[-1]) if len(part.times) else 0.0
+    return f"what was computed, to t = {reached:.6g} s, is in {path}"
+
+
+def _summary(result: SceneResult) -> list[str]:
+    """What was solved, some rows of the table, and how good they are."""
+    table = result.columns()
+    shown = list(table)[:COLUMNS]
+    count = len(result.times)
+    rows = np.unique(np.linspace(0, count - 1, min(ROWS, count)).round().astype(int)).tolist()
+    heading, *facts = str(result).splitlines()
+    width = max(WIDTH, *(len(name) + 2 for name in shown))
+    lines = [heading, "", "".join(name.rjust(width) for name in shown)]
+    lines += ["".join(f"{table[name][k]:>{width}.6g}" for name in shown) for k in rows]
+    rest = len(table) - len(shown)
+    if rest > 0:
+        lines.append(f"and {rest} more column{'s' * (rest > 1)}")
+    return [*lines, "", *facts]

@@ -1,0 +1,1 @@
+"""formats: the components of a space as text, LaTeX, NumPy functions and Mathematica rules."""

@@ -1,0 +1,70 @@
+"""lazy: a group of commands, each imported when it is called.
+
+The modules of the commands import what they need at their top; all of them together would take
+longer to load than `geomtorsion --help` takes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from typing import Any, ClassVar
+
+import typer
+from typer.core import TyperGroup
+from typer.main import get_command
+
+from geomtorsion.checks import near_names
+from geomtorsion.cli.exits import clean_exits
+
+# Plain help, and no traceback with the values of all variables.
+SETTINGS: dict[str, Any] = {
+    "add_completion": False,
+    "rich_markup_mode": None,
+    "pretty_exceptions_enable": False,
+}
+
+
+class LazyGroup(TyperGroup):
+    """A group that lists its commands from a table and imports the one that is called.
+
+    package: the modules of the commands stand here.
+    summaries: name of a command, and of its module and function -> what help says of it.
+    settings: name -> settings of its context, where they are not the usual ones.
+    """
+
+    package: ClassVar[str]
+    summaries: ClassVar[Mapping[str, str]]
+    settings: ClassVar[Mapping[str, dict[str, Any]]] = {}
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Names in the order of the table."""
+        return list(self.summaries)
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """The command of this name, imported now; None if there is none, nor one like it."""
+        if cmd_name not in self.summaries:
+            if near := near_names(cmd_name, self.summaries):
+                ctx.fail(f"No such command {cmd_name!r}. Did you mean {near!r}?")
+            return None
+        found = getattr(import_module(f"{self.package}.{cmd_name}"), cmd_name)
+        if isinstance(found, typer.Typer):
+            return get_command(found)
+        return _command(found, self.settings.get(cmd_name))
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """The part of `--help` that lists the commands."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(self.summaries.items()))
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command that was named."""
+        with clean_exits():
+            return super().invoke(ctx)
+
+
+def _command(function: Callable[..., Any], settings: dict[str, Any] | None) -> Any:
+    """The command that a function is, options and help from its signature."""
+    single = typer.Typer(**SETTINGS)
+    single.command(context_settings=settings)(function)
+    return get_command(single)

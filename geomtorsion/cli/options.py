@@ -1,0 +1,123 @@
+"""options: arguments and options that several commands share, each described once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+
+def option(*names: str, metavar: str, text: str) -> Any:
+    """An option whose default is not shown: None, or nothing."""
+    return typer.Option(*names, metavar=metavar, show_default=False, help=text)
+
+
+def argument(metavar: str, text: str) -> Any:
+    """An argument whose default is not shown."""
+    return typer.Argument(metavar=metavar, show_default=False, help=text)
+
+
+def directory(text: str) -> Any:
+    """The option -o DIR."""
+    return option("-o", "--output", metavar="DIR", text=text)
+
+
+class PictureFormat(StrEnum):
+    """How pictures are written."""
+
+    png = "png"
+    svg = "svg"
+    pdf = "pdf"
+
+
+# -- where a command takes its subject from -------------------------------------------------------
+
+SpaceOrFile = Annotated[
+    str,
+    argument("SPACE|FILE", "A shipped space (see `geomtorsion spaces`) or a tetrad file (TOML)."),
+]
+SceneOrFile = Annotated[
+    str,
+    argument("SCENE.toml|NAME", "A scene file, or a shipped scene (see `geomtorsion scenes`)."),
+]
+SpaceOrScene = Annotated[
+    str,
+    argument("SPACE|SCENE|FILE", "A shipped space or scene, a tetrad file or a scene file."),
+]
+
+# -- how a curve begins ---------------------------------------------------------------------------
+
+Start = Annotated[
+    str | None, option(metavar="Q,...", text="Coordinates at t = 0; pi/2 is a number too.")
+]
+Velocity = Annotated[str | None, option(metavar="V,...", text="Coordinate velocities at t = 0.")]
+FrameVelocity = Annotated[
+    str | None, option(metavar="U,...", text="Instead: velocities along the legs of the frame.")
+]
+LastTime = Annotated[
+    str | None, option("--t", metavar="T", text="Last value of the curve parameter.")
+]
+Parameters = Annotated[
+    list[str] | None,
+    option(
+        "--set",
+        "--parameters",
+        metavar="NAME=X,...",
+        text="Values of the parameters of the frame; may be given several times.",
+    ),
+]
+Moments = Annotated[
+    str | None,
+    option(
+        metavar="I,...",
+        text="Kinetic metric of the geodesic: a moment of inertia for each leg.",
+    ),
+]
+
+# -- what is different in a scene -----------------------------------------------------------------
+
+Watch = Annotated[
+    list[str] | None,
+    option(
+        metavar="NAME,...",
+        text="Watch these quantities instead; may be given several times.",
+    ),
+]
+SceneAccuracy = Annotated[
+    float | None,
+    option("--accuracy", metavar="X", text="Largest error, relative, instead."),
+]
+SceneTime = Annotated[
+    str | None, option("--t", metavar="T", text='Last time instead: 20 or "3 min".')
+]
+Settings = Annotated[
+    list[str] | None,
+    option(
+        "--set",
+        metavar="PATH=X",
+        text="Another value: body.moments[2]=3.1, gravity.g=1.62; may be given several times.",
+    ),
+]
+
+# -- how it is solved and written -----------------------------------------------------------------
+
+EngineName = Annotated[str, typer.Option(metavar="NAME", help="auto, taylor, rungekutta or stiff.")]
+Pictures = Annotated[PictureFormat, typer.Option("--format", help="Format of the pictures.")]
+
+# -- exercises ------------------------------------------------------------------------------------
+
+Number = Annotated[str, argument("NUMBER", "Such as 3.2.")]
+Seed = Annotated[int, typer.Option(metavar="N", help="Which variant; 0 is that of the paper.")]
+
+# -- files ----------------------------------------------------------------------------------------
+
+NO_PICTURES = "matplotlib is not installed. `pip install geomtorsion[plots]`."
+
+
+def say_written(paths: Iterable[Path]) -> None:
+    """One line for each file that was written."""
+    for path in paths:
+        typer.echo(f"wrote {path}")

@@ -1,0 +1,69 @@
+"""scene_sources: the scene that a name or a file on the command line means.
+
+Apart from `sources`, since scenes take longer to load than spaces.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from geomtorsion import scenes
+from geomtorsion.checks import near_names
+from geomtorsion.cli.sources import open_space, shipped_or_file
+from geomtorsion.cli.values import number, parts
+from geomtorsion.errors import GeomtorsionError, StartError, UnknownNameError
+from geomtorsion.files import read_toml
+from geomtorsion.scenes import Scene
+from geomtorsion.scenes.units import quantity
+from geomtorsion.spaces.space import Space
+
+
+def is_scene(source: str) -> bool:
+    """Whether a source is a scene rather than a space: a shipped one, or a file with a body."""
+    path = Path(source)
+    if path.suffix != ".toml" or not path.exists():
+        return source in scenes.names()
+    try:
+        data = read_toml(path).data
+    except GeomtorsionError:
+        return False
+    return "body" in data or "effects" in data
+
+
+def space_or_hint(source: str) -> Space:
+    """The space of this name or file; where there is none, the error names a near scene too."""
+    try:
+        return open_space(source)
+    except UnknownNameError as error:
+        near = near_names(source, scenes.names())
+        hint = f" Did you mean the scene {near}?" if near else ""
+        raise UnknownNameError(f"{error}{hint}") from None
+
+
+def open_scene(
+    source: str,
+    watch: list[str] | None = None,
+    accuracy: float | None = None,
+    t: str | None = None,
+    settings: list[str] | None = None,
+) -> Scene:
+    """The shipped scene of this name, or the scene in this file, with what is to be different."""
+    scene = shipped_or_file(source, scenes.names(), scenes.load, scenes.read_file)
+    changes: dict[str, Any] = {}
+    if watch:
+        changes["watch"] = parts(",".join(watch))
+    if accuracy is not None:
+        changes["accuracy"] = accuracy
+    if t is not None:
+        changes["t"] = quantity(t, "s")
+    changes |= dict(_setting(text) for text in settings or ())
+    return scene.with_values(changes) if changes else scene
+
+
+def _setting(text: str) -> tuple[str, float]:
+    """One path=number."""
+    path, sign, value = text.partition("=")
+    if not sign or not path.strip():
+        raise StartError(f"--set: path=number was needed, {text!r} came: body.moments[2]=3.1.")
+    return path.strip(), number(value, path.strip())

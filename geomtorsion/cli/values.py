@@ -1,0 +1,81 @@
+"""values: numbers, names and pairs as a person types them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from geomtorsion.errors import ExpressionError, StartError
+from geomtorsion.exact import parse_expression
+
+
+def parts(text: str) -> tuple[str, ...]:
+    """Words separated by commas, without blanks and without empty ones.
+
+    Examples
+    --------
+    >>> parts("torsion, ricci,")
+    ('torsion', 'ricci')
+    """
+    return tuple(part.strip() for part in text.split(",") if part.strip())
+
+
+def number(text: str, what: str) -> float:
+    """A number, written as one or as an expression such as pi/2.
+
+    Examples
+    --------
+    >>> number("pi/2", "start"), number("-1e-3", "start")
+    (1.5707963267948966, -0.001)
+    """
+    text = text.strip()
+    try:
+        value = float(text)
+    except ValueError:
+        value = _expression(text, what)
+    if not math.isfinite(value):
+        raise StartError(f"{what}: {text} is not finite. Give finite numbers.")
+    return value
+
+
+def _expression(text: str, what: str) -> float:
+    try:
+        return float(parse_expression(text, symbols={}, functions={}))
+    except (ExpressionError, TypeError):
+        raise StartError(
+            f"{what}: a number was needed, {text!r} came. "
+            "Write numbers separated by commas, such as 0.3,pi/2,-1e-3."
+        ) from None
+
+
+def numbers(text: str | None, what: str) -> list[float] | None:
+    """Numbers separated by commas; None where nothing was given.
+
+    Examples
+    --------
+    >>> numbers("1, pi, sqrt(2)", "start")
+    [1.0, 3.141592653589793, 1.4142135623730951]
+    """
+    if text is None:
+        return None
+    return [number(part, what) for part in text.split(",")]
+
+
+def named_numbers(texts: Iterable[str]) -> dict[str, float]:
+    """name=number pairs separated by commas, in one text or in several.
+
+    Examples
+    --------
+    >>> named_numbers(["M=1, a=1/2"])
+    {'M': 1.0, 'a': 0.5}
+    """
+    found: dict[str, float] = {}
+    for part in parts(",".join(texts)):
+        name, sign, value = part.partition("=")
+        name = name.strip()
+        if not sign or not name:
+            raise StartError(f"parameters: name=number was needed, {part!r} came. Write M=1,a=0.5.")
+        if name in found:
+            raise StartError(f"parameters: {name} is given twice. Give it once.")
+        found[name] = number(value, f"parameter {name}")
+    return found

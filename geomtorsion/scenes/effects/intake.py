@@ -1,0 +1,209 @@
+"""Intake: numbers, vectors and expressions of effects, checked and read at the door."""
+
+from __future__ import annotations
+
+import keyword
+import re
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from geomtorsion.errors import ExpressionError, SceneError
+from geomtorsion.exact import parse_expression
+from geomtorsion.exact.names import near_names
+from geomtorsion.scenes.context import GROUPS, exact
+from geomtorsion.scenes.units import exact as without_decimals
+
+if TYPE_CHECKING:
+    from geomtorsion.scenes.context import Context
+    from geomtorsion.scenes.effects.protocol import Effect, Switch
+
+_STATE = frozenset(symbol.name for group in GROUPS.values() for symbol in group)
+_SHORT = "t, Omega1..3, n1..3, R11..R23, q0..q3, x, y, z, vx, vy, vz"
+SIGNS = {"positive": "a number > 0", "not negative": "a number >= 0", "any": "a finite number"}
+
+
+def check_numbers(effect: Effect, *names: str, sign: str = "any") -> None:
+    """Fields that have to be plain finite numbers, of a sign if one is asked for.
+
+    Raises
+    ------
+    SceneError
+        One is not; the message names effect, field and unit.
+
+    Examples
+    --------
+    >>> from geomtorsion.scenes.effects import Gravity
+    >>> check_numbers(Gravity(9.81), "g")
+    >>> check_numbers(Gravity(-1), "g", sign="positive")
+    Traceback (most recent call last):
+    geomtorsion.errors.SceneError: gravity.g = -1: a number > 0 (m/s^2) was needed.
+    """
+    for name in names:
+        value = getattr(effect, name)
+        measured = f" ({u})" if (u := effect.units().get(name)) else ""
+        wanted = f"{effect.key}.{name} = {value!r}: {SIGNS[sign]}{measured} was needed."
+        try:
+            number = exact(value, name)
+        except (SceneError, TypeError):
+            raise SceneError(wanted) from None
+        if (sign == "positive" and not number > 0) or (sign == "not negative" and number < 0):
+            raise SceneError(wanted)
+
+
+def check_vectors(effect: Effect, *names: str) -> None:
+    """Fields that have to be three components; they are kept as tuples.
+
+    Raises
+    ------
+    SceneError
+        One has not three components.
+
+    Examples
+    --------
+    >>> from geomtorsion.scenes.effects import Spring
+    >>> Spring(stiffness=1, anchor=[0, 1, 2]).anchor
+    (0, 1, 2)
+    >>> Spring(stiffness=1, anchor=[0, 1])
+    Traceback (most recent call last):
+    geomtorsion.errors.SceneError: spring.anchor = [0, 1]: three components (m) were needed.
+    """
+    for name in names:
+        value = getattr(effect, name)
+        measured = f" ({u})" if (u := effect.units().get(name)) else ""
+        wanted = f"{effect.key}.{name} = {value!r}: three components{measured} were needed."
+        try:
+            parts = () if isinstance(value, str) else tuple(value)
+        except TypeError:
+            parts = ()
+        if len(parts) != 3:
+            raise SceneError(wanted)
+        object.__setattr__(effect, name, parts)
+
+
+def check_axis(effect: Effect, name: str) -> None:
+    """A field that has to be a direction: three numbers, not all of them zero."""
+    check_vectors(effect, name)
+    values = getattr(effect, name)
+    numbers = [exact(value, f"{effect.key}.{name}[{k}]") for k, value in enumerate(values)]
+    if not any(numbers):
+        raise SceneError(
+            f"{effect.key}.{name} = {values!r} is no direction. Give one that is not 0."
+        )
+
+
+def unit_axis(context: Context, name: str, values: Sequence[Any]) -> Any:
+    """A direction as a column of length one: an axis of the body exactly, others as symbols."""
+    column = sp.Matrix([exact(value, name) for value in values])
+    length = sp.sqrt(column.dot(column))
+    return context.vector(name, [sp.nsimplify(x / length) for x in column])
+
+
+def known_names(context: Context) -> dict[str, Any]:
+    """Name -> symbol of everything that expressions of users may contain."""
+    symbols = {symbol.name: symbol for group in GROUPS.values() for symbol in group}
+    return symbols | {name: sp.Symbol(name) for name in context.values}
+
+
+def read(
+    value: Any, context: Context, name: str, where: str, names: Mapping[str, Any] | None = None
+) -> Any:
+    """An expression of time and state: text through the whitelist, a number as a parameter.
+
+    Parameters
+    ----------
+    value
+        Text such as "20*exp(-t)" or "-3*vx", a number, or a sympy expression. It may contain t,
+        Omega1..3, n1..3 (upwards, seen from the body), R11..R23, q0..q3, x, y, z, vx, vy, vz, m
+        and the moments of inertia I1..3.
+    name
+        How the parameter is called if the value is a number.
+    where
+        How errors call the expression.
+    names
+        Further names that it may contain.
+
+    Raises
+    ------
+    ExpressionError
+        The text is no expression, holds an unknown name, or code.
+
+    Examples
+    --------
+    >>> from geomtorsion.scenes import Body
+    >>> from geomtorsion.scenes.context import Context
+    >>> context = Context(Body(moments=(1, 2, 3)))
+    >>> read("0.5*t - vx", context, "F1", "thrust.force[0]"), read(2, context, "F2", "")
+    (t/2 - vx, F2)
+    """
+    known = {**known_names(context), **(names or {})}
+    if isinstance(value, str):
+        try:
+            return parse_expression(without_decimals(value), known, {}, where=where)
+        except ExpressionError:
+            _check_names(value, known, where)
+            raise
+    if isinstance(value, sp.Expr) and value.free_symbols:
+        _check_names(" ".join(sorted(s.name for s in value.free_symbols)), known, where)
+        # Symbols of the user's own kind (real, positive) are those of the same name here.
+        return value.subs({symbol: known[symbol.name] for symbol in value.free_symbols})
+    return context.parameter(name, value)
+
+
+def _check_names(text: str, known: Mapping[str, Any], where: str) -> None:
+    """Refuse a name that nothing gives, naming near ones; functions are left to the parser."""
+    for name in re.findall(r"(?<![\w.])[^\W\d]\w*(?![\w.]|\s*\()", text):
+        if name not in known and name not in ("pi", "E") and not keyword.iskeyword(name):
+            near = near_names(name, list(known))
+            hint = f"Did you mean {near}? " if near else ""
+            own = [k for k in known if k not in _STATE]
+            raise ExpressionError(
+                f"{where} contains {name!r}, which nothing gives. {hint}"
+                f"There are {_SHORT}, and {', '.join(own)}.\n    {text}"
+            )
+
+
+def read_three(
+    values: Sequence[Any],
+    context: Context,
+    name: str,
+    where: str,
+    names: Mapping[str, Any] | None = None,
+) -> Any:
+    """Three expressions as a column."""
+    found = [
+        read(value, context, f"{name}{k + 1}", f"{where}[{k}]", names)
+        for k, value in enumerate(values)
+    ]
+    return sp.Matrix(found)
+
+
+def between(context: Context, name: str, start: Any, end: Any) -> tuple[Any, tuple[Switch, ...]]:
+    """A factor that is 1 from start to end and 0 outside, with the switches that make it so.
+
+    The times are exact: the integration is begun anew there, nothing is stepped over.
+
+    Raises
+    ------
+    SceneError
+        It ends before it begins.
+
+    Examples
+    --------
+    >>> from geomtorsion.scenes import Body
+    >>> from geomtorsion.scenes.context import Context
+    >>> between(Context(Body(moments=(1, 2, 3))), "burn", 0, 2)
+    (burn, ((2, {'burn': 0}),))
+    """
+    if start is not None and exact(start, "start") <= 0:
+        start = None
+    if start is None and end is None:
+        return sp.S.One, ()
+    if end is not None and exact(end, "end") <= exact(start or 0, "start"):
+        raise SceneError(
+            f"{context.key or name} is on from {start or 0} to {end} s: it ends before it begins."
+        )
+    factor = context.switchable(name, 0 if start is not None else 1)
+    switches = () if start is None else ((start, {factor.name: 1}),)
+    return factor, switches if end is None else (*switches, (end, {factor.name: 0}))

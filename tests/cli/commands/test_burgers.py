@@ -1,0 +1,144 @@
+"""The command `burgers`: text and JSON, files and pipes, failures and where they go."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from geomtorsion.loops import BurgersVector
+from tests.cli import running
+
+
+def run(*arguments: str, code: int = 0, given: str = "") -> Any:
+    """The result of `geomtorsion burgers` that has to end with a code."""
+    return running.run("burgers", *arguments, code=code, given=given)
+
+
+def data(*arguments: str, code: int = 0, given: str = "") -> dict[str, Any]:
+    """The same as data."""
+    return json.loads(run(*arguments, "--format", "json", code=code, given=given).stdout)
+
+
+def test_help_has_examples() -> None:
+    """The command explains itself."""
+    assert "geomtorsion burgers so3 --circle" in run("--help").stdout
+
+
+def test_every_kind_of_loop_on_the_line() -> None:
+    """One of each, in the order of the options."""
+    found = data(
+        "heisenberg",
+        *("--circle", "1,2,0:1e-9", "--circle", "0,0,0:1/2:y,x", "--ellipse", "0,0,0:2,1:0,1"),
+        *("--polygon", "0,0,0;1,0,0;0,1,0", "--plaquette", "0,0,0:2,3"),
+        *("--curve", "cos(s);sin(s)**3;0", "--spline", "1,0,0;0,1,0;-1,0,0;0,-1,0"),
+    )
+    pi = 3.141592653589793
+    areas = [pi * 1e-18, -pi / 4, 2 * pi, 0.5, 6, 3 * pi / 4, 3.05]
+    assert [-r["vector"][2] for r in found["results"]] == pytest.approx(areas, rel=1e-3)
+    assert found["complete"]
+    assert found["space"] == "heisenberg"
+    assert all(r["reached"] and r["check"]["agrees"] for r in found["results"])
+
+
+def test_text_says_route_check_and_cost() -> None:
+    """What a person reads."""
+    shown = run("so3", "--circle", "0.3,1,0.2:1e-12").stdout
+    for words in ("b = (3.0012", "flux: the loop is so small", "checked: line", "evaluations"):
+        assert words in shown
+    assert "below all doubles" in run("so3", "--circle", "0.3,1,0.2:1e-300").stdout
+    assert (
+        "defect is enclosed"
+        in run("screw_dislocation", "--set", "b=1/2", "--circle", "0,0,0:1").stdout
+    )
+
+
+def test_closed_forms() -> None:
+    """--exact gives expressions."""
+    found = data("heisenberg", "--circle", "0,0,0:1/2", "--exact")
+    assert found["results"][0]["exact"] == ["0", "0", "-pi/4"]
+    assert "b = (0, 0, -pi/4)" in run("heisenberg", "--circle", "0,0,0:1/2", "--exact").stdout
+
+
+def test_a_pipeline(tmp_path: Path) -> None:
+    """JSON in on standard input or from a file, CSV too; JSON out, and files with pictures."""
+    loops = json.dumps(
+        {
+            "loops": [{"circle": {"centre": [0, 0, 0], "radius": 1}, "times": 3, "name": "three"}],
+            "parameters": {"b": 2},
+            "accuracy": 1e-9,
+        }
+    )
+    found = data("screw_dislocation", "--loops", "-", given=loops)
+    assert found["results"][0]["vector"] == pytest.approx([0, 0, 6], abs=1e-9)
+    assert found["results"][0]["accuracy"] == 1e-9
+    file, table, target = tmp_path / "a.json", tmp_path / "b.csv", tmp_path / "out"
+    file.write_text(loops, "utf-8")
+    table.write_text("x,y,z,radius\n0,0,0,1\n9,0,0,1\n", "utf-8")
+    found = data(
+        "screw_dislocation", "--loops", str(file), "--loops", str(table), "-o", str(target)
+    )
+    assert [round(r["vector"][2], 9) for r in found["results"]] == [6, 2, 0]
+    assert json.loads((target / "burgers.json").read_text("utf-8")) == found
+    pictures = sorted(path.name for path in target.glob("*.svg"))
+    assert pictures == ["loop-1.svg", "loop-2.svg", "loop-3.svg"]
+
+
+def test_a_failure_stands_among_the_others() -> None:
+    """One of several loops runs through the axis: the others are there, the command ends with 1."""
+    both = ("--circle", "1,0,0:1", "--circle", "1,0,0:2")
+    found = data("screw_dislocation", "--set", "b=1", *both, code=1)
+    assert "passes through" in found["results"][0]["failed"]
+    assert found["results"][1]["vector"][2] == pytest.approx(1)
+    assert "failed:" in run("screw_dislocation", "--set", "b=1", *both, code=1).stdout
+
+
+def test_an_interruption_keeps_what_is_done(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ctrl-C: the finished results are printed, the command ends with 130."""
+    to_json, calls = BurgersVector.to_json, []
+
+    def interrupted(self: BurgersVector) -> dict[str, Any]:
+        calls.append(1)
+        if len(calls) == 2:
+            raise KeyboardInterrupt
+        return to_json(self)
+
+    monkeypatch.setattr(BurgersVector, "to_json", interrupted)
+    found = data("so3", *("--circle", "0,1,0:1") * 3, code=130)
+    assert not found["complete"]
+    assert len(found["results"]) == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((), "no loop was given"),
+        (("--circle", "0,1,0"), "CENTRE:RADIUS[:PLANE] was needed, 1 parts came"),
+        (("--circle", "0,1:1"), "the loop has 2 coordinates, the frame 3"),
+        (("--circle", "0,1,0:-1"), "a positive length was needed"),
+        (("--circle", "0,1,0:one"), "one is neither"),
+        (("--circle", "0,1,0:1:phi1,psi"), "'psi' is no coordinate"),
+        (("--circle", "0,1,0:nan"), "a finite number"),
+        (("--polygon", "0,0,0;1,1,1"), "at least three points"),
+        (("--curve", "s;s;s"), "the gap is (6.28319, 6.28319, 6.28319)"),
+        (("--curve", "cos(s);sin(s);__import__('os')"), "__import__"),
+        (("--set", "R", "--circle", "0,1,0:1"), "NAME=VALUE was needed"),
+        (("--set", "R=1", "--circle", "0,1,0:1"), "R is no parameter"),
+        (("--accuracy", "0", "--circle", "0,1,0:1"), "accuracy"),
+        (("--loops", "none.json"), "cannot be read"),
+        (("--spline", "0,0,0;1,0,0;0,1,0", "--exact"), "known by numbers only"),
+    ],
+)
+def test_bad_input_ends_with_two(arguments: tuple[str, ...], message: str) -> None:
+    """One clean message on standard error, no traceback."""
+    result = run("so3", *arguments, code=2)
+    said = " ".join(result.stderr.replace("│", " ").split())
+    assert message in said
+    assert "Traceback" not in said
+
+
+def test_a_missing_parameter_is_named() -> None:
+    """With what to type."""
+    result = run("screw_dislocation", "--circle", "0,0,0:1", code=2)
+    assert "contains b" in result.stderr
+    assert "--set" in result.stderr

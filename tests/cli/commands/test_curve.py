@@ -1,0 +1,110 @@
+"""curve: tables, metadata and pictures of both motions, and clean refusals."""
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+
+from geomtorsion.motion import RungeKutta
+from geomtorsion.pictures.pair import follow
+from geomtorsion.spaces import load
+from tests.cli.running import run
+
+DATA = Path(__file__).parent.parent.parent / "data"
+CHEAP = ("--engine", "rungekutta", "--accuracy", "1e-8", "--samples", "21")
+
+
+def table_of(folder: Path) -> dict[str, list[str]]:
+    """Columns of the table that was written."""
+    with (folder / "curve.csv").open(encoding="utf-8", newline="") as file:
+        head, *rows = csv.reader(file)
+    return dict(zip(head, map(list, zip(*rows, strict=True)), strict=True))
+
+
+def test_help_has_an_example():
+    """The command explains itself."""
+    assert "geomtorsion curve s2" in run("curve", "--help").stdout
+
+
+@pytest.mark.parametrize("name", ["flat_polar", "so3"])
+def test_files_hold_what_the_library_computes(name, tmp_path, no_pictures):
+    """The table to the last digit; the metadata; all in a directory that was not there."""
+    folder = tmp_path / "deep" / name
+    text = run("curve", name, *CHEAP, "-o", str(folder)).stdout
+    assert "(chosen)" in text
+    assert "No pictures: matplotlib is not installed" in text
+    assert sorted(path.name for path in folder.iterdir()) == ["curve.csv", "curve.json"]
+    pair = follow(load(name), engine=RungeKutta(), accuracy=1e-8, samples=21)
+    table = table_of(folder)
+    assert {key: [float(x) for x in column] for key, column in table.items()} == {
+        key: column.tolist() for key, column in pair.columns().items()
+    }
+    facts = json.loads((folder / "curve.json").read_text("utf-8"))
+    assert facts["start"] == [float(x) for x in pair.problem.start or ()]
+    assert facts["curves"]["geodesic"]["error"] == pair.shortest.error <= facts["accuracy"]
+    assert facts["coincide"] == (name == "so3")
+
+
+@pytest.mark.parametrize("name", ["s2", str(DATA / "legs.toml")])
+def test_pictures_are_written(name, tmp_path):
+    """One file each, none empty, all listed in the metadata."""
+    pytest.importorskip("matplotlib")
+    run("curve", name, *CHEAP, "-o", str(tmp_path), "--format", "svg")
+    listed = json.loads((tmp_path / "curve.json").read_text("utf-8"))["pictures"]
+    assert {"coordinates.svg", "distance.svg", "quality.svg"} <= set(listed)
+    for file in listed:
+        assert (tmp_path / file).stat().st_size > 5000
+
+
+def test_what_is_given_is_used():
+    """Numbers with pi, parameters, moments; nothing is called chosen then."""
+    given = ("--start", "pi/2,0", "--velocity=0,-1/2", "--t", "pi", "--set", "R=2")
+    text = run("curve", "s2", *given, *CHEAP).stdout
+    assert "theta = 1.5708" in text
+    assert "phi' = -0.5" in text
+    assert "R = 2" in text
+    assert "(chosen)" not in text
+    text = run("curve", "so3", "--moments", "1,2,3", "--t", "1", *CHEAP).stdout
+    assert "apart by" in text
+
+
+def test_a_motion_that_ends_early_ends_with_1(tmp_path, no_pictures):
+    """Where and why is said, and what was computed is written."""
+    given = ("--start", "0.5,0", "--velocity=-0.2,1", "--t", "6", "-o", str(tmp_path))
+    result = run("curve", "s2", *given, *CHEAP, code=1)
+    assert "autoparallel: the motion stops at t = 2." in result.stderr
+    table = table_of(tmp_path)
+    assert table["geodesic phi"][-1]
+    assert not table["autoparallel phi"][-1]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("s2", "--start", "1"), "2 numbers were needed, 1 came"),
+        (("s2", "--start", "a,b"), "a number was needed, 'a' came"),
+        (("s2", "--start", "nan,0"), "not finite"),
+        (("s2", "--start", "0,0"), "singular at the start"),
+        (("s2", "--start", "1,__import__('os')"), "a number was needed"),
+        (("s2", "--velocity", "1,2", "--frame-velocity", "1,2"), "both came"),
+        (("s2", "--t", "0"), "needs some time"),
+        (("s2", "--accuracy", "0"), "positive number is needed"),
+        (("s2", "--accuracy", "1e-15", "--engine", "rungekutta"), "RungeKutta gets to"),
+        (("s2", "--samples", "1"), "two at least"),
+        (("s2", "--parameters", "R"), "name=number was needed"),
+        (("s2", "--parameters", "Q=1"), "'Q' is no parameter"),
+        (("s2", "--parameters", "R=1,R=2"), "given twice"),
+        (("s2", "--engine", "magic"), "there is no engine 'magic'"),
+        (("so3", "--moments", "1,0,1"), "singular"),
+        (("frw",), "unknown function a"),
+        (("kerr_kinnersley",), "complex"),
+        (("nowhere",), "none is called 'nowhere'"),
+    ],
+)
+def test_bad_input_is_refused(arguments, says):
+    """One clean message, code 2, no traceback."""
+    result = run("curve", *arguments, code=2)
+    assert says in result.stderr
+    assert "Traceback" not in result.output
+    assert result.stderr.startswith("geomtorsion: ")

@@ -1,0 +1,159 @@
+"""exercises: the list, an exercise, hints, checks, sheets and marks from the command line."""
+
+import csv
+import subprocess
+import sys
+
+import pytest
+
+from geomtorsion import exercises
+from tests.cli.running import run
+
+
+def test_the_list():
+    """Every number with its title, by chapter; help has examples."""
+    text = run("exercises").stdout
+    for number, title in exercises.titles().items():
+        assert f"{number}  {title}" in text
+    for _, title in exercises.CHAPTERS:
+        assert title in text
+    assert "(project)" in text
+    assert "geomtorsion exercises show 3.2 --seed 7" in run("exercises", "--help").stdout
+
+
+def test_the_list_solves_nothing():
+    """Listing imports no exercise, no frame, no engine."""
+    code = (
+        "import sys; from typer.testing import CliRunner; from geomtorsion.cli.app import app; "
+        "CliRunner().invoke(app, ['exercises']); print(*sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = set(done.stdout.split())
+    assert "geomtorsion.exercises.registry" in loaded
+    assert not any(name.startswith("geomtorsion.exercises.frames") for name in loaded)
+    assert not loaded & {"scipy", "heyoka", "geomtorsion.motion", "geomtorsion.loops"}
+
+
+@pytest.mark.parametrize("number", ["1.2", "6.6", "7.2"])
+def test_show(number):
+    """Statement, questions, how to answer, where hints are; another seed is another text."""
+    text = run("exercises", "show", number).stdout
+    exercise = exercises.load(number)
+    assert exercise.title in text
+    for question in exercise.questions:
+        assert question.name in text
+    assert "Answer: " in text
+    assert "hints: " in text
+    assert "$" not in text
+    assert run("exercises", "show", number, "--seed", "5").stdout != text
+
+
+def test_choices_are_listed():
+    """Each option on a line of its own."""
+    assert "    geodesic: a geodesic of the metric" in run("exercises", "show", "6.6").stdout
+
+
+def test_hints_come_in_steps():
+    """One, then more; the last one says no more."""
+    one, two = (
+        run("exercises", "hint", "3.2").stdout,
+        run("exercises", "hint", "3.2", "--step", "2").stdout,
+    )
+    assert two.startswith(one.splitlines()[0])
+    assert "--step 2" in one
+    assert "Next:" not in two
+
+
+def test_a_right_answer():
+    """In the form of the issue and in others."""
+    for answer in ("cos(phi2)/sin(phi2)", "cot(φ2)"):
+        assert "Right." in run("exercises", "check", "3.2", answer).stdout
+
+
+def test_a_wrong_answer():
+    """Named, and the end is 1."""
+    text = run("exercises", "check", "3.2", "-cot(phi2)", code=1).stdout
+    assert "[the sign]" in text
+    assert "[a factor 2]" in run("exercises", "check", "3.2", "-(-2)*cot(phi2)", code=1).stdout
+    assert "__import__" in run("exercises", "check", "3.2", "__import__('os')", code=1).stdout
+
+
+def test_several_answers():
+    """By name or in order; points are counted."""
+    solution = exercises.load("3.3", 1).answers()
+    named = [f"{name}={text}" for name, text in solution.items()]
+    assert "2 of 2 points" in run("exercises", "check", "3.3", *named, "--seed", "1").stdout
+    assert (
+        "2 of 2 points"
+        in run("exercises", "check", "3.3", *solution.values(), "--seed", "1").stdout
+    )
+    text = run("exercises", "check", "3.3", named[1], "--seed", "1", code=1).stdout
+    assert "1 of 2 points" in text
+    assert "[no answer]" in text
+
+
+def test_answers_in_a_file(tmp_path):
+    """A whole submission, one exercise alone, and the seed in it."""
+    file = tmp_path / "answers.toml"
+    solution = exercises.load("3.3", 3).answers()
+    lines = "".join(f'{name} = "{text}"\n' for name, text in solution.items())
+    file.write_text(f'seed = 3\n[answers."3.3"]\n{lines}', "utf-8")
+    assert "2 of 2" in run("exercises", "check", "3.3", "--file", str(file)).stdout
+    assert "1.1" in run("exercises", "check", "1.1", "--file", str(file), code=2).stderr
+    file.write_text(f"seed = 3\n{lines}", "utf-8")
+    assert "2 of 2" in run("exercises", "check", "3.3", "--file", str(file)).stdout
+    assert (
+        "2 of 2"
+        not in run("exercises", "check", "3.3", "--file", str(file), "--seed", "0", code=1).stdout
+    )
+    file.write_text('"3.2" = "cot(phi2)"\n[answers]\n3.2 = "cot(phi2)"\n', "utf-8")
+    assert "Right" in run("exercises", "check", "3.2", "--file", str(file)).stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("show", "9.9"), "no exercise has the number '9.9'"),
+        (("show", "3.2", "--seed", "-1"), "seed: a whole number"),
+        (("check", "3.2"), "either an answer or --file was needed"),
+        (("check", "3.2", "x", "--file", "y.toml"), "either an answer or --file"),
+        (("check", "3.2", "--file", "nobody.toml"), "nobody.toml: the file cannot be read"),
+        (("sheet", "9", "-o", "x"), "there is no chapter '9'"),
+        (("grade", "nowhere"), "a folder of TOML files was needed: nowhere"),
+        (("grade", "."), "no TOML file here"),
+    ],
+)
+def test_what_cannot_be_done_is_said(arguments, says, tmp_path, monkeypatch):
+    """One clean message, code 2, nothing written."""
+    monkeypatch.chdir(tmp_path)
+    result = run("exercises", *arguments, code=2)
+    assert says in result.stderr.replace("\n", " ")
+    assert not list(tmp_path.iterdir())
+
+
+def test_sheets_are_written(tmp_path):
+    """Student files and, apart, the teacher's."""
+    text = run("exercises", "sheet", "3", "-o", str(tmp_path / "out"), "--seed", "2").stdout
+    assert text.count("wrote") == 4
+    assert (tmp_path / "out" / "teacher" / "chapter3-seed2-solutions.html").stat().st_size > 5000
+
+
+def test_grade(tmp_path):
+    """Marks in a table; one bad file is reported and ends with 1; the second run keeps."""
+    folder = tmp_path / "answers"
+    folder.mkdir()
+    (folder / "ada.toml").write_text('[answers]\n"3.2" = "cot(phi2)"\n', "utf-8")
+    (folder / "bob.toml").write_text('[answers]\n"3.2" = "-cot(phi2)"\n', "utf-8")
+    (folder / "eve.toml").write_text("[[[", "utf-8")
+    marks = tmp_path / "marks.csv"
+    result = run("exercises", "grade", str(folder), "-o", str(marks), code=1)
+    assert "eve.toml: not graded" in result.stderr
+    assert "graded 2 of 3 students" in result.stdout
+    with marks.open(encoding="utf-8", newline="") as file:
+        rows = {row["file"]: row for row in csv.DictReader(file)}
+    assert rows["ada.toml"]["percent"] == "100.0"
+    assert rows["bob.toml"]["diagnoses"] == "3.2:christoffel sign"
+    assert rows["eve.toml"]["status"] == "not graded"
+    (folder / "eve.toml").unlink()
+    again = run("exercises", "grade", str(folder), "-o", str(marks), "--only", "3.2")
+    assert "2 of them before" in again.stdout

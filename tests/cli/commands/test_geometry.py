@@ -1,0 +1,198 @@
+"""geometry: the same components in five formats, each read back or run."""
+
+import json
+import math
+import re
+
+import numpy
+import pytest
+import sympy
+
+from geomtorsion.cli.formats.text import text_of
+from geomtorsion.exact import parse_expression
+from geomtorsion.pictures.chosen import choose
+from geomtorsion.spaces import load
+from tests.cli.running import run
+
+SPACES = ("so3", "schwarzschild", "frw", "kerr_kinnersley", "s2")
+
+
+def shown(*arguments: str) -> str:
+    """Standard output of a command that has to end well."""
+    return run("geometry", *arguments).stdout
+
+
+def test_text_shows_only_what_does_not_vanish():
+    """Labels carry coordinate names, equals signs stand below each other, zeros are one line."""
+    text = shown("so3", "--only", "cartan_connection,torsion_vector,scalar_curvature")
+    lines = text.splitlines()
+    assert "  Γ_{φ1 φ3}^{φ2} = sin(φ2)" in lines
+    assert "Torsion vector  v_a = 0" in lines
+    assert "Scalar curvature  R̄ = 3/2" in lines
+    components = [line for line in lines if line.startswith("  Γ")]
+    assert len(components) == 5
+    assert len({line.index("=") for line in components}) == 1
+
+
+def test_text_says_what_symmetry_repeats():
+    """Independent components first; --every shows the others too."""
+    short, long = shown("so3", "--only", "torsion"), shown("so3", "--only", "torsion", "--every")
+    assert short.count("\n  S_") == 5
+    assert "(5 more follow by symmetry)" in short
+    assert long.count("\n  S_") == 10
+    assert "symmetry" not in long
+
+
+def test_text_in_the_frame():
+    """In the frame indices are numbers of legs."""
+    text = shown("so3", "--only", "torsion", "--basis", "frame")
+    assert "S_{01}^2 = -1/2" in text
+
+
+def test_everything_is_the_default():
+    """Without --only each quantity of a report stands there once, in reading order."""
+    text = shown("s2")
+    titles = ["Coframe", "Metric", "Torsion", "Contortion", "Riemann tensor", "Kretschmann scalar"]
+    places = [text.index(f"\n{title}  ") for title in titles]
+    assert places == sorted(places)
+
+
+def test_roots_are_stated():
+    """The branch of every root that was read stands in the heading."""
+    assert "read as" in shown("kerr", "--only", "determinant")
+
+
+def test_a_terminal_without_greek():
+    """Letters are spelled out, and nothing is outside ASCII."""
+    space = load("kerr")
+    text = text_of(space, choose(space), greek=False)
+    assert text.isascii()
+    assert "Gamma_bar_{tr}^t" in text
+    assert "theta" in text
+
+
+def test_latex_is_balanced():
+    """One environment for each quantity, braces paired, index positions kept apart."""
+    text = shown("so3", "--format", "latex")
+    assert text.count(r"\begin{align*}") == text.count(r"\end{align*}") > 15
+    assert text.count("{") == text.count("}")
+    assert r"\Gamma_{\phi_{1} \phi_{3}}{}^{\phi_{2}} &= \sin{\left(\phi_{2} \right)}" in text
+    assert r"v_{a} &= 0" in text
+
+
+@pytest.mark.parametrize("name", SPACES)
+def test_json_holds_the_components(name):
+    """Every component is read back from the JSON and equals the computed one."""
+    data = json.loads(shown(name, "--format", "json"))
+    frame = load(name).frame
+    symbols = {symbol.name: symbol for symbol in (*frame.coordinates, *frame.parameters)}
+    compared = 0
+    for quantity in ("coframe", "torsion", "christoffel", "riemann", "kretschmann"):
+        tensor = frame.quantity(quantity)
+        written = data["quantities"][quantity]
+        assert written["slots"] == tensor.slots
+        indices = {tuple(map(int, key.split(","))) if key else () for key in written["components"]}
+        assert indices == set(tensor.components.nonzero)
+        for key, text in written["components"].items():
+            index = tuple(map(int, key.split(","))) if key else ()
+            value = frame.field.read(parse_expression(text, symbols))
+            assert (value - tensor.element(*index)).is_zero
+            compared += 1
+    assert compared > 10
+    assert data["coordinates"] == [symbol.name for symbol in frame.coordinates]
+
+
+def test_json_alone_stands_on_standard_output():
+    """Nothing but the document, whatever is asked for."""
+    assert json.loads(shown("so3", "--format", "json", "--only", "ricci"))["name"] == "so3"
+
+
+@pytest.mark.parametrize("name", SPACES)
+def test_python_runs_and_agrees(name):
+    """The emitted NumPy code, executed, gives the exact values at a point, and broadcasts."""
+    only = "metric,torsion,riemann,kretschmann"
+    module: dict = {}
+    exec(compile(shown(name, "--format", "python", "--only", only), name, "exec"), module)
+    frame = load(name).frame
+    values = {"r": 5.0, "M": 1.0, "a": 0.5, "theta": 0.7, "k": 0.01}
+    names = [symbol.name for symbol in (*frame.coordinates, *frame.parameters)]
+    point = [values.get(symbol, 0.3 + 0.2 * k) for k, symbol in enumerate(names)]
+    unknown = {"a": 2.0, "a_t": 0.3, "a_t_t": -0.4} if name == "frw" else {}
+    at = dict(zip([*frame.coordinates, *frame.parameters], point, strict=True))
+    for quantity in only.split(","):
+        tensor, function = frame.quantity(quantity), module[quantity]
+        wanted = function.__code__.co_varnames[len(names) : function.__code__.co_argcount]
+        result = function(*point, **{key: unknown[key] for key in wanted})
+        assert result.shape == (frame.dimension,) * len(tensor.slots)
+        checked = 0
+        for index in numpy.ndindex(*result.shape):
+            expected = complex(_number(tensor[index], at, unknown))
+            assert abs(result[index] - expected) <= 1e-12 * max(1, abs(expected))
+            checked += 1
+        assert checked == frame.dimension ** len(tensor.slots)
+        many = [numpy.full((4, 1), point[0]), numpy.full(3, point[1]), *point[2:]]
+        several = function(*many, **{key: unknown[key] for key in wanted})
+        assert several.shape == (4, 3, *result.shape)
+        assert numpy.allclose(several[3, 2], result)
+
+
+def _number(expression, at, unknown):
+    """A sympy expression at a point, by sympy's own evaluation."""
+    t = next(iter(at))
+    a = sympy.Function("a")(t)
+    jets = {a.diff(t, 2): "a_t_t", a.diff(t): "a_t", a: "a"}
+    for jet, name in jets.items():
+        if unknown:
+            expression = expression.subs(jet, unknown[name])
+    return sympy.N(expression.subs(at))
+
+
+def test_python_words_are_no_trouble(tmp_path):
+    """Coordinates called lambda and result become arguments all the same."""
+    file = tmp_path / "words.toml"
+    file.write_text(
+        'coordinates = ["lambda", "result", "x0"]\n'
+        'coframe = [["x0", 0, 0], [0, "lambda", 0], [0, 0, "result + sin(x0)"]]\n'
+    )
+    module: dict = {}
+    exec(shown(str(file), "--format", "python", "--only", "metric,determinant"), module)
+    assert module["determinant"](2.0, 3.0, 5.0) == pytest.approx(5 * 2 * (3 + math.sin(5)))
+    assert module["metric"](2.0, 3.0, 5.0)[1, 1] == 4
+
+
+def test_mathematica_looks_right(tmp_path):
+    """Indices from 1, functions with capitals and square brackets, no taken names."""
+    text = shown("schwarzschild", "--format", "mathematica", "--only", "christoffel,kretschmann")
+    assert "kretschmann = 48*M^2/r^6;" in text.replace(".", "")
+    assert "{1, 2, 1} -> " in text
+    assert "Sin[theta]" in text
+    assert text.count("[") == text.count("]")
+    assert text.count("{") == text.count("}")
+    file = tmp_path / "names.toml"
+    file.write_text(
+        'coordinates = ["t", "x_1"]\nparameters = ["E"]\nfunctions = {f = ["x_1"]}\n'
+        'coframe = [["E*f", 0], [0, 1]]\n'
+    )
+    text = shown(str(file), "--format", "mathematica", "--only", "torsion,metric")
+    assert "D[f[x1], {x1, 1}]" in text
+    assert "Esymbol^2" in text
+    assert not re.search(r"x_1|\bE\b", text)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["so3", "--only", "rici"], "Did you mean ricci"),
+        (["so3", "--only", "connection_torsion"], "has none beside those of its frame"),
+        (["so4"], "none is called 'so4'"),
+        (["nowhere.toml"], "No such file"),
+        (["so3", "--format", "html"], "html"),
+        (["so3", "--basis", "banana"], "banana"),
+    ],
+)
+def test_mistakes_end_with_2_and_one_message(arguments, message):
+    """No traceback: what is wrong, on standard error, and code 2."""
+    result = run("geometry", *arguments, code=2)
+    assert message in result.stderr
+    assert "Traceback" not in result.output
+    assert not result.stdout

@@ -1,0 +1,28 @@
+"""paper: the statements of the paper as text and as JSON."""
+
+import json
+
+from geomtorsion.paper import statements
+from tests.cli.running import run
+
+
+def test_text():
+    """Each statement with its verdict and formula; the last line counts."""
+    text = run("paper").stdout
+    for statement in statements():
+        assert statement.says in text
+        assert statement.verdict in text
+        assert statement.right in text
+    assert text.splitlines()[-1] == "42 claims recomputed: 33 agree, 9 misprints."
+
+
+def test_json():
+    """JSON holds the same statements."""
+    data = json.loads(run("paper", "--format", "json").stdout)
+    assert [entry["equation"] for entry in data] == [one.equation for one in statements()]
+    assert set(data[0]) == {"equation", "says", "verdict", "right", "note"}
+
+
+def test_unknown_format():
+    """A format that does not exist is refused, with those that do."""
+    assert "text or json" in run("paper", "--format", "xml", code=2).stderr

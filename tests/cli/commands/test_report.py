@@ -1,0 +1,25 @@
+"""report: page and data, and where they cannot be written."""
+
+import json
+from pathlib import Path
+
+from tests.cli.running import run
+
+DATA = Path(__file__).parent.parent.parent / "data"
+
+
+def test_report_of_a_space_and_of_a_file(tmp_path, monkeypatch):
+    """Page and data are written; the directory is made, and named after the space by default."""
+    monkeypatch.chdir(tmp_path)
+    assert "so3: wrote" in run("report", "so3", "-o", "deep/so3").stdout
+    assert json.loads((tmp_path / "deep/so3/geometry.json").read_text("utf-8"))["name"] == "so3"
+    run("report", str(DATA / "rindler.toml"))
+    assert "rocket" in (tmp_path / "rindler-report" / "index.html").read_text("utf-8")
+
+
+def test_report_where_it_cannot_be_written(tmp_path):
+    """A file in the way of the directory is named."""
+    (tmp_path / "taken").write_text("")
+    error = run("report", "s2", "-o", str(tmp_path / "taken"), code=2).stderr
+    assert "taken" in error
+    assert "Traceback" not in error

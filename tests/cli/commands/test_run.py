@@ -1,0 +1,245 @@
+"""run: files, refusals, and runs that are stopped."""
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from geomtorsion.scenes import SceneResult, load, read_file
+from tests.cli.running import run
+
+SLOW = """\
+watch = ["omega", "energy"]
+t = 400
+accuracy = 1e-10
+[body]
+moments = [1, 2, 3]
+[[effects]]
+kind = "body_moment"
+moment = ["sin(t)/10", 0, 0]
+[start]
+omega = [0.5, 0.4, 1]
+"""
+
+
+def test_a_run_leaves_what_the_library_computes(tmp_path, no_pictures):
+    """Table and arrays to the last digit, facts, the scene itself, and no checkpoint."""
+    folder = tmp_path / "deep" / "run"
+    arguments = ("--watch", "nutation,omega", "--accuracy", "1e-9", "--t", "500 ms")
+    text = run("run", "lagrange_cusp", *arguments, "--set", "gravity.g=1.62", "-o", str(folder))
+    assert "No pictures: matplotlib is not installed" in text.stdout
+    assert sorted(path.name for path in folder.iterdir()) == [
+        "result.npz", "run.json", "scene.toml", "table.csv",
+    ]  # fmt: skip
+    scene = load("lagrange_cusp").with_values(
+        {"watch": ("nutation", "omega"), "accuracy": 1e-9, "t": 0.5, "gravity.g": 1.62}
+    )
+    assert read_file(folder / "scene.toml") == scene
+    loaded = SceneResult.load(folder / "result.npz")
+    expected = scene.run()
+    assert np.abs(loaded["nutation"] - expected["nutation"]).max() < 1e-9
+    with (folder / "table.csv").open(newline="") as file:
+        head, *rows = csv.reader(file)
+    assert head == ["t", "nutation", "omega_1", "omega_2", "omega_3"]
+    assert [float(row[1]) for row in rows] == loaded["nutation"].tolist()
+    facts = json.loads((folder / "run.json").read_text())
+    assert facts["error"] <= facts["accuracy"] == 1e-9
+    assert facts["watch"] == ["nutation", "omega"]
+
+
+def test_pictures_and_film(tmp_path, monkeypatch):
+    """They are written, listed, and not empty; the film also if the attitude was not watched."""
+    pytest.importorskip("matplotlib")
+    monkeypatch.setattr("geomtorsion.pictures.scene_film.FRAMES_PER_SECOND", 2)
+    film = tmp_path / "film" / "top.gif"
+    out = str(tmp_path / "run")
+    arguments = ("--watch", "axis,energy", "-o", out, "--format", "svg", "--animate", str(film))
+    text = run("run", "lagrange_loop", *arguments, "--t", "0.3").stdout
+    listed = json.loads((tmp_path / "run" / "run.json").read_text())["pictures"]
+    assert listed == ["watched.svg", "axis.svg", "trust.svg", "plan.svg"]
+    for name in listed:
+        assert (tmp_path / "run" / name).stat().st_size > 5000
+    assert film.stat().st_size > 20_000
+    assert f"wrote {film}" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("run", "dzanibekov"), "Did you mean dzhanibekov"),
+        (("run", "none.toml"), "cannot be read"),
+        (("run", "helix", "--watch", "positoin"), "positoin"),
+        (("run", "helix", "--accuracy", "0"), "positive number is needed"),
+        (("run", "helix", "--engine", "magic"), "there is no engine 'magic'"),
+        (("run", "helix", "--t", "3 m"), "measured in s"),
+        (("run", "helix", "--set", "body.mas=2"), "Did you mean mass"),
+        (("run", "helix", "--set", "body.mass"), "path=number was needed"),
+        (("run", "helix", "--set", "body.mass=-1"), "positive number"),
+        (("run", "helix", "--resume"), "name it with -o"),
+        (("run", "helix", "--t", "0.1", "--animate", "film.avi"), r".gif or an .mp4"),
+    ],
+)
+def test_bad_input_is_refused(arguments, says):
+    """One clean message, code 2, no traceback."""
+    result = run(*arguments, code=2)
+    assert says in result.stderr
+    assert result.stderr.startswith("geomtorsion: ")
+    assert "Traceback" not in result.output
+
+
+def test_watch_may_be_given_several_times(tmp_path, no_pictures):
+    """All of them are watched, in their order."""
+    arguments = ("--t", "0.1", "--watch", "matrix", "--watch", "energy,omega", "-o", str(tmp_path))
+    run("run", "lagrange_cusp", *arguments)
+    facts = json.loads((tmp_path / "run.json").read_text())
+    assert facts["watch"] == ["matrix", "energy", "omega"]
+
+
+def test_a_stopped_run_may_be_begun_anew(tmp_path, no_pictures):
+    """--overwrite removes the checkpoint of another run, and the new one ends well."""
+    checkpoint = tmp_path / "checkpoint.npz"
+    checkpoint.write_bytes(b"what another run had computed")
+    arguments = ("lagrange_cusp", "--t", "0.1", "-o", str(tmp_path))
+    assert "--overwrite to begin anew" in run("run", *arguments, code=2).stderr
+    assert "give one" in run("run", *arguments, "--overwrite", "--resume", code=2).stderr
+    assert checkpoint.exists()
+    run("run", *arguments, "--overwrite")
+    assert not checkpoint.exists()
+    assert (tmp_path / "table.csv").exists()
+
+
+def test_errors_of_files_name_file_and_line(tmp_path):
+    """As a person sees it on the command line."""
+    file = tmp_path / "bad.toml"
+    file.write_text(SLOW.replace("moments", "moment"))
+    assert "bad.toml: line 5: body: unknown key 'moment'" in run("run", str(file), code=2).stderr
+
+
+def test_what_is_stuck_is_written_as_far_as_it_came(tmp_path, no_pictures):
+    """A pole at t = 1: a message, what came before it, code 1, and no checkpoint."""
+    file, out = tmp_path / "pole.toml", tmp_path / "out"
+    file.write_text(POLE)
+    result = run("run", str(file), "-o", str(out), code=1)
+    assert "cannot go on at t = " in result.stderr
+    assert "`solution`" not in result.stderr
+    with (out / "table.csv").open(newline="") as table:
+        rows = [[float(x) for x in row] for row in list(csv.reader(table))[1:]]
+    assert len(rows) > 20
+    # x'' = 2 x^3 from 1 with speed 1: x = 1/(1 - t).
+    assert all(abs(x * (1 - t) - 1) < 1e-6 for t, x, *_ in rows if t < 0.9)
+    assert not (out / "checkpoint.npz").exists()
+    file.write_text(POLE.replace("2*x**3", "log(t - 1)"))
+    assert "vx' = nan" in run("run", str(file), "-o", str(out), code=2).stderr
+    assert not (out / "checkpoint.npz").exists()
+
+
+POLE = """watch = ["position"]
+t = 2
+[body]
+moments = [1, 2, 2.5]
+[[effects]]
+kind = "custom"
+force = ["2*x**3", 0, 0]
+[start]
+position = [1, 0, 0]
+velocity = [1, 0, 0]
+"""
+
+
+class Started:
+    """`geomtorsion run SLOW` as a process of its own, with a directory for what it writes."""
+
+    def __init__(self, folder: Path, *more: str) -> None:
+        self.out = folder / "out"
+        file = folder / "slow.toml"
+        file.write_text(SLOW)
+        command = [sys.executable, "-c", HIDING, "run", str(file), "-o", str(self.out), *more]
+        self.process = subprocess.Popen(
+            [*command, "--engine", "rungekutta"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+        )
+
+    def until_kept(self) -> None:
+        """Wait until some of the run is in the checkpoint."""
+        deadline = time.monotonic() + 60
+        while not (self.out / "checkpoint.npz").exists():
+            assert time.monotonic() < deadline
+            assert self.process.poll() is None, self.process.communicate()
+            time.sleep(0.005)
+
+    def ended(self) -> tuple[int, str, str]:
+        """Code and what was said."""
+        out, err = self.process.communicate(timeout=120)
+        return self.process.returncode, out, err
+
+
+# Pictures take longer than the run; they are tested elsewhere.
+HIDING = "import sys; sys.modules['matplotlib'] = None; from geomtorsion.cli import main; main()"
+
+
+def test_stopped_runs_go_on_to_the_same_result(tmp_path):
+    """Killed, then interrupted, then resumed: bitwise what an uninterrupted run gives."""
+    whole = tmp_path / "whole"
+    whole.mkdir()
+    undisturbed = Started(whole)
+    parts = tmp_path / "parts"
+    parts.mkdir()
+    killed = Started(parts)
+    killed.until_kept()
+    killed.process.kill()
+    assert killed.ended()[0] == -signal.SIGKILL
+    assert not (parts / "out" / "table.csv").exists()
+    refused = Started(parts)
+    code, _, said = refused.ended()
+    assert code == 2
+    assert "Give --resume" in said
+    assert "--overwrite to begin anew" in said
+    given = ("run", str(parts / "slow.toml"), "-o", str(parts / "out"), "--engine", "rungekutta")
+    other = run(*given, "--resume", "--accuracy", "1e-9", code=2).stderr
+    assert "another run" in other
+    assert "give --overwrite." in other
+    assert "overwrite=True" not in other
+
+    shown = run(*given, "--kept").stdout
+    assert "what was computed, to t = " in shown
+    with (parts / "out" / "partial.csv").open(newline="") as file:
+        partial = list(csv.reader(file))
+
+    interrupted = Started(parts, "--resume")
+    interrupted.until_kept()
+    before = (parts / "out" / "checkpoint.npz").stat().st_mtime_ns
+    while (parts / "out" / "checkpoint.npz").stat().st_mtime_ns == before:
+        assert interrupted.process.poll() is None, interrupted.process.communicate()
+        time.sleep(0.005)
+    interrupted.process.send_signal(signal.SIGINT)
+    code, _, said = interrupted.ended()
+    assert code == 130
+    assert "go on with --resume" in said
+
+    code, out, said = Started(parts, "--resume").ended()
+    assert code == 0, said
+    assert "wrote" in out
+    assert undisturbed.ended()[0] == 0
+    assert not (parts / "out" / "checkpoint.npz").exists()
+    one = SceneResult.load(whole / "out" / "result.npz")
+    other = SceneResult.load(parts / "out" / "result.npz")
+    for name in ("omega", "energy"):
+        assert one[name].tobytes() == other[name].tobytes()
+    assert len(partial) > 1
+    expected = np.column_stack([one.times, one["omega"], one["energy"]])[: len(partial) - 1]
+    assert np.abs(np.array(partial[1:], dtype=float) - expected).max() < 1e-6
+    assert not (parts / "out" / "partial.csv").exists()
+    assert one.times.tobytes() == other.times.tobytes()
+    assert (one.error, one.drift) == (other.error, other.drift)
+    tables = [(folder / "out" / "table.csv").read_bytes() for folder in (whole, parts)]
+    assert tables[0] == tables[1]

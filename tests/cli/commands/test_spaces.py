@@ -1,0 +1,10 @@
+"""spaces: the list."""
+
+from geomtorsion.spaces import names
+from tests.cli.running import run
+
+
+def test_spaces_lists_all():
+    """One line for each space, its name first."""
+    lines = run("spaces").stdout.splitlines()
+    assert [line.split()[0] for line in lines] == list(names())

@@ -1,0 +1,109 @@
+"""Effects refuse what makes no sense, naming the field, what came and what to do."""
+
+from typing import Any
+
+import pytest
+import sympy as sp
+
+from geomtorsion.errors import ExpressionError, SceneError
+from geomtorsion.scenes import Body, effects
+from geomtorsion.scenes.context import Context
+from geomtorsion.scenes.effects.intake import between, read
+
+E = effects
+BODY = Body(mass=2.0, moments=(1.0, 1.6, 2.1))
+BAD: Any = 3
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: E.GravityGradient(-1), r"gravity_gradient.rate = -1: a number >= 0 \(rad/s\)"),
+        (lambda: E.GravityGradient("fast"), "gravity_gradient.rate = 'fast'"),
+        (lambda: E.Spring(-3), r"spring.stiffness = -3: a number >= 0 \(N/m\)"),
+        (lambda: E.Spring(3, arm=(1, 2)), r"spring.arm = \(1, 2\): three components \(m\)"),
+        (lambda: E.LinearDrag(float("nan")), "linear_drag.coefficient = nan"),
+        (lambda: E.LinearDrag(1, wind=BAD), r"linear_drag.wind = 3: three components \(m/s\)"),
+        (lambda: E.QuadraticDrag(1, smoothing=-1), "quadratic_drag.smoothing = -1"),
+        (lambda: E.AngularDamping(-1), "angular_damping.coefficient = -1: one number >= 0"),
+        (lambda: E.AngularDamping((1, 2)), "or three were needed"),
+        (lambda: E.AngularDamping((1, 2, "x")), "or three were needed"),
+        (lambda: E.Thrust("20"), "thrust.force = '20': three components"),
+        (lambda: E.Thrust((0, 0, 1), start=3, end=2), "it ends before it begins"),
+        (lambda: E.Thrust((0, 0, 1), start="soon"), "thrust.start = 'soon'"),
+        (lambda: E.BodyMoment((0, 0, 1), end=0), "body_moment is on from 0 to 0 s"),
+        (lambda: E.Magnet((0, 1), (0, 0, 1)), "magnet.dipole"),
+        (lambda: E.Rotor((0, 0, 0), 1), r"rotor.axis = \(0, 0, 0\) is no direction"),
+        (lambda: E.Rotor((0, 0, 1), 1, inertia=0), "rotor.inertia = 0: a number > 0"),
+        (lambda: E.Rotor((0, 0, 1), 1, torque="t"), "needs rotor.inertia"),
+        (lambda: E.Rolling(0), "rolling.radius = 0: a number > 0"),
+        (lambda: E.Rolling(1, "wheel"), 'say "disc" or "ball"'),
+        (lambda: E.KnifeEdge(speed=None), "knife_edge.speed = None"),
+        (lambda: E.Torsion("on"), "torsion.strength = 'on'"),
+        (lambda: E.Custom(moment=BAD), "custom.moment = 3"),
+        (lambda: E.Custom(axes="world"), 'say "space" or "body"'),
+        (lambda: E.Custom(states={"a": "t"}), "a stands in only one of states and start"),
+        (lambda: E.Custom(parameters=BAD), "custom.parameters: a table of names"),
+        (lambda: E.Custom(switches=[1]), "custom.switches"),
+        (lambda: E.Custom(switches=[(1, {"k": 2})]), "'k' is no parameter of it. Known are none"),
+    ],
+)
+def test_fields_are_checked_at_the_door(make, words):
+    with pytest.raises(SceneError, match=words):
+        make()
+
+
+@pytest.mark.parametrize(
+    ("effect", "error", "words"),
+    [
+        (E.Thrust((0, 0, "20*exp(-s)")), ExpressionError, r"thrust.force\[2\]"),
+        (E.Thrust((0, 0, "__import__('os')")), ExpressionError, r"thrust.force\[2\]"),
+        (E.Thrust((0, 0, "f(t)")), ExpressionError, "f"),
+        (E.BodyMoment(("t.real", 0, 0)), ExpressionError, r"body_moment.moment\[0\]"),
+        (E.Magnet((0, 0, 1), (0, 0, "x")), SceneError, "magnet.field contains x"),
+        (E.Rotor((0, 0, 1), 1, inertia=9), SceneError, "not less than 2.1 kg m"),
+        (E.Rotor((0, 0, 1), 1, inertia=1, torque="k*w"), ExpressionError, "rotor.torque"),
+        (E.Custom(force=("-k*x", 0, 0)), ExpressionError, "k"),
+        (E.Custom(energy=sp.Symbol("Omega4")), ExpressionError, "'Omega4', which nothing gives"),
+        (E.Thrust((0, 0, "20*Omga1")), ExpressionError, "Did you mean Omega1"),
+        (E.Custom(states={"x": "t"}, start={"x": 1}), SceneError, "'x' is taken"),
+    ],
+)
+def test_expressions_are_checked_when_they_are_read(effect, error, words):
+    with pytest.raises(error, match=words):
+        effect.adds(Context(BODY))
+
+
+def test_expressions_may_hold_decimals_and_own_names():
+    context = Context(BODY)
+    w = sp.Symbol("w")
+    found = read("0.25*w - Omega1/I1", context, "a", "somewhere", {"w": w})
+    assert found == w / 4 - context.Omega[0] / context.inertia[0, 0]
+    assert read(sp.Symbol("t", real=True) ** 2, context, "a", "") == context.t**2
+    assert read(0, context, "a", "") == 0
+    assert read(1.5, context, "a", "") == sp.Symbol("a")
+    assert context.values["a"] == sp.Rational(3, 2)
+
+
+def test_switches_follow_from_times():
+    context = Context(BODY)
+    context.key = "thrust"
+    assert between(context, "one", None, None) == (1, ())
+    on, switches = between(context, "two", 1, 2)
+    assert switches == ((1, {on.name: 1}), (2, {on.name: 0}))
+    assert context.values[on.name] == 0
+    late, switches = between(context, "three", None, 2)
+    assert switches == ((2, {late.name: 0}),)
+    assert context.values[late.name] == 1
+    with pytest.raises(SceneError, match="it ends before it begins"):
+        between(context, "four", 2, 2)
+
+
+def test_two_springs_have_names_of_their_own():
+    """Two of a kind: parameters of the second carry its key."""
+    from geomtorsion.scenes.assembly import assemble
+
+    made = assemble(BODY, {"spring": E.Spring(3), "spring2": E.Spring(4)})
+    stiff = sorted(name for name in made.values if name.startswith("k"))
+    assert len(stiff) == 2
+    assert sorted(float(made.values[name]) for name in stiff) == [3, 4]
