@@ -1,0 +1,8 @@
+"""Code generation: one graph of shared expressions, printed as NumPy, Python or heyoka."""
+
+from geomtorsion.codegen.arrays import numpy_function
+from geomtorsion.codegen.expression_graph import Graph, graph
+from geomtorsion.codegen.python_code import compiled
+from geomtorsion.codegen.reading import Output, Products
+
+__all__ = ["Graph", "Output", "Products", "compiled", "graph", "numpy_function"]

@@ -1,0 +1,173 @@
+"""Differentiation: the derivatives of steps, as steps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+
+from geomtorsion.codegen.steps import Builder, Signed, Step
+from geomtorsion.errors import ExpressionError
+
+# Derivatives that are not zero: which argument -> sign and place.
+Slopes = dict[int, Signed]
+
+
+def jacobian(
+    steps: Sequence[Step], outputs: Sequence[Signed], positions: Sequence[int]
+) -> tuple[tuple[Step, ...], tuple[Signed, ...]]:
+    """Steps and outputs for d output / d argument, those of the first output first.
+
+    Derivatives are carried forward from step to step; what is zero is never written.
+    """
+    work = _Forward(steps, positions)
+    for place, step in enumerate(steps):
+        work.slopes.append(work.of_step(place, step))
+    zero = work.builder.number(Fraction(0))
+    found = []
+    for sign, place in outputs:
+        slopes = work.slopes[place]
+        for j in range(len(positions)):
+            turn, where = slopes.get(j, (1, zero))
+            found.append((sign * turn, where))
+    return work.builder.needed(found)
+
+
+class _Forward:
+    """Steps with their derivatives; places of the first steps are those of the old ones."""
+
+    def __init__(self, steps: Sequence[Step], positions: Sequence[int]) -> None:
+        self.builder = Builder()
+        self.slopes: list[Slopes] = []
+        self._seeds = {position: j for j, position in enumerate(positions)}
+        for step in steps:
+            self.builder.add(
+                step.kind, step.operands, step.detail, signs=step.signs, constant=step.constant
+            )
+        self._one = self._number(1)
+
+    def _number(self, value: int | Fraction) -> int:
+        return self.builder.number(Fraction(value))
+
+    def _call(self, name: str, *operands: int) -> int:
+        return self.builder.add("call", operands, name)
+
+    def _plus_one(self, place: int, sign: int = 1) -> int:
+        """1 + (or minus) a step."""
+        return self.builder.total([(1, self._one), (sign, place)])[1]
+
+    def _times(self, slope: Signed, factor: int) -> Signed:
+        sign, place = slope
+        if place == self._one:
+            return sign, factor
+        return sign, place if factor == self._one else self.builder.product(factor, place)
+
+    def _over(self, slope: Signed, below: int) -> Signed:
+        return slope[0], self.builder.quotient(slope[1], below)
+
+    def _sum(self, parts: Sequence[tuple[int, Slopes]]) -> Slopes:
+        """The sum of signed slopes."""
+        found: dict[int, list[Signed]] = {}
+        for sign, slopes in parts:
+            for j, (turn, place) in slopes.items():
+                entry = (sign * turn, place)
+                opposite = (-sign * turn, place)
+                terms = found.setdefault(j, [])
+                if opposite in terms:
+                    terms.remove(opposite)
+                else:
+                    terms.append(entry)
+        return {j: self.builder.total(terms) for j, terms in found.items() if terms}
+
+    def _scaled(self, slopes: Slopes, factor: int, sign: int = 1) -> Slopes:
+        """Slopes times a step."""
+        found = {j: self._times(slope, factor) for j, slope in slopes.items()}
+        return {j: (sign * turn, place) for j, (turn, place) in found.items()}
+
+    def _divided(self, slopes: Slopes, below: int, sign: int = 1) -> Slopes:
+        found = {j: self._over(slope, below) for j, slope in slopes.items()}
+        return {j: (sign * turn, place) for j, (turn, place) in found.items()}
+
+    def of_step(self, place: int, step: Step) -> Slopes:
+        """The derivatives of a step."""
+        kind, operands = step.kind, step.operands
+        if kind == "argument":
+            assert isinstance(step.detail, int)
+            position = step.detail
+            return {self._seeds[position]: (1, self._one)} if position in self._seeds else {}
+        inner = [self.slopes[operand] for operand in operands]
+        if not any(inner):
+            return {}
+        if kind == "sum":
+            return self._sum(list(zip(step.signs, inner, strict=True)))
+        if kind == "product":
+            first, second = operands
+            return self._sum(
+                [(1, self._scaled(inner[0], second)), (1, self._scaled(inner[1], first))]
+            )
+        if kind == "square":
+            return self._scaled(inner[0], self.builder.product(self._number(2), operands[0]))
+        if kind == "quotient":
+            # (a / b)' = (a' - (a / b) b') / b
+            slopes = self._sum([(1, inner[0]), (-1, self._scaled(inner[1], place))])
+            return self._divided(slopes, operands[1])
+        if kind == "root":
+            # w**n = u: w' = w u' / (n u), for square roots u' / (2 w).
+            degree = self._number(Fraction(step.detail))
+            if step.detail == 2:
+                return self._divided(inner[0], self.builder.product(degree, place))
+            below = self.builder.product(degree, operands[0])
+            return self._divided(self._scaled(inner[0], place), below)
+        return self._of_call(place, step, inner)
+
+    def _of_call(self, place: int, step: Step, inner: Sequence[Slopes]) -> Slopes:
+        name, operands = str(step.detail), step.operands
+        first = operands[0]
+        if name == "power":
+            return self._of_power(place, operands, inner)
+        if name == "atan2":
+            # atan2(y, x)' = (x y' - y x') / (x**2 + y**2)
+            y, x = operands
+            parts = [(1, self._scaled(inner[0], x)), (-1, self._scaled(inner[1], y))]
+            squares = [(1, self.builder.product(x, x)), (1, self.builder.product(y, y))]
+            return self._divided(self._sum(parts), self.builder.total(squares)[1])
+        if name in ("sign", "floor", "ceiling"):
+            return {}
+        square = self.builder.product(first, first)
+        if name in ("sin", "sinh"):
+            return self._scaled(inner[0], self._call("cos" if name == "sin" else "cosh", first))
+        if name in ("cos", "cosh"):
+            other = self._call("sin" if name == "cos" else "sinh", first)
+            return self._scaled(inner[0], other, -1 if name == "cos" else 1)
+        if name in ("tan", "tanh"):
+            sign = 1 if name == "tan" else -1
+            return self._scaled(inner[0], self._plus_one(self.builder.product(place, place), sign))
+        if name == "exp":
+            return self._scaled(inner[0], place)
+        if name == "log":
+            return self._divided(inner[0], first)
+        if name in ("atan", "atanh"):
+            return self._divided(inner[0], self._plus_one(square, 1 if name == "atan" else -1))
+        if name in ("asin", "acos", "asinh", "acosh"):
+            below = self._plus_one(square, 1 if name == "asinh" else -1)
+            if name == "acosh":
+                below = self.builder.total([(1, square), (-1, self._one)])[1]
+            root = self.builder.root(below, 2)
+            return self._divided(inner[0], root, -1 if name == "acos" else 1)
+        if name == "Abs":
+            return self._scaled(inner[0], self._call("sign", first))
+        raise ExpressionError(f"{name} has no derivative here; write it in other functions")
+
+    def _of_power(self, place: int, operands: Sequence[int], inner: Sequence[Slopes]) -> Slopes:
+        """(u**v)' = v u**(v - 1) u' + u**v log(u) v'"""
+        base, exponent = operands
+        known = self.builder.steps[exponent]
+        if known.kind == "number":
+            less = self._number(Fraction(known.detail) - 1)
+        else:
+            less = self.builder.total([(1, exponent), (-1, self._one)])[1]
+        lower = self.builder.product(exponent, self._call("power", base, less))
+        parts = [(1, self._scaled(inner[0], lower))]
+        if inner[1]:
+            slope = self.builder.product(place, self._call("log", base))
+            parts.append((1, self._scaled(inner[1], slope)))
+        return self._sum(parts)

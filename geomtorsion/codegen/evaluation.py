@@ -1,0 +1,101 @@
+"""Evaluation: steps worked out exactly, one after another."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from typing import Any
+
+import mpmath
+
+from geomtorsion.codegen.functions import FUNCTIONS
+from geomtorsion.codegen.steps import Signed, Step
+
+Exact = Fraction | mpmath.mpf
+
+
+def exact_values(
+    steps: Sequence[Step], outputs: Sequence[Signed], arguments: Sequence[Any], bits: int
+) -> list[Exact]:
+    """Outputs as fractions where they are rational, else as mpmath's numbers of so many bits."""
+    with mpmath.workprec(bits):
+        given = [exact_number(value, bits) for value in arguments]
+        made: list[Exact] = []
+        for step in steps:
+            made.append(_exact(step, given, made))
+        return [made[place] if sign > 0 else -made[place] for sign, place in outputs]
+
+
+def _exact(step: Step, given: Sequence[Exact], made: Sequence[Exact]) -> Exact:
+    """One step; whatever meets an mpmath number becomes one."""
+    kind, detail = step.kind, step.detail
+    if kind == "argument":
+        return given[detail]
+    if kind == "number":
+        return detail
+    if kind == "digits":
+        return mpmath.mpmathify(detail.evalf(mpmath.mp.dps + 5))
+    if kind == "imaginary":
+        return mpmath.mpc(0, 1)
+    inner = [made[place] for place in step.operands]
+    if not all(isinstance(value, Fraction) for value in inner):
+        inner = [_long(value) for value in inner]
+    if kind == "sum":
+        return sum((s * value for s, value in zip(step.signs, inner, strict=True)), Fraction(0))
+    if kind == "product":
+        return inner[0] * inner[1]
+    if kind == "square":
+        return inner[0] * inner[0]
+    if kind == "quotient":
+        return inner[0] / inner[1]
+    long = [_long(value) for value in inner]
+    if kind == "root":
+        return mpmath.root(long[0], detail)
+    if detail == "power":
+        return mpmath.power(*long)
+    return _MPMATH[detail](*long)
+
+
+_MPMATH: dict[str, Callable[..., mpmath.mpf]] = {
+    name: getattr(mpmath, names.mpmath) for name, names in FUNCTIONS.items()
+    if hasattr(mpmath, names.mpmath)
+} | {"Max": max, "Min": min}  # fmt: skip
+
+
+def _long(value: Exact) -> mpmath.mpf:
+    """A number with the bits of the moment."""
+    if isinstance(value, Fraction):
+        return mpmath.mpf(value.numerator) / value.denominator
+    return value
+
+
+def rational(value: Any) -> Fraction | None:
+    """A number as a fraction where it is one (floats are), else None."""
+    if isinstance(value, int | float | Fraction):
+        return Fraction(value)
+    if getattr(value, "is_Rational", False):
+        return Fraction(int(value.p), int(value.q))
+    if hasattr(value, "dtype") and getattr(value, "shape", None) == ():
+        return Fraction(value.item()) if value.dtype.kind in "fiu" else None
+    return None
+
+
+def exact_number(value: Any, bits: int) -> Exact:
+    """A number of any kind as a fraction, or as mpmath number of so many bits.
+
+    Examples
+    --------
+    >>> import sympy
+    >>> exact_number(0.5, 100), mpmath.nstr(exact_number(sympy.pi, 100), 25)
+    (Fraction(1, 2), '3.141592653589793238462643')
+    """
+    with mpmath.workprec(bits):
+        # numpy's long floats give their digits as text alone; so do heyoka's.
+        if type(value).__name__ in ("longdouble", "real128", "real"):
+            return mpmath.mpf(str(value))
+        known = rational(value)
+        if known is not None:
+            return known
+        if hasattr(value, "evalf"):
+            return mpmath.mpmathify(value.evalf(mpmath.mp.dps + 5))
+        return +mpmath.mpmathify(value)

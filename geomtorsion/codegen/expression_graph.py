@@ -1,0 +1,220 @@
+"""Expression graph: outputs over named arguments, equal parts once, printed for any engine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import mpmath
+import numpy as np
+
+from geomtorsion.codegen.differentiation import jacobian
+from geomtorsion.codegen.emission import Emitter
+from geomtorsion.codegen.evaluation import exact_values
+from geomtorsion.codegen.factoring import factor as pull_out
+from geomtorsion.codegen.heyoka_code import heyoka_expressions
+from geomtorsion.codegen.python_code import compiled, python_source
+from geomtorsion.codegen.reading import Output, Reader
+from geomtorsion.codegen.steps import Signed, Step
+from geomtorsion.codegen.term_sizes import term_sizes
+
+# Digits with which numbers that are no fractions are worked out exactly enough for every engine.
+EXACT_BITS = 400
+
+
+def graph(
+    arguments: Sequence[str],
+    outputs: Sequence[Output],
+    constants: Collection[str] = (),
+    *,
+    factor: bool = True,
+) -> Graph:
+    """The graph of elements, sums of products of elements, and sympy expressions.
+
+    Parameters
+    ----------
+    arguments
+        names in order; symbols and unknown functions go by what str makes of them.
+    outputs
+        k of them; elements of several fields, sympy expressions and sums of products may mix.
+    constants
+        those arguments that do not change while the others do: work with them alone is done
+        once, and products with them cost little.
+    factor
+        whether what terms share is pulled out of them. Sums that are too long for that stay as
+        they are.
+
+    Raises
+    ------
+    MissingValueError
+        a symbol is not among the arguments.
+    ExpressionError
+        a function has no numerical form.
+
+    Examples
+    --------
+    >>> import sympy
+    >>> x, y = sympy.symbols("x y")
+    >>> made = graph(["x", "y"], [x * (x - y) ** 2, y * (y - x) ** 2])
+    >>> [step.kind for step in made.steps]
+    ['argument', 'argument', 'sum', 'square', 'product', 'product']
+    >>> made.python()(3.0, 1.0)
+    (12.0, 4.0)
+    """
+    reader = Reader(arguments, constants)
+    numbers = [reader.output(entry) for entry in outputs]
+    reader.sums.inline()
+    if factor:
+        pull_out(reader.sums)
+        reader.sums.inline()
+    emitter = Emitter(reader)
+    steps, places = emitter.builder.needed(emitter.outputs(numbers))
+    return Graph(tuple(arguments), steps, places, reader.is_complex)
+
+
+@dataclass(frozen=True, eq=False)
+class Graph:
+    """Values computed one after another, each once; two graphs are equal where their code is.
+
+    arguments: names, in order.
+    steps: values in order; those that no output needs are left out.
+    outputs: sign and place of each.
+    is_complex: whether values may be complex where arguments are real.
+    """
+
+    arguments: tuple[str, ...]
+    steps: tuple[Step, ...] = field(repr=False)
+    outputs: tuple[Signed, ...]
+    is_complex: bool = False
+
+    @property
+    def size(self) -> int:
+        """Number of outputs."""
+        return len(self.outputs)
+
+    @cached_property
+    def key(self) -> str:
+        """What two graphs share exactly when their code is the same, but for names of arguments."""
+        lines = [f"{len(self.arguments)} {self.is_complex} {self.outputs}"]
+        for step in self.steps:
+            parts = (step.kind, step.detail, step.operands, step.signs, step.constant)
+            lines.append(" ".join(map(str, parts)))
+        return "\n".join(lines)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Graph):
+            return NotImplemented
+        return self.arguments == other.arguments and self.key == other.key
+
+    def __hash__(self) -> int:
+        return hash((self.arguments, self.key))
+
+    @cached_property
+    def _source(self) -> str:
+        return python_source(len(self.arguments), self.steps, self.outputs)
+
+    def python_source(self) -> str:
+        """Source of `values(a0, a1, ...)`, which returns a tuple.
+
+        Functions bear their names in the math module; `compiled` knows all of them.
+
+        Examples
+        --------
+        >>> import sympy
+        >>> x, v = sympy.symbols("x v")
+        >>> print(graph(["x", "v"], [2 * x * v**2]).python_source())
+        def values(a0, a1):
+            return (2.0*(a0*(a1*a1)),)
+        """
+        return self._source
+
+    def python(self) -> Callable[..., tuple[float, ...]]:
+        """A function of floats.
+
+        It raises ZeroDivisionError, ValueError or OverflowError where there is no value.
+        """
+        return compiled(self._source, "floats")
+
+    def numpy(self) -> Callable[..., np.ndarray]:
+        """A function of numbers or arrays of one shape; it returns an array (size, *shape).
+
+        Nothing warns: where there is no value it is infinite or not a number.
+
+        Examples
+        --------
+        >>> import sympy
+        >>> x = sympy.Symbol("x")
+        >>> graph(["x"], [1 / x, sympy.sqrt(x)]).numpy()([-1.0, 0.0, 4.0])
+        array([[-1.  ,   inf,  0.25],
+               [  nan,  0.  ,  2.  ]])
+        """
+        inner = compiled(self._source, "arrays")
+        dtype, size = complex if self.is_complex else float, self.size
+
+        def values(*arguments: Any) -> np.ndarray:
+            arrays = [np.asarray(argument, dtype=dtype) for argument in arguments]
+            shape = np.broadcast_shapes(*(array.shape for array in arrays))
+            result = np.empty((size, *shape), dtype=dtype)
+            with np.errstate(all="ignore"):
+                for k, value in enumerate(inner(*arrays)):
+                    result[k] = value
+            return result
+
+        return values
+
+    def heyoka(self, known: Mapping[str, Any], number: Callable[[int, int], Any]) -> list[Any]:
+        """Expressions of heyoka.
+
+        known: name of an argument -> its expression.
+        number: p, q -> p/q as expression at the precision in use.
+        """
+        places = [known.get(name) for name in self.arguments]
+        return heyoka_expressions(self.steps, self.outputs, places, number)
+
+    def exactly(self, values: Sequence[Any], bits: int = EXACT_BITS) -> list[Fraction | mpmath.mpf]:
+        """Values at one point: fractions where they are rational, else numbers of so many bits.
+
+        Examples
+        --------
+        >>> import sympy
+        >>> x = sympy.Symbol("x")
+        >>> third, root = graph(["x"], [x / 3, sympy.sqrt(x)]).exactly([2])
+        >>> third, root**2 - 2 < 1e-100
+        (Fraction(2, 3), True)
+        """
+        return exact_values(self.steps, self.outputs, values, bits)
+
+    def sizes(self, *arguments: Any) -> np.ndarray:
+        """Sums of the absolute sizes of all terms: the scale against which rounding is measured.
+
+        Arguments are numbers or arrays of one shape; the result is an array (size, *shape).
+
+        Examples
+        --------
+        >>> import sympy
+        >>> x, y = sympy.symbols("x y")
+        >>> graph(["x", "y"], [x**2 - y**2]).sizes(2.0, 2.0)
+        array([8.])
+        """
+        return self._sizes.numpy()(*arguments)
+
+    @cached_property
+    def _sizes(self) -> Graph:
+        return Graph(self.arguments, *term_sizes(self.steps, self.outputs))
+
+    def derivative(self, names: Sequence[str]) -> Graph:
+        """All derivatives with respect to arguments, those of the first output first.
+
+        Examples
+        --------
+        >>> import sympy
+        >>> x, y = sympy.symbols("x y")
+        >>> graph(["x", "y"], [x**2 * y, sympy.sin(x)]).derivative(["x", "y"]).python()(0.0, 3.0)
+        (0.0, 0.0, 1.0, 0.0)
+        """
+        positions = [self.arguments.index(name) for name in names]
+        steps, outputs = jacobian(self.steps, self.outputs, positions)
+        return Graph(self.arguments, steps, outputs, self.is_complex)

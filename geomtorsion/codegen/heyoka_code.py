@@ -1,0 +1,98 @@
+"""heyoka code: steps as expressions of heyoka."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from importlib import import_module
+from typing import Any
+
+from geomtorsion.codegen.functions import FUNCTIONS
+from geomtorsion.codegen.steps import Signed, Step, is_one
+from geomtorsion.errors import ExpressionError
+
+# Digits of pi and its kind; no engine calculates with more.
+_DIGITS = 120
+
+
+def heyoka_expressions(
+    steps: Sequence[Step],
+    outputs: Sequence[Signed],
+    arguments: Sequence[Any],
+    number: Callable[[int, int], Any],
+) -> list[Any]:
+    """Outputs as expressions of those that stand for the arguments."""
+    writer = _Writer(steps, arguments, number)
+    return [writer.made[place] if sign > 0 else -writer.made[place] for sign, place in outputs]
+
+
+class _Writer:
+    """Writes steps as expressions, in order."""
+
+    def __init__(
+        self, steps: Sequence[Step], arguments: Sequence[Any], number: Callable[[int, int], Any]
+    ) -> None:
+        # heyoka is an extra: it is loaded only where it is used.
+        self.heyoka: Any = import_module("heyoka")
+        self.steps = steps
+        self.arguments = arguments
+        self.number = number
+        self.made: list[Any] = []
+        for step in steps:
+            self.made.append(self._step(step))
+
+    def _step(self, step: Step) -> Any:
+        kind, detail = step.kind, step.detail
+        if kind == "argument":
+            return self.arguments[detail]
+        if kind == "number":
+            return self.number(detail.numerator, detail.denominator)
+        if kind == "digits":
+            digits = Fraction(str(detail.evalf(_DIGITS)))
+            return self.number(digits.numerator, digits.denominator)
+        inner = [self.made[place] for place in step.operands]
+        if kind == "sum":
+            parts = zip(step.signs, inner, strict=True)
+            return self.heyoka.sum([value if sign > 0 else -value for sign, value in parts])
+        if kind == "product":
+            if step.constant:
+                return self.heyoka.prod(inner)
+            return self._product(step.operands[0], inner[1])
+        if kind == "square":
+            return inner[0] ** 2.0
+        if kind == "quotient":
+            return self._quotient(step, *inner)
+        if kind == "root":
+            return self.heyoka.sqrt(inner[0]) if detail == 2 else inner[0] ** self.number(1, detail)
+        if detail == "power":
+            return inner[0] ** inner[1]
+        name = FUNCTIONS[detail].heyoka if kind == "call" else ""
+        if not name:
+            raise ExpressionError(
+                f"{detail} has no Taylor series in these equations; replace it by an expression in "
+                "other functions, or take another engine"
+            )
+        return getattr(self.heyoka, name)(*inner)
+
+    def _product(self, place: int, value: Any) -> Any:
+        """A product; with a product of constants one constant after another.
+
+        Each of them costs one multiplication at each order, while heyoka takes their product for
+        a series in compact mode.
+        """
+        first = self.steps[place]
+        if first.constant and first.kind in ("product", "square"):
+            for factor in (first.operands * 2)[:2]:
+                value = self._product(factor, value)
+            return value
+        return self.heyoka.prod([self.made[place], value])
+
+    def _quotient(self, step: Step, above: Any, below: Any) -> Any:
+        first, second = (self.steps[place] for place in step.operands)
+        if second.constant and not step.constant:
+            # A product costs less than a quotient at each order, and the inverse nothing.
+            return self.heyoka.prod([self.number(1, 1) / below, above])
+        if is_one(first):
+            # Of 1/x heyoka makes the power -1, of -1/x a quotient, which costs two thirds.
+            return -self.heyoka.prod([self.number(-1, 1), below**-1.0])
+        return above / below

@@ -1,0 +1,160 @@
+"""Python code: steps as source text, and the one place where text becomes a function."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from functools import lru_cache, reduce
+from typing import Any, Literal
+
+import numpy as np
+
+from geomtorsion.codegen.functions import FUNCTIONS
+from geomtorsion.codegen.steps import Signed, Step, uses
+
+# How tightly a piece of code holds together: sums, products, and what needs no brackets.
+_SUM, _PRODUCT, _WHOLE = 0, 1, 2
+# Longer pieces become statements: Python's parser has a limit for brackets within brackets.
+_LONGEST_PIECE = 500
+
+
+def python_source(
+    arguments: int, steps: Sequence[Step], outputs: Sequence[Signed], name: str = "values"
+) -> str:
+    """Source of a function of a0, a1, ... that returns the outputs in a tuple."""
+    writer = _Writer(steps, outputs)
+    results = [writer.signed(sign, place) for sign, place in outputs]
+    header = f"def {name}({', '.join(f'a{k}' for k in range(arguments))}):"
+    ending = f"return ({', '.join(results)}{',' * bool(results)})"
+    return "\n    ".join([header, *writer.lines, ending])
+
+
+class _Writer:
+    """Writes steps: those needed once in place, others as statements before."""
+
+    def __init__(self, steps: Sequence[Step], outputs: Sequence[Signed]) -> None:
+        self.lines: list[str] = []
+        self._codes: list[tuple[str, int]] = []
+        for step, count in zip(steps, uses(steps, outputs), strict=True):
+            code, kind = self._step(step)
+            if len(code) > _LONGEST_PIECE or (count > 1 and (kind != _WHOLE or "(" in code)):
+                code, kind = self._stored(code), _WHOLE
+            self._codes.append((code, kind))
+
+    def signed(self, sign: int, place: int) -> str:
+        """An output."""
+        code, kind = self._codes[place]
+        if sign > 0:
+            return code
+        return f"-({code})" if kind == _SUM else f"-{code}"
+
+    def _stored(self, code: str) -> str:
+        name = f"t{len(self.lines)}"
+        self.lines.append(f"{name} = {code}")
+        return name
+
+    def _bracketed(self, place: int, least: int) -> str:
+        code, kind = self._codes[place]
+        return code if kind >= least else f"({code})"
+
+    def _step(self, step: Step) -> tuple[str, int]:
+        kind, operands, detail = step.kind, step.operands, step.detail
+        if kind == "argument":
+            return f"a{detail}", _WHOLE
+        if kind == "number":
+            return _number(detail)
+        if kind == "digits":
+            return repr(float(detail)), _WHOLE
+        if kind == "imaginary":
+            return "1j", _WHOLE
+        if kind == "sum":
+            return self._sum(step), _SUM
+        if kind == "square":
+            # The base is read twice, so it has a name or is short.
+            code = self._bracketed(operands[0], _WHOLE)
+            return f"{code}*{code}", _PRODUCT
+        if kind in ("product", "quotient"):
+            sign = "*" if kind == "product" else "/"
+            first, second = operands
+            code = f"{self._bracketed(first, _PRODUCT)}{sign}{self._bracketed(second, _WHOLE)}"
+            return code, _PRODUCT
+        inner = [self._codes[place][0] for place in operands]
+        if kind == "root":
+            name, inner = ("sqrt", inner) if detail == 2 else ("pow", [*inner, f"1/{detail}"])
+        else:
+            name = "pow" if detail == "power" else FUNCTIONS[detail].math
+        return f"{name}({', '.join(inner)})", _WHOLE
+
+    def _sum(self, step: Step) -> str:
+        code = ""
+        for sign, place in zip(step.signs, step.operands, strict=True):
+            if len(code) > _LONGEST_PIECE:
+                code = " + " + self._stored(code.removeprefix(" + "))
+            code += f" {'+' if sign > 0 else '-'} {self._bracketed(place, _PRODUCT)}"
+        return code.removeprefix(" + ")
+
+
+def _number(value: Fraction) -> tuple[str, int]:
+    """A rational number as floating-point code."""
+    above, below = float(value.numerator), float(value.denominator)
+    if value.denominator & (value.denominator - 1) == 0:
+        return repr(above / below), _WHOLE if value >= 0 else _SUM
+    return f"({above!r}/{below!r})", _WHOLE
+
+
+def _sign(x: float) -> float:
+    """1, -1, 0 or not a number, as numpy has it."""
+    return x if x != x else float((x > 0) - (x < 0))
+
+
+def _largest(*values: np.ndarray) -> np.ndarray:
+    return reduce(np.maximum, values)
+
+
+def _smallest(*values: np.ndarray) -> np.ndarray:
+    return reduce(np.minimum, values)
+
+
+# What scipy brings is None here, and looked up where source asks for it.
+_FLOATS: dict[str, Any] = {
+    **{names.math: getattr(math, names.math, None) for names in FUNCTIONS.values()},
+    "pow": math.pow,
+    "sqrt": math.sqrt,
+    "sign": _sign,
+    "max": max,
+    "min": min,
+}
+_ARRAYS: dict[str, Any] = {
+    **{names.math: getattr(np, names.numpy, None) for names in FUNCTIONS.values()},
+    "pow": np.power,
+    "sqrt": np.sqrt,
+    "max": _largest,
+    "min": _smallest,
+}
+
+
+@lru_cache(maxsize=1024)
+def compiled(
+    source: str, numbers: Literal["floats", "arrays"], name: str = "values"
+) -> Callable[..., Any]:
+    """A function of source text that this package has written, by its name there.
+
+    numbers: what its functions take; on floats those of the math module are ten times faster.
+
+    Examples
+    --------
+    >>> compiled("def values(a0): return (sqrt(a0),)", "floats")(4.0)
+    (2.0,)
+    """
+    table: dict[str, Any] = dict(_FLOATS if numbers == "floats" else _ARRAYS)
+    missing = [known for known, value in table.items() if value is None and f"{known}(" in source]
+    if missing:
+        # Few expressions need them, and loading scipy.special costs more than all else here.
+        from scipy import special
+
+        by_name = {names.math: names.numpy for names in FUNCTIONS.values()}
+        table |= {known: getattr(special, by_name[known]) for known in missing}
+    # The source is made of our own names and numbers; no text of a user gets into it.
+    exec(compile(source, "<geomtorsion>", "exec"), table)  # noqa: S102
+    return table[name]

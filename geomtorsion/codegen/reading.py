@@ -1,0 +1,273 @@
+"""Reading: elements, products of elements and sympy expressions as sums over literals."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import sympy as sp
+
+from geomtorsion.codegen.functions import FUNCTIONS
+from geomtorsion.codegen.sums import Sums, Term
+from geomtorsion.errors import ExpressionError, MissingValueError
+from geomtorsion.exact.element import Element
+from geomtorsion.exact.form import Sum, form
+from geomtorsion.exact.generators import Generator
+
+# A sum of products: pairs (element, names of the arguments that multiply it).
+Products = tuple[tuple[Element, tuple[str, ...]], ...]
+# What may be an output of a graph.
+Output = Element | Products | sp.Expr | int | Fraction
+
+# Up to this exponent, powers are spelt out, so that factoring sees what they share.
+_SPELT_OUT = 24
+# Generators of a field that are functions of their first argument.
+_OF_ANGLES = {"cos": "cos", "sin": "sin", "cosh": "cosh", "sinh": "sinh", "chebyshev": "cos"}
+# Functions that are one over another one.
+_RECIPROCALS = {
+    "cot": "tan", "sec": "cos", "csc": "sin", "coth": "tanh", "sech": "cosh", "csch": "sinh",
+}  # fmt: skip
+# Functions that are another one of the inverse.
+_OF_INVERSES = {"acot": "atan", "acoth": "atanh", "asec": "acos", "acsc": "asin", "asech": "acosh",
+                "acsch": "asinh"}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What a literal is that is neither a sum nor a pair of others.
+
+    kind: argument, digits, imaginary, root, power or call.
+    detail: position, number, degree, exponent or name of the function.
+    sums: numbers of the sums that it is a function of.
+    """
+
+    kind: str
+    detail: Any
+    sums: tuple[int, ...] = ()
+
+
+class Reader:
+    """Reads outputs; equal parts get the same literal.
+
+    is_complex: whether something was read that may take complex values.
+    """
+
+    def __init__(self, arguments: Sequence[str], constants: Collection[str]) -> None:
+        self.sums = Sums()
+        self.meaning: dict[int, Meaning] = {}
+        self.is_complex = False
+        self.arguments: dict[str, Term] = {}
+        self._known: dict[object, Term] = {}
+        # Literal of a root -> degree and what stands below it.
+        self._roots: dict[int, tuple[int, Term]] = {}
+        for position, name in enumerate(arguments):
+            self.arguments[name] = self._made(
+                Meaning("argument", position), constant=name in constants
+            )
+
+    def output(self, entry: Output) -> int:
+        """The number of the sum that an output is."""
+        if isinstance(entry, Element):
+            return self.sums.entered([self._element(entry)])
+        if isinstance(entry, tuple):
+            return self.sums.entered([self._product(element, names) for element, names in entry])
+        # A sum is not read as one literal: as an output nobody else need share it.
+        terms = sp.Add.make_args(sp.sympify(entry))
+        for term in terms:
+            for part in _inside_out(term, self._known):
+                self._known[part] = self._tree(part)
+        return self.sums.entered([self._known[term] for term in terms])
+
+    # Literals and products of them.
+
+    def _made(self, meaning: Meaning, *, constant: bool) -> Term:
+        literal = self.sums.fresh(constant=constant)
+        self.meaning[literal] = meaning
+        return (Fraction(1), (literal,), ()) if constant else (Fraction(1), (), (literal,))
+
+    def _function(self, kind: str, detail: int | str, *inner: Term) -> Term:
+        """A function of terms."""
+        key = (kind, detail, *inner)
+        if key not in self._known:
+            sums = tuple(self.sums.entered([term]) for term in inner)
+            constant = not any(rest for _, _, rest in inner)
+            self._known[key] = self._made(Meaning(kind, detail, sums), constant=constant)
+        return self._known[key]
+
+    def _call(self, name: str, *inner: Term) -> Term:
+        return self._function("call", name, *inner)
+
+    def _number(self, value: sp.Expr) -> Term:
+        """A number that is not rational."""
+        key = ("digits", str(value))
+        if key not in self._known:
+            self._known[key] = self._made(Meaning("digits", value), constant=True)
+        return self._known[key]
+
+    def _root(self, degree: int, inner: Term) -> Term:
+        found = self._function("root", degree, inner)
+        self._roots[(found[1] or found[2])[0]] = (degree, inner)
+        return found
+
+    def _power(self, term: Term, exponent: int) -> Term:
+        """A term to a whole power."""
+        if exponent == 1:
+            return term
+        if not term[0]:
+            # 0**0 is 1, 0**n is 0, and 1/0 is left to the engines: it has no value in any.
+            if exponent < 0:
+                return self._call("power", term, (Fraction(exponent), (), ()))
+            return term if exponent else (Fraction(1), (), ())
+        if abs(exponent) > _SPELT_OUT:
+            number, constants, rest = self._function("power", abs(exponent), term)
+            sign = 1 if exponent > 0 else -1
+            return number, tuple(sign * c for c in constants), tuple(sign * r for r in rest)
+        number, constants, rest = term
+        sign = -1 if exponent < 0 else 1
+        spelt = tuple(sorted(sign * literal for literal in constants * abs(exponent)))
+        other = tuple(sorted(sign * literal for literal in rest * abs(exponent)))
+        return (number**exponent, spelt, other)
+
+    def _times(self, terms: Iterable[Term]) -> Term:
+        """A product of terms; a root as often as its degree is what stands below it."""
+        number, constants, rest = Fraction(1), list[int](), list[int]()
+        for value, some, others in terms:
+            number *= value
+            constants += some
+            rest += others
+        for entries in (constants, rest):
+            for literal in sorted(set(map(abs, entries)) & self._roots.keys()):
+                degree, inner = self._roots[literal]
+                above, below = entries.count(literal), entries.count(-literal)
+                for sign, times in ((1, above // degree), (-1, below // degree)):
+                    for _ in range(times * degree):
+                        entries.remove(sign * literal)
+                    if times:
+                        value, some, others = self._power(inner, sign * times)
+                        number *= value
+                        constants += some
+                        rest += others
+        return (number, tuple(sorted(constants)), tuple(sorted(rest)))
+
+    # Elements.
+
+    def _product(self, element: Element, names: tuple[str, ...]) -> Term:
+        """An element times arguments."""
+        return self._times([self._element(element), *(self.arguments[name] for name in names)])
+
+    def _element(self, element: Element) -> Term:
+        written = form(element)
+        value = written.coefficient
+        number = Fraction(int(value.p), int(value.q))
+        is_complex = element.field.is_complex
+        parts = [
+            self._power(self._base(base, is_complex), exponent) for base, exponent in written.powers
+        ]
+        return self._times([(number, (), ()), *parts])
+
+    def _base(self, base: Generator | Sum, is_complex: bool) -> Term:
+        if base not in self._known:
+            self._known[base] = (
+                self._generator(base, is_complex)
+                if isinstance(base, Generator)
+                else self._polynomial(base, is_complex)
+            )
+        return self._known[base]
+
+    def _polynomial(self, base: Sum, is_complex: bool) -> Term:
+        terms = []
+        for value, monomial in base.terms:
+            parts = [self._power(self._base(g, is_complex), exponent) for g, exponent in monomial]
+            terms.append(self._times([(Fraction(int(value.p), int(value.q)), (), ()), *parts]))
+        return self.sums.literal(terms)
+
+    def _generator(self, generator: Generator, is_complex: bool) -> Term:
+        shown = str(generator.shown)
+        if shown in self.arguments:
+            return self.arguments[shown]
+        kind, argument, tail = generator.kind, generator.argument, generator.tail
+        if kind == "imaginary" or (is_complex and kind in ("root", "log", "primitive")):
+            self.is_complex = True
+        if kind in _OF_ANGLES:
+            return self._call(_OF_ANGLES[kind], self._element(argument[0]))
+        if kind in ("exp", "log"):
+            return self._call(kind, self._element(argument))
+        if kind == "root" and tail is not None:
+            return self._root(generator.degree, self._element(tail))
+        if kind == "imaginary":
+            return self._function("imaginary", "I")
+        name = type(generator.shown).__name__
+        if kind == "primitive" and name in _OF_INVERSES:
+            return self._call(_OF_INVERSES[name], self._element(1 / argument[0]))
+        if kind == "primitive":
+            return self._call(name, *(self._element(part) for part in argument[2]))
+        if not generator.depends:
+            return self._number(generator.shown)
+        if kind == "opaque" and name in FUNCTIONS:
+            return self._call(name, *(self._element(part) for part in argument))
+        if kind == "opaque":
+            raise MissingValueError(
+                f"{generator.shown} has no NumPy form here; evaluate it point by point with "
+                ".evaluate(point)"
+            )
+        raise self._unknown(generator.shown)
+
+    def _unknown(self, shown: sp.Expr) -> MissingValueError:
+        return MissingValueError(
+            f"{shown} is not among the arguments "
+            f"({', '.join(self.arguments) or 'none'}); add it to the symbols"
+        )
+
+    # sympy's trees, whose parts have been read before.
+
+    def _tree(self, tree: sp.Basic) -> Term:
+        if isinstance(tree, sp.Symbol):
+            if tree.name not in self.arguments:
+                raise self._unknown(tree)
+            return self.arguments[tree.name]
+        if isinstance(tree, sp.Rational | sp.Float):
+            value = sp.Rational(tree)
+            return (Fraction(int(value.p), int(value.q)), (), ())
+        if isinstance(tree, sp.NumberSymbol):
+            return self._number(tree)
+        inner = [self._known[part] for part in tree.args]
+        if isinstance(tree, sp.Add):
+            return self.sums.literal(inner)
+        if isinstance(tree, sp.Mul):
+            return self._times(inner)
+        if isinstance(tree, sp.Pow):
+            return self._tree_power(*tree.args, *inner)
+        name = type(tree).__name__
+        if name in _RECIPROCALS:
+            return self._power(self._call(_RECIPROCALS[name], *inner), -1)
+        if name in _OF_INVERSES:
+            return self._call(_OF_INVERSES[name], self._power(inner[0], -1))
+        if name in FUNCTIONS:
+            return self._call(name, *inner)
+        raise ExpressionError(f"{tree} has no numerical form here; write it in other functions")
+
+    def _tree_power(self, base: sp.Basic, exponent: sp.Basic, below: Term, above: Term) -> Term:
+        """A power: of whole and half numbers by products and square roots."""
+        if base is sp.E:
+            return self._call("exp", above)
+        number, constants, rest = above
+        if constants or rest or number.denominator > 2:
+            return self._call("power", below, above)
+        root = below if number.denominator == 1 else self._root(2, below)
+        return self._times([self._power(root, number.numerator)])
+
+
+def _inside_out(tree: sp.Basic, known: Collection[object]) -> Iterator[sp.Basic]:
+    """The parts of a tree that are not known, each after its own parts; no recursion."""
+    waiting = [(tree, False)]
+    while waiting:
+        part, ready = waiting.pop()
+        if part in known:
+            continue
+        if ready:
+            yield part
+        else:
+            waiting.append((part, True))
+            waiting += [(inner, False) for inner in reversed(part.args)]
