@@ -4,7 +4,7 @@ from typing import Any
 
 from geomtorsion import errors, spaces
 from geomtorsion.errors import GeomtorsionError
-from geomtorsion.exact import numpy_function, parse_expression
+from geomtorsion.exact import parse_expression
 from geomtorsion.geometry import (
     Connection,
     Curvature,
@@ -25,6 +25,7 @@ from geomtorsion.geometry import (
 
 # Imported when first asked for, so that geometry alone starts as fast as sympy does.
 _LATER = {
+    "codegen": ("numpy_function",),
     "action": (
         "EquationsOfMotion", "Variation", "conserved_quantities", "equations_of_motion",
         "variation",

@@ -1,9 +1,8 @@
 """Exact scalars: read, differentiate, decide zero, write."""
 
-from geomtorsion.exact.compile import numpy_function
 from geomtorsion.exact.element import Element
 from geomtorsion.exact.field import Field
 from geomtorsion.exact.generators import Branch, Generator
 from geomtorsion.exact.parsing import parse_expression
 
-__all__ = ["Branch", "Element", "Field", "Generator", "numpy_function", "parse_expression"]
+__all__ = ["Branch", "Element", "Field", "Generator", "parse_expression"]

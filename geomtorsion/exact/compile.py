@@ -58,7 +58,7 @@ def numpy_function(
     Examples
     --------
     >>> import sympy
-    >>> from geomtorsion.exact import Field, numpy_function
+    >>> from geomtorsion.exact import Field
     >>> r = sympy.Symbol("r")
     >>> f = numpy_function([Field([r]).read(r**2 + 1)], [r])
     >>> f([1.0, 2.0])

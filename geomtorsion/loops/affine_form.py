@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
-from geomtorsion.exact import Element, numpy_function
+from geomtorsion.codegen import numpy_function
+from geomtorsion.exact import Element
 from geomtorsion.geometry import contract
 from geomtorsion.loops.forms import parameter_values
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from geomtorsion.codegen import numpy_function
 from geomtorsion.errors import GeomtorsionError, SingularPointError
-from geomtorsion.exact import numpy_function
 from geomtorsion.loops.burgers import DISAGREE, burgers_vector
 from geomtorsion.loops.cells import LEVELS, Cell, Rule
 from geomtorsion.loops.forms import curl, forms, parameter_values

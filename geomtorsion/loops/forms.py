@@ -10,8 +10,9 @@ import numpy as np
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from geomtorsion.codegen import numpy_function
 from geomtorsion.errors import LoopError, MissingValueError, UnknownNameError
-from geomtorsion.exact import Element, numpy_function
+from geomtorsion.exact import Element
 from geomtorsion.exact.form import Sum, form
 
 if TYPE_CHECKING:

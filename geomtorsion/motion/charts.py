@@ -8,7 +8,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import UnknownNameError
-from geomtorsion.exact import Element, Field, numpy_function
+from geomtorsion.exact import Element, Field
+from geomtorsion.exact.compile import numpy_function
 
 if TYPE_CHECKING:
     import sympy as sp

@@ -9,8 +9,9 @@ from typing import Any
 
 import sympy as sp
 
+from geomtorsion.codegen import numpy_function
 from geomtorsion.errors import UnknownNameError
-from geomtorsion.exact import Field, numpy_function
+from geomtorsion.exact import Field
 from geomtorsion.geometry import Frame
 from geomtorsion.spaces.atlas_curvilinear import spherical
 from geomtorsion.spaces.atlas_rotations import EULER, from_angles, rotation

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from geomtorsion.codegen import numpy_function
 from geomtorsion.exact import Field
-from geomtorsion.exact.compile import numpy_function
 from geomtorsion.exact.form import form
 from geomtorsion.exact.signs import of_same_sign
 

@@ -2,13 +2,12 @@
 
 import json
 
-import numpy as np
 import pytest
 import sympy as sp
 from sympy import cos, cosh, cot, exp, log, sin, sinh, sqrt, tan
 
-from geomtorsion.exact import Field, numpy_function, parse_expression
-from tests.exact.symbols import POINT, a, f, g, m, number, p, r, theta, x, y
+from geomtorsion.exact import Field, parse_expression
+from tests.exact.symbols import POINT, a, f, g, m, p, r, theta, x, y
 from tests.exact.test_reading import CONSTRUCTS
 
 phi2 = sp.Symbol("phi2", real=True)
@@ -81,50 +80,6 @@ def test_json_round_trip(label):
     element = field.read(expression)
     data = json.loads(json.dumps(element.to_json()))
     assert field.from_json(data, functions=("f", "g", "h")) == element
-
-
-def test_numpy_function_is_vectorised_and_right():
-    """Arrays in, one array per element out; every number against mpmath."""
-    expressions = [e for e in CONSTRUCTS.values() if not e.atoms(sp.core.function.AppliedUndef)]
-    symbols = sorted(set().union(*(e.free_symbols for e in expressions)), key=str)
-    field = Field(symbols, sample=POINT)
-    elements = field.read_all([(f"[{i}]", e) for i, e in enumerate(expressions)])
-    function = numpy_function(elements, symbols)
-    scale = np.array([0.9, 1.0, 1.05])
-    values = function(*(float(POINT[s]) * scale for s in symbols))
-    assert values.shape == (len(elements), 3)
-    for column, factor in enumerate(scale):
-        point = {s: sp.Rational(float(POINT[s]) * factor) for s in symbols}
-        for row, expression in enumerate(expressions):
-            wanted = float(number(expression, 30, {s: _fraction(v) for s, v in point.items()}))
-            assert values[row, column] == pytest.approx(wanted, rel=1e-10), expression
-
-
-def _fraction(value):
-    """A sympy rational as a Fraction."""
-    from fractions import Fraction
-
-    return Fraction(int(value.p), int(value.q))
-
-
-def test_numpy_function_broadcasts():
-    """Grids and scalars broadcast; constants fill the shape."""
-    field = Field([x, y])
-    function = numpy_function([field.read(x * y), field.read(3), field.read(sin(x))], [x, y])
-    grid = function(np.linspace(0, 1, 4)[:, None], np.linspace(0, 1, 5)[None, :])
-    assert grid.shape == (3, 4, 5)
-    assert (grid[1] == 3).all()
-    single = function(0.5, 2.0)
-    assert np.shape(single) == (3,)
-    assert single[0] == 1.0
-
-
-def test_numpy_function_of_complex_elements():
-    """Complex elements give complex arrays."""
-    field = Field([x, y], complex=True)
-    function = numpy_function([field.read(exp(sp.I * x) / (x + sp.I * y))], [x, y])
-    value = function(np.array([0.3]), np.array([0.7]))[0, 0]
-    assert abs(value - np.exp(0.3j) / (0.3 + 0.7j)) < 1e-15
 
 
 def test_parsed_text_is_read_like_sympy():

@@ -7,8 +7,9 @@ import sympy as sp
 from sympy import cos, cosh, exp, expand, log, sin, sinh, sqrt
 
 import geomtorsion as gt
+from geomtorsion.codegen import numpy_function
 from geomtorsion.errors import SingularPointError
-from geomtorsion.exact import Field, numpy_function
+from geomtorsion.exact import Field
 from tests.differences import numeric
 
 x, y = sp.symbols("x y", real=True)

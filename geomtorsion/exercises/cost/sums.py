@@ -6,7 +6,7 @@ from random import Random
 
 import numpy as np
 
-from geomtorsion.exact import numpy_function
+from geomtorsion.codegen import numpy_function
 from geomtorsion.exercises.authoring import Mistake, Question, Variant, steps
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop, burgers_vector
