@@ -55,8 +55,8 @@ def main(arguments: list[str] | None = None) -> None:
     if options.picture:
         from pathlib import Path
 
-        from geomtorsion.pictures.ink import save
         from geomtorsion.pictures.scene_path import path_picture
+        from geomtorsion.pictures.style import save
 
         paths = {"autoparallel": helix["position"], "geodesic": line["position"]}
         save(path_picture(paths, title="one start, two paths"), Path(options.picture))

@@ -17,8 +17,9 @@ from geomtorsion.exercises.prompts import how_to_answer
 from geomtorsion.exercises.prose import html_of
 from geomtorsion.exercises.question import Question
 from geomtorsion.exercises.registry import CHAPTERS, load, names
-from geomtorsion.pictures.mathml import identifier, mathml
-from geomtorsion.pictures.style import CSS
+from geomtorsion.pictures.latex import latex_name, latex_text
+from geomtorsion.pictures.mathml import mathml
+from geomtorsion.pictures.page import stylesheet
 from geomtorsion.pictures.text import greek_name
 
 MOST_MISTAKES = 6
@@ -98,7 +99,7 @@ def page_of(title: str, seed: int, cards: Sequence[str]) -> str:
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         '<meta http-equiv="Content-Security-Policy" '
         "content=\"default-src 'none'; style-src 'unsafe-inline'\">"
-        f"<title>{escape(title)}</title><style>{CSS}{_MORE}</style></head>\n<body><header>"
+        f"<title>{escape(title)}</title><style>{stylesheet()}{_MORE}</style></head>\n<body><header>"
         f'<p class="name">geomtorsion, exercises</p><h1>{escape(title)}</h1>'
         f'<p class="story">{note} Indices are counted from 1; the first lower index of a '
         "connection is the direction of differentiation; S = T/2.</p></header>\n"
@@ -159,23 +160,20 @@ def _typeset(question: Question) -> str:
         return ""
     pieces = []
     for key, value in sorted(question.solution.items()):
-        lead = _name(question, key)
-        pieces.append(f'<div class="scroll"><math>{lead}{mathml(value)}</math></div>')
+        formula = mathml(f"{_left_side(question, key)}{latex_text(value)}")
+        pieces.append(f'<div class="scroll">{formula}</div>')
     return f'<div class="components two">{"".join(pieces)}</div>'
 
 
-def _name(question: Question, key: tuple[int, ...]) -> str:
-    """What stands before the sign of equality, as markup; nothing for a single expression."""
+def _left_side(question: Question, key: tuple[int, ...]) -> str:
+    """What stands before the sign of equality, in LaTeX; nothing for a single expression."""
     if question.unknowns:
-        plain = question.unknowns[key[0]]
-        primes = "′" * plain.count("'")
-        base = identifier(plain.rstrip("'"))
-        return f'{base}<mo lspace="0" rspace="0">{primes}</mo><mo>=</mo>'
+        name, prime, more = question.unknowns[key[0]].partition("'")
+        return f"{latex_name(name)}{prime}{more} = "
     if not key:
         return ""
-    places = ",".join(str(k + 1) for k in key)
-    label = escape(greek_name(question.label or question.name))
-    return f"<msub><mtext>{label}</mtext><mn>{places}</mn></msub><mo>=</mo>"
+    places = ", ".join(str(k + 1) for k in key)
+    return rf"\text{{{greek_name(question.label or question.name)}}}_{{{places}}} = "
 
 
 def _short(text: str) -> str:

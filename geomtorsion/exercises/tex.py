@@ -3,28 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import sympy
 
 from geomtorsion.geometry import Frame
+from geomtorsion.pictures.latex import latex_matrix
+from geomtorsion.pictures.latex import latex_text as tex
 
 
-def tex(expr: Any) -> str:
-    """An expression in LaTeX.
-
-    Examples
-    --------
-    >>> tex(sympy.sin(sympy.Symbol("phi1")) / 2)
-    '\\\\frac{\\\\sin{\\\\left(\\\\phi_{1} \\\\right)}}{2}'
-    """
-    return str(sympy.latex(sympy.sympify(expr)))
-
-
-def matrix(rows: Sequence[Sequence[Any]]) -> str:
+def matrix(rows: Sequence[Sequence[sympy.Expr]]) -> str:
     """A matrix in LaTeX."""
-    body = r" \\ ".join(" & ".join(tex(x) for x in row) for row in rows)
-    return rf"\begin{{pmatrix}} {body} \end{{pmatrix}}"
+    return latex_matrix([[tex(x) for x in row] for row in rows])
 
 
 def coframe(frame: Frame) -> str:
@@ -47,7 +36,7 @@ def forms(frame: Frame) -> str:
     return r",\quad ".join(found)
 
 
-def _sum(pairs: Sequence[tuple[Any, sympy.Symbol]]) -> str:
+def _sum(pairs: Sequence[tuple[sympy.Expr, sympy.Symbol]]) -> str:
     """A one-form as a sum of differentials."""
     text = ""
     for factor, symbol in pairs:

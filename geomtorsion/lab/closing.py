@@ -13,7 +13,7 @@ from geomtorsion.lab.plot import LOOKS, Look, Plot
 from geomtorsion.loops import Loop, burgers_vector
 from geomtorsion.loops.forms import forms, parameter_values
 from geomtorsion.loops.hodograph import hodograph
-from geomtorsion.pictures.ink import number
+from geomtorsion.pictures.style import number
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.spaces.first_motions import first_motion
 

@@ -13,8 +13,8 @@ from geomtorsion.lab.numbers import table
 from geomtorsion.lab.plot import LOOKS, Plot
 from geomtorsion.lab.top import made, scene_of
 from geomtorsion.loops import Loop
-from geomtorsion.pictures.ink import number
 from geomtorsion.pictures.pair import posed
+from geomtorsion.pictures.style import number
 from geomtorsion.scenes.accuracy_table import scene_accuracy
 from geomtorsion.spaces.first_motions import first_motion
 

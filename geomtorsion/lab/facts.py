@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from geomtorsion.pictures.document import plain
+from geomtorsion.pictures.text import plain_text
 from geomtorsion.spaces import load
 from geomtorsion.spaces.first_motions import first_motion
 from geomtorsion.spaces.registry import SPACES
@@ -65,7 +65,7 @@ def facts(space: str) -> dict[str, Any]:
         "parameters": [symbol.name for symbol in frame.parameters],
         "values": dict(first.parameters),
         "signature": _signature(frame),
-        "coframe": [[plain(frame.coframe[i, k]) for k in range(n)] for i in range(n)],
+        "coframe": [[plain_text(frame.coframe[i, k]) for k in range(n)] for i in range(n)],
         "start": list(first.start),
         "ranges": _ranges(frame, list(first.start), dict(first.parameters)),
         "velocity": list(first.frame_velocity),

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from html import escape
 
-from geomtorsion.pictures.ink import number
+from geomtorsion.pictures.style import number
 
 # Values within so many errors of zero are shown as zero.
 WITHIN = 3.0

@@ -11,9 +11,9 @@ from geomtorsion.lab.facts import space_of
 from geomtorsion.lab.numbers import table
 from geomtorsion.lab.plot import LOOKS, Look, Plot
 from geomtorsion.lab.turning import Curve, Film, thinned, turnable
-from geomtorsion.pictures.ink import number
 from geomtorsion.pictures.pair import follow
 from geomtorsion.pictures.quality import coincide
+from geomtorsion.pictures.style import number
 from geomtorsion.pictures.text import greek_name
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from html import escape
 from typing import Any
 
-from geomtorsion.pictures.ink import number
+from geomtorsion.pictures.style import number
 
 Point = tuple[float, float]
 _LEFT, _RIGHT, _TOP, _BOTTOM = 66.0, 16.0, 34.0, 46.0

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from geomtorsion import exercises
 from geomtorsion.errors import LimitError
 from geomtorsion.exercises.prompts import how_to_answer, symbol_names
-from geomtorsion.exercises.prose.markdown import html_of
+from geomtorsion.exercises.prose import html_of
 
 if TYPE_CHECKING:
     from geomtorsion.exercises import Question

@@ -13,9 +13,9 @@ from geomtorsion.errors import CoordinateError, GeomtorsionError, LimitError, Si
 from geomtorsion.exact import parse_expression
 from geomtorsion.exact.tokens import Limits
 from geomtorsion.geometry import Frame
-from geomtorsion.pictures.cards import card
 from geomtorsion.pictures.catalogue import SECTIONS
-from geomtorsion.pictures.chosen import choose
+from geomtorsion.pictures.quantities import chosen_quantities
+from geomtorsion.pictures.sections import section
 from geomtorsion.spaces.space import Space
 
 MOST_DIMENSIONS = 6
@@ -187,11 +187,11 @@ def _read(entries: Any, symbols: dict[str, sp.Symbol], errors: dict[str, str]) -
 def _cards(frame: Frame, show: Sequence[str]) -> str:
     """Everything asked for, by section."""
     space = Space("your tetrad", "your tetrad", "", "", frame)
-    chosen = choose(space, [name for name in OFFERED if name in show] or USUAL)
+    chosen = chosen_quantities(space, [name for name in OFFERED if name in show] or USUAL)
     parts = []
-    for section in ("", *SECTIONS):
-        found = [one for one in chosen if one.entry.section == section]
+    for heading in ("", *SECTIONS):
+        found = [one for one in chosen if one.entry.section == heading]
         if found:
-            title = f"<h3>{escape(section)}</h3>" if section else ""
-            parts.append(title + "".join(card(one) for one in found))
+            title = f"<h3>{escape(heading)}</h3>" if heading else ""
+            parts.append(title + "".join(section(one) for one in found))
     return "".join(parts)

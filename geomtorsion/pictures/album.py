@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from geomtorsion.pictures.attitude import attitude_picture
 from geomtorsion.pictures.curves import coordinates_picture, paths_picture
-from geomtorsion.pictures.ink import save
 from geomtorsion.pictures.quality import coincide, distance_picture, quality_picture
+from geomtorsion.pictures.style import save
 
 if TYPE_CHECKING:
     from geomtorsion.motion import Solution

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.pictures.ink import SERIES, caption, captioned, legend, new_figure
 from geomtorsion.pictures.sphere import curve_on, globe, numbered, space_axes, towards
+from geomtorsion.pictures.style import SERIES, caption, captioned, legend, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

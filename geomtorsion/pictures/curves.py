@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion.pictures.ink import (
+from geomtorsion.pictures.sphere import curve_on, globe, space_axes, towards
+from geomtorsion.pictures.style import (
     STROKES,
     Stroke,
     caption,
@@ -18,7 +19,6 @@ from geomtorsion.pictures.ink import (
     new_figure,
     quiet,
 )
-from geomtorsion.pictures.sphere import curve_on, globe, space_axes, towards
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

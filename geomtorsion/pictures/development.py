@@ -10,8 +10,8 @@ from sympy import latex
 
 from geomtorsion.loops import Loop, develop
 from geomtorsion.loops.paths import DevelopedPath, developed_path
-from geomtorsion.pictures.ink import new_figure
 from geomtorsion.pictures.loops import GAP, IMAGE, PATH, START
+from geomtorsion.pictures.style import new_figure
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Connection

@@ -1,4 +1,4 @@
-"""Labels: a symbol with its indices in their places, as text, LaTeX and MathML."""
+"""labels: a symbol with its indices in their places, as text and LaTeX."""
 
 from __future__ import annotations
 
@@ -6,20 +6,17 @@ from collections.abc import Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-import sympy
-
-from geomtorsion.pictures.mathml import identifier
+from geomtorsion.pictures.latex import latex_name
 from geomtorsion.pictures.text import greek_name
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Tensor
 
 Index = tuple[int, ...]
-_EMPTY = "<mrow></mrow>"
 
 
 def letters(slots: str) -> list[str]:
-    """A letter for each slot: a, b, c, ... for coordinates, i, j, k, ... for legs.
+    """A letter for each slot: a, b, c, ... for coordinates, i, j, k, ... for frame vectors.
 
     Examples
     --------
@@ -60,44 +57,17 @@ def latex_label(symbol: str, marks: Sequence[str], slots: str) -> str:
     return "".join(parts)
 
 
-def mathml_label(symbol: str, marks: Sequence[str], slots: str) -> str:
-    """Symbol (markup) with marks (markup) below and above, each in its own column.
-
-    Examples
-    --------
-    >>> mathml_label("<mi>v</mi>", ["<mi>a</mi>"], "d")
-    '<mmultiscripts><mi>v</mi><mi>a</mi><mrow></mrow></mmultiscripts>'
-    """
-    if not slots:
-        return symbol
-    pairs = (
-        f"{_EMPTY}{mark}" if slot in "uU" else f"{mark}{_EMPTY}"
-        for mark, slot in zip(marks, slots, strict=True)
-    )
-    return f"<mmultiscripts>{symbol}{''.join(pairs)}</mmultiscripts>"
-
-
 def text_marks(tensor: Tensor, index: Index, *, greek: bool = True) -> list[str]:
-    """Index values as text: names of coordinates, numbers of legs counted from 0."""
+    """Index values as text: names of coordinates, numbers of frame vectors counted from 0."""
     names = [symbol.name for symbol in tensor.frame.coordinates]
     shown = [greek_name(name) for name in names] if greek else names
     return [str(k) if slot in "DU" else shown[k] for slot, k in _places(tensor, index)]
 
 
 def latex_marks(tensor: Tensor, index: Index) -> list[str]:
-    """Index values in LaTeX: names of coordinates, numbers of legs with a hat."""
-    names = [sympy.latex(symbol) for symbol in tensor.frame.coordinates]
+    """Index values in LaTeX: names of coordinates, numbers of frame vectors with a hat."""
+    names = [latex_name(symbol.name) for symbol in tensor.frame.coordinates]
     return [rf"\hat{{{k}}}" if slot in "DU" else names[k] for slot, k in _places(tensor, index)]
-
-
-def mathml_marks(tensor: Tensor, index: Index) -> list[str]:
-    """Index values as markup: names of coordinates, numbers of legs with a hat."""
-    names = [identifier(symbol.name) for symbol in tensor.frame.coordinates]
-    return [_hatted(k) if slot in "DU" else names[k] for slot, k in _places(tensor, index)]
-
-
-def _hatted(number: int) -> str:
-    return f'<mover accent="true"><mn>{number}</mn><mo stretchy="false">^</mo></mover>'
 
 
 def _places(tensor: Tensor, index: Index) -> list[tuple[str, int]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Protocol
 
-from geomtorsion.pictures.ink import SERIES, new_figure, quiet
+from geomtorsion.pictures.style import SERIES, new_figure, quiet
 
 # An error of zero still has a place in the picture.
 LEAST_ERROR = 1e-17

@@ -13,7 +13,7 @@ from sympy import latex
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import BurgersMap, BurgersVector, Loop, burgers_vector
 from geomtorsion.loops.hodograph import Hodograph, hodograph
-from geomtorsion.pictures.ink import new_figure, quiet
+from geomtorsion.pictures.style import new_figure, quiet
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame

@@ -10,8 +10,8 @@ import numpy as np
 
 from geomtorsion.errors import LimitError, NetworkError
 from geomtorsion.loops.dislocation_network import size, written
-from geomtorsion.pictures.ink import new_figure
 from geomtorsion.pictures.loops import GAP, PATH, START
+from geomtorsion.pictures.style import new_figure
 
 if TYPE_CHECKING:
     from geomtorsion.loops import DislocationNetwork, Network

@@ -1,21 +1,25 @@
-"""Page: a report as one HTML file that needs no script and no network."""
+"""page: a report as one HTML file that needs no script and no network."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from functools import cache
 from html import escape
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING
 
-from geomtorsion.pictures.cards import card
+import sympy as sp
+from sympy.core.relational import Relational
+
 from geomtorsion.pictures.catalogue import SECTIONS
-from geomtorsion.pictures.equations import equation_mathml
-from geomtorsion.pictures.mathml import bracketed, identifier, mathml
-from geomtorsion.pictures.style import CSS
+from geomtorsion.pictures.latex import equation_latex, latex_matrix, latex_name, latex_text
+from geomtorsion.pictures.mathml import expression_mathml, mathml
+from geomtorsion.pictures.sections import section
 from geomtorsion.pictures.text import greek_name
 
 if TYPE_CHECKING:
-    from geomtorsion.pictures.chosen import Chosen
+    from geomtorsion.pictures.quantities import Quantity
     from geomtorsion.pictures.verdicts import Verdict
     from geomtorsion.spaces.space import Space
 
@@ -27,25 +31,24 @@ _CONVENTIONS = (
 )
 
 
+@cache
+def stylesheet() -> str:
+    """The look of a report: for phones, projectors and paper, by day and by night."""
+    return Path(__file__).with_name("report.css").read_text("utf-8")
+
+
 def page(
     space: Space,
-    quantities: Sequence[Chosen],
+    quantities: Sequence[Quantity],
     verdicts: Mapping[str, Sequence[Verdict]],
     seen: Mapping[str, str] | None = None,
 ) -> str:
     """The whole report as HTML text; `seen` are further sections, title -> HTML."""
-    sections = [
-        (section, [chosen for chosen in quantities if chosen.entry.section == section])
-        for section in SECTIONS
-    ]
-    filled = [(section, found) for section, found in sections if found]
-    titles = [*(section for section, _ in filled), *(seen or {})]
-    body = [_header(space, titles), "<main>"]
-    for section, found in filled:
-        body.append(f'<h2 id="{_anchor(section)}">{section}</h2>')
-        body += [card(chosen) for chosen in found]
-    for title, html in (seen or {}).items():
-        body.append(f'<h2 id="{_anchor(title)}">{title}</h2>{html}')
+    found = {title: [q for q in quantities if q.entry.section == title] for title in SECTIONS}
+    shown = {title: "".join(map(section, those)) for title, those in found.items() if those}
+    shown |= seen or {}
+    body = [_header(space, list(shown)), "<main>"]
+    body += [f'<h2 id="{_anchor(title)}">{title}</h2>{html}' for title, html in shown.items()]
     body += [_checks(verdicts), _branches(space), "</main>", _footer()]
     return (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
@@ -53,8 +56,8 @@ def page(
         # The page promises to load nothing; the browser holds it to that.
         '<meta http-equiv="Content-Security-Policy" '
         "content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:\">"
-        f"<title>{escape(space.name)}: {escape(space.title)}</title><style>{CSS}</style></head>\n"
-        f"<body>{''.join(body)}</body></html>\n"
+        f"<title>{escape(space.name)}: {escape(space.title)}</title>"
+        f"<style>{stylesheet()}</style></head>\n<body>{''.join(body)}</body></html>\n"
     )
 
 
@@ -81,50 +84,41 @@ def _header(space: Space, sections: Sequence[str]) -> str:
 
 
 def _symbols(names: Sequence[str]) -> str:
-    if not names:
-        return ""
-    return f"<math>{'<mo>,</mo>'.join(identifier(name) for name in names)}</math>"
+    return mathml(", ".join(map(latex_name, names))) if names else ""
 
 
-def _domain(relations: Sequence[Any]) -> str:
+def _domain(relations: Sequence[Relational]) -> str:
     """Inequalities as markup; two bounds of one symbol stand together."""
-    bounds: dict[Any, list[Any]] = {}
+    bounds: dict[sp.Expr, list[Relational]] = {}
     for relation in relations:
         symbol = relation.lhs if relation.lhs.is_Symbol else relation.rhs
         bounds.setdefault(symbol, []).append(relation)
-    return ", ".join(f"<math>{_bounded(symbol, found)}</math>" for symbol, found in bounds.items())
+    return ", ".join(mathml(_bounded(symbol, found)) for symbol, found in bounds.items())
 
 
-def _bounded(symbol: Any, relations: Sequence[Any]) -> str:
+def _bounded(symbol: sp.Expr, relations: Sequence[Relational]) -> str:
     """The bounds of one symbol: below it on the left, above it on the right."""
     left = right = ""
     others = []
     for relation in relations:
-        above = relation.gts if relation.lts == symbol else None
-        below = relation.lts if relation.gts == symbol else None
-        sign = "&lt;" if relation.rel_op in "<>" else "≤"
-        if above is not None and not right:
-            right = f"<mo>{sign}</mo>{mathml(above)}"
-        elif below is not None and not left:
-            left = f"{mathml(below)}<mo>{sign}</mo>"
+        sign = "<" if relation.rel_op in "<>" else r"\le "
+        if relation.lts == symbol and not right:
+            right = f"{sign}{latex_text(relation.gts)}"
+        elif relation.gts == symbol and not left:
+            left = f"{latex_text(relation.lts)}{sign}"
         else:
-            others.append(f"{mathml(relation.lts)}<mo>{sign}</mo>{mathml(relation.gts)}")
-    both = f"{left}{mathml(symbol)}{right}" if left or right else ""
-    return "<mo>,</mo>".join([*([both] if both else []), *others])
+            others.append(f"{latex_text(relation.lts)}{sign}{latex_text(relation.gts)}")
+    both = [f"{left}{latex_text(symbol)}{right}"] if left or right else []
+    return ", ".join([*both, *others])
 
 
 def _frame_metric(space: Space) -> str:
     """The frame metric as diag(...), or as a matrix where it is not diagonal."""
-    eta, n = space.frame.eta, space.frame.dimension
+    eta, n = space.frame.eta, range(space.frame.dimension)
     if all(i == j for i, j in eta.components.nonzero):
-        values = "<mo>,</mo>".join(mathml(eta[i, i]) for i in range(n))
-        return f"<math><mi>η</mi><mo>=</mo><mi>diag</mi>{bracketed(values)}</math>"
-    cells = (
-        f"<mtr>{''.join(f'<mtd>{mathml(eta[i, j])}</mtd>' for j in range(n))}</mtr>"
-        for i in range(n)
-    )
-    table = f"<mtable>{''.join(cells)}</mtable>"
-    return f"<math><mi>η</mi><mo>=</mo><mrow><mo>(</mo>{table}<mo>)</mo></mrow></math>"
+        values = ", ".join(latex_text(eta[i, i]) for i in n)
+        return mathml(rf"\eta = \operatorname{{diag}}\left({values}\right)")
+    return mathml(rf"\eta = {latex_matrix([[latex_text(eta[i, j]) for j in n] for i in n])}")
 
 
 def _checks(verdicts: Mapping[str, Sequence[Verdict]]) -> str:
@@ -146,7 +140,7 @@ def _check(verdict: Verdict) -> str:
         sign, look = "–", "unsure"
     detail = escape(verdict.detail)
     if verdict.equation:
-        detail = f"<math>{equation_mathml(verdict.equation)}</math> <small>{detail}</small>"
+        detail = f"{mathml(equation_latex(verdict.equation))} <small>{detail}</small>"
     return (
         f'<tr><td class="{look}" title="{word}" aria-label="{word}">{sign}</td>'
         f"<td>{escape(verdict.name)}</td><td>{detail}</td></tr>"
@@ -159,7 +153,7 @@ def _branches(space: Space) -> str:
     if not branches:
         return ""
     items = "".join(
-        f"<p><math>{mathml(branch.radical)}</math> is read as <math>{mathml(branch.read_as)}</math>"
+        f"<p>{expression_mathml(branch.radical)} is read as {expression_mathml(branch.read_as)}"
         f", right where {escape(_greek(branch.condition))}.</p>"
         for branch in branches
     )
@@ -178,10 +172,10 @@ def _greek(text: str) -> str:
 
 
 def _footer() -> str:
-    conventions = "; ".join(f"<math>{equation_mathml(text)}</math>" for text in _CONVENTIONS)
+    conventions = "; ".join(mathml(equation_latex(text)) for text in _CONVENTIONS)
     return (
         f"<footer><p>Conventions: {conventions}. A bar marks what belongs to the metric alone; "
-        "numbers with a hat are legs of the frame, counted from 0. Components that are not shown "
+        "numbers with a hat are frame vectors, counted from 0. Components that are not shown "
         "vanish: that is decided, not guessed.</p>"
         '<p>The same as data: <a href="geometry.json">geometry.json</a>. Made by geomtorsion.</p>'
         "</footer>"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geomtorsion.pictures.drift import drift_over_time, error_over_time
-from geomtorsion.pictures.ink import (
+from geomtorsion.pictures.style import (
     SERIES,
     STROKES,
     caption,

@@ -1,4 +1,4 @@
-"""Report: the whole geometry of a space as one page and as data, in a directory."""
+"""report: the whole geometry of a space as one page and as data, in a directory."""
 
 from __future__ import annotations
 
@@ -8,10 +8,9 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from geomtorsion.pictures.chosen import choose
-from geomtorsion.pictures.document import document
-from geomtorsion.pictures.figures import loop_card, motions_card
 from geomtorsion.pictures.page import page
+from geomtorsion.pictures.quantities import chosen_quantities, geometry_data
+from geomtorsion.pictures.report_figures import loop_card, motions_card
 from geomtorsion.pictures.verdicts import verdicts
 
 if TYPE_CHECKING:
@@ -40,14 +39,14 @@ def write_report(
     ...     write_report(load("s2"), folder, pictures=False).name
     'index.html'
     """
-    quantities = choose(space, progress=progress)
+    quantities = chosen_quantities(space, progress=progress)
     checked = verdicts(space, progress)
     seen = {}
     if pictures:
         seen = {"Motions": motions_card(space, progress), "Closure": loop_card(space, progress)}
     progress("writing")
     html = page(space, quantities, checked, seen)
-    data = document(space, quantities)
+    data = geometry_data(space, quantities)
     data["checks"] = {
         title: [{"name": v.name, "holds": v.holds, "detail": v.detail} for v in found]
         for title, found in checked.items()

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion.pictures.ink import SERIES, Stroke, captioned, legend, new_figure, quiet
 from geomtorsion.pictures.sphere import curve_on, globe, numbered, parted, space_axes, towards
+from geomtorsion.pictures.style import SERIES, Stroke, captioned, legend, new_figure, quiet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion.pictures.ink import SERIES, Stroke, captioned, new_figure
 from geomtorsion.pictures.sphere import BEHIND, curve_on, globe, parted, space_axes, towards
+from geomtorsion.pictures.style import SERIES, Stroke, captioned, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

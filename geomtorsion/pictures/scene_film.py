@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from geomtorsion.errors import FileFormatError, MissingExtraError
-from geomtorsion.pictures.ink import SERIES, new_figure
+from geomtorsion.pictures.style import SERIES, new_figure
 
 FRAMES_PER_SECOND = 25
 MOST_FRAMES = 500

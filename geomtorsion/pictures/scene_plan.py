@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.pictures.ink import captioned, new_figure
+from geomtorsion.pictures.style import captioned, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

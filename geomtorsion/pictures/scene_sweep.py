@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion.pictures.ink import SERIES, captioned, new_figure, quiet
+from geomtorsion.pictures.style import SERIES, captioned, new_figure, quiet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion.pictures.ink import SERIES, captioned, new_figure, number, quiet
+from geomtorsion.pictures.style import SERIES, captioned, new_figure, number, quiet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion.pictures.ink import FAINT, Stroke
+from geomtorsion.pictures.style import FAINT, Stroke
 
 MERIDIANS, PARALLELS = 12, 5
 BEHIND = 0.32

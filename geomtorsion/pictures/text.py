@@ -1,4 +1,4 @@
-"""Text: expressions on one line, as a person would type them, in Greek where that can be shown."""
+"""text: expressions on one line, as a person would type them, in Greek where that can be shown."""
 
 from __future__ import annotations
 
@@ -10,15 +10,17 @@ from sympy.core.function import AppliedUndef
 from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.str import StrPrinter
 
+from geomtorsion.checks import expression as expression_of
+
 _LETTERS = (
     "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho "
     "sigma tau upsilon phi chi psi omega".split()
 )
-_GREEK: dict[str, str] = dict(zip(_LETTERS, "αβγδεζηθικλμνξοπρστυφχψω", strict=True))
-_GREEK |= {name.capitalize(): letter.upper() for name, letter in _GREEK.items()}
-_GREEK |= {"varphi": "φ", "vartheta": "ϑ", "ell": "ℓ"}
+GREEK: dict[str, str] = dict(zip(_LETTERS, "αβγδεζηθικλμνξοπρστυφχψω", strict=True))
+GREEK |= {name.capitalize(): letter.upper() for name, letter in GREEK.items()}
+GREEK |= {"varphi": "φ", "vartheta": "ϑ", "ell": "ℓ"}
 _NAME = re.compile(r"([A-Za-z]+?)_?([0-9]*)")
-_MOST_PRIMES = 3
+MOST_PRIMES = 3
 
 
 def greek_name(name: str) -> str:
@@ -30,12 +32,12 @@ def greek_name(name: str) -> str:
     ['θ', 'φ1', 'Γ', 'θ0', 'M', 'mass']
     """
     match = _NAME.fullmatch(name)
-    if match and match[1] in _GREEK:
-        return _GREEK[match[1]] + match[2]
+    if match and match[1] in GREEK:
+        return GREEK[match[1]] + match[2]
     return name
 
 
-def expression_text(expression: Any, *, greek: bool = True) -> str:
+def expression_text(expression: object, *, greek: bool = True) -> str:
     """One line of text for an expression: positive terms first, ^ for powers, a'(t) for d a/d t.
 
     Without Greek letters the text can be read back by ``parse_expression``.
@@ -49,7 +51,17 @@ def expression_text(expression: Any, *, greek: bool = True) -> str:
     >>> expression_text(a.diff(r, 2) / a), expression_text(a.diff(r, 2) / a, greek=False)
     ("a''(r)/a(r)", 'diff(a(r), r, 2)/a(r)')
     """
-    return _Printer(greek=greek).doprint(sympy.sympify(expression)).replace("**", "^")
+    return _Printer(greek=greek).doprint(to_sympy(expression)).replace("**", "^")
+
+
+def to_sympy(expression: object) -> sympy.Basic:
+    """What is to be written, as sympy has it; no text is read as code."""
+    return expression if isinstance(expression, sympy.Basic) else expression_of(expression)
+
+
+def plain_text(expression: object) -> str:
+    """An expression as text that ``parse_expression`` reads back."""
+    return expression_text(expression, greek=False)
 
 
 def ordered_terms(expression: sympy.Add) -> list[sympy.Expr]:
@@ -82,14 +94,8 @@ class _Printer(StrPrinter):
     def _print_Pi(self, expr: Any) -> str:
         return "π" if self.greek else "pi"
 
-    def _print_Add(self, expr: Any, order: Any = None) -> str:
-        pieces = []
-        for term in ordered_terms(expr):
-            text = self.parenthesize(term, PRECEDENCE["Add"]) if term.is_Add else self._print(term)
-            minus = text.startswith("-")
-            pieces += ["-" if minus else "+", text[1:] if minus else text]
-        sign, *rest = pieces
-        return ("-" if sign == "-" else "") + " ".join(rest)
+    def _as_ordered_terms(self, expr: sympy.Add, order: object = None) -> list[sympy.Expr]:
+        return ordered_terms(expr)
 
     def _print_Pow(self, expr: Any, rational: bool = False) -> str:
         base, exponent = expr.args
@@ -105,7 +111,7 @@ class _Printer(StrPrinter):
         function = expr.expr
         if self.greek and isinstance(function, AppliedUndef) and len(function.args) == 1:
             count = expr.derivative_count
-            primes = "'" * count if count <= _MOST_PRIMES else f"^({count})"
+            primes = "'" * count if count <= MOST_PRIMES else f"^({count})"
             return f"{self._name(function.func.__name__)}{primes}({self._print(function.args[0])})"
         steps = []
         for variable, count in expr.variable_count:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
-from geomtorsion.pictures.ink import SERIES, captioned, new_figure, quiet
+from geomtorsion.pictures.style import SERIES, captioned, new_figure, quiet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -17,8 +17,8 @@ from geomtorsion.exact.names import near_names
 from geomtorsion.motion import solve
 from geomtorsion.motion.solution import Cost
 from geomtorsion.motion.tables import pandas_table
-from geomtorsion.pictures.ink import save
 from geomtorsion.pictures.scene_lines import watched_picture
+from geomtorsion.pictures.style import save
 from geomtorsion.scenes.to_ode import invariant_changes, observed
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import SceneError
 from geomtorsion.pictures import album as pictures
-from geomtorsion.pictures.ink import save
+from geomtorsion.pictures.style import save
 from geomtorsion.scenes.plotting import album
 from geomtorsion.scenes.table import write_csv
 from geomtorsion.scenes.writing import write_file

@@ -15,8 +15,8 @@ import numpy as np
 from geomtorsion.errors import AccuracyError, SceneError, StartError, StuckError
 from geomtorsion.motion import solve_many
 from geomtorsion.motion.tables import pandas_table
-from geomtorsion.pictures.ink import number, save
 from geomtorsion.pictures.scene_sweep import WIDE, sweep_picture
+from geomtorsion.pictures.style import number, save
 from geomtorsion.scenes.closed_form import closed_form
 from geomtorsion.scenes.metrics import Measure, SweepRun, measures, only_words, quantities
 from geomtorsion.scenes.table import write_csv

@@ -1,16 +1,14 @@
-"""Prose: formulas as MathML and as text, and the little Markdown there is."""
+"""Prose: formulas as text, and the little Markdown there is."""
 
 from xml.etree import ElementTree
 
 import pytest
+import sympy
 
 from geomtorsion import exercises
-from geomtorsion.errors import ExpressionError
 from geomtorsion.exercises.diagnoses import MESSAGES
-from geomtorsion.exercises.prose import html_of, text_of
-from geomtorsion.exercises.prose.formula import tree_of
-from geomtorsion.exercises.prose.mathml import mathml_of
-from geomtorsion.exercises.prose.plain import plain_of
+from geomtorsion.exercises.prose import html_of, plain_of, text_of
+from geomtorsion.exercises.tex import tex
 
 
 def texts(number: str, seed: int) -> list[str]:
@@ -58,7 +56,12 @@ def test_messages_can_be_shown():
         (r"f'' - g'", "f′′ - g′"),
         (r"\sin{\left(\phi_{1} \right)}", "sin(φ_1)"),
         (r"\text{two words}", "two words"),
-        (r"x^{2 k}", "x^2k"),
+        (r"x^{2 k}", "x^(2k)"),
+        (r"g^{ij} T_{ijk}", "g^ij T_ijk"),
+        (r"\sin\theta\,\mathrm{d}\phi", "sin(θ) dφ"),
+        (r"\cos^2\phi_1\det e", "cos^2(φ_1) det e"),
+        (r"\sqrt[3]{r}", "(r)^(1/3)"),
+        (r"\phi_{2} \mathrm{e}^{3 \phi_{2}}", "φ_2 exp(3φ_2)"),
     ],
 )
 def test_formulas_as_text(latex, plain):
@@ -66,21 +69,11 @@ def test_formulas_as_text(latex, plain):
     assert plain_of(latex) == plain
 
 
-def test_formulas_as_markup():
-    """Scripts, fractions, roots, matrices, accents."""
-    assert mathml_of("x_1^2") == "<math><msubsup><mi>x</mi><mn>1</mn><mn>2</mn></msubsup></math>"
-    assert "<msqrt>" in mathml_of(r"\sqrt{2}")
-    assert mathml_of(r"\begin{pmatrix} 1 & 2 \\ 3 & 4 \end{pmatrix}").count("<mtd>") == 4
-    assert "<mover>" in mathml_of(r"\dot\Omega")
-    assert 'display="block"' in mathml_of("x", display=True)
-    assert "&lt;" in mathml_of("x < y")
-
-
-@pytest.mark.parametrize("latex", [r"\unknown x", "{x", "x}", r"\left( x", r"\frac{1}", "x^"])
-def test_formulas_that_are_wrong_are_refused(latex):
-    """A formula of ours that cannot be shown is an error, not a blank."""
-    with pytest.raises(ExpressionError, match="formula"):
-        tree_of(latex)
+def test_exponentials_can_be_told_from_one_forms():
+    """exp is a function, e with an index a one-form."""
+    x = sympy.Symbol("phi2")
+    assert plain_of(tex(x * sympy.exp(3 * x))) == "φ_2 exp(3φ_2)"
+    assert plain_of(r"\mathrm{d}e^1 = e^2\wedge e^3") == "de^1 = e^2 ∧ e^3"
 
 
 def test_markdown():

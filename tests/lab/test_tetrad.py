@@ -7,8 +7,8 @@ import pytest
 from geomtorsion import spaces
 from geomtorsion.lab.facts import drawable, facts
 from geomtorsion.lab.tetrad import MOST_DIMENSIONS, OFFERED, tetrad
-from geomtorsion.pictures.cards import card
-from geomtorsion.pictures.chosen import choose
+from geomtorsion.pictures.quantities import chosen_quantities
+from geomtorsion.pictures.sections import section
 
 POLAR = {"coordinates": "r, phi", "entries": [["1", "0"], ["0", "r"]]}
 
@@ -19,8 +19,8 @@ def test_a_shipped_tetrad_typed_again_gives_the_same_cards():
     found = tetrad(", ".join(known["coordinates"]), known["coframe"], signature=known["signature"])
     shipped = spaces.load("so3")
     for name in ("metric", "torsion", "cartan_connection", "ricci", "cartan_curvature"):
-        [chosen] = choose(shipped, [name])
-        assert card(chosen) in found["html"]
+        [chosen] = chosen_quantities(shipped, [name])
+        assert section(chosen) in found["html"]
 
 
 @pytest.mark.parametrize("name", drawable().values())

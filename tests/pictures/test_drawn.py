@@ -6,9 +6,9 @@ import pytest
 from geomtorsion.motion import RungeKutta
 from geomtorsion.pictures.album import album
 from geomtorsion.pictures.curves import continued
-from geomtorsion.pictures.ink import SERIES, STROKES, caption, mathematics, number, save
 from geomtorsion.pictures.pair import follow
 from geomtorsion.pictures.sphere import parted, towards
+from geomtorsion.pictures.style import SERIES, STROKES, caption, mathematics, number, save
 from geomtorsion.spaces import load, names
 from geomtorsion.spaces.first_motions import first_motion
 

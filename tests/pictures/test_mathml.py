@@ -7,10 +7,12 @@ import pytest
 import sympy
 from hypothesis import given
 
+from geomtorsion.errors import ExpressionError
 from geomtorsion.pictures.catalogue import CATALOGUE
-from geomtorsion.pictures.equations import equation_mathml
-from geomtorsion.pictures.labels import latex_label, mathml_label, text_label
-from geomtorsion.pictures.mathml import identifier, mathml
+from geomtorsion.pictures.formula import tree_of
+from geomtorsion.pictures.labels import latex_label, text_label
+from geomtorsion.pictures.latex import equation_latex, latex_name
+from geomtorsion.pictures.mathml import expression_mathml, mathml
 from geomtorsion.pictures.text import greek_name
 from tests.pictures.test_text import _expressions
 
@@ -26,7 +28,7 @@ f, h = sympy.Function("f")(r), sympy.Function("h")(r, theta)
 
 def parsed(markup: str) -> ElementTree.Element:
     """The element of some markup, checked for what a browser needs."""
-    root = ElementTree.fromstring(f"<math>{markup}</math>")
+    root = ElementTree.fromstring(markup if "<math" in markup else f"<math>{markup}</math>")
     for element in root.iter():
         assert element.tag in CORE
         if element.tag in CHILDREN:
@@ -79,30 +81,39 @@ def shape(markup: str) -> str:
 )
 def test_structure(expression, expected):
     """Fractions, roots, powers, brackets and signs stand where a person puts them."""
-    assert shape(mathml(expression)) == expected
+    assert shape(expression_mathml(expression)) == expected
 
 
 @given(_expressions())
 def test_always_well_formed(expression):
     """Whatever the expression: core elements, right number of children, no letter lost."""
-    root = parsed(mathml(expression))
+    root = parsed(expression_mathml(expression))
     text = "".join(root.itertext())
     for symbol in expression.free_symbols:
         assert greek_name(symbol.name) in text
 
 
+def parsed_text(expression) -> str:
+    """The markup of an expression, which is well formed."""
+    markup = expression_mathml(expression)
+    parsed(markup)
+    return markup
+
+
 def test_names_are_escaped():
     """A name cannot smuggle markup into a page."""
-    assert "<script>" not in identifier("<script>")
-    assert "<script>" not in mathml(sympy.Function("<script>")(r))
+    for name in ("<script>", "a}<script>{", "x&"):
+        assert "<script>" not in mathml(latex_name(name))
+        assert "<script>" not in parsed_text(sympy.Function(name)(r))
 
 
 @pytest.mark.parametrize("entry", CATALOGUE, ids=lambda entry: entry.name)
 def test_equations_are_well_formed(entry):
     """Each definition becomes markup, with every index in its own column."""
-    root = parsed(equation_mathml(entry.equation))
-    indexed = len(re.findall(r"\w\u0304?'?[_^]", re.sub(r"\{[^}]*\}", "x", entry.equation)))
-    assert bool(list(root.iter("mmultiscripts"))) == bool(indexed)
+    root = parsed(mathml(equation_latex(entry.equation)))
+    both = re.search(r"[_^](?:\{[^}]*\}|\w)[_^]", entry.equation)
+    assert bool(list(root.iter("mmultiscripts"))) == bool(both)
+    assert not list(root.iter("msubsup")), "an index stands above another"
     assert "_" not in "".join(root.itertext())
     assert "{" not in "".join(root.itertext())
 
@@ -112,6 +123,23 @@ def test_index_positions_are_visible():
     assert text_label("S", list("abc"), "ddu") == "S_{ab}^c"
     assert text_label("S", list("abc"), "dud") == "S_a^b_c"
     assert latex_label("S", list("abc"), "dud") == "S_{a}{}^{b}{}_{c}"
-    element = parsed(mathml_label("<mi>S</mi>", [f"<mi>{m}</mi>" for m in "abc"], "dud"))[0]
+    element = parsed(mathml(latex_label("S", list("abc"), "dud")))[0]
     columns = ["".join(part.itertext()) for part in element]
     assert columns == ["S", "a", "", "", "b", "c", ""]
+
+
+def test_formulas_as_markup():
+    """Scripts, fractions, roots, matrices, accents."""
+    assert mathml("x_1^2") == "<math><msubsup><mi>x</mi><mn>1</mn><mn>2</mn></msubsup></math>"
+    assert "<msqrt>" in mathml(r"\sqrt{2}")
+    assert mathml(r"\begin{pmatrix} 1 & 2 \\ 3 & 4 \end{pmatrix}").count("<mtd>") == 4
+    assert "<mover" in mathml(r"\dot\Omega")
+    assert 'display="block"' in mathml("x", display=True)
+    assert "&lt;" in mathml("x < y")
+
+
+@pytest.mark.parametrize("latex", [r"\unknown x", "{x", "x}", r"\left( x", r"\frac{1}", "x^"])
+def test_formulas_that_are_wrong_are_refused(latex):
+    """A formula of ours that cannot be shown is an error, not a blank."""
+    with pytest.raises(ExpressionError, match="formula"):
+        tree_of(latex)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from geomtorsion.errors import FileFormatError, MissingExtraError
-from geomtorsion.pictures.ink import save
 from geomtorsion.pictures.scene_axis import axes_picture, axis_picture
 from geomtorsion.pictures.scene_cones import cones_picture, polhodes
 from geomtorsion.pictures.scene_film import block_sides, write_film
@@ -13,6 +12,7 @@ from geomtorsion.pictures.scene_path import path_picture
 from geomtorsion.pictures.scene_plan import plan_picture
 from geomtorsion.pictures.scene_sweep import sweep_picture
 from geomtorsion.pictures.scene_trust import change_picture, trust_picture
+from geomtorsion.pictures.style import save
 
 pytest.importorskip("matplotlib")
 

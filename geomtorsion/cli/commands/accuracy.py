@@ -32,8 +32,8 @@ from geomtorsion.cli.values import numbers
 from geomtorsion.errors import StartError
 from geomtorsion.motion import Engine
 from geomtorsion.pictures.album import can_draw
-from geomtorsion.pictures.ink import save
 from geomtorsion.pictures.pair import posed
+from geomtorsion.pictures.style import save
 from geomtorsion.scenes.accuracy_table import scene_accuracy
 
 

@@ -26,8 +26,8 @@ from geomtorsion.loops.loop_files import (
     number_of,
     read_loops,
 )
-from geomtorsion.pictures.ink import save
 from geomtorsion.pictures.loops import draw_closure
+from geomtorsion.pictures.style import save
 
 ACCURACY = 1e-12
 MOST_PICTURES = 12

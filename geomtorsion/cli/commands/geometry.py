@@ -16,8 +16,7 @@ from geomtorsion.cli.options import SpaceOrFile
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import shows_greek, working
 from geomtorsion.cli.values import parts
-from geomtorsion.pictures.chosen import choose
-from geomtorsion.pictures.document import document
+from geomtorsion.pictures.quantities import chosen_quantities, geometry_data
 
 
 class Format(StrEnum):
@@ -90,14 +89,14 @@ def geometry(
     with working(source) as progress:
         space = open_space(source)
         names = [] if only == "all" else list(parts(only))
-        quantities = choose(space, names, basis.value, progress)
+        quantities = chosen_quantities(space, names, basis.value, progress)
     match form:
         case Format.text:
             written = text_of(space, quantities, greek=shows_greek(), every=every)
         case Format.latex:
             written = latex_of(space, quantities, every=every)
         case Format.json:
-            written = json.dumps(document(space, quantities), indent=2)
+            written = json.dumps(geometry_data(space, quantities), indent=2)
         case Format.python:
             written = python_of(space, quantities)
         case Format.mathematica:

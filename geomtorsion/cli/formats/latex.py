@@ -10,18 +10,18 @@ import sympy
 from geomtorsion.pictures.labels import latex_label, latex_marks
 
 if TYPE_CHECKING:
-    from geomtorsion.pictures.chosen import Chosen
+    from geomtorsion.pictures.quantities import Quantity
     from geomtorsion.spaces.space import Space
 
 
-def latex_of(space: Space, quantities: Sequence[Chosen], *, every: bool = False) -> str:
+def latex_of(space: Space, quantities: Sequence[Quantity], *, every: bool = False) -> str:
     """One align* environment for each quantity; needs amsmath."""
     parts = [f"% {space.name}: {space.title}\n% needs \\usepackage{{amsmath}}"]
     parts += [_equations(chosen, every=every) for chosen in quantities]
     return "\n\n".join(parts)
 
 
-def _equations(chosen: Chosen, *, every: bool) -> str:
+def _equations(chosen: Quantity, *, every: bool) -> str:
     entry, tensor = chosen.entry, chosen.tensor
     components = chosen.nonzero if every else chosen.independent
     lines = []

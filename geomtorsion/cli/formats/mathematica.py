@@ -9,21 +9,21 @@ import sympy
 from sympy.printing.mathematica import MCodePrinter
 
 if TYPE_CHECKING:
-    from geomtorsion.pictures.chosen import Chosen
+    from geomtorsion.pictures.quantities import Quantity
     from geomtorsion.spaces.space import Space
 
 # Single capitals that Mathematica has taken for itself.
 _TAKEN = frozenset("CDEIKNO")
 
 
-def mathematica_of(space: Space, quantities: Sequence[Chosen]) -> str:
+def mathematica_of(space: Space, quantities: Sequence[Quantity]) -> str:
     """One assignment for each quantity: a sparse array with indices from 1."""
     parts = [f"(* {space.name}: {space.title}; indices count from 1 *)"]
     parts += [_assignment(space, chosen) for chosen in quantities]
     return "\n\n".join(parts)
 
 
-def _assignment(space: Space, chosen: Chosen) -> str:
+def _assignment(space: Space, chosen: Quantity) -> str:
     entry, tensor = chosen.entry, chosen.tensor
     first, *rest = entry.name.split("_")
     name = first + "".join(part.capitalize() for part in rest)

@@ -9,23 +9,23 @@ import sympy
 from sympy.core.function import AppliedUndef
 from sympy.printing.numpy import NumPyPrinter
 
-from geomtorsion.pictures.document import plain
+from geomtorsion.pictures.text import plain_text
 
 if TYPE_CHECKING:
-    from geomtorsion.pictures.chosen import Chosen
+    from geomtorsion.pictures.quantities import Quantity
     from geomtorsion.spaces.space import Space
 
 _TAKEN = ("numpy", "result")
 
 
-def python_of(space: Space, quantities: Sequence[Chosen]) -> str:
+def python_of(space: Space, quantities: Sequence[Quantity]) -> str:
     """A module with one function for each quantity; its arguments are numbers or arrays."""
     title = f"{space.name}: {space.title}".replace("\\", "/").replace('"', "'")
     head = f'"""{title}. Exact components, computed by geomtorsion."""\n\nimport numpy\n'
     return "\n\n".join([head, *(_function(space, chosen) for chosen in quantities)])
 
 
-def _function(space: Space, chosen: Chosen) -> str:
+def _function(space: Space, chosen: Quantity) -> str:
     """Source of one function."""
     frame = space.frame
     components = {index: element.sympy for index, element in chosen.nonzero.items()}
@@ -59,13 +59,13 @@ def _each(pattern: str, arguments: Mapping[Any, str]) -> str:
     return ", ".join(pattern.format(name) for name in arguments.values())
 
 
-def _description(chosen: Chosen, arguments: Mapping[Any, str]) -> str:
+def _description(chosen: Quantity, arguments: Mapping[Any, str]) -> str:
     """Docstring of a function: what it is, its axes, and what replaces unknown functions."""
     axes = ", ".join(chosen.letters)
     text = f"{chosen.entry.title} {chosen.text_label}: {chosen.entry.equation}"
     if axes:
         text += f"; last axes ({axes}), slots {chosen.tensor.slots}"
-    unknown = [f"{new} is {plain(old)}" for old, new in arguments.items() if not old.is_Symbol]
+    unknown = [f"{new} is {plain_text(old)}" for old, new in arguments.items() if not old.is_Symbol]
     return ". ".join([text, *unknown]) + "."
 
 

@@ -12,7 +12,7 @@ from geomtorsion.pictures.labels import text_label, text_marks
 from geomtorsion.pictures.text import expression_text
 
 if TYPE_CHECKING:
-    from geomtorsion.pictures.chosen import Chosen
+    from geomtorsion.pictures.quantities import Quantity
     from geomtorsion.spaces.space import Space
 
 _ASCII = {
@@ -22,7 +22,7 @@ _ASCII = {
 
 
 def text_of(
-    space: Space, quantities: Sequence[Chosen], *, greek: bool = True, every: bool = False
+    space: Space, quantities: Sequence[Quantity], *, greek: bool = True, every: bool = False
 ) -> str:
     """A heading and the quantities, one paragraph each; `every` shows what symmetry repeats."""
     parts = [_heading(space, greek=greek)]
@@ -60,7 +60,7 @@ def _heading(space: Space, *, greek: bool) -> str:
     return "\n".join([typer.style(title, bold=True), *facts])
 
 
-def _paragraph(chosen: Chosen, *, greek: bool, every: bool) -> str:
+def _paragraph(chosen: Quantity, *, greek: bool, every: bool) -> str:
     entry, tensor = chosen.entry, chosen.tensor
     adapted = str if greek else in_ascii
     symbol, label = adapted(entry.symbol), adapted(chosen.text_label)

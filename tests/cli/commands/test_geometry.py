@@ -10,7 +10,7 @@ import sympy
 
 from geomtorsion.cli.formats.text import text_of
 from geomtorsion.exact import parse_expression
-from geomtorsion.pictures.chosen import choose
+from geomtorsion.pictures.quantities import chosen_quantities
 from geomtorsion.spaces import load
 from tests.cli.running import run
 
@@ -65,7 +65,7 @@ def test_roots_are_stated():
 def test_a_terminal_without_greek():
     """Letters are spelled out, and nothing is outside ASCII."""
     space = load("kerr")
-    text = text_of(space, choose(space), greek=False)
+    text = text_of(space, chosen_quantities(space), greek=False)
     assert text.isascii()
     assert "Gamma_bar_{tr}^t" in text
     assert "theta" in text

@@ -1,4 +1,4 @@
-"""Formula: the LaTeX of statements as a tree."""
+"""formula: LaTeX as a tree, for MathML and for the terminal."""
 
 from __future__ import annotations
 
@@ -7,24 +7,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from geomtorsion.errors import ExpressionError
+from geomtorsion.pictures.text import GREEK
 
 _TOKEN = re.compile(r"\\[A-Za-z]+|\\.|[{}^_&']|[0-9]+(?:\.[0-9]+)?|\s+|.", re.DOTALL)
 
-LETTERS = dict(
-    zip(
-        "alpha beta gamma delta epsilon zeta eta theta kappa lambda mu nu xi pi rho sigma tau phi "
-        "chi psi omega Gamma Delta Theta Lambda Sigma Phi Psi Omega ell".split(),
-        "αβγδϵζηθκλμνξπρστφχψωΓΔΘΛΣΦΨΩℓ",
-        strict=True,
-    )
-)
+# LaTeX has no letters of its own for the capitals that look Latin; nobody writes those.
+LETTERS = GREEK | {"epsilon": "ϵ", "varepsilon": "ε"}
 SIGNS = {
     "partial": "∂", "wedge": "∧", "times": "×", "cdot": "⋅", "vee": "∨", "oint": "∮", "int": "∫",
     "sum": "∑", "ldots": "…", "le": "≤", "ge": "≥", "ne": "≠", "to": "→", "infty": "∞",
     "approx": "≈", "pm": "±", "langle": "⟨", "rangle": "⟩",
 }  # fmt: skip
 SPACES = {",": 0.17, ";": 0.28, ":": 0.22, " ": 0.25, "quad": 1.0, "qquad": 2.0, "!": 0.0}
-FUNCTIONS = ("sin", "cos", "tan", "cot", "sinh", "cosh", "tanh", "ln", "log", "exp", "det")
+FUNCTIONS = (
+    "sin cos tan cot sec csc sinh cosh tanh coth ln log exp det arcsin arccos arctan".split()
+)
 ACCENTS = {"dot": "˙", "ddot": "¨", "bar": "¯", "overline": "¯", "hat": "^", "tilde": "~"}
 FRACTIONS = ("frac", "tfrac", "dfrac")
 UPRIGHT = ("mathrm", "text", "operatorname")
@@ -36,7 +33,8 @@ class Node:
 
     kind: row, letter, sign, number, word, space, fraction, root, scripts, accent, fence or matrix.
     text: the letter, sign, number, word or accent; of a fence its two brackets.
-    parts: what is inside; of scripts: base, subscript, superscript (empty rows where missing).
+    parts: what is inside; of scripts: base, subscript, superscript (empty rows where missing);
+    of a root: what is under it, and its degree if that is not two.
     width: of a space, in em.
     """
 
@@ -151,7 +149,12 @@ class _Reader:
         if name in FRACTIONS:
             return Node("fraction", parts=(self.argument(), self.argument()))
         if name == "sqrt":
-            return Node("root", parts=(self.argument(),))
+            if self.peek() != "[":
+                return Node("root", parts=(self.argument(),))
+            self.next()
+            degree = self.row(("]",))
+            self.next()
+            return Node("root", parts=(self.argument(), degree))
         if name in ACCENTS:
             return Node("accent", ACCENTS[name], (self.argument(),))
         if name in UPRIGHT:

@@ -1,12 +1,95 @@
-"""Plain: formulas as one line of text for a terminal."""
+"""prose: statements in a little Markdown with LaTeX, as HTML and as text for a terminal."""
 
 from __future__ import annotations
 
-from geomtorsion.exercises.prose.formula import EMPTY, Node, tree_of
+import re
+from collections.abc import Callable
+from html import escape
+
+from geomtorsion.pictures.formula import EMPTY, FUNCTIONS, Node, tree_of
+from geomtorsion.pictures.mathml import mathml
 
 _MARKS = {"˙": "\u0307", "¨": "\u0308", "¯": "\u0304", "^": "\u0302", "~": "\u0303"}
 _SPACED = "=+-∧×≤≥≠→≈<>"
 _BINDING = ("letter", "number", "word", "scripts", "accent", "root", "fence")
+_MARKED = {"˙": "dot", "¨": "ddot", "¯": "mean", "^": "hat", "~": "tilde"}
+_FORMULA = re.compile(r"\$\$(.+?)\$\$|\$(.+?)\$", re.DOTALL)
+_CODE = re.compile(r"`([^`]+)`")
+_BOLD = re.compile(r"\*\*(.+?)\*\*", re.DOTALL)
+
+
+def html_of(markdown: str) -> str:
+    """Paragraphs, lists, bold words, code and formulas as HTML; formulas as MathML.
+
+    Examples
+    --------
+    >>> html_of("Let **x** be `r`, with $r$.")
+    '<p>Let <strong>x</strong> be <code>r</code>, with <math><mi>r</mi></math>.</p>'
+    """
+    return "\n".join(_block(block) for block in re.split(r"\n\s*\n", markdown.strip()))
+
+
+def _block(block: str) -> str:
+    block = block.strip()
+    display = re.fullmatch(r"\$\$(.+?)\$\$", block, re.DOTALL)
+    if display:
+        return f'<div class="scroll">{mathml(display[1], display=True)}</div>'
+    if block.startswith("- "):
+        items = (f"<li>{_inline(item)}</li>" for item in re.split(r"(?:^|\n)- ", block) if item)
+        return f"<ul>{''.join(items)}</ul>"
+    return f"<p>{_inline(block)}</p>"
+
+
+def _inline(text: str) -> str:
+    """Bold, code and formulas inside a paragraph."""
+
+    def formula(match: re.Match[str]) -> str:
+        if match[1]:
+            return f'<span class="wide">{mathml(match[1], display=True)}</span>'
+        return mathml(match[2])
+
+    def words(part: str) -> str:
+        return _BOLD.sub(r"<strong>\1</strong>", _CODE.sub(r"<code>\1</code>", escape(part)))
+
+    return _with_formulas(text, formula, words)
+
+
+def text_of(markdown: str) -> str:
+    r"""The same as plain text: formulas in Greek letters, marks of Markdown left out.
+
+    Examples
+    --------
+    >>> text_of(r"Let **x** be `r`, with $\phi_1$.")
+    'Let x be r, with φ_1.'
+    """
+
+    def formula(match: re.Match[str]) -> str:
+        if not match[1]:
+            return plain_of(match[2])
+        return "\n\n" + "\n".join(f"    {line}" for line in lines_of(match[1])) + "\n\n"
+
+    def words(part: str) -> str:
+        return _BOLD.sub(r"\1", _CODE.sub(r"\1", part))
+
+    found = _with_formulas(markdown, formula, words)
+    return re.sub(r"\n{3,}", "\n\n", re.sub(r" +$|^ (?=\w)", "", found, flags=re.MULTILINE)).strip()
+
+
+def _with_formulas(
+    text: str, formula: Callable[[re.Match[str]], str], words: Callable[[str], str]
+) -> str:
+    """Formulas by one rule, what stands between them by another."""
+    found, place = [], 0
+    # Bold marks may enclose a formula: they are handled with placeholders for the formulas.
+    formulas: list[str] = []
+    for match in _FORMULA.finditer(text):
+        found.append(text[place : match.start()])
+        formulas.append(formula(match))
+        found.append(f"\0{len(formulas) - 1}\0")
+        place = match.end()
+    found.append(text[place:])
+    whole = words("".join(found))
+    return re.sub(r"\0([0-9]+)\0", lambda match: formulas[int(match[1])], whole)
 
 
 def plain_of(latex: str) -> str:
@@ -61,7 +144,8 @@ def _written(node: Node) -> str:
         above, below = node.parts
         return f"{_grouped(above)}/{_grouped(below, whole=True)}"
     if node.kind == "root":
-        return f"sqrt({_written(node.parts[0])})"
+        inner, *degree = map(_written, node.parts)
+        return f"({inner})^(1/{degree[0]})" if degree else f"sqrt({inner})"
     if node.kind == "scripts":
         return _scripts(node)
     if node.kind == "accent":
@@ -76,13 +160,12 @@ def _written(node: Node) -> str:
     return node.text
 
 
-_MARKED = {"˙": "dot", "¨": "ddot", "¯": "mean", "^": "hat", "~": "tilde"}
-
-
 def _row(node: Node) -> str:
     text = ""
     for number, part in enumerate(node.parts):
         piece = _written(part)
+        if number and part.kind in ("letter", "scripts") and _is_function(node.parts[number - 1]):
+            piece = f"({piece})"
         if part.kind == "sign" and piece in _SPACED and number and text[-1:] not in "(,= ":
             piece = f" {piece} "
         elif part.kind == "sign" and piece == ",":
@@ -93,6 +176,12 @@ def _row(node: Node) -> str:
     return text.strip()
 
 
+def _is_function(node: Node) -> bool:
+    """Whether a part is a function whose argument follows, perhaps with a power; det e is not."""
+    base = node.parts[0] if node.kind == "scripts" else node
+    return base.kind == "word" and base.text in FUNCTIONS and base.text != "det"
+
+
 def _collide(before: Node, after: Node, text: str, piece: str) -> bool:
     """Whether two things side by side would be read as one."""
     if after.kind in ("word", "fraction", "root") and before.kind in (*_BINDING, "fraction"):
@@ -100,7 +189,12 @@ def _collide(before: Node, after: Node, text: str, piece: str) -> bool:
     if before.kind == "word":
         return after.kind != "fence" and piece[0] != "(" and before.text != "d"
     if before.kind in ("scripts", "accent"):
-        return after.kind in _BINDING and after.kind != "fence" and piece[0] not in "_^′"
+        return (
+            piece[0] != "("
+            and after.kind in _BINDING
+            and after.kind != "fence"
+            and piece[0] not in "_^′"
+        )
     return before.kind == "fraction" and after.kind in _BINDING
 
 
@@ -116,6 +210,8 @@ def _grouped(node: Node, whole: bool = False) -> str:
 
 def _scripts(node: Node) -> str:
     base, below, above = node.parts
+    if base.kind == "word" and base.text == "e":
+        return f"exp({_written(above)})"
     text = _written(base) if base is not EMPTY else ""
     for mark, part in (("_", below), ("^", above)):
         if part is EMPTY:
@@ -123,8 +219,13 @@ def _scripts(node: Node) -> str:
         inner = _written(part)
         if inner and set(inner) == {"′"}:
             text += inner
-        elif part.kind == "row" and any(sign in inner for sign in "+-= "):
-            text += f"{mark}({inner})"
         else:
-            text += mark + inner
+            text += f"{mark}({inner})" if _is_composed(part, inner) else mark + inner
     return text
+
+
+def _is_composed(part: Node, text: str) -> bool:
+    """Whether a script needs brackets: x^(2k), but g^ij, where letters are indices."""
+    if part.kind != "row":
+        return part.kind == "fraction"
+    return any(sign in text for sign in "+-= ") or any(x.kind == "number" for x in part.parts)

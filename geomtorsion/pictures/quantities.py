@@ -1,15 +1,16 @@
-"""Chosen: the quantities of a space that are to be shown, each with its tensor and its label."""
+"""quantities: those of a space that are to be shown, each with its tensor and its label."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.pictures.catalogue import CONNECTION, Entry, entries
 from geomtorsion.pictures.labels import letters, text_label
+from geomtorsion.pictures.text import plain_text
 from geomtorsion.spaces.checking import CONNECTION_QUANTITIES
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ BASES = ("natural", "coordinate", "frame")
 
 
 @dataclass(frozen=True)
-class Chosen:
+class Quantity:
     """A quantity of a space, computed when its components are asked for.
 
     entry: how it is presented. tensor: its components, in the basis asked for.
@@ -51,12 +52,12 @@ class Chosen:
         return dict(sorted(self.tensor.components.nonzero.items()))
 
 
-def choose(
+def chosen_quantities(
     space: Space,
     names: Iterable[str] = (),
     basis: str = "natural",
     progress: Callable[[str], object] = lambda _: None,
-) -> list[Chosen]:
+) -> list[Quantity]:
     """The quantities of these names, or all that a report shows; progress hears each title.
 
     Raises
@@ -67,7 +68,7 @@ def choose(
     Examples
     --------
     >>> from geomtorsion.spaces import load
-    >>> [ricci] = choose(load("s2"), ["ricci"])
+    >>> [ricci] = chosen_quantities(load("s2"), ["ricci"])
     >>> ricci.text_label, len(ricci.independent)
     ('R̄_{ab}', 2)
     """
@@ -89,9 +90,9 @@ def choose(
             tensor = CONNECTION_QUANTITIES[entry.name](space.connection)
         else:
             tensor = space.frame.quantity(entry.name)
-        chosen = Chosen(entry, _in_basis(tensor, basis))
-        _ = chosen.independent
-        found.append(chosen)
+        quantity = Quantity(entry, _in_basis(tensor, basis))
+        _ = quantity.independent
+        found.append(quantity)
     return found
 
 
@@ -100,3 +101,50 @@ def _in_basis(tensor: Tensor, basis: str) -> Tensor:
     if basis == "natural" or tensor.anchored:
         return tensor
     return tensor.in_frame() if basis == "frame" else tensor.in_coordinates()
+
+
+def geometry_data(space: Space, quantities: Sequence[Quantity]) -> dict[str, Any]:
+    """A space and its quantities as nested dictionaries of text.
+
+    Expressions are written so that ``parse_expression`` reads them back. Indices are counted from
+    0; in slots d and u are coordinate indices down and up, D and U frame indices.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> space = load("s2")
+    >>> data = geometry_data(space, chosen_quantities(space, ["ricci"]))
+    >>> data["quantities"]["ricci"]["components"]
+    {'0,0': '1', '1,1': 'sin(theta)^2'}
+    """
+    frame = space.frame
+    return {
+        "name": space.name,
+        "title": space.title,
+        "story": space.story,
+        "source": space.source,
+        "notes": space.notes,
+        "coordinates": [symbol.name for symbol in frame.coordinates],
+        "parameters": [symbol.name for symbol in frame.parameters],
+        "domain": [str(relation) for relation in frame.domain],
+        "frame_metric": [
+            [plain_text(frame.eta[i, j]) for j in range(frame.dimension)]
+            for i in range(frame.dimension)
+        ],
+        "branches": [str(branch) for branch in frame.field.branches],
+        "conventions": "Gamma_ab^c differentiates along its first index; S = T/2; slots d, u: "
+        "coordinate index down, up; D, U: frame index; indices counted from 0",
+        "quantities": {one.entry.name: _quantity(one) for one in quantities},
+    }
+
+
+def _quantity(quantity: Quantity) -> dict[str, Any]:
+    return {
+        "title": quantity.entry.title,
+        "equation": quantity.entry.equation,
+        "slots": quantity.tensor.slots,
+        "components": {
+            ",".join(map(str, index)): plain_text(element.sympy)
+            for index, element in quantity.nonzero.items()
+        },
+    }

@@ -1,0 +1,150 @@
+r"""latex: expressions, names and definitions as LaTeX, the one source of typeset mathematics."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+import sympy
+from sympy.core.function import AppliedUndef
+from sympy.printing.latex import LatexPrinter
+
+from geomtorsion.pictures.text import GREEK, MOST_PRIMES, ordered_terms, to_sympy
+
+_NUMBERED = re.compile(r"(\D+?)_?([0-9]+)")
+# What identities in plain text call some letters, as in Gamma_bar_ab^c.
+_NAMES = {
+    "Gamma_bar": "Γ\u0304", "R_bar": "R\u0304", "D_bar": "D\u0304", "Gamma": "Γ",
+    "T_scalar": "T", "omega": "ω", "eta": "η",
+}  # fmt: skip
+_NAME = re.compile("|".join(_NAMES))
+_BARRED = re.compile("(.)\u0304")
+_WORD = r"\b[A-Za-z][a-z]+(?![_^\w])"
+_WORDS = re.compile(rf" ?{_WORD}(?:[ ,]+{_WORD})* ?")
+_MARKS = re.compile(r"([_^])(?:\{([^{}]*)\}|(\[?[a-z0-9]+\]?))")
+
+
+def latex_text(expression: object) -> str:
+    r"""An expression in LaTeX: positive terms first, an upright e, a'(t) for d a/d t.
+
+    Examples
+    --------
+    >>> r, M, phi = sympy.symbols("r M phi1", positive=True)
+    >>> latex_text(1 - 2 * M / r), latex_text(sympy.exp(2 * r) * sympy.sin(phi) ** 2)
+    ('1 - \\frac{2 M}{r}', '\\mathrm{e}^{2 r} \\sin^{2}{\\phi_{1}}')
+    """
+    return _Printer().doprint(to_sympy(expression))
+
+
+def latex_name(name: str) -> str:
+    r"""A name in LaTeX: Greek letters, a trailing number or what follows _ as subscript.
+
+    Examples
+    --------
+    >>> latex_name("phi1"), latex_name("x"), latex_name("mass")
+    ('\\phi_{1}', 'x', '\\operatorname{mass}')
+    """
+    head, mark, tail = name.partition("_")
+    if mark and head and tail:
+        return f"{_scripted(latex_name(head))}_{{{tail if tail.isdigit() else latex_name(tail)}}}"
+    numbered = _NUMBERED.fullmatch(name)
+    if numbered:
+        return f"{_scripted(latex_name(numbered[1]))}_{{{numbered[2]}}}"
+    if name in GREEK:
+        return f"\\{name}"
+    # Braces would end the name; nothing that a frame can be made of has any.
+    return name if len(name) == 1 else f"\\operatorname{{{re.sub(r'[{}]', '', name)}}}"
+
+
+def _scripted(latex: str) -> str:
+    """A name that may have an index, ready for another."""
+    return f"{{{latex}}}" if "_" in latex else latex
+
+
+def equation_latex(text: str) -> str:
+    r"""A definition in plain text, such as S_{ab}^c = T_{ab}^c/2, in LaTeX.
+
+    Each index keeps its own column, words stand upright.
+
+    Examples
+    --------
+    >>> equation_latex("f^c = 2 S_a^c_b q'^a, where D_bar_a g_bc = 0")
+    "f^{c} = 2\\,S_{a}{}^{c}{}_{b}\\,q'^{a},\\text{ where }\\bar D_{a}\\,g_{b c} = 0"
+    """
+    text = _NAME.sub(lambda match: _NAMES[match.group()], text)
+    text = re.sub(rf"(?:{_MARKS.pattern})+", lambda match: _staggered(match.group()), text)
+    text = _WORDS.sub(lambda match: rf"\text{{{match.group()}}}", text)
+    text = _BARRED.sub(lambda match: rf"\bar {match[1]}", text)
+    # A blank between two factors is a thin space.
+    return re.sub(r"(?<=[}0-9]) (?=[^\W\d_]|[∂(\\])", r"\\,", text)
+
+
+def _staggered(marks: str) -> str:
+    """Indices with an empty base between those below and those above."""
+    written = [
+        f"{sign}{{{' '.join((braced or bare).replace(' ', ''))}}}"
+        for sign, braced, bare in _MARKS.findall(marks)
+    ]
+    return "{}".join(written)
+
+
+def latex_matrix(rows: Sequence[Sequence[str]]) -> str:
+    """A matrix of formulas.
+
+    Examples
+    --------
+    >>> latex_matrix([["1", "0"], ["0", "r"]])
+    '\\\\begin{pmatrix} 1 & 0 \\\\\\\\ 0 & r \\\\end{pmatrix}'
+    """
+    body = r" \\ ".join(" & ".join(row) for row in rows)
+    return rf"\begin{{pmatrix}} {body} \end{{pmatrix}}"
+
+
+class _Printer(LatexPrinter):
+    """sympy's LaTeX, with the order of terms, the primes and the brackets of a person."""
+
+    _default_settings = LatexPrinter._default_settings | {"inv_trig_style": "full"}
+
+    def _as_ordered_terms(self, expr: sympy.Add, order: object = None) -> list[sympy.Expr]:
+        return ordered_terms(expr)
+
+    def _print_Symbol(self, expr: sympy.Symbol, style: str = "plain") -> str:
+        return latex_name(expr.name)
+
+    def _print_Exp1(self, expr: sympy.Expr, exp: str | None = None) -> str:
+        return r"\mathrm{e}"
+
+    def _print_ExpBase(self, expr: sympy.Expr, exp: str | None = None) -> str:
+        # Upright, so that it is not taken for a one-form e^1.
+        power = rf"\mathrm{{e}}^{{{self._print(expr.args[0])}}}"
+        return power if exp is None else rf"\left({power}\right)^{{{exp}}}"
+
+    def _print_Function(self, expr: sympy.Expr, exp: str | None = None) -> str:
+        power = "" if exp is None else f"^{{{exp}}}"
+        inner = ", ".join(self._print(argument) for argument in expr.args)
+        name = type(expr).__name__
+        if isinstance(expr, AppliedUndef):
+            return rf"{latex_name(name)}\left({inner}\right){power}"
+        name = {"log": "ln"}.get(name, re.sub("^a(?=sin|cos|tan)", "arc", name))
+        head = rf"\{name}" if name in _NAMED else rf"\operatorname{{{name}}}"
+        simple = len(expr.args) == 1 and (expr.args[0].is_Symbol or expr.args[0].is_Integer)
+        return rf"{head}{power}{{{inner}}}" if simple else rf"{head}{power}\left({inner}\right)"
+
+    _print_log = _print_Function
+
+    def _print_Derivative(self, expr: sympy.Derivative) -> str:
+        function = expr.expr
+        if not isinstance(function, AppliedUndef):
+            return super()._print_Derivative(expr)
+        name = latex_name(function.func.__name__)
+        inner = ", ".join(self._print(argument) for argument in function.args)
+        count = int(expr.derivative_count)
+        if len(function.args) > 1:
+            by = " ".join(self._print(v) for v, n in expr.variable_count for _ in range(int(n)))
+            name = rf"\partial_{{{by}}} {name}"
+        else:
+            name += "'" * count if count <= MOST_PRIMES else f"^{{({count})}}"
+        return rf"{name}\left({inner}\right)"
+
+
+_NAMED = "sin cos tan cot sec csc sinh cosh tanh coth ln arcsin arccos arctan".split()

@@ -1,0 +1,97 @@
+"""sections: one quantity of a report each: a matrix, a list of components or a single value."""
+
+from __future__ import annotations
+
+import re
+from html import escape
+from typing import TYPE_CHECKING
+
+import sympy
+
+from geomtorsion.pictures.labels import latex_label, latex_marks
+from geomtorsion.pictures.latex import equation_latex, latex_matrix, latex_text
+from geomtorsion.pictures.mathml import mathml
+from geomtorsion.pictures.text import expression_text
+
+if TYPE_CHECKING:
+    from geomtorsion.exact import Element
+    from geomtorsion.pictures.quantities import Quantity
+
+# Letters that fit into a row of a matrix, into a third of the page, and into half of it.
+_ROW_WIDTH, _THIRD_WIDTH, _HALF_WIDTH = 90, 20, 34
+# Components of a list before the rest is folded away.
+_UNFOLDED = 40
+
+
+def section(quantity: Quantity) -> str:
+    """A quantity with its heading, its definition and its nonzero components, as HTML."""
+    entry = quantity.entry
+    head = (
+        f'<div class="head"><h3>{escape(entry.title)}</h3>'
+        f"{mathml(equation_latex(entry.equation))}</div>"
+    )
+    return f'<section class="card" id="{entry.name}">{head}{_body(quantity)}</section>'
+
+
+def _displayed(latex: str) -> str:
+    """A displayed formula that scrolls sideways when it is too long."""
+    return f'<div class="scroll">{mathml(latex, display=True)}</div>'
+
+
+def _body(quantity: Quantity) -> str:
+    slots = quantity.tensor.slots
+    label = latex_label(quantity.entry.latex, quantity.letters, slots)
+    if not quantity.independent:
+        return f'<div class="zero">{_displayed(f"{label} = 0")}</div>'
+    if not slots:
+        [value] = quantity.independent.values()
+        return _displayed(f"{label} = {latex_text(value.sympy)}")
+    if len(slots) == 2 and _fits(quantity):
+        return _displayed(f"{label} = {_matrix(quantity)}")
+    return _listed(quantity)
+
+
+def _fits(quantity: Quantity) -> bool:
+    """Whether a matrix is narrow enough to be read."""
+    n = quantity.tensor.frame.dimension
+    widths = [0] * n
+    for (_, column), value in quantity.nonzero.items():
+        widths[column] = max(widths[column], _width(value))
+    return sum(widths) + 2 * n <= _ROW_WIDTH
+
+
+def _matrix(quantity: Quantity) -> str:
+    n = range(quantity.tensor.frame.dimension)
+    known = {index: latex_text(value.sympy) for index, value in quantity.nonzero.items()}
+    return latex_matrix([[known.get((i, j), "0") for j in n] for i in n])
+
+
+def _listed(quantity: Quantity) -> str:
+    """Components in columns; the later ones of a long list are folded away."""
+    tensor = quantity.tensor
+    lines = []
+    narrow = all(_width(value) <= _THIRD_WIDTH for value in quantity.independent.values())
+    columns = "components" if narrow else "components two"
+    for index, value in quantity.independent.items():
+        label = latex_label(quantity.entry.latex, latex_marks(tensor, index), tensor.slots)
+        wide = " wide" if _width(value) > _HALF_WIDTH else ""
+        formula = mathml(f"{label} = {latex_text(value.sympy)}", tall=True)
+        lines.append(f'<div class="scroll{wide}">{formula}</div>')
+    shown = f'<div class="{columns}">{"".join(lines[:_UNFOLDED])}</div>'
+    if len(lines) > _UNFOLDED:
+        rest = "".join(lines[_UNFOLDED:])
+        shown += (
+            f"<details><summary>{len(lines) - _UNFOLDED} more components</summary>"
+            f'<div class="{columns}">{rest}</div></details>'
+        )
+    hidden = len(quantity.nonzero) - len(quantity.independent)
+    if hidden:
+        follow = "component follows" if hidden == 1 else "components follow"
+        shown += f'<p class="note">{hidden} more {follow} by symmetry.</p>'
+    return shown
+
+
+def _width(value: Element) -> int:
+    """About how many letters wide a value is, a fraction being as wide as its longer half."""
+    halves = sympy.fraction(value.sympy)
+    return max(len(re.sub(r"sqrt|[*^ ]", "", expression_text(half))) for half in halves)
