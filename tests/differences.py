@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property, wraps
 from itertools import permutations
 from math import factorial
@@ -77,6 +77,38 @@ def numeric(entries: Any, coordinates: Sequence[Any], values: dict) -> Callable[
         return sp.sympify(part).xreplace(numbers)
 
     return sp.lambdify([list(coordinates)], settled(entries), modules="mpmath")
+
+
+def values(expressions: Iterable[sp.Expr], point: dict) -> list[Any]:
+    """Expressions at one point, at the working precision; parts that they share are done once."""
+    done = {symbol: mpmath.mpmathify(number) for symbol, number in point.items()}
+
+    def value(part: sp.Basic) -> Any:
+        if part not in done:
+            done[part] = _combined(part, [value(arg) for arg in part.args])
+        return done[part]
+
+    return [value(sp.sympify(expression)) for expression in expressions]
+
+
+def _combined(part: Any, parts: list[Any]) -> Any:
+    """The value of an expression from the values of its arguments."""
+    if part.is_Rational:
+        return mpmath.mpf(int(part.p)) / int(part.q)
+    if part.is_Add:
+        return mpmath.fsum(parts)
+    if part.is_Mul:
+        return mpmath.fprod(parts)
+    if part.is_Pow:
+        twice = 2 * part.exp
+        if part.exp.is_Integer or not twice.is_Integer:
+            return parts[0] ** (int(part.exp) if part.exp.is_Integer else parts[1])
+        return mpmath.sqrt(parts[0]) ** int(twice)
+    if part.is_Function:
+        return getattr(mpmath, type(part).__name__)(*parts)
+    if part is sp.I:
+        return mpmath.mpc(0, 1)
+    return mpmath.mpmathify(part.evalf(mpmath.mp.dps + 5))
 
 
 def largest(numbers: Any) -> float:

@@ -9,6 +9,7 @@ from hypothesis import HealthCheck, settings
 
 import geomtorsion as gt
 from tests.differences import DIGITS, numeric
+from tests.differences import values as values_of
 from tests.oracle import Oracle
 from tests.strategies import PARAMETERS
 
@@ -27,9 +28,8 @@ def numbers(tensor: gt.Tensor, values: dict, written: bool = False) -> np.ndarra
     if written:
         found = tensor.nonzero()
         with mpmath.workdps(40):
-            at = numeric([settled(e) for e in found.values()], list(values), {})(
-                [mpmath.mpf(int(v.p)) / int(v.q) for v in values.values()]
-            )
+            place = {symbol: mpmath.mpf(int(v.p)) / int(v.q) for symbol, v in values.items()}
+            at = values_of([settled(e) for e in found.values()], place)
         for index, value in zip(found, at, strict=True):
             result[index] = mpmath.mpmathify(value)
     else:
