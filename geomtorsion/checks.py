@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import sympy as sp
 
-from geomtorsion.errors import GeomtorsionError
+from geomtorsion.errors import ExpressionError, GeomtorsionError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -281,8 +281,8 @@ def repr_fraction(value: float) -> Fraction:
 
 def expression(
     value: Any,
-    subject: str,
-    error: ErrorClass,
+    subject: str = "expression",
+    error: ErrorClass = ExpressionError,
     *,
     read: Callable[[str], sp.Expr] | None = None,
     message: str = EXPRESSION,
@@ -297,10 +297,9 @@ def expression(
     Examples
     --------
     >>> import sympy as sp
-    >>> from geomtorsion.errors import ExpressionError
-    >>> expression(Fraction(1, 2), "a", ExpressionError), expression(sp.pi, "a", ExpressionError)
+    >>> expression(Fraction(1, 2)), expression(sp.pi)
     (1/2, pi)
-    >>> expression(["1"], "curve[0]", ExpressionError)
+    >>> expression(["1"], "curve[0]")
     Traceback (most recent call last):
     geomtorsion.errors.ExpressionError: curve[0]: one expression was needed, but ['1'] came.
     """

@@ -44,13 +44,23 @@ def run(path: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-@pytest.mark.parametrize("path", ALL, ids=lambda path: path.stem)
-def test_example_runs(path):
-    """It prints something, warns of nothing and ends with code 0."""
-    done = run(path)
+def test_an_example_runs_as_a_script():
+    """From the command line, in a process of its own, as `.ci/run` runs each of them."""
+    done = run(EXAMPLES[0])
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip()
     assert not done.stderr
+
+
+@pytest.mark.parametrize("path", ALL, ids=lambda path: path.stem)
+def test_example_runs(path, monkeypatch, capfd, tmp_path):
+    """It prints something, warns of nothing and its assertions hold; modules are loaded already."""
+    monkeypatch.setattr(sys, "argv", [path.name])
+    monkeypatch.chdir(tmp_path)
+    runpy.run_path(str(path), run_name="__main__")
+    printed = capfd.readouterr()
+    assert printed.out.strip()
+    assert not printed.err
 
 
 @pytest.mark.parametrize("path", ALL, ids=lambda path: path.stem)

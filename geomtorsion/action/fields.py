@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
+from geomtorsion.checks import expression
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.geometry.groups import exponential
 
@@ -62,7 +63,7 @@ def _right_invariant(frame: Frame) -> list[list[sp.Expr]] | None:
     whole = sp.eye(n)
     for place, mu in enumerate(order):
         still = {q[nu]: _base(columns, q[nu]) for nu in order[place + 1 :]}
-        column = [sp.sympify(entry).xreplace(still) for entry in columns[mu]]
+        column = [expression(entry).xreplace(still) for entry in columns[mu]]
         step = _step(column, twist, n, q[mu])
         if step is None:
             return None
@@ -72,7 +73,7 @@ def _right_invariant(frame: Frame) -> list[list[sp.Expr]] | None:
 
 def _base(columns: Sequence[Sequence[Any]], symbol: sp.Symbol) -> sp.Expr:
     """Where a coordinate line begins: at zero, or at one where the coframe ends at zero."""
-    entries = [sp.sympify(entry).subs(symbol, 0) for column in columns for entry in column]
+    entries = [expression(entry).subs(symbol, 0) for column in columns for entry in column]
     singular = any(entry.has(sp.zoo, sp.oo, sp.nan) for entry in entries)
     return sp.Integer(1 if singular else 0)
 

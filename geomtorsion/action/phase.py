@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from geomtorsion import checks
 from geomtorsion.action.letters import Letters, letters_of
 from geomtorsion.errors import LagrangianError
 from geomtorsion.exact import Element, parse_expression
@@ -136,16 +137,11 @@ def expressions(
 
 def _sympified(where: str, value: Any) -> sp.Expr:
     """A number, element or expression of sympy; never a text."""
-    try:
-        found = value.sympy if isinstance(value, Element) else sp.sympify(value, strict=True)
-    except sp.SympifyError:
-        found = None
-    if not isinstance(found, sp.Expr):
-        raise LagrangianError(
-            f"{where}: an expression was needed, {type(value).__name__} came: {value!r}. "
-            "Give text, a number or a sympy expression."
-        )
-    return found
+    message = (
+        f"{{subject}}: an expression was needed, {type(value).__name__} came: {{value}}. "
+        "Give text, a number or a sympy expression."
+    )
+    return checks.expression(value, where, LagrangianError, message=message)
 
 
 def _check_functions(where: str, expression: sp.Expr, table: Mapping[str, Any]) -> None:

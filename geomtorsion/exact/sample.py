@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import mpmath
 import sympy
 
+from geomtorsion.checks import expression
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.exact.evaluate import settled_value, values
 
@@ -101,7 +102,7 @@ class Sample:
     def _value_of(self, generator: Generator) -> Any:
         shown = generator.shown
         if shown in self._given:
-            given = sympy.sympify(self._given[shown])
+            given = expression(self._given[shown], str(shown))
             return mpmath.mpmathify(given.evalf(int(mpmath.mp.dps) + 10))
         share = _share(f"{shown} {self._place}")
         if self._place:

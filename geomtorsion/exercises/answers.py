@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import sympy
 
+from geomtorsion import checks
 from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exercises.limits import ANSWER, LARGEST_ANSWER
@@ -300,4 +301,4 @@ def component_text(value: Any) -> str:
     """One expression or number as text without Greek letters."""
     if isinstance(value, float):
         return f"{value:.{DIGITS}g}"
-    return shown_name(expression_text(sympy.sympify(value), greek=False))
+    return shown_name(expression_text(checks.expression(value), greek=False))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy
 
+from geomtorsion.checks import expression
 from geomtorsion.errors import ExpressionError, GeomtorsionError, LimitError
 from geomtorsion.exercises.limits import check_weight
 from geomtorsion.exercises.numeric import at_point, at_points, at_points_with_size
@@ -50,7 +51,7 @@ def compare(domain: Domain, one: Any, two: Any) -> str:
     >>> [compare(domain, root, sympy.sin(x)) for domain in (whole, half)]
     ['partly', 'equal']
     """
-    one, two = sympy.sympify(one), sympy.sympify(two)
+    one, two = expression(one), expression(two)
     if one == two:
         return EQUAL
     near, largest = _near(domain, one, two)

@@ -10,7 +10,7 @@ import sympy as sp
 
 from geomtorsion.errors import ShapeError, StructureConstantError
 from geomtorsion.exact import Field
-from geomtorsion.geometry.intake import free_symbols
+from geomtorsion.geometry.intake import free_symbols, named_symbols
 
 
 def invariant_coframe(
@@ -77,8 +77,7 @@ def _symbols(coordinates: Sequence[sp.Symbol] | str | None, n: int) -> list[sp.S
     """Coordinates: those given, or x1 ... xn."""
     if coordinates is None:
         return [sp.Symbol(f"x{k + 1}") for k in range(n)]
-    given = coordinates.replace(",", " ").split() if isinstance(coordinates, str) else coordinates
-    found = [sp.Symbol(item) if isinstance(item, str) else item for item in given]
+    found = named_symbols(coordinates)
     if len(found) != n:
         raise ShapeError(
             f"{len(found)} coordinates came with structure constants of dimension {n}. Give {n}."

@@ -9,6 +9,7 @@ from typing import Any
 
 import sympy as sp
 
+from geomtorsion import checks
 from geomtorsion.errors import (
     CoframeError,
     CoordinateError,
@@ -93,13 +94,7 @@ def coordinate_symbols(coordinates: Any, n: int, free: Iterable[sp.Symbol]) -> t
     Names given as text become the symbol of that name that occurs in the entries.
     """
     by_name = {symbol.name: symbol for symbol in sorted(free, key=str)}
-    given = coordinates.replace(",", " ").split() if isinstance(coordinates, str) else coordinates
-    found = []
-    for item in given:
-        symbol = by_name.get(item, sp.Symbol(item)) if isinstance(item, str) else item
-        if not isinstance(symbol, sp.Symbol):
-            raise CoordinateError(f"coordinate {item!r} is no symbol. Give sympy symbols or names.")
-        found.append(symbol)
+    found = named_symbols(coordinates, by_name)
     if len(found) != n:
         raise ShapeError(
             f"{len(found)} coordinates came with a matrix of {n} columns. "
@@ -114,6 +109,26 @@ def coordinate_symbols(coordinates: Any, n: int, free: Iterable[sp.Symbol]) -> t
     for symbol in found:
         check_twin(symbol, by_name)
     return tuple(found)
+
+
+def named_symbols(
+    names: Any, known: Mapping[str, sp.Symbol] | None = None, what: str = "coordinate"
+) -> list[sp.Symbol]:
+    """Symbols from symbols or names, a text holding several; a known name is its symbol."""
+    given = names.replace(",", " ").split() if isinstance(names, str) else names
+    if isinstance(given, Mapping) or not isinstance(given, Iterable):
+        raise CoordinateError(
+            f"{what}s: symbols or names were needed, but {checks.shown(given)} came."
+        )
+    found = []
+    for item in given:
+        symbol = (known or {}).get(item, sp.Symbol(item)) if isinstance(item, str) else item
+        if not isinstance(symbol, sp.Symbol):
+            raise CoordinateError(
+                f"{what} {checks.shown(item)} is no symbol. Give sympy symbols or names."
+            )
+        found.append(symbol)
+    return found
 
 
 def check_twin(symbol: sp.Symbol, by_name: dict[str, sp.Symbol]) -> None:
@@ -134,8 +149,7 @@ def parameter_symbols(
     free = set(free)
     by_name = {symbol.name: symbol for symbol in free}
     given = []
-    for item in parameters or ():
-        symbol = by_name.get(item, sp.Symbol(item)) if isinstance(item, str) else item
+    for symbol in named_symbols(() if parameters is None else parameters, by_name, "parameter"):
         if symbol.name in {c.name for c in coordinates}:
             raise CoordinateError(
                 f"{symbol.name} is a coordinate and a parameter at once. Rename one of them."
@@ -158,16 +172,22 @@ def signature_entries(signature: Any, n: int) -> Matrix:
     """Non-zero entries of eta from None, a tuple of signs or a constant symmetric matrix."""
     if signature is None:
         return {(i, i): sp.S.One for i in range(n)}
-    rows = signature.tolist() if hasattr(signature, "tolist") else list(signature)
+    rows = signature.tolist() if hasattr(signature, "tolist") else signature
+    if isinstance(rows, str) or not isinstance(rows, Iterable):
+        raise SignatureError(
+            f"signature: signs or a matrix were needed, but {checks.shown(rows)} came. "
+            "Write (-1, 1, 1, 1), or a constant symmetric matrix."
+        )
+    rows = list(rows)
     if any(isinstance(row, (list, tuple)) for row in rows):
         size, entries = matrix_entries(rows, "signature")
     else:
-        size, entries = len(rows), {(i, i): sp.sympify(x) for i, x in enumerate(rows)}
-        if any(x not in (1, -1) for x in rows):
+        if any(checks.fraction(x) not in (1, -1) for x in rows):
             raise SignatureError(
-                f"signature {tuple(rows)} has an entry that is neither 1 nor -1. "
+                f"signature {checks.shown(tuple(rows))} has an entry that is neither 1 nor -1. "
                 "Give signs, or a constant symmetric matrix."
             )
+        size, entries = len(rows), {(i, i): checks.expression(x) for i, x in enumerate(rows)}
     if size != n:
         raise SignatureError(f"signature has {size} entries, the frame has {n} rows. Give {n}.")
     for i, j in combinations(range(n), 2):

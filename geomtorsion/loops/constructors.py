@@ -22,7 +22,7 @@ COINCIDE = 1e-15
 
 def circle(centre: Sequence[Any], radius: Any, plane: Any) -> Part:
     """Circle of a radius about a centre; see Loop.circle."""
-    if planes.is_symbolic(list(centre), radius):
+    if planes.is_symbolic(centre, radius):
         return symbolic_ellipse(centre, (radius, radius), plane, planes.exact_orthonormal)
     place = planes.vector(centre, "centre")
     u, v = planes.orthonormal(*planes.rows(plane, len(place)))
@@ -36,7 +36,7 @@ def ellipse(centre: Sequence[Any], axes: Any, plane: Any) -> Part:
     """Ellipse with two semi-axes along two directions; see Loop.ellipse."""
     if not hasattr(axes, "__len__") or isinstance(axes, str) or len(axes) != 2:
         raise LoopError(f"axes: two semi-axes were needed, but {axes!r} came.")
-    if planes.is_symbolic(list(centre), list(axes)):
+    if planes.is_symbolic(centre, axes):
         return symbolic_ellipse(centre, axes, plane, planes.exact_rows)
     place = planes.vector(centre, "centre")
     first, second = planes.rows(plane, len(place))

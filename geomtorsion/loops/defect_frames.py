@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import sympy as sp
 
-from geomtorsion.errors import ShapeError
+from geomtorsion import checks
+from geomtorsion.errors import LoopError, ShapeError
+from geomtorsion.exact import parse_expression
 from geomtorsion.geometry import Frame
 from geomtorsion.loops.arcs import exact_number
 
@@ -108,7 +111,7 @@ def dispiration(alpha: Any, b: Any) -> Frame:
     >>> dispiration(1, 0).coframe.nonzero()
     {(0, 0): 1, (1, 1): 1, (2, 2): 1}
     """
-    left, step = exact_number(sp.sympify(alpha)), exact_number(sp.sympify(b))
+    left, step = (_expression(value, name) for name, value in (("alpha", alpha), ("b", b)))
     square = X**2 + Y**2
     # dr / r and dphi as coefficients of dx and dy.
     radial, angular = (X / square, Y / square), (-Y / square, X / square)
@@ -124,6 +127,12 @@ def dispiration(alpha: Any, b: Any) -> Frame:
 
 def _exact(row: Sequence[Any], length: int, where: str) -> tuple[sp.Expr, ...]:
     """A row of exact numbers or expressions."""
-    if not hasattr(row, "__len__") or len(row) != length:
-        raise ShapeError(f"{where}: {length} numbers were needed, but {row!r} came.")
-    return tuple(exact_number(sp.sympify(value)) for value in row)
+    if isinstance(row, str) or not hasattr(row, "__len__") or len(row) != length:
+        raise ShapeError(f"{where}: {length} numbers were needed, but {checks.shown(row)} came.")
+    return tuple(_expression(value, f"{where}[{k}]") for k, value in enumerate(row))
+
+
+def _expression(value: Any, where: str) -> sp.Expr:
+    """An exact number or expression; text such as "1/2" is read as a number."""
+    read = partial(parse_expression, symbols={}, functions={}, where=where)
+    return exact_number(checks.expression(value, where, LoopError, read=read))

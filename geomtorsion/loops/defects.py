@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
+from geomtorsion.checks import exact_number
+from geomtorsion.checks import expression as expression_of
 from geomtorsion.errors import LoopError, MissingValueError
 from geomtorsion.exact.form import Sum, form
 from geomtorsion.loops.affine_form import AffineForm
@@ -66,10 +68,13 @@ class Defect:
         MissingValueError
             It depends on a parameter that has no value.
         """
-        names = {getattr(key, "name", str(key)): value for key, value in (parameters or {}).items()}
+        names = {
+            getattr(key, "name", str(key)): exact_number(value, f"parameter {key}", LoopError)
+            for key, value in (parameters or {}).items()
+        }
         numbers = []
         for value in self.point:
-            expression = sp.sympify(value)
+            expression = expression_of(value, f"{self.name}: point", LoopError)
             here = {s: names[s.name] for s in expression.free_symbols if s.name in names}
             number = expression.subs(here)
             if number.free_symbols:

@@ -11,6 +11,7 @@ import mpmath
 import numpy as np
 import sympy as sp
 
+from geomtorsion.checks import expression as expression_of
 from geomtorsion.errors import LoopError, MissingValueError, UndecidedError
 from geomtorsion.loops.arcs import Arc, Curve, Ellipse, Part, exact_number
 from geomtorsion.loops.closed_forms import OutOfTimeError, deadline, definite
@@ -180,7 +181,7 @@ def _number(f: sp.Expr, piece: Piece, where: Mapping[sp.Symbol, sp.Expr]) -> Any
         return mpmath.mpf(0)
     function = sp.lambdify(t, f.subs(where), "mpmath")
     with mpmath.workdps(DIGITS + 10):
-        bounds = [mpmath.mpmathify(sp.sympify(x).subs(where).evalf(40)) for x in (low, high)]
+        bounds = [mpmath.mpmathify(expression_of(x).subs(where).evalf(40)) for x in (low, high)]
         panels = mpmath.linspace(*bounds, 9)
         return mpmath.quad(function, panels)
 

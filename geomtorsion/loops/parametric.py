@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 import sympy as sp
 
+from geomtorsion import checks
 from geomtorsion.errors import ExpressionError, LoopError, MissingValueError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exact.names import FUNCTIONS
@@ -117,10 +119,8 @@ def _name(parameter: Any) -> str:
 
 def _read(value: Any, names: Mapping[str, sp.Symbol], where: str) -> sp.Expr:
     """A smooth real expression from text or sympy."""
-    expression = (
-        parse_expression(value, names, {}, where=where) if isinstance(value, str) else value
-    )
-    expression = exact_number(sp.sympify(expression))
+    read = partial(parse_expression, symbols=names, functions={}, where=where)
+    expression = exact_number(checks.expression(value, where, LoopError, read=read))
     if expression.has(sp.I, sp.nan, sp.zoo, sp.oo):
         raise ExpressionError(f"{where}: {expression} is not real and finite.")
     for part in expression.atoms(sp.Function, sp.Piecewise):

@@ -57,11 +57,13 @@ def vector(values: Any, where: str, dimension: int | None = None) -> tuple[float
 
 
 def is_symbolic(*values: Any) -> bool:
-    """Whether a value contains symbols, at any depth of lists."""
+    """Whether a value contains symbols, at any depth of lists and arrays."""
     return any(
-        is_symbolic(*value)
-        if isinstance(value, list | tuple)
-        else isinstance(value, sp.Expr) and bool(value.free_symbols)
+        bool(value.free_symbols)
+        if isinstance(value, sp.Expr)
+        else isinstance(value, list | tuple | np.ndarray)
+        and np.ndim(value) > 0
+        and is_symbolic(*value)
         for value in values
     )
 

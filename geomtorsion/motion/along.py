@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
+from geomtorsion.checks import expression as expression_of
+from geomtorsion.checks import shown
 from geomtorsion.errors import AccuracyError, ChartEdgeError, ShapeError, StartError
 from geomtorsion.exact import Field
 from geomtorsion.motion.checking import CAUTION
@@ -67,9 +69,12 @@ def transport_system(connection: Connection, path: Sequence[Any]) -> System:
     """w'^k = - omega_ai^k(q(s)) q'^a(s) w^i for all legs at once, s being a state."""
     frame = connection.frame
     n = frame.dimension
-    if len(path) != n:
-        raise ShapeError(f"path: {n} expressions were needed, {len(path)} came.")
-    curve = [_without_floats(sp.sympify(x)) for x in path]
+    if not isinstance(path, list | tuple) or len(path) != n:
+        came = len(path) if isinstance(path, list | tuple) else shown(path)
+        raise ShapeError(f"path: {n} expressions were needed, {came} came.")
+    curve = [
+        _without_floats(expression_of(x, f"path[{k}]", StartError)) for k, x in enumerate(path)
+    ]
     free = {s for x in curve for s in x.free_symbols} - set(frame.parameters)
     if len(free) > 1:
         raise StartError(

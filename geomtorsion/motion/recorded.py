@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from zipfile import BadZipFile
 
 from geomtorsion.errors import FileFormatError
+from geomtorsion.files import conforming
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -72,6 +73,7 @@ class Recorded:
                 f"{path}: this is no motion saved by Solution.save ({error}). "
                 "Save the solution again."
             ) from None
+        conforming(metadata, {"error": float}, str(path))
         if metadata.get("format") != FORMAT:
             raise FileFormatError(
                 f"{path}: format {metadata.get('format')} was found, {FORMAT} is known. "

@@ -8,6 +8,7 @@ from itertools import permutations
 
 import sympy as sp
 
+from geomtorsion.checks import expression as expression_of
 from geomtorsion.geometry import Tensor
 
 Index = tuple[int, ...]
@@ -75,7 +76,7 @@ def same(tensor: Tensor, printed: Components) -> bool:
 
 def short(expression: sp.Expr | int) -> str:
     """An expression with c1, s1, c2, s2 for cosines and sines."""
-    return str(sp.sympify(expression).xreplace(SHORT))
+    return str(expression_of(expression).xreplace(SHORT))
 
 
 def rows(tensor: Tensor) -> str:

@@ -9,7 +9,6 @@ turn about space axes in the order written, three capitals about body axes. The 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from difflib import get_close_matches
 from itertools import product as choices
 from typing import Any
 
@@ -17,6 +16,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
+from geomtorsion import checks
 from geomtorsion.errors import ShapeError, StartError, UnknownNameError
 
 Array = NDArray[np.float64]
@@ -50,7 +50,8 @@ def checked_convention(name: object) -> str:
             return PAPER
         if name in CONVENTIONS:
             return name
-    near = get_close_matches(str(name), CONVENTIONS, n=1, cutoff=0.3)
+    # Three letters are near each other only by a low measure.
+    near = checks.close_names(str(name), CONVENTIONS, cutoff=0.3)
     hint = f"Did you mean {near[0]!r}? " if near else ""
     raise UnknownNameError(
         f"there are no Euler angles called {name!r}. {hint}Three letters name the axes: small for "
@@ -370,12 +371,10 @@ def _array(values: ArrayLike, shape: tuple[int, ...], name: str) -> Array:
 
 def _numbers(values: object, shape: tuple[int, ...], name: str, wanted: str) -> Array:
     """Finite numbers of this shape, as part of a start."""
-    try:
-        array = np.asarray(values, dtype=np.float64)  # type: ignore[arg-type]
-    except (TypeError, ValueError, OverflowError):
-        array = np.empty(0)
-    if array.shape != shape:
-        raise StartError(f"{name} = {values!r}: {wanted} were needed.")
+    needed = f"{{subject}} = {{value}}: {wanted} were needed."
+    array = checks.array(
+        values, name, StartError, shape=shape, message=needed, shaped=needed, infinite=None
+    )
     if not np.isfinite(array).all():
-        raise StartError(f"{name} = {values!r} contains a number that is not finite.")
+        raise StartError(f"{name} = {checks.shown(values)} contains a number that is not finite.")
     return array

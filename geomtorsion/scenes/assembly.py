@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
+from geomtorsion.checks import expression as expression_of
 from geomtorsion.errors import SceneError
 from geomtorsion.rigid.attitude import rotation_rows
 from geomtorsion.scenes.context import (
@@ -69,7 +70,9 @@ class Assembly:
 
     def tied(self, expression: Any) -> Any:
         """An expression with what the constraint fixes put in."""
-        return sp.sympify(expression).xreplace(dict(self.ties))
+        whole = isinstance(expression, sp.MatrixBase)
+        given = expression if whole else expression_of(expression)
+        return given.xreplace(dict(self.ties))
 
     @cached_property
     def inertia(self) -> Any:
@@ -113,7 +116,7 @@ class Assembly:
     def potential_energy(self) -> Any:
         """Energy stored in the effects."""
         stored = [part.energy for part in self.parts.values() if part.energy is not None]
-        return self.tied(sp.Add(*map(sp.sympify, stored)))
+        return self.tied(sp.Add(*map(expression_of, stored)))
 
     @cached_property
     def power(self) -> Any:
@@ -145,9 +148,9 @@ class Assembly:
 def power_of(part: Contribution) -> Any:
     """What a contribution puts in per time."""
     if part.power is not None:
-        return sp.sympify(part.power)
+        return expression_of(part.power)
     if part.energy is not None:
-        return sp.diff(sp.sympify(part.energy), TIME)
+        return sp.diff(expression_of(part.energy), TIME)
     moment, force = sp.Matrix(part.moment or NOTHING), sp.Matrix(part.force or NOTHING)
     return moment.dot(sp.Matrix(OMEGA)) + force.dot(sp.Matrix(VELOCITY))
 
@@ -186,7 +189,7 @@ def assemble(body: Body, effects: Mapping[str, Effect]) -> Assembly:
                 raise SceneError(f"{key} brings the state {name!r}, which another effect has.")
             if name not in part.start:
                 raise SceneError(f"{key} brings the state {name!r} without a start.")
-            rates[sp.Symbol(name)] = sp.sympify(rate)
+            rates[sp.Symbol(name)] = expression_of(rate)
             start[name] = part.start[name]
         for name in part.outputs:
             if any(name in other.outputs for k, other in parts.items() if k != key):
@@ -211,7 +214,7 @@ def assemble(body: Body, effects: Mapping[str, Effect]) -> Assembly:
         start[WORK.name] = 0
     for part in parts.values():
         own |= {sp.Symbol(name): made.tied(rate) for name, rate in part.replaces.items()}
-    own = {symbol: sp.sympify(rate) for symbol, rate in own.items()}
+    own = {symbol: expression_of(rate) for symbol, rate in own.items()}
     return Assembly(context, parts, constraint, own, start, ties)
 
 
@@ -219,10 +222,10 @@ def _ties(constraint: Constraint | None) -> dict[Any, Any]:
     """What a constraint says of angular velocity, velocity and position."""
     if constraint is None:
         return {}
-    ties = dict(zip(OMEGA, map(sp.sympify, constraint.omega), strict=True))
+    ties = dict(zip(OMEGA, map(expression_of, constraint.omega), strict=True))
     ties |= dict(zip(VELOCITY, ATTITUDE * sp.Matrix(constraint.velocity), strict=True))
     if constraint.position is not None:
-        ties |= dict(zip(POSITION, map(sp.sympify, constraint.position), strict=True))
+        ties |= dict(zip(POSITION, map(expression_of, constraint.position), strict=True))
     return {symbol: value for symbol, value in ties.items() if symbol != value}
 
 

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
+import sympy as sp
 
 from geomtorsion.errors import BodyError
 from geomtorsion.scenes import inertia as shapes
-from geomtorsion.scenes.context import exact
+from geomtorsion.scenes.context import Number, exact
 
 
 @dataclass(frozen=True)
@@ -39,9 +39,9 @@ class Body:
     geomtorsion.errors.BodyError: moments[2] = -4: a positive number (kg m^2) was needed.
     """
 
-    mass: Any = 1.0
-    moments: Any = None
-    inertia: Any = None
+    mass: Number = 1.0
+    moments: Sequence[Number] | None = None
+    inertia: Sequence[Sequence[Number]] | np.ndarray | None = None
 
     def __post_init__(self) -> None:
         """Check, and keep tuples."""
@@ -55,7 +55,7 @@ class Body:
             object.__setattr__(self, "inertia", shapes.checked_tensor(self.inertia))
 
     @classmethod
-    def box(cls, mass: Any, sides: Sequence[Any]) -> Body:
+    def box(cls, mass: Number, sides: Sequence[Number]) -> Body:
         """A homogeneous box; sides along the body axes, m.
 
         Examples
@@ -66,7 +66,7 @@ class Body:
         return cls(shapes.positive(mass, "mass", "kg"), shapes.box(mass, sides))
 
     @classmethod
-    def ellipsoid(cls, mass: Any, semiaxes: Sequence[Any]) -> Body:
+    def ellipsoid(cls, mass: Number, semiaxes: Sequence[Number]) -> Body:
         """A homogeneous ellipsoid; semiaxes along the body axes, m.
 
         Examples
@@ -77,7 +77,7 @@ class Body:
         return cls(shapes.positive(mass, "mass", "kg"), shapes.ellipsoid(mass, semiaxes))
 
     @classmethod
-    def cylinder(cls, mass: Any, radius: Any, height: Any) -> Body:
+    def cylinder(cls, mass: Number, radius: Number, height: Number) -> Body:
         """A homogeneous cylinder about the third body axis; height 0 is a disc; m.
 
         Examples
@@ -88,7 +88,7 @@ class Body:
         return cls(shapes.positive(mass, "mass", "kg"), shapes.cylinder(mass, radius, height))
 
     @classmethod
-    def points(cls, masses: Any) -> Body:
+    def points(cls, masses: Iterable[tuple[Number, Sequence[Number]]]) -> Body:
         """Point masses (kg) at places (m) in axes parallel to the body's; any origin will do.
 
         Examples
@@ -101,15 +101,14 @@ class Body:
         return cls(mass, inertia=tensor)
 
     @cached_property
-    def exact_tensor(self) -> tuple[tuple[Any, ...], ...]:
+    def exact_tensor(self) -> tuple[tuple[sp.Expr, ...], ...]:
         """The inertia tensor as exact numbers (sympy), 3 x 3, kg m^2."""
         if self.moments is not None:
             values = [exact(v, f"moments[{k}]") for k, v in enumerate(self.moments)]
-            return tuple(tuple(values[i] if i == j else 0 * values[i] for j in range(3))
-                         for i in range(3))  # fmt: skip
+            return tuple(map(tuple, sp.diag(*values).tolist()))
         return tuple(
             tuple(exact(v, f"inertia[{i}][{j}]") for j, v in enumerate(row))
-            for i, row in enumerate(self.inertia)
+            for i, row in enumerate(self.inertia if self.inertia is not None else ())
         )
 
     @cached_property

@@ -51,7 +51,7 @@ class ClosedForm:
             moments, axes = np.diagonal(tensor), np.eye(3)
         else:
             moments, axes = body.principal_moments, body.principal_axes
-        omega = axes.T @ np.array([float(x) for x in start.omega])
+        omega = axes.T @ np.array([float(x) for x in start.omega or ()])
         q = start.attitude if start.attitude is not None else np.array([1.0, 0.0, 0.0, 0.0])
         turned = attitude.product(q, attitude.quaternion_from_matrix(axes))
         return free_top(tuple(moments.tolist()), tuple(omega), tuple(turned)), axes
@@ -135,7 +135,7 @@ def _checked(form: ClosedForm, last: float) -> tuple[float, float]:
     where it has none, a shorter time.
     """
     scene = form.scene
-    speed = math.hypot(*(float(x) for x in scene.start.omega))
+    speed = math.hypot(*(float(x) for x in scene.start.omega or ()))
     reach = min(abs(last), 2 * math.pi * CHECKED_TURNS / speed if speed else abs(last))
     if reach == 0:
         return ROUNDING, 0.0

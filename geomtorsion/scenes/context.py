@@ -3,28 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import fields, is_dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
+from geomtorsion import checks
 from geomtorsion.errors import SceneError
 
 if TYPE_CHECKING:
     from geomtorsion.scenes.body import Body
     from geomtorsion.scenes.effects.protocol import Contribution
 
-OMEGA = sp.symbols("Omega1:4")
+# A number as users give it: exact ones stay exact. An expression may also be text.
+Number = float | Fraction | sp.Expr
+Expression = Number | str
+Symbols = tuple[sp.Symbol, ...]
+
+OMEGA: Symbols = sp.symbols("Omega1:4")
 ATTITUDE = sp.Matrix(3, 3, sp.symbols("R1:3(1:4) n1:4"))
-VERTICAL = tuple(ATTITUDE[2, :])
-QUATERNION = sp.symbols("q0:4")
-POSITION = sp.symbols("x y z")
-VELOCITY = sp.symbols("vx vy vz")
+VERTICAL: Symbols = tuple(ATTITUDE[2, :])
+QUATERNION: Symbols = sp.symbols("q0:4")
+POSITION: Symbols = sp.symbols("x y z")
+VELOCITY: Symbols = sp.symbols("vx vy vz")
 TIME = sp.Symbol("t")
 
 # What each group of states is made of; rows 1 and 2 of R stand for the whole attitude.
-GROUPS: Mapping[str, frozenset[Any]] = {
+GROUPS: Mapping[str, frozenset[sp.Symbol]] = {
     "omega": frozenset(OMEGA),
     "vertical": frozenset(VERTICAL),
     "attitude": frozenset((*ATTITUDE[0, :], *ATTITUDE[1, :], *QUATERNION)),
@@ -55,7 +61,7 @@ def group_of(name: str) -> str:
 
 
 class Context:
-    """What an effect is told: symbols for the state of the body, and a way to name numbers.
+    """What an effect is given: symbols for the state of the body, and a way to name numbers.
 
     Omega: body angular velocity, body axes, three symbols (rad/s).
     R: attitude, 3 x 3 symbols, body to space; its last row is `vertical`.
@@ -90,14 +96,14 @@ class Context:
 
     def __init__(self, body: Body) -> None:
         self.body = body
-        self.values: dict[str, Any] = {}
-        self.switched: set[Any] = set()
+        self.values: dict[str, sp.Expr] = {}
+        self.switched: set[sp.Symbol] = set()
         self.key = ""
         self._taken = {s.name for group in GROUPS.values() for s in group} | {"work"}
         self.mass = self.parameter("m", body.mass)
         self.inertia = self._inertia()
 
-    def parameter(self, name: str, value: Any) -> Any:
+    def parameter(self, name: str, value: Number) -> sp.Expr:
         """A symbol for a number, so that another value needs no new equations; 0 stays 0.
 
         A name that is taken gets the key of the effect after it: `k`, then `k_spring2`.
@@ -107,33 +113,33 @@ class Context:
             return sp.S.Zero
         return self._named(name, number)
 
-    def switchable(self, name: str, value: Any = 0) -> Any:
+    def switchable(self, name: str, value: Number = 0) -> sp.Symbol:
         """Like `parameter`, and a symbol even for 0: for numbers that switches change."""
         symbol = self._named(name, exact(value, name))
         self.switched.add(symbol)
         return symbol
 
-    def vector(self, name: str, values: Sequence[Any]) -> Any:
+    def vector(self, name: str, values: Sequence[Number]) -> sp.Matrix:
         """Three numbers as a column of symbols name1, name2, name3; zeros stay zeros."""
         values = tuple(values)
         if len(values) != 3:
             raise SceneError(f"{name} has {len(values)} components; three are needed.")
         return sp.Matrix([self.parameter(f"{name}{k}", v) for k, v in enumerate(values, 1)])
 
-    def state(self, name: str) -> Any:
+    def state(self, name: str) -> sp.Symbol:
         """A symbol for a state of the effect's own."""
         self._free(name)
         return sp.Symbol(name)
 
-    def in_body(self, vector: Iterable[Any]) -> Any:
+    def in_body(self, vector: Iterable[sp.Expr]) -> sp.Matrix:
         """A vector given in space axes, as column in body axes: R^T v."""
         return self.R.T * sp.Matrix(list(vector))
 
-    def in_space(self, vector: Iterable[Any]) -> Any:
+    def in_space(self, vector: Iterable[sp.Expr]) -> sp.Matrix:
         """A vector given in body axes, as column in space axes: R v."""
         return self.R * sp.Matrix(list(vector))
 
-    def _named(self, name: str, number: Any) -> Any:
+    def _named(self, name: str, number: sp.Expr) -> sp.Symbol:
         if name in self._taken:
             name = f"{name}_{self.key}" if self.key else f"{name}_"
         self._free(name)
@@ -146,12 +152,12 @@ class Context:
             raise SceneError(f"the name {name!r} is taken already. Choose another.")
         self._taken.add(name)
 
-    def _inertia(self) -> Any:
+    def _inertia(self) -> sp.Matrix:
         """Symbols of the inertia tensor: equal moments share one, zeros stay zeros."""
         tensor = self.body.exact_tensor
         diagonal = all(tensor[i][j] == 0 for i in range(3) for j in range(3) if i != j)
         rows = sp.zeros(3, 3)
-        known: dict[Any, Any] = {}
+        known: dict[sp.Expr, sp.Expr] = {}
         for i in range(3):
             value = tensor[i][i]
             name = f"I{i + 1}" if diagonal else f"I{i + 1}{i + 1}"
@@ -163,31 +169,21 @@ class Context:
         return rows
 
 
-def exact(value: Any, name: str) -> Any:
-    """A finite number as an exact rational; what is no plain number as sympy has it."""
-    if isinstance(value, bool) or value is None:
-        raise SceneError(f"{name} = {value!r} is no number.")
-    if isinstance(value, Fraction):
-        return sp.Rational(value.numerator, value.denominator)
-    try:
-        if isinstance(value, sp.Expr):
-            number: Any = value
-        elif hasattr(value, "_mpf_"):
-            number = sp.Rational(*_ratio(value))
-        else:
-            number = sp.Rational(*float(value).as_integer_ratio())
-    except (TypeError, ValueError, OverflowError):
-        raise SceneError(f"{name} = {value!r}: a finite number was needed.") from None
-    if not number.is_number or not number.is_finite or not number.is_real:
-        raise SceneError(f"{name} = {value!r}: a finite number was needed.")
-    return number
+def exact(value: object, name: str) -> sp.Expr:
+    """A finite number as an exact rational; roots and pi as they are.
 
-
-def _ratio(value: Any) -> tuple[int, int]:
-    """Numerator and denominator of an mpmath number."""
-    sign, mantissa, exponent, _ = value._mpf_
-    mantissa = -int(mantissa) if sign else int(mantissa)
-    return (mantissa << exponent, 1) if exponent >= 0 else (mantissa, 1 << -exponent)
+    Raises
+    ------
+    SceneError
+        it is no finite real number.
+    """
+    return checks.rational(
+        value,
+        name,
+        SceneError,
+        message="{subject} = {value} is no number.",
+        infinite="{subject} = {value}: a finite number was needed.",
+    )
 
 
 def groups_in(context: Context, contribution: Contribution) -> frozenset[str]:
@@ -197,14 +193,15 @@ def groups_in(context: Context, contribution: Contribution) -> frozenset[str]:
     return frozenset(own - {"vertical"} if "attitude" in own else own)
 
 
-def symbols_in(thing: Any) -> set[Any]:
+def symbols_in(thing: Any) -> set[sp.Symbol]:
     """All symbols in expressions, however they are nested in dataclasses, mappings, sequences."""
+    parts: Iterable[object] = ()
     if isinstance(thing, sp.Basic | sp.MatrixBase):
         return set(thing.free_symbols)
     if isinstance(thing, Mapping):
-        return set().union(*(symbols_in(value) for value in thing.values()))
-    if hasattr(thing, "__dataclass_fields__"):
-        return set().union(*(symbols_in(getattr(thing, k)) for k in thing.__dataclass_fields__))
-    if isinstance(thing, tuple | list):
-        return set().union(*(symbols_in(value) for value in thing))
-    return set()
+        parts = thing.values()
+    elif is_dataclass(thing):
+        parts = [getattr(thing, item.name) for item in fields(thing)]
+    elif isinstance(thing, tuple | list):
+        parts = thing
+    return set().union(*map(symbols_in, parts))

@@ -3,53 +3,41 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
+from geomtorsion import checks
 from geomtorsion.errors import BodyError
+from geomtorsion.scenes.context import Number
 
 # A plate has A + B = C; rounding may leave it this much (relative to C) on the wrong side.
 ROUNDING = 1e-12
 
 
-def positive(value: Any, name: str, unit: str) -> Any:
+def positive(value: Number, name: str, unit: str) -> Number:
     """A positive finite number, as it came."""
-    try:
-        number = float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise BodyError(f"{name} = {value!r} is no number; give it in {unit}.") from None
-    if isinstance(value, bool) or not (math.isfinite(number) and number > 0):
-        raise BodyError(f"{name} = {value!r}: a positive number ({unit}) was needed.")
+    needed = f"{{subject}} = {{value}}: a positive number ({unit}) was needed."
+    none = f"{{subject}} = {{value}} is no number; give it in {unit}."
+    checks.positive(value, name, BodyError, message=needed, number_message=none, infinite=needed)
     return value
 
 
-def checked_moments(moments: Any) -> tuple[Any, Any, Any]:
+def checked_moments(moments: object) -> tuple[Number, ...]:
     """Three principal moments that some body can have."""
-    try:
-        values = tuple(moments)
-    except TypeError:
-        values = (moments,)
-    if len(values) != 3:
-        raise BodyError(
-            f"moments = {moments!r}: three principal moments of inertia (kg m^2) were needed."
-        )
-    for k, value in enumerate(values):
-        positive(value, f"moments[{k}]", "kg m^2")
+    values = _positives(moments, "moments", "three principal moments of inertia", "kg m^2")
     check_triangle([float(v) for v in values], "moments")
     return values
 
 
-def checked_tensor(inertia: Any) -> tuple[tuple[Any, ...], ...]:
+def checked_tensor(inertia: Any) -> tuple[tuple[Number, ...], ...]:
     """A symmetric 3 x 3 tensor, positive, that some body can have."""
-    try:
-        matrix = np.array(inertia, dtype=float)
-    except (TypeError, ValueError, OverflowError):
-        matrix = np.empty(0)
-    if matrix.shape != (3, 3):
-        raise BodyError(f"inertia = {inertia!r}: 3 rows of 3 numbers (kg m^2) were needed.")
+    nine = "{subject} = {value}: 3 rows of 3 numbers (kg m^2) were needed."
+    matrix = checks.array(
+        inertia, "inertia", BodyError, shape=(3, 3), message=nine, shaped=nine, infinite=None
+    )
     if not np.isfinite(matrix).all():
         raise BodyError(f"inertia contains a number that is not finite: {matrix.tolist()}.")
     if np.abs(matrix - matrix.T).max() > ROUNDING * np.abs(matrix).max():
@@ -81,12 +69,12 @@ def check_triangle(moments: Sequence[float], what: str) -> None:
         )
 
 
-def principal(tensor: Any) -> tuple[np.ndarray, np.ndarray]:
+def principal(tensor: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Principal moments, rising, and their axes as columns of a rotation matrix.
 
     A tensor that is diagonal already keeps its axes (in the order of rising moments).
     """
-    matrix = np.asarray(tensor, dtype=float)
+    matrix = tensor
     if np.count_nonzero(matrix - np.diag(np.diagonal(matrix))) == 0:
         order = np.argsort(np.diagonal(matrix), kind="stable")
         moments, axes = np.diagonal(matrix)[order], np.eye(3)[:, order]
@@ -97,32 +85,32 @@ def principal(tensor: Any) -> tuple[np.ndarray, np.ndarray]:
     return moments, axes
 
 
-def box(mass: Any, sides: Sequence[Any]) -> tuple[Any, ...]:
+def box(mass: Number, sides: Sequence[Number]) -> tuple[float, ...]:
     """Moments of a homogeneous box: I1 = m (b^2 + c^2) / 12 and so on."""
     m, (a, b, c) = _exact(mass), _three(sides, "sides")
     return _plain(m * (b * b + c * c) / 12, m * (c * c + a * a) / 12, m * (a * a + b * b) / 12)
 
 
-def ellipsoid(mass: Any, semiaxes: Sequence[Any]) -> tuple[Any, ...]:
+def ellipsoid(mass: Number, semiaxes: Sequence[Number]) -> tuple[float, ...]:
     """Moments of a homogeneous ellipsoid: I1 = m (b^2 + c^2) / 5 and so on."""
     m, (a, b, c) = _exact(mass), _three(semiaxes, "semiaxes")
     return _plain(m * (b * b + c * c) / 5, m * (c * c + a * a) / 5, m * (a * a + b * b) / 5)
 
 
-def cylinder(mass: Any, radius: Any, height: Any) -> tuple[Any, ...]:
+def cylinder(mass: Number, radius: Number, height: Number) -> tuple[float, ...]:
     """Moments of a homogeneous cylinder about the third axis; height 0 is a disc."""
     m, r = _exact(mass), _exact(positive(radius, "radius", "m"))
-    try:
-        h = _exact(height)
-    except (TypeError, ValueError, OverflowError):
-        h = Fraction(-1)
-    if h < 0:
+    size = checks.real(height)
+    if size is None or not 0 <= size < math.inf:
         raise BodyError(f"height = {height!r}: a positive number (m), or 0 for a disc, was needed.")
+    h = _exact(height)
     across = m * (3 * r * r + h * h) / 12
     return _plain(across, across, m * r * r / 2)
 
 
-def points(masses: Any) -> tuple[Any, tuple[tuple[Any, ...], ...], tuple[Any, ...]]:
+def points(
+    masses: Iterable[tuple[Number, Sequence[Number]]],
+) -> tuple[float, tuple[tuple[float, ...], ...], tuple[float, ...]]:
     """Total mass, inertia tensor about the centre of mass, and that centre, of point masses."""
     try:
         listed = [(m, tuple(place)) for m, place in masses]
@@ -132,13 +120,13 @@ def points(masses: Any) -> tuple[Any, tuple[tuple[Any, ...], ...], tuple[Any, ..
         ) from None
     if not listed or any(len(place) != 3 for _, place in listed):
         raise BodyError("points: at least one (mass, (x, y, z)) was needed, each with 3 numbers.")
-    try:
-        weights = [_exact(positive(m, f"mass {k}", "kg")) for k, (m, _) in enumerate(listed)]
-        places = [tuple(_exact(x) for x in place) for _, place in listed]
-    except (TypeError, ValueError, OverflowError) as problem:
-        if isinstance(problem, BodyError):
-            raise
-        raise BodyError(f"points: finite numbers were needed ({problem}).") from None
+    weights = [_exact(positive(m, f"mass {k}", "kg")) for k, (m, _) in enumerate(listed)]
+    wanted = "points: finite numbers were needed ({subject} = {value})."
+    places = [
+        [_exact(checks.exact_number(x, f"place {k}", BodyError, message=wanted, infinite=wanted))
+         for x in place]
+        for k, (_, place) in enumerate(listed)
+    ]  # fmt: skip
     total = sum(weights, Fraction(0))
     centre = [sum((m * p[k] for m, p in zip(weights, places, strict=True)), Fraction(0)) / total
               for k in range(3)]  # fmt: skip
@@ -165,25 +153,31 @@ def _on_a_line(tensor: list[list[Fraction]]) -> bool:
     return a * (b * c - f * f) - d * (d * c - f * e) + e * (d * f - b * e) == 0
 
 
-def _three(values: Any, name: str) -> list[Fraction]:
+def _three(values: Sequence[Number], name: str) -> list[Fraction]:
     """Three positive lengths."""
-    try:
-        listed = list(values)
-    except TypeError:
-        listed = [values]
-    if len(listed) != 3:
-        raise BodyError(f"{name} = {values!r}: three lengths (m) were needed.")
-    return [_exact(positive(v, f"{name}[{k}]", "m")) for k, v in enumerate(listed)]
+    return [_exact(value) for value in _positives(values, name, "three lengths", "m")]
 
 
-def _exact(value: Any) -> Fraction:
+def _positives(values: object, name: str, three: str, unit: str) -> tuple[Number, ...]:
+    """Three positive numbers, as they came."""
+    needed = f"{{subject}} = {{value}}: {three} ({unit}) were needed."
+    none = f"{{subject}} = {{value}} is no number; give it in {unit}."
+    found = checks.numbers(
+        values, 3, name, BodyError, listed=needed, counted=needed, message=none, infinite=none
+    )
+    for k, value in enumerate(found):
+        positive(value, f"{name}[{k}]", unit)
+    return found
+
+
+def _exact(value: Number) -> Fraction:
     """A number as a fraction, so that equal sides give equal moments."""
-    return value if isinstance(value, Fraction) else Fraction(float(value))
+    return checks.fraction(value) or Fraction(float(value))
 
 
 def _plain(*values: Fraction) -> tuple[float, ...]:
     return tuple(float(v) for v in values)
 
 
-def _listed(values: Any) -> str:
+def _listed(values: Iterable[float]) -> str:
     return ", ".join(f"{float(v):.6g}" for v in values)

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import json
-import zipfile
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +13,14 @@ import numpy as np
 
 from geomtorsion.errors import FileFormatError, SceneError, UnknownNameError
 from geomtorsion.exact.names import near_names
+from geomtorsion.files import (
+    TEXT_FORM,
+    ArrayForm,
+    conforming,
+    read_json_text,
+    read_npz,
+    text_of,
+)
 from geomtorsion.motion import solve
 from geomtorsion.motion.solution import Cost
 from geomtorsion.motion.tables import pandas_table
@@ -29,6 +36,27 @@ if TYPE_CHECKING:
 
 # Marks NPZ files of this kind.
 FORMAT = "geomtorsion scene result 1"
+ARRAY_FORMS = {
+    "times": ArrayForm(("m",), "f"),
+    "about": TEXT_FORM,
+    "value *": ArrayForm(),
+}
+COST_FORM = dict.fromkeys((item.name for item in fields(Cost)), float)
+ABOUT_FORM = {
+    "format": str,
+    "labels": {str: [str]},
+    "units": {str: str},
+    "accuracy": float,
+    "error": float,
+    "drift": {str: float},
+    "cost": {str: float},
+    "engine": str,
+    "reason": str,
+    "outcome": str,
+    "closed_form": (str, None),
+    "selection": str,
+    "watch": [str],
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,21 +276,22 @@ class SceneResult:
         FileFormatError
             the file cannot be read, or is something else.
         """
-        try:
-            with np.load(path, allow_pickle=False) as data:
-                about = json.loads(str(data["about"]))
-                if about.get("format") != FORMAT:
-                    raise KeyError("format")
-                values = {name: data[f"value {name}"] for name in about.pop("watch")}
-                times = data["times"]
-        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as problem:
-            raise FileFormatError(
-                f"{path}: this is no saved result of a scene ({problem}). "
-                "Write one with SceneResult.save."
-            ) from None
-        del about["format"]
+        message = (
+            "{path}: this is no saved result of a scene ({reason}). "
+            "Write one with SceneResult.save."
+        )
+        arrays = read_npz(path, ARRAY_FORMS, message=message)
+        text = read_json_text(text_of(arrays.pop("about")), str(path))
+        about = conforming(text, ABOUT_FORM, str(path))
+        watch = about.pop("watch")
+        missing = [name for name in watch if f"value {name}" not in arrays]
+        if about.pop("format") != FORMAT or missing:
+            reason = f"{missing[0]} is missing" if missing else "format"
+            raise FileFormatError(message.format(path=path, reason=reason))
+        values = {name: arrays[f"value {name}"] for name in watch}
+        times = arrays["times"]
         about["labels"] = {k: tuple(v) for k, v in about["labels"].items()}
-        about["cost"] = Cost(**about["cost"])
+        about["cost"] = Cost(**conforming(about["cost"], COST_FORM, str(path)))
         return cls(None, times, values, **about)
 
 

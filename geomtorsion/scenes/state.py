@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
+from geomtorsion import checks
 from geomtorsion.errors import StartError
 from geomtorsion.rigid import attitude
-from geomtorsion.scenes.context import exact
+from geomtorsion.scenes.context import Number
 
 
 @dataclass(frozen=True)
@@ -42,12 +43,12 @@ class State:
 nothing.
     """
 
-    omega: Any = None
-    euler: Any = None
-    quaternion: Any = None
-    matrix: Any = None
-    position: Any = None
-    velocity: Any = None
+    omega: Sequence[Number] | None = None
+    euler: Sequence[Number] | None = None
+    quaternion: Sequence[Number] | None = None
+    matrix: Sequence[Sequence[Number]] | np.ndarray | None = None
+    position: Sequence[Number] | None = None
+    velocity: Sequence[Number] | None = None
     euler_convention: str = attitude.PAPER
 
     def __post_init__(self) -> None:
@@ -82,17 +83,16 @@ nothing.
         return None
 
 
-def _three(values: Any, name: str, unit: str) -> tuple[Any, Any, Any]:
+def _three(values: Sequence[Number], name: str, unit: str) -> tuple[Number, ...]:
     """Three finite numbers, as they came."""
-    try:
-        listed = tuple(values)
-    except TypeError:
-        listed = (values,)
-    if len(listed) != 3 or isinstance(values, str):
-        raise StartError(f"{name} = {values!r}: three numbers ({unit}) were needed.")
-    for k, value in enumerate(listed):
-        try:
-            exact(value, f"{name}[{k}]")
-        except ValueError as problem:
-            raise StartError(f"start: {problem}") from None
-    return listed
+    three = f"{{subject}} = {{value}}: three numbers ({unit}) were needed."
+    return checks.numbers(
+        values,
+        3,
+        name,
+        StartError,
+        listed=three,
+        counted=three,
+        message="start: {subject} = {value} is no number.",
+        infinite="start: {subject} = {value}: a finite number was needed.",
+    )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
+from geomtorsion.checks import expression as expression_of
 from geomtorsion.errors import SceneError, StartError
 from geomtorsion.motion.flows import flow, reading
 from geomtorsion.rigid import attitude
@@ -60,7 +61,7 @@ def ode_of(scene: Scene) -> Flow:
         if group[0] in selection.symbols
     ]
     outputs = {
-        f"watch {item.name}": [sp.sympify(x).xreplace(chosen) for x in item.made_of(made)]
+        f"watch {item.name}": [expression_of(x).xreplace(chosen) for x in item.made_of(made)]
         for item in selection.watch
     }
     parts = [part for key, part in made.parts.items() if key in selection.effects]

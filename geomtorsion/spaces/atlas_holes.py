@@ -27,7 +27,7 @@ def schwarzschild(frame: Frame) -> Atlas:
     lower = [sp.S.One, *(x / radius for x in inner[1:])]
     upper = [-sp.S.One, *lower[1:]]
     entries = [
-        [sp.S(int(a == b)) + mass / radius * upper[a] * lower[b] for b in range(4)]
+        [sp.Integer(a == b) + mass / radius * upper[a] * lower[b] for b in range(4)]
         for a in range(4)
     ]
 
@@ -133,7 +133,7 @@ def _kerr_schild(
     lower = [sp.S.One, (radius * x + a * y) / across, (radius * y - a * x) / across, z / radius]
     upper = [-sp.S.One, *lower[1:]]
     entries = [
-        [sp.S(int(i == j)) + mass * radius / root * upper[i] * lower[j] for j in range(4)]
+        [sp.Integer(i == j) + mass * radius / root * upper[i] * lower[j] for j in range(4)]
         for i in range(4)
     ]
 

@@ -71,7 +71,7 @@ def quaternion_chart(space_fixed: bool = False, places: Sequence[sp.Symbol] = ()
     """Unit quaternions, q' = q u / 2 (body) or u q / 2 (space); and x' = R V, if there are x."""
     rows: list[list[sp.Expr]] = []
     for k in range(3):
-        unit = [sp.S(int(j == k + 1)) for j in range(4)]
+        unit = [sp.Integer(j == k + 1) for j in range(4)]
         column = product(unit, QUATERNION) if space_fixed else product(QUATERNION, unit)
         rows.append([x / 2 for x in column])
     legs = [[rows[k][mu] for k in range(3)] for mu in range(4)]

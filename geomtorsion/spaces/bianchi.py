@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sympy import Expr, Integer, KroneckerDelta, LeviCivita, Rational, Symbol, symbols, sympify
+from sympy import Expr, Integer, KroneckerDelta, LeviCivita, Rational, Symbol, symbols
 
+from geomtorsion.checks import expression
 from geomtorsion.geometry import Frame
 from geomtorsion.spaces.patterns import matrix
 from geomtorsion.spaces.space import KnownAnswer, Space
@@ -100,7 +101,7 @@ def structure_constants(n: tuple[int, int, int], a: Expr | int) -> list[list[lis
     >>> structure_constants((1, 1, 1), 0)[0][1]
     [0, 0, 1]
     """
-    vector = (sympify(a), Integer(0), Integer(0))
+    vector = (expression(a), Integer(0), Integer(0))
     return [
         [
             [
@@ -131,7 +132,7 @@ def space(name: str, title: str) -> Space:
         if constants[i][j][k] != 0
     }
     trace, squares = sum(kind.n), sum(entry**2 for entry in kind.n)
-    scalar = -6 * sympify(kind.a) ** 2 - squares + half * trace**2
+    scalar = -6 * expression(kind.a) ** 2 - squares + half * trace**2
     return Space(
         name,
         title,
@@ -151,7 +152,7 @@ def space(name: str, title: str) -> Space:
 
 def _ricci(n: tuple[int, int, int], a: Expr | int) -> dict[tuple[int, ...], Expr]:
     """Ricci tensor of the orthonormal frame in closed form, from n and a alone."""
-    a = sympify(a)
+    a = expression(a)
     trace, squares = sum(n), sum(entry**2 for entry in n)
     common = -2 * a**2 - squares + Rational(1, 2) * trace**2
     rows = [[Integer(0)] * 3 for _ in range(3)]

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from sympy import Basic, Expr, Symbol, sympify
+from sympy import Basic, Expr, Symbol
+
+from geomtorsion.checks import expression
 
 
 def box(ranges: Mapping[Symbol, tuple[Expr | int, Expr | int]]) -> tuple[Basic, ...]:
@@ -19,8 +21,8 @@ def box(ranges: Mapping[Symbol, tuple[Expr | int, Expr | int]]) -> tuple[Basic, 
     """
     relations: list[Basic] = []
     for symbol, (low, high) in ranges.items():
-        if sympify(low).is_finite is not False:
+        if expression(low).is_finite is not False:
             relations.append(symbol > low)
-        if sympify(high).is_finite is not False:
+        if expression(high).is_finite is not False:
             relations.append(symbol < high)
     return tuple(relations)

@@ -9,6 +9,7 @@ from typing import Any
 
 import sympy as sp
 
+from geomtorsion.checks import expression
 from geomtorsion.codegen import numpy_function
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.exact import Field
@@ -71,7 +72,7 @@ class Embedding:
 
     def _compiled(self, expressions: Sequence[sp.Expr]) -> Callable[..., Any]:
         symbols = (*self.coordinates, *self.parameters)
-        elements = Field(symbols).read_all([("embedding", sp.sympify(x)) for x in expressions])
+        elements = Field(symbols).read_all([("embedding", expression(x)) for x in expressions])
         return numpy_function(elements, symbols, check=False)
 
 

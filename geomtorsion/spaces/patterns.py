@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from itertools import permutations
 
-from sympy import Expr, Integer, sympify
+from sympy import Expr, Integer
 from sympy.combinatorics.permutations import Permutation
+
+from geomtorsion.checks import expression
 
 Index = tuple[int, ...]
 Table = dict[Index, Expr]
@@ -24,7 +26,7 @@ def alternating(components: Mapping[Index, Expr | int]) -> Table:
     for index, value in components.items():
         for order in permutations(range(len(index))):
             sign = Integer(Permutation(order).signature())
-            table[tuple(index[place] for place in order)] = sign * sympify(value)
+            table[tuple(index[place] for place in order)] = sign * expression(value)
     return table
 
 
@@ -38,8 +40,8 @@ def antisymmetric(components: Mapping[Index, Expr | int]) -> Table:
     """
     table: Table = {}
     for (first, second, *rest), value in components.items():
-        table[first, second, *rest] = sympify(value)
-        table[second, first, *rest] = -sympify(value)
+        table[first, second, *rest] = expression(value)
+        table[second, first, *rest] = -expression(value)
     return table
 
 
@@ -53,8 +55,8 @@ def symmetric(components: Mapping[Index, Expr | int]) -> Table:
     """
     table: Table = {}
     for (first, second, *rest), value in components.items():
-        table[first, second, *rest] = sympify(value)
-        table[second, first, *rest] = sympify(value)
+        table[first, second, *rest] = expression(value)
+        table[second, first, *rest] = expression(value)
     return table
 
 
@@ -66,7 +68,7 @@ def diagonal(values: Sequence[Expr | int]) -> Table:
     >>> diagonal([1, 0, 2])
     {(0, 0): 1, (2, 2): 2}
     """
-    return {(k, k): sympify(value) for k, value in enumerate(values) if value != 0}
+    return {(k, k): expression(value) for k, value in enumerate(values) if value != 0}
 
 
 def matrix(rows: Sequence[Sequence[Expr | int]]) -> Table:
@@ -78,7 +80,7 @@ def matrix(rows: Sequence[Sequence[Expr | int]]) -> Table:
     {(0, 1): 3, (1, 0): 1}
     """
     return {
-        (i, j): sympify(value)
+        (i, j): expression(value)
         for i, row in enumerate(rows)
         for j, value in enumerate(row)
         if value != 0

@@ -6,6 +6,7 @@ checkouts stands in the first part of this file and nowhere else.
 
 from __future__ import annotations
 
+import dataclasses
 import gc
 import json
 import sys
@@ -93,7 +94,11 @@ class Case:
     def asked(self, accuracy: float) -> Any:
         """The problem; a scene holds its accuracy itself."""
         problem = self.make()
-        return problem.replaced(accuracy=accuracy) if isinstance(problem, gt.Scene) else problem
+        return (
+            dataclasses.replace(problem, accuracy=accuracy)
+            if isinstance(problem, gt.Scene)
+            else problem
+        )
 
     def solve(self, problem: Any, accuracy: float, engine: Any) -> Any:
         """A solution with its error."""
@@ -153,7 +158,7 @@ def kepler(eccentricity: float) -> Any:
 
 def scene(name: str, t: float, **more: Any) -> Any:
     """A shipped scene to another time."""
-    return gt.scenes.load(name).replaced(t=t, samples=65, **more)
+    return dataclasses.replace(gt.scenes.load(name), t=t, samples=65, **more)
 
 
 def one(rates: Any, start: Any, t: float, **more: Any) -> Case:

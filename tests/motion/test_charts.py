@@ -174,7 +174,8 @@ def carter(q, rates, numbers):
 
 
 @every_engine
-def test_polar_orbit_of_kerr(engine):
+@pytest.mark.parametrize("end", [115.0, pytest.param(240.0, marks=pytest.mark.slow)])
+def test_polar_orbit_of_kerr(engine, end):
     """No angular momentum: the orbit runs through both poles of the axis, again and again."""
     numbers = {"M": 1.0, "a": 0.6}
     frame = load("kerr").frame
@@ -191,12 +192,13 @@ def test_polar_orbit_of_kerr(engine):
         causal="timelike",
     )
     # Samples off the axis, where Boyer-Lindquist angles have values.
-    sol = solve(problem, np.linspace(1.0, 240.0, 40), 1e-9, engine)
+    count = round(end / 6)
+    sol = solve(problem, np.linspace(1.0, end, count), 1e-9, engine)
     assert sol.charts == ("kerr", "kerr_schild")
     assert max(sol.drift.values()) < 1e-8
     height = sol.in_chart("kerr_schild")[:, 3]
-    assert (np.diff(np.sign(height)) != 0).sum() >= 2
+    assert (np.diff(np.sign(height)) != 0).sum() >= (2 if end > 200 else 1)
     energy, momentum, constant = carter(sol.coordinates, sol.velocity, numbers)
     assert np.abs(momentum).max() < 1e-7
-    assert energy == pytest.approx(np.full(40, energy[0]), rel=1e-7)
-    assert constant == pytest.approx(np.full(40, constant[0]), rel=1e-6)
+    assert energy == pytest.approx(np.full(count, energy[0]), rel=1e-7)
+    assert constant == pytest.approx(np.full(count, constant[0]), rel=1e-6)

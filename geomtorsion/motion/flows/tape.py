@@ -10,6 +10,7 @@ from typing import Any
 
 import sympy as sp
 
+from geomtorsion.checks import expression as expression_of
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.compile import python_function
 
@@ -126,7 +127,7 @@ class Writer:
 
     def source(self, outputs: Sequence[Any]) -> tuple[str, list[Any]]:
         """The source of a function of the arguments, and the numbers that it names."""
-        results = [self.part(sp.sympify(entry), self.with_sizes) for entry in outputs]
+        results = [self.part(expression_of(entry), self.with_sizes) for entry in outputs]
         header = f"def values({', '.join(self.place.values())}):"
         ending = f"return ({', '.join(results)}{',' * bool(results)})"
         return "\n    ".join([header, *self.lines, ending]), self.numbers

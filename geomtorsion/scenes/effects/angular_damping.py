@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from geomtorsion.errors import SceneError
-from geomtorsion.scenes.context import exact
+from geomtorsion.scenes.context import Number, exact
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
 
 if TYPE_CHECKING:
@@ -40,13 +41,13 @@ class AngularDamping(Effect):
     key: ClassVar[str] = "angular_damping"
     title: ClassVar[str] = "damping of the rotation"
 
-    coefficient: Any = field(metadata=unit("N m s"))
+    coefficient: Number | Sequence[Number] = field(metadata=unit("N m s"))
 
     def __post_init__(self) -> None:
         """One number or three, none of them negative."""
         value = self.coefficient
         wanted = f"angular_damping.coefficient = {value!r}: one number >= 0 (N m s) or three were "
-        if hasattr(value, "__iter__") and not isinstance(value, str):
+        if isinstance(value, Iterable) and not isinstance(value, str):
             object.__setattr__(self, "coefficient", tuple(value))
         try:
             numbers = [exact(each, "coefficient") for each in self._three()]
@@ -55,10 +56,10 @@ class AngularDamping(Effect):
         if len(numbers) != 3 or any(number < 0 for number in numbers):
             raise SceneError(wanted + "needed.")
 
-    def _three(self) -> tuple[Any, ...]:
+    def _three(self) -> tuple[Number, ...]:
         """The three coefficients."""
         value = self.coefficient
-        return value if isinstance(value, tuple) else (value, value, value)
+        return tuple(value) if isinstance(value, Sequence) else (value, value, value)
 
     def adds(self, context: Context) -> Contribution:
         """A moment."""

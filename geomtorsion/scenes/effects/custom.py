@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
+
+import sympy as sp
 
 from geomtorsion.errors import SceneError
-from geomtorsion.scenes.effects.intake import check_vectors, read, read_three
-from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
+from geomtorsion.scenes.context import Expression, Number
+from geomtorsion.scenes.effects.fields import check_vectors, read, read_three
+from geomtorsion.scenes.effects.protocol import Contribution, Effect, Switch, unit
 
 if TYPE_CHECKING:
     from geomtorsion.scenes.context import Context
@@ -67,17 +70,17 @@ class Custom(Effect):
     title: ClassVar[str] = "effect of the user's own"
     several: ClassVar[bool] = True
 
-    moment: Sequence[Any] = field(default=(0, 0, 0), metadata=unit("N m"))
-    force: Sequence[Any] = field(default=(0, 0, 0), metadata=unit("N"))
+    moment: Sequence[Expression] = field(default=(0, 0, 0), metadata=unit("N m"))
+    force: Sequence[Expression] = field(default=(0, 0, 0), metadata=unit("N"))
     axes: str = "space"
-    parameters: Mapping[str, Any] = field(default_factory=dict)
-    states: Mapping[str, Any] = field(default_factory=dict)
-    start: Mapping[str, Any] = field(default_factory=dict)
-    energy: Any = None
-    power: Any = None
-    outputs: Mapping[str, Any] = field(default_factory=dict)
-    switches: Sequence[Any] = ()
-    stop: Any = None
+    parameters: Mapping[str, Number] = field(default_factory=dict)
+    states: Mapping[str, Expression] = field(default_factory=dict)
+    start: Mapping[str, Number] = field(default_factory=dict)
+    energy: Expression | None = None
+    power: Expression | None = None
+    outputs: Mapping[str, Expression | Sequence[Expression]] = field(default_factory=dict)
+    switches: Sequence[Switch] = ()
+    stop: Expression | None = None
 
     def __post_init__(self) -> None:
         """Check vectors, words and that states and starts agree."""
@@ -97,19 +100,16 @@ class Custom(Effect):
 
     def adds(self, context: Context) -> Contribution:
         """Everything that was written down, in symbols."""
-        own: dict[str, Any] = {}
-        switched = {name for _, changes in self.switches for name in changes}
-        for name, value in self.parameters.items():
-            make = context.switchable if name in switched else context.parameter
-            own[name] = make(name, value)
-        for name in self.states:
-            own[name] = context.state(name)
+        own = self._names(context)
 
-        def expression(value: Any, what: str) -> Any:
-            return read(value, context, what, f"{context.key or self.key}.{what}", own)
+        def expression(value: Expression, what: str) -> sp.Expr:
+            return read(value, context, what, f"{self.called(context)}.{what}", own)
 
-        moment = read_three(self.moment, context, "M", f"{context.key or self.key}.moment", own)
-        force = read_three(self.force, context, "F", f"{context.key or self.key}.force", own)
+        def optional(value: Expression | None, what: str) -> sp.Expr | None:
+            return None if value is None else expression(value, what)
+
+        moment = read_three(self.moment, context, "M", f"{self.called(context)}.moment", own)
+        force = read_three(self.force, context, "F", f"{self.called(context)}.force", own)
         if self.axes == "body":
             force = context.in_space(force)
         outputs = {
@@ -118,24 +118,35 @@ class Custom(Effect):
             else expression(value, name)
             for name, value in self.outputs.items()
         }
-        renamed = {name: symbol.name for name, symbol in own.items() if symbol != 0}
         return Contribution(
             moment=tuple(moment) if any(moment) else None,
             force=tuple(force) if any(force) else None,
-            states={own[k].name: expression(v, k) for k, v in self.states.items()},
+            states={str(own[k]): expression(v, k) for k, v in self.states.items()},
             start=dict(self.start),
-            energy=None if self.energy is None else expression(self.energy, "energy"),
-            power=None if self.power is None else expression(self.power, "power"),
+            energy=optional(self.energy, "energy"),
+            power=optional(self.power, "power"),
             outputs=outputs,
+            # The context may have given a parameter another name, where its own was taken.
             switches=tuple(
-                (time, {renamed[name]: value for name, value in changes.items()})
+                (time, {str(own[name]): value for name, value in changes.items()})
                 for time, changes in self.switches
             ),
-            stop=None if self.stop is None else expression(self.stop, "stop"),
+            stop=optional(self.stop, "stop"),
         )
 
+    def _names(self, context: Context) -> dict[str, sp.Expr]:
+        """Name -> symbol (or 0) of the parameters and states of its own."""
+        switched = {name for _, changes in self.switches for name in changes}
+        own: dict[str, sp.Expr] = {}
+        for name, value in self.parameters.items():
+            make = context.switchable if name in switched else context.parameter
+            own[name] = make(name, value)
+        return own | {name: context.state(name) for name in self.states}
 
-def _checked_switches(switches: Sequence[Any], parameters: Mapping[str, Any]) -> tuple[Any, ...]:
+
+def _checked_switches(
+    switches: Sequence[Switch], parameters: Mapping[str, Number]
+) -> tuple[Switch, ...]:
     """Pairs of a time and parameters to change."""
     found = []
     for each in switches:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import sympy as sp
 
-from geomtorsion.scenes.effects.intake import check_numbers, check_vectors
+from geomtorsion.scenes.context import Number
+from geomtorsion.scenes.effects.fields import check_numbers, check_vectors
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
 
 if TYPE_CHECKING:
@@ -46,9 +47,9 @@ class LinearDrag(Effect):
     key: ClassVar[str] = "linear_drag"
     title: ClassVar[str] = "drag in proportion to the speed"
 
-    coefficient: Any = field(metadata=unit("N s/m"))
-    arm: Sequence[Any] = field(default=(0, 0, 0), metadata=unit("m"))
-    wind: Sequence[Any] = field(default=(0, 0, 0), metadata=unit("m/s"))
+    coefficient: Number = field(metadata=unit("N s/m"))
+    arm: Sequence[Number] = field(default=(0, 0, 0), metadata=unit("m"))
+    wind: Sequence[Number] = field(default=(0, 0, 0), metadata=unit("m/s"))
 
     def __post_init__(self) -> None:
         """Check numbers and vectors."""
@@ -98,10 +99,10 @@ class QuadraticDrag(Effect):
     key: ClassVar[str] = "quadratic_drag"
     title: ClassVar[str] = "drag in proportion to the square of the speed"
 
-    coefficient: Any = field(metadata=unit("kg/m"))
-    arm: Sequence[Any] = field(default=(0, 0, 0), metadata=unit("m"))
-    wind: Sequence[Any] = field(default=(0, 0, 0), metadata=unit("m/s"))
-    smoothing: Any = field(default=1e-6, metadata=unit("m/s"))
+    coefficient: Number = field(metadata=unit("kg/m"))
+    arm: Sequence[Number] = field(default=(0, 0, 0), metadata=unit("m"))
+    wind: Sequence[Number] = field(default=(0, 0, 0), metadata=unit("m/s"))
+    smoothing: Number = field(default=1e-6, metadata=unit("m/s"))
 
     def __post_init__(self) -> None:
         """Check numbers and vectors."""
@@ -117,7 +118,7 @@ class QuadraticDrag(Effect):
         return _at(context, arm, -context.parameter("c", self.coefficient) * size * speed)
 
 
-def _through_air(context: Context, arm: Any, wind: Sequence[Any]) -> Any:
+def _through_air(context: Context, arm: sp.Matrix, wind: Sequence[Number]) -> sp.Matrix:
     """Velocity of the centre of pressure in the air, space axes."""
     speed = sp.Matrix(context.velocity) - context.vector("wind", wind)
     if any(arm):
@@ -125,7 +126,7 @@ def _through_air(context: Context, arm: Any, wind: Sequence[Any]) -> Any:
     return speed
 
 
-def _at(context: Context, arm: Any, force: Any) -> Contribution:
+def _at(context: Context, arm: sp.Matrix, force: sp.Matrix) -> Contribution:
     """A force at a point of the body."""
     moment = tuple(arm.cross(context.in_body(force))) if any(arm) else None
     return Contribution(moment=moment, force=tuple(force))

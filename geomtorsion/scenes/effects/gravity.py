@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
+from geomtorsion.scenes.context import Number
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ class Gravity(Effect):
     key: ClassVar[str] = "gravity"
     title: ClassVar[str] = "uniform gravity, downwards"
 
-    g: Any = field(default=9.81, metadata=unit("m/s^2"))
+    g: Number = field(default=9.81, metadata=unit("m/s^2"))
 
     def adds(self, context: Context) -> Contribution:
         """A force at the centre of mass, with its potential."""

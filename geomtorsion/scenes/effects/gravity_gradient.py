@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import sympy as sp
 
-from geomtorsion.scenes.effects.intake import check_numbers
+from geomtorsion.scenes.context import Number
+from geomtorsion.scenes.effects.fields import check_numbers
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
 
 if TYPE_CHECKING:
@@ -47,8 +48,8 @@ class GravityGradient(Effect):
     key: ClassVar[str] = "gravity_gradient"
     title: ClassVar[str] = "gravity gradient on a circular orbit"
 
-    rate: Any = field(metadata=unit("rad/s"))
-    phase: Any = field(default=0, metadata=unit("rad"))
+    rate: Number = field(metadata=unit("rad/s"))
+    phase: Number = field(default=0, metadata=unit("rad"))
 
     def __post_init__(self) -> None:
         """Check the numbers."""

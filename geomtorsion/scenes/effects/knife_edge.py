@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import sympy as sp
 
-from geomtorsion.scenes.effects.intake import check_numbers, check_vectors
+from geomtorsion.scenes.context import Number
+from geomtorsion.scenes.effects.fields import check_numbers, check_vectors
 from geomtorsion.scenes.effects.protocol import Constraint, Contribution, Effect, unit
 
 if TYPE_CHECKING:
@@ -50,8 +51,8 @@ class KnifeEdge(Effect):
     title: ClassVar[str] = "knife edge: forward and turning, not sideways"
     excludes: ClassVar[frozenset[str]] = frozenset({"drift", "pivot", "rolling"})
 
-    arm: Sequence[Any] = field(default=(0, 0, 0), metadata=unit("m"))
-    speed: Any = field(default=0, metadata=unit("m/s"))
+    arm: Sequence[Number] = field(default=(0, 0, 0), metadata=unit("m"))
+    speed: Number = field(default=0, metadata=unit("m/s"))
 
     def __post_init__(self) -> None:
         """Check vector and number."""

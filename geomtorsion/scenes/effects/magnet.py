@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import sympy as sp
 
 from geomtorsion.errors import SceneError
-from geomtorsion.scenes.effects.intake import check_vectors, read_three
+from geomtorsion.scenes.context import Expression, Number
+from geomtorsion.scenes.effects.fields import check_vectors, read_three
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
 
 if TYPE_CHECKING:
@@ -50,8 +51,8 @@ class Magnet(Effect):
     title: ClassVar[str] = "magnetic moment in a field"
     several: ClassVar[bool] = True
 
-    dipole: Sequence[Any] = field(metadata=unit("A m^2"))
-    field: Sequence[Any] = field(metadata=unit("T"))
+    dipole: Sequence[Number] = field(metadata=unit("A m^2"))
+    field: Sequence[Expression] = field(metadata=unit("T"))
 
     def __post_init__(self) -> None:
         """Check the vectors."""
@@ -60,11 +61,11 @@ class Magnet(Effect):
     def adds(self, context: Context) -> Contribution:
         """A moment, its potential, and what a changing field puts in."""
         dipole = context.vector("mu", self.dipole)
-        outside = read_three(self.field, context, "B", f"{context.key or self.key}.field")
+        outside = read_three(self.field, context, "B", f"{self.called(context)}.field")
         state = {symbol.name for symbol in outside.free_symbols} - {"t", *context.values}
         if state:
             raise SceneError(
-                f"{context.key or self.key}.field contains {', '.join(sorted(state))}: a field "
+                f"{self.called(context)}.field contains {', '.join(sorted(state))}: a field "
                 "that is the same everywhere depends on the time t alone. Use Custom for more."
             )
         seen = context.in_body(outside)

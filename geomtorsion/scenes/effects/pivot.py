@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import sympy as sp
 
 from geomtorsion.errors import SceneError
+from geomtorsion.scenes.context import Number
+from geomtorsion.scenes.effects.fields import check_vectors
 from geomtorsion.scenes.effects.protocol import Constraint, Contribution, Effect, unit
 
 if TYPE_CHECKING:
@@ -51,23 +53,13 @@ class Pivot(Effect):
     title: ClassVar[str] = "one point of the body is held"
     excludes: ClassVar[frozenset[str]] = frozenset({"drift", "rolling", "knife_edge"})
 
-    arm: Sequence[Any] = field(metadata=unit("m"))
-    place: Sequence[Any] = field(default=(0, 0, 0), metadata=unit("m"))
+    arm: Sequence[Number] = field(metadata=unit("m"))
+    place: Sequence[Number] = field(default=(0, 0, 0), metadata=unit("m"))
     moments_at: str = "centre"
 
     def __post_init__(self) -> None:
         """Tuples of three numbers, and one of two words."""
-        for name in ("arm", "place"):
-            value = getattr(self, name)
-            try:
-                value = tuple(value)
-            except TypeError:
-                value = (value,)
-            if len(value) != 3:
-                raise SceneError(
-                    f"pivot.{name} = {getattr(self, name)!r}: three components (m) were needed."
-                )
-            object.__setattr__(self, name, value)
+        check_vectors(self, "arm", "place")
         if self.moments_at not in ("centre", "pivot"):
             raise SceneError(
                 f'pivot.moments_at = {self.moments_at!r}: say "centre" or "pivot", the point about '

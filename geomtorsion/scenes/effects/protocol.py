@@ -1,17 +1,19 @@
-"""Protocol: what an effect is asked for, what it is told, and what it answers."""
+"""Protocol: what an effect is given, and what it adds to the equations."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import Any, ClassVar
+from typing import ClassVar
+
+import sympy as sp
 
 from geomtorsion.scenes.body import Body
-from geomtorsion.scenes.context import Context, groups_in
+from geomtorsion.scenes.context import Context, Number, groups_in
 
-Expression = Any
-Triple = tuple[Expression, Expression, Expression]
-Switch = tuple[Any, Mapping[str, Any]]
+Triple = tuple[sp.Expr, sp.Expr, sp.Expr] | tuple[sp.Expr, ...]
+# Time, and the new values of parameters or states.
+Switch = tuple[Number, Mapping[str, Number]]
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,7 @@ class Constraint:
     velocity: Triple
     position: Triple | None = None
     arm: Triple | None = None
-    start: Mapping[str, Any] = field(default_factory=dict)
+    start: Mapping[str, Number] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -70,16 +72,16 @@ class Contribution:
     moment: Triple | None = None
     force: Triple | None = None
     momentum: Triple | None = None
-    inertia: Sequence[Sequence[Expression]] | None = None
-    states: Mapping[str, Expression] = field(default_factory=dict)
-    start: Mapping[str, Any] = field(default_factory=dict)
-    energy: Expression | None = None
-    power: Expression | None = None
-    outputs: Mapping[str, Any] = field(default_factory=dict)
+    inertia: Sequence[Sequence[sp.Expr]] | None = None
+    states: Mapping[str, sp.Expr] = field(default_factory=dict)
+    start: Mapping[str, Number] = field(default_factory=dict)
+    energy: sp.Expr | None = None
+    power: sp.Expr | None = None
+    outputs: Mapping[str, sp.Expr | Sequence[sp.Expr]] = field(default_factory=dict)
     switches: tuple[Switch, ...] = ()
     constraint: Constraint | None = None
-    replaces: Mapping[str, Expression] = field(default_factory=dict)
-    stop: Expression | None = None
+    replaces: Mapping[str, sp.Expr] = field(default_factory=dict)
+    stop: sp.Expr | None = None
 
 
 @dataclass(frozen=True)
@@ -109,6 +111,10 @@ class Effect:
     def adds(self, context: Context) -> Contribution:
         """What it adds to the equations, in the symbols of the context."""
         raise NotImplementedError
+
+    def called(self, context: Context) -> str:
+        """How errors and outputs call it: its key, counted where there are several of a kind."""
+        return context.key or self.key
 
     def needs(self, body: Body | None = None) -> frozenset[str]:
         """Groups of states that its contribution depends on, read off the expressions.

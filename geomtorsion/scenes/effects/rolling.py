@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import sympy as sp
 
 from geomtorsion.errors import SceneError
-from geomtorsion.scenes.effects.intake import check_numbers
+from geomtorsion.scenes.context import Number
+from geomtorsion.scenes.effects.fields import check_numbers
 from geomtorsion.scenes.effects.protocol import Constraint, Contribution, Effect, unit
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ class Rolling(Effect):
     title: ClassVar[str] = "rolling on a plane without slipping"
     excludes: ClassVar[frozenset[str]] = frozenset({"drift", "pivot", "knife_edge"})
 
-    radius: Any = field(metadata=unit("m"))
+    radius: Number = field(metadata=unit("m"))
     shape: str = "disc"
 
     def __post_init__(self) -> None:
@@ -76,7 +77,7 @@ class Rolling(Effect):
         )
         return Contribution(constraint=rolled, outputs={"contact": self._place(context, contact)})
 
-    def _place(self, context: Context, contact: Any) -> tuple[Any, Any]:
+    def _place(self, context: Context, contact: sp.Matrix) -> tuple[sp.Expr, sp.Expr]:
         """Where it touches the plane: x and y."""
         place = sp.Matrix(context.position) + context.in_space(contact)
         return (place[0], place[1])

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import sympy as sp
 
 from geomtorsion.errors import SceneError
-from geomtorsion.scenes.context import exact
-from geomtorsion.scenes.effects.intake import check_axis, check_numbers, read, unit_axis
+from geomtorsion.scenes.context import Expression, Number, exact
+from geomtorsion.scenes.effects.fields import check_axis, check_numbers, read, unit_axis
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
 
 if TYPE_CHECKING:
@@ -61,10 +61,10 @@ class Rotor(Effect):
     title: ClassVar[str] = "wheel inside the body (gyrostat)"
     several: ClassVar[bool] = True
 
-    axis: Sequence[Any]
-    momentum: Any = field(metadata=unit("N m s"))
-    inertia: Any = field(default=None, metadata=unit("kg m^2"))
-    torque: Any = field(default=0, metadata=unit("N m"))
+    axis: Sequence[Number]
+    momentum: Number = field(metadata=unit("N m s"))
+    inertia: Number | None = field(default=None, metadata=unit("kg m^2"))
+    torque: Expression = field(default=0, metadata=unit("N m"))
 
     def __post_init__(self) -> None:
         """Check axis and numbers."""
@@ -95,12 +95,12 @@ class Rotor(Effect):
                 momentum=tuple(h * axis),
                 inertia=rows,
                 energy=h**2 / (2 * inertia),
-                outputs={f"{context.key or self.key}_speed": h / inertia - along},
+                outputs={f"{self.called(context)}_speed": h / inertia - along},
             )
-        h = context.state(f"h_{context.key or self.key}")
+        h = context.state(f"h_{self.called(context)}")
         relative = h / inertia - along
         w = sp.Symbol("w")
-        torque = read(self.torque, context, "torque", f"{context.key or self.key}.torque", {"w": w})
+        torque = read(self.torque, context, "torque", f"{self.called(context)}.torque", {"w": w})
         torque = torque.xreplace({w: relative})
         return Contribution(
             momentum=tuple(h * axis),
@@ -110,7 +110,7 @@ class Rotor(Effect):
             energy=h**2 / (2 * inertia),
             # The torque turns the wheel one way and the body the other.
             power=torque * relative,
-            outputs={f"{context.key or self.key}_speed": relative},
+            outputs={f"{self.called(context)}_speed": relative},
         )
 
     def _check_size(self, context: Context) -> None:
@@ -120,7 +120,7 @@ class Rotor(Effect):
         whole = (column.T * tensor * column)[0] / column.dot(column)
         if not exact(self.inertia, "inertia") < whole:
             raise SceneError(
-                f"{context.key or self.key}.inertia = {self.inertia} is not less than "
+                f"{self.called(context)}.inertia = {self.inertia} is not less than "
                 f"{float(whole):.6g} kg m^2, what the body has about that axis with its wheel. "
                 "Give it more, or the wheel less."
             )

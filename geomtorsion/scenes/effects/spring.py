@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import sympy as sp
 
-from geomtorsion.scenes.effects.intake import check_numbers, check_vectors
+from geomtorsion.scenes.context import Number
+from geomtorsion.scenes.effects.fields import check_numbers, check_vectors
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
 
 if TYPE_CHECKING:
@@ -49,10 +50,10 @@ class Spring(Effect):
     title: ClassVar[str] = "spring to a point of space"
     several: ClassVar[bool] = True
 
-    stiffness: Any = field(metadata=unit("N/m"))
-    length: Any = field(default=0, metadata=unit("m"))
-    anchor: Sequence[Any] = field(default=(0, 0, 0), metadata=unit("m"))
-    arm: Sequence[Any] = field(default=(0, 0, 0), metadata=unit("m"))
+    stiffness: Number = field(metadata=unit("N/m"))
+    length: Number = field(default=0, metadata=unit("m"))
+    anchor: Sequence[Number] = field(default=(0, 0, 0), metadata=unit("m"))
+    arm: Sequence[Number] = field(default=(0, 0, 0), metadata=unit("m"))
 
     def __post_init__(self) -> None:
         """Check numbers and vectors."""

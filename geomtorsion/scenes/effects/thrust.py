@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from geomtorsion.errors import SceneError
-from geomtorsion.scenes.effects.intake import between, check_numbers, check_vectors, read_three
+from geomtorsion.scenes.context import Expression, Number
+from geomtorsion.scenes.effects.fields import between, check_numbers, check_vectors, read_three
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
 
 if TYPE_CHECKING:
@@ -51,10 +52,10 @@ class Thrust(Effect):
     title: ClassVar[str] = "force fixed to the body"
     several: ClassVar[bool] = True
 
-    force: Sequence[Any] = field(metadata=unit("N"))
-    point: Sequence[Any] = field(default=(0, 0, 0), metadata=unit("m"))
-    start: Any = field(default=None, metadata=unit("s"))
-    end: Any = field(default=None, metadata=unit("s"))
+    force: Sequence[Expression] = field(metadata=unit("N"))
+    point: Sequence[Number] = field(default=(0, 0, 0), metadata=unit("m"))
+    start: Number | None = field(default=None, metadata=unit("s"))
+    end: Number | None = field(default=None, metadata=unit("s"))
 
     def __post_init__(self) -> None:
         """Check vectors and times."""
@@ -64,7 +65,7 @@ class Thrust(Effect):
     def adds(self, context: Context) -> Contribution:
         """A force, the moment of its arm, and switches."""
         burn, switches = between(context, "burn", self.start, self.end)
-        force = burn * read_three(self.force, context, "F", f"{context.key or self.key}.force")
+        force = burn * read_three(self.force, context, "F", f"{self.called(context)}.force")
         point = context.vector("point", self.point)
         moment = tuple(point.cross(force)) if any(point) else None
         return Contribution(moment=moment, force=tuple(context.in_space(force)), switches=switches)
@@ -102,9 +103,9 @@ class BodyMoment(Effect):
     title: ClassVar[str] = "moment fixed to the body"
     several: ClassVar[bool] = True
 
-    moment: Sequence[Any] = field(metadata=unit("N m"))
-    start: Any = field(default=None, metadata=unit("s"))
-    end: Any = field(default=None, metadata=unit("s"))
+    moment: Sequence[Expression] = field(metadata=unit("N m"))
+    start: Number | None = field(default=None, metadata=unit("s"))
+    end: Number | None = field(default=None, metadata=unit("s"))
 
     def __post_init__(self) -> None:
         """Check vector and times."""
@@ -114,7 +115,7 @@ class BodyMoment(Effect):
     def adds(self, context: Context) -> Contribution:
         """A moment and switches."""
         factor, switches = between(context, "motor", self.start, self.end)
-        moment = factor * read_three(self.moment, context, "M", f"{context.key or self.key}.moment")
+        moment = factor * read_three(self.moment, context, "M", f"{self.called(context)}.moment")
         return Contribution(moment=tuple(moment), switches=switches)
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import sympy as sp
 
-from geomtorsion.scenes.effects.intake import check_numbers
+from geomtorsion.scenes.context import Number
+from geomtorsion.scenes.effects.fields import check_numbers
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ class Torsion(Effect):
     title: ClassVar[str] = "torsion force (autoparallels instead of geodesics)"
     excludes: ClassVar[frozenset[str]] = frozenset({"naive", "rolling", "knife_edge", "pivot"})
 
-    strength: Any = field(default=1, metadata=unit(""))
+    strength: Number = field(default=1, metadata=unit(""))
 
     def __post_init__(self) -> None:
         """Check the number."""

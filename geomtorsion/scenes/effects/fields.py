@@ -1,18 +1,18 @@
-"""Intake: numbers, vectors and expressions of effects, checked and read at the door."""
+"""Fields: numbers, vectors and expressions of effects, checked and read."""
 
 from __future__ import annotations
 
 import keyword
 import re
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy as sp
 
+from geomtorsion.checks import did_you_mean
 from geomtorsion.errors import ExpressionError, SceneError
 from geomtorsion.exact import parse_expression
-from geomtorsion.exact.names import near_names
-from geomtorsion.scenes.context import GROUPS, exact
+from geomtorsion.scenes.context import GROUPS, Expression, Number, exact, symbols_in
 from geomtorsion.scenes.units import exact as without_decimals
 
 if TYPE_CHECKING:
@@ -93,22 +93,26 @@ def check_axis(effect: Effect, name: str) -> None:
         )
 
 
-def unit_axis(context: Context, name: str, values: Sequence[Any]) -> Any:
+def unit_axis(context: Context, name: str, values: Sequence[Number]) -> sp.Matrix:
     """A direction as a column of length one: an axis of the body exactly, others as symbols."""
     column = sp.Matrix([exact(value, name) for value in values])
     length = sp.sqrt(column.dot(column))
-    return context.vector(name, [sp.nsimplify(x / length) for x in column])
+    return context.vector(name, [x / length for x in column])
 
 
-def known_names(context: Context) -> dict[str, Any]:
+def known_names(context: Context) -> dict[str, sp.Expr]:
     """Name -> symbol of everything that expressions of users may contain."""
     symbols = {symbol.name: symbol for group in GROUPS.values() for symbol in group}
     return symbols | {name: sp.Symbol(name) for name in context.values}
 
 
 def read(
-    value: Any, context: Context, name: str, where: str, names: Mapping[str, Any] | None = None
-) -> Any:
+    value: Expression,
+    context: Context,
+    name: str,
+    where: str,
+    names: Mapping[str, sp.Expr] | None = None,
+) -> sp.Expr:
     """An expression of time and state: text through the whitelist, a number as a parameter.
 
     Parameters
@@ -144,19 +148,19 @@ def read(
         except ExpressionError:
             _check_names(value, known, where)
             raise
-    if isinstance(value, sp.Expr) and value.free_symbols:
-        _check_names(" ".join(sorted(s.name for s in value.free_symbols)), known, where)
+    own = sorted(symbols_in(value), key=str)
+    if own:
+        _check_names(" ".join(symbol.name for symbol in own), known, where)
         # Symbols of the user's own kind (real, positive) are those of the same name here.
-        return value.subs({symbol: known[symbol.name] for symbol in value.free_symbols})
+        return sp.Expr.subs(value, {symbol: known[symbol.name] for symbol in own})
     return context.parameter(name, value)
 
 
-def _check_names(text: str, known: Mapping[str, Any], where: str) -> None:
+def _check_names(text: str, known: Mapping[str, sp.Expr], where: str) -> None:
     """Refuse a name that nothing gives, naming near ones; functions are left to the parser."""
     for name in re.findall(r"(?<![\w.])[^\W\d]\w*(?![\w.]|\s*\()", text):
         if name not in known and name not in ("pi", "E") and not keyword.iskeyword(name):
-            near = near_names(name, list(known))
-            hint = f"Did you mean {near}? " if near else ""
+            hint = did_you_mean(name, known)
             own = [k for k in known if k not in _STATE]
             raise ExpressionError(
                 f"{where} contains {name!r}, which nothing gives. {hint}"
@@ -165,12 +169,12 @@ def _check_names(text: str, known: Mapping[str, Any], where: str) -> None:
 
 
 def read_three(
-    values: Sequence[Any],
+    values: Sequence[Expression],
     context: Context,
     name: str,
     where: str,
-    names: Mapping[str, Any] | None = None,
-) -> Any:
+    names: Mapping[str, sp.Expr] | None = None,
+) -> sp.Matrix:
     """Three expressions as a column."""
     found = [
         read(value, context, f"{name}{k + 1}", f"{where}[{k}]", names)
@@ -179,7 +183,9 @@ def read_three(
     return sp.Matrix(found)
 
 
-def between(context: Context, name: str, start: Any, end: Any) -> tuple[Any, tuple[Switch, ...]]:
+def between(
+    context: Context, name: str, start: Number | None, end: Number | None
+) -> tuple[sp.Expr, tuple[Switch, ...]]:
     """A factor that is 1 from start to end and 0 outside, with the switches that make it so.
 
     The times are exact: the integration is begun anew there, nothing is stepped over.

@@ -8,7 +8,7 @@ import sympy as sp
 from geomtorsion.errors import ExpressionError, SceneError
 from geomtorsion.scenes import Body, effects
 from geomtorsion.scenes.context import Context
-from geomtorsion.scenes.effects.intake import between, read
+from geomtorsion.scenes.effects.fields import between, read
 
 E = effects
 BODY = Body(mass=2.0, moments=(1.0, 1.6, 2.1))

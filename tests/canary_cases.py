@@ -1,0 +1,422 @@
+"""Canary cases: one call that works for every public function, class and method of values."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import networkx as nx
+import numpy as np
+import sympy as sp
+
+import geomtorsion as gt
+from geomtorsion import exercises, scenes, spaces
+from geomtorsion.scenes import effects
+from tests.canary import Case
+
+X, Y = sp.symbols("x y")
+PLANE = gt.Frame([X, Y], [[1, 0], [0, 1 + X**2]], name="bent")
+CRYSTAL = gt.parallel_screws([(0, 0)], [1])
+CARTAN, RIEMANN = gt.cartan(PLANE), gt.levi_civita(PLANE)
+PLANE_METRIC = gt.numpy_function([PLANE.metric.element(1, 1)], [X, Y])
+CIRCLE = gt.Loop.circle([0, 0], 1)
+ROUND = gt.Loop.circle([0, 0, 0], 1)
+VECTOR = gt.Tensor(PLANE, "u", {(0,): PLANE.read([("x", X)])[0]})
+CURVE = gt.geodesic(PLANE, [0, 0], [1, 1])
+ODE = gt.flow({"x": "v", "v": "-k*x"}, [1, 0], parameters={"k": 1})
+SOLVED = gt.solve(CURVE, 0.5, 1e-6, gt.RungeKutta())
+RUN = gt.solve(ODE, 0.5, 1e-6, gt.RungeKutta())
+BODY = scenes.Body(moments=(1, 2, 3))
+SCENE = scenes.Scene(
+    BODY, [effects.AngularDamping(0.1)], scenes.State(omega=(1, 2, 3)), t=0.5, accuracy=1e-6
+)
+RESULT = SCENE.run(gt.RungeKutta())
+GRID = gt.SampledFrame([np.arange(9.0), np.arange(9.0)], np.ones((1, 2, 9, 9)))
+TRIANGLE = nx.Graph()
+for _k, _place in enumerate([(0, 0), (1, 0), (0, 1)]):
+    TRIANGLE.add_node(_k, position=_place)
+nx.add_cycle(TRIANGLE, range(3))
+NETWORK = gt.Network(PLANE, TRIANGLE)
+LINES = gt.DislocationNetwork.of_lines([("a", "b", (1, 0, 0)), ("b", "a", (1, 0, 0))])
+EXERCISE = exercises.load("3.2", 1)
+ANSWERS = {question.name: "1" for question in EXERCISE.questions}
+QUICK = gt.RungeKutta()
+NOTHING: dict[str, Any] = {}
+
+
+def _of(name: str, call: Callable[..., Any], /, **arguments: Any) -> Case:
+    return Case(name, call, arguments)
+
+
+def _public(name: str, /, **arguments: Any) -> Case:
+    return Case(name, getattr(gt, name), arguments)
+
+
+def public_functions() -> list[Case]:
+    """Everything that geomtorsion exports itself."""
+    u1, u2 = sp.symbols("u1 u2")
+    energy = {"lagrangian": (u1**2 + u2**2) / 2, "forces": [0, 0], "constraints": None}
+    energy |= {"principle": "closed_in_coordinates", "parameters": None, "connection": None}
+    starts = {"start": [0, 0], "velocity": [1, 1]}
+    settings = {"parameters": {}, "causal": None, "atlas": None}
+    return [
+        _public(
+            "Frame", coordinates=[X, Y], coframe=[[1, 0], [0, X]], signature=(1, 1),
+            parameters=[], domain=[X > 0], complex=False, name="plane", branches={},
+        ),
+        _public("Tensor", frame=PLANE, slots="u", source={(0,): X}, symmetry=(), name="t"),
+        _public("Connection", frame=PLANE, coefficients=CARTAN.coefficients, name="c"),
+        _public("Curvature", connection=CARTAN),
+        _public("Torsion", connection=CARTAN),
+        _public("Plan", frame=PLANE, name="ricci"),
+        _public("blend", first=CARTAN, second=RIEMANN, share=sp.Rational(1, 2)),
+        _public("cartan", frame=PLANE),
+        _public("levi_civita", frame=PLANE),
+        _public("identities", connection=CARTAN),
+        _of("contract", _contracted, letters="ab,b->a"),
+        _public("from_coefficients", frame=PLANE, coefficients=[[[0, X], [0, 0]]] * 2),
+        _public("from_contortion", frame=PLANE, contortion=[[[0, 0], [0, 0]]] * 2),
+        _public("from_spin_connection", frame=PLANE, omega=[[[0, X], [-X, 0]]] * 2),
+        _public("numpy_function", elements=[PLANE.metric.element(1, 1)], symbols=[X, Y]),
+        _public(
+            "parse_expression", text="x + f(x)", symbols={"x": X},
+            functions={"f": sp.Function("f")}, where="here", limits=None,
+        ),
+        _public("equations_of_motion", frame=PLANE, **energy),
+        _public("conserved_quantities", frame=PLANE, **energy),
+        _public("variation", frame=PLANE, principle="closed_in_coordinates", connection=None),
+        _public("autoparallel", connection=CARTAN, **starts, frame_velocity=None, **settings),
+        _public(
+            "geodesic", space=PLANE, **starts, frame_velocity=None, metric=None, **settings
+        ),
+        _public("geodesic_deviation", problem=CURVE, offset=[0, 1], rate=[0, 0]),
+        _public("parallel_transport", problem=CURVE, vectors=[[1, 0]], connection=None),
+        _public(
+            "holonomy", connection=RIEMANN, path=[X, X], t=0.5, parameters={},
+            accuracy=1e-6, engine=QUICK,
+        ),
+        _public(
+            "exponential_map", connection=RIEMANN, start=[0, 0], vector=[1, 1],
+            parameters={}, accuracy=1e-6, engine=QUICK,
+        ),
+        _public(
+            "connecting", connection=RIEMANN, start=[0, 0], end=[0.5, 0.25], guess=[0.5, 0.25],
+            parameters={}, accuracy=1e-6, engine=QUICK,
+        ),
+        _public("distance_apart", one=SOLVED, two=SOLVED, chart=None),
+        _public(
+            "solve", problem=CURVE, t=[0, 0.5], accuracy=1e-6, engine=QUICK, checkpoint=None,
+            progress=None, overwrite=False,
+        ),
+        _public(
+            "solve_many", problem=CURVE, starts=[[0, 0], [0, 1]], t=0.5, accuracy=1e-6,
+            engine=QUICK, velocities=None, frame_velocities=[[1, 0], [1, 0]], check=1,
+            progress=None,
+        ),
+        _public(
+            "flow", rates={"x": "v", "v": "-k*x"}, start=[1, 0], parameters={"k": 1},
+            invariants={"energy": "v**2 + k*x**2"}, outputs={"twice": "2*x"}, time="t",
+            switches=[(0.25, {"k": 2})], stop="x + 2", blocks=[["x", "v"]], unit=[], name="spring",
+        ),
+        _public(
+            "Taylor", precision=53, optimised=None, max_steps=1000
+        ),
+        _public("RungeKutta", max_evaluations=10**5),
+        _public("Stiff", method="Radau", max_evaluations=10**5),
+        _public("free_top", moments=(1, 2, 3), omega=(1, 2, 3), quaternion=(1, 0, 0, 0)),
+        _public(
+            "FreeTop", moments=(1.0, 2.0, 3.0), omega0=(1.0, 2.0, 3.0),
+            quaternion0=(1.0, 0.0, 0.0, 0.0),
+        ),
+        _public("accuracy_cost", problem=CURVE, t=0.25, engines=[QUICK], accuracies=[1e-3]),
+        _public("burgers_vector", frame=PLANE, loop=CIRCLE, accuracy=1e-6, parameters={}),
+        _public("exact_burgers_vector", frame=PLANE, loop=CIRCLE, seconds=5.0),
+        _public(
+            "burgers_vectors", frame=PLANE, centres=[[0, 0], [1, 0]], radius=0.5, plane=(0, 1),
+            accuracy=1e-6, parameters={},
+        ),
+        _public(
+            "burgers_map", frame=PLANE, edges=([0, 1, 2], [0, 1]), plane=(0, 1), at=[0, 0],
+            accuracy=1e-6, parameters={},
+        ),
+        _public(
+            "develop", connection=CARTAN, loop=CIRCLE, accuracy=1e-6, parameters={}, defects=[]
+        ),
+        _public(
+            "develop_path", connection=CARTAN, points=[[0, 0], [1, 0], [1, 1]], accuracy=1e-6,
+            parameters={},
+        ),
+        _public(
+            "develop_period", connection=CARTAN, points=[[0, 0], [1, 0], [0, 0.5]],
+            periods={"y": 0.5}, accuracy=1e-6, parameters={},
+        ),
+        _public("dispiration", alpha=sp.Rational(1, 2), b=1),
+        _public("find_defects", frame=CRYSTAL),
+        _public(
+            "enclosed_defects", frame=CRYSTAL, loop=ROUND, parameters={},
+            defects=[gt.Defect((0, 0, 0), (0, 1))], connection=None,
+        ),
+        _public(
+            "parallel_dislocations", positions=[(0, 0), (1, 0)], burgers=[(0, 0, 1), (1, 0, 0)],
+            name="two",
+        ),
+        _public("parallel_edges", positions=[(0, 0)], burgers=[(1, 0)]),
+        _public("parallel_screws", positions=[(0, 0)], burgers=[1]),
+        _of(
+            "Defect", lambda **given: gt.Defect(**given).place({}), point=(0, 0, 1),
+            across=(0, 1), name="axis", source="declared", names=("x", "y", "z"), free=(2,),
+        ),
+        _public("Network", frame=PLANE, graph=TRIANGLE, position="position", accuracy=1e-6),
+        _public("EdgeList", positions=[[0, 0], [1, 0], [0, 1]], pairs=[[0, 1], [1, 2], [2, 0]]),
+        _public(
+            "SampledFrame", axes=[np.arange(9.0), np.arange(9.0)],
+            coframe=np.ones((1, 2, 9, 9)), order=4, names=("x", "y"),
+        ),
+        _public("Reaction", before=[(1, 0, 0)], after=[(1, 0, 0)], tolerance=1e-9),
+        _public("Loop", parts=CIRCLE.parts, name="loop"),
+        _public("AffineMap", increment=np.zeros((3, 3))),
+    ]  # fmt: skip
+
+
+def public_methods() -> list[Case]:
+    """Methods that take values, and other ways to make things."""
+    loop = gt.Loop
+    return [
+        _of(
+            "Frame.from_frame", gt.Frame.from_frame, coordinates=[X, Y], legs=[[1, 0], [0, X]],
+            signature=(1, 1), parameters=[], domain=X > 0, complex=False, name="a", branches={},
+        ),
+        _of(
+            "Frame.from_metric", gt.Frame.from_metric, coordinates="x y",
+            metric=[[1, 0], [0, X**2]], signature=(1, 1), parameters=[], domain=[X > 0], name="a",
+            branches={},
+        ),
+        _of(
+            "Frame.from_structure_constants", gt.Frame.from_structure_constants,
+            constants=[[[0, 0], [1, 0]], [[-1, 0], [0, 0]]], coordinates="x y", signature=(1, 1),
+            name="a",
+        ),
+        _of("Frame.quantity", PLANE.quantity, name="ricci"),
+        _of("Frame.plan", PLANE.plan, name="ricci"),
+        _of("Frame.read", PLANE.read, entries=[("entry", X)]),
+        _of("Tensor.at", PLANE.metric.at, point={"x": 1, "y": 2}),
+        _of("Tensor.element", lambda i: PLANE.metric[i, 0], i=0),
+        _of("Tensor.raised", PLANE.metric.raised, k=0),
+        _of("Tensor ==", lambda other: PLANE.metric == other, other=1),
+        _of("Tensor *", lambda other: PLANE.metric * other, other=2),
+        _of("Tensor +", lambda other: PLANE.metric + other, other=PLANE.metric),
+        _of("Element ==", lambda other: PLANE.metric.element(1, 1) == other, other=2),
+        _of("Element +", lambda other: PLANE.metric.element(1, 1) + other, other=2),
+        _of("Element *", lambda other: other * PLANE.metric.element(1, 1), other=2),
+        _of("Element.diff", PLANE.metric.element(1, 1).diff, symbol=X),
+        _of("Connection.covariant_derivative", CARTAN.covariant_derivative, tensor=VECTOR),
+        _of("Torsion.force", CARTAN.torsion.force, velocity=[1, 2]),
+        _of("numpy_function()",
+            _metric_at,
+            a=1.0, b=2.0),
+        _of(
+            "Loop.circle", loop.circle, centre=[0, 0], radius=1, plane=(0, 1), name="circle"
+        ),
+        _of("Loop.circle in a plane", loop.circle, centre=[0, 0, 0], radius=sp.Symbol("a"),
+            plane=((1, 0, 0), (0, 1, 1))),
+        _of(
+            "Loop.ellipse", loop.ellipse, centre=[0, 0], axes=(1, 2), plane=(0, 1), name="ellipse"
+        ),
+        _of("Loop.ellipse with symbols", loop.ellipse, centre=[X, 0], axes=(1, 2), plane=(0, 1)),
+        _of(
+            "Loop.polygon", loop.polygon, vertices=[[0, 0], [1, 0], [0, 1]], centre=[1, 1],
+            size=0.1, name="polygon",
+        ),
+        _of(
+            "Loop.parametric", loop.parametric, expressions=["cos(s)", "sin(s)"], parameter="s",
+            interval=(0, 2 * sp.pi), centre=[1, 1], size=1, symbols={"a": sp.Symbol("a")},
+            name="curve",
+        ),
+        _of("Loop.plaquette", loop.plaquette, corner=[0, 0], steps=(1, 1), plane=(0, 1), name="a"),
+        _of(
+            "Loop.spline", loop.spline, points=[[0, 0], [1, 0], [1, 1], [0, 1]], centre=[0, 0],
+            size=1, name="spline",
+        ),
+        _of("Loop.from_cycle", loop.from_cycle, graph=TRIANGLE, cycle=[0, 1, 2],
+            position="position", name="cycle"),
+        _of("Loop.from_cycle of positions", _cycle_with, position=(0, 0)),
+        _of("Loop.at", loop.circle([0, 0], sp.Symbol("a")).at, values={"a": 1}),
+        _of("Loop.times", CIRCLE.times, count=2),
+        _of("Loop.then", CIRCLE.then, other=CIRCLE),
+        _of("Loop.points", CIRCLE.points, count=10),
+        _of("Loop.winding", CIRCLE.winding, axis=[0, 0], plane=(0, 1)),
+        _of("Defect.place", gt.Defect((0, X, 0), (0, 1)).place, parameters={"x": 1}),
+        _of("Defect.winding", gt.Defect((0, 0, 0), (0, 1)).winding, loop=ROUND, parameters={}),
+        _of(
+            "burgers_vector with a parameter",
+            gt.burgers_vector, frame=gt.parallel_screws([(0, 0)], [sp.Symbol("b")]), loop=ROUND,
+            accuracy=1e-6, parameters={"b": 1},
+        ),
+        _of("BurgersVector.in_coordinates", gt.burgers_vector(PLANE, CIRCLE).in_coordinates,
+            point=[0, 0]),
+        _of("BurgersVector.screw", gt.burgers_vector(CRYSTAL, ROUND).screw, direction=[0, 0, 1]),
+        _of("ExactBurgersVector.at",
+            gt.exact_burgers_vector(PLANE, gt.Loop.circle([0, 0], sp.Symbol("a"))).at,
+            values={"a": 1}),
+        _of("Network.edge", NETWORK.edge, start=0, end=1),
+        _of("Network.burgers", NETWORK.burgers, cycle=[0, 1, 2]),
+        _of("Network.cycles", NETWORK.cycles, basis="fundamental"),
+        _of("Network.loop", NETWORK.loop, cycle=[0, 1, 2]),
+        _of("Network.node_rule", NETWORK.node_rule, cells=None),
+        _of("DislocationNetwork.of_lines", gt.DislocationNetwork.of_lines,
+            lines=[("a", "b", (1, 0, 0)), ("b", "a", (1, 0, 0))], surface=[],
+            positions={"a": (0, 0, 0), "b": (1, 0, 0)}),
+        _of("DislocationNetwork.excess", LINES.excess, node="a"),
+        _of("DislocationNetwork.split", LINES.split, line=next(iter(LINES.graph.edges)),
+            parts=[(2, 0, 0), (-1, 0, 0)]),
+        _of("SampledFrame.from_distortion", gt.SampledFrame.from_distortion,
+            axes=[np.arange(9.0), np.arange(9.0)], distortion=np.zeros((2, 2, 9, 9)), order=4,
+            names=("x", "y")),
+        _of("SampledFrame.from_frame", gt.SampledFrame.from_frame, frame=PLANE,
+            axes=[np.arange(9.0), np.arange(9.0)], order=4, parameters={}),
+        _of("SampledFrame.plaquettes", GRID.plaquettes, plane=(0, 1)),
+        _of("SampledFrame.burgers", GRID.burgers, loop=gt.Loop.circle([4, 4], 1)),
+        _of("Solution.at", SOLVED.at, time=0.25),
+        _of("Solution.column", SOLVED.column, name="x"),
+        _of("Solution.in_chart", SOLVED.in_chart, name="bent"),
+        _of("Problem.moved", CURVE.moved, start=[0, 0], velocity=[1, 0], frame_velocity=None),
+        _of("Problem.with_charts", lambda name: CURVE.with_charts(*[name]), name="bent"),
+        _of("Flow.moved", ODE.moved, start=[1, 0], parameters={"k": 2}, switches=None),
+        _of("FlowSolution.at", RUN.at, time=0.25),
+        _of("FlowSolution.zeros", RUN.zeros, term="x - 1/2", direction=0),
+        _of("FlowSolution[]", lambda name: RUN[name], name="x"),
+        _of(
+            "solve_many of a flow", gt.solve_many, problem=ODE, starts=[[1, 0], [2, 0]], t=0.5,
+            accuracy=1e-6, engine=QUICK, check=1,
+        ),
+        _of("FreeTop.omega", gt.free_top((1, 2, 3), (1, 2, 3)).omega, times=[0, 1]),
+        _of("SceneResult.at", RESULT.at, time=0.25),
+        _of("Scene.with_values", SCENE.with_values, changes={"start.omega[0]": 2.0}),
+        _of("Scene.sweep", SCENE.sweep, varied={"start.omega[0]": [1.0, 2.0]},
+            measure=["max omega[0]"]),
+        _of(
+            "Chart.of", gt.Chart.of, frame=PLANE, name="bent", edge=X, margin=0.0,
+            keeps_frame=True,
+        ),
+        _of(
+            "Change", gt.Change, source="a", target="b", coordinates=(X, Y), expressions=(X, Y),
+            parameters=(), angles=(), sample={X: 1, Y: 1},
+        ),
+        _of(
+            "Chart.redundant", gt.Chart.redundant, name="b", coordinates=[X, Y],
+            legs=[[1, 0], [0, 1]], kept=None, parameters=[],
+        ),
+    ]  # fmt: skip
+
+
+def _contracted(letters: Any) -> Any:
+    """A contraction of two tensors."""
+    return gt.contract(letters, PLANE.metric, VECTOR)
+
+
+def _metric_at(a: Any, b: Any) -> Any:
+    """A compiled function of two coordinates."""
+    return PLANE_METRIC(a, b)
+
+
+def _cycle_with(position: Any) -> Any:
+    """A loop through the nodes of a graph, one of which stands at a given place."""
+    graph = TRIANGLE.copy()
+    graph.nodes[0]["position"] = position
+    return gt.Loop.from_cycle(graph, [0, 1, 2])
+
+
+def _selected(**given: Any) -> Any:
+    """What a scene with this start follows."""
+    return scenes.Scene(BODY, [effects.Gravity(1)], scenes.State(**given)).selection
+
+
+def _with_effect(make: Callable[..., Any]) -> Callable[..., Any]:
+    """A scene with an effect: parameters that the effect keeps come to sympy there."""
+
+    def call(**given: Any) -> Any:
+        effect = make(**given)
+        start = scenes.State(omega=(1, 2, 3), euler=(0.3, 0.4, 0.5))
+        return scenes.Scene(BODY, [effect], start, t=0.1, accuracy=1e-3).selection
+
+    return call
+
+
+def scene_cases() -> list[Case]:
+    """Bodies, starts, scenes and every effect."""
+    vector = (0, 0, 1)
+    given: dict[str, dict[str, Any]] = {
+        "Gravity": {"g": 9.81},
+        "Pivot": {"arm": vector, "place": vector, "moments_at": "centre"},
+        "GravityGradient": {"rate": 1, "phase": 0},
+        "Spring": {"stiffness": 1, "length": 0, "anchor": vector, "arm": vector},
+        "LinearDrag": {"coefficient": 1, "arm": vector, "wind": vector},
+        "QuadraticDrag": {"coefficient": 1, "arm": vector, "wind": vector, "smoothing": 0.1},
+        "AngularDamping": {"coefficient": 1},
+        "Thrust": {"force": ("t", 0, 1), "point": vector, "start": 0.1, "end": 0.2},
+        "BodyMoment": {"moment": ("t", 0, 1), "start": 0.1, "end": 0.2},
+        "Magnet": {"dipole": vector, "field": vector},
+        "Rotor": {"axis": vector, "momentum": 1, "inertia": 1, "torque": 0},
+        "Rolling": {"radius": 1, "shape": "disc"},
+        "KnifeEdge": {"arm": vector, "speed": 0},
+        "Torsion": {"strength": 1},
+        "Custom": {
+            "moment": ("k*Omega1", 0, 0), "force": (0, 0, "s"), "axes": "space",
+            "parameters": {"k": 1}, "states": {"s": "-s"}, "start": {"s": 1}, "energy": "s",
+            "power": "k", "outputs": {"twice": "2*s"}, "switches": [(0.05, {"k": 2})],
+            "stop": "s - 1/10",
+        },
+        "Spin": {}, "Drift": {}, "Naive": {},
+    }  # fmt: skip
+    made = [
+        _of(f"effects.{name}", _with_effect(getattr(effects, name)), **values)
+        for name, values in given.items()
+    ]
+    return [
+        *made,
+        _of("Body", scenes.Body, mass=1.0, moments=(1, 2, 3), inertia=None),
+        _of("Body with inertia", scenes.Body, mass=1.0, inertia=[[1, 0, 0], [0, 2, 0], [0, 0, 2]]),
+        _of("Body.box", scenes.Body.box, mass=1, sides=(1, 2, 3)),
+        _of("Body.ellipsoid", scenes.Body.ellipsoid, mass=1, semiaxes=(1, 2, 3)),
+        _of("Body.cylinder", scenes.Body.cylinder, mass=1, radius=1, height=2),
+        _of(
+            "Body.points", scenes.Body.points,
+            masses=[(1, (1, 0, 0)), (1, (0, 1, 0)), (1, (0, 0, 1))],
+        ),
+        _of(
+            "State", _selected,
+            omega=(1, 2, 3), euler=(0.1, 0.2, 0.3), position=(0, 0, 0), velocity=(0, 0, 0),
+            euler_convention="zyz",
+        ),
+        _of("State with a quaternion", scenes.State, quaternion=(1, 0, 0, 0)),
+        _of("State with a matrix", scenes.State, matrix=[[1, 0, 0], [0, 1, 0], [0, 0, 1]]),
+        _of(
+            "Scene", lambda **g: scenes.Scene(**g).selection, body=BODY,
+            effects=[effects.AngularDamping(0.1)], start=scenes.State(omega=(1, 2, 3)),
+            watch=["omega"], t=1.0, accuracy=1e-6, name="a", title="b", samples=11,
+        ),
+        _of("scenes.load", scenes.load, name="euler_top"),
+        _of("scenes.to_toml", scenes.to_toml, scene=SCENE, story="a story"),
+    ]  # fmt: skip
+
+
+def other_cases() -> list[Case]:
+    """Spaces and exercises."""
+    known = {"quantity": "ricci", "components": {(0, 0): "1"}, "basis": "coordinate"}
+    return [
+        _of("spaces.load", spaces.load, name="kerr"),
+        _of("spaces.KnownAnswer", spaces.KnownAnswer, **known),
+        _of("exercises.load", exercises.load, number="3.2", seed=1),
+        _of("exercises.check", exercises.check, number="3.2", answers=ANSWERS, seed=1),
+        _of("Exercise.check", EXERCISE.check, answers=ANSWERS),
+    ]
+
+
+# Results: what the package makes itself from what was checked. Nobody reads them from outside,
+# except from files, whose readers are tested.
+RESULTS = frozenset(
+    "BurgersMap BurgersVector Connecting CostRow CostTable Development EnclosedDefect "
+    "EquationsOfMotion ExactBurgersVector FlowBundle FlowSolution Bundle Identity NodeRule "
+    "SceneCost StateSelection SceneResult Solution Variation Atlas Chart Change Problem Flow "
+    "DislocationNetwork Engine".split()
+)

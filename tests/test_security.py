@@ -1,0 +1,460 @@
+"""Security: nothing that comes from outside is ever run; each attempt ends in an error of ours."""
+
+import ast
+import csv
+import io
+import json
+import warnings
+from pathlib import Path
+
+import click
+import numpy as np
+import pytest
+import sympy as sp
+from typer.main import get_command
+from typer.testing import CliRunner
+
+import geomtorsion as gt
+from geomtorsion import exercises, scenes, spaces
+from geomtorsion.cli.app import app
+from geomtorsion.errors import GeomtorsionError
+from geomtorsion.exercises.submission import read_submission
+from geomtorsion.loops.loop_files import read_loops
+from tests import canary_cases
+from tests.canary import EVENT, PAYLOAD, WATCH, leaves, payloads, poisoned
+
+PACKAGE = Path(gt.__file__).parent
+FILES = sorted(PACKAGE.rglob("*.py"))
+
+# -- the source -----------------------------------------------------------------------------------
+
+# These run text as code, or read objects that do.
+BARRED = frozenset({"sympify", "nsimplify", "parse_expr", "literal_eval", "lambdify", "mpmathify"})
+BARRED_BUILTINS = frozenset({"eval", "exec", "compile", "__import__"})
+BARRED_MODULES = frozenset({"pickle", "marshal", "shelve", "dill", "cloudpickle", "joblib", "code"})
+
+# (file, name) -> why it is safe there.
+ALLOWED: dict[tuple[str, str], str] = {
+    ("exact/compile.py", "exec"): "the one place where code that we have written is compiled",
+    ("exact/compile.py", "compile"): "the one place where code that we have written is compiled",
+    ("motion/flows/tape.py", "mpmathify"): "of numbers of sympy",
+    ("loops/arcs.py", "lambdify"): "of expressions that were read, with functions of a list",
+    ("loops/exact_integral.py", "lambdify"): "of expressions made from exact elements",
+    ("accuracy/loops.py", "lambdify"): "of expressions made from exact elements",
+    ("exact/refusal.py", "nsimplify"): "of a Float of sympy, never of text",
+    ("exact/additive.py", "mpmathify"): "of a fraction minus a number of mpmath",
+    ("exact/evaluate.py", "mpmathify"): "of a value that number() has looked at",
+    ("exact/sample.py", "mpmathify"): "of a number of sympy",
+    ("motion/system.py", "mpmathify"): "mpmath reads numbers from text, never code",
+    ("motion/reduced/constants.py", "mpmathify"): "mpmath reads numbers from text, never code",
+    ("loops/result.py", "mpmathify"): "of floats",
+    ("loops/exact_integral.py", "mpmathify"): "of a number of sympy",
+    ("accuracy/loops.py", "mpmathify"): "of complex floats",
+}
+
+
+def barred(tree: ast.AST) -> list[tuple[str, int]]:
+    """Names in a source that may run text as code, with their lines; also where they are passed on.
+
+    A method of the same name (re.compile, a polynomial's eval) is none of them, sp.S is one where
+    it is called.
+    """
+    found = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Name) and node.id in BARRED | BARRED_BUILTINS:
+            found.append((node.id, node.lineno))
+        elif isinstance(node, ast.Attribute) and node.attr in BARRED:
+            found.append((node.attr, node.lineno))
+        elif isinstance(node, ast.Attribute) and node.attr in BARRED_BUILTINS:
+            if isinstance(node.value, ast.Name) and node.value.id == "builtins":
+                found.append((node.attr, node.lineno))
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names = {alias.name for alias in node.names}
+            found += [(name, node.lineno) for name in names & BARRED]
+            if node.module.partition(".")[0] in BARRED_MODULES:
+                found.append((node.module, node.lineno))
+        elif isinstance(node, ast.Import):
+            parts = {alias.name.partition(".")[0] for alias in node.names}
+            found += [(name, node.lineno) for name in parts & BARRED_MODULES]
+        if isinstance(node, ast.Call):
+            name = getattr(node.func, "attr", getattr(node.func, "id", ""))
+            if name == "S" or (name in ("Rational", "Float", "Integer") and _is_text(node)):
+                found.append((name, node.lineno))
+            safe = any(
+                key.arg == "allow_pickle"
+                and isinstance(key.value, ast.Constant)
+                and key.value.value is False
+                for key in node.keywords
+            )
+            is_numpy = isinstance(node.func, ast.Attribute) and ast.unparse(node.func) == "np.load"
+            if is_numpy and not safe:
+                found.append(("np.load", node.lineno))
+            if name in ("Popen", "run", "call", "check_output", "system") and any(
+                key.arg == "shell" for key in node.keywords
+            ):
+                found.append((f"{name}(shell=...)", node.lineno))
+    return found
+
+
+def _is_text(call: ast.Call) -> bool:
+    """Whether a number of sympy is made from a piece of text that is not written there."""
+    return any(isinstance(argument, ast.JoinedStr) for argument in call.args)
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: str(file.relative_to(PACKAGE)))
+def test_no_source_runs_text(file):
+    """sympify, eval and their like stand only where a reason is written down."""
+    name = file.relative_to(PACKAGE).as_posix()
+    found = barred(ast.parse(file.read_text("utf-8")))
+    wrong = [f"line {line}: {what}" for what, line in found if (name, what) not in ALLOWED]
+    assert not wrong, f"{name}: use checks.expression or exact.parse_expression: {wrong}"
+
+
+def test_no_reason_is_stale():
+    """What is allowed is there, and says why."""
+    present = {
+        (file.relative_to(PACKAGE).as_posix(), what)
+        for file in FILES
+        for what, _ in barred(ast.parse(file.read_text("utf-8")))
+    }
+    assert set(ALLOWED) <= present, f"remove: {set(ALLOWED) - present}"
+    assert all(len(reason) > 5 for reason in ALLOWED.values())
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "sp.sympify(x)",
+        "map(sp.sympify, x)",
+        "from sympy import sympify",
+        "eval(x)",
+        "builtins.exec(x)",
+        "sp.S(x)",
+        "import pickle",
+        "from pickle import loads",
+        "np.load(x)",
+        "np.load(x, allow_pickle=True)",
+        "ast.literal_eval(x)",
+        "subprocess.run(x, shell=True)",
+    ],
+)
+def test_the_lint_finds(source):
+    """The test above can fail: each of these is found."""
+    assert barred(ast.parse(source))
+
+
+def test_the_lint_lets_through():
+    """What only looks like it is let through."""
+    source = "re.compile(x); poly.eval(0); sp.S.Zero; np.load(x, allow_pickle=False); sp.Integer(3)"
+    assert not barred(ast.parse(source))
+
+
+# -- calls ----------------------------------------------------------------------------------------
+
+CASES = [
+    *canary_cases.public_functions(),
+    *canary_cases.public_methods(),
+    *canary_cases.scene_cases(),
+    *canary_cases.other_cases(),
+]
+
+
+def test_the_watch_sees():
+    """The canary sings where text is run, and is silent otherwise."""
+    assert WATCH.during(lambda: sp.sympify(PAYLOAD))[1][-1] == EVENT
+    assert WATCH.during(lambda: sp.Matrix([[PAYLOAD]]))[1]
+    assert WATCH.during(lambda: eval("1 + 1")) == (None, [])  # noqa: S307
+    assert WATCH.during(lambda: open("/dev/null", "w").close())[1]
+
+
+def test_everything_public_is_tried():
+    """Each public function, class and effect stands among the cases, or is made by us alone."""
+    tried = {case.name.partition(".")[0].partition(" ")[0] for case in CASES}
+    modules = {"errors", "spaces", "scenes", "exercises", "effects", "GeomtorsionError"}
+    missing = set(gt.__all__) - tried - modules - canary_cases.RESULTS
+    assert not missing, f"give canary_cases a call that works: {missing}"
+    effects = {f"effects.{effect.__name__}" for effect in scenes.effects.EFFECTS}
+    assert effects <= {case.name for case in CASES}
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_no_argument_is_run(case):
+    """The payload in every argument, bare and nested: no side effect, and no error of sympy's."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        error, seen = WATCH.during(lambda: case.call(**case.arguments))
+        assert error is None, f"the call itself fails: {error!r}"
+        assert not seen
+        for label, arguments in poisoned(case):
+            error, seen = WATCH.during(lambda given=arguments: case.call(**given))
+            assert not seen, f"{label}: {seen}"
+            assert not isinstance(error, sp.SympifyError | SyntaxError), f"{label}: {error!r}"
+
+
+LOOP = gt.Loop.circle([0.1, 0], 0.5)
+
+
+def test_names_are_not_run():
+    """Symbols and functions that are called like the payload never get into compiled code."""
+    x, y, p = sp.Symbol(PAYLOAD), sp.Symbol("y"), sp.Symbol(f"{PAYLOAD}#", positive=True)
+    f = sp.Function(PAYLOAD)
+    for entry in (1 + p * x**2, sp.erf(x) + f(y)):
+        frame = gt.Frame([x, y], [[1, 0], [0, entry]])
+        given = {symbol.name: 1 for symbol in frame.parameters}
+        start = ([0.1, 0], [1, 1])
+
+        def solved(engine, frame=frame, given=given, start=start):
+            return gt.solve(gt.geodesic(frame, *start, parameters=given), 0.5, 1e-6, engine)
+
+        calls = [
+            lambda frame=frame: (str(frame), frame._repr_latex_(), frame.metric._repr_latex_()),
+            lambda frame=frame: gt.levi_civita(frame).curvature.ricci.to_sympy(),
+            lambda frame=frame, given=given: frame.metric.at({PAYLOAD: 1, "y": 1, **given}),
+            lambda frame=frame, given=given: gt.numpy_function(
+                [frame.metric.element(1, 1)], [*frame.coordinates, *frame.parameters]
+            )(1.0, 1.0, *given.values()),
+            lambda: solved(gt.RungeKutta()),
+            lambda: solved(gt.Taylor()),
+            lambda: solved(gt.Taylor(113)),
+            lambda frame=frame, given=given: gt.burgers_vector(frame, LOOP, parameters=given),
+            lambda frame=frame: gt.exact_burgers_vector(frame, gt.Loop.circle([0, 0], p)),
+            lambda frame=frame: gt.exact_burgers_vector(frame, gt.Loop.circle([0, 0], 1)),
+            lambda frame=frame, given=given: gt.develop(gt.cartan(frame), LOOP, parameters=given),
+            lambda frame=frame: gt.equations_of_motion(frame, "u1**2/2 + u2**2/2"),
+            lambda frame=frame: gt.conserved_quantities(frame, "u1**2/2 + u2**2/2"),
+        ]
+        for call in calls:
+            error, seen = WATCH.during(call)
+            assert not seen
+            assert error is None or isinstance(error, GeomtorsionError), repr(error)
+
+
+# -- files ----------------------------------------------------------------------------------------
+
+TETRAD = {
+    "name": "bent", "title": "a", "story": "b", "source": "c", "notes": "d",
+    "coordinates": ["x", "y"], "domain": ["x > 0"], "coframe": [[1, 0], [0, "M + f(x)"]],
+    "signature": [1, 1], "complex": False, "connection": {"0,0,1": "x", "0,1,0": "-x"},
+    "parameters": {"M": "positive"}, "functions": {"f": ["x"]},
+}  # fmt: skip
+SCENE = {
+    "name": "top", "title": "a", "story": "b", "watch": ["energy"], "t": "1 s",
+    "accuracy": 1e-6, "samples": 11, "body": {"mass": 1, "moments": [1, 2, "3 kg m^2"]},
+    "effects": [
+        {"kind": "angular_damping", "coefficient": "1"},
+        {"kind": "custom", "moment": ["k", 0, 0], "parameters": {"k": 1}, "states": {"s": "-s"},
+         "start": {"s": 1}, "outputs": {"twice": "2*s"}},
+    ],
+    "start": {"omega": [1, 2, "3 rad/s"], "euler": ["20 deg", 0, 0], "euler_convention": "zyz"},
+}  # fmt: skip
+LOOPS = {
+    "loops": [
+        {"circle": {"centre": [0, 0], "radius": "1/2", "plane": ["x", "y"]}, "times": 2},
+        {"ellipse": {"centre": [0, 0], "axes": [1, 2]}, "name": "b"},
+        {"polygon": {"vertices": [[0, 0], [1, 0], [0, 1]], "centre": [0, 0], "size": 1}},
+        {"plaquette": {"corner": [0, 0], "steps": [1, 1]}},
+        {"curve": {"expressions": ["cos(s)", "sin(s)"], "parameter": "s",
+                   "interval": [0, "2*pi"], "centre": [0, 0], "size": 1}},
+        {"spline": {"points": [[0, 0], [1, 0], [1, 1], [0, 1]]}},
+    ],
+    "parameters": {"M": "1/2"}, "accuracy": 1e-6,
+}  # fmt: skip
+SUBMISSION = {"student": "ada", "seed": 1, "answers": {"3.2": "cot(phi2)", "1.1": ["x", "y"]}}
+SHAPES = {
+    "text": PAYLOAD,
+    "list": [PAYLOAD],
+    "rows": [[PAYLOAD, PAYLOAD], [PAYLOAD, PAYLOAD]],
+    "table": {"x": PAYLOAD},
+    "key": {PAYLOAD: 1},
+    "number": 3,
+    "nothing": "",
+}
+
+
+def toml(data) -> str:
+    """A table as TOML text; tables inside are written inline."""
+
+    def value(x):
+        if isinstance(x, dict):
+            pairs = (f"{json.dumps(k)} = {value(v)}" for k, v in x.items())
+            return f"{{{', '.join(pairs)}}}"
+        if isinstance(x, list):
+            return f"[{', '.join(map(value, x))}]"
+        return json.dumps(x)
+
+    return "".join(f"{json.dumps(key)} = {value(part)}\n" for key, part in data.items())
+
+
+def read_tetrad(path):
+    """A space with everything computed that a report would show."""
+    space = spaces.read_file(path)
+    return str(space.frame.metric), space.frame.anholonomy.nonzero()
+
+
+def read_scene(path):
+    """A scene with its equations."""
+    return str(scenes.read_file(path).selection)
+
+
+def read_answers(path):
+    """Answers checked one by one."""
+    found = read_submission(path)
+    return [exercises.check(key, given, 1) for key, given in found.answers.items()]
+
+
+READERS = {
+    "tetrad": (TETRAD, toml, "a.toml", read_tetrad),
+    "scene": (SCENE, toml, "a.toml", read_scene),
+    "loops": (LOOPS, json.dumps, "a.json", lambda path: read_loops(canary_cases.PLANE, path)),
+    "answers": (SUBMISSION, toml, "a.toml", read_answers),
+}
+
+
+@pytest.mark.parametrize("kind", READERS)
+def test_no_file_is_run(kind, tmp_path):
+    """The payload in every value of a file, in every shape that the format knows."""
+    data, write, name, read = READERS[kind]
+    path = tmp_path / name
+    path.write_text(write(data))
+    error, seen = WATCH.during(lambda: read(path))
+    assert error is None
+    assert not seen
+    count = 0
+    for place, replaced in leaves(data, depth=-3):
+        for shape, payload in SHAPES.items():
+            path.write_text(write(replaced(payload)))
+            error, seen = WATCH.during(lambda: read(path))
+            assert not seen, f"{kind}{place} = {shape}: {seen}"
+            assert error is None or isinstance(error, GeomtorsionError), (
+                f"{kind}{place} = {shape}: {error!r}"
+            )
+            count += 1
+    assert count > 40
+
+
+def test_the_file_that_ran_code(tmp_path, monkeypatch):
+    """What the review found: a list in the place of an expression in a file of loops."""
+    monkeypatch.chdir(tmp_path)
+    evil = [{"curve": {"expressions": [["__import__('os').system('touch PWNED')"], "1", "0"]}}]
+    Path("evil.json").write_text(json.dumps(evil))
+    result = CliRunner().invoke(app, ["burgers", "so3", "--loops", "evil.json"])
+    assert result.exit_code == 2
+    assert "one expression was needed, but [" in result.output
+    assert not Path("PWNED").exists()
+
+
+def test_no_table_of_loops_is_run(tmp_path):
+    """CSV: the payload in every column."""
+    path = tmp_path / "loops.csv"
+    for header, row in [
+        ("x,y,radius,plane,name", ["0", "0", "1", "x y", "a"]),
+        ("x,y,loop", ["0", "0", "a"]),
+    ]:
+        for place in range(len(row)):
+            changed = [PAYLOAD if k == place else cell for k, cell in enumerate(row)]
+            text = io.StringIO()
+            csv.writer(text).writerows([header.split(","), changed, changed, changed])
+            path.write_text(text.getvalue())
+            error, seen = WATCH.during(lambda: read_loops(canary_cases.PLANE, path))
+            assert not seen
+            assert error is None or isinstance(error, GeomtorsionError)
+
+
+@pytest.mark.parametrize("kind", ["solution", "flow", "scene", "grid"])
+def test_no_array_file_is_run(kind, tmp_path):
+    """NPZ: objects, text and the payload in the place of every array, and in the metadata."""
+    path = tmp_path / "saved.npz"
+    saved = {
+        "solution": (canary_cases.SOLVED.save, _recorded),
+        "flow": (canary_cases.RUN.save, gt.FlowSolution.load),
+        "scene": (canary_cases.RESULT.save, scenes.SceneResult.load),
+        "grid": (canary_cases.GRID.save, gt.SampledFrame.read),
+    }
+    write, read = saved[kind]
+    write(path)
+    assert WATCH.during(lambda: read(path)) == (None, [])
+    with np.load(path, allow_pickle=False) as content:
+        arrays = {name: content[name] for name in content.files}
+    objects = np.array([PAYLOAD, {}], dtype=object)
+    for name in arrays:
+        for wrong in (np.array(PAYLOAD), np.array([PAYLOAD]), objects, np.zeros(())):
+            # Any array may be named as it likes; the type takes one name for an option.
+            np.savez(path, **arrays | {name: wrong})  # type: ignore[arg-type]
+            error, seen = WATCH.during(lambda: read(path))
+            assert not seen, name
+            assert error is None or isinstance(error, GeomtorsionError), f"{name}: {error!r}"
+
+
+def _recorded(path):
+    """A saved solution of a curve, read without its problem."""
+    from geomtorsion.motion import Recorded
+
+    return Recorded.load(path)
+
+
+# -- commands -------------------------------------------------------------------------------------
+
+COMMANDS = {
+    "geometry": ["s2"],
+    "check": ["s2"],
+    "plan": ["s2"],
+    "curve": ["s2", "--t", "0.1", "--accuracy", "1e-6"],
+    "accuracy": ["s2", "--t", "0.1"],
+    "burgers": ["s2", "--circle", "1,0:0.1", "--set", "R=1"],
+    "run": ["euler_top", "--t", "0.1"],
+    "scenes": [],
+    "spaces": [],
+    "report": ["s2"],
+    "exercises list": [],
+    "exercises show": ["1.1"],
+    "exercises check": ["1.1", "1"],
+    "exercises grade": ["none"],
+    "exercises sheet": ["1.1"],
+    "exercises hint": ["1.1"],
+}
+# They start servers or pages, or write pictures that are tested elsewhere.
+UNTRIED = {"lab", "paper"}
+
+
+def commands(group, path=()):
+    """Every command with its name."""
+    if isinstance(group, click.Group) or hasattr(group, "commands"):
+        for name, command in group.commands.items():
+            yield from commands(command, (*path, name))
+    else:
+        yield " ".join(path), group
+
+
+ALL_COMMANDS = dict(commands(get_command(app)))
+
+
+def test_all_commands_are_known():
+    """Each command is tried below, or has a reason not to be."""
+    assert set(ALL_COMMANDS) - UNTRIED <= set(COMMANDS), set(ALL_COMMANDS) - set(COMMANDS)
+
+
+@pytest.mark.parametrize("name", [name for name in COMMANDS if name in ALL_COMMANDS])
+def test_no_option_is_run(name, tmp_path, monkeypatch):
+    """The payload as every argument and every option of every command."""
+    monkeypatch.chdir(tmp_path)
+    base = [*name.split(), *COMMANDS[name]]
+    given = len(name.split())
+    tries = [[*base[:k], PAYLOAD, *base[k + 1 :]] for k in range(given, len(base))]
+    for parameter in ALL_COMMANDS[name].params:
+        option = next((o for o in parameter.opts if o.startswith("--")), None)
+        if option and not getattr(parameter, "is_flag", False):
+            # Output goes where it is told to, in a folder of the name of the payload.
+            if parameter.name in ("output", "folder", "directory"):
+                continue
+            tries.append([*base, option, PAYLOAD])
+            tries.append([*base, option, f"x={PAYLOAD}"])
+    for arguments in tries:
+        error, seen = WATCH.during(lambda given=arguments: CliRunner().invoke(app, given))
+        assert error is None
+        ran = [event for event in seen if "opened for writing" not in event]
+        assert not ran, f"{arguments}: {seen}"
+
+
+def test_payloads_are_of_all_kinds():
+    """Text bare and nested, arrays, objects: as many shapes as are named."""
+    assert {"text", "list", "tuple", "table", "array", "object", "symbol"} <= set(payloads())
