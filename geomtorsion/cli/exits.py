@@ -4,17 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from enum import IntEnum
 
 import typer
 
 from geomtorsion.errors import GeomtorsionError
 
-# What was asked for was done, but something in it failed: a check, a loop, an answer, a motion.
-FAILED = 1
-# Nothing was done, since the input is wrong.
-WRONG_INPUT = 2
-# 128 and the number of the signal, as shells have it.
-INTERRUPTED = 130
+
+class ExitCode(IntEnum):
+    """How a command ended.
+
+    failed: what was asked for was done, but a check, a loop, an answer or a motion in it failed.
+    wrong_input: nothing was done. interrupted: 128 and the number of the signal, as in shells.
+    """
+
+    failed = 1
+    wrong_input = 2
+    interrupted = 130
 
 
 @contextmanager
@@ -24,16 +30,16 @@ def clean_exits() -> Iterator[None]:
         yield
     except GeomtorsionError as error:
         typer.echo(f"geomtorsion: {error}", err=True)
-        raise typer.Exit(WRONG_INPUT) from None
+        raise typer.Exit(ExitCode.wrong_input) from None
     except BrokenPipeError:
         raise
     except OSError as error:
         name = f": {error.filename}" if error.filename else ""
         typer.echo(f"geomtorsion: {error.strerror or error}{name}", err=True)
-        raise typer.Exit(WRONG_INPUT) from None
+        raise typer.Exit(ExitCode.wrong_input) from None
     except KeyboardInterrupt:
         stopped()
-        raise typer.Exit(INTERRUPTED) from None
+        raise typer.Exit(ExitCode.interrupted) from None
 
 
 def stopped(more: str = "") -> None:

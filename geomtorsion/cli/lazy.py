@@ -17,6 +17,7 @@ from typer.main import get_command
 from geomtorsion.checks import near_names
 from geomtorsion.cli.exits import clean_exits
 
+# typer has a copy of click of its own, older ones use click: contexts and commands are Any here.
 # Plain help, and no traceback with the values of all variables.
 SETTINGS: dict[str, Any] = {
     "add_completion": False,
@@ -63,7 +64,7 @@ class LazyGroup(TyperGroup):
             return super().invoke(ctx)
 
 
-def _command(function: Callable[..., Any], settings: dict[str, Any] | None) -> Any:
+def _command(function: Callable[..., None], settings: dict[str, Any] | None) -> Any:
     """The command that a function is, options and help from its signature."""
     single = typer.Typer(**SETTINGS)
     single.command(context_settings=settings)(function)

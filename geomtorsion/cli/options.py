@@ -5,22 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterable
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 
-def option(*names: str, metavar: str, text: str) -> Any:
+def option(*names: str, metavar: str, text: str) -> object:
     """An option whose default is not shown: None, or nothing."""
     return typer.Option(*names, metavar=metavar, show_default=False, help=text)
 
 
-def argument(metavar: str, text: str) -> Any:
+def argument(metavar: str, text: str) -> object:
     """An argument whose default is not shown."""
     return typer.Argument(metavar=metavar, show_default=False, help=text)
 
 
-def directory(text: str) -> Any:
+def directory(text: str) -> object:
     """The option -o DIR."""
     return option("-o", "--output", metavar="DIR", text=text)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import Any, SupportsFloat
 
 from geomtorsion.cli.values import named_numbers, number, numbers
 from geomtorsion.errors import UnknownNameError
@@ -58,7 +58,7 @@ def start_lines(problem: Problem, chosen: Sequence[str], last: float | None = No
     ]
 
 
-def _pairs(names: Iterable[str], values: Iterable[Any]) -> str:
+def _pairs(names: Iterable[str], values: Iterable[SupportsFloat]) -> str:
     return ", ".join(
         f"{name} = {float(value):.6g}" for name, value in zip(names, values, strict=True)
     )

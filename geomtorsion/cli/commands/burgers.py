@@ -12,7 +12,7 @@ from typing import Annotated, Any
 import sympy as sp
 import typer
 
-from geomtorsion.cli.exits import FAILED, INTERRUPTED
+from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.options import SpaceOrFile, directory, option
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
@@ -152,9 +152,9 @@ def burgers(
     if output is not None:
         _save(document, vectors, output)
     if not complete:
-        raise typer.Exit(INTERRUPTED)
+        raise typer.Exit(ExitCode.interrupted)
     if any("failed" in result for result in results):
-        raise typer.Exit(FAILED)
+        raise typer.Exit(ExitCode.failed)
 
 
 def exact_assignments(texts: Iterable[str]) -> Values:

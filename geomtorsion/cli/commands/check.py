@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from geomtorsion.cli.exits import FAILED
+from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.options import SpaceOrFile
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import shows_greek, working
@@ -50,7 +50,7 @@ def check(source: SpaceOrFile) -> None:
     parts += [f"{undecided} undecided"] * bool(undecided)
     typer.echo(f"{space.name}: {', '.join(parts)}.")
     if failed:
-        raise typer.Exit(FAILED)
+        raise typer.Exit(ExitCode.failed)
 
 
 def _mark(verdict: Verdict) -> str:

@@ -5,10 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
 
-from geomtorsion.cli.exits import FAILED
+from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.options import (
     NO_PICTURES,
     EngineName,
@@ -26,14 +25,13 @@ from geomtorsion.cli.options import (
 )
 from geomtorsion.cli.problems import engine_of, start_lines, start_options
 from geomtorsion.cli.sources import open_space
+from geomtorsion.cli.tables import right_aligned, some_rows
 from geomtorsion.cli.terminal import working
 from geomtorsion.pictures.album import can_draw, write_curves
 from geomtorsion.pictures.pair import Pair, follow
 from geomtorsion.pictures.quality import coincide
 
-# Rows of the table that are shown in the terminal.
-ROWS = 9
-# Columns of one number, and how many coordinates are shown for both curves in one row.
+# Characters of a number, and the most coordinates that both curves show in one row.
 WIDTH, SIDE_BY_SIDE = 11, 4
 
 
@@ -87,7 +85,7 @@ def curve(
     for name, reason in pair.stops.items():
         typer.echo(f"geomtorsion: {name}: {reason}", err=True)
     if pair.stops:
-        raise typer.Exit(FAILED)
+        raise typer.Exit(ExitCode.failed)
 
 
 def _summary(pair: Pair) -> list[str]:
@@ -116,8 +114,7 @@ def _summary(pair: Pair) -> list[str]:
 
 def _table(pair: Pair) -> list[str]:
     """Some rows: t, coordinates of both curves side by side or below each other, distance."""
-    count = len(pair.distance)
-    rows = np.unique(np.linspace(0, count - 1, min(ROWS, count)).round().astype(int)).tolist()
+    rows = some_rows(len(pair.distance))
     if len(pair.symbols) <= SIDE_BY_SIDE:
         return _block(pair, rows, list(pair.curves))
     one, two = pair.curves
@@ -129,12 +126,14 @@ def _block(pair: Pair, rows: list[int], curves: list[str]) -> list[str]:
     names = [symbol.name.rstrip("_") for symbol in pair.symbols]
     heads = "  ".join(name.center(WIDTH * len(names)) for name in curves)
     parameter = "parameter" if "t" in names else "t"
-    second = "".join(name.rjust(WIDTH) for name in names)
+    second = right_aligned(names, WIDTH)
     lines = [
         f"{'':>10}{heads}".rstrip(),
         f"{parameter:>10}{'  '.join([second] * len(curves))}  {'distance':>10}",
     ]
     for k in rows:
-        cells = ["".join(f"{x:>{WIDTH}.5g}" for x in pair.coordinates[name][k]) for name in curves]
+        cells = [
+            right_aligned((f"{x:.5g}" for x in pair.coordinates[name][k]), WIDTH) for name in curves
+        ]
         lines.append(f"{pair.times[k]:>10.5g}{'  '.join(cells)}  {pair.distance[k]:>10.3g}")
     return lines

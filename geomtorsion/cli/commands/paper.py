@@ -16,8 +16,6 @@ TITLE = (
     "c1, s1, c2, s2: cosines and sines of phi1, phi2; indices count from 1, as in the paper;\n"
     "Omega = (u1, u2, u3), V = (u4, u5, u6), u1dot: the change of u1"
 )
-# Where what is said of an equation begins.
-INDENT = 12
 
 
 def paper(
@@ -45,9 +43,9 @@ def paper(
     for statement in found:
         note = f" ({statement.note})" if statement.note else ""
         right = statement.right if statement.agrees else f"right: {statement.right}"
-        typer.echo(f"{statement.equation:<{INDENT}}{statement.says}")
-        typer.echo(f"{'':<{INDENT}}{statement.verdict}{note}")
-        typer.echo(f"{'':<{INDENT}}{right}")
+        typer.echo(f"{statement.equation:<12}{statement.says}")
+        typer.echo(f"{'':12}{statement.verdict}{note}")
+        typer.echo(f"{'':12}{right}")
     agree = sum(statement.agrees for statement in found)
     misprints = len(found) - agree
     typer.echo(f"\n{len(found)} claims recomputed: {agree} agree, {misprints} misprints.")

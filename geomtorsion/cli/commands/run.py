@@ -5,10 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
 
-from geomtorsion.cli.exits import FAILED, INTERRUPTED, stopped
+from geomtorsion.cli.exits import ExitCode, stopped
 from geomtorsion.cli.options import (
     NO_PICTURES,
     EngineName,
@@ -25,6 +24,7 @@ from geomtorsion.cli.options import (
 )
 from geomtorsion.cli.problems import engine_of
 from geomtorsion.cli.scene_sources import open_scene
+from geomtorsion.cli.tables import right_aligned, some_rows
 from geomtorsion.cli.terminal import bar, working
 from geomtorsion.errors import CheckpointError, StuckError
 from geomtorsion.motion import Engine
@@ -36,8 +36,8 @@ from geomtorsion.scenes.saving import write_run
 from geomtorsion.scenes.table import write_csv
 
 CHECKPOINT, PARTIAL = "checkpoint.npz", "partial.csv"
-# Rows and columns of the table that are shown in the terminal, and the width of one number.
-ROWS, COLUMNS, WIDTH = 9, 7, 13
+# Columns of the table that are shown in the terminal, and the least width of one.
+COLUMNS, WIDTH = 7, 13
 
 
 def run(
@@ -104,7 +104,7 @@ def run(
     if output is not None and not can_draw():
         typer.echo(f"No pictures: {NO_PICTURES}")
     if not result.complete:
-        raise typer.Exit(FAILED)
+        raise typer.Exit(ExitCode.failed)
 
 
 def _checkpoint(output: Path | None, *, resume: bool, overwrite: bool) -> Path | None:
@@ -136,7 +136,7 @@ def _solved(scene: Scene, engine: Engine | None, checkpoint: Path | None) -> Sce
             return scene.run(engine, checkpoint, progress)
         except KeyboardInterrupt:
             stopped(_left(scene, checkpoint, engine))
-            raise typer.Exit(INTERRUPTED) from None
+            raise typer.Exit(ExitCode.interrupted) from None
         except CheckpointError as error:
             # The library names the argument of its function; here it is an option.
             raise CheckpointError(str(error).replace("overwrite=True", "--overwrite")) from None
@@ -172,12 +172,13 @@ def _summary(result: SceneResult) -> list[str]:
     """What was solved, some rows of the table, and how good they are."""
     table = result.columns()
     shown = list(table)[:COLUMNS]
-    count = len(result.times)
-    rows = np.unique(np.linspace(0, count - 1, min(ROWS, count)).round().astype(int)).tolist()
     heading, *facts = str(result).splitlines()
     width = max(WIDTH, *(len(name) + 2 for name in shown))
-    lines = [heading, "", "".join(name.rjust(width) for name in shown)]
-    lines += ["".join(f"{table[name][k]:>{width}.6g}" for name in shown) for k in rows]
+    lines = [heading, "", right_aligned(shown, width)]
+    lines += [
+        right_aligned((f"{table[name][k]:.6g}" for name in shown), width)
+        for k in some_rows(len(result.times))
+    ]
     rest = len(table) - len(shown)
     if rest > 0:
         lines.append(f"and {rest} more column{'s' * (rest > 1)}")

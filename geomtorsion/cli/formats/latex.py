@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import sympy
 
 from geomtorsion.pictures.labels import latex_label, latex_marks
-
-if TYPE_CHECKING:
-    from geomtorsion.pictures.quantities import Quantity
-    from geomtorsion.spaces.space import Space
+from geomtorsion.pictures.quantities import Quantity
+from geomtorsion.spaces.space import Space
 
 
 def latex_of(space: Space, quantities: Sequence[Quantity], *, every: bool = False) -> str:

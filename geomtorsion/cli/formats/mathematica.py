@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
 
 import sympy
 from sympy.printing.mathematica import MCodePrinter
 
-if TYPE_CHECKING:
-    from geomtorsion.pictures.quantities import Quantity
-    from geomtorsion.spaces.space import Space
+from geomtorsion.pictures.quantities import Quantity
+from geomtorsion.spaces.space import Space
 
 # Single capitals that Mathematica has taken for itself.
 _TAKEN = frozenset("CDEIKNO")
@@ -40,7 +38,7 @@ def _assignment(space: Space, chosen: Quantity) -> str:
     return f"{comment}\n{name} = SparseArray[{{\n  {body}}}, {{{size}}}];"
 
 
-def _renamed(expression: Any) -> Any:
+def _renamed(expression: sympy.Expr) -> sympy.Expr:
     """The expression with symbols that Mathematica accepts: no underscores, no taken letters."""
     names = {}
     for symbol in expression.free_symbols:
@@ -54,6 +52,6 @@ def _renamed(expression: Any) -> Any:
 class _Printer(MCodePrinter):
     """sympy's printer, with derivatives that are not held."""
 
-    def _print_Derivative(self, expr: Any) -> str:
+    def _print_Derivative(self, expr: sympy.Derivative) -> str:
         by = [f"{{{self._print(v)}, {int(count)}}}" for v, count in expr.variable_count]
         return f"D[{self._print(expr.expr)}, {', '.join(by)}]"

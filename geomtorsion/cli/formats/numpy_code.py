@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Mapping, Sequence
 
 import sympy
 from sympy.core.function import AppliedUndef
 from sympy.printing.numpy import NumPyPrinter
 
+from geomtorsion.pictures.quantities import Quantity
 from geomtorsion.pictures.text import plain_text
+from geomtorsion.spaces.space import Space
 
-if TYPE_CHECKING:
-    from geomtorsion.pictures.quantities import Quantity
-    from geomtorsion.spaces.space import Space
-
+# Names that the written functions use themselves.
 _TAKEN = ("numpy", "result")
+# Symbols, unknown functions and derivatives by the names of the arguments that stand for them.
+Names = Mapping[sympy.Basic, str]
 
 
 def python_of(space: Space, quantities: Sequence[Quantity]) -> str:
@@ -54,12 +54,12 @@ def _function(space: Space, chosen: Quantity) -> str:
     return "\n".join([*lines, "    return result\n"])
 
 
-def _each(pattern: str, arguments: Mapping[Any, str]) -> str:
+def _each(pattern: str, arguments: Names) -> str:
     """The pattern for each argument, separated by commas."""
     return ", ".join(pattern.format(name) for name in arguments.values())
 
 
-def _description(chosen: Quantity, arguments: Mapping[Any, str]) -> str:
+def _description(chosen: Quantity, arguments: Names) -> str:
     """Docstring of a function: what it is, its axes, and what replaces unknown functions."""
     axes = ", ".join(chosen.letters)
     text = f"{chosen.entry.title} {chosen.text_label}: {chosen.entry.equation}"
@@ -69,14 +69,16 @@ def _description(chosen: Quantity, arguments: Mapping[Any, str]) -> str:
     return ". ".join([text, *unknown]) + "."
 
 
-def _arguments(symbols: Sequence[sympy.Symbol], values: Any) -> dict[Any, str]:
+def _arguments(
+    symbols: Sequence[sympy.Symbol], values: Iterable[sympy.Expr]
+) -> dict[sympy.Basic, str]:
     """Arguments of a function: symbols, then the unknown functions and derivatives that occur."""
-    found: set[Any] = set()
+    found: set[sympy.Basic] = set()
     for value in values:
         found |= value.atoms(AppliedUndef, sympy.Derivative)
     # A function that occurs only inside a derivative is no argument by itself.
     functions = sorted(found, key=lambda part: (part.is_Derivative, str(part)))
-    arguments: dict[Any, str] = {}
+    arguments: dict[sympy.Basic, str] = {}
     for part in (*symbols, *functions):
         name = _identifier(part)
         while name in arguments.values() or name in _TAKEN:
@@ -85,7 +87,7 @@ def _arguments(symbols: Sequence[sympy.Symbol], values: Any) -> dict[Any, str]:
     return arguments
 
 
-def _identifier(part: Any) -> str:
+def _identifier(part: sympy.Basic) -> str:
     """A Python name for a symbol, a function a(t) or a derivative: a, a_t, a_t_t."""
     if part.is_Symbol:
         return NumPyPrinter().doprint(part)
@@ -95,7 +97,7 @@ def _identifier(part: Any) -> str:
     return "_".join([part.expr.func.__name__, *by])
 
 
-def _replaced(value: Any, renamed: Mapping[Any, sympy.Symbol]) -> Any:
+def _replaced(value: sympy.Expr, renamed: Mapping[sympy.Basic, sympy.Symbol]) -> sympy.Expr:
     """The expression in terms of the arguments; derivatives before the functions inside them."""
     order = sorted(renamed, key=lambda part: (not part.is_Derivative, -len(str(part))))
     return value.xreplace({part: renamed[part] for part in order})

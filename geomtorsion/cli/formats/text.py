@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
 
 import sympy
 import typer
 
 from geomtorsion.pictures.labels import text_label, text_marks
+from geomtorsion.pictures.quantities import Quantity
 from geomtorsion.pictures.text import expression_text
-
-if TYPE_CHECKING:
-    from geomtorsion.pictures.quantities import Quantity
-    from geomtorsion.spaces.space import Space
+from geomtorsion.spaces.space import Space
 
 _ASCII = {
     "Γ\u0304": "Gamma_bar", "R\u0304": "R_bar", "Γ": "Gamma", "Φ": "Phi", "δ": "delta",

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from geomtorsion.cli.exits import FAILED
+from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.options import Number, argument, option
 from geomtorsion.cli.terminal import shows_greek, wrapped
 from geomtorsion.errors import FileFormatError
@@ -61,7 +61,7 @@ def check(
         verdict = examiner.check(number, given, seed or 0)
     _say(verdict)
     if not verdict.right:
-        raise typer.Exit(FAILED)
+        raise typer.Exit(ExitCode.failed)
 
 
 def _from_file(number: str, file: Path) -> tuple[Answers, int]:

@@ -8,14 +8,11 @@ from typing import Annotated
 import typer
 
 from geomtorsion.checks import cut
-from geomtorsion.cli.exits import FAILED
+from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.options import argument, option
 from geomtorsion.cli.terminal import bar
 from geomtorsion.cli.values import parts
 from geomtorsion.exercises import grading
-
-# A longer reason is cut: it stands in the table in full.
-LONGEST = 100
 
 
 def grade(
@@ -60,11 +57,12 @@ def grade(
         marks = grading.grade(
             folder, output, numbers, seed=seed, seconds=seconds, progress=progress
         )
+    # A long reason is cut here: it stands in the table in full.
     for row in marks.troubled:
         reason = row["remarks"] or row["diagnoses"]
-        typer.echo(f"{row['file']}: {row['status']}: {cut(reason, LONGEST)}", err=True)
+        typer.echo(f"{row['file']}: {row['status']}: {cut(reason, 100)}", err=True)
     fine = len(marks.rows) - len(marks.troubled)
     kept = f", {marks.kept} of them before" if marks.kept else ""
     typer.echo(f"graded {fine} of {len(marks.rows)} students{kept}: {output}")
     if marks.troubled:
-        raise typer.Exit(FAILED)
+        raise typer.Exit(ExitCode.failed)
