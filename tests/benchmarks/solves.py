@@ -13,6 +13,7 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Any
 
 if __name__ == "__main__" and "--without-heyoka" in sys.argv:
@@ -26,44 +27,30 @@ import geomtorsion as gt
 # -- names that differ between checkouts -------------------------------------------------------
 
 
-def named(*names: str) -> Any:
-    """The first of these that this checkout exports."""
-    return getattr(gt, next(name for name in names if name in gt.__all__))
+NEW = "ODE" in gt.__all__
 
 
 def ode(
     rates: Any, start: Any, parameters: Any = None, *, switches: Any = (), unit: Any = ()
 ) -> Any:
     """An initial value problem; switches are (time, new values), unit are groups of length one."""
-    more: dict[str, Any] = {}
-    if "ode" in gt.__all__:
-        more |= {"events": [gt.At(*switch) for switch in switches]} if switches else {}  # type: ignore[attr-defined]
-        more |= {"normalized": unit} if unit else {}
-    else:
-        more |= {"switches": switches, "unit": unit}
-    return named("ode", "flow")(rates, start, parameters=parameters or {}, **more)
+    package: Any = gt
+    numbers = parameters or {}
+    if NEW:
+        events = [package.At(*switch) for switch in switches]
+        return package.ODE.of(rates, start, parameters=numbers, events=events, normalized=unit)
+    return package.flow(rates, start, parameters=numbers, switches=switches, unit=unit)
 
 
-def states(solution: Any) -> list[Any]:
-    """The states in pieces of one size: an array of times and states for each chart."""
-    if hasattr(solution, "solution"):  # of a scene
-        solution = solution.solution
-    if hasattr(solution, "journey"):
-        return [np.asarray(segment.states) for segment in solution.journey.segments]
-    return [np.asarray(solution.states)]
-
-
-def blocks(solution: Any) -> list[list[int]]:
-    """Places of the states whose errors are measured together."""
-    if hasattr(solution, "solution"):
-        solution = solution.solution
-    if hasattr(solution, "journey"):
-        found = solution.journey.segments[0].equations.system.blocks
-    elif hasattr(solution, "flow"):
-        found = solution.flow.system.blocks
-    else:
-        found = solution.ode.norm_groups
-    return [list(block) for block in found]
+def gap(one: Any, two: Any) -> float:
+    """Largest difference of two solutions, as the checkout itself measures errors."""
+    one, two = (getattr(solution, "solution", solution) for solution in (one, two))
+    if NEW:
+        compare = import_module("geomtorsion.ode.error_estimate").difference
+        return compare(one.problem, one.trajectory, two.trajectory)
+    if hasattr(one, "journey"):
+        return import_module("geomtorsion.motion.compare").difference(one.journey, two.journey)[0]
+    return import_module("geomtorsion.motion.flows.compare").difference(one.trip, two.trip)[0]
 
 
 def forgetting() -> Callable[[], None]:
@@ -96,13 +83,13 @@ class Case:
         problem = self.make()
         return (
             dataclasses.replace(problem, accuracy=accuracy)
-            if isinstance(problem, gt.Scene)
+            if type(problem).__name__ == "Scene"
             else problem
         )
 
     def solve(self, problem: Any, accuracy: float, engine: Any) -> Any:
         """A solution with its error."""
-        if isinstance(problem, gt.Scene):
+        if type(problem).__name__ == "Scene":
             return problem.run(engine=engine)
         return gt.solve(problem, self.t, accuracy, engine)
 
@@ -245,22 +232,6 @@ def seconds(call: Callable[[], Any], before: Callable[[], None], length: float) 
     return float(least)
 
 
-def real_error(solution: Any, truth: Any) -> float | None:
-    """Largest difference, each block relative to its size; None where charts differ."""
-    found, known = states(solution), states(truth)
-    if [part.shape for part in found] != [part.shape for part in known]:
-        return None
-    worst = 0.0
-    for part, exact in zip(found, known, strict=True):
-        gaps = np.abs(part.astype(exact.dtype) - exact).astype(float)
-        sizes = np.abs(part).astype(float)
-        for block in blocks(solution):
-            places = [place for place in block if place < part.shape[1]]
-            if places and gaps[:, places].max() > 0:
-                worst = max(worst, float(gaps[:, places].max() / sizes[:, places].max()))
-    return worst
-
-
 class Worker:
     """Problems of this process, made once each, and their solutions in a hundred bits."""
 
@@ -294,8 +265,7 @@ class Worker:
         if name not in self.truths:
             exact = CASES[name].asked(TRUTH)
             self.truths[name] = CASES[name].solve(exact, TRUTH, gt.Taylor(113))
-        real = real_error(solution, self.truths[name])
-        return {"claimed": float(solution.error), "real": real}
+        return {"claimed": float(solution.error), "real": gap(solution, self.truths[name])}
 
 
 def main() -> None:
