@@ -9,13 +9,14 @@ import sympy
 from flint import fmpq
 
 from geomtorsion.exact import limits
-from geomtorsion.exact.atoms import Atoms, single_generator, terms
 from geomtorsion.exact.generators import Generator
-from geomtorsion.exact.roots import square_root_inside
+from geomtorsion.exact.rational_basis import RationalBasis, single_generator, terms
+from geomtorsion.exact.square_roots import square_root_inside
+from geomtorsion.exact.unknown_functions import opaque
 
 if TYPE_CHECKING:
     from geomtorsion.exact.element import Element
-    from geomtorsion.exact.field import Field
+    from geomtorsion.exact.tower import Tower
 
 Pair = tuple["Element", "Element"]
 
@@ -23,27 +24,27 @@ Pair = tuple["Element", "Element"]
 class Angles:
     """cos and sin by the addition theorems over a rational basis of the angles."""
 
-    def __init__(self, field: Field) -> None:
+    def __init__(self, field: Tower) -> None:
         self._field = field
-        self.atoms = Atoms(field)
+        self.basis = RationalBasis(field)
         self._multiples: dict[tuple[int, fmpq], Pair] = {}
         self._finest: dict[int, tuple[fmpq, Pair]] = {}
 
     def prepare(self, angles: list[Element]) -> None:
         """Chooses units that serve all these angles at once."""
         rests = [self._turn_taken_out(angle)[1] for angle in angles]
-        self.atoms.choose(rests)
+        self.basis.choose(rests)
         for rest in rests:
-            for coefficient, index in self.atoms.decompose(rest):
+            for coefficient, index in self.basis.decompose(rest):
                 if index not in self._finest:
-                    self.atoms.refine_unit(index, coefficient)
+                    self.basis.refine_unit(index, coefficient)
 
     def cos_sin(self, angle: Element) -> Pair:
         """(cos, sin) of an angle without imaginary part."""
         field = self._field
         turn, rest = self._turn_taken_out(angle)
         pair: Pair = (field.one, field.zero)
-        for coefficient, index in self.atoms.decompose(rest):
+        for coefficient, index in self.basis.decompose(rest):
             pair = _added(pair, self._multiple(index, coefficient))
         if turn:
             pair = _added(pair, self._constant(turn))
@@ -80,8 +81,6 @@ class Angles:
 
     def _constant_value(self, value: sympy.Expr) -> Element:
         """An algebraic constant, in radicals where sympy knows them."""
-        from geomtorsion.exact.opaque import opaque
-
         if value.has(sympy.cos, sympy.sin):
             return opaque(self._field, value, ())
         return self._field.read(value)
@@ -97,7 +96,7 @@ class Angles:
             unit, pair = self._refined(index, int(count.q))
             count = coefficient / unit
         n = int(count.p)
-        limits.check_multiple(n, "angles", self.atoms.elements[index], unit)
+        limits.check_multiple(n, "angles", self.basis.elements[index], unit)
         cos, sin = _power(pair, abs(n), self._field)
         result = (cos, -sin if n < 0 else sin)
         self._multiples[index, coefficient] = result
@@ -106,10 +105,10 @@ class Angles:
     def _base(self, index: int, coefficient: fmpq) -> tuple[fmpq, Pair]:
         """The finest unit of an atom and its pair; made on first use."""
         if index not in self._finest:
-            atom = self.atoms.elements[index]
+            atom = self.basis.elements[index]
             inverse = _of_inverse_function(self._field, atom)
-            unit = fmpq(1) if inverse else self.atoms.units[index] or coefficient
-            self.atoms.units[index] = unit
+            unit = fmpq(1) if inverse else self.basis.units[index] or coefficient
+            self.basis.units[index] = unit
             self._finest[index] = (unit, inverse or self._new_pair(atom * unit))
         return self._finest[index]
 
@@ -128,14 +127,14 @@ class Angles:
     def _refined(self, index: int, parts: int) -> tuple[fmpq, Pair]:
         """The pair of a finer unit: an algebraic generator for each prime part."""
         unit, pair = self._finest[index]
-        limits.check_multiple(parts, "angles", self.atoms.elements[index], unit / parts)
+        limits.check_multiple(parts, "angles", self.basis.elements[index], unit / parts)
         prime = 2
         while parts > 1:
             while parts % prime:
                 prime += 1
             parts //= prime
             unit = unit / prime
-            pair = self._part(self.atoms.elements[index] * unit, pair, prime)
+            pair = self._part(self.basis.elements[index] * unit, pair, prime)
         self._finest[index] = (unit, pair)
         return unit, pair
 
@@ -160,8 +159,6 @@ class Angles:
         if not whole[0]._den:
             return self._new_part(angle, whole, prime)
         if prime > 2:
-            from geomtorsion.exact.opaque import opaque
-
             return opaque(field, sympy.cos(angle.sympy), (angle,))
         with mpmath.workprec(200):
             positive = mpmath.re(mpmath.cos(field.sample.value(angle))) > 0
@@ -193,7 +190,7 @@ class Angles:
         return field.add(generator)
 
 
-def _of_inverse_function(field: Field, atom: Element) -> Pair | None:
+def _of_inverse_function(field: Tower, atom: Element) -> Pair | None:
     """cos and sin of atan, atan2, asin, acos: algebraic."""
     generator = single_generator(field, atom)
     if generator is None or generator.kind != "primitive":
@@ -222,7 +219,7 @@ def _added(a: Pair, b: Pair) -> Pair:
     )
 
 
-def _power(pair: Pair, n: int, field: Field) -> Pair:
+def _power(pair: Pair, n: int, field: Tower) -> Pair:
     """cos and sin of n times the angle."""
     result: Pair = (field.one, field.zero)
     while n:
@@ -234,7 +231,7 @@ def _power(pair: Pair, n: int, field: Field) -> Pair:
     return result
 
 
-def _second_kind(n: int, x: Element, field: Field) -> Element:
+def _second_kind(n: int, x: Element, field: Tower) -> Element:
     """The Chebyshev polynomial U_n(x): sin((n + 1) t) = sin t U_n(cos t)."""
     before, now = field.zero, field.one
     for _ in range(n):

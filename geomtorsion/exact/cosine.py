@@ -9,11 +9,11 @@ from flint import fmpq
 
 if TYPE_CHECKING:
     from geomtorsion.exact.element import Element
-    from geomtorsion.exact.field import Field
+    from geomtorsion.exact.tower import Tower
 
 
 def by_cosine(
-    element: Element, angle: sympy.Symbol, field: Field, cosine: sympy.Symbol
+    element: Element, angle: sympy.Symbol, field: Tower, cosine: sympy.Symbol
 ) -> Element | None:
     """An element as one of another field with a symbol for the cosine; None: not possible.
 
@@ -49,7 +49,7 @@ def by_cosine(
 
 
 def _turned(
-    source: Field, poly: Any, angle: sympy.Symbol, field: Field, cosine: sympy.Symbol
+    source: Tower, poly: Any, angle: sympy.Symbol, field: Tower, cosine: sympy.Symbol
 ) -> tuple[Element, int] | None:
     """A polynomial over one power, 0 or 1, of the sine, and that power."""
     z, sine, places = field.symbol(cosine), -1, {}

@@ -6,18 +6,18 @@ from typing import TYPE_CHECKING, Any
 
 from flint import fmpq
 
+from geomtorsion.exact.element import Element
+from geomtorsion.exact.unknown_functions import jet
+
 if TYPE_CHECKING:
     import sympy
 
-    from geomtorsion.exact.element import Element
-    from geomtorsion.exact.field import Field
     from geomtorsion.exact.generators import Generator
+    from geomtorsion.exact.tower import Tower
 
 
-def derivative(field: Field, element: Element, symbol: sympy.Symbol) -> Element:
+def derivative(field: Tower, element: Element, symbol: sympy.Symbol) -> Element:
     """d(num/den) = d num / den - num / den * sum of exponent * d factor / factor."""
-    from geomtorsion.exact.element import Element
-
     num = field.lift(element)
     den = element._den
     terms: list[tuple[Any, ...]] = []
@@ -31,7 +31,7 @@ def derivative(field: Field, element: Element, symbol: sympy.Symbol) -> Element:
     return field.sum(terms)
 
 
-def _parts(field: Field, poly: Any, symbol: sympy.Symbol) -> list[tuple[Any, Element]]:
+def _parts(field: Tower, poly: Any, symbol: sympy.Symbol) -> list[tuple[Any, Element]]:
     """Pairs (d poly / d generator, d generator / d symbol) that are not zero."""
     found = []
     names = []
@@ -49,40 +49,38 @@ def _parts(field: Field, poly: Any, symbol: sympy.Symbol) -> list[tuple[Any, Ele
     return found
 
 
-def _factor_derivative(field: Field, index: int, symbol: sympy.Symbol) -> Element:
+def _factor_derivative(field: Tower, index: int, symbol: sympy.Symbol) -> Element:
     """The derivative of a registered factor."""
     key = (index, symbol)
-    known = field._factor_diffs.get(key)
+    known = field.factor_slopes.get(key)
     if known is None:
-        from geomtorsion.exact.element import Element
-
         parts = _parts(field, field.factors[index], symbol)
         known = field.sum((1, Element(field, part, (), field.level), d) for part, d in parts)
-        field._factor_diffs[key] = known
+        field.factor_slopes[key] = known
     return known
 
 
-def _generator_derivative(field: Field, generator: Generator, symbol: sympy.Symbol) -> Element:
+def _generator_derivative(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
     """The derivative of one generator."""
     key = (generator.name, symbol)
-    known = field._generator_diffs.get(key)
+    known = field.generator_slopes.get(key)
     if known is None:
-        known = field._generator_diffs[key] = _RULES[generator.kind](field, generator, symbol)
+        known = field.generator_slopes[key] = _RULES[generator.kind](field, generator, symbol)
     return known
 
 
-def _constant(field: Field, generator: Generator, symbol: sympy.Symbol) -> Element:
+def _constant(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
     return field.zero
 
 
-def _symbol(field: Field, generator: Generator, symbol: sympy.Symbol) -> Element:
+def _symbol(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
     return field.one if generator.shown == symbol else field.zero
 
 
 def _partnered(sign: int) -> Any:
     """Rule for cos, sin, cosh, sinh: argument = (angle, name of the partner)."""
 
-    def rule(field: Field, generator: Generator, symbol: sympy.Symbol) -> Element:
+    def rule(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
         angle, partner = generator.argument
         other = field.generator_element(field.by_name[partner])
         return field.sum(((sign, other, angle.diff(symbol)),))
@@ -90,15 +88,15 @@ def _partnered(sign: int) -> Any:
     return rule
 
 
-def _exp(field: Field, generator: Generator, symbol: sympy.Symbol) -> Element:
+def _exp(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
     return field.generator_element(generator) * generator.argument.diff(symbol)
 
 
-def _log(field: Field, generator: Generator, symbol: sympy.Symbol) -> Element:
+def _log(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
     return generator.argument.diff(symbol) / generator.argument
 
 
-def _root(field: Field, generator: Generator, symbol: sympy.Symbol) -> Element:
+def _root(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
     """w**n = P: w' = w P' / (n P)."""
     tail = generator.tail
     assert tail is not None
@@ -106,22 +104,20 @@ def _root(field: Field, generator: Generator, symbol: sympy.Symbol) -> Element:
     return field.sum(((fmpq(1, generator.degree), field.generator_element(generator), slope),))
 
 
-def _chebyshev(field: Field, generator: Generator, symbol: sympy.Symbol) -> Element:
+def _chebyshev(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
     """cos of a part of an angle: argument = (angle, function that gives its sine)."""
     angle, sine = generator.argument
     return field.sum(((-1, sine(), angle.diff(symbol)),))
 
 
-def _primitive(field: Field, generator: Generator, symbol: sympy.Symbol) -> Element:
+def _primitive(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
     """argument = (inner element, derivative with respect to it, arguments)."""
     inner, slope, _ = generator.argument
     return field.sum(((1, slope, inner.diff(symbol)),))
 
 
-def _jet(field: Field, generator: Generator, symbol: sympy.Symbol) -> Element:
+def _jet(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
     """The chain rule over the arguments of an unknown function."""
-    from geomtorsion.exact.jets import jet
-
     name, orders, arguments = generator.argument
     terms = []
     for k, argument in enumerate(arguments):
@@ -132,7 +128,7 @@ def _jet(field: Field, generator: Generator, symbol: sympy.Symbol) -> Element:
     return field.sum(terms)
 
 
-def _opaque(field: Field, generator: Generator, symbol: sympy.Symbol) -> Element:
+def _opaque(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
     return field.read(generator.shown.diff(symbol), f"derivative of {generator.shown}")
 
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     import sympy
 
-    from geomtorsion.exact.field import Field
+    from geomtorsion.exact.tower import Tower
 
 Denominator = tuple[tuple[int, int], ...]
 Number = int | Fraction | fmpq
@@ -42,7 +42,7 @@ class Element:
     __slots__ = ("_den", "_diffs", "_field", "_form", "_hash", "_level", "_num", "_sympy")
 
     def __init__(self, field: Any, num: Any, den: Denominator, level: int) -> None:
-        self._field: Field = field
+        self._field: Tower = field
         self._num = num
         self._den = den
         self._level = level
@@ -52,7 +52,7 @@ class Element:
         self._hash: int | None = None
 
     @property
-    def field(self) -> Field:
+    def field(self) -> Tower:
         """The field to which the element belongs."""
         return self._field
 
@@ -214,9 +214,7 @@ class Element:
     def sympy(self) -> sympy.Expr:
         """The element as a short sympy expression, made on first use and kept."""
         if self._sympy is None:
-            from geomtorsion.exact.writing import to_sympy
-
-            self._sympy = to_sympy(self)
+            self._sympy = self._field.written(self)
         return self._sympy
 
     def evaluate(self, point: Mapping[Any, Any], precision: int = 53) -> Any:
@@ -236,15 +234,11 @@ class Element:
         SingularPointError
             the element has no finite value there.
         """
-        from geomtorsion.exact.evaluate import evaluate
-
-        return evaluate(self, point, precision)
+        return self._field.value(self, point, precision)
 
     def to_json(self) -> dict[str, Any]:
         """The element as a JSON-ready mapping; `Field.from_json` reads it back."""
-        from geomtorsion.exact.exchange import to_json
-
-        return to_json(self)
+        return self._field.to_json(self)
 
     def __str__(self) -> str:
         return str(self.sympy)

@@ -10,12 +10,13 @@ import sympy
 from flint import fmpq
 
 from geomtorsion.errors import MissingValueError, SingularPointError
+from geomtorsion.exact.form import Sum, form
+from geomtorsion.exact.generators import Generator
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from geomtorsion.exact.element import Element
-    from geomtorsion.exact.generators import Generator
 
 _GUARD = 30
 # Expanded numerators cancel; precision is doubled up to this many bits until they agree.
@@ -74,8 +75,6 @@ def settled_value(compute: Callable[[], Any], precision: int, largest: int) -> A
 
 def _written_value(element: Element, given: Callable[[Generator], Any], known: Any) -> Any:
     """The value of the written form, which has fewer removable singularities."""
-    from geomtorsion.exact.form import Sum, form
-
     written = form(element)
     result = mpmath.mpf(int(written.coefficient.p)) / int(written.coefficient.q)
     for base, exponent in written.powers:
@@ -157,10 +156,8 @@ def _computed(generator: Generator, given: Any, known: dict[str, Any]) -> Any:
 
 def _by_sympy(generator: Generator, given: Any) -> Any:
     """Opaque functions and constants: sympy's own evaluation."""
-    from geomtorsion.exact.generators import Generator as Plain
-
     digits = int(mpmath.mp.dps) + 5
-    table = {s: given(Plain("symbol", "", s, frozenset((s,)))) for s in generator.depends}
+    table = {s: given(Generator("symbol", "", s, frozenset((s,)))) for s in generator.depends}
     number = generator.shown.evalf(digits, subs=table)
     if not number.is_number or number.free_symbols:
         raise MissingValueError(f"{generator.shown} has no number here; give its symbols values")

@@ -8,12 +8,12 @@ import sympy
 from flint import fmpq
 
 from geomtorsion.exact import limits
-from geomtorsion.exact.atoms import Atoms, single_generator
 from geomtorsion.exact.generators import Generator
+from geomtorsion.exact.rational_basis import RationalBasis, single_generator
 
 if TYPE_CHECKING:
     from geomtorsion.exact.element import Element
-    from geomtorsion.exact.field import Field
+    from geomtorsion.exact.tower import Tower
 
 
 class Exponents:
@@ -23,28 +23,28 @@ class Exponents:
     also met under exp is written in exp alone.
     """
 
-    def __init__(self, field: Field) -> None:
+    def __init__(self, field: Tower) -> None:
         self._field = field
-        self.atoms = Atoms(field)
+        self.basis = RationalBasis(field)
         self._plain: set[int] = set()
         self._base: dict[int, tuple[fmpq, Element, Element]] = {}
         self._powers: dict[tuple[int, fmpq], tuple[Element, Element]] = {}
 
     def prepare(self, exponents: list[Element], hyperbolic: list[Element]) -> None:
         """Chooses units that serve all these at once, and which atoms take exp."""
-        self.atoms.choose([*exponents, *hyperbolic])
+        self.basis.choose([*exponents, *hyperbolic])
         for plain, batch in ((True, exponents), (False, hyperbolic)):
             for exponent in batch:
-                for coefficient, index in self.atoms.decompose(exponent):
+                for coefficient, index in self.basis.decompose(exponent):
                     if index not in self._base:
-                        self.atoms.refine_unit(index, coefficient)
+                        self.basis.refine_unit(index, coefficient)
                         if plain:
                             self._plain.add(index)
 
     def exp(self, exponent: Element) -> Element:
         """exp of an exponent without imaginary part."""
         result = self._field.one
-        for coefficient, index in self.atoms.decompose(exponent):
+        for coefficient, index in self.basis.decompose(exponent):
             self._plain.add(index)
             result = result * self._power(index, coefficient)[0]
         return result
@@ -52,7 +52,7 @@ class Exponents:
     def cosh_sinh(self, argument: Element) -> tuple[Element, Element]:
         """(cosh, sinh) of an argument without imaginary part."""
         up = down = self._field.one
-        for coefficient, index in self.atoms.decompose(argument):
+        for coefficient, index in self.basis.decompose(argument):
             a, b = self._power(index, coefficient)
             up, down = up * a, down * b
         half = fmpq(1, 2)
@@ -69,26 +69,26 @@ class Exponents:
         count = coefficient / unit
         if count.q != 1:
             parts = int(count.q)
-            limits.check_multiple(parts, "exponents", self.atoms.elements[index], unit / parts)
+            limits.check_multiple(parts, "exponents", self.basis.elements[index], unit / parts)
             up = self._field.root(up, parts)
             unit, down = unit / parts, up.inverse()
             self._base[index] = (unit, up, down)
             count = coefficient / unit
         n = int(count.p)
-        limits.check_multiple(n, "exponents", self.atoms.elements[index], unit)
+        limits.check_multiple(n, "exponents", self.basis.elements[index], unit)
         result = (up**n, down**n) if n > 0 else (down**-n, up**-n)
         self._powers[index, coefficient] = result
         return result
 
     def _make(self, index: int, coefficient: fmpq) -> None:
         field = self._field
-        atom = self.atoms.elements[index]
+        atom = self.basis.elements[index]
         inverse = self._of_inverse_function(atom)
         if inverse is not None:
             self._base[index] = (fmpq(1), inverse, inverse.inverse())
             return
-        unit = self.atoms.units[index] or abs(coefficient)
-        self.atoms.units[index] = unit
+        unit = self.basis.units[index] or abs(coefficient)
+        self.basis.units[index] = unit
         exponent = atom * unit
         n, shown = len(field.generators), exponent.sympy
         if index in self._plain:

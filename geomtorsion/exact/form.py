@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Any
 from flint import fmpq
 
 from geomtorsion.exact.fourier import HIGHEST_DEGREE, high_pairs, multiple_angles
-from geomtorsion.exact.inversion import monic
-from geomtorsion.exact.norms import roots_restored
+from geomtorsion.exact.radical_denominators import monic, roots_restored
 
 if TYPE_CHECKING:
     from geomtorsion.exact.element import Element
-    from geomtorsion.exact.field import Field
     from geomtorsion.exact.generators import Generator
+    from geomtorsion.exact.tower import Tower
 
 Monomial = tuple[tuple["Generator", int], ...]
 
@@ -47,7 +46,7 @@ class Form:
 class Radicals:
     """The quadratic generators of a field with their radicands in factors."""
 
-    def __init__(self, field: Field) -> None:
+    def __init__(self, field: Tower) -> None:
         self.level = field.level
         self.sums: dict[str, tuple[Sum, int]] = {}
         self.table: list[tuple[str, Any, tuple[str, ...]]] = []
@@ -84,7 +83,7 @@ def form(element: Element) -> Form:
     return element._form
 
 
-def radicals(field: Field) -> Radicals:
+def radicals(field: Tower) -> Radicals:
     """The table of radicals, made anew when the field has grown."""
     known = field.tables.get("radicals")
     if known is None or known.level != field.level:
@@ -138,7 +137,7 @@ def _made(element: Element) -> Form:
     return Form(fmpq(content), tuple(powers))
 
 
-def _is_short_wave(field: Field, table: Radicals, num: Any) -> bool:
+def _is_short_wave(field: Tower, table: Radicals, num: Any) -> bool:
     """Whether a polynomial of high degree in cos and sin is a sum of very few waves."""
     degrees = num.degrees()
     if not any(degrees[cos] > HIGHEST_DEGREE for cos, _ in table.circular):
@@ -157,14 +156,14 @@ def _sign_absorbed(powers: list[tuple[Generator | Sum, int]]) -> int:
     return 1
 
 
-def _monomial(field: Field, num: Any) -> Form:
+def _monomial(field: Tower, num: Any) -> Form:
     """The form of a polynomial of one term."""
     ((monomial, value),) = num.to_dict().items()
     powers = tuple((g, int(e)) for g, e in zip(field.generators, monomial, strict=True) if e)
     return Form(value, powers)
 
 
-def _base(field: Field, table: Radicals, key: str, poly: Any) -> tuple[Generator | Sum, int]:
+def _base(field: Tower, table: Radicals, key: str, poly: Any) -> tuple[Generator | Sum, int]:
     """A factor as generator or as sum with its better sign."""
     generator = field.by_name.get(key)
     if generator is not None:
@@ -175,7 +174,7 @@ def _base(field: Field, table: Radicals, key: str, poly: Any) -> tuple[Generator
     return known
 
 
-def _sum(field: Field, table: Radicals, poly: Any) -> tuple[Sum, int]:
+def _sum(field: Tower, table: Radicals, poly: Any) -> tuple[Sum, int]:
     """A polynomial as sum of terms, with sin**2 for 1 - cos**2 where that is shorter."""
     terms = {tuple(map(int, m)): fmpq(c) for m, c in poly.to_dict().items()}
     high = high_pairs(terms, table.circular)

@@ -16,7 +16,7 @@ from flint import fmpq
 from geomtorsion.exact.generators import Generator
 
 if TYPE_CHECKING:
-    from geomtorsion.exact.field import Field
+    from geomtorsion.exact.tower import Tower
 
 Terms = dict[tuple[int, ...], fmpq]
 Named = list[tuple[fmpq, tuple[tuple[Generator, int], ...]]]
@@ -32,7 +32,7 @@ def high_pairs(terms: Terms, pairs: list[tuple[int, int]]) -> list[tuple[int, in
     ]
 
 
-def multiple_angles(field: Field, terms: Terms, pairs: list[tuple[int, int]]) -> Named:
+def multiple_angles(field: Tower, terms: Terms, pairs: list[tuple[int, int]]) -> Named:
     """The same sum with cos**a sin**b of these pairs replaced by cos(k x) and sin(k x)."""
     collected: dict[tuple[tuple[int, ...], tuple[tuple[int, bool], ...]], fmpq] = {}
     for monomial, value in terms.items():
@@ -80,7 +80,7 @@ def _harmonics(a: int, b: int) -> dict[tuple[int, bool], fmpq]:
     return found
 
 
-def _multiple(field: Field, generator: Generator, k: int) -> Generator:
+def _multiple(field: Tower, generator: Generator, k: int) -> Generator:
     """cos or sin of k times the angle: for writing only, no generator of the field."""
     if k == 1:
         return generator

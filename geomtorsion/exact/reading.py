@@ -11,33 +11,32 @@ from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import ExpressionError, GeomtorsionError, LimitError
 from geomtorsion.exact import refusal
-from geomtorsion.exact.additive import INVERSE_FUNCTIONS, Additive
 from geomtorsion.exact.angles import Angles
 from geomtorsion.exact.exponents import Exponents
 from geomtorsion.exact.functions import FUNCTIONS
 from geomtorsion.exact.generators import Generator
-from geomtorsion.exact.inversion import split
-from geomtorsion.exact.jets import jet
-from geomtorsion.exact.opaque import opaque
+from geomtorsion.exact.primitives import INVERSE_FUNCTIONS, Primitives
+from geomtorsion.exact.radical_denominators import split
 from geomtorsion.exact.scan import Scan
+from geomtorsion.exact.unknown_functions import jet, opaque
 
 if TYPE_CHECKING:
     from geomtorsion.exact.element import Element
-    from geomtorsion.exact.field import Field
+    from geomtorsion.exact.tower import Tower
 
 
 class Reader:
     """Reads expressions into one field; what was read once is remembered."""
 
-    def __init__(self, field: Field) -> None:
+    def __init__(self, field: Tower) -> None:
         self.field = field
         self.angles = Angles(field)
         self.exponents = Exponents(field)
-        self.additive = Additive(field, self._arguments)
+        self.primitives = Primitives(field, self._arguments)
         self._known: dict[sympy.Basic, Element] = {}
 
     def _arguments(self) -> list[Element]:
-        return [*self.angles.atoms.elements, *self.exponents.atoms.elements]
+        return [*self.angles.basis.elements, *self.exponents.basis.elements]
 
     def read_all(self, entries: list[tuple[str, Any]]) -> list[Element]:
         """Reads all entries, on one common basis of angles and exponents."""
@@ -142,7 +141,7 @@ class Reader:
             radical = base ** sympy.Rational(1, exponent.q)
             found = self.field.root(self.element(base), int(exponent.q), radical)
             return found ** int(exponent.p)
-        return self.exp(self.element(exponent) * self.additive.log(self.element(base)))
+        return self.exp(self.element(exponent) * self.primitives.log(self.element(base)))
 
     def _chosen(self, expr: Any) -> Element | None:
         """The value that the user chose for a root, checked."""
@@ -192,11 +191,11 @@ class Reader:
         if name in FUNCTIONS:
             return FUNCTIONS[name](self, self.element(expr.args[0]))
         if name == "log" and len(expr.args) == 1:
-            return self.additive.log(self.element(expr.args[0]))
+            return self.primitives.log(self.element(expr.args[0]))
         if name in INVERSE_FUNCTIONS:
-            return self.additive.inverse_function(name, self.element(expr.args[0]))
+            return self.primitives.inverse_function(name, self.element(expr.args[0]))
         if name == "atan2":
-            return self.additive.atan2(*(self.element(arg) for arg in expr.args))
+            return self.primitives.atan2(*(self.element(arg) for arg in expr.args))
         rewritten = refusal.smooth_form(expr)
         if rewritten is not None:
             return self.element(rewritten)

@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
+from math import lcm
 from typing import TYPE_CHECKING, Any
 
 import mpmath
+import sympy
 from flint import fmpq, fmpz
 
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.generators import Branch
 from geomtorsion.exact.integers import prime_factors
-from geomtorsion.exact.odd_roots import odd_root
-from geomtorsion.exact.squares import square_root_inside, without_odd_roots
+from geomtorsion.exact.square_roots import square_root_inside, without_odd_roots
 
 if TYPE_CHECKING:
-    import sympy
-
     from geomtorsion.exact.element import Element
-    from geomtorsion.exact.field import Field
+    from geomtorsion.exact.tower import Tower
 
 
-def root(field: Field, element: Element, order: int, radical: sympy.Expr | None = None) -> Element:
+def root(field: Tower, element: Element, order: int, radical: sympy.Expr | None = None) -> Element:
     """The root of an order: odd part first, then square roots one by one."""
     if not element._num:
         return field.zero
@@ -29,14 +28,14 @@ def root(field: Field, element: Element, order: int, radical: sympy.Expr | None 
     while odd % 2 == 0:
         odd //= 2
     if odd > 1:
-        value = odd_root(field, value, odd)
+        value = _odd_root(field, value, odd)
     while odd < order:
         value = _square_root(field, value, radical)
         odd *= 2
     return value
 
 
-def _square_root(field: Field, element: Element, radical: sympy.Expr | None) -> Element:
+def _square_root(field: Tower, element: Element, radical: sympy.Expr | None) -> Element:
     """The square root: inside the field where it exists there, else a new generator."""
     if not field.sample.prefer_positive(element) and not field.is_complex:
         raise ExpressionError(
@@ -66,7 +65,7 @@ def _square_root(field: Field, element: Element, radical: sympy.Expr | None) -> 
     return value
 
 
-def _squares_taken_out(field: Field, element: Element) -> tuple[Element, Any, Element]:
+def _squares_taken_out(field: Tower, element: Element) -> tuple[Element, Any, Element]:
     """(outer, content, tail) with element = outer**2 * tail, tail a polynomial."""
     content, factors = field.lift(element).factor()
     outer, tail = field.ctx.constant(1), field.ctx.constant(1)
@@ -93,12 +92,12 @@ def _square_part(value: Any) -> tuple[Any, Any]:
     return fmpq(square, value.q), free
 
 
-def _is_decided(field: Field, tail: Element) -> bool:
+def _is_decided(field: Tower, tail: Element) -> bool:
     """Whether the tower decides that `tail` is no square (no higher roots involved)."""
     return not any(g.degree > 2 for g in field.generators_of(tail))
 
 
-def _matches_principal(field: Field, value: Element, element: Element) -> bool:
+def _matches_principal(field: Tower, value: Element, element: Element) -> bool:
     """Whether value is the principal root of element at the sample point."""
     try:
         with mpmath.workprec(200):
@@ -110,7 +109,7 @@ def _matches_principal(field: Field, value: Element, element: Element) -> bool:
 
 
 def _state(
-    field: Field,
+    field: Tower,
     element: Element,
     value: Element,
     radical: sympy.Expr | None,
@@ -123,3 +122,64 @@ def _state(
     if shown.is_nonnegative:
         return
     field.state_branch(Branch(radical, value.sympy, f"{shown} >= 0"))
+
+
+def _odd_root(field: Tower, element: Element, order: int) -> Element:
+    """The odd root: factor by factor, each factor positive at the sample point."""
+    if any(g.degree for g in field.generators_of(element)):
+        square = element * element
+        if any(g.degree for g in field.generators_of(square)):
+            tail = field.polynomial(field.lift(element)) * field.denominator(element) ** (order - 1)
+            new = field.add_root(tail, order, sure=False)
+            return new / field.denominator(element)
+        # u**(1/m) = u / ((u**2)**(1/m))**((m - 1)/2), and u**2 has no algebraic generator.
+        return element / _odd_root(field, square, order) ** ((order - 1) // 2)
+    field.sample.prefer_positive(element)
+    content, factors = field.lift(element).factor()
+    value = fmpq(content)
+    powers = [(field.polynomial(factor), exponent) for factor, exponent in factors]
+    powers += [(field.polynomial(field.factors[i]), -e) for i, e in element._den]
+    result, sign = field.one, -1 if value < 0 else 1
+    for prime, exponent in [*prime_factors(abs(value.p)), *_negated(prime_factors(value.q))]:
+        result = result * _factor_power(field, field.rational(fmpq(prime)), exponent, order)
+    for base, exponent in powers:
+        if not field.sample.is_positive(base):
+            base = -base
+            sign *= -1 if exponent % 2 else 1
+        result = result * _factor_power(field, base, exponent, order)
+    if sign < 0 and not field.is_complex:
+        shown = element.sympy ** sympy.Rational(1, order)
+        field.state_branch(Branch(shown, (-result).sympy, f"{element} <= 0: the real root"))
+    if sign < 0 and field.is_complex:
+        raise ExpressionError(
+            f"the root of order {order} of {element} is that of a negative number at the sample "
+            "point; give a domain where it is positive"
+        )
+    return result * sign
+
+
+def _negated(factors: Any) -> list[tuple[Any, int]]:
+    return [(prime, -exponent) for prime, exponent in factors]
+
+
+def _factor_power(field: Tower, base: Element, exponent: int, order: int) -> Element:
+    """base**(exponent/order) for an irreducible base."""
+    whole, rest = divmod(exponent, order)
+    result = base**whole
+    if not rest:
+        return result
+    return result * _irreducible_root(field, base, order) ** rest
+
+
+def _irreducible_root(field: Tower, base: Element, order: int) -> Element:
+    """base**(1/order), through the finest root of this base that is already there."""
+    finest, depth = base, 1
+    for generator in reversed(field.generators):
+        known = generator.argument if generator.kind == "root" else None
+        if known is not None and known[0] == base:
+            finest, depth = field.generator_element(generator), known[1]
+    if depth % order == 0:
+        return finest ** (depth // order)
+    step = lcm(depth, order) // depth
+    new = field.add_root(finest, step, sure=True, base=(base, depth * step))
+    return new ** (depth * step // order)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from flint import fmpq
 
 from geomtorsion.exact.form import form
-from geomtorsion.exact.signs import generators, of_factor
+from geomtorsion.exact.sign import generators, of_factor
 
 if TYPE_CHECKING:
     import sympy

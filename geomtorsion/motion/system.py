@@ -13,7 +13,7 @@ from geomtorsion.exact.compile import python_function
 from geomtorsion.exact.engine_code import Products, array_names, python_source, scalar_names
 from geomtorsion.exact.factored import factored
 from geomtorsion.exact.line_code import line_expressions, line_source
-from geomtorsion.exact.signs import of_same_sign
+from geomtorsion.exact.sign import of_same_sign
 from geomtorsion.exact.straight_line import StraightLine
 
 Values = Mapping[str, Any]

@@ -1,4 +1,4 @@
-"""Atoms: the rational basis in which angles and exponents are written."""
+"""Rational basis: elements independent over Q, in which angles and exponents are counted."""
 
 from __future__ import annotations
 
@@ -6,19 +6,20 @@ from math import gcd
 from typing import TYPE_CHECKING, Any
 
 import sympy
-from flint import fmpq
+from flint import fmpq, fmpq_mat
 
 from geomtorsion.exact.element import Denominator, Element
-from geomtorsion.exact.linear import express
 
 if TYPE_CHECKING:
-    from geomtorsion.exact.field import Field
+    from collections.abc import Sequence
+
+    from geomtorsion.exact.tower import Tower
 
 
-class Atoms:
+class RationalBasis:
     """Elements independent over the rationals, each with the unit in which it is counted."""
 
-    def __init__(self, field: Field) -> None:
+    def __init__(self, field: Tower) -> None:
         self._field = field
         self.elements: list[Element] = []
         self.units: list[fmpq] = []
@@ -87,7 +88,7 @@ class Atoms:
         self.units[index] = rational_gcd(self.units[index], coefficient)
 
 
-def undone_by_exp(field: Field, atom: Element) -> bool:
+def undone_by_exp(field: Tower, atom: Element) -> bool:
     """Whether the atom is a single logarithm or inverse function."""
     generator = single_generator(field, atom)
     if generator is None:
@@ -95,7 +96,7 @@ def undone_by_exp(field: Field, atom: Element) -> bool:
     return generator.kind in ("log", "primitive") or isinstance(generator.shown, sympy.log)
 
 
-def single_generator(field: Field, atom: Element) -> Any:
+def single_generator(field: Tower, atom: Element) -> Any:
     """The generator that the element is, or None."""
     used = field.generators_of(atom)
     if len(used) == 1 and atom == field.generator_element(used[0]):
@@ -125,3 +126,38 @@ def terms(element: Element) -> list[tuple[fmpq, Element]]:
         for poly, den in parts
         for m, value in poly.to_dict().items()
     ]
+
+
+def express(
+    field: Tower, target: Sequence[Element], basis: Sequence[Sequence[Element]]
+) -> list[fmpq] | None:
+    """Rational q_j with target = sum q_j basis_j (row by row), or None.
+
+    Each vector is a sequence of elements; all have one length.  Monomials over a common
+    denominator are independent, so this is linear algebra on their coefficients.
+    """
+    columns = [dict[tuple[int, tuple[int, ...]], fmpq]() for _ in range(len(basis) + 1)]
+    for row in range(len(target)):
+        entries = [vector[row] for vector in basis] + [target[row]]
+        common: Denominator = ()
+        for entry in entries:
+            common = field.lcm(common, entry._den)
+        for column, entry in zip(columns, entries, strict=True):
+            poly = field.lift(entry) * field.cofactor(common, entry._den)
+            for monomial, value in field.reduced(poly).to_dict().items():
+                column[row, tuple(monomial)] = value
+    keys = sorted({key for column in columns for key in column})
+    if not keys:
+        return [fmpq(0)] * len(basis)
+    matrix = fmpq_mat(
+        len(keys), len(columns), [c.get(key, fmpq(0)) for key in keys for c in columns]
+    )
+    reduced, rank = matrix.rref()
+    last = len(basis)
+    answer = [fmpq(0)] * last
+    for row in range(rank):
+        pivot = next(j for j in range(last + 1) if reduced[row, j] != 0)
+        if pivot == last:
+            return None
+        answer[pivot] = reduced[row, last]
+    return answer

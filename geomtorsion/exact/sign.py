@@ -10,7 +10,7 @@ from geomtorsion.exact.generators import Generator
 
 if TYPE_CHECKING:
     from geomtorsion.exact.element import Element
-    from geomtorsion.exact.field import Field
+    from geomtorsion.exact.tower import Tower
 
 
 def of_same_sign(element: Element) -> Element:
@@ -48,7 +48,7 @@ def generators(base: Generator | Sum) -> Iterator[Generator]:
         yield from (generator for _, monomial in base.terms for generator, _ in monomial)
 
 
-def of_factor(field: Field, base: Generator | Sum) -> Element:
+def of_factor(field: Tower, base: Generator | Sum) -> Element:
     """A factor of a written form as an element."""
     if isinstance(base, Generator):
         return field.generator_element(base)

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any
 from flint import fmpq, fmpz
 
 from geomtorsion.exact.integers import prime_factors
-from geomtorsion.exact.inversion import monic, split
+from geomtorsion.exact.radical_denominators import monic, split
 
 if TYPE_CHECKING:
     from geomtorsion.exact.element import Element
-    from geomtorsion.exact.field import Field
     from geomtorsion.exact.generators import Generator
+    from geomtorsion.exact.tower import Tower
 
 
-def square_root_inside(field: Field, element: Element) -> Element | None:
+def square_root_inside(field: Tower, element: Element) -> Element | None:
     """An exact square root within the field as it stands, or None.
 
     In F(w), w**2 = P: A is a square if A or A P is one in F; A + B w is one exactly if
@@ -32,7 +32,7 @@ def square_root_inside(field: Field, element: Element) -> Element | None:
     return _inside(field, element, base, nested)
 
 
-def _plain(field: Field, generator: Generator) -> bool:
+def _plain(field: Tower, generator: Generator) -> bool:
     """Whether the tower below an algebraic generator is quadratic throughout.
 
     A higher root must stand on no other root: its powers would bring those back.
@@ -44,13 +44,13 @@ def _plain(field: Field, generator: Generator) -> bool:
     return all(g.degree == 2 and _plain(field, g) for g in below)
 
 
-def _algebraic(field: Field, element: Element) -> bool:
+def _algebraic(field: Tower, element: Element) -> bool:
     """Whether an element contains algebraic generators."""
     return any(g.degree for g in field.generators_of(element))
 
 
 def _inside(
-    field: Field, element: Element, base: list[Generator], nested: list[Generator]
+    field: Tower, element: Element, base: list[Generator], nested: list[Generator]
 ) -> Element | None:
     """The square root in the tower: base generators first, nested ones on top; or None."""
     if not element._num:
@@ -81,7 +81,7 @@ def _inside(
     return None
 
 
-def _by_parity(field: Field, element: Element, base: list[Generator]) -> Element | None:
+def _by_parity(field: Tower, element: Element, base: list[Generator]) -> Element | None:
     """The square root of an element without radicals, by odd exponents of its factors.
 
     The element is a square exactly if its odd factors are the sum, over GF(2), of those of
@@ -110,7 +110,7 @@ def _by_parity(field: Field, element: Element, base: list[Generator]) -> Element
     return None if found is None else found / roots
 
 
-def _odd_factors(field: Field, element: Element) -> frozenset[str]:
+def _odd_factors(field: Tower, element: Element) -> frozenset[str]:
     """The irreducible factors, primes and sign with odd exponents."""
     content, factors = field.lift(element).factor()
     content = fmpq(content)
@@ -129,7 +129,7 @@ def _odd_factors(field: Field, element: Element) -> frozenset[str]:
     return frozenset(odd)
 
 
-def without_odd_roots(field: Field, element: Element) -> tuple[Element, Element] | None:
+def without_odd_roots(field: Tower, element: Element) -> tuple[Element, Element] | None:
     """(half, rest) with element = half**2 * rest and no odd root in rest; None if it cannot be.
 
     With v**m = f and m odd, v**e is v**(e + m)/f, and one of the two exponents is even.
@@ -153,7 +153,7 @@ def without_odd_roots(field: Field, element: Element) -> tuple[Element, Element]
     return half, rest
 
 
-def _rational_square_root(field: Field, element: Element) -> Element | None:
+def _rational_square_root(field: Tower, element: Element) -> Element | None:
     """The square root over the transcendental generators: all exponents even."""
     taken = without_odd_roots(field, element)
     if taken is None:

@@ -7,7 +7,7 @@ import sympy as sp
 from geomtorsion.codegen import numpy_function
 from geomtorsion.exact import Field
 from geomtorsion.exact.form import form
-from geomtorsion.exact.signs import of_same_sign
+from geomtorsion.exact.sign import of_same_sign
 
 R, THETA, M, A = sp.symbols("r theta M a")
 EDGES = [

@@ -17,13 +17,13 @@ from flint import fmpq
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.generators import Branch, Generator
 from geomtorsion.exact.integers import prime_factors
-from geomtorsion.exact.linear import express
+from geomtorsion.exact.rational_basis import express
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from geomtorsion.exact.element import Element
-    from geomtorsion.exact.field import Field
+    from geomtorsion.exact.tower import Tower
 
 _BITS = 400
 _CLOSE = mpmath.mpf(10) ** -70
@@ -43,10 +43,10 @@ _SLOPES: dict[str, Any] = {
 INVERSE_FUNCTIONS = frozenset(_SLOPES)
 
 
-class Additive:
+class Primitives:
     """The logarithms and inverse functions of one field."""
 
-    def __init__(self, field: Field, arguments: Any) -> None:
+    def __init__(self, field: Tower, arguments: Any) -> None:
         self._field = field
         self._arguments = arguments
         self._known: list[tuple[Element, tuple[Element, ...]]] = []
@@ -254,5 +254,5 @@ class Additive:
         return None
 
 
-def _unit(field: Field, k: int) -> tuple[Element, ...]:
+def _unit(field: Tower, k: int) -> tuple[Element, ...]:
     return tuple(field.one if j == k else field.zero for j in range(len(field.symbols)))

@@ -1,4 +1,8 @@
-"""Jets: unknown functions and their partial derivatives, each a generator of its own."""
+"""Unknown functions: f(r) with its partial derivatives, and functions known by name alone.
+
+The partial derivatives of an unknown function are independent: each is a generator (a jet).
+An opaque function, such as erf, has a derivative in the field but no relation that is known.
+"""
 
 from __future__ import annotations
 
@@ -9,12 +13,14 @@ import sympy
 from geomtorsion.exact.generators import Generator
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from geomtorsion.exact.element import Element
-    from geomtorsion.exact.field import Field
+    from geomtorsion.exact.tower import Tower
 
 
 def jet(
-    field: Field, function: Any, orders: tuple[int, ...], arguments: tuple[Element, ...]
+    field: Tower, function: Any, orders: tuple[int, ...], arguments: tuple[Element, ...]
 ) -> Element:
     """The partial derivative of given orders of an unknown function at its arguments."""
     for generator in field.generators:
@@ -53,3 +59,17 @@ def _fresh(name: str, places: list[sympy.Expr]) -> sympy.Symbol:
     while name in taken:
         name += "_"
     return sympy.Symbol(name)
+
+
+def opaque(field: Tower, shown: sympy.Expr, arguments: Sequence[Element]) -> Element:
+    """A generator of which nothing is known but its value and its derivative."""
+    for generator in field.generators:
+        if generator.kind == "opaque" and generator.shown == shown:
+            return field.generator_element(generator)
+    depends: frozenset[sympy.Symbol] = frozenset()
+    for argument in arguments:
+        depends |= argument.symbols
+    name = field.next_name("opaque")
+    return field.add(
+        Generator("opaque", name, shown, depends, argument=tuple(arguments), sure=False)
+    )

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from geomtorsion.exact.element import Element
-    from geomtorsion.exact.field import Field
     from geomtorsion.exact.generators import Generator
+    from geomtorsion.exact.tower import Tower
 
 _BITS = 300
 _LARGEST_BITS = 2048
@@ -25,14 +25,14 @@ _LARGEST_BITS = 2048
 _TRIES = 80
 
 
-class Sample:
+class GenericPoint:
     """A point for every symbol and unknown function, the same at every run.
 
     What the caller gives stays; the rest may move to another place as long as every sign
     decided so far is the same there, so that new radicands come out positive.
     """
 
-    def __init__(self, field: Field, given: Mapping[sympy.Symbol, Any]) -> None:
+    def __init__(self, field: Tower, given: Mapping[sympy.Symbol, Any]) -> None:
         self._field = field
         self._given = dict(given)
         self._known: dict[int, dict[str, Any]] = {}

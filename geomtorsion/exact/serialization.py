@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import sympy
 
-from geomtorsion.exact.jets import jet
 from geomtorsion.exact.parsing import parse_expression
+from geomtorsion.exact.unknown_functions import jet
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from geomtorsion.exact.element import Element
-    from geomtorsion.exact.field import Field
+    from geomtorsion.exact.tower import Tower
 
 
 def to_json(element: Element) -> dict[str, Any]:
@@ -36,7 +36,7 @@ def to_json(element: Element) -> dict[str, Any]:
     return {"expression": str(shown), "jets": jets} if jets else {"expression": str(shown)}
 
 
-def from_json(field: Field, data: Mapping[str, Any], functions: Iterable[str]) -> Element:
+def from_json(field: Tower, data: Mapping[str, Any], functions: Iterable[str]) -> Element:
     """The element that `to_json` wrote.
 
     Raises

@@ -1,0 +1,218 @@
+"""Radical denominators: cleared by conjugates, and restored where that is exact.
+
+1/(A + B w) is kept as (A - B w)/(A**2 - B**2 P).  The norm below may vanish where A + B w
+does not; written and evaluated, the quotient is therefore turned back where that is exact.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import TYPE_CHECKING, Any
+
+from flint.utils.flint_exceptions import DomainError
+
+from geomtorsion.exact.limits import check_product
+
+if TYPE_CHECKING:
+    from geomtorsion.exact.element import Denominator, Element
+    from geomtorsion.exact.tower import Tower
+
+# Beyond this many roots in one denominator its conjugates are too many to try.
+_MOST_ROOTS = 4
+
+
+def inverse(field: Tower, element: Element) -> Element:
+    """1/element = den/num, with num freed of algebraic generators first."""
+    num = field.lift(element)
+    den = field.cofactor(element._den, ())
+    multiplier = field.ctx.constant(1)
+    degrees = num.degrees()
+    if len(num) > 1 and any(
+        g.degree and d > 0 for g, d in zip(field.generators, degrees, strict=True)
+    ):
+        field.note_rooted(field.polynomial(num))
+    for position, generator in enumerate(field.generators):
+        if generator.degree and degrees[position] > 0:
+            if generator.degree > 2:
+                num, conjugate = _conjugate(field, num, position)
+                check_product(multiplier, conjugate)
+                multiplier = field.reduced(multiplier * conjugate)
+                degrees = num.degrees()
+                continue
+            assert generator.tail is not None
+            tail = field.lift(generator.tail)
+            w = field.ctx.gen(position)
+            below, above = split(field, num, position)
+            if not below:
+                num = field.reduced(above * tail)
+                multiplier = field.reduced(multiplier * w)
+            else:
+                check_product(num, num)
+                check_product(multiplier, num)
+                num = field.reduced(below * below - above * above * tail)
+                multiplier = field.reduced(multiplier * (below - above * w))
+            degrees = num.degrees()
+    content, factors = num.factor()
+    signed = []
+    for factor, exponent in factors:
+        positive, sign = monic(factor)
+        content = content * sign if exponent % 2 else content
+        signed.append((positive, exponent))
+    return field.over_factors(multiplier * den * (1 / content), signed)
+
+
+def monic(factor: Any) -> tuple[Any, int]:
+    """A factor with positive leading coefficient, and the sign taken out."""
+    return (-factor, -1) if factor.leading_coefficient() < 0 else (factor, 1)
+
+
+def split(field: Tower, poly: Any, position: int) -> tuple[Any, Any]:
+    """(A, B) with poly = A + B w, for the generator w at a position, degree at most 1."""
+    above = poly.derivative(position)
+    return poly - above * field.ctx.gen(position), above
+
+
+def coefficients(field: Tower, poly: Any, position: int, degree: int) -> list[Any]:
+    """The coefficients of 1, w, ..., w**(degree - 1) for the generator at a position."""
+    parts: list[dict[tuple[int, ...], Any]] = [{} for _ in range(degree)]
+    for monomial, value in poly.to_dict().items():
+        exponents = list(monomial)
+        power, exponents[position] = int(exponents[position]), 0
+        parts[power][tuple(exponents)] = value
+    return [field.ctx.from_dict(part) for part in parts]
+
+
+def _conjugate(field: Tower, num: Any, position: int) -> tuple[Any, Any]:
+    """(norm, c) with num * c = norm, free of the generator w of degree n at the position.
+
+    Multiplication by num is an n by n matrix on the powers of w; c is made of the cofactors
+    of its first row and the norm is its determinant, both without any division.
+    """
+    generator = field.generators[position]
+    n = generator.degree
+    w = field.ctx.gen(position)
+    columns = []
+    power = num
+    for _ in range(n):
+        columns.append(coefficients(field, power, position, n))
+        power = field.reduced(power * w)
+    # minors[S]: determinant of the last len(S) rows in the columns S, built row by row.
+    minors: dict[tuple[int, ...], Any] = {(): field.ctx.constant(1)}
+    for size in range(1, n):
+        row = n - size
+        minors = {
+            chosen: _expanded(field, [columns[k][row] for k in chosen], chosen, minors)
+            for chosen in combinations(range(n), size)
+        }
+    norm = conjugate = field.ctx.constant(0)
+    for k in range(n):
+        minor = minors[tuple(j for j in range(n) if j != k)]
+        cofactor = -minor if k % 2 else minor
+        norm = norm + columns[k][0] * cofactor
+        conjugate = conjugate + cofactor * w**k
+    return field.reduced(norm), field.reduced(conjugate)
+
+
+def _expanded(
+    field: Tower, row: list[Any], chosen: tuple[int, ...], minors: dict[tuple[int, ...], Any]
+) -> Any:
+    """A determinant expanded along its first row."""
+    total = field.ctx.constant(0)
+    for place, entry in enumerate(row):
+        if entry:
+            check_product(entry, minors[chosen[:place] + chosen[place + 1 :]])
+            product = entry * minors[chosen[:place] + chosen[place + 1 :]]
+            total = total - product if place % 2 else total + product
+    return field.reduced(total)
+
+
+class Norms:
+    """The denominators with roots met so far, each with conjugates and norm."""
+
+    def __init__(self, field: Tower) -> None:
+        self.level = field.level
+        self.count = len(field.rooted)
+        self.table: list[tuple[list[Any], Denominator]] = []
+        seen: set[str] = set()
+        for element in field.rooted:
+            for factor, _ in field.lift(element).factor()[1]:
+                key = str(factor)
+                if key not in seen and len(factor) > 1:
+                    seen.add(key)
+                    self._enter(field, factor)
+
+    def _enter(self, field: Tower, factor: Any) -> None:
+        """Notes one factor, if it has roots and its norm is a product of known factors."""
+        degrees = factor.degrees()
+        places = [k for k, g in enumerate(field.generators) if g.degree == 2 and degrees[k] > 0]
+        if not places or len(places) > _MOST_ROOTS:
+            return
+        conjugates = [factor]
+        norm = factor
+        for place in places:
+            below, above = split(field, norm, place)
+            tail = field.generators[place].tail
+            assert tail is not None
+            w = field.ctx.gen(place)
+            # A root can already have left with another one: csc(x + y).
+            if above:
+                norm = field.reduced(below * below - above * above * field.lift(tail))
+            flipped = []
+            for poly in conjugates:
+                low, high = split(field, poly, place)
+                flipped.append(low - high * w)
+            conjugates += flipped
+        powers: dict[int, int] = {}
+        for part, exponent in norm.factor()[1]:
+            index = field.factor_index.get(str(monic(part)[0]))
+            if index is None:
+                return
+            powers[index] = powers.get(index, 0) + exponent
+        if powers:
+            self.table.append((conjugates, tuple(sorted(powers.items()))))
+
+
+def norms(field: Tower) -> Norms:
+    """The table of norms, made anew when the field has grown."""
+    known = field.tables.get("norms")
+    if known is None or known.level != field.level or known.count != len(field.rooted):
+        known = field.tables["norms"] = Norms(field)
+    return known
+
+
+def roots_restored(element: Element) -> tuple[Any, Denominator, dict[str, tuple[Any, int]]]:
+    """(num, den, {key: (polynomial, exponent)}): the element with roots below where exact."""
+    field = element.field
+    num, den = field.lift(element), element._den
+    below: dict[str, tuple[Any, int]] = {}
+    if not field.rooted or not den:
+        return num, den, below
+    for conjugates, powers in norms(field).table:
+        while True:
+            have = dict(den)
+            part = {i: min(e, have.get(i, 0)) for i, e in powers}
+            found = _divided(field, num, conjugates, powers) if any(part.values()) else None
+            if found is None:
+                break
+            quotient, divisor = found
+            # num/part = (quotient * norm/part)/divisor, and the norm is gone from below.
+            num = quotient * field.cofactor(powers, tuple((i, e) for i, e in part.items() if e))
+            den = tuple((i, e - part.get(i, 0)) for i, e in den if e > part.get(i, 0))
+            positive, sign = monic(divisor)
+            num = num * sign
+            key = str(positive)
+            below[key] = (positive, below.get(key, (None, 0))[1] + 1)
+    return num, den, below
+
+
+def _divided(
+    field: Tower, num: Any, conjugates: list[Any], powers: Denominator
+) -> tuple[Any, Any] | None:
+    """(q, c) with num/norm = q/c for a conjugate c, or None."""
+    norm = field.cofactor(powers, ())
+    for conjugate in conjugates:
+        try:
+            return field.reduced(num * conjugate) / norm, conjugate
+        except DomainError:
+            continue
+    return None

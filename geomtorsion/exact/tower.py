@@ -1,0 +1,415 @@
+"""Tower: the arithmetic of a differential field, built generator upon generator.
+
+Elements are polynomials over registered irreducible factors, in a polynomial ring that grows.
+What reads, differentiates, takes roots and writes needs this arithmetic and is needed by it: the
+outline `Tower` names these questions, and `Field` answers them with the files made for each.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, Protocol
+
+import sympy
+from flint import Ordering, fmpq, fmpq_mpoly_ctx
+from flint.utils.flint_exceptions import DomainError
+
+from geomtorsion.errors import ExpressionError
+from geomtorsion.exact.element import Denominator, Element
+from geomtorsion.exact.generators import Branch, Generator
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    import mpmath
+
+# Above this many products a sum is added up pairwise, so that its cost stays n log n.
+_PAIRWISE = 24
+
+
+class Point(Protocol):
+    """The generic point of a field, at which signs are read off; see `generic_point`."""
+
+    def value(self, element: Element) -> mpmath.mpf:
+        """The value of an element, to about 90 digits."""
+        ...
+
+    def is_positive(self, element: Element) -> bool:
+        """Whether an element is positive; the answer binds the point."""
+        ...
+
+    def prefer_positive(self, element: Element) -> bool:
+        """Whether an element is positive, after the point moved there if it may."""
+        ...
+
+    def is_surely_nonzero(self, element: Element) -> bool:
+        """Whether an element has a value that is not zero."""
+        ...
+
+    def place_in_words(self) -> str:
+        """The point, for stating where a branch was chosen."""
+        ...
+
+
+class Tower(ABC):
+    """Numerators, factored denominators and generators with their relations.
+
+    chosen: values of roots that the user chose.
+    generators: the newest first; by_name: the same by their names in the polynomial ring.
+    rooted: denominators with roots, as they were before these were cleared.
+    tables: what other files keep for a field, each under its own name.
+    all_sure: whether the independence of all generators is proved.
+    generator_slopes, factor_slopes: derivatives that are known.
+    """
+
+    is_complex: bool
+    chosen: dict[sympy.Expr, sympy.Expr]
+    sample: Point
+
+    def __init__(self) -> None:
+        self.ctx = fmpq_mpoly_ctx.get((), Ordering.lex)
+        self.level = 0
+        self.factors: list[Any] = []
+        self.factor_index: dict[str, int] = {}
+        self._merged: dict[tuple[Denominator, Denominator], Denominator] = {}
+        self._lcms: dict[tuple[Denominator, Denominator], Denominator] = {}
+        self._cofactors: dict[tuple[Denominator, Denominator], Any] = {}
+        self._algebraic: list[tuple[int, int, Any]] = []
+        self.zero = Element(self, self.ctx.constant(0), (), 0)
+        self.one = Element(self, self.ctx.constant(1), (), 0)
+        self.symbols: tuple[sympy.Symbol, ...] = ()
+        self._symbol_elements: dict[sympy.Symbol, Element] = {}
+        self.generators: list[Generator] = []
+        self.by_name: dict[str, Generator] = {}
+        self.all_sure = True
+        self.tables: dict[str, Any] = {}
+        self.rooted: list[Element] = []
+        self._rooted_keys: set[Element] = set()
+        self._branches: dict[sympy.Expr, Branch] = {}
+        self.generator_slopes: dict[tuple[str, sympy.Symbol], Element] = {}
+        self.factor_slopes: dict[tuple[int, sympy.Symbol], Element] = {}
+
+    # What files made for it answer.
+
+    @abstractmethod
+    def read(self, expr: Any, where: str = "expression") -> Element:
+        """Read one sympy expression, int or Fraction."""
+
+    @abstractmethod
+    def inverse(self, element: Element) -> Element:
+        """1 over an element."""
+
+    @abstractmethod
+    def root(self, element: Element, order: int, radical: sympy.Expr | None = None) -> Element:
+        """The root of an order, positive at the generic point."""
+
+    @abstractmethod
+    def derivative(self, element: Element, symbol: sympy.Symbol) -> Element:
+        """The partial derivative of an element."""
+
+    @abstractmethod
+    def conjugate(self, element: Element) -> Element:
+        """The complex conjugate."""
+
+    @abstractmethod
+    def decide_zero(self, element: Element) -> bool | None:
+        """Whether a non-trivial element vanishes, where generators may depend on others."""
+
+    @abstractmethod
+    def written(self, element: Element) -> sympy.Expr:
+        """The element as a short sympy expression."""
+
+    @abstractmethod
+    def value(self, element: Element, point: Mapping[Any, Any], precision: int) -> Any:
+        """The value of an element at a point."""
+
+    @abstractmethod
+    def to_json(self, element: Element) -> dict[str, Any]:
+        """An element as a JSON-ready mapping."""
+
+    # Generators and elements.
+
+    def add(self, generator: Generator) -> Element:
+        """Adds one generator and returns it as an element.
+
+        What is built from a generator whose independence is not proved is not proved either.
+        """
+        if generator.sure and not self.all_sure and self._rests_on_unsure(generator):
+            generator = replace(generator, sure=False)
+        self._grow(generator.name)
+        self.generators.insert(0, generator)
+        self.by_name[generator.name] = generator
+        if not generator.sure:
+            self.all_sure = False
+        self._algebraic = []
+        for position, known in enumerate(self.generators):
+            if known.tail is not None:
+                w = self.ctx.gen(position)
+                relation = w**known.degree - self.lift(known.tail)
+                for power, value in known.middle:
+                    relation = relation - w**power * value
+                self._algebraic.append((position, known.degree, relation))
+        return Element(self, self.ctx.gen(0), (), self.level)
+
+    def _rests_on_unsure(self, generator: Generator) -> bool:
+        """Whether the relation or the argument of a generator contains unproved ones."""
+        argument = generator.argument
+        parts = [generator.tail, *(argument if isinstance(argument, tuple) else (argument,))]
+        return any(
+            not known.sure
+            for part in parts
+            if isinstance(part, Element)
+            for known in self.generators_of(part)
+        )
+
+    def add_root(
+        self, tail: Element, order: int, sure: bool, base: tuple[Element, int] | None = None
+    ) -> Element:
+        """w with w**order = tail, added if new; base = (f, n): w is the n-th root of f."""
+        for known in self.generators:
+            if known.kind == "root" and known.degree == order and known.tail == tail:
+                return self.generator_element(known)
+        shown = tail.sympy ** sympy.Rational(1, order)
+        if base is not None:
+            shown = base[0].sympy ** sympy.Rational(1, base[1])
+        name = self.next_name("root")
+        return self.add(
+            Generator("root", name, shown, tail.symbols, order, tail, argument=base, sure=sure)
+        )
+
+    def next_name(self, kind: str) -> str:
+        """A name for the next generator that no other has."""
+        return f"{kind[:2]}{len(self.generators)}"
+
+    def rational(self, p: int | Fraction | fmpq, q: int = 1) -> Element:
+        """The rational number p/q."""
+        value = fmpq(p.numerator, p.denominator) if isinstance(p, Fraction) else fmpq(p)
+        return Element(self, self.ctx.constant(value / q), (), self.level)
+
+    def symbol(self, symbol: sympy.Symbol) -> Element:
+        """A coordinate or parameter as an element.
+
+        Raises
+        ------
+        ExpressionError
+            the field has no such symbol.
+        """
+        element = self._symbol_elements.get(symbol)
+        if element is None:
+            raise ExpressionError(
+                f"{symbol} is neither a coordinate nor a parameter here; "
+                f"known are {', '.join(map(str, self.symbols)) or 'none'}"
+            )
+        return element
+
+    @property
+    def imaginary(self) -> Element:
+        """The imaginary unit."""
+        if not self.is_complex:
+            raise ExpressionError("I occurs in a real frame; declare it with complex=True")
+        return self.generator_element(self.by_name["I"])
+
+    def generator_element(self, generator: Generator) -> Element:
+        """A generator as an element."""
+        return Element(self, self.ctx.gen(self.generators.index(generator)), (), self.level)
+
+    def polynomial(self, poly: Any) -> Element:
+        """A polynomial of the present ring as an element."""
+        return Element(self, self.reduced(poly), (), self.level)
+
+    @property
+    def branches(self) -> tuple[Branch, ...]:
+        """The signs with which roots were read, where the symbols' assumptions left a choice."""
+        return tuple(self._branches.values())
+
+    def note_rooted(self, denominator: Element) -> None:
+        """Notes a denominator that contains roots, so that it can be written as it was."""
+        if denominator not in self._rooted_keys:
+            self._rooted_keys.add(denominator)
+            self.rooted.append(denominator)
+
+    def state_branch(self, branch: Branch) -> None:
+        """Notes the sign with which a root was read."""
+        self._branches.setdefault(branch.radical, branch)
+
+    def generators_of(self, element: Element) -> list[Generator]:
+        """The generators that occur in an element."""
+        used = [d > 0 for d in self.lift(element).degrees()]
+        for index, _ in element._den:
+            for position, degree in enumerate(self.factors[index].degrees()):
+                used[position] |= degree > 0
+        return [g for g, here in zip(self.generators, used, strict=True) if here]
+
+    # Sums, products and denominators.
+
+    def _grow(self, name: str) -> None:
+        """Puts a variable in front of the others.
+
+        In front, because with a lexicographic order a relation w**n = tail then reduces
+        w before all that its tail contains.
+        """
+        self.ctx = fmpq_mpoly_ctx.get((name, *self.ctx.names()), Ordering.lex)
+        self.level += 1
+        self.factors = [self.lifted(poly, 1) for poly in self.factors]
+        self._cofactors.clear()
+
+    def lifted(self, poly: Any, by: int) -> Any:
+        """A polynomial of an earlier ring, `by` variables smaller, in the present one."""
+        pad = (0,) * by
+        return self.ctx.from_dict({pad + tuple(m): c for m, c in poly.to_dict().items()})
+
+    def lift(self, element: Element) -> Any:
+        """The numerator of an element, moved to the present polynomial ring."""
+        if element._level != self.level:
+            element._num = self.lifted(element._num, self.level - element._level)
+            element._level = self.level
+        return element._num
+
+    def sum(self, terms: Iterable[tuple[Any, ...]]) -> Element:
+        """A sum of products (rational coefficient, element, element, ...), normalised once."""
+        terms = list(terms)  # making them may add generators; only then is the ring fixed
+        level = self.level
+        groups: dict[Denominator, list[Any]] = {}
+        for coefficient, *elements in terms:
+            num = None
+            den: Denominator = ()
+            for element in elements:
+                part = element._num if element._level == level else self.lift(element)
+                num = part if num is None else num * part
+                if element._den:
+                    den = self.merged(den, element._den) if den else element._den
+            if num is None:
+                num = self.ctx.constant(1)
+            if coefficient != 1:
+                num = -num if coefficient == -1 else num * _as_fmpq(coefficient)
+            if den in groups:
+                groups[den].append(num)
+            else:
+                groups[den] = [num]
+        if not groups:
+            return self.zero
+        if len(groups) == 1:
+            ((den, nums),) = groups.items()
+            return self._normalised(_added(nums), den)
+        common: Denominator = ()
+        for den in groups:
+            common = self.lcm(common, den)
+        whole = [
+            _added(nums) if den == common else _added(nums) * self.cofactor(common, den)
+            for den, nums in groups.items()
+        ]
+        return self._normalised(_added(whole), common)
+
+    def scaled(self, element: Element, factor: int | Fraction | fmpq) -> Element:
+        """A rational multiple of an element."""
+        if not factor:
+            return self.zero
+        return Element(self, element._num * _as_fmpq(factor), element._den, element._level)
+
+    def reduced(self, poly: Any) -> Any:
+        """A polynomial of the present ring, reduced by every algebraic relation."""
+        if not self._algebraic or not poly:
+            return poly
+        degrees = poly.degrees()
+        changed = False
+        for position, degree, relation in self._algebraic:
+            if degrees[position] >= degree or (changed and poly.degrees()[position] >= degree):
+                _, poly = divmod(poly, relation)
+                changed = True
+                if not poly:
+                    break
+        return poly
+
+    def _normalised(self, num: Any, den: Denominator) -> Element:
+        """The element num/den: reduced, with common factors divided out."""
+        num = self.reduced(num)
+        if not num:
+            return self.zero
+        if den:
+            left = []
+            for index, exponent in den:
+                factor = self.factors[index]
+                while exponent:
+                    try:
+                        num = num / factor
+                    except DomainError:
+                        break
+                    exponent -= 1
+                if exponent:
+                    left.append((index, exponent))
+            den = tuple(left)
+        return Element(self, num, den, self.level)
+
+    def merged(self, a: Denominator, b: Denominator) -> Denominator:
+        """The product of two denominators."""
+        known = self._merged.get((a, b))
+        if known is None:
+            powers = dict(a)
+            for index, exponent in b:
+                powers[index] = powers.get(index, 0) + exponent
+            known = self._merged[a, b] = tuple(sorted(powers.items()))
+        return known
+
+    def lcm(self, a: Denominator, b: Denominator) -> Denominator:
+        """The least common multiple of two denominators."""
+        if a == b or not b:
+            return a
+        if not a:
+            return b
+        known = self._lcms.get((a, b))
+        if known is None:
+            powers = dict(a)
+            for index, exponent in b:
+                powers[index] = max(powers.get(index, 0), exponent)
+            known = self._lcms[a, b] = tuple(sorted(powers.items()))
+        return known
+
+    def cofactor(self, common: Denominator, den: Denominator) -> Any:
+        """The polynomial common/den."""
+        known = self._cofactors.get((common, den))
+        if known is None:
+            have = dict(den)
+            known = self.ctx.constant(1)
+            for index, exponent in common:
+                known = known * self.factors[index] ** (exponent - have.get(index, 0))
+            self._cofactors[common, den] = known
+        return known
+
+    def register(self, factor: Any) -> int:
+        """The number of an irreducible polynomial without algebraic generators."""
+        key = str(factor)
+        index = self.factor_index.get(key)
+        if index is None:
+            index = self.factor_index[key] = len(self.factors)
+            self.factors.append(factor)
+        return index
+
+    def over_factors(self, num: Any, factors: Iterable[tuple[Any, int]]) -> Element:
+        """num over irreducible factors (polynomial, exponent) without algebraic generators."""
+        powers: dict[int, int] = {}
+        for factor, exponent in factors:
+            index = self.register(factor)
+            powers[index] = powers.get(index, 0) + exponent
+        return self._normalised(num, tuple(sorted(powers.items())))
+
+    def denominator(self, element: Element) -> Element:
+        """The denominator of an element as an element."""
+        return Element(self, self.cofactor(element._den, ()), (), self.level)
+
+
+def _as_fmpq(value: Any) -> Any:
+    """A rational number as FLINT takes it."""
+    return fmpq(value.numerator, value.denominator) if isinstance(value, Fraction) else value
+
+
+def _added(polys: list[Any]) -> Any:
+    """The sum of polynomials, pairwise where there are many."""
+    if len(polys) > _PAIRWISE:
+        half = len(polys) // 2
+        return _added(polys[:half]) + _added(polys[half:])
+    total = polys[0]
+    for poly in polys[1:]:
+        total = total + poly
+    return total
