@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -20,6 +20,8 @@ from geomtorsion.scenes.context import (
     TIME,
     VELOCITY,
     Context,
+    Number,
+    Symbols,
 )
 from geomtorsion.scenes.kane import accelerations, vector_sum
 
@@ -41,7 +43,7 @@ class Assembly:
     rates: state -> rate. Rows 1 and 2 of R (attitude) and n (vertical) turn with the body and have
         their rates from `turning`.
     start: states of effects -> value at the start.
-    ties: angular velocity, velocity and position where a constraint gives them.
+    substitutions: angular velocity, velocity and position where a constraint gives them.
 
     Equation
     --------
@@ -52,78 +54,80 @@ class Assembly:
     context: Context
     parts: Mapping[str, Contribution]
     constraint: Constraint | None
-    rates: Mapping[Any, Any]
-    start: Mapping[str, Any]
-    ties: Mapping[Any, Any]
+    rates: Mapping[sp.Symbol, sp.Expr]
+    start: Mapping[str, Number]
+    substitutions: Mapping[sp.Symbol, sp.Expr]
 
     @property
-    def values(self) -> Mapping[str, Any]:
+    def values(self) -> Mapping[str, sp.Expr]:
         """Parameter -> exact number."""
         return self.context.values
 
     @property
-    def speeds(self) -> tuple[Any, ...]:
+    def speeds(self) -> Symbols:
         """Symbols of the speeds of rotation (or of the constraint)."""
         if self.constraint is None:
             return tuple(OMEGA)
         return tuple(sp.Symbol(name) for name in self.constraint.speeds)
 
-    def tied(self, expression: Any) -> Any:
-        """An expression with what the constraint fixes put in."""
+    def constrained(self, expression: Any) -> Any:
+        """An expression, or a matrix of them, with what the constraint fixes put in."""
         whole = isinstance(expression, sp.MatrixBase)
         given = expression if whole else expression_of(expression)
-        return given.xreplace(dict(self.ties))
+        return given.xreplace(dict(self.substitutions))
 
     @cached_property
-    def inertia(self) -> Any:
+    def inertia(self) -> sp.Matrix:
         """Inertia tensor about the centre of mass, with what effects add."""
         return _inertia(self.context, self.parts.values())
 
     @cached_property
-    def omega(self) -> Any:
+    def omega(self) -> sp.Matrix:
         """Body angular velocity, body axes."""
-        return sp.Matrix([self.tied(symbol) for symbol in OMEGA])
+        return sp.Matrix([self.constrained(symbol) for symbol in OMEGA])
 
     @cached_property
-    def velocity_body(self) -> Any:
+    def velocity_body(self) -> sp.Matrix:
         """Velocity of the centre of mass, body axes."""
         if self.constraint is not None:
             return sp.Matrix(self.constraint.velocity)
         return ATTITUDE.T * sp.Matrix(VELOCITY)
 
     @cached_property
-    def angular_momentum(self) -> Any:
+    def angular_momentum(self) -> sp.Matrix:
         """L in body axes, about the fixed point if there is one, else about the centre of mass."""
-        total = self.inertia * self.omega + self.tied(vector_sum(self.parts.values(), "momentum"))
+        total = self.inertia * self.omega + self.constrained(
+            vector_sum(self.parts.values(), "momentum")
+        )
         if self.constraint is not None and self.constraint.arm is not None:
             arm = sp.Matrix(self.constraint.arm)
             total += self.context.mass * arm.cross(self.velocity_body)
         return total
 
     @cached_property
-    def rotational_energy(self) -> Any:
+    def rotational_energy(self) -> sp.Expr:
         """Energy of rotation about the centre of mass."""
         return (self.omega.T * self.inertia * self.omega)[0] / 2
 
     @cached_property
-    def kinetic_energy(self) -> Any:
+    def kinetic_energy(self) -> sp.Expr:
         """Energy of rotation and translation."""
         free = self.constraint is None
         v = sp.Matrix(VELOCITY) if free else self.velocity_body
         return self.rotational_energy + self.context.mass * v.dot(v) / 2
 
     @cached_property
-    def potential_energy(self) -> Any:
+    def potential_energy(self) -> sp.Expr:
         """Energy stored in the effects."""
         stored = [part.energy for part in self.parts.values() if part.energy is not None]
-        return self.tied(sp.Add(*map(expression_of, stored)))
+        return self.constrained(sp.Add(*map(expression_of, stored)))
 
     @cached_property
-    def power(self) -> Any:
+    def power(self) -> sp.Expr:
         """What the effects put in per time; 0 for what has a potential."""
-        return self.tied(sp.Add(*(power_of(part) for part in self.parts.values())))
+        return self.constrained(sp.Add(*(power_of(part) for part in self.parts.values())))
 
-    def turning(self, symbol: Any) -> Any:
+    def turning(self, symbol: sp.Symbol) -> sp.Expr:
         """Rate of an element of R, or of the vertical: R' = R [Omega]x."""
         for i in range(3):
             for j in range(3):
@@ -132,7 +136,7 @@ class Assembly:
                     return ATTITUDE[i, a] * self.omega[b] - ATTITUDE[i, b] * self.omega[a]
         raise KeyError(symbol)
 
-    def rate_of(self, symbol: Any) -> Any:
+    def rate_of(self, symbol: sp.Basic) -> sp.Expr:
         """Rate of any state; 0 for parameters."""
         if symbol == TIME:
             return sp.S.One
@@ -140,12 +144,12 @@ class Assembly:
             return self.rates[symbol]
         return self.turning(symbol) if symbol in tuple(ATTITUDE) else sp.S.Zero
 
-    def derivative(self, expression: Any) -> Any:
+    def derivative(self, expression: sp.Expr) -> sp.Expr:
         """Time derivative of an expression along the motion."""
         return sp.Add(*(sp.diff(expression, s) * self.rate_of(s) for s in expression.free_symbols))
 
 
-def power_of(part: Contribution) -> Any:
+def power_of(part: Contribution) -> sp.Expr:
     """What a contribution puts in per time."""
     if part.power is not None:
         return expression_of(part.power)
@@ -181,8 +185,37 @@ def assemble(body: Body, effects: Mapping[str, Effect]) -> Assembly:
             f"{' and '.join(holding)} both tie the velocities of the body. Keep one of them."
         )
     constraint = parts[holding[0]].constraint if holding else None
-    rates: dict[Any, Any] = {}
-    start: dict[str, Any] = {}
+    rates, start = _own_states(parts)
+    substitutions = _substitutions(constraint)
+    made = Assembly(context, parts, constraint, rates, start, substitutions)
+    own = {s: made.constrained(r) for s, r in rates.items()}
+    made = Assembly(context, parts, constraint, own, start, substitutions)
+    own |= dict(zip(made.speeds, accelerations(made), strict=True))
+    if constraint is None:
+        force = vector_sum(parts.values(), "force")
+        own |= {v: f / context.mass for v, f in zip(VELOCITY, force, strict=True)}
+        own |= dict(zip(POSITION, VELOCITY, strict=True))
+    else:
+        start |= constraint.start
+        if constraint.position is None:
+            own |= dict(zip(POSITION, ATTITUDE * made.velocity_body, strict=True))
+    if made.power == 0:
+        substitutions[WORK] = sp.S.Zero
+    else:
+        own[WORK] = made.power
+        start[WORK.name] = 0
+    for part in parts.values():
+        own |= {sp.Symbol(name): made.constrained(rate) for name, rate in part.replaces.items()}
+    own = {symbol: expression_of(rate) for symbol, rate in own.items()}
+    return Assembly(context, parts, constraint, own, start, substitutions)
+
+
+def _own_states(
+    parts: Mapping[str, Contribution],
+) -> tuple[dict[sp.Symbol, sp.Expr], dict[str, Number]]:
+    """Rates and starts of the states that effects bring; none twice, nor what they offer."""
+    rates: dict[sp.Symbol, sp.Expr] = {}
+    start: dict[str, Number] = {}
     for key, part in parts.items():
         for name, rate in part.states.items():
             if name in start:
@@ -194,42 +227,21 @@ def assemble(body: Body, effects: Mapping[str, Effect]) -> Assembly:
         for name in part.outputs:
             if any(name in other.outputs for k, other in parts.items() if k != key):
                 raise SceneError(f"{key} brings {name!r} to be watched, which another effect does.")
-    ties = _ties(constraint)
-    made = Assembly(context, parts, constraint, rates, start, ties)
-    own = {s: made.tied(r) for s, r in rates.items()}
-    made = Assembly(context, parts, constraint, own, start, ties)
-    own |= dict(zip(made.speeds, accelerations(made), strict=True))
-    if constraint is None:
-        force = vector_sum(parts.values(), "force")
-        own |= {v: f / context.mass for v, f in zip(VELOCITY, force, strict=True)}
-        own |= dict(zip(POSITION, VELOCITY, strict=True))
-    else:
-        start |= constraint.start
-        if constraint.position is None:
-            own |= dict(zip(POSITION, ATTITUDE * made.velocity_body, strict=True))
-    if made.power == 0:
-        ties[WORK] = sp.S.Zero
-    else:
-        own[WORK] = made.power
-        start[WORK.name] = 0
-    for part in parts.values():
-        own |= {sp.Symbol(name): made.tied(rate) for name, rate in part.replaces.items()}
-    own = {symbol: expression_of(rate) for symbol, rate in own.items()}
-    return Assembly(context, parts, constraint, own, start, ties)
+    return rates, start
 
 
-def _ties(constraint: Constraint | None) -> dict[Any, Any]:
+def _substitutions(constraint: Constraint | None) -> dict[sp.Symbol, sp.Expr]:
     """What a constraint says of angular velocity, velocity and position."""
     if constraint is None:
         return {}
-    ties = dict(zip(OMEGA, map(expression_of, constraint.omega), strict=True))
-    ties |= dict(zip(VELOCITY, ATTITUDE * sp.Matrix(constraint.velocity), strict=True))
+    substitutions = dict(zip(OMEGA, map(expression_of, constraint.omega), strict=True))
+    substitutions |= dict(zip(VELOCITY, ATTITUDE * sp.Matrix(constraint.velocity), strict=True))
     if constraint.position is not None:
-        ties |= dict(zip(POSITION, map(expression_of, constraint.position), strict=True))
-    return {symbol: value for symbol, value in ties.items() if symbol != value}
+        substitutions |= dict(zip(POSITION, map(expression_of, constraint.position), strict=True))
+    return {symbol: value for symbol, value in substitutions.items() if symbol != value}
 
 
-def _inertia(context: Context, parts: Any) -> Any:
+def _inertia(context: Context, parts: Iterable[Contribution]) -> sp.Matrix:
     total = context.inertia
     for part in parts:
         if part.inertia is not None:

@@ -1,15 +1,14 @@
-"""Views: angles of an axis, and vectors seen from axes that tilt but do not spin with the body."""
+"""Body angles: those of an axis, and vectors in axes that tilt but do not spin with the body."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
+from numpy.typing import ArrayLike
 
 from geomtorsion.rigid.attitude import euler_from_quaternion
 
 
-def nutation(vertical: Any) -> np.ndarray:
+def nutation(vertical: ArrayLike) -> np.ndarray:
     """phi2, the angle between the third body axis and the vertical n, shape (m,), rad.
 
     Equation
@@ -25,7 +24,7 @@ def nutation(vertical: Any) -> np.ndarray:
     return np.arctan2(np.hypot(n[..., 0], n[..., 1]), n[..., 2])
 
 
-def spin(vertical: Any) -> np.ndarray:
+def spin(vertical: ArrayLike) -> np.ndarray:
     """phi1, the angle of rotation about the third body axis, without jumps, shape (m,), rad.
 
     Equation
@@ -41,12 +40,12 @@ def spin(vertical: Any) -> np.ndarray:
     return np.unwrap(np.arctan2(n[..., 1], -n[..., 0] + 0.0), axis=0)
 
 
-def precession(quaternion: Any) -> np.ndarray:
+def precession(quaternion: ArrayLike) -> np.ndarray:
     """phi3, the angle of the third body axis about the vertical, without jumps, shape (m,), rad."""
     return euler_from_quaternion(quaternion, continuous=True)[..., 2]
 
 
-def unspun(vectors: Any) -> np.ndarray:
+def unspun(vectors: ArrayLike) -> np.ndarray:
     """Components along the line of the tilt, the line of nodes and the third body axis.
 
     These axes follow the third body axis without spinning with it: Rz(phi3) Ry(phi2) of the

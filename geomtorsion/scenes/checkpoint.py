@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -69,9 +69,9 @@ def partial_result(scene: Scene, path: str | Path, engine: Engine | None = None)
     def leg_run(
         leg: tuple[int, float],
         _: Engine,
-        start: Sequence[Any],
-        __: Sequence[Any],
-        at: Any,
+        start: Sequence[float],
+        __: Sequence[float],
+        at: np.ndarray,
         ___: float,
     ) -> Run:
         """A leg from the file; where it has none, the end."""

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import mpmath
 import sympy as sp
@@ -19,20 +19,20 @@ from geomtorsion.scenes.context import ATTITUDE, QUATERNION, TIME, VERTICAL
 if TYPE_CHECKING:
     from geomtorsion.scenes.selection import StateSelection
 
-# Places at which a rate is worked out, and how far below its terms it counts as zero: with
-# fractions it is zero exactly, with roots and functions there are 120 digits.
-PLACES, NOTHING = 3, 1e-60
+# A rate that is this far below its terms counts as zero: with fractions it is zero exactly, with
+# roots and functions there are 120 digits, of which half are more than enough.
+NOTHING = 1e-60
 
 
 def invariants(
-    selection: StateSelection, lawful: Assembly, chosen: Mapping[Any, Any]
-) -> dict[str, Any]:
+    selection: StateSelection, correct: Assembly, chosen: Mapping[sp.Symbol, sp.Expr]
+) -> dict[str, sp.Expr | list[sp.Expr]]:
     """Name -> expression (or several) that does not change, over the states that are solved for.
 
     A quantity is taken for conserved if its rate vanishes, exactly or to 60 digits, at random
     states of motion.
 
-    lawful: the equations by which a quantity is to be conserved.
+    correct: the equations by which a quantity is to be conserved.
     chosen: elements of R -> expressions in the states that are solved for.
     """
     made = selection.assembly
@@ -43,26 +43,26 @@ def invariants(
     switched = {
         name for part in made.parts.values() for _, values in part.switches for name in values
     }
-    found: dict[str, Any] = {}
+    found: dict[str, sp.Expr | list[sp.Expr]] = {}
     for name, parts in _candidates(made).items():
         if name == "energy_balance" and "energy" in found:
             continue
         free = {symbol for part in parts for symbol in part.free_symbols} - parameters
         if not free or not free <= here or {s.name for s in free} & switched:
             continue
-        if all(is_constant(lawful, part) for part in parts):
+        if all(is_constant(correct, part) for part in parts):
             given = [part.xreplace(dict(chosen)) for part in parts]
             found[name] = given if len(given) > 1 else given[0]
     return found
 
 
-def _candidates(made: Assembly) -> dict[str, tuple[Any, ...]]:
+def _candidates(made: Assembly) -> dict[str, tuple[sp.Expr, ...]]:
     """What may be conserved, most telling first; momenta that are kept are no states at all."""
     energy = made.kinetic_energy + made.potential_energy
     momentum = made.angular_momentum
     return {
         "energy": (energy,),
-        "energy_balance": (energy - made.tied(WORK),),
+        "energy_balance": (energy - made.constrained(WORK),),
         "rotational_energy": (made.rotational_energy,),
         "angular_momentum_space": tuple(ATTITUDE * momentum),
         "angular_momentum_squared": (momentum.dot(momentum),),
@@ -71,7 +71,7 @@ def _candidates(made: Assembly) -> dict[str, tuple[Any, ...]]:
     }
 
 
-def is_constant(made: Assembly, quantity: Any) -> bool:
+def is_constant(made: Assembly, quantity: sp.Expr) -> bool:
     """Whether the rate of a quantity vanishes at random states; False where it has no value.
 
     Examples
@@ -90,7 +90,8 @@ def is_constant(made: Assembly, quantity: Any) -> bool:
     tape = Tape(tuple(names), tuple(terms))
     chance = Random(20)
     try:
-        for _ in range(PLACES):
+        # One place could be a zero of the rate by accident, three are none.
+        for _ in range(3):
             place = _place(made, chance)
             here = [place.get(name, _number(chance)) for name in names]
             if not all(map(math.isfinite, tape.floats([float(x) for x in here]))):
@@ -105,10 +106,10 @@ def is_constant(made: Assembly, quantity: Any) -> bool:
     return True
 
 
-def _place(made: Assembly, chance: Random) -> dict[str, Any]:
+def _place(made: Assembly, chance: Random) -> dict[str, sp.Expr]:
     """Parameters as they are (but for those that switches change), and a rotation for R."""
     moving = {symbol.name for symbol in made.context.switched}
-    place: dict[str, Any] = {k: v for k, v in made.values.items() if k not in moving}
+    place: dict[str, sp.Expr] = {k: v for k, v in made.values.items() if k not in moving}
     q: Sequence[int] = [chance.randint(1, 9) for _ in QUATERNION]
     numbers = dict(zip(QUATERNION, q, strict=True))
     size = sum(x * x for x in q)

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import fields, is_dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from geomtorsion.checks import near_names
 from geomtorsion.errors import UnknownNameError
-from geomtorsion.exact.names import near_names
 
 if TYPE_CHECKING:
     from geomtorsion.scenes.scene import Scene

@@ -1,11 +1,10 @@
-"""Blame: the line of a scene file that an error speaks of."""
+"""Error location: the line of a scene file that an error speaks of."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
 
 from geomtorsion.errors import FileFormatError, GeomtorsionError
 from geomtorsion.files import Key, TomlFile
@@ -17,15 +16,13 @@ _FIELD = re.compile(r"(\w+)(?:\.(\w+)(?:\[(\d+)\])?|:)")
 
 
 @contextmanager
-def placed(
-    file: TomlFile, key: Key, what: str, known: Sequence[str] | Mapping[str, Any] = ()
-) -> Iterator[None]:
+def placed(file: TomlFile, key: Key, what: str, known: Iterable[str] = ()) -> Iterator[None]:
     """Say file and line of what goes wrong inside: that of the first key that is spoken of.
 
     Parameters
     ----------
     key
-        Where it is read; it is blamed if the message speaks of nothing below it.
+        Where it is read; it is named if the message speaks of nothing below it.
     what
         Put before the message.
     known
@@ -63,10 +60,10 @@ def placed(
         file.fail(there, f"{prefix}{text}")
 
 
-def _of_effect(data: Mapping[str, Any], text: str) -> list[Key]:
+def _of_effect(data: Mapping[str, object], text: str) -> list[Key]:
     """The field of an effect that a message begins with; a second spring is spring2."""
     said, tables = _FIELD.match(text), data.get("effects")
-    count: dict[Any, int] = {}
+    count: dict[object, int] = {}
     for number, table in enumerate(tables if isinstance(tables, list) and said else ()):
         kind = table.get("kind") if isinstance(table, dict) else None
         count[kind] = count.get(kind, 0) + 1
@@ -76,7 +73,7 @@ def _of_effect(data: Mapping[str, Any], text: str) -> list[Key]:
     return []
 
 
-def _leaves(value: Any, text: str, path: Key = ()) -> Iterator[Key]:
+def _leaves(value: object, text: str, path: Key = ()) -> Iterator[Key]:
     """Where a text stands in the content of a file."""
     if isinstance(value, dict):
         for key, inside in value.items():

@@ -1,10 +1,16 @@
-"""Kane: the equations of motion of the speeds that constraints leave."""
+"""Kane: the equations of motion of the speeds that constraints leave.
+
+The action principle (`geomtorsion.action`) gives the same equations, as tests prove for each
+shipped scene; but in angles, where these stand in elements of R, and for most scenes in 3 to 9
+times the time (10 to 28 ms, here 1 to 6 ms; 38 ms for the rolling disc). Two routes that share no
+code are also the better check.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy as sp
 
@@ -14,11 +20,14 @@ if TYPE_CHECKING:
     from geomtorsion.scenes.assembly import Assembly
     from geomtorsion.scenes.effects.protocol import Contribution
 
-# Terms with more operations than this are not multiplied out.
+# Product of states -> sum of parameters.
+Sum = dict[sp.Expr, sp.Expr]
+# Terms with more operations than this are not multiplied out: gathering like terms saves operations
+# in short sums, and only costs time and length in long ones (a thrust that is a formula).
 SHORT = 60
 
 
-def accelerations(made: Assembly) -> list[Any]:
+def accelerations(made: Assembly) -> list[sp.Expr]:
     """Rates of the speeds, in their order; without a constraint Euler's equations.
 
     Equation
@@ -28,13 +37,13 @@ def accelerations(made: Assembly) -> list[Any]:
     """
     context, parts = made.context, made.parts.values()
     inertia, omega = made.inertia, made.omega
-    internal = made.tied(vector_sum(parts, "momentum"))
-    turning = made.tied(vector_sum(parts, "moment"))
+    internal = made.constrained(vector_sum(parts, "momentum"))
+    turning = made.constrained(vector_sum(parts, "moment"))
     turning -= omega.cross(inertia * omega + internal) + internal.applyfunc(made.derivative)
     if made.constraint is None:
         return _solved(made, inertia, list(turning))
     v, mass = made.velocity_body, context.mass
-    pulling = made.tied(ATTITUDE.T * vector_sum(parts, "force"))
+    pulling = made.constrained(ATTITUDE.T * vector_sum(parts, "force"))
     # With the speeds held: how the partial velocities themselves change.
     held = replace(made, rates={s: r for s, r in made.rates.items() if s not in made.speeds})
     pulling -= mass * (v.applyfunc(held.derivative) + omega.cross(v))
@@ -56,7 +65,7 @@ def vector_sum(parts: Iterable[Contribution], name: str) -> sp.Matrix:
     return total
 
 
-def _solved(made: Assembly, matrix: Any, right: Sequence[Any]) -> list[Any]:
+def _solved(made: Assembly, matrix: sp.Matrix, right: Sequence[sp.Expr]) -> list[sp.Expr]:
     """matrix^-1 right: one term for each product of states, where that is short."""
     size = len(right)
     parameters = frozenset(sp.Symbol(name) for name in made.values)
@@ -75,21 +84,21 @@ def _solved(made: Assembly, matrix: Any, right: Sequence[Any]) -> list[Any]:
     ]
 
 
-def _terms(value: Any, parameters: frozenset[Any]) -> dict[Any, Any]:
+def _terms(value: sp.Expr, parameters: frozenset[sp.Symbol]) -> Sum:
     """The terms of a sum: gathered, but for long ones, which stay as they are."""
     long = [term for term in sp.Add.make_args(value) if term.count_ops() > SHORT]
     found = gathered(value - sp.Add(*long), parameters)
     return found | dict.fromkeys(long, sp.S.One)
 
 
-def _products(factors: Any, rows: Sequence[Mapping[Any, Any]]) -> Iterable[tuple[Any, Any]]:
+def _products(factors: Iterable[sp.Expr], rows: Sequence[Sum]) -> Iterable[tuple[sp.Expr, sp.Expr]]:
     """Terms of a sum of factors times rows."""
     for factor, row in zip(factors, rows, strict=True):
         for rest, number in row.items():
             yield rest, number * factor
 
 
-def _named(made: Assembly, matrix: Any) -> Any:
+def _named(made: Assembly, matrix: sp.Matrix) -> sp.Matrix:
     """The inverse of a constant matrix as parameters J11, J12, ...: exact, and short to write."""
     numbers = {sp.Symbol(name): value for name, value in made.values.items()}
     inverse = matrix.xreplace(numbers).inv()
@@ -101,7 +110,7 @@ def _named(made: Assembly, matrix: Any) -> Any:
     return names
 
 
-def gathered(expression: Any, parameters: frozenset[Any]) -> dict[Any, Any]:
+def gathered(expression: sp.Expr, parameters: frozenset[sp.Symbol]) -> Sum:
     """Products of states -> sums of parameters; what cancels is gone.
 
     Examples
@@ -117,12 +126,12 @@ def gathered(expression: Any, parameters: frozenset[Any]) -> dict[Any, Any]:
     return _merged(parts)
 
 
-def _merged(parts: Iterable[tuple[Any, Any]]) -> dict[Any, Any]:
-    found: dict[Any, Any] = {}
+def _merged(parts: Iterable[tuple[sp.Expr, sp.Expr]]) -> Sum:
+    found: Sum = {}
     for rest, number in parts:
         found[rest] = found.get(rest, sp.S.Zero) + number
     return {rest: number for rest, number in found.items() if number != 0}
 
 
-def _total(table: Mapping[Any, Any]) -> Any:
+def _total(table: Sum) -> sp.Expr:
     return sp.Add(*(rest * number for rest, number in table.items()))

@@ -1,4 +1,4 @@
-"""Measure: one number read off a motion: a last value, an extreme, a time between zeros."""
+"""Metrics: one number read off a motion: a last value, an extreme, a time between zeros."""
 
 from __future__ import annotations
 
@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from geomtorsion.checks import did_you_mean
 from geomtorsion.errors import SceneError, UnknownNameError
-from geomtorsion.exact.names import near_names
 
-# Samples from which a value between them is interpolated.
+# A number, or a vector of them, as a sweep varies it.
+Values = float | tuple[float, ...]
+# Samples from which a value between them is interpolated: as good as the motion, for 1001 samples.
 NEIGHBOURS = 12
 _NAMED = re.compile(
     r"\s*(?:(?P<what>[a-z ]+?)\s+)?(?P<name>[^\W\d][\w:]*)(?:\[(?P<part>\d+)\])?\s*"
@@ -28,15 +30,14 @@ class SweepRun:
     """
 
     times: np.ndarray
-    values: Mapping[str, Any]
-    varied: Mapping[str, float]
+    values: Mapping[str, np.ndarray]
+    varied: Mapping[str, Values]
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A watched quantity at the times."""
         if name in self.values:
             return self.values[name]
-        near = near_names(name, self.values)
-        hint = f"Did you mean {near}? " if near else ""
+        hint = did_you_mean(name, self.values)
         raise UnknownNameError(
             f"{name!r} is not watched. {hint}There are {', '.join(self.values)}."
         )
@@ -92,7 +93,7 @@ class SweepRun:
                 best = max(best, -float(found.fun))
         return sign * best
 
-    def _crossing(self, values: Any, k: int) -> float:
+    def _crossing(self, values: np.ndarray, k: int) -> float:
         """The zero between samples k and k + 1."""
         from scipy.optimize import brentq  # half a second to load, for a few measures
 
@@ -100,7 +101,7 @@ class SweepRun:
         root: Any = brentq(self._between(values, k), 0.0, 1.0, xtol=1e-15, rtol=1e-15)
         return a + float(root) * (b - a)
 
-    def _between(self, values: Any, k: int) -> Callable[[float], float]:
+    def _between(self, values: np.ndarray, k: int) -> Callable[[float], float]:
         """Values from sample k (at 0) to k + 1 (at 1), by the polynomial through neighbours."""
         low = min(max(k + 1 - NEIGHBOURS // 2, 0), max(len(values) - NEIGHBOURS, 0))
         near = slice(low, low + NEIGHBOURS)
@@ -176,8 +177,7 @@ def _spoken(text: str) -> Callable[[SweepRun], float]:
     match = _NAMED.fullmatch(text) if isinstance(text, str) else None
     what = (match["what"] or "last").strip() if match else ""
     if match is None or what not in WORDS:
-        near = near_names(what, WORDS)
-        hint = f"Did you mean {near}? " if near else ""
+        hint = did_you_mean(what, WORDS)
         raise SceneError(
             f"{text!r} is no measure. {hint}Write one of {', '.join(WORDS)} before a watched "
             'quantity, as in "max nutation" or "between zeros omega[1]", or give a function.'

@@ -1,16 +1,16 @@
-"""Watch: the quantities that a scene can report, what each is made of and how it is finished."""
+"""Observables: what a scene can report, what each is made of and how it is finished."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
+import numpy as np
 import sympy as sp
 
+from geomtorsion.checks import did_you_mean
 from geomtorsion.errors import UnknownNameError
-from geomtorsion.exact.names import near_names
 from geomtorsion.rigid import attitude
 from geomtorsion.scenes import body_angles
 from geomtorsion.scenes.assembly import WORK, Assembly
@@ -22,8 +22,8 @@ from geomtorsion.scenes.context import (
     VERTICAL,
 )
 
-Ingredients = Callable[[Assembly], tuple[Any, ...]]
-Finish = Callable[[Any], Any]
+Ingredients = Callable[[Assembly], tuple[sp.Expr, ...]]
+Finish = Callable[[np.ndarray], np.ndarray]
 AXES = ("1", "2", "3")
 SPACE = ("x", "y", "z")
 
@@ -90,16 +90,17 @@ def _table() -> tuple[Observable, ...]:
           lambda a: (a.rotational_energy,)),
         q("potential_energy", "energy stored in the effects", "J", (),
           lambda a: (a.potential_energy,)),
-        q("work", "energy put in by effects since the start", "J", (), lambda a: (a.tied(WORK),)),
+        q("work", "energy put in by effects since the start", "J", (),
+          lambda a: (a.constrained(WORK),)),
         q("energy_balance", "all energy less what effects put in: constant", "J", (),
-          lambda a: (a.kinetic_energy + a.potential_energy - a.tied(WORK),)),
-        q("position", "centre of mass", "m", SPACE, lambda a: _tied(a, POSITION)),
+          lambda a: (a.kinetic_energy + a.potential_energy - a.constrained(WORK),)),
+        q("position", "centre of mass", "m", SPACE, lambda a: _constrained(a, POSITION)),
         q("velocity", "of the centre of mass, space axes", "m/s", SPACE,
-          lambda a: _tied(a, VELOCITY)),
+          lambda a: _constrained(a, VELOCITY)),
         q("velocity_body", "of the centre of mass, body axes", "m/s", AXES,
           lambda a: tuple(a.velocity_body)),
         q("momentum", "mass times velocity, space axes", "N s", SPACE,
-          lambda a: tuple(a.context.mass * v for v in _tied(a, VELOCITY))),
+          lambda a: tuple(a.context.mass * v for v in _constrained(a, VELOCITY))),
     )  # fmt: skip
 
 
@@ -130,12 +131,12 @@ def observable(name: str, assembly: Assembly) -> Observable:
         if name in part.outputs:
             given = part.outputs[name]
             many = isinstance(given, list | tuple | sp.MatrixBase)
-            parts = tuple(assembly.tied(x) for x in (given if many else (given,)))
+            parts = tuple(assembly.constrained(x) for x in (given if many else (given,)))
             labels = tuple(str(k) for k in range(1, len(parts) + 1)) if many else ()
             return Observable(name, f"of {key}", "", labels, lambda _, parts=parts: parts)
-    bare = {s.name: s for s in (*assembly.rates, *VERTICAL, *QUATERNION, *assembly.ties)}
+    bare = {s.name: s for s in (*assembly.rates, *VERTICAL, *QUATERNION, *assembly.substitutions)}
     if name in bare:
-        found = (assembly.tied(bare[name]),)
+        found = (assembly.constrained(bare[name]),)
         return Observable(name, "state", "", (), lambda _: found)
     own = [key for part in assembly.parts.values() for key in part.outputs]
     raise UnknownNameError(unknown(name, own))
@@ -144,19 +145,18 @@ def observable(name: str, assembly: Assembly) -> Observable:
 def unknown(name: str, own: Iterable[str] = ()) -> str:
     """The message that nothing of this name can be watched."""
     known = (*OBSERVABLES, *own)
-    near = near_names(str(name), known)
-    hint = f"Did you mean {near}? " if near else ""
+    hint = did_you_mean(str(name), known)
     return (
         f"nothing called {name!r} can be watched: no effect of the scene provides it. {hint}"
         f"There are {', '.join(known)}, euler:CONVENTION (as euler:ZXZ) and single states."
     )
 
 
-def _axis(assembly: Assembly) -> list[Any]:
+def _axis(assembly: Assembly) -> list[sp.Expr]:
     """The body's axis of symmetry, or its third axis, as exact numbers."""
     axis = assembly.context.body.symmetry_axis
-    return [0, 0, 1] if axis is None else [sp.Rational(float(x)) for x in axis]
+    return [sp.Rational(float(x)) for x in ((0, 0, 1) if axis is None else axis)]
 
 
-def _tied(assembly: Assembly, symbols: Iterable[Any]) -> tuple[Any, ...]:
-    return tuple(assembly.tied(symbol) for symbol in symbols)
+def _constrained(assembly: Assembly, symbols: Iterable[sp.Symbol]) -> tuple[sp.Expr, ...]:
+    return tuple(assembly.constrained(symbol) for symbol in symbols)

@@ -74,7 +74,7 @@ def album(result: SceneResult) -> dict[str, tuple[Drawn, str]]:
     return shown
 
 
-def _turns(omega: Any) -> bool:
+def _turns(omega: np.ndarray | None) -> bool:
     """Whether an angular velocity changes its direction in the body."""
     if omega is None or not np.abs(omega).max():
         return False

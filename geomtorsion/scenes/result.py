@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
@@ -11,16 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from geomtorsion import files
+from geomtorsion.checks import did_you_mean
 from geomtorsion.errors import FileFormatError, SceneError, UnknownNameError
-from geomtorsion.exact.names import near_names
-from geomtorsion.files import (
-    TEXT_FORM,
-    ArrayForm,
-    conforming,
-    read_json_text,
-    read_npz,
-    text_of,
-)
+from geomtorsion.files import TEXT_FORM, ArrayForm
 from geomtorsion.motion import solve
 from geomtorsion.motion.solution import Cost
 from geomtorsion.motion.tables import pandas_table
@@ -29,6 +24,10 @@ from geomtorsion.pictures.style import save
 from geomtorsion.scenes.to_ode import invariant_changes, observed
 
 if TYPE_CHECKING:
+    import pandas
+    from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike
+
     from geomtorsion.motion import FlowSolution
     from geomtorsion.scenes.closed_form import ClosedForm
     from geomtorsion.scenes.scene import Scene
@@ -36,20 +35,16 @@ if TYPE_CHECKING:
 
 # Marks NPZ files of this kind.
 FORMAT = "geomtorsion scene result 1"
-ARRAY_FORMS = {
-    "times": ArrayForm(("m",), "f"),
-    "about": TEXT_FORM,
-    "value *": ArrayForm(),
-}
-COST_FORM = dict.fromkeys((item.name for item in fields(Cost)), float)
-ABOUT_FORM = {
+ARRAYS = {"times": ArrayForm(("m",), "f"), "value *": ArrayForm(), "about": TEXT_FORM}
+# What the metadata has to be.
+ABOUT = {
     "format": str,
     "labels": {str: [str]},
     "units": {str: str},
     "accuracy": float,
-    "error": float,
+    "error": (float, None),
     "drift": {str: float},
-    "cost": {str: float},
+    "cost": {item.name: float for item in fields(Cost)},
     "engine": str,
     "reason": str,
     "outcome": str,
@@ -57,6 +52,7 @@ ABOUT_FORM = {
     "selection": str,
     "watch": [str],
 }
+ADVICE = "Write one with SceneResult.save."
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +85,7 @@ class SceneResult:
 
     scene: Scene | None
     times: np.ndarray
-    values: Mapping[str, Any]
+    values: Mapping[str, np.ndarray]
     labels: Mapping[str, tuple[str, ...]]
     units: Mapping[str, str]
     accuracy: float
@@ -113,14 +109,13 @@ class SceneResult:
         """A watched quantity at the times, shape (m,) or (m, components)."""
         if name in self.values:
             return self.values[name]
-        near = near_names(name, self.values)
-        hint = f"Did you mean {near}? " if near else ""
+        hint = did_you_mean(name, self.values)
         raise UnknownNameError(
             f"{name!r} was not watched. {hint}There are {', '.join(self.values)}; "
             f"add {name!r} to watch and run again."
         )
 
-    def at(self, time: Any) -> Mapping[str, Any]:
+    def at(self, time: ArrayLike) -> Mapping[str, np.ndarray]:
         """Watched quantities at any times up to the last, by name.
 
         Between the times of the result they are interpolated by the engine, or exact where there
@@ -205,9 +200,9 @@ class SceneResult:
     def __repr__(self) -> str:
         return str(self)
 
-    def columns(self) -> dict[str, Any]:
+    def columns(self) -> dict[str, np.ndarray]:
         """Column name -> array of shape (m,): the time, then each component."""
-        table: dict[str, Any] = {"t": self.times}
+        table: dict[str, np.ndarray] = {"t": self.times}
         for name, value in self.values.items():
             labels = self.labels[name]
             flat = value.reshape(len(self.times), -1)
@@ -217,7 +212,7 @@ class SceneResult:
                 table |= {f"{name}_{label}": flat[:, k] for k, label in enumerate(labels)}
         return table
 
-    def plot(self, path: str | Path | None = None) -> Any:
+    def plot(self, path: str | Path | None = None) -> Figure:
         """A figure with what was watched over time; written to `path` (png, svg, pdf) if given.
 
         Raises
@@ -236,7 +231,7 @@ class SceneResult:
 
     # -- taking it elsewhere ---------------------------------------------------------------------
 
-    def to_pandas(self) -> Any:
+    def to_pandas(self) -> pandas.DataFrame:
         """A pandas table: times, then each component of what was watched.
 
         Raises
@@ -253,7 +248,8 @@ class SceneResult:
             "labels": {k: list(v) for k, v in self.labels.items()},
             "units": dict(self.units),
             "accuracy": self.accuracy,
-            "error": self.error,
+            # JSON knows no infinity, which is the error of a run that was stopped.
+            "error": self.error if math.isfinite(self.error) else None,
             "drift": dict(self.drift),
             "cost": vars(self.cost),
             "engine": self.engine,
@@ -263,7 +259,7 @@ class SceneResult:
             "selection": str(self.selection),
             "watch": list(self.values),
         }
-        arrays = {f"value {name}": value for name, value in self.values.items()}
+        arrays: dict[str, Any] = {f"value {name}": value for name, value in self.values.items()}
         with Path(path).open("wb") as file:
             np.savez_compressed(file, times=self.times, about=json.dumps(about), **arrays)
 
@@ -276,23 +272,33 @@ class SceneResult:
         FileFormatError
             the file cannot be read, or is something else.
         """
-        message = (
-            "{path}: this is no saved result of a scene ({reason}). "
-            "Write one with SceneResult.save."
-        )
-        arrays = read_npz(path, ARRAY_FORMS, message=message)
-        text = read_json_text(text_of(arrays.pop("about")), str(path))
-        about = conforming(text, ABOUT_FORM, str(path))
-        watch = about.pop("watch")
-        missing = [name for name in watch if f"value {name}" not in arrays]
-        if about.pop("format") != FORMAT or missing:
-            reason = f"{missing[0]} is missing" if missing else "format"
-            raise FileFormatError(message.format(path=path, reason=reason))
-        values = {name: arrays[f"value {name}"] for name in watch}
+        message = "{path}: this is no saved result of a scene ({reason}). " + ADVICE
+        arrays = files.read_npz(path, ARRAYS, message=message)
+        about = files.read_json_text(files.text_of(arrays["about"]), str(path))
+        files.conforming(about, ABOUT, str(path))
         times = arrays["times"]
-        about["labels"] = {k: tuple(v) for k, v in about["labels"].items()}
-        about["cost"] = Cost(**conforming(about["cost"], COST_FORM, str(path)))
-        return cls(None, times, values, **about)
+        named = {name: f"value {name}" for name in about["watch"]}
+        values = {name: arrays[key] for name, key in named.items() if key in arrays}
+        fitting = all(value.shape[:1] == times.shape for value in values.values())
+        if about["format"] != FORMAT or len(values) < len(named) or not fitting:
+            raise FileFormatError(message.format(path=path, reason="its parts do not fit together"))
+        error = about["error"]
+        return cls(
+            None,
+            times,
+            values,
+            {name: tuple(labels) for name, labels in about["labels"].items()},
+            about["units"],
+            about["accuracy"],
+            math.inf if error is None else error,
+            about["drift"],
+            Cost(**{item.name: about["cost"][item.name] for item in fields(Cost)}),
+            about["engine"],
+            about["reason"],
+            about["outcome"],
+            about["selection"],
+            about["closed_form"],
+        )
 
 
 def result_of(scene: Scene, **known: Any) -> SceneResult:

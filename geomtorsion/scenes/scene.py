@@ -8,11 +8,13 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import sympy as sp
 
 from geomtorsion.errors import SceneError
 from geomtorsion.motion.solving import checked_accuracy, checked_times
 from geomtorsion.scenes.assembly import Assembly, assemble
 from geomtorsion.scenes.body import Body
+from geomtorsion.scenes.context import Number
 from geomtorsion.scenes.cost import SceneCost, scene_cost
 from geomtorsion.scenes.dotted_paths import with_values
 from geomtorsion.scenes.effects import EFFECTS, Drift, Effect, Spin
@@ -68,7 +70,7 @@ class Scene:
     # Without a default it could not follow the effects; None is refused.
     start: State = None  # type: ignore[assignment]
     watch: Sequence[str] = ("omega",)
-    t: Any = 10.0
+    t: float | Sequence[float] = 10.0
     accuracy: float = 1e-10
     name: str = ""
     title: str = ""
@@ -88,7 +90,7 @@ class Scene:
             )
         object.__setattr__(self, "accuracy", checked_accuracy(self.accuracy))
         checked_times(self.t)
-        if hasattr(self.t, "__iter__"):
+        if isinstance(self.t, Iterable):
             object.__setattr__(self, "t", tuple(float(x) for x in self.t))
         if not (isinstance(self.samples, int) and self.samples >= 2):
             raise SceneError(f"samples = {self.samples!r}: a whole number from 2 on was needed.")
@@ -121,7 +123,7 @@ class Scene:
         return assemble(self.body, self.keyed)
 
     @cached_property
-    def lawful(self) -> Assembly:
+    def correct_assembly(self) -> Assembly:
         """The equations without what is shipped as a wrong law."""
         right = {key: effect for key, effect in self.keyed.items() if not effect.wrong}
         return self.assembly if len(right) == len(self.keyed) else assemble(self.body, right)
@@ -142,12 +144,12 @@ class Scene:
         return ode_of(self)
 
     @property
-    def equations(self) -> Mapping[str, Any]:
+    def equations(self) -> Mapping[str, sp.Expr]:
         """State -> rate as sympy expression, of the states that are solved for."""
         return pruned_rates(self.selection)
 
     @property
-    def numbers(self) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
+    def numbers(self) -> tuple[Mapping[str, Number], Mapping[str, Number]]:
         """Start of each state and value of each parameter: what differs between equal scenes."""
         return start_of(self.selection, self.start), parameters_of(self.selection, self.start)
 
@@ -158,7 +160,7 @@ class Scene:
         return {name: observable(name, self.assembly).meaning for name in (*OBSERVABLES, *own)}
 
     @property
-    def times(self) -> Any:
+    def times(self) -> np.ndarray:
         """Times that are reported, shape (m,)."""
         t = np.asarray(self.t, dtype=float)
         return t if t.ndim else np.linspace(0.0, float(t), self.samples if t else 1)
@@ -198,7 +200,7 @@ class Scene:
 
     def sweep(
         self,
-        varied: Mapping[str, Iterable[Any]],
+        varied: Mapping[str, Iterable[Number | Sequence[Number]]],
         measure: Measure | Mapping[str, Measure] | Sequence[str],
         **options: Any,
     ) -> SceneSweep:
@@ -256,10 +258,7 @@ def _effect_list(effects: Any) -> tuple[Effect, ...]:
     """Effects, each at most once unless it may be there several times, none against another."""
     if isinstance(effects, Effect):
         effects = (effects,)
-    try:
-        listed = tuple(effects)
-    except TypeError:
-        listed = (effects,)
+    listed = tuple(effects) if isinstance(effects, Iterable) else (effects,)
     for effect in listed:
         if not isinstance(effect, Effect):
             name = getattr(effect, "__name__", repr(effect))

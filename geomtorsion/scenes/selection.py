@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+import sympy as sp
 
 from geomtorsion.scenes.assembly import WORK, Assembly, power_of
 from geomtorsion.scenes.context import (
@@ -16,6 +18,7 @@ from geomtorsion.scenes.context import (
     TIME,
     VELOCITY,
     VERTICAL,
+    Symbols,
     group_of,
 )
 from geomtorsion.scenes.observables import Observable
@@ -98,10 +101,10 @@ class StateSelection:
         for key, part in self.assembly.parts.items():
             if part.stop is not None:
                 graph.add_node(f"stop {key}", kind="watch")
-                self._needs(graph, f"stop {key}", (self.assembly.tied(part.stop),))
+                self._needs(graph, f"stop {key}", (self.assembly.constrained(part.stop),))
         return graph
 
-    def _needs(self, graph: nx.DiGraph, name: str, expressions: Sequence[Any]) -> None:
+    def _needs(self, graph: nx.DiGraph, name: str, expressions: Sequence[sp.Expr]) -> None:
         """Edges from every state in the expressions to the node."""
         for expression in expressions:
             for symbol in expression.free_symbols:
@@ -147,7 +150,7 @@ class StateSelection:
     # -- what follows from it --------------------------------------------------------------------
 
     @cached_property
-    def symbols(self) -> tuple[Any, ...]:
+    def symbols(self) -> Symbols:
         """States in the order in which they are solved for."""
         needed = self._needed
         rates = self.assembly.rates
@@ -163,7 +166,7 @@ class StateSelection:
         return tuple(moving or found or self.assembly.speeds)
 
     @cached_property
-    def constants(self) -> tuple[Any, ...]:
+    def constants(self) -> Symbols:
         """Components of the velocity that are needed, but do not change."""
         known = {*self.assembly.rates} - {*self.symbols}
         return tuple(s for s in VELOCITY if s.name in self._needed and s in known)
@@ -259,7 +262,7 @@ def _state_rows(selection: StateSelection) -> Iterable[SelectionRow]:
     if selection.constants:
         names = _listed(s.name for s in selection.constants)
         yield SelectionRow("states", "velocity", False, f"{names} constant: no force acts along it")
-    ties = selection.assembly.ties
+    substitutions = selection.assembly.substitutions
     known = {*groups, *(["velocity"] if selection.constants else [])}
     for group, symbols in (
         ("rotation", OMEGA), ("attitude", QUATERNION), ("vertical", VERTICAL),
@@ -272,7 +275,7 @@ def _state_rows(selection: StateSelection) -> Iterable[SelectionRow]:
             why = "the vertical is enough: nothing needs the turn about it"
         elif group == "vertical" and "attitude" in known:
             why = "part of the attitude"
-        elif symbols[0] in ties:
+        elif symbols[0] in substitutions:
             why = "given by the constraint"
         yield SelectionRow("states", group, False, why)
 

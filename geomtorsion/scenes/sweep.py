@@ -4,25 +4,28 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geomtorsion import checks
 from geomtorsion.errors import AccuracyError, SceneError, StartError, StuckError
 from geomtorsion.motion import solve_many
 from geomtorsion.motion.tables import pandas_table
 from geomtorsion.pictures.scene_sweep import WIDE, sweep_picture
 from geomtorsion.pictures.style import number, save
 from geomtorsion.scenes.closed_form import closed_form
-from geomtorsion.scenes.metrics import Measure, SweepRun, measures, only_words, quantities
+from geomtorsion.scenes.context import Number
+from geomtorsion.scenes.metrics import Measure, SweepRun, Values, measures, only_words, quantities
 from geomtorsion.scenes.table import write_csv
 from geomtorsion.scenes.to_ode import observed, parameters_of, start_of
 
 if TYPE_CHECKING:
+    import pandas
     from matplotlib.figure import Figure
 
     from geomtorsion.motion import Engine
@@ -54,16 +57,16 @@ class SceneSweep:
     error: float
     engine: str
     seconds: float
-    lost: tuple[tuple[Mapping[str, Any], str], ...] = ()
+    lost: tuple[tuple[Mapping[str, Values], str], ...] = ()
 
     def __getitem__(self, name: str) -> np.ndarray:
         """What was varied or measured under this name."""
         return self.measured[name] if name in self.measured else self.varied[name]
 
-    def columns(self) -> dict[str, Any]:
+    def columns(self) -> dict[str, np.ndarray]:
         """A column for each path and measure, a row for each combination."""
         shape = next(iter(self.measured.values())).shape
-        table: dict[str, Any] = {}
+        table: dict[str, np.ndarray] = {}
         for axis, (path, values) in enumerate(self.varied.items()):
             for place in np.ndindex(values.shape[1:]):
                 along = values[(slice(None), *place)]
@@ -73,7 +76,7 @@ class SceneSweep:
                 table[name] = np.broadcast_to(along, shape).ravel()
         return table | {name: values.ravel() for name, values in self.measured.items()}
 
-    def to_pandas(self) -> Any:
+    def to_pandas(self) -> pandas.DataFrame:
         """The table as a pandas frame.
 
         Raises
@@ -92,7 +95,7 @@ class SceneSweep:
         path: str | Path | None = None,
         *,
         measure: str | None = None,
-        known: Callable[[Any], Any] | None = None,
+        known: Callable[[float], float] | None = None,
         known_name: str = "known",
     ) -> Figure:
         """A measure against what was varied; `known`, a function of the latter, as a curve on top.
@@ -145,7 +148,7 @@ class SceneSweep:
 
 def sweep(
     scene: Scene,
-    varied: Mapping[str, Iterable[Any]],
+    varied: Mapping[str, Iterable[Number | Sequence[Number]]],
     measure: Measure | Mapping[str, Measure] | Sequence[str],
     *,
     together: bool = False,
@@ -223,21 +226,19 @@ def sweep(
     )
 
 
-def _column(path: str, column: Any) -> np.ndarray:
+def _column(path: str, column: Iterable[Number | Sequence[Number]]) -> np.ndarray:
     """Values of a path: numbers, or vectors of equal length."""
-    try:
-        return np.asarray(list(column), dtype=float)
-    except (TypeError, ValueError):
-        raise SceneError(
-            f"{path}: a list of numbers, or of vectors of equal length, was needed; "
-            f"{column!r} came."
-        ) from None
+    wanted = (
+        "{subject}: a list of numbers, or of vectors of equal length, was needed; {value} came."
+    )
+    given = list(column) if isinstance(column, Iterable) and not isinstance(column, str) else "none"
+    return checks.array(given, path, SceneError, message=wanted, infinite=None)
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: np.ndarray) -> Values:
     """A number, or a tuple of them."""
     rows = value.tolist()
-    return tuple(_plain(row) for row in value) if isinstance(rows, list) else rows
+    return tuple(rows) if isinstance(rows, list) else rows
 
 
 # -- motions of equal equations -------------------------------------------------------------------
@@ -248,9 +249,9 @@ class _Member:
     """One motion: its place, what is varied in it, its numbers, and its scene if it has its own."""
 
     place: int
-    varied: Mapping[str, Any]
-    start: Mapping[str, Any]
-    parameters: Mapping[str, Any]
+    varied: Mapping[str, Values]
+    start: Mapping[str, Number]
+    parameters: Mapping[str, Number]
     scene: Scene | None
 
 
@@ -270,7 +271,7 @@ class _Measured:
         """A column for each measure."""
         self.columns = {name: np.full(self.count, np.nan) for name in self.readers}
 
-    def measure(self, member: _Member, times: np.ndarray, values: Mapping[str, Any]) -> None:
+    def measure(self, member: _Member, times: np.ndarray, values: Mapping[str, np.ndarray]) -> None:
         """Read one motion."""
         run = SweepRun(times, values, member.varied)
         for name, reader in self.readers.items():
@@ -287,9 +288,9 @@ class _Measured:
         self.progress(self.done / self.count)
 
 
-def _groups(scene: Scene, changes: Sequence[Mapping[str, Any]]) -> dict[Any, list[_Member]]:
+def _groups(scene: Scene, changes: Sequence[Mapping[str, Values]]) -> dict[Hashable, list[_Member]]:
     """Motions by their equations: those with equal ones can be solved in one batch."""
-    groups: dict[Any, list[_Member]] = {}
+    groups: dict[Hashable, list[_Member]] = {}
     own = tuple(scene.numbers[1])
     for place, varied in enumerate(changes):
         if all(_START.fullmatch(path) for path in varied):
@@ -297,7 +298,7 @@ def _groups(scene: Scene, changes: Sequence[Mapping[str, Any]]) -> dict[Any, lis
             state, chosen = _restarted(scene, varied), scene.selection
             numbers = start_of(chosen, state), parameters_of(chosen, state)
             member = _Member(place, varied, *numbers, None)
-            key: Any = ("start", own)
+            key: Hashable = ("start", own)
         else:
             other = scene.with_values(varied)
             member = _Member(place, varied, *other.numbers, other)
@@ -308,7 +309,7 @@ def _groups(scene: Scene, changes: Sequence[Mapping[str, Any]]) -> dict[Any, lis
     return groups
 
 
-def _restarted(scene: Scene, changes: Mapping[str, Any]) -> State:
+def _restarted(scene: Scene, changes: Mapping[str, Values]) -> State:
     """The start of a scene with some of its numbers changed."""
     state = scene.start
     for path, value in changes.items():

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
 
 
-def write_csv(path: Path, table: Mapping[str, Any]) -> None:
+def write_csv(path: Path, table: Mapping[str, Iterable[float | str]]) -> None:
     r"""Write columns of equal length under their names; numbers read back as the same doubles.
 
     Examples
@@ -27,6 +26,6 @@ def write_csv(path: Path, table: Mapping[str, Any]) -> None:
         writer.writerows([_cell(value) for value in row] for row in rows)
 
 
-def _cell(value: Any) -> str:
+def _cell(value: float | str) -> str:
     """A number that reads back as the same double; texts as they are."""
     return value if isinstance(value, str) else repr(float(value))

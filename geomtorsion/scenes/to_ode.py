@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import sympy as sp
@@ -14,7 +14,15 @@ from geomtorsion.motion.flows import flow, reading
 from geomtorsion.rigid import attitude
 from geomtorsion.scenes.assembly import by_quaternion
 from geomtorsion.scenes.conserved import invariants
-from geomtorsion.scenes.context import ATTITUDE, OMEGA, POSITION, QUATERNION, VELOCITY, VERTICAL
+from geomtorsion.scenes.context import (
+    ATTITUDE,
+    OMEGA,
+    POSITION,
+    QUATERNION,
+    VELOCITY,
+    VERTICAL,
+    Number,
+)
 
 if TYPE_CHECKING:
     from geomtorsion.motion.flows import Flow
@@ -72,22 +80,22 @@ def ode_of(scene: Scene) -> Flow:
         pruned_rates(selection),
         start_of(selection, scene.start),
         parameters=parameters_of(selection, scene.start),
-        invariants=invariants(selection, scene.lawful, chosen),
+        invariants=invariants(selection, scene.correct_assembly, chosen),
         outputs=outputs,
         switches=[switch for part in parts for switch in part.switches],
-        stop=made.tied(stops[0]).xreplace(chosen) if stops else None,
+        stop=made.constrained(stops[0]).xreplace(chosen) if stops else None,
         unit=unit,
         name=scene.title or scene.name,
     )
 
 
-def parameters_of(selection: StateSelection, start: State) -> dict[str, Any]:
+def parameters_of(selection: StateSelection, start: State) -> dict[str, Number]:
     """Parameter -> number, exact where it is; velocities that do not change are among them."""
     velocity = dict(zip(VELOCITY, start.velocity or (0, 0, 0), strict=True))
     return {**selection.assembly.values, **{s.name: velocity[s] for s in selection.constants}}
 
 
-def start_of(selection: StateSelection, start: State) -> dict[str, Any]:
+def start_of(selection: StateSelection, start: State) -> dict[str, Number]:
     """State -> number at the start.
 
     Raises
@@ -98,7 +106,7 @@ def start_of(selection: StateSelection, start: State) -> dict[str, Any]:
         the start contradicts a constraint.
     """
     made = selection.assembly
-    table: dict[sp.Symbol, Any] = {sp.Symbol(name): x for name, x in made.start.items()}
+    table: dict[sp.Symbol, Number] = {sp.Symbol(name): x for name, x in made.start.items()}
     if any(s in selection.symbols for s in OMEGA) and start.omega is None:
         raise StartError(
             "the start has no angular velocity, which is needed. "
@@ -129,18 +137,18 @@ def _missing_attitude(selection: StateSelection) -> StartError:
 
 
 def _check_constrained(
-    selection: StateSelection, start: State, table: Mapping[sp.Symbol, Any]
+    selection: StateSelection, start: State, table: Mapping[sp.Symbol, Number]
 ) -> None:
     """Refuse a start that a constraint does not allow."""
     made = selection.assembly
     for name, symbols in (("omega", OMEGA), ("velocity", VELOCITY), ("position", POSITION)):
         given = getattr(start, name)
-        if given is None or not any(s in made.ties for s in symbols):
+        if given is None or not any(s in made.substitutions for s in symbols):
             continue
         values = dict(made.values) | {s.name: v for s, v in table.items()}
         allowed = []
         for symbol in symbols:
-            tie = made.ties.get(symbol, symbol)
+            tie = made.substitutions.get(symbol, symbol)
             if any(s.name not in values for s in tie.free_symbols):
                 return
             allowed.append(float(tie.subs({s: values[s.name] for s in tie.free_symbols})))

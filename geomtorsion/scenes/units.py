@@ -9,17 +9,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
-from typing import Any
 
+from geomtorsion.checks import did_you_mean
 from geomtorsion.errors import ExpressionError, UnitError
 from geomtorsion.exact import parse_expression
-from geomtorsion.exact.names import near_names
 
 # Exponents of kilogram, metre, second, ampere and angle.
 _Powers = tuple[int, int, int, int, int]
 _NONE: _Powers = (0, 0, 0, 0, 0)
-# What is larger has no double.
-LARGEST = sys.float_info.max
 _BASES = ("kg", "m", "s", "A", "rad")
 
 _NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
@@ -62,9 +59,10 @@ class Unit:
 
 def _table() -> dict[str, tuple[float, _Powers]]:
     """Every unit by name."""
-    mass, length, time, current, angle = (tuple(int(k == n) for k in range(5)) for n in range(5))
+    mass, length, time = (1, 0, 0, 0, 0), (0, 1, 0, 0, 0), (0, 0, 1, 0, 0)
+    current, angle = (0, 0, 0, 1, 0), (0, 0, 0, 0, 1)
     force, energy, power = (1, 1, -2, 0, 0), (1, 2, -2, 0, 0), (1, 2, -3, 0, 0)
-    found: dict[str, Any] = {
+    found: dict[str, tuple[float, _Powers]] = {
         "kg": (1.0, mass), "g": (1e-3, mass), "mg": (1e-6, mass),
         "m": (1.0, length), "mm": (1e-3, length), "cm": (1e-2, length), "km": (1e3, length),
         "s": (1.0, time), "ms": (1e-3, time), "us": (1e-6, time), "µs": (1e-6, time),
@@ -116,8 +114,7 @@ def unit(text: str) -> Unit:
         if one:
             continue
         if name not in UNITS:
-            near = near_names(name, list(UNITS))
-            hint = f"Did you mean {near}? " if near else ""
+            hint = did_you_mean(name, UNITS)
             raise UnitError(f"{name!r} is no unit. {hint}Known are {', '.join(UNITS)}.")
         power = int(exponent or 1) * (-1 if sign == "/" else 1)
         size, kind = UNITS[name]
@@ -212,7 +209,7 @@ def exact(text: str) -> str:
     return _DECIMAL.sub(fraction, text)
 
 
-def quantity(value: Any, field: str = "") -> float:
+def quantity(value: object, field: str = "") -> float:
     """A number in the unit of a field: a number as it is, or text such as "9.81 m/s^2".
 
     Parameters
@@ -249,7 +246,7 @@ def quantity(value: Any, field: str = "") -> float:
         number = _value(expression)
     if given is not None:
         number = number * scale_of(given, field)
-    if not -LARGEST <= number <= LARGEST:
+    if not abs(number) <= sys.float_info.max:
         shown = str(value) if len(str(value)) < 40 else f"{str(value)[:30]}..."
         raise ExpressionError(f"a finite number was needed, {shown} came.")
     return number

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from geomtorsion.checks import did_you_mean
 from geomtorsion.errors import UnknownNameError
-from geomtorsion.exact.names import near_names
 from geomtorsion.files import TomlFile, read_toml
 from geomtorsion.scenes.files import read_file
 
@@ -36,8 +36,7 @@ def path_of(name: str) -> Path:
         No shipped scene has this name; the message names a near one.
     """
     if name not in names():
-        near = near_names(name, names())
-        hint = f"Did you mean {near}? " if near else ""
+        hint = did_you_mean(name, names())
         raise UnknownNameError(
             f"no shipped scene is called {name!r}. {hint}There are {', '.join(names())}."
         )
