@@ -16,9 +16,8 @@ from geomtorsion.errors import LoopError
 from geomtorsion.loops import burgers_vector
 from geomtorsion.loops.arcs import exact_number
 from geomtorsion.loops.exact_integral import pieces, pulled_back
-from geomtorsion.loops.flux import flux_at
-from geomtorsion.loops.forms import forms, parameter_values
-from geomtorsion.loops.line import line_at
+from geomtorsion.loops.forms import forms
+from geomtorsion.loops.integrals import flux_at, line_at
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
@@ -220,8 +219,7 @@ def _quad(
 
     from scipy.integrate import quad
 
-    compiled = forms(frame)
-    numbers = parameter_values(frame, compiled.parameters, parameters)
+    compiled = forms(frame, parameters)
     total, error, spent = np.zeros(frame.dimension), 0.0, 0
     with warnings.catch_warnings():
         # It warns where rounding keeps it from the tolerance; the table shows that as error.
@@ -231,7 +229,7 @@ def _quad(
                 for i in range(frame.dimension):
                     value, bound, info = quad(
                         lambda s, part=part, side=side, i=i: line_at(
-                            compiled, part, numbers, *side.shape(np.array([s]))
+                            compiled, part, *side.shape(np.array([s]))
                         )[i, 0],
                         0,
                         1,
@@ -255,16 +253,15 @@ def _fixed(
 ) -> tuple[Any, int, None]:
     """A rule with fixed nodes and weights on every side."""
 
-    compiled = forms(frame)
-    numbers = parameter_values(frame, compiled.parameters, parameters)
+    compiled = forms(frame, parameters)
     total = np.zeros(frame.dimension)
     for part in loop.parts:
         for side in part.arcs:
             if rule == "flux":
-                values = flux_at(compiled, part, numbers, *side.shape(s), RAYS)
+                values = flux_at(compiled, part, *side.shape(s), (RAYS,))
                 total = total + part.times * part.size * (part.size * (values @ weights))
             else:
-                values = line_at(compiled, part, numbers, *side.shape(s))
+                values = line_at(compiled, part, *side.shape(s))
                 total = total + part.times * part.size * (values @ weights)
     return total, 0, None
 

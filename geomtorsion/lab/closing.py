@@ -11,7 +11,7 @@ from geomtorsion.lab.facts import space_of
 from geomtorsion.lab.numbers import names_text, shown, table
 from geomtorsion.lab.plot import LOOKS, Look, Plot
 from geomtorsion.loops import Loop, burgers_vector
-from geomtorsion.loops.forms import forms, parameter_values
+from geomtorsion.loops.forms import forms
 from geomtorsion.loops.hodograph import hodograph
 from geomtorsion.pictures.style import number
 from geomtorsion.pictures.text import greek_name
@@ -75,12 +75,10 @@ def density(frame: Frame, b: BurgersVector, first: int, second: int) -> list[flo
     --------
     2 S_{mn}^i = d_m e^i_n - d_n e^i_m, A the oriented area of the loop in its plane.
     """
-    compiled = forms(frame)
+    compiled = forms(frame, b.parameters)
     result = np.zeros(frame.dimension)
     if compiled.curl is not None:
-        values = parameter_values(frame, compiled.parameters, b.parameters)
-        point = [np.array([float(x)]) for x in b.loop.centre]
-        curls = np.real(np.asarray(compiled.curl.function(*point, *values))[:, 0])
+        curls = np.real(compiled.curl.at(np.array(b.loop.centre)[:, None])[:, 0])
         m, n = compiled.pairs[:, compiled.curl.columns]
         sign = ((m == first) & (n == second)) * 1.0 - ((m == second) & (n == first)) * 1.0
         np.add.at(result, compiled.curl.rows, sign * curls)

@@ -224,3 +224,28 @@ class Part:
 def shown(vector: Any) -> str:
     """A vector in messages."""
     return "(" + ", ".join(f"{float(x):.6g}" for x in vector) + ")"
+
+
+def at_arcs(arcs: Sequence[Arc], owner: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Offsets and slopes at s, shape (m, k), on the arcs of each row; shape (n, m * k) each."""
+    if len(arcs) == 1:
+        return arcs[0].shape(s.ravel())
+    straight = [(arc.start, arc.end) for arc in arcs if isinstance(arc, Segment)]
+    if len(straight) == len(arcs):
+        # A polygon may have very many sides: all of them in one expression.
+        start, end = np.array(straight).transpose(1, 2, 0)
+        step = (end - start)[:, owner, None]
+        offsets = start[:, owner, None] + step * s
+        slopes = np.repeat(step, s.shape[1], axis=2)
+        return offsets.reshape(len(start), -1), slopes.reshape(len(start), -1)
+    order = np.argsort(owner, kind="stable")
+    numbers, starts = np.unique(owner[order], return_index=True)
+    parts = [
+        arcs[int(number)].shape(s[rows].ravel())
+        for number, rows in zip(numbers, np.split(order, starts[1:]), strict=True)
+    ]
+    back = np.argsort(order)
+    shape = (-1, *s.shape)
+    both = (np.concatenate(arrays, axis=1) for arrays in zip(*parts, strict=True))
+    offsets, slopes = (x.reshape(shape)[:, back].reshape(len(x), -1) for x in both)
+    return offsets, slopes

@@ -11,17 +11,15 @@ import numpy as np
 from geomtorsion.errors import LoopError
 from geomtorsion.loops.arcs import Part
 from geomtorsion.loops.exact_integral import ExactBurgersVector, exact_burgers_vector
-from geomtorsion.loops.flux import flux_route
-from geomtorsion.loops.forms import forms, parameter_values
-from geomtorsion.loops.line import Route, line_route
+from geomtorsion.loops.forms import forms
+from geomtorsion.loops.integrals import Route, agreement, flux_route, line_route
 from geomtorsion.loops.loop import Loop
+from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.result import BurgersVector, Check
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
 
-# Two routes disagree when they differ by more than this many times their errors together.
-DISAGREE = 30
 LEAST_ACCURACY = 1e-15
 
 
@@ -119,10 +117,12 @@ def burgers_vector(
         loop = loop.at(parameters or {})
         own = {symbol.name for symbol in frame.field.symbols}
         parameters = {k: v for k, v in (parameters or {}).items() if str(k) in own}
-    compiled = forms(frame)
-    values = parameter_values(frame, compiled.parameters, parameters)
+    compiled = forms(frame, parameters)
     pairs = [
-        (line_route(compiled, part, values, accuracy), flux_route(compiled, part, values, accuracy))
+        (
+            line_route(compiled, part, accuracy, refuse_poles(compiled, part)),
+            flux_route(compiled, part, accuracy),
+        )
         for part in loop.parts
     ]
     chosen = [_chosen(part, *pair, accuracy) for part, pair in zip(loop.parts, pairs, strict=True)]
@@ -165,9 +165,8 @@ def _chosen(
             None,
             "line: the flux does not converge, the torsion is not smooth inside (or too wavy)",
         )
-    apart = float(np.abs(line.value - part.size * flux.value).max())
-    flux_error = part.size * flux.error
-    if not apart <= DISAGREE * (line.error + flux_error):
+    agrees, better = (bool(x[0]) for x in agreement(line, flux, np.array([part.size])))
+    if not agrees:
         return (
             line,
             False,
@@ -176,17 +175,14 @@ def _chosen(
                 "frame is singular"
             ),
         )
-    largest = float(np.abs(line.value).max())
-    if flux_error <= line.error:
-        if line.error > accuracy * largest:
-            lost = f"{line.error / largest:.0e}" if largest else "no digit"
-            return (
-                flux,
-                True,
-                (f"flux: the loop is so small that the line integral is good to {lost} of b only"),
-            )
+    if not better:
+        return line, True, "line: both routes agree, its error is the smaller"
+    error, largest = float(line.error[0]), float(np.abs(line.values).max())
+    if error <= accuracy * largest:
         return flux, True, "flux: both routes agree, its error is the smaller"
-    return line, True, "line: both routes agree, its error is the smaller"
+    digits = f"{error / largest:.0e}" if largest else "no digit"
+    why = f"flux: the loop is so small that the line integral is good to {digits} of b only"
+    return flux, True, why
 
 
 def _total(loop: Loop, routes: Sequence[Route], power: int) -> tuple[np.ndarray, float]:
@@ -196,8 +192,8 @@ def _total(loop: Loop, routes: Sequence[Route], power: int) -> tuple[np.ndarray,
     for part, route in zip(loop.parts, routes, strict=True):
         share = part.size / loop.size
         scale = share**route.power * loop.size ** (route.power - power)
-        total = total + part.times * scale * route.value
-        error += abs(part.times) * scale * route.error
+        total = total + part.times * scale * route.values[:, 0]
+        error += abs(part.times) * scale * float(route.error[0])
     return total, error
 
 

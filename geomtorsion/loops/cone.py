@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from geomtorsion.errors import LoopError, SingularPointError
@@ -9,8 +11,9 @@ from geomtorsion.loops.affine_form import AffineForm
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Part, Segment
 from geomtorsion.loops.collocation import collocation, inner_turns
-from geomtorsion.loops.flux import ray_rule
-from geomtorsion.loops.line import EPS, SHAKE, shaken
+from geomtorsion.loops.forms import ROUNDING, perturbed
+from geomtorsion.loops.integrals import probes
+from geomtorsion.loops.quadrature import ray_rule
 from geomtorsion.loops.transport import Integrand, Transported, transported
 
 # Gauss points along the rays: pairs that are compared, the next if they disagree.
@@ -49,17 +52,16 @@ def around_cone(form: AffineForm, part: Part, accuracy: float) -> Transported | 
     if ray is not None:
         motion = motion.seen_from(ray)
         error += float(np.linalg.norm(ray.burgers)) * turn_error
-    error += 4 * EPS * float(np.abs(motion.burgers).max())
+    error += ROUNDING * float(np.abs(motion.burgers).max())
     return Transported(motion, error, turn_error, found.scale, found.points * count)
 
 
 def _levels(form: AffineForm, part: Part, accuracy: float) -> tuple[int, float, float] | None:
     """How many points the rays need; what they and rounding miss of translation and rotation."""
 
-    x, v = shaken(part.arcs)
-    signs = np.where(np.arange(len(part.centre)) % 2 == 0, SHAKE, -SHAKE)
-    centre = tuple((np.array(part.centre) * (1 + signs)).tolist())
-    moved = Part(centre, part.size, part.arcs, part.times)
+    x, v = probes(part.arcs)
+    centre = tuple(perturbed(np.array(part.centre)).tolist())
+    moved = replace(part, centre=centre)
     known: dict[int, tuple[np.ndarray, np.ndarray]] = {}
     for few, many in LEVELS:
         for count in (few, many):
@@ -67,9 +69,9 @@ def _levels(form: AffineForm, part: Part, accuracy: float) -> tuple[int, float, 
                 known[count] = cone_rate(form, part, x, v, count)
         other = cone_rate(form, moved, x, v, many)
         errors, good = [], True
-        for coarse, fine, shaken_ in zip(known[few], known[many], other, strict=True):
+        for coarse, fine, after in zip(known[few], known[many], other, strict=True):
             size = float(np.abs(fine).max(initial=0.0))
-            noise = float(np.abs(shaken_ - fine).max(initial=0.0)) / 4 + 4 * EPS * size
+            noise = float(np.abs(after - fine).max(initial=0.0)) + ROUNDING * size
             missed = float(np.abs(coarse - fine).max(initial=0.0))
             good &= missed <= max(accuracy * size, 2 * noise)
             errors.append(missed + noise)

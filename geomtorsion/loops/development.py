@@ -15,16 +15,14 @@ from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Part
 from geomtorsion.loops.cone import around_cone, line_rate
 from geomtorsion.loops.defects import Defect, EnclosedDefect, enclosed_defects
-from geomtorsion.loops.forms import forms, parameter_values
-from geomtorsion.loops.line import refuse_poles
+from geomtorsion.loops.forms import forms
+from geomtorsion.loops.integrals import DISAGREE
 from geomtorsion.loops.loop import Loop
+from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.transport import EPS, Transported, transported
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Connection
-
-# Two routes disagree when they differ by more than this many times their errors together.
-DISAGREE = 30
 
 
 def along_line(form: AffineForm, part: Part, accuracy: float) -> Transported:
@@ -228,10 +226,9 @@ def develop(
         )
     start = time.perf_counter()
     loop = loop.at(parameters or {}) if loop.symbols else loop
-    compiled = forms(frame)
-    values = parameter_values(frame, compiled.parameters, parameters)
+    compiled = forms(frame, parameters)
     for part in loop.parts:
-        refuse_poles(compiled, part, values)
+        refuse_poles(compiled, part)
     form = AffineForm(connection, parameters)
     lines = [repeated(along_line(form, part, accuracy), part.times) for part in loop.parts]
     cones = [around_cone(form, part, accuracy) for part in loop.parts]

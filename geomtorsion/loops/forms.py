@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,21 +20,55 @@ if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
 
 Values = Callable[..., np.ndarray]
+# Coordinates are moved by this share of themselves, a few units in the last place, to see what
+# rounding does to a form there.
+ROUNDING = 4 * float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True, eq=False)
-class Compiled:
-    """Some elements of a frame as one function.
+class Form:
+    """Some components of a one-form (coframe) or two-form (its curl) with values in the frame.
 
     function: from coordinates, then parameters, to values of shape (entries, k).
     rows: frame index of each entry; columns: coordinate, or place of the pair of coordinates.
     gather: matrix of zeros and ones, shape (n, entries), that sums entries of one row.
+    components: the same for each column by itself, shape (n, columns, entries).
+    numbers: values of the parameters.
+    refuse: the same function, that raises SingularPointError where a value is not finite.
     """
 
     function: Values
     rows: np.ndarray
     columns: np.ndarray
     gather: np.ndarray
+    components: np.ndarray
+    refuse: Callable[[], Values]
+    numbers: tuple[float | complex, ...] = ()
+
+    def values(self, points: np.ndarray) -> np.ndarray:
+        """Entries at points of shape (n, k), shape (entries, k); finite or not."""
+        return self.function(*points, *self.numbers)
+
+    def at(self, points: np.ndarray) -> np.ndarray:
+        """Entries at points, shape (entries, k).
+
+        Raises
+        ------
+        SingularPointError
+            One is not finite; the message names it and the point.
+        """
+        found = self.values(points)
+        return found if np.isfinite(found).all() else self.refuse()(*points, *self.numbers)
+
+    def noise(self, points: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """How far rounding of the coordinates and of the evaluation may move the entries there."""
+        return np.abs(self.values(perturbed(points)) - values) + ROUNDING * np.abs(values)
+
+
+def perturbed(points: np.ndarray) -> np.ndarray:
+    """Points a few roundings away, up for some coordinates and down for others."""
+    up = np.arange(points.size).reshape(points.shape) * 7 % 3 == 1
+    return points * np.where(up, 1 + ROUNDING, 1 - ROUNDING)
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,30 +78,61 @@ class Forms:
     coframe: e^i_mu. curl: (de)^i_{mn} = d_m e^i_n - d_n e^i_m for m < n; None if it vanishes.
     poles: function of what may vanish in a denominator of the coframe, or None.
     pole_names: the same as text.
-    parameters: the symbols beside the coordinates that need values.
+    parameters: the symbols beside the coordinates that need values; numbers: their values.
     pairs: m and n of each pair m < n, shape (2, n (n - 1) / 2).
     """
 
-    coframe: Compiled
-    curl: Compiled | None
+    coframe: Form
+    curl: Form | None
     poles: Values | None
     pole_names: tuple[str, ...]
     parameters: tuple[sp.Symbol, ...]
     pairs: np.ndarray
+    numbers: tuple[float | complex, ...] = ()
+
+    def pole_values(self, points: np.ndarray) -> np.ndarray:
+        """Values of all denominators at points, shape (poles, k)."""
+        if self.poles is None:
+            return np.zeros((0, points.shape[1]))
+        return self.poles(*points, *self.numbers)
 
 
-def forms(frame: Frame) -> Forms:
-    """The compiled forms of a frame, made on first use and then kept."""
-    return frame.derived("loop forms", lambda: _made(frame))
+def forms(
+    frame: Frame, parameters: Mapping[Any, Any] | None, columns: tuple[int, ...] | None = None
+) -> Forms:
+    """The forms of a frame, compiled on first use and then kept, with values for its parameters.
+
+    Parameters
+    ----------
+    columns
+        Coordinates along which loops run at all; all of them if not given.
+
+    Raises
+    ------
+    LoopError
+        The frame has one coordinate only, or a parameter is no finite number.
+    MissingValueError
+        A parameter has no value.
+    UnknownNameError
+        A name means nothing to this frame.
+    """
+    chosen = tuple(range(frame.dimension)) if columns is None else columns
+    compiled = frame.derived(f"loop forms {chosen}", lambda: _compiled(frame, chosen))
+    numbers = parameter_values(frame, compiled.parameters, parameters)
+    if not numbers:
+        return compiled
+    curl_ = compiled.curl and replace(compiled.curl, numbers=numbers)
+    coframe = replace(compiled.coframe, numbers=numbers)
+    return replace(compiled, coframe=coframe, curl=curl_, numbers=numbers)
 
 
-def _made(frame: Frame) -> Forms:
+def _compiled(frame: Frame, chosen: tuple[int, ...]) -> Forms:
     """Compile coframe and curl."""
-
     n = frame.dimension
     if n < 2:
         raise LoopError("a loop needs at least two coordinates; this frame has one.")
-    entries = dict(frame.coframe.components.nonzero)
+    every = frame.coframe.components.nonzero.items()
+    entries = {(i, mu): value for (i, mu), value in every if mu in chosen}
     needed = {symbol for element in entries.values() for symbol in element.symbols}
     parameters = tuple(s for s in frame.field.symbols if s in needed - set(frame.coordinates))
     arguments = [*frame.coordinates, *parameters]
@@ -74,13 +140,14 @@ def _made(frame: Frame) -> Forms:
     curls = {
         (i, place): value
         for place, (a, b) in enumerate(pairs.T.tolist())
+        if a in chosen and b in chosen
         for i in range(n)
         if (value := curl(frame, i, a, b)).is_zero is not True
     }
     poles = _denominators(frame, list(entries.values()))
     return Forms(
-        coframe=_compiled(entries, arguments, n),
-        curl=_compiled(curls, arguments, n) if curls else None,
+        coframe=_form(entries, arguments, n, n),
+        curl=_form(curls, arguments, n, pairs.shape[1]) if curls else None,
         poles=numpy_function(poles, arguments, check=False) if poles else None,
         pole_names=tuple(map(str, poles)),
         parameters=parameters,
@@ -95,21 +162,23 @@ def curl(frame: Frame, i: int, a: int, b: int) -> Element:
     return frame.field.sum([(1, one), (-1, two)])
 
 
-def _compiled(
-    entries: Mapping[tuple[int, ...], Element], arguments: Sequence[sp.Symbol], n: int
-) -> Compiled:
+def _form(
+    entries: Mapping[tuple[int, ...], Element], arguments: Sequence[sp.Symbol], n: int, width: int
+) -> Form:
     """Entries (row, column) -> element as one function."""
-
     unknown = sorted({str(f) for x in entries.values() for f in x.sympy.atoms(AppliedUndef)})
     if unknown:
         raise MissingValueError(
             f"the frame contains unknown functions ({', '.join(unknown)}), but loops need numbers: "
             "make a frame with definite functions in their place."
         )
-    function = numpy_function(list(entries.values()), arguments)
+    elements = list(entries.values())
+    function = numpy_function(elements, arguments, check=False)
     rows, columns = np.array(list(entries)).T
     gather = (rows == np.arange(n)[:, None]).astype(float)
-    return Compiled(function, rows, columns, gather)
+    components = gather[:, None, :] * (columns == np.arange(width)[:, None])
+    refuse = cache(lambda: numpy_function(elements, arguments))
+    return Form(function, rows, columns, gather, components, refuse)
 
 
 def _denominators(frame: Frame, elements: Sequence[Element]) -> list[Element]:

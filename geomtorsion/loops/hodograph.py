@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geomtorsion.loops.forms import forms, parameter_values
-from geomtorsion.loops.line import line_at
+from geomtorsion.loops.forms import forms
+from geomtorsion.loops.integrals import line_at
 from geomtorsion.loops.quadrature import kronrod_rule
 from geomtorsion.loops.result import BurgersVector
 
@@ -39,8 +39,7 @@ class Hodograph:
 def hodograph(b: BurgersVector, points: int = POINTS) -> Hodograph:
     """The image of a loop in the frame, with its gap enlarged where it could not be seen."""
 
-    loop, compiled = b.loop, forms(b.frame)
-    numbers = parameter_values(b.frame, compiled.parameters, b.parameters)
+    loop, compiled = b.loop, forms(b.frame, b.parameters)
     stretches = list(loop.arcs())
     each = max(2, points // len(stretches))
     path, steps, linear = [], [], []
@@ -49,15 +48,15 @@ def hodograph(b: BurgersVector, points: int = POINTS) -> Hodograph:
     base = tuple(replace(first, size=first.size * grown).base.tolist())
     for part, arc, backwards in stretches:
         larger = replace(part, size=part.size * grown)
-        nodes, weights, _ = kronrod_rule()
-        s = (np.arange(each)[:, None] + nodes).ravel() / each
+        rule = kronrod_rule()
+        s = (np.arange(each)[:, None] + rule.nodes).ravel() / each
         offsets, slopes = arc.shape(s)
-        values = line_at(compiled, larger, numbers, offsets, slopes)
-        rows = values.reshape(len(values), each, -1) @ weights / each
+        values = line_at(compiled, larger, offsets, slopes)
+        rows = values.reshape(len(values), each, -1) @ rule.fine / each
         # The frame at the base point, taken as constant, gives a linear image that closes.
         fixed = replace(part, size=0.0, centre=base)
-        flat = line_at(compiled, fixed, numbers, offsets, slopes)
-        flat = flat.reshape(len(flat), each, -1) @ weights / each
+        flat = line_at(compiled, fixed, offsets, slopes)
+        flat = flat.reshape(len(flat), each, -1) @ rule.fine / each
         share = part.size / loop.size
         sign = -1 if backwards else 1
         order = slice(None, None, sign)

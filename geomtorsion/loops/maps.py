@@ -9,17 +9,25 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion.errors import LoopError
+from geomtorsion.errors import GeomtorsionError, LoopError
 from geomtorsion.loops import planes
-from geomtorsion.loops.batch import Batch, Found
-from geomtorsion.loops.cells import DISK, SQUARE, Cell
+from geomtorsion.loops.arcs import Ellipse
+from geomtorsion.loops.burgers import burgers_vector
+from geomtorsion.loops.chains import ClosedCurve, Shape, Square
+from geomtorsion.loops.forms import Forms, forms
+from geomtorsion.loops.integrals import Places, agreement, by_levels
+from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.progress import counted
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
 
 # Loops that are treated together: their points fit in the cache of the processor.
-TOGETHER = 2048
+TOGETHER = 1024
+# Points of the first level on a circle: most are so small that few are enough.
+FIRST = 9
+# Where a denominator falls below this share of its largest value, a loop is looked at by itself.
+NEAR_POLE = 0.05
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -126,7 +134,8 @@ def burgers_vectors(
     _check_dimension(frame, places.shape[1])
     directions = np.array(planes.orthonormal(*planes.rows(plane, frame.dimension)))
     axes = np.stack([radii, radii])
-    return _survey(frame, DISK, places.T, axes, directions, accuracy, parameters)
+    circle = ClosedCurve(Ellipse((1.0, 0.0), (0.0, 1.0)), first=FIRST)
+    return _map(frame, circle, np.pi, places.T, axes, directions, accuracy, parameters)
 
 
 def burgers_map(
@@ -183,54 +192,173 @@ def burgers_map(
     middles = np.meshgrid(*((side[1:] + side[:-1]) / 2 for side in lines), indexing="ij")
     steps = np.stack(np.meshgrid(*(np.diff(side) for side in lines), indexing="ij"))
     centres = place[:, None, None] + np.einsum("an,akm->nkm", directions, np.stack(middles))
-    return _survey(frame, SQUARE, centres, steps, directions, accuracy, parameters)
+    return _map(frame, Square(), 1.0, centres, steps, directions, accuracy, parameters)
 
 
-def _survey(
+@dataclass(frozen=True, eq=False)
+class _Survey:
+    """What all loops of a map share.
+
+    frame, accuracy, parameters, plane: as the user gave them.
+    shape: of every loop; area: of the shape itself.
+    forms: those of the frame along the plane.
+    """
+
+    frame: Frame
+    shape: Shape
+    area: float
+    plane: np.ndarray
+    accuracy: float
+    parameters: Mapping[Any, Any] | None
+    forms: Forms
+
+    def measured(self, centres: np.ndarray, axes: np.ndarray) -> tuple[_Values, int]:
+        """All loops with these centres, shape (n, k), and axes, (2, k), and points evaluated."""
+        sizes = axes.max(axis=0)
+        places = Places(centres, sizes, axes / sizes, self.plane)
+        line, flux = (
+            by_levels(self.forms, self.shape, places, self.accuracy, degree) for degree in (1, 2)
+        )
+        assert line is not None
+        assert flux is not None
+        agree, by_flux = agreement(line, flux, sizes)
+        areas = self.area * axes[0] * axes[1]
+        with np.errstate(all="ignore"):
+            value = np.where(by_flux, sizes * flux.values, line.values)
+            error = np.where(by_flux, sizes * flux.error, line.error)
+            # Where areas underflow, shares of them do not.
+            shares = self.area * axes.min(axis=0) / sizes
+            density = np.where(by_flux, flux.values, line.values / sizes) / shares
+        result = _Values(
+            value * sizes,
+            density,
+            error * sizes,
+            self._expected(centres) * areas,
+            ~agree & np.isfinite(line.error) & np.isfinite(flux.error),
+        )
+        largest = np.abs(value).max(axis=0)
+        unsure = ~(error <= self.accuracy * largest) & ~(largest <= error)
+        unsure |= ~np.isfinite(flux.error) | self._near_poles(places)
+        points = line.points + flux.points
+        for k in np.flatnonzero(unsure):
+            points += self._alone(result, int(k), centres[:, k], axes[:, k])
+        return result, points
+
+    def _expected(self, centres: np.ndarray) -> np.ndarray:
+        """Twice the torsion in the plane at the centres, shape (n, k)."""
+        form = self.forms.curl
+        if form is None:
+            return np.zeros_like(centres)
+        places = Places(centres, np.ones(centres.shape[1]), None, self.plane)
+        return places.projection(form, self.forms.pairs)[:, 0] @ form.values(centres)
+
+    def _near_poles(self, places: Places) -> np.ndarray:
+        """Loops on which a denominator of the coframe comes close to zero, shape (k,)."""
+        count = len(places.sizes)
+        if self.forms.poles is None:
+            return np.zeros(count, dtype=bool)
+        points = places.points(self.shape.rim(2).points)
+        values = self.forms.pole_values(points.reshape(len(points), -1))
+        values = values.reshape(len(values), count, -1)
+        sizes = np.abs(values)
+        near = ~(sizes.min(axis=2) >= NEAR_POLE * sizes.max(axis=2))
+        if not np.iscomplexobj(values):
+            near |= (values.min(axis=2) < 0) & (values.max(axis=2) > 0)
+        return near.any(axis=0)
+
+    def _alone(self, result: _Values, k: int, centre: np.ndarray, axes: np.ndarray) -> int:
+        """One loop that the rules for many could not settle, and points evaluated."""
+        try:
+            loop = self._loop(centre, axes)
+            b = burgers_vector(self.frame, loop, self.accuracy, parameters=self.parameters)
+        except GeomtorsionError:
+            result.vectors[:, k], result.density[:, k] = np.nan, np.nan
+            result.errors[k], result.enclosed[k] = np.inf, False
+            return 0
+        result.vectors[:, k], result.errors[k] = b.vector, b.error
+        result.density[:, k] = b.reduced * b.size ** (b.power - 1) / (self.area * axes.min())
+        result.enclosed[k] = b.check.agrees is False
+        return b.evaluations
+
+    def _loop(self, centre: np.ndarray, axes: np.ndarray) -> Loop:
+        """A loop of the map as a loop of its own."""
+        first, second = self.plane.tolist()
+        if isinstance(self.shape, ClosedCurve):
+            return Loop.circle(centre.tolist(), float(axes[0]), (first, second))
+        a, b = (axes / axes.max()).tolist()
+        corners = [(-a / 2, -b / 2), (a / 2, -b / 2), (a / 2, b / 2), (-a / 2, b / 2)]
+        vertices = [[x * u + y * v for u, v in zip(first, second, strict=True)] for x, y in corners]
+        return Loop.polygon(vertices, centre=centre.tolist(), size=float(axes.max()))
+
+
+@dataclass(frozen=True, eq=False)
+class _Values:
+    """Results of several loops, arrays that are filled block by block.
+
+    vectors, density, expected: shape (n, k); errors, enclosed: shape (k,).
+    """
+
+    vectors: np.ndarray
+    density: np.ndarray
+    errors: np.ndarray
+    expected: np.ndarray
+    enclosed: np.ndarray
+
+    def fill(self, chosen: slice, block: _Values) -> None:
+        """Put the results of a block in their place."""
+        for name in ("vectors", "density", "errors", "expected", "enclosed"):
+            getattr(self, name)[..., chosen] = getattr(block, name)
+
+
+def _map(
     frame: Frame,
-    cell: Cell,
+    shape: Shape,
+    area: float,
     centres: np.ndarray,
     axes: np.ndarray,
     plane: np.ndarray,
     accuracy: float,
     parameters: Mapping[Any, Any] | None,
 ) -> BurgersMap:
-    """Do all loops piece by piece; on Ctrl-C keep what is done."""
-
+    """Do all loops block by block; on Ctrl-C keep what is done."""
     start = time.perf_counter()
     if not 1e-14 <= accuracy < 1:
         raise LoopError(f"accuracy: 1e-14 to below 1 was needed, but {accuracy!r} came.")
-    batch = Batch.of(frame, cell, plane, accuracy, parameters)
-    shape, n = centres.shape[1:], frame.dimension
+    columns = tuple(np.flatnonzero(plane.any(axis=0)).tolist())
+    compiled = forms(frame, parameters, columns)
+    survey = _Survey(frame, shape, area, plane, accuracy, parameters, compiled)
+    grid, n = centres.shape[1:], frame.dimension
     places, sizes = centres.reshape(n, -1), axes.reshape(2, -1)
     count = sizes.shape[1]
     empty = np.full((n, count), np.nan, dtype=complex if frame.complex else float)
-    found = Found(empty, empty.copy(), np.full(count, np.inf), empty.copy(), np.zeros(count, bool))
-    done = 0
+    found = _Values(
+        empty, empty.copy(), np.full(count, np.inf), empty.copy(), np.zeros(count, bool)
+    )
+    done = points = 0
     try:
         with counted(f"{count} loops", count) as advance:
             for first in range(0, count, TOGETHER):
                 chosen = slice(first, first + TOGETHER)
-                piece = batch.solve(places[:, chosen], sizes[:, chosen])
-                found.fill(chosen, piece)
-                done = min(count, first + TOGETHER)
-                advance(piece.errors.size)
+                block, more = survey.measured(places[:, chosen], sizes[:, chosen])
+                found.fill(chosen, block)
+                done, points = min(count, first + TOGETHER), points + more
+                advance(block.errors.size)
     except KeyboardInterrupt:
-        # What is finished is worth more than the interruption; `complete` tells.
+        # What is finished is worth more than the interruption; `complete` says that it came.
         pass
     return BurgersMap(
         frame=frame,
         plane=plane,
         centres=centres,
-        areas=(cell.area * sizes[0] * sizes[1]).reshape(shape),
-        vectors=found.vectors.reshape(n, *shape),
-        density=found.density.reshape(n, *shape),
-        errors=found.errors.reshape(shape),
-        expected=found.expected.reshape(n, *shape),
-        enclosed=found.enclosed.reshape(shape),
+        areas=(area * sizes[0] * sizes[1]).reshape(grid),
+        vectors=found.vectors.reshape(n, *grid),
+        density=found.density.reshape(n, *grid),
+        errors=found.errors.reshape(grid),
+        expected=found.expected.reshape(n, *grid),
+        enclosed=found.enclosed.reshape(grid),
         accuracy=accuracy,
         done=done,
-        evaluations=batch.spent[0],
+        evaluations=points,
         seconds=time.perf_counter() - start,
     )
 

@@ -1,4 +1,4 @@
-"""Quadrature: integrals along arcs, by the trapezoid rule or by Gauss and Kronrod, adaptive."""
+"""Quadrature: sums over arcs and surfaces, refined until two of them agree."""
 
 from __future__ import annotations
 
@@ -6,25 +6,26 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from geomtorsion.loops.arcs import Arc
+from geomtorsion.loops.arcs import Arc, at_arcs
 
+# From offsets and slopes, shape (n, k) each, to values of shape (m, k).
 Integrand = Callable[[np.ndarray, np.ndarray], np.ndarray]
+# From arcs by number, shape (p,), and s on each, shape (p, k), to values of shape (m, p, k).
+Sampler = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
-# How many points an integral may take, and how many are evaluated at once.
+# How many points an integral may take, and how many are evaluated at once: those fit in the cache.
 MOST_POINTS = 2**25
 PIECE = 2**15
-# Trapezoid rules are compared with one of 1.6 times the points, shifted by the golden section:
-# no frequency hides from both.
+# Each level of a rule has 1.6 times the points of the one before, shifted by the golden section
+# of a step: no frequency hides from both.
 GROWTH = 1.6
-SHIFT = 0.3819660112501051
-FIRST_TRAPEZOID = 16
-# Beyond this many times the points that the curve needs, the integrand has a narrow peak.
-PATIENCE = 100
+SHIFT = (3 - math.sqrt(5)) / 2
+# Beyond some 100 times the points that the curve needs, the integrand has a narrow peak, and
+# halving intervals is cheaper.
+LEVELS = 11
 NARROWEST = 2.0**-44
 # Errors of an interval below this share of its integral are rounding; so are those below SMALL
 # that halving does not reduce.
@@ -50,6 +51,18 @@ GAUSS_WEIGHTS = (
 
 
 @dataclass(frozen=True, eq=False)
+class Rule:
+    """A rule on (0, 1) with a coarser one, against which its error is estimated.
+
+    nodes: of both; fine, coarse: their weights, zero where a node belongs to the other one.
+    """
+
+    nodes: np.ndarray
+    fine: np.ndarray
+    coarse: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
 class Integral:
     """What an integral came to.
 
@@ -66,6 +79,26 @@ class Integral:
     points: int
     converged: bool
     rule: str
+    worst: tuple[int, float] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Integrals:
+    """What several integrals came to, one each in the last axis.
+
+    values: shape (m, k); truncation, converged: shape (k,), as of `Integral`.
+    points: how many points were evaluated; intervals: how many intervals there were in the end,
+        or the highest level.
+    sizes: integrals of the largest absolute value, shape (k,), where these are known.
+    worst: where the first that did not converge did worst.
+    """
+
+    values: np.ndarray
+    truncation: np.ndarray
+    converged: np.ndarray
+    points: int
+    intervals: int
+    sizes: np.ndarray | None = None
     worst: tuple[int, float] | None = None
 
 
@@ -87,7 +120,6 @@ def integrate(
     most
         Largest number of points.
     """
-
     # What is not finite is looked at, and never counts as converged.
     with np.errstate(all="ignore"):
         if len(arcs) == 1 and arcs[0].is_periodic:
@@ -101,62 +133,120 @@ def trapezoid(
     arc: Arc, integrand: Integrand, accuracy: float, floor: float, most: int = MOST_POINTS
 ) -> Integral:
     """The trapezoid rule on a closed smooth arc: spectral, compared with fewer points."""
+    counts = [equidistant(arc.waves, level) for level in range(LEVELS)]
 
-    few = max(FIRST_TRAPEZOID, 3 * arc.waves + 1)
-    last = min(most, PATIENCE * few)
-    many = _next(few)
-    s = np.concatenate([np.arange(few) / few, (np.arange(many) + SHIFT) / many])
-    values = _values(arc, integrand, s)
-    coarse, fine = values[:, :few].mean(axis=1), values[:, few:].mean(axis=1)
-    points = few + many
+    def mean(level: int) -> np.ndarray:
+        total = np.zeros(1)
+        for start in range(0, counts[level], PIECE):
+            s = places(counts[level], level, start, PIECE)
+            total = total + integrand(*arc.shape(s)).sum(axis=1)
+        return total[:, None] / counts[level]
+
+    def means(levels: tuple[int, ...], _: np.ndarray) -> list[np.ndarray]:
+        return [mean(level) for level in levels]
+
+    levels = max(2, sum(count <= most for count in counts))
+    found = refined(means, 1, accuracy, np.array([floor]), levels)
+    points = sum(counts[: found.intervals + 1])
+    rule = f"trapezoid, {counts[found.intervals]} points"
+    done = bool(found.converged[0])
+    return Integral(found.values[:, 0], float(found.truncation[0]), points, done, rule)
+
+
+def equidistant(waves: int, level: int, first: int = 16) -> int:
+    """How many points the trapezoid rule of a level has: odd, and enough for the curve itself."""
+    return int(max(first, 3 * waves + 1) * GROWTH**level) | 1
+
+
+def places(count: int, level: int, start: int = 0, most: int = MOST_POINTS) -> np.ndarray:
+    """The equidistant s of a level, or those from `start` on."""
+    return (np.arange(start, min(count, start + most)) + SHIFT * level) / count
+
+
+def refined(
+    evaluate: Callable[[tuple[int, ...], np.ndarray], Sequence[np.ndarray]],
+    count: int,
+    accuracy: float,
+    floor: np.ndarray,
+    levels: int,
+) -> Integrals:
+    """Several integrals by rules of rising level, each until it agrees with the level before.
+
+    Parameters
+    ----------
+    evaluate
+        From levels and the numbers of the integrals that need them, to values of shape (m, k) for
+        each level. The first two are asked for in one call.
+    count
+        How many integrals there are.
+    floor
+        Truncation below which each is good enough anyway, shape (count,); it is looked at after
+        the first level, which may fill it.
+    """
+    todo = np.arange(count)
+    before, better = evaluate((0, 1), todo)
+    values = np.empty_like(better)
+    truncation, converged = np.empty(count), np.empty(count, dtype=bool)
+    level = 1
     while True:
-        truncation = _norm(fine - coarse)
-        done = math.isfinite(truncation) and truncation <= max(accuracy * _norm(fine), floor)
-        if done or _next(many) > last:
-            return Integral(fine, truncation, points, done, f"trapezoid, {many} points")
-        many = _next(many)
-        coarse, fine = fine, _mean(arc, integrand, many)
-        points += many
+        change = np.abs(better - before).max(axis=0)
+        size = np.abs(better).max(axis=0)
+        good = np.isfinite(change) & (change <= np.maximum(accuracy * size, floor[todo]))
+        values[:, todo], truncation[todo], converged[todo] = better, change, good
+        level += 1
+        if level >= levels or good.all():
+            break
+        before, todo = better[:, ~good], todo[~good]
+        (better,) = evaluate((level,), todo)
+    truncation[np.isnan(truncation)] = np.inf
+    return Integrals(values, truncation, converged, 0, level - 1)
 
 
-def _next(points: int) -> int:
-    """The next odd number of points."""
-    return int(points * GROWTH) | 1
-
-
-def _mean(arc: Arc, integrand: Integrand, points: int) -> np.ndarray:
-    """Mean over equidistant points, in pieces that fit in memory."""
-
-    total = 0.0
-    for start in range(0, points, PIECE):
-        s = (np.arange(start, min(points, start + PIECE)) + SHIFT) / points
-        total = total + _values(arc, integrand, s).sum(axis=1)
-    return np.asarray(total / points)
-
-
-def _values(arc: Arc, integrand: Integrand, s: np.ndarray) -> np.ndarray:
-    """The integrand on an arc."""
-    return integrand(*arc.shape(s))
-
-
-def _norm(vector: np.ndarray) -> float:
+def norm(vector: np.ndarray) -> float:
     """Largest component; what is not finite counts as infinite."""
-
     largest = float(np.abs(vector).max(initial=0.0))
-    return float("inf") if np.isnan(largest) else largest
+    return math.inf if math.isnan(largest) else largest
 
 
 @cache
-def kronrod_rule() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Nodes on (0, 1), Kronrod's weights and Gauss's weights on the same nodes."""
-
+def kronrod_rule() -> Rule:
+    """Kronrod's 15 nodes, with the rule of Gauss on 7 of them."""
     half = np.array(KRONROD_NODES)
     nodes = np.concatenate([-half[:-1], half[::-1]])
     weights = np.array(KRONROD_WEIGHTS)
     coarse = np.zeros(8)
     coarse[1::2] = GAUSS_WEIGHTS
     fine, coarse = (np.concatenate([w[:-1], w[::-1]]) / 2 for w in (weights, coarse))
-    return (1 + nodes) / 2, fine, coarse
+    return Rule((1 + nodes) / 2, fine, coarse)
+
+
+@cache
+def gauss_pair(few: int, many: int) -> Rule:
+    """Two rules of Gauss: fewer points than Kronrod's where most integrals are easy."""
+    (x, w), (y, u) = (gauss_rule(k) for k in (many, few))
+    zeros = np.zeros
+    return Rule(
+        np.concatenate([x, y]), np.concatenate([w, zeros(few)]), np.concatenate([zeros(many), u])
+    )
+
+
+@cache
+def gauss_rule(points: int) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes on (0, 1) and weights of Gauss and Legendre."""
+    x, w = np.polynomial.legendre.leggauss(points)
+    return (1 + x) / 2, w / 2
+
+
+@cache
+def ray_rule(points: int) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes on (0, 1) and weights for the weight s: Gauss and Jacobi, by Golub and Welsch."""
+    k = np.arange(points)
+    # Recurrence of the Jacobi polynomials with alpha = 0, beta = 1 on (-1, 1).
+    diagonal = 1.0 / ((2 * k + 1) * (2 * k + 3))
+    j = k[1:]
+    off = np.sqrt(j * (j + 1.0)) / (2 * j + 1)
+    nodes, vectors = np.linalg.eigh(np.diag(diagonal) + np.diag(off, 1) + np.diag(off, -1))
+    return (1 + nodes) / 2, vectors[0] ** 2 / 2
 
 
 def kronrod(
@@ -165,85 +255,139 @@ def kronrod(
     accuracy: float,
     floor: float,
     most: int = MOST_POINTS,
+    cuts: Sequence[tuple[int, float]] = (),
 ) -> Integral:
-    """Gauss and Kronrod on every arc, the worst intervals halved until the sum is accurate."""
+    """Gauss and Kronrod on every arc, the worst intervals halved until the sum is accurate.
 
-    owner = np.arange(len(arcs))
-    low, width = np.zeros(len(arcs)), np.ones(len(arcs))
-    pieces = max((1 + arc.waves // 2 for arc in arcs), default=1)
-    if pieces > 1:
-        owner, low = np.repeat(owner, pieces), np.tile(np.arange(pieces) / pieces, len(arcs))
-        width = np.full(len(owner), 1 / pieces)
-    values, errors, sizes = _panels(arcs, integrand, owner, low, width)
+    Parameters
+    ----------
+    cuts
+        Where the intervals are to end at first, as (number of the arc, s): a narrow peak there
+        would be missed.
+    """
+    owner, low, width = intervals(arcs, cuts)
+
+    def sampler(owner: np.ndarray, s: np.ndarray) -> np.ndarray:
+        return integrand(*at_arcs(arcs, owner, s)).reshape(-1, *s.shape)
+
+    floors = np.array([floor])
+    group = np.zeros(len(arcs), dtype=np.int64)
+    found = halved(sampler, group, (owner, low, width), kronrod_rule(), accuracy, floors, most=most)
+    return Integral(
+        found.values[:, 0],
+        float(found.truncation[0]),
+        found.points,
+        bool(found.converged[0]),
+        f"Gauss-Kronrod, {found.intervals} intervals",
+        found.worst,
+    )
+
+
+def intervals(
+    arcs: Sequence[Arc], cuts: Sequence[tuple[int, float]] = ()
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The first intervals on arcs: owner, start and width, each of shape (p,)."""
+    counts = np.array([1 + arc.waves // 2 for arc in arcs])
+    owner = np.repeat(np.arange(len(arcs)), counts)
+    low = (np.arange(len(owner)) - (np.cumsum(counts) - counts)[owner]) / counts[owner]
+    if cuts:
+        # Every interval is known by its start: more starts cut those that are there.
+        starts = sorted({*zip(owner.tolist(), low.tolist(), strict=True), *cuts})
+        owner, low = np.array([k for k, _ in starts]), np.array([s for _, s in starts])
+    high = np.append(low[1:], 1.0)
+    high[:-1][owner[1:] != owner[:-1]] = 1.0
+    return owner, low, high - low
+
+
+def halved(
+    sampler: Sampler,
+    group: np.ndarray,
+    start: tuple[np.ndarray, np.ndarray, np.ndarray],
+    rule: Rule,
+    accuracy: float,
+    floor: np.ndarray,
+    noise: float | np.ndarray = 0.0,
+    most: int = MOST_POINTS,
+) -> Integrals:
+    """Sums over intervals, the worst of which are halved until the sum of each group is accurate.
+
+    Parameters
+    ----------
+    group
+        To which sum each arc belongs, shape (arcs,).
+    start
+        The first intervals: arc, start and width, each of shape (p,).
+    accuracy, floor
+        A group ends when its truncation is below accuracy * |value|, or below its floor, shape
+        (groups,).
+    noise
+        Or when it is below this share of the integral of the absolute value.
+    """
+    owner, low, width = start
+    values, errors, sizes = _panels(sampler, rule, owner, low, width)
     stuck = np.zeros(len(owner), dtype=bool)
-    points = 15 * len(owner)
+    points = len(rule.nodes) * len(owner)
+    worst = None
     while True:
-        fine, truncation = values.sum(axis=1), float(errors.sum())
+        member = group[owner]
         finite = np.isfinite(errors)
-        allowed = max(accuracy * _norm(values[:, finite].sum(axis=1)), floor)
-        rule = f"Gauss-Kronrod, {len(owner)} intervals"
-        bad = ~finite | ((errors > allowed / (2 * len(owner))) & (errors > FLOOR * sizes) & ~stuck)
-        if (truncation <= allowed and finite.all()) or not bad.any():
-            return Integral(fine, truncation, points, True, rule)
+        total = _summed(np.where(finite, values, 0) if not finite.all() else values, member, floor)
+        truncation = _summed(errors[None], member, floor)[0]
+        absolute = _summed(sizes[None], member, floor)[0]
+        allowed = np.maximum(accuracy * np.abs(total).max(axis=0), floor)
+        allowed = np.maximum(allowed, noise * absolute)
+        share = allowed / (2 * np.bincount(member, minlength=len(floor)))
+        bad = ~finite | ((errors > share[member]) & (errors > FLOOR * sizes) & ~stuck)
+        converged = np.isfinite(truncation) & (truncation <= allowed)
+        bad &= ~converged[member]
+        if not bad.any():
+            break
         narrow = width[bad].min() < NARROWEST
-        if narrow or points + 30 * int(bad.sum()) > most:
-            worst = int(np.argmax(np.where(np.isfinite(errors), errors, np.inf)))
-            place = (int(owner[worst]), float(low[worst] + width[worst] / 2))
-            return Integral(fine, truncation, points, False, rule, place)
+        if narrow or points + 2 * len(rule.nodes) * int(bad.sum()) > most:
+            hopeless = np.where(bad, np.where(finite, errors, np.inf), -np.inf)
+            place = int(np.argmax(hopeless))
+            worst = (int(owner[place]), float(low[place] + width[place] / 2))
+            break
         halves = np.repeat(width[bad] / 2, 2)
         starts = np.repeat(low[bad], 2)
         starts[1::2] += halves[1::2]
         owners = np.repeat(owner[bad], 2)
-        new_values, new_errors, new_sizes = _panels(arcs, integrand, owners, starts, halves)
+        new_values, new_errors, new_sizes = _panels(sampler, rule, owners, starts, halves)
         # Halving that helps no more, where the error is small, has met rounding.
         pairs = new_errors.reshape(-1, 2).sum(axis=1)
         held = (pairs > errors[bad] / 2) & (pairs < SMALL * new_sizes.reshape(-1, 2).sum(axis=1))
-        points += 15 * len(owners)
+        points += len(rule.nodes) * len(owners)
         good = ~bad
         owner, low = np.append(owner[good], owners), np.append(low[good], starts)
         width, errors = np.append(width[good], halves), np.append(errors[good], new_errors)
         sizes = np.append(sizes[good], new_sizes)
         stuck = np.append(stuck[good], np.repeat(held, 2))
         values = np.concatenate([values[:, good], new_values], axis=1)
+    done = np.ones(len(floor), dtype=bool)
+    if worst is not None:
+        done[group[owner[bad]]] = False
+    values = _summed(values, group[owner], floor)
+    return Integrals(values, truncation, done, points, len(owner), absolute, worst)
+
+
+def _summed(values: np.ndarray, member: np.ndarray, floor: np.ndarray) -> np.ndarray:
+    """Sums over the intervals of each group, shape (m, groups)."""
+    if len(floor) == 1:
+        return values.sum(axis=1, keepdims=True)
+    return np.stack([np.bincount(member, row, len(floor)) for row in values])
 
 
 def _panels(
-    arcs: Sequence[Arc],
-    integrand: Integrand,
-    owner: np.ndarray,
-    low: np.ndarray,
-    width: np.ndarray,
+    sampler: Sampler, rule: Rule, owner: np.ndarray, low: np.ndarray, width: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Value, shape (m, panels), error, and integral of the absolute value over each interval."""
-
-    nodes, fine, coarse = kronrod_rule()
-    most = max(1, PIECE // len(nodes))
+    """Value, shape (m, p), error, and integral of the absolute value over each interval."""
+    most = max(1, PIECE // len(rule.nodes))
     found = []
     for start in range(0, len(owner), most):
         chosen = slice(start, start + most)
-        s = low[chosen, None] + width[chosen, None] * nodes
-        offsets, slopes = _at(arcs, owner[chosen], s)
-        values = integrand(offsets, slopes).reshape(-1, *s.shape) * width[chosen, None]
-        errors = np.abs(values @ (fine - coarse)).max(axis=0)
-        found.append((values @ fine, errors, (np.abs(values) @ fine).max(axis=0)))
+        s = low[chosen, None] + width[chosen, None] * rule.nodes
+        values = sampler(owner[chosen], s) * width[chosen, None]
+        errors = np.abs(values @ (rule.fine - rule.coarse)).max(axis=0)
+        found.append((values @ rule.fine, errors, (np.abs(values) @ rule.fine).max(axis=0)))
     values, errors, sizes = (np.concatenate(parts, axis=-1) for parts in zip(*found, strict=True))
     return values, np.where(np.isfinite(errors), errors, np.inf), sizes
-
-
-def _at(arcs: Sequence[Arc], owner: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Offsets and slopes on several arcs at once, shape (n, points)."""
-
-    if (owner == owner[0]).all():
-        return arcs[owner[0]].shape(s.ravel())
-    order = np.argsort(owner, kind="stable")
-    numbers, starts = np.unique(owner[order], return_index=True)
-    parts = [
-        arcs[k].shape(s[rows].ravel())
-        for k, rows in zip(numbers, np.split(order, starts[1:]), strict=True)
-    ]
-    offsets, slopes = (np.concatenate(arrays, axis=1) for arrays in zip(*parts, strict=True))
-    back = np.empty_like(order)
-    back[order] = np.arange(len(order))
-    shape = (len(offsets), *s.shape)
-    first, second = (x.reshape(shape)[:, back].reshape(len(x), -1) for x in (offsets, slopes))
-    return first, second

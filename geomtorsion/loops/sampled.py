@@ -13,7 +13,7 @@ import numpy as np
 
 from geomtorsion.errors import GridError
 from geomtorsion.loops.arcs import Arc, Part, shown
-from geomtorsion.loops.forms import forms, parameter_values
+from geomtorsion.loops.forms import forms
 from geomtorsion.loops.grid_files import (
     check_finite,
     check_names,
@@ -141,12 +141,11 @@ class SampledFrame:
                 f"one axis for each of {frame.dimension} coordinates was needed, but "
                 f"{len(lines)} came."
             )
-        compiled = forms(frame)
-        given = parameter_values(frame, compiled.parameters, parameters)
+        coframe = forms(frame, parameters).coframe
         nodes = np.meshgrid(*lines, indexing="ij")
-        found = compiled.coframe.function(*nodes, *given)
+        found = coframe.at(np.array(nodes).reshape(len(nodes), -1))
         values = np.zeros((frame.dimension, frame.dimension, *nodes[0].shape))
-        values[compiled.coframe.rows, compiled.coframe.columns] = found
+        values[coframe.rows, coframe.columns] = found.reshape(-1, *nodes[0].shape)
         return cls(lines, values, order, tuple(symbol.name for symbol in frame.coordinates))
 
     @classmethod

@@ -10,7 +10,7 @@ import numpy as np
 
 from geomtorsion.errors import LoopError
 from geomtorsion.loops.affine_map import AffineMap
-from geomtorsion.loops.arcs import shown
+from geomtorsion.loops.arcs import Arc, at_arcs, shown
 from geomtorsion.loops.collocation import collocation, increments, product
 
 if TYPE_CHECKING:
@@ -151,7 +151,7 @@ def _measured(
     for start in range(0, len(owner), most):
         part = slice(start, start + most)
         s = low[part, None] + width[part, None] * nodes
-        offsets, slopes = at_sides(arcs, owner[part], s)
+        offsets, slopes = at_arcs(arcs, owner[part], s)
         omega, theta = integrand(offsets, slopes)
         n, count = theta.shape[1], len(s)
         omega = omega.reshape(count, STAGES, n, n) * width[part, None, None, None]
@@ -160,25 +160,6 @@ def _measured(
         lengths = np.stack([np.abs(omega).max(axis=(2, 3)), np.abs(theta).max(axis=2)])
         sizes.append((lengths @ weights).T)
     return _Stretches(owner, low, width, np.concatenate(motions), np.concatenate(sizes))
-
-
-def at_sides(
-    arcs: Sequence[Arc], owner: np.ndarray, s: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Offsets and slopes at s, shape (m, nodes), on arcs named by owner; shape (n, m * nodes)."""
-
-    if len(arcs) == 1:
-        return arcs[0].shape(s.ravel())
-    parts = []
-    order = np.argsort(owner, kind="stable")
-    numbers, starts = np.unique(owner[order], return_index=True)
-    for number, rows in zip(numbers, np.split(order, starts[1:]), strict=True):
-        parts.append(arcs[int(number)].shape(s[rows].ravel()))
-    back = np.argsort(order)
-    shape = (-1, *s.shape)
-    both = (np.concatenate(arrays, axis=1) for arrays in zip(*parts, strict=True))
-    offsets, slopes = (x.reshape(shape)[:, back].reshape(len(x), -1) for x in both)
-    return offsets, slopes
 
 
 def _stuck(arcs: Sequence[Arc], stretches: _Stretches, worst: int) -> LoopError:

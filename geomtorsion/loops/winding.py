@@ -73,10 +73,7 @@ def _turned(arc: Arc, across: np.ndarray, offset: np.ndarray) -> tuple[float, fl
         one, two = plane(low), plane(high)
         cross = one[0] * two[1] - one[1] * two[0]
         turned = np.arctan2(cross, (one * two).sum(axis=0))
-        step = two - one
-        square = np.maximum((step * step).sum(axis=0), np.finfo(float).tiny)
-        share = np.clip(-(one * step).sum(axis=0) / square, 0, 1)
-        near = np.abs(one + share * step).max(axis=0)
+        share, near = nearest(one, two)
         touching = near <= TOUCHES
         if touching.any() and (isinstance(arc, Segment) or (high - low).max() < 2.0**-20):
             k = int(np.flatnonzero(touching)[0])
@@ -93,6 +90,19 @@ def _turned(arc: Arc, across: np.ndarray, offset: np.ndarray) -> tuple[float, fl
             np.concatenate([middle[~good], high[~good]]),
         )
     return angle, float(low[0])
+
+
+def nearest(one: np.ndarray, two: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where straight lines from one to two, shape (2, k), come nearest to the origin, and how near.
+
+    Returns
+    -------
+    Share of the way, from 0 to 1, and largest component of the point there, shape (k,) each.
+    """
+    step = two - one
+    square = np.maximum((step * step).sum(axis=0), np.finfo(float).tiny)
+    share = np.clip(-(one * step).sum(axis=0) / square, 0, 1)
+    return share, np.abs(one + share * step).max(axis=0)
 
 
 def _through(part: Part, arc: Arc, s: float, name: str) -> str:

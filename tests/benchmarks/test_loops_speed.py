@@ -9,7 +9,7 @@ from scipy.integrate import quad
 
 from geomtorsion.loops import Loop, burgers_vector, burgers_vectors
 from geomtorsion.loops.forms import forms
-from geomtorsion.loops.line import line_at
+from geomtorsion.loops.integrals import line_at
 from geomtorsion.spaces import load
 
 CENTRE = [0.3, 1.0, 0.2]
@@ -38,14 +38,14 @@ def test_one_loop_by_scipy(benchmark: BenchmarkFixture) -> None:
     """For comparison: scipy's adaptive quadrature of the line integral, without any check."""
     frame = load("so3").frame
     loop = Loop.circle(CENTRE, 0.3)
-    part, compiled = loop.parts[0], forms(frame)
+    part, compiled = loop.parts[0], forms(frame, None)
     (side,) = part.arcs
 
     def components() -> list[float]:
         return [
             part.size
             * quad(
-                lambda s, i=i: line_at(compiled, part, (), *side.shape(np.array([s])))[i, 0],
+                lambda s, i=i: line_at(compiled, part, *side.shape(np.array([s])))[i, 0],
                 0,
                 1,
                 epsabs=1e-13,

@@ -1,5 +1,7 @@
 """Surveys: many loops in one call agree with one at a time, and keep what is done."""
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, cast
 
 import numpy as np
@@ -107,15 +109,19 @@ def test_singular_loops_are_marked_and_the_others_done() -> None:
 
 def test_an_interruption_keeps_what_is_done(so3: Frame, monkeypatch: pytest.MonkeyPatch) -> None:
     """Ctrl-C in the middle: the finished part comes back, the rest is NaN."""
-    solve, calls = maps.Batch.solve, []
 
-    def interrupted(self: maps.Batch, *arguments: np.ndarray) -> object:
-        calls.append(1)
-        if len(calls) == 3:
-            raise KeyboardInterrupt
-        return solve(self, *arguments)
+    @contextmanager
+    def interrupted(what: str, total: int) -> Iterator[Callable[[int], object]]:
+        calls: list[int] = []
 
-    monkeypatch.setattr(maps.Batch, "solve", interrupted)
+        def advance(done: int) -> None:
+            calls.append(done)
+            if len(calls) == 2:
+                raise KeyboardInterrupt
+
+        yield advance
+
+    monkeypatch.setattr(maps, "counted", interrupted)
     monkeypatch.setattr(maps, "TOGETHER", 10)
     centres, radii = random_circles(45)
     found = burgers_vectors(so3, centres, radii)

@@ -1,0 +1,334 @@
+"""Integrals: the coframe along loops and its curl over them, each the check of the other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from geomtorsion.errors import SingularPointError
+from geomtorsion.loops.arcs import Arc, Part, at_arcs, shown
+from geomtorsion.loops.chains import MOST_INSIDE, ClosedCurve, Shape, pairs_of
+from geomtorsion.loops.forms import ROUNDING, Form, Forms, perturbed
+from geomtorsion.loops.quadrature import (
+    MOST_POINTS,
+    SHIFT,
+    Integral,
+    integrate,
+    kronrod,
+    norm,
+    ray_rule,
+    refined,
+)
+
+# Two routes disagree when they differ by more than this many times their errors together.
+DISAGREE = 30
+# Of the nodes of the first level every so manieth is perturbed; of many arcs some are.
+EVERY = 5
+PROBES = 24
+# Gauss points along the rays of a cone: pairs that are compared, the next if they disagree.
+RAYS = ((4, 6), (6, 10), (10, 16), (16, 26), (26, 42))
+# An integral whose error is this share of what is summed does not converge at all.
+DIVERGES = 1e-2
+
+
+@dataclass(frozen=True, eq=False)
+class Route:
+    """One route to the Burgers vectors of several loops, once round each.
+
+    values: b^i / size**power, shape (n, k); power: 1 for the line, 2 for the flux.
+    truncation, rounding: the two sources of the error, in the same unit, shape (k,).
+    converged: where the truncation went below the accuracy, or below the rounding, shape (k,).
+    rule: which rule was used; points: how many points it took.
+    """
+
+    values: np.ndarray
+    power: int
+    truncation: np.ndarray
+    rounding: np.ndarray
+    converged: np.ndarray
+    rule: str
+    points: int
+
+    @property
+    def error(self) -> np.ndarray:
+        """Truncation and rounding together, shape (k,)."""
+        return self.truncation + self.rounding
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Where copies of one shape lie.
+
+    centres: q0^mu, shape (n, k). sizes: shape (k,).
+    shares: half-axes or steps along the coordinates of the shape, in units of the size, (d, k);
+        None: all of them are 1.
+    directions: of the coordinates of the shape, shape (d, n); None: those of the frame.
+    """
+
+    centres: np.ndarray
+    sizes: np.ndarray
+    shares: np.ndarray | None = None
+    directions: np.ndarray | None = None
+
+    @classmethod
+    def of(cls, part: Part) -> Places:
+        """The one place of a part of a loop."""
+        return cls(np.array(part.centre)[:, None], np.array([part.size]))
+
+    def points(self, offsets: np.ndarray) -> np.ndarray:
+        """Coordinates of the offsets, shape (d, p), at every place: shape (n, k, p)."""
+        scaled = offsets[:, None, :] * self.sizes[:, None]
+        if self.shares is not None:
+            scaled *= self.shares[:, :, None]
+        if self.directions is None:
+            return self.centres[:, :, None] + scaled
+        # Row by row: a product of matrices this thin costs more than what it computes.
+        at = np.repeat(self.centres[:, :, None], offsets.shape[1], axis=2)
+        for row, along in zip(scaled, self.directions.tolist(), strict=True):
+            for mu, share in enumerate(along):
+                if share:
+                    at[mu] += row if share == 1 else share * row
+        return at
+
+    def chosen(self, which: np.ndarray) -> Places:
+        """Some of the places."""
+        if len(which) == len(self.sizes):
+            return self
+        shares = None if self.shares is None else self.shares[:, which]
+        return replace(self, centres=self.centres[:, which], sizes=self.sizes[which], shares=shares)
+
+    def projection(self, form: Form, pairs: np.ndarray | None) -> np.ndarray:
+        """Components along the coordinates (or pairs) of the shape, shape (n, c, entries).
+
+        pairs: those of the coordinates of the frame, for a two-form; None for a one-form.
+        """
+        if self.directions is None:
+            return form.components
+        along = self.directions
+        if pairs is not None:
+            a, b = pairs_of(len(along))
+            one, two = along[a], along[b]
+            along = one[:, pairs[0]] * two[:, pairs[1]] - one[:, pairs[1]] * two[:, pairs[0]]
+        return form.gather[:, None, :] * along[:, form.columns]
+
+    def measures(self, degree: int) -> np.ndarray | None:
+        """Lengths (or areas) of the coordinates (or pairs) of the shape, shape (c, k)."""
+        if self.shares is None or degree == 1:
+            return self.shares
+        a, b = pairs_of(len(self.shares))
+        return self.shares[a] * self.shares[b]
+
+
+def by_levels(
+    forms: Forms, shape: Shape, places: Places, accuracy: float, degree: int
+) -> Route | None:
+    """The coframe along copies of a shape (degree 1), or its curl over them (degree 2).
+
+    None where the shape needs too many points for this.
+    """
+    levels = shape.levels[degree - 1]
+    form = forms.coframe if degree == 1 else forms.curl
+    count = len(places.sizes)
+    zeros = np.zeros(count)
+    if form is None:
+        values, converged = np.zeros((len(places.centres), count)), np.ones(count, dtype=bool)
+        return Route(values, 2, zeros, zeros, converged, "torsion vanishes identically", 0)
+    if levels < 2:
+        return None
+    chain_of = shape.rim if degree == 1 else shape.inside
+    projection = places.projection(form, forms.pairs if degree == 2 else None)
+    projection = projection.reshape(len(projection), -1)
+    measures = places.measures(degree)
+    rounding, points, rule = zeros, 0, ""
+
+    def projected(tensor: np.ndarray, sums: np.ndarray, which: np.ndarray) -> np.ndarray:
+        """From sums over the nodes, shape (entries, k, c), to frame components, shape (n, k)."""
+        if measures is not None:
+            sums = sums * measures[:, which].T
+        return tensor @ sums.transpose(2, 0, 1).reshape(tensor.shape[1], -1)
+
+    def evaluate(levels: tuple[int, ...], which: np.ndarray) -> list[np.ndarray]:
+        nonlocal points, rule
+        chains = [chain_of(level) for level in levels]
+        at = places.chosen(which).points(np.concatenate([x.points for x in chains], axis=1))
+        shape, flat = at.shape[1:], at.reshape(len(at), -1)
+        first = levels[0] == 0
+        probed = slice(0, chains[0].points.shape[1], EVERY)
+        if first:
+            few = perturbed(at[:, :, probed].reshape(len(at), -1))
+            flat = np.concatenate([flat, few], axis=1)
+        values = form.values(flat)
+        points, rule = points + flat.shape[1], chains[-1].rule
+        nodes = values[:, : shape[0] * shape[1]].reshape(-1, *shape)
+        if first:
+            here = nodes[:, :, probed]
+            moved = values[:, shape[0] * shape[1] :].reshape(here.shape)
+            noise = (np.abs(moved - here) + ROUNDING * np.abs(here)).mean(axis=2)
+            spread = noise[:, :, None] * np.abs(chains[0].weights).sum(axis=1)
+            rounding[:] = projected(np.abs(projection), spread, which).max(axis=0)
+        results, start = [], 0
+        for chain in chains:
+            end = start + chain.points.shape[1]
+            sums = nodes[:, :, start:end] @ chain.weights.T
+            results.append(projected(projection, sums, which))
+            start = end
+        return results
+
+    with np.errstate(all="ignore"):
+        found = refined(evaluate, count, accuracy / 2, rounding, levels)
+    return Route(found.values, degree, found.truncation, rounding, found.converged, rule, points)
+
+
+def line_route(
+    forms: Forms, part: Part, accuracy: float, cuts: Sequence[tuple[int, float]] = ()
+) -> Route:
+    """b^i / size = loop integral of e^i_mu(q0 + size x) dx^mu, of one part of a loop.
+
+    cuts: where intervals are to end, because a pole of the coframe is near.
+
+    Raises
+    ------
+    SingularPointError
+        The coframe has no finite value somewhere on the loop.
+    """
+    if smooth(part) and not cuts:
+        found = by_levels(forms, ClosedCurve(part.arcs[0]), Places.of(part), accuracy, 1)
+        if found is not None and found.converged[0]:
+            return found
+    offsets, slopes = probes(part.arcs)
+    points = np.array(part.centre)[:, None] + part.size * offsets
+    values = forms.coframe.at(points)
+    noise = forms.coframe.noise(points, values)
+    lengths = np.abs(slopes[forms.coframe.columns])
+    size, rounding = (
+        float((forms.coframe.gather @ (x * lengths)).mean(axis=1).max()) * len(part.arcs)
+        for x in (np.abs(values), noise)
+    )
+    with np.errstate(all="ignore"):
+        integrand = partial(line_at, forms, part)
+        found = kronrod(part.arcs, integrand, accuracy, rounding, MOST_POINTS, cuts)
+    if not found.converged and found.truncation > DIVERGES * size:
+        raise SingularPointError(_diverges(part, found.worst))
+    return _route(found, 1, rounding, found.points + 2 * points.shape[1])
+
+
+def line_at(forms: Forms, part: Part, offsets: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+    """e^i_mu(q0 + size x) dx^mu/ds at offsets x, shape (n, k)."""
+    form = forms.coframe
+    values = form.at(np.array(part.centre)[:, None] + part.size * offsets)
+    return form.gather @ (values * slopes[form.columns])
+
+
+def flux_route(forms: Forms, part: Part, accuracy: float) -> Route | None:
+    """b^i / size**2, or None where the torsion is not smooth on the cone over the loop.
+
+    Equation
+    --------
+    b^i = integral_0^1 s ds loop integral (d_m e^i_n - d_n e^i_m)(q0 + s x) x^m dx^n
+    (sum over all m, n; Stokes on the surface q0 + s x).  The curl is exact, and x is the offset
+    itself: nothing cancels, however small the loop.
+    """
+    if forms.curl is None or smooth(part):
+        found = by_levels(forms, ClosedCurve(part.arcs[0]), Places.of(part), accuracy, 2)
+        if found is not None and found.converged[0]:
+            return found
+    try:
+        rounding, used = _flux_rounding(forms, part)
+        for few, many in RAYS:
+            integrand = partial(flux_at, forms, part, rays=(many, few))
+            most = MOST_INSIDE // (few + many)
+            found = integrate(part.arcs, integrand, accuracy / 2, rounding, most)
+            used += found.points * (few + many)
+            if not found.converged:
+                return None
+            fine, coarse = np.split(found.value, 2)
+            radial = norm(fine - coarse)
+            if radial <= max(accuracy / 2 * norm(fine), rounding):
+                rule = f"{found.rule} times {many} Gauss points"
+                found = replace(found, value=fine, truncation=found.truncation + radial, rule=rule)
+                return _route(found, 2, rounding, used)
+    except SingularPointError:
+        return None
+    return None
+
+
+def flux_at(
+    forms: Forms, part: Part, offsets: np.ndarray, slopes: np.ndarray, rays: tuple[int, ...]
+) -> np.ndarray:
+    """The integral along the rays through offsets, by Gauss with so many points; one n for each.
+
+    Shape (n, k) for one rule, (2 n, k) for two.
+    """
+    form = forms.curl
+    if form is None:
+        return np.zeros((len(rays) * len(part.centre), offsets.shape[1]))
+    nodes = [ray_rule(count) for count in rays]
+    s = np.concatenate([place for place, _ in nodes])
+    centre = np.array(part.centre)[:, None, None]
+    points = (centre + part.size * (s[:, None] * offsets[:, None, :])).reshape(len(centre), -1)
+    values = form.at(points).reshape(len(form.rows), len(s), -1)
+    a, b = forms.pairs
+    area = (offsets[a] * slopes[b] - offsets[b] * slopes[a])[form.columns]
+    results, first = [], 0
+    for _, weights in nodes:
+        along = np.einsum("s,esk->ek", weights, values[:, first : first + len(weights)])
+        results.append(form.gather @ (along * area))
+        first += len(weights)
+    return np.concatenate(results)
+
+
+def _flux_rounding(forms: Forms, part: Part) -> tuple[float, int]:
+    """What rounding does to the flux, from points halfway out in area, and how many they are."""
+    form = forms.curl
+    assert form is not None
+    offsets, slopes = probes(part.arcs)
+    points = np.array(part.centre)[:, None] + np.sqrt(0.5) * part.size * offsets
+    a, b = forms.pairs
+    areas = np.abs(offsets[a] * slopes[b]) + np.abs(offsets[b] * slopes[a])
+    sums = form.gather @ (form.noise(points, form.at(points)) * areas[form.columns] / 2)
+    return float(sums.mean(axis=1).max()) * len(part.arcs), 2 * points.shape[1]
+
+
+def smooth(part: Part) -> bool:
+    """Whether a part is one smooth closed curve."""
+    return len(part.arcs) == 1 and part.arcs[0].is_periodic
+
+
+def probes(arcs: Sequence[Arc]) -> tuple[np.ndarray, np.ndarray]:
+    """Offsets and slopes at a few points of every arc (of some, where there are many)."""
+    chosen = arcs[:: -(-len(arcs) // PROBES)]
+    each = max(1, PROBES // len(chosen))
+    s = (np.arange(each) + SHIFT) / each
+    owner = np.arange(len(chosen))
+    return at_arcs(chosen, owner, np.broadcast_to(s, (len(chosen), each)))
+
+
+def agreement(line: Route, flux: Route, sizes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where both routes agree, and where they do and the flux has the smaller error; (k,) each."""
+    flux_error = sizes * flux.error
+    apart = np.abs(line.values - sizes * flux.values).max(axis=0)
+    agree = apart <= DISAGREE * (line.error + flux_error)
+    return agree, agree & (flux_error <= line.error)
+
+
+def _route(found: Integral, power: int, rounding: float, points: int) -> Route:
+    """One integral as a route."""
+    one = np.array
+    return Route(
+        found.value[:, None], power, one([found.truncation]), one([rounding]),
+        one([found.converged]), found.rule, points,
+    )  # fmt: skip
+
+
+def _diverges(part: Part, worst: tuple[int, float] | None) -> str:
+    """The message for an integral that does not converge at all."""
+    place = ""
+    if worst is not None:
+        place = f" near {shown(part.points(part.arcs[worst[0]], worst[1])[0][:, 0])}"
+    return (
+        f"the integral along the loop does not converge{place}: the coframe seems to be singular "
+        "there, or to vary faster than can be resolved. Lead the loop past that point."
+    )

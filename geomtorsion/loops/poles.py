@@ -1,0 +1,99 @@
+"""Poles: where a denominator of the coframe vanishes on a loop, or nearly does."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from geomtorsion.errors import SingularPointError
+from geomtorsion.loops.arcs import Arc, Part, shown
+from geomtorsion.loops.forms import Forms
+
+# A denominator this small beside its largest value on an arc is a zero on the loop. (It goes with
+# the square of the distance: what is nearer than 1e-12 of the size is on it.)
+ZERO = 1e-24
+# Minima below this share of the largest value are looked at closely, as often as it takes to come
+# from a step between samples down to a zero.
+LOW = 0.3
+ZOOMS = 24
+# Where a denominator is flat within this share of itself, its minimum is found.
+FLAT = 0.9
+# A peak as narrow as this share of a step between samples escapes rules with few points.
+NARROW = 0.25
+
+
+def refuse_poles(forms: Forms, part: Part) -> tuple[tuple[int, float], ...]:
+    """Refuse a loop on which a denominator of the coframe vanishes.
+
+    Returns
+    -------
+    (number of the arc, s) in ascending order about each place where one nearly does, closer and
+    closer: an integral whose intervals end there misses no peak.
+
+    Raises
+    ------
+    SingularPointError
+        The loop passes through a zero; the message names it.
+    """
+    cuts: list[tuple[int, float]] = []
+    if forms.poles is None:
+        return ()
+    for number, arc in enumerate(part.arcs):
+        count = max(17, 4 * arc.waves + 1)
+        s = np.linspace(0, 1, count)
+        for k, row in enumerate(_values(forms, part, arc, s)):
+            sizes = np.abs(row)
+            signs = np.flatnonzero(row[1:] * row[:-1] < 0) if not np.iscomplexobj(row) else ()
+            for start in sorted({int(sizes.argmin()), *_dips(sizes).tolist(), *map(int, signs)}):
+                low, high = s[max(start - 1, 0)], s[min(start + 1, count - 1)]
+                place, width = _minimum(forms, part, arc, k, low, high, sizes.max())
+                if width == 0:
+                    point = part.points(arc, place)[0][:, 0]
+                    raise SingularPointError(
+                        f"the loop passes through {shown(point)}, where {forms.pole_names[k]} "
+                        "vanishes and the coframe has no finite value. Lead it past that point."
+                    )
+                cuts += [(number, cut) for cut in _graded(place, width, 1 / count)]
+    return tuple(cuts)
+
+
+def _graded(place: float, width: float, step: float) -> list[float]:
+    """Cuts on both sides of a place, from the width of the peak there up to a step of samples."""
+    if width > NARROW * step:
+        return []
+    distances = [0.0, *(width * 2.0**k for k in range(math.ceil(math.log2(step / width))))]
+    return [s for d in distances for s in (place - d, place + d) if 0 < s < 1]
+
+
+def _dips(sizes: np.ndarray) -> np.ndarray:
+    """Places of the local minima that are small."""
+    inner = (sizes[1:-1] <= sizes[:-2]) & (sizes[1:-1] <= sizes[2:])
+    return np.flatnonzero(inner & (sizes[1:-1] < LOW * sizes.max())) + 1
+
+
+def _minimum(
+    forms: Forms, part: Part, arc: Arc, k: int, low: float, high: float, largest: float
+) -> tuple[float, float]:
+    """Where denominator k is smallest between two values of s, and how wide it is there.
+
+    The width is 0 where it vanishes.
+    """
+    place, width = low, high - low
+    for _ in range(ZOOMS):
+        s = np.linspace(low, high, 9)
+        row = _values(forms, part, arc, s)[k]
+        best = int(np.abs(row).argmin())
+        place, width = float(s[best]), float(high - low)
+        crosses = not np.iscomplexobj(row) and row.min() < 0 < row.max()
+        if np.abs(row[best]) <= ZERO * largest or crosses:
+            return place, 0.0
+        if np.abs(row[best]) > FLAT * np.abs(row).max():
+            break
+        low, high = s[max(best - 1, 0)], s[min(best + 1, 8)]
+    return place, width
+
+
+def _values(forms: Forms, part: Part, arc: Arc, s: np.ndarray) -> np.ndarray:
+    """Values of all denominators along an arc, shape (poles, k)."""
+    return forms.pole_values(part.points(arc, s)[0])
