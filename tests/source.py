@@ -179,14 +179,19 @@ def _is_number(node: ast.expr) -> bool:
 
 
 def unmirrored(tests: Path) -> list[str]:
-    """Test files in the folder of a package that have not the name of one of its modules."""
+    """Test files in the folder of a package whose name does not begin with that of a module.
+
+    test_parsing.py and test_parsing_limits.py are about parsing.py, or about what parsing/ holds.
+    """
     found = []
     for file in sorted(tests.rglob("test_*.py")):
-        place = file.relative_to(tests)
-        package = PACKAGE.joinpath(*place.parts[:-1])
-        if len(place.parts) < 2 or not (PACKAGE / place.parts[0] / "__init__.py").is_file():
+        folder = PACKAGE / file.parent.relative_to(tests)
+        if folder == PACKAGE or not (folder / "__init__.py").is_file():
             continue
-        module = file.stem.removeprefix("test_")
-        if not ((package / f"{module}.py").is_file() or (package / module).is_dir()):
-            found.append(str(place))
+        words = file.stem.removeprefix("test_").split("_")
+        names = ["_".join(words[:count]) for count in range(1, len(words) + 1)]
+        if not any(
+            (folder / f"{n}.py").is_file() or (folder / n / "__init__.py").is_file() for n in names
+        ):
+            found.append(str(file.relative_to(tests)))
     return found
