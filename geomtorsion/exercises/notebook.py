@@ -57,7 +57,7 @@ def _cells(exercise: Exercise) -> list[dict[str, Any]]:
     )
     ask = (
         "# One hint after the other: hints[0], hints[1], ...\n"
-        f'gt.exercises.load("{exercise.number}", seed={exercise.seed}).hints[0]'
+        f'print(gt.exercises.load("{exercise.number}", seed={exercise.seed}).hints[0])'
     )
     return [
         _markdown(f"statement-{key}", text),

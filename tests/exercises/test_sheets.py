@@ -69,7 +69,7 @@ def test_a_chapter(chapter, tmp_path):
 
 
 def test_the_notebook_runs(tmp_path):
-    """Valid nbformat 4.5; every code cell runs, and the check says that answers are missing."""
+    """Valid nbformat 4.5; every code cell runs, the check misses answers, hints are readable."""
     [file] = [path for path in write_sheet("3", tmp_path) if path.suffix == ".ipynb"]
     notebook = json.loads(file.read_text("utf-8"))
     assert (notebook["nbformat"], notebook["nbformat_minor"]) == (4, 5)
@@ -82,8 +82,13 @@ def test_the_notebook_runs(tmp_path):
         assert set(cell) >= {"cell_type", "id", "metadata", "source"}
         if cell["cell_type"] == "code":
             exec("".join(cell["source"]), scope)
-    assert len(said) == sum(number.startswith("3.") for number in exercises.names())
-    assert "[empty]" in said[0]
+    numbers = [number for number in exercises.names() if number.startswith("3.")]
+    checks, hints = said[::2], said[1::2]
+    assert len(checks) == len(numbers)
+    assert "[empty]" in checks[0]
+    # As a value of a cell each backslash would be shown twice.
+    assert hints == [exercises.load(number).hints[0] for number in numbers]
+    assert any("\\" in hint for hint in hints)
 
 
 def test_the_form_is_a_file_of_answers(tmp_path):

@@ -2,24 +2,32 @@
 
 import json
 
+import pytest
+
 from geomtorsion.paper import statements
 from tests.cli.running import run
 
 
-def test_text():
+@pytest.fixture(scope="module")
+def found():
+    """All statements, recomputed once."""
+    return statements()
+
+
+def test_text(found):
     """Each statement with its verdict and formula; the last line counts."""
     text = run("paper").stdout
-    for statement in statements():
+    for statement in found:
         assert statement.says in text
         assert statement.verdict in text
         assert statement.right in text
     assert text.splitlines()[-1] == "42 claims recomputed: 33 agree, 9 misprints."
 
 
-def test_json():
+def test_json(found):
     """JSON holds the same statements."""
     data = json.loads(run("paper", "--format", "json").stdout)
-    assert [entry["equation"] for entry in data] == [one.equation for one in statements()]
+    assert [entry["equation"] for entry in data] == [one.equation for one in found]
     assert set(data[0]) == {"equation", "says", "verdict", "right", "note"}
 
 
