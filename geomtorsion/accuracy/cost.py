@@ -108,7 +108,7 @@ class CostTable:
         MissingExtraError
             matplotlib is not installed.
         """
-        from geomtorsion.pictures.work_precision import work_precision_picture
+        from geomtorsion.pictures.costs import work_precision_picture
 
         return work_precision_picture(self)
 

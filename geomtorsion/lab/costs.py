@@ -13,7 +13,7 @@ from geomtorsion.lab.numbers import table
 from geomtorsion.lab.plot import LOOKS, Plot
 from geomtorsion.lab.top import made, scene_of
 from geomtorsion.loops import Loop
-from geomtorsion.pictures.pair import posed
+from geomtorsion.pictures.pair_solving import pair_problems
 from geomtorsion.pictures.style import number
 from geomtorsion.scenes.accuracy_table import scene_accuracy
 from geomtorsion.spaces.first_motions import first_motion
@@ -80,7 +80,7 @@ def _of_motion(
     moments: Sequence[float] | None = None,
 ) -> dict[str, Any]:
     """Engines along one of the two curves, against a closed form or quadruple precision."""
-    problems, _, last = posed(
+    problems, _, last = pair_problems(
         space_of(space), frame_velocity=list(velocity), t=float(t), moments=moments
     )
     name = "autoparallel" if kind == "straightest" else "geodesic"

@@ -11,8 +11,7 @@ from geomtorsion.lab.facts import space_of
 from geomtorsion.lab.numbers import table
 from geomtorsion.lab.plot import LOOKS, Look, Plot
 from geomtorsion.lab.turning import Curve, Film, thinned, turnable
-from geomtorsion.pictures.pair import follow
-from geomtorsion.pictures.quality import coincide
+from geomtorsion.pictures.pair_solving import solve_pair
 from geomtorsion.pictures.style import number
 from geomtorsion.pictures.text import greek_name
 
@@ -52,7 +51,7 @@ def paths(
     >>> paths("flat_polar", [0.3, 1.0], 2.0)["largest"] > 0.5
     True
     """
-    pair = follow(
+    pair = solve_pair(
         space_of(space),
         frame_velocity=[float(x) for x in velocity],
         t=float(t),
@@ -157,7 +156,7 @@ def _distance(pair: Pair) -> str:
     """How far apart they are over time; on a logarithmic axis where they are one."""
     times = pair.times[: len(pair.distance)].tolist()
     distances = pair.distance.tolist()
-    if coincide(pair):
+    if pair.coincide:
         plot = Plot("Distance: the two are one, to the accuracy", ("t", "distance"), log="y")
         plot.line([(t, max(d, _LEAST)) for t, d in zip(times, distances, strict=True)], APART)
         plot.line([(times[0], ACCURACY), (times[-1], ACCURACY)], LOOKS[5], "accuracy asked for")
@@ -183,7 +182,7 @@ def _table(pair: Pair) -> str:
 
 
 def _sentence(pair: Pair, largest: float) -> str:
-    if coincide(pair):
+    if pair.coincide:
         said = f"Straightest and shortest are one curve here, to {largest:.0e}."
     else:
         said = f"Straightest and shortest part: by {largest:.4g} at most."

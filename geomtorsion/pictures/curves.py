@@ -1,42 +1,77 @@
-"""curves: both motions in space, in the chart, and coordinate by coordinate."""
+"""curves: straightest and shortest curve from one start, in space, in the chart and over time."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion.pictures.sphere import curve_on, globe, space_axes, towards
+from geomtorsion.errors import LimitError
+from geomtorsion.pictures.error_over_time import drift_over_time, error_over_time
+from geomtorsion.pictures.sphere import curve_on, globe, numbered, space_axes, towards
 from geomtorsion.pictures.style import (
+    FLAT,
+    SERIES,
     STROKES,
-    Stroke,
-    caption,
+    STYLE,
+    assigned,
     captioned,
-    clock,
+    ends,
     legend,
     mathematics,
     new_figure,
+    number,
     quiet,
+    space_box,
+    visible,
 )
+from geomtorsion.pictures.text import greek_words
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from mpl_toolkits.mplot3d import Axes3D
 
     from geomtorsion.pictures.pair import Pair
 
-# A direction in which both curves stretch less than this share is not drawn.
-FLAT = 1e-6
-ELEVATION = 24.0
+# Where a panel stands (rows, columns, number), and curves by name.
+Place = tuple[int, int, int]
+Paths = Mapping[str, np.ndarray]
+# What the three axes of a body are called in legends.
+NAMES = ("first axis of the body, 1", "second axis, 2", "third axis, 3")
 
 
-def paths_picture(pair: Pair) -> Figure | None:
+def caption(pair: Pair) -> list[str]:
+    """Where the motions start, how, and how accurate they are: lines for below a picture."""
+    problem = pair.problem
+    names = problem.coordinates
+    start = assigned(names, [float(x) for x in problem.start or ()])
+    velocity = assigned(names, problem.velocity.tolist(), "′")
+    parts = [f"Start {start}", f"velocity {velocity}"]
+    if pair.parameters:
+        parts.append(f"with {assigned(list(pair.parameters), list(pair.parameters.values()))}")
+    asked = pair.straight.accuracy
+    error = max(solution.error for solution in pair.curves.values())
+    parts.append(f"accuracy {number(asked)} asked, error below {number(float(f'{error:.1e}'))}")
+    ends = {curve: float(pair.curves[curve].times[-1]) for curve in pair.stops}
+    stops = [f"The {curve} stopped at t = {number(end)}." for curve, end in ends.items()]
+    return ["; ".join(parts) + ".", *stops]
+
+
+def clock(pair: Pair) -> str:
+    """What the curve parameter is called on an axis: t, unless a coordinate has that name."""
+    return "curve parameter" if "t" in pair.problem.coordinates else "$t$"
+
+
+def paths_picture(pair: Pair) -> Figure:
     """Both paths: in the space as it lies in ordinary space, and in the chart.
-
-    None where there is nothing to be seen at once: more than three coordinates and no embedding.
 
     Raises
     ------
+    LimitError
+        There are more than three coordinates and no embedding.
     MissingExtraError
         matplotlib is not installed.
     """
@@ -51,14 +86,17 @@ def paths_picture(pair: Pair) -> Figure | None:
     names = [symbol.name for symbol in pair.symbols]
     if len(names) == 1:
         graphs = {
-            name: _beside(pair.curves[name].times, points)
+            name: np.column_stack([pair.curves[name].times, points])
             for name, points in continued(pair).items()
         }
         views.append((graphs, [clock(pair), *names], "", False))
     elif len(names) <= 3:
         views.append((continued(pair), names, f"in the chart {pair.chart}", False))
     if not views:
-        return None
+        raise LimitError(
+            f"paths in {len(names)} coordinates cannot be seen at once, and {pair.space.name} is "
+            "not known to lie in ordinary space. Use `coordinates_picture`."
+        )
     figure = new_figure(10.0 if len(views) > 1 else 6.6, 5.2)
     shown: Any = None
     for k, (paths, labels, title, equal) in enumerate(views):
@@ -114,11 +152,9 @@ def continued(pair: Pair) -> dict[str, np.ndarray]:
     return found
 
 
-def _beside(times: Any, points: Any) -> Any:
-    return np.column_stack([times, points])
-
-
-def _view(figure: Any, place: Any, paths: Any, labels: Any, title: str, equal: bool) -> Any:
+def _view(
+    figure: Figure, place: Place, paths: Paths, labels: Sequence[str], title: str, equal: bool
+) -> Axes | Axes3D:
     """One panel: on a globe, in space or in a plane, as the points demand."""
     every = np.concatenate(list(paths.values()))
     radius = np.linalg.norm(every, axis=1)
@@ -136,7 +172,7 @@ def _view(figure: Any, place: Any, paths: Any, labels: Any, title: str, equal: b
         points = paths[name][:, [first, second]]
         axes.plot(*points.T, **stroke.line, label=name)
     for name, stroke in STROKES.items():
-        _ends(axes, paths[name][:, [first, second]], stroke, {})
+        ends(axes, paths[name][:, [first, second]], stroke)
     axes.set_xlabel(mathematics(labels[first]))
     axes.set_ylabel(mathematics(labels[second]), rotation=0, labelpad=12)
     axes.set_title(title, fontsize=11)
@@ -147,7 +183,7 @@ def _view(figure: Any, place: Any, paths: Any, labels: Any, title: str, equal: b
     return axes
 
 
-def _on_globe(figure: Any, place: Any, paths: Any, radius: float, title: str) -> Any:
+def _on_globe(figure: Figure, place: Place, paths: Paths, radius: float, title: str) -> Axes3D:
     axes = figure.add_subplot(*place, projection="3d")
     viewer = globe(axes, radius, towards(list(paths.values())))
     space_axes(axes, radius, viewer)
@@ -157,42 +193,32 @@ def _on_globe(figure: Any, place: Any, paths: Any, radius: float, title: str) ->
     return axes
 
 
-def _in_space(figure: Any, place: Any, paths: Any, labels: Any, title: str, equal: bool) -> Any:
-    axes = figure.add_subplot(*place, projection="3d")
+def _in_space(
+    figure: Figure, place: Place, paths: Paths, labels: Sequence[str], title: str, equal: bool
+) -> Axes3D:
+    axes: Axes3D = figure.add_subplot(*place, projection="3d")
     for name, stroke in STROKES.items():
         axes.plot(*paths[name].T, **stroke.line, label=name)
     for name, stroke in STROKES.items():
-        _ends(axes, paths[name], stroke, {"depthshade": False})
-    setters = (axes.set_xlabel, axes.set_ylabel, axes.set_zlabel)
-    for axis, setter, label in zip(
-        (axes.xaxis, axes.yaxis, axes.zaxis), setters, labels, strict=True
-    ):
-        axis.set_rotate_label(False)
-        setter(mathematics(label), labelpad=11 if axis is axes.zaxis else 7, rotation=0)
-        axis.set_pane_color((1, 1, 1, 0))
-        axis.set_major_locator(_few())
-        axis._axinfo["grid"]["color"] = "#e3e5e8"
-    axes.tick_params(labelsize=8, pad=1)
+        ends(axes, paths[name], stroke)
     axes.set_title(title, fontsize=11)
     every = np.concatenate(list(paths.values()))
     low, high = every.min(axis=0), every.max(axis=0)
-    size = high - low
+    size, centre = high - low, (low + high) / 2
     if equal:
         # One unit is equally long on all axes; the box is not flatter than two fifths.
         size = np.maximum(size, size.max() / 2.5)
-    centre = (low + high) / 2
-    limits = (axes.set_xlim, axes.set_ylim, axes.set_zlim)
-    for setter, c, s in zip(limits, centre, size * 1.06, strict=True):
-        setter(c - s / 2, c + s / 2)
+    space_box(axes, [mathematics(label) for label in labels], centre - size / 2, centre + size / 2)
     zoom = 0.84 if place[1] > 1 else 0.92
     axes.set_box_aspect(tuple(size) if equal else (1, 1, 0.85), zoom=zoom)
-    axes.view_init(elev=ELEVATION, azim=_azimuth((every - centre) / (1 if equal else size)))
+    turned = _azimuth((every - centre) / (1 if equal else size))
+    axes.view_init(elev=STYLE.elevation, azim=turned)
     return axes
 
 
-def _azimuth(points: Any) -> float:
+def _azimuth(points: np.ndarray) -> float:
     """The side from which curves spread over the largest area."""
-    e = np.radians(ELEVATION)
+    e = np.radians(STYLE.elevation)
     best, where = -1.0, -58.0
     for azimuth in range(-75, -10, 5):
         a = np.radians(azimuth)
@@ -204,14 +230,119 @@ def _azimuth(points: Any) -> float:
     return where
 
 
-def _few() -> Any:
-    from matplotlib.ticker import MaxNLocator
+def attitude_picture(pair: Pair) -> Figure:
+    """Two globes side by side: where the body's axes point, as it turns by each of the curves.
 
-    return MaxNLocator(4)
+    Raises
+    ------
+    MissingExtraError
+        matplotlib is not installed.
+    """
+    figure = new_figure(9.2, 5.4)
+    embedding = pair.embedding
+    assert embedding is not None
+    first = None
+    turns = {
+        name: embedding.attitudes(points, pair.parameters)
+        for name, points in pair.coordinates.items()
+    }
+    facing = towards([turn[:, :, axis] for turn in turns.values() for axis in range(3)])
+    for k, (name, turn) in enumerate(turns.items()):
+        axes: Any = figure.add_subplot(1, 2, k + 1, projection="3d")
+        first = first or axes
+        viewer = globe(axes, 1.0, facing)
+        space_axes(axes, 1.0, viewer)
+        for axis, stroke in enumerate(SERIES[:3]):
+            curve_on(axes, turn[:, :, axis], viewer, stroke, NAMES[axis])
+            # Where a curve goes round often its dashes fill up: the number stays legible.
+            numbered(axes, turn[0, :, axis], viewer, str(axis + 1), stroke)
+        axes.set_title(name, fontsize=11)
+    legend(figure, first)
+    lines = caption(pair)
+    captioned(figure, [*lines, "Dots: start; pale: behind the globe; x, y, z are fixed in space."])
+    return figure
 
 
-def _ends(axes: Any, points: Any, stroke: Stroke, more: dict[str, Any]) -> None:
-    """A dot at the start, the stroke's own mark at the end."""
-    look = {"color": stroke.color, "edgecolors": "white", "linewidths": 0.8, "zorder": 5} | more
-    axes.scatter(*points[-1], marker=stroke.end, s=46, **look)
-    axes.scatter(*points[0], marker="o", s=40, **(look | {"color": "#222222"}))
+def distance_picture(pair: Pair) -> Figure:
+    """Distance of the two motions over time; logarithmic where there is next to none.
+
+    Raises
+    ------
+    MissingExtraError
+        matplotlib is not installed.
+    """
+    figure = new_figure(6.6, 4.2)
+    axes: Any = figure.add_subplot()
+    times = pair.times[: len(pair.distance)]
+    stroke = SERIES[3]
+    line = stroke.line | {"linestyle": "-"}
+    if pair.coincide:
+        axes.plot(times, visible(pair.distance), **line, label="distance")
+        asked = pair.straight.accuracy
+        axes.axhline(
+            asked, color="#666b73", linestyle=(0, (5, 1.6)), linewidth=1.2, label="accuracy asked"
+        )
+        axes.set_yscale("log")
+        axes.set_title("The two motions are one, to the accuracy asked", fontsize=11)
+        legend(figure, axes)
+    else:
+        axes.plot(times, pair.distance, **line)
+        axes.set_ylim(bottom=0)
+        axes.set_title("Distance between autoparallel and geodesic", fontsize=11)
+    axes.set_xlabel(clock(pair))
+    axes.set_ylabel("distance")
+    quiet(axes)
+    measure = "Measured by the coframe half way between the two: the true distance when small."
+    captioned(figure, [*caption(pair), measure])
+    return figure
+
+
+def quality_picture(pair: Pair) -> Figure:
+    """Error estimates of both motions, and the drift of every known invariant, over time.
+
+    Raises
+    ------
+    MissingExtraError
+        matplotlib is not installed.
+    """
+    drifts = [
+        (f"{curve}: {greek_words(name)}", solution.times, values)
+        for curve, solution in pair.curves.items()
+        for name, values in drift_over_time(solution).items()
+    ]
+    figure = new_figure(9.4, 4.6)
+    left: Any = figure.add_subplot(1, 2, 1)
+    for curve, stroke in STROKES.items():
+        solution = pair.curves[curve]
+        errors = error_over_time(solution)
+        if errors is not None:
+            label = curve if errors.any() else f"{curve}: no difference at all"
+            left.plot(solution.times[: len(errors)], visible(errors), **stroke.line, label=label)
+    left.axhline(
+        pair.straight.accuracy,
+        color="#666b73",
+        linestyle=(0, (1, 1.6)),
+        linewidth=1.4,
+        label="accuracy asked",
+    )
+    left.set_title("Error estimate, relative", fontsize=11)
+    right: Any = figure.add_subplot(1, 2, 2, sharey=left)
+    for (label, times, values), stroke in zip(drifts, SERIES * 3, strict=False):
+        shown = label if values[values == values].any() else f"{label}: none"
+        right.plot(times, visible(values), **stroke.line, label=shown)
+    right.set_title("Drift of what should be constant, relative", fontsize=11)
+    if not drifts:
+        right.set_axis_off()
+        right.text(0.5, 0.5, "no invariant is known", ha="center", transform=right.transAxes)
+    for axes in (left, right):
+        axes.set_yscale("log")
+        axes.set_xlabel(clock(pair))
+        axes.tick_params(labelleft=True)
+        quiet(axes)
+        if axes.get_legend_handles_labels()[0]:
+            axes.legend(
+                loc="upper center", bbox_to_anchor=(0.5, -0.16), frameon=False, fontsize=8.5,
+                handlelength=3.2, ncols=1,
+            )  # fmt: skip
+    captioned(figure, [*caption(pair), "Zero is drawn at the bottom, at 1e−17."])
+    return figure

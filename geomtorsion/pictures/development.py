@@ -11,7 +11,7 @@ from sympy import latex
 from geomtorsion.loops import Loop, develop
 from geomtorsion.loops.paths import DevelopedPath, developed_path
 from geomtorsion.pictures.loops import GAP, IMAGE, PATH, START
-from geomtorsion.pictures.style import new_figure
+from geomtorsion.pictures.style import arrow, new_figure, quiet
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Connection
@@ -52,7 +52,7 @@ def draw_development(
     left, right = figure.subplots(1, 2)
     _draw_loop(left, path, [latex(symbol) for symbol in connection.frame.coordinates], frames)
     _draw_rolled(right, path, frames)
-    _tell(right, turn)
+    _state_gap(right, turn)
     figure.suptitle(f"{loop.name}, rolled out: {connection.name}", color=START)
     return figure
 
@@ -80,22 +80,12 @@ def _draw_loop(axes: Any, path: DevelopedPath, names: list[str], frames: int) ->
     axes.plot(x[marks], y[marks], "o", color=PATH, ms=4)
     axes.plot(x[0], y[0], "o", color=START, ms=8)
     ahead = len(x) // 14
-    axes.annotate(
-        "",
-        (x[ahead + 4], y[ahead + 4]),
-        (x[ahead], y[ahead]),
-        arrowprops={
-            "arrowstyle": "-|>",
-            "color": PATH,
-            "mutation_scale": 18,
-            "shrinkA": 0,
-            "shrinkB": 0,
-        },
-    )
+    arrow(axes, (x[ahead], y[ahead]), (x[ahead + 4], y[ahead + 4]), PATH)
     axes.set_xlabel(f"${names[a]}$")
     axes.set_ylabel(f"${names[b]}$")
     axes.set_title("the loop, closed in the coordinates", fontsize=11)
-    _plain(axes)
+    axes.set_aspect("equal", adjustable="datalim")
+    quiet(axes)
 
 
 def _draw_rolled(axes: Any, path: DevelopedPath, frames: int) -> None:
@@ -109,19 +99,7 @@ def _draw_rolled(axes: Any, path: DevelopedPath, frames: int) -> None:
     _draw_frame(axes, path, 0, (a, b), 0.15 * span, START, 2.2)
     _draw_frame(axes, path, len(x) - 1, (a, b), 0.15 * span, GAP, 2.2)
     if np.hypot(x[-1] - x[0], y[-1] - y[0]) > 0.01 * span:
-        axes.annotate(
-            "",
-            (x[-1], y[-1]),
-            (x[0], y[0]),
-            arrowprops={
-                "arrowstyle": "-|>",
-                "color": GAP,
-                "lw": 2.4,
-                "mutation_scale": 18,
-                "shrinkA": 0,
-                "shrinkB": 0,
-            },
-        )
+        arrow(axes, (x[0], y[0]), (x[-1], y[-1]), GAP, 2.4)
         across = np.array([y[0] - y[-1], x[-1] - x[0]])
         across *= 14 / np.linalg.norm(across)
         axes.annotate(
@@ -137,7 +115,8 @@ def _draw_rolled(axes: Any, path: DevelopedPath, frames: int) -> None:
     axes.set_xlabel(f"$e^{{{a + 1}}}$ at the start")
     axes.set_ylabel(f"$e^{{{b + 1}}}$ at the start")
     axes.margins(0.12)
-    _plain(axes)
+    axes.set_aspect("equal", adjustable="datalim")
+    quiet(axes)
 
 
 def _draw_frame(
@@ -158,27 +137,18 @@ def _draw_frame(
     axes.plot(x, y, "o", color=ink, ms=2.5 * width)
 
 
-def _tell(axes: Any, turn: Development) -> None:
+def _state_gap(axes: Any, turn: Development) -> None:
     """Gap and turn in numbers, and what lies inside."""
     size = float(np.linalg.norm(turn.burgers))
-    told = f"|b| = {size:.4g}" if size > turn.error else "b = 0"
+    said = f"|b| = {size:.4g}" if size > turn.error else "b = 0"
     rotated = float(np.abs(turn.motion.turn).max())
     if rotated > max(turn.turn_error, 1e-13):
         if turn.connection.keeps_lengths and len(turn.burgers) in (2, 3):
-            told += f",  turn = {np.degrees(turn.angle):.4g}°"
+            said += f",  turn = {np.degrees(turn.angle):.4g}°"
         else:
-            told += f",  |R - 1| = {rotated:.4g}"
+            said += f",  |R - 1| = {rotated:.4g}"
     else:
-        told += ",  no turn"
+        said += ",  no turn"
     if turn.enclosed:
-        told += f";  encloses {len(turn.enclosed)} defect{'s' * (len(turn.enclosed) > 1)}"
-    axes.set_title(told, fontsize=11)
-
-
-def _plain(axes: Any) -> None:
-    """Equal scales, a quiet grid, no box."""
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.grid(color="#e2e3de", lw=0.6)
-    axes.set_axisbelow(True)
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
+        said += f";  encloses {len(turn.enclosed)} defect{'s' * (len(turn.enclosed) > 1)}"
+    axes.set_title(said, fontsize=11)

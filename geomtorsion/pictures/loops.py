@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -11,17 +10,15 @@ import numpy as np
 from sympy import latex
 
 from geomtorsion.errors import LoopError
-from geomtorsion.loops import BurgersMap, BurgersVector, Loop, burgers_vector
+from geomtorsion.loops import BurgersMap, BurgersVector
 from geomtorsion.loops.hodograph import Hodograph, hodograph
-from geomtorsion.pictures.style import new_figure, quiet
+from geomtorsion.pictures.style import FLAT, arrow, new_figure, quiet
 
 if TYPE_CHECKING:
-    from geomtorsion.geometry import Frame
+    pass
 
 # Colours that stay apart in print and for every eye (Okabe and Ito).
 PATH, IMAGE, GAP, START = "#0072B2", "#007a59", "#D55E00", "#222222"
-# Below this share of the largest, an extent or a component is not worth an axis.
-FLAT = 1e-6
 
 
 def draw_closure(b: BurgersVector) -> Any:
@@ -121,20 +118,7 @@ def _draw_image(axes: Any, drawn: Hodograph, b: BurgersVector) -> None:
         if len(chosen) == 3:
             axes.quiver(*start, *step, color=GAP, linewidth=2.4, arrow_length_ratio=0.16, zorder=5)
         else:
-            axes.annotate(
-                "",
-                xy=end,
-                xytext=start,
-                arrowprops={
-                    "arrowstyle": "-|>",
-                    "color": GAP,
-                    "linewidth": 2.4,
-                    "mutation_scale": 16,
-                    "shrinkA": 0,
-                    "shrinkB": 0,
-                },
-                zorder=5,
-            )
+            arrow(axes, start, end, GAP, 2.4)
     axes.plot(*points[:, :1], "o", color=START, markersize=5)
     _label(axes, [f"$X^{k}${_over(drawn.unit)}" for k in chosen])
     size = f"|b| = {b.magnitude:.4g}" if b.magnitude else "|b| = 0"
@@ -149,12 +133,7 @@ def _sense(axes: Any, points: Any, colour: str) -> None:
     if len(points) != 2:
         return
     k = points.shape[1] // 6
-    axes.annotate(
-        "",
-        xy=points[:, k + 1],
-        xytext=points[:, k],
-        arrowprops={"arrowstyle": "-|>", "color": colour, "mutation_scale": 15},
-    )
+    arrow(axes, points[:, k], points[:, k + 1], colour)
 
 
 def _label(axes: Any, labels: list[str]) -> None:
@@ -249,8 +228,3 @@ def _ring(axes: Any, survey: BurgersMap, corners: tuple[Any, Any], k: int) -> No
         strength = float(np.real(survey.vectors[k, row, column]))
         axes.plot(x, y, "o", markersize=13, fillstyle="none", color=START, markeredgewidth=1.4)
         axes.annotate(f"b = {strength:.3g}", (x, y), (9, 7), textcoords="offset points", fontsize=9)
-
-
-def draw_loop(frame: Frame, loop: Loop, *, parameters: Mapping[Any, Any] | None = None) -> Any:
-    """The picture of `draw_closure` straight from a frame and a loop."""
-    return draw_closure(burgers_vector(frame, loop, parameters=parameters))

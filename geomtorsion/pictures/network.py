@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping, Sequence
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +10,7 @@ import numpy as np
 from geomtorsion.errors import LimitError, NetworkError
 from geomtorsion.loops.dislocation_network import size, written
 from geomtorsion.pictures.loops import GAP, PATH, START
-from geomtorsion.pictures.style import new_figure
+from geomtorsion.pictures.style import FLAT, arrow, new_figure, quiet
 
 if TYPE_CHECKING:
     from geomtorsion.loops import DislocationNetwork, Network
@@ -19,8 +18,6 @@ if TYPE_CHECKING:
 SOFT, GOOD = "#9ca5b6", "#1c7a43"
 # More edges than this make a picture black.
 MOST_EDGES = 5000
-# A cycle whose vector is below this share of the largest counts as closed in the picture.
-FLAT = 1e-9
 
 
 def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = (0, 1)) -> Any:
@@ -78,16 +75,18 @@ def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = 
     axes.set_ylabel(names[plane[1]])
     axes.set_title(f"{len(found)} cycles of a {basis} basis, {missed} do not close", fontsize=11)
     axes.set_aspect("equal")
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
+    quiet(axes)
     return figure
 
 
 def _shades(figure: Any, axes: Any, largest: float) -> Any:
     """A scale of colours from 0 to the largest |b|, with its bar."""
-    colours, scale = import_module("matplotlib.colors"), import_module("matplotlib.cm")
-    ramp = colours.LinearSegmentedColormap.from_list("b", ["#fff4e6", "#f2a65e", GAP])
-    mapped = scale.ScalarMappable(colours.Normalize(0, largest or 1.0), ramp)
+    # Only who draws needs the extra.
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import LinearSegmentedColormap, Normalize
+
+    ramp = LinearSegmentedColormap.from_list("b", ["#fff4e6", "#f2a65e", GAP])
+    mapped = ScalarMappable(Normalize(0, largest or 1.0), ramp)
     if largest:
         figure.colorbar(mapped, ax=axes, label="|b|", shrink=0.8)
     return mapped.to_rgba
@@ -184,13 +183,7 @@ def _draw_line(
     t = np.linspace(0, 1, 41)[:, None]
     curve = (1 - t) ** 2 * one + 2 * t * (1 - t) * (2 * middle - (one + two) / 2) + t**2 * two
     axes.plot(*curve.T, color=PATH, lw=width, zorder=2, solid_capstyle="round")
-    axes.annotate(
-        "", tuple(curve[23]), tuple(curve[19]), zorder=3,
-        arrowprops={
-            "arrowstyle": "-|>", "color": PATH, "mutation_scale": 12 + 3 * width,
-            "shrinkA": 0, "shrinkB": 0,
-        },
-    )  # fmt: skip
+    arrow(axes, curve[19], curve[23], PATH, width)
     side = across / max(float(np.linalg.norm(across)), 1e-300) * (1 if bend >= 0 else -1)
     axes.annotate(
         label, tuple(curve[20]), tuple(13 * side), textcoords="offset points",

@@ -16,7 +16,7 @@ from geomtorsion.pictures.catalogue import SECTIONS
 from geomtorsion.pictures.latex import equation_latex, latex_matrix, latex_name, latex_text
 from geomtorsion.pictures.mathml import expression_mathml, mathml
 from geomtorsion.pictures.sections import section
-from geomtorsion.pictures.text import greek_name
+from geomtorsion.pictures.text import greek_words
 
 if TYPE_CHECKING:
     from geomtorsion.pictures.quantities import Quantity
@@ -154,7 +154,7 @@ def _branches(space: Space) -> str:
         return ""
     items = "".join(
         f"<p>{expression_mathml(branch.radical)} is read as {expression_mathml(branch.read_as)}"
-        f", right where {escape(_greek(branch.condition))}.</p>"
+        f", right where {escape(greek_words(branch.condition))}.</p>"
         for branch in branches
     )
     return f'<h2 id="about-roots">Branches of roots</h2><section class="card">{items}</section>'
@@ -162,13 +162,8 @@ def _branches(space: Space) -> str:
 
 def _prose(text: str) -> str:
     """A sentence as HTML, with Greek letters for their names and indices and powers in place."""
-    lowered = re.sub(r"\b(\w)_(\w+)", r"\1<sub>\2</sub>", escape(_greek(text)))
+    lowered = re.sub(r"\b(\w)_(\w+)", r"\1<sub>\2</sub>", escape(greek_words(text)))
     return re.sub(r"\^(-?\w+)", r"<sup>\1</sup>", lowered)
-
-
-def _greek(text: str) -> str:
-    """Words of a sentence with the Greek letters they name."""
-    return re.sub(r"[A-Za-z]+[0-9]*", lambda match: greek_name(match.group()), text)
 
 
 def _footer() -> str:

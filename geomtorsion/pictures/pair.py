@@ -1,34 +1,28 @@
-"""pair: autoparallel and geodesic from one start, solved and ready to be drawn or tabulated."""
+"""pair: autoparallel and geodesic from one start, as solved, ready to be drawn or tabulated."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from sympy import Derivative
+import sympy as sp
 
-from geomtorsion.errors import AccuracyError, ChartEdgeError, StartError
-from geomtorsion.geometry import cartan
+from geomtorsion.errors import ChartEdgeError
 from geomtorsion.motion import (
-    Engine,
     Problem,
     Solution,
-    autoparallel,
     distance_apart,
-    geodesic,
-    solve,
 )
 from geomtorsion.spaces.embeddings import Embedding, embedding_of
-from geomtorsion.spaces.first_motions import first_motion
 
 if TYPE_CHECKING:
     from geomtorsion.spaces.space import Space
 
-SAMPLES = 401
-ACCURACY = 1e-10
+# Two curves are one if they are within so many times the accuracy asked for.
+WITHIN = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +78,7 @@ class Pair:
         )
 
     @property
-    def symbols(self) -> tuple[Any, ...]:
+    def symbols(self) -> tuple[sp.Symbol, ...]:
         """Coordinates of that chart."""
         return self.problem.atlas.chart(self.chart).coordinates
 
@@ -102,6 +96,12 @@ class Pair:
         return distance_apart(one, two, self.chart)
 
     @property
+    def coincide(self) -> bool:
+        """Whether the two are the same as far as their errors can tell."""
+        size = float(np.abs(self.coordinates["geodesic"]).max()) or 1.0
+        return float(self.distance.max()) <= WITHIN * self.straight.accuracy * size
+
+    @property
     def times(self) -> np.ndarray:
         """Times of the curve that went on longer."""
         return max((self.straight.times, self.shortest.times), key=len)
@@ -112,7 +112,7 @@ class Pair:
         t; for each curve coordinates q, velocities q' (home chart only), frame velocities u;
         distance.
         """
-        table: dict[str, Any] = {"t": self.times}
+        table: dict[str, np.ndarray] = {"t": self.times}
         names = [symbol.name for symbol in self.symbols]
         for curve, solution in self.curves.items():
             for k, name in enumerate(names):
@@ -124,139 +124,3 @@ class Pair:
                     table[f"{curve} u{k}"] = solution.frame_velocity[:, k]
         table["distance"] = self.distance
         return table
-
-
-def follow(
-    space: Space,
-    start: Sequence[float] | None = None,
-    velocity: Sequence[float] | None = None,
-    *,
-    frame_velocity: Sequence[float] | None = None,
-    t: float | None = None,
-    parameters: Mapping[str, float] | None = None,
-    moments: Sequence[float] | None = None,
-    accuracy: float = ACCURACY,
-    engine: Engine | None = None,
-    samples: int = SAMPLES,
-) -> Pair:
-    """Solve both motions; what is not given is chosen, and the result says so.
-
-    Parameters
-    ----------
-    space
-        its own connection defines what is straight, else the Cartan connection of the frame.
-    start, velocity, frame_velocity, parameters
-        q^mu; q'^mu or u^i; values by name.
-    t
-        last value of the curve parameter.
-    moments
-        kinetic metric of the geodesic, one number for each leg; the metric of the frame if None.
-
-    Raises
-    ------
-    GeomtorsionError
-        the motion cannot begin like this, or not be solved so accurately. A motion that runs out
-        of its chart is no error: it is kept as far as it went.
-
-    Examples
-    --------
-    >>> from geomtorsion.motion import RungeKutta
-    >>> from geomtorsion.spaces import load
-    >>> pair = follow(load("flat_polar"), [1, 0], [0, 1], t=1, engine=RungeKutta(), samples=3)
-    >>> pair.distance.round(6).tolist()
-    [0.0, 0.124154, 0.488547]
-    """
-    problems, chosen, last = posed(
-        space,
-        start,
-        velocity,
-        frame_velocity=frame_velocity,
-        t=t,
-        parameters=parameters,
-        moments=moments,
-    )
-    times = _times(last, samples)
-    stops: dict[str, str] = {}
-    found = {}
-    for name, problem in problems.items():
-        found[name] = _solved(name, problem, times, accuracy, engine, stops)
-    return Pair(space, found["autoparallel"], found["geodesic"], chosen, stops)
-
-
-def posed(
-    space: Space,
-    start: Sequence[float] | None = None,
-    velocity: Sequence[float] | None = None,
-    *,
-    frame_velocity: Sequence[float] | None = None,
-    t: float | None = None,
-    parameters: Mapping[str, float] | None = None,
-    moments: Sequence[float] | None = None,
-) -> tuple[dict[str, Problem], tuple[str, ...], float]:
-    """Both problems by name, what was chosen because it was not given, and the last time.
-
-    Examples
-    --------
-    >>> from geomtorsion.spaces import load
-    >>> problems, chosen, last = posed(load("s2"), t=3)
-    >>> list(problems), chosen, last
-    (['autoparallel', 'geodesic'], ('start', 'velocity', 'parameters'), 3.0)
-    """
-    refuse_unknown_functions(space)
-    first = first_motion(space.frame)
-    given = {"start": start, "velocity": velocity or frame_velocity, "t": t}
-    chosen = [name for name, value in given.items() if value is None]
-    numbers = dict(first.parameters) | dict(parameters or {})
-    if set(first.parameters) - set(parameters or {}):
-        chosen.append("parameters")
-    if velocity is None and frame_velocity is None:
-        frame_velocity = first.frame_velocity
-    begin: dict[str, Any] = {
-        "start": first.start if start is None else start,
-        "velocity": velocity,
-        "frame_velocity": frame_velocity,
-        "parameters": numbers,
-    }
-    problems = {
-        "autoparallel": autoparallel(space.connection or cartan(space.frame), **begin),
-        "geodesic": geodesic(space.frame, metric=moments, **begin),
-    }
-    return problems, tuple(chosen), first.t if t is None else float(t)
-
-
-def refuse_unknown_functions(space: Space) -> None:
-    """A motion needs numbers: a frame that contains an unknown function has none."""
-    names = [
-        str(generator.shown)
-        for generator in space.frame.field.generators
-        if generator.kind == "jet" and not isinstance(generator.shown, Derivative)
-    ]
-    if names:
-        raise StartError(
-            f"{space.name} contains the unknown function {names[0]}, so its motions have no "
-            "numbers. Write a tetrad file with a formula in its place."
-        )
-
-
-def _times(t: float, samples: int) -> Any:
-    """Evenly spaced times from 0 on."""
-    if samples < 2:
-        raise StartError(f"{samples} samples were asked for; two at least are needed.")
-    if t == 0:
-        raise StartError("t = 0 was given; a motion needs some time. Give t > 0 or t < 0.")
-    return np.linspace(0.0, float(t), samples)
-
-
-def _solved(
-    name: str, problem: Problem, times: Any, accuracy: float, engine: Any, stops: dict[str, str]
-) -> Solution:
-    """The solution, as far as it goes."""
-    try:
-        return solve(problem, times, accuracy, engine)
-    except ChartEdgeError as error:
-        if not isinstance(error.solution, Solution) or len(error.solution.times) < 2:
-            raise
-        stops[name] = str(error).removesuffix(" What was computed is in the error's `solution`.")
-        return error.solution
-    except AccuracyError as error:
-        raise AccuracyError(f"{name}: {error}") from None

@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Any
 from geomtorsion.errors import GeomtorsionError, StartError
 from geomtorsion.loops import BurgersVector, Loop, burgers_vector
 from geomtorsion.motion import RungeKutta
-from geomtorsion.pictures.album import album, can_draw
+from geomtorsion.pictures.curve_files import curve_pictures
 from geomtorsion.pictures.loops import draw_closure
-from geomtorsion.pictures.pair import Pair, follow, refuse_unknown_functions
-from geomtorsion.pictures.quality import coincide
+from geomtorsion.pictures.pair import Pair
+from geomtorsion.pictures.pair_solving import refuse_unknown_functions, solve_pair
+from geomtorsion.pictures.style import STYLE, can_draw
 from geomtorsion.spaces.first_motions import first_motion
 
 if TYPE_CHECKING:
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
 # Enough for the eye; `geomtorsion curve` gives more.
 ACCURACY = 1e-8
 RADIUS = 0.25
-REM_PER_INCH = 5.4
 NO_PICTURES = (
     '<p class="note">Pictures need matplotlib: <code>pip install geomtorsion[plots]</code>.</p>'
 )
@@ -37,7 +37,7 @@ def motions_card(space: Space, progress: Callable[[str], object] = lambda _: Non
     progress("motions")
     try:
         # Compiling pays for long motions only; a page has one short one.
-        pair = follow(space, accuracy=ACCURACY, engine=RungeKutta())
+        pair = solve_pair(space, accuracy=ACCURACY, engine=RungeKutta())
         pictures = [_img(draw(pair), says) for draw, says in _chosen(pair)] if can_draw() else []
     except GeomtorsionError as error:
         return f'<section class="card"><p>No motions: {escape(str(error))}</p></section>'
@@ -47,7 +47,7 @@ def motions_card(space: Space, progress: Callable[[str], object] = lambda _: Non
 
 def _chosen(pair: Pair) -> list[tuple[Callable[[Pair], Any], str]]:
     """The pictures that say most: the paths, or the coordinates where paths cannot be drawn."""
-    shown = album(pair)
+    shown = curve_pictures(pair)
     names = [("paths" if "paths" in shown else "coordinates"), "attitude", "distance"]
     return [shown[name] for name in names if name in shown]
 
@@ -57,7 +57,7 @@ def _sentences(pair: Pair) -> list[str]:
     largest = float(pair.distance.max())
     found = (
         f"From this start straightest and shortest path are one, to {largest:.0e}."
-        if coincide(pair)
+        if pair.coincide
         else f"From one start the straightest and the shortest path part: by {largest:.3g} at most."
     )
     return [found, *pair.stops.values()]
@@ -111,7 +111,7 @@ def _img(figure: Figure | Any, says: str) -> str:
     with mpl.rc_context({"svg.hashsalt": "geomtorsion"}):
         figure.savefig(data, format="svg", metadata={"Date": None, "Creator": None})
     coded = b64encode(data.getvalue()).decode("ascii")
-    width = REM_PER_INCH * figure.get_size_inches()[0]
+    width = STYLE.rem * figure.get_size_inches()[0]
     return (
         f'<img class="figure" alt="{escape(says)}" style="width: {width:.1f}rem" '
         f'src="data:image/svg+xml;base64,{coded}">'

@@ -9,13 +9,9 @@ from typing import Any
 import numpy as np
 
 from geomtorsion.errors import FileFormatError, MissingExtraError
-from geomtorsion.pictures.style import SERIES, new_figure
+from geomtorsion.pictures.style import SERIES, STYLE, new_figure
 
-FRAMES_PER_SECOND = 25
-MOST_FRAMES = 500
 FORMS = (".gif", ".mp4")
-# Corners of what is round.
-ROUND = 32
 FACES = ("#8fc1e3", "#f2b48a", "#9fd6bd")
 # Corners of a block, and its faces as corners in order round about.
 _CORNERS = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
@@ -49,17 +45,18 @@ def polygons(sides: Any) -> tuple[list[np.ndarray], list[str]]:
     for axis in (2, 0, 1):
         one, other = (k for k in range(3) if k != axis)
         if abs(sides[one] - sides[other]) < 1e-9:
-            turn = np.linspace(0, 2 * np.pi, ROUND, endpoint=False)
-            rims = np.zeros((2, ROUND, 3))
+            turn = np.linspace(0, 2 * np.pi, STYLE.sides, endpoint=False)
+            rims = np.zeros((2, STYLE.sides, 3))
             rims[:, :, one] = sides[one] * np.cos(turn)
             rims[:, :, other] = sides[one] * np.sin(turn)
             rims[0, :, axis], rims[1, :, axis] = sides[axis], -sides[axis]
             after = np.roll(rims, -1, axis=1)
             walls = [
-                np.array([rims[0, k], rims[1, k], after[1, k], after[0, k]]) for k in range(ROUND)
+                np.array([rims[0, k], rims[1, k], after[1, k], after[0, k]])
+                for k in range(STYLE.sides)
             ]
             # Quarters of different colours show how it spins.
-            quarters = [FACES[int(4 * k / ROUND) % 2] for k in range(ROUND)]
+            quarters = [FACES[int(4 * k / STYLE.sides) % 2] for k in range(STYLE.sides)]
             return [rims[0], rims[1], *walls], [FACES[2], FACES[2], *quarters]
     corners = sides * np.array(_CORNERS, dtype=float)
     return [corners[list(face)] for face in _FACES], [FACES[k // 2] for k in range(6)]
@@ -99,7 +96,7 @@ def write_film(
         the suffix is neither .gif nor .mp4.
     """
     writer = _writer(path)
-    frames = int(min(max(seconds * FRAMES_PER_SECOND, 2), MOST_FRAMES, len(times)))
+    frames = int(min(max(seconds * STYLE.rate, 2), STYLE.frames, len(times)))
     chosen = np.linspace(0, len(times) - 1, frames).round().astype(int)
     turn = np.asarray(matrices, dtype=float)
     clock = np.asarray(times, dtype=float)
@@ -138,12 +135,12 @@ def _writer(path: Path) -> Any:
             "films need matplotlib, which is not installed. Run `pip install geomtorsion[plots]`."
         ) from None
     if kind == ".gif":
-        return PillowWriter(fps=FRAMES_PER_SECOND)
+        return PillowWriter(fps=STYLE.rate)
     if not FFMpegWriter.isAvailable():
         raise MissingExtraError(
             ".mp4 needs the program ffmpeg, which is not there. Install it, or write a .gif."
         )
-    return FFMpegWriter(fps=FRAMES_PER_SECOND, bitrate=1800)
+    return FFMpegWriter(fps=STYLE.rate, bitrate=1800)
 
 
 class _Stage:

@@ -7,15 +7,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion.pictures.style import SERIES, Stroke, captioned, legend, new_figure, quiet
+from geomtorsion.pictures.style import (
+    FLAT,
+    SERIES,
+    STYLE,
+    Stroke,
+    captioned,
+    ends,
+    legend,
+    new_figure,
+    quiet,
+    space_box,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# A direction in which a path stretches less than this share is not drawn.
-FLAT = 1e-6
-# Bodies shown on the way.
-SHOWN = 13
 AXES = ("#b04a86", "#8a6d00", "#007a59")
 
 
@@ -80,13 +87,11 @@ def _stations(points: np.ndarray) -> np.ndarray:
     way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     if way[-1] == 0:
         return np.array([0])
-    wanted = np.linspace(0, way[-1], min(SHOWN, len(points)))
+    wanted = np.linspace(0, way[-1], min(STYLE.stations, len(points)))
     return np.unique(np.searchsorted(way, wanted).clip(0, len(points) - 1))
 
 
 def _in_space(axes: Any, places: Mapping[str, Any], turn: Any, every: np.ndarray) -> None:
-    from matplotlib.ticker import MaxNLocator
-
     low, high = every.min(axis=0), every.max(axis=0)
     # One unit is equally long on all axes; the box is not flatter than a third.
     size = np.maximum(high - low, (high - low).max() / 3)
@@ -102,26 +107,10 @@ def _in_space(axes: Any, places: Mapping[str, Any], turn: Any, every: np.ndarray
                     *np.array([points[station], tip]).T, color=AXES[k], linewidth=1 + (k == 2)
                 )
     for _, points, stroke in _strokes(places):
-        look = {"edgecolors": "white", "linewidths": 0.8, "depthshade": False, "zorder": 6}
-        axes.scatter(*points[0], s=40, color="#222222", **look)
-        axes.scatter(*points[-1], s=46, marker=stroke.end, color=stroke.color, **look)
+        ends(axes, points, stroke)
     centre = (low + high) / 2
-    for setter, c, s in zip(
-        (axes.set_xlim, axes.set_ylim, axes.set_zlim), centre, size * 1.08, strict=True
-    ):
-        setter(c - s / 2, c + s / 2)
-    for axis, setter, label in zip(
-        (axes.xaxis, axes.yaxis, axes.zaxis),
-        (axes.set_xlabel, axes.set_ylabel, axes.set_zlabel),
-        "xyz",
-        strict=True,
-    ):
-        axis.set_rotate_label(False)
-        setter(f"${label}$ / m", labelpad=9, rotation=0)
-        axis.set_pane_color((1, 1, 1, 0))
-        axis.set_major_locator(MaxNLocator(4))
-        axis._axinfo["grid"]["color"] = "#e3e5e8"
-    axes.tick_params(labelsize=8, pad=1)
+    labels = [f"${letter}$ / m" for letter in "xyz"]
+    space_box(axes, labels, centre - size / 2, centre + size / 2)
     axes.set_box_aspect(tuple(size), zoom=0.88 if size[2] == size.max() else 1.0)
     axes.view_init(elev=22.0, azim=-56.0)
 
@@ -139,9 +128,7 @@ def _in_plane(axes: Any, places: Mapping[str, Any], turn: Any, seen: Sequence[in
                 tip = place + 0.05 * size * turn[station][seen, k]
                 axes.plot(*np.array([place, tip]).T, color=AXES[k], linewidth=1 + (k == 2))
     for _, points, stroke in _strokes(places):
-        look = {"edgecolors": "white", "linewidths": 0.8, "zorder": 6}
-        axes.scatter(*points[0, seen], s=40, color="#222222", **look)
-        axes.scatter(*points[-1, seen], s=46, marker=stroke.end, color=stroke.color, **look)
+        ends(axes, points[:, seen], stroke)
     axes.set_xlabel(f"${'xyz'[seen[0]]}$ / m")
     axes.set_ylabel(f"${'xyz'[seen[1]]}$ / m")
     axes.set_aspect("equal", adjustable="datalim")

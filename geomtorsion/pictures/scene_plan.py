@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.pictures.style import captioned, new_figure
+from geomtorsion.pictures.style import STYLE, captioned, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 INK, OUT = "#1d2330", "#9aa0aa"
 FILLS = ("#dcebf7", "#fbe6d6", "#d9efe4", "#efe3ee", "#f3ecd2")
-# Inches for one box and the gap below it.
-ROW, WIDTH, PITCH = 0.62, 2.0, 2.9
 
 
 def plan_picture(
@@ -47,21 +45,29 @@ def plan_picture(
     """
     reasons = left_out or {}
     tallest = max((len(boxes) for boxes in columns.values()), default=1)
-    figure = new_figure(1.2 + PITCH * len(columns), 1.3 + ROW * (tallest + 1))
+    figure = new_figure(1.2 + STYLE.column * len(columns), 1.3 + STYLE.row * (tallest + 1))
     axes: Any = figure.add_subplot()
     places: dict[str, tuple[float, float]] = {}
     for k, (heading, boxes) in enumerate(columns.items()):
-        axes.text(k * PITCH, ROW, heading, ha="center", va="center", fontsize=11, weight="bold")
+        axes.text(
+            k * STYLE.column,
+            STYLE.row,
+            heading,
+            ha="center",
+            va="center",
+            fontsize=11,
+            weight="bold",
+        )
         offset = (tallest - len(boxes)) / 2
         for row, box in enumerate(boxes):
-            place = (k * PITCH, -ROW * (row + offset))
+            place = (k * STYLE.column, -STYLE.row * (row + offset))
             places.setdefault(box, place)
             _box(axes, place, box, FILLS[k % len(FILLS)], reasons.get(box))
     for start, end in edges:
         if start in places and end in places:
             _arrow(axes, places[start], places[end], start in reasons or end in reasons)
-    axes.set_xlim(-1.2, (len(columns) - 1) * PITCH + 1.7)
-    axes.set_ylim(-ROW * (tallest - 0.3), 1.5 * ROW)
+    axes.set_xlim(-1.2, (len(columns) - 1) * STYLE.column + 1.7)
+    axes.set_ylim(-STYLE.row * (tallest - 0.3), 1.5 * STYLE.row)
     axes.set_aspect("equal", adjustable="box")
     axes.set_axis_off()
     if title:
@@ -78,7 +84,8 @@ def _box(axes: Any, place: tuple[float, float], text: str, fill: str, reason: st
     gone = reason is not None
     axes.add_patch(
         FancyBboxPatch(
-            (x - WIDTH / 2, y - 0.19), WIDTH, 0.38, boxstyle="round,pad=0.02,rounding_size=0.08",
+            (x - STYLE.box / 2, y - 0.19), STYLE.box, 0.38,
+            boxstyle="round,pad=0.02,rounding_size=0.08",
             facecolor="white" if gone else fill, edgecolor=OUT if gone else INK,
             linewidth=0.9, linestyle="--" if gone else "-",
         )
@@ -94,13 +101,13 @@ def _arrow(axes: Any, start: tuple[float, float], end: tuple[float, float], gone
         "arrowstyle": "-|>", "color": OUT if gone else INK, "linewidth": 0.9,
         "linestyle": "--" if gone else "-", "shrinkA": 0, "shrinkB": 0, "mutation_scale": 10,
     }  # fmt: skip
-    half = WIDTH / 2 + 0.03
+    half = STYLE.box / 2 + 0.03
     if abs(x - u) < 1e-9:
         # Bent outwards, whether the arrow runs up or down.
         look["connectionstyle"] = f"arc3,rad={0.6 if v > y else -0.6}"
         ends = ((x + half, y), (u + half, v))
     elif u > x:
-        if u - x > PITCH * 1.01:
+        if u - x > STYLE.column * 1.01:
             # Round what stands between.
             look["connectionstyle"] = f"arc3,rad={-0.22 if v >= y else 0.22}"
         ends = ((x + half, y), (u - half, v))

@@ -7,13 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion.pictures.style import SERIES, captioned, new_figure, quiet
+from geomtorsion.pictures.style import SERIES, STYLE, captioned, new_figure, quiet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-# From this ratio of largest to smallest value on an axis is logarithmic.
-WIDE = 300.0
 
 
 def sweep_picture(
@@ -75,5 +72,5 @@ def sweep_picture(
 def _scaled(setter: Any, values: Any) -> None:
     """A logarithmic axis where the values ask for one."""
     finite = values[np.isfinite(values)]
-    if finite.size and finite.min() > 0 and finite.max() > WIDE * finite.min():
+    if finite.size and finite.min() > 0 and finite.max() > STYLE.wide * finite.min():
         setter("log")

@@ -7,10 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion.pictures.style import FAINT, Stroke
-
-MERIDIANS, PARALLELS = 12, 5
-BEHIND = 0.32
+from geomtorsion.pictures.style import FAINT, STYLE, Stroke
 
 
 def globe(axes: Any, radius: float, facing: Any, elevation: float = 22.0) -> np.ndarray:
@@ -21,10 +18,10 @@ def globe(axes: Any, radius: float, facing: Any, elevation: float = 22.0) -> np.
     a, e = np.radians(azimuth), np.radians(elevation)
     viewer = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
     turn = np.linspace(0, 2 * np.pi, 121)
-    for phi in np.arange(MERIDIANS // 2) * 2 * np.pi / MERIDIANS:
+    for phi in np.arange(STYLE.meridians // 2) * 2 * np.pi / STYLE.meridians:
         ring = [np.sin(turn) * np.cos(phi), np.sin(turn) * np.sin(phi), np.cos(turn)]
         _ring(axes, radius * np.array(ring).T, viewer)
-    for theta in np.arange(1, PARALLELS + 1) * np.pi / (PARALLELS + 1):
+    for theta in np.arange(1, STYLE.parallels + 1) * np.pi / (STYLE.parallels + 1):
         ring = [np.sin(theta) * np.cos(turn), np.sin(theta) * np.sin(turn)]
         _ring(axes, radius * np.array([*ring, np.full_like(turn, np.cos(theta))]).T, viewer)
     across = np.cross(viewer, [0, 0, 1])
@@ -46,11 +43,11 @@ def _ring(axes: Any, points: Any, viewer: Any) -> None:
 def curve_on(axes: Any, points: Any, viewer: Any, stroke: Stroke, label: str = "") -> None:
     """A curve on a globe, with a dot where it starts and a mark where it ends."""
     for part, front in parted(points, viewer):
-        axes.plot(*part.T, **stroke.line, alpha=1.0 if front else BEHIND)
+        axes.plot(*part.T, **stroke.line, alpha=1.0 if front else STYLE.behind)
     if label:
         axes.plot([], [], [], **stroke.line, label=label)
     for place, mark, size in ((points[0], "o", 36), (points[-1], stroke.end, 40)):
-        alpha = 1.0 if place @ viewer >= 0 else BEHIND
+        alpha = 1.0 if place @ viewer >= 0 else STYLE.behind
         axes.scatter(
             *place, marker=mark, s=size, color=stroke.color, alpha=alpha, depthshade=False,
             edgecolors="white", linewidths=0.7, zorder=5,
@@ -75,7 +72,7 @@ def _upwards(viewer: Any) -> Any:
 def space_axes(axes: Any, radius: float, viewer: Any) -> None:
     """Short pins on the globe where the axes of space leave it."""
     for letter, pin in zip("xyz", np.eye(3), strict=True):
-        look = {"alpha": 1.0 if pin @ viewer >= 0 else BEHIND, "color": "#555555"}
+        look = {"alpha": 1.0 if pin @ viewer >= 0 else STYLE.behind, "color": "#555555"}
         axes.plot(*np.array([pin, 1.09 * pin]).T * radius, linewidth=1.4, **look)
         axes.text(*(1.17 * radius * pin), f"${letter}$", ha="center", va="center", **look)
 

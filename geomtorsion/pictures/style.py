@@ -1,12 +1,14 @@
-"""ink: colours, line styles, names and captions that all pictures share."""
+"""style: colours, lines, sizes, names and captions that all pictures share."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import MissingExtraError
@@ -15,13 +17,52 @@ from geomtorsion.pictures.text import greek_name
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from mpl_toolkits.mplot3d import Axes3D
+    from numpy.typing import ArrayLike
 
-    from geomtorsion.pictures.pair import Pair
-
+# Two coordinates of a place in a picture.
+Point = Sequence[float] | np.ndarray
 FAINT, PALE = "#c9ccd1", "#eef0f2"
 FORMATS = ("png", "svg", "pdf")
-RESOLUTION = 150
+# What is less than this share of the largest is not worth an axis or a panel of its own.
+FLAT = 1e-6
+# Below the rounding of doubles: zero on a logarithmic scale.
+NOTHING = 1e-17
+
+
+@dataclass(frozen=True)
+class Style:
+    """Sizes of pictures.
+
+    resolution: dots per inch. elevation: of the eye above the horizon, degrees.
+    meridians, parallels: of a globe. behind: opacity of what lies behind it.
+    box, row, column: width of a box in a graph, and inches from one to the next.
+    stations: bodies shown along a path. sides: corners of what is round.
+    turns: about the vertical, that are drawn on a globe. rate: frames of a film per second.
+    frames: the most that a film has. rem: of a page, per inch of a picture.
+    wide: ratio of largest to smallest value from which an axis is logarithmic.
+    """
+
+    resolution: int = 150
+    elevation: float = 24.0
+    meridians: int = 12
+    parallels: int = 5
+    behind: float = 0.32
+    box: float = 2.0
+    row: float = 0.62
+    column: float = 2.9
+    stations: int = 13
+    sides: int = 32
+    turns: float = 3.0
+    rate: int = 25
+    frames: int = 500
+    rem: float = 5.4
+    wide: float = 300.0
+
+
+STYLE = Style()
 
 
 @dataclass(frozen=True)
@@ -63,6 +104,7 @@ def new_figure(width: float, height: float) -> Figure:
         matplotlib is not installed.
     """
     try:
+        # Only who draws needs the extra.
         from matplotlib.figure import Figure
     except ImportError:
         raise MissingExtraError(
@@ -72,7 +114,12 @@ def new_figure(width: float, height: float) -> Figure:
     return Figure(figsize=(width, height), layout="constrained", facecolor="white")
 
 
-def save(figure: Figure, path: Path, dpi: int = RESOLUTION) -> None:
+def can_draw() -> bool:
+    """Whether matplotlib is installed."""
+    return find_spec("matplotlib") is not None
+
+
+def save(figure: Figure, path: Path, dpi: int = STYLE.resolution) -> None:
     """Write a figure in the format of its suffix, the same bytes each time."""
     import matplotlib as mpl
 
@@ -113,23 +160,6 @@ def assigned(names: Sequence[str], values: Sequence[float], mark: str = "") -> s
     )
 
 
-def caption(pair: Pair) -> list[str]:
-    """Where the motions start, how, and how accurate they are: lines for below a picture."""
-    problem = pair.problem
-    names = problem.coordinates
-    start = assigned(names, [float(x) for x in problem.start or ()])
-    velocity = assigned(names, problem.velocity.tolist(), "′")
-    parts = [f"Start {start}", f"velocity {velocity}"]
-    if pair.parameters:
-        parts.append(f"with {assigned(list(pair.parameters), list(pair.parameters.values()))}")
-    asked = pair.straight.accuracy
-    error = max(solution.error for solution in pair.curves.values())
-    parts.append(f"accuracy {number(asked)} asked, error below {number(float(f'{error:.1e}'))}")
-    ends = {curve: float(pair.curves[curve].times[-1]) for curve in pair.stops}
-    stops = [f"The {curve} stopped at t = {number(end)}." for curve, end in ends.items()]
-    return ["; ".join(parts) + ".", *stops]
-
-
 def captioned(figure: Figure, lines: Sequence[str]) -> None:
     """Set lines below everything else, wrapped to the width of the figure."""
     width, height = figure.get_size_inches()
@@ -143,7 +173,52 @@ def captioned(figure: Figure, lines: Sequence[str]) -> None:
     )  # fmt: skip
 
 
-def legend(figure: Figure, axes: Any, columns: int = 4) -> None:
+def visible(values: ArrayLike) -> np.ndarray:
+    """Sizes for a logarithmic scale: what is zero stands at its bottom.
+
+    Examples
+    --------
+    >>> visible([0.0, -1e-12]).tolist()
+    [1e-17, 1e-12]
+    """
+    return np.maximum(np.abs(np.asarray(values, dtype=float)), NOTHING)
+
+
+def arrow(axes: Axes, start: Point, end: Point, color: str, width: float = 1.5) -> None:
+    """An arrow from one point to another, its head as large as its line is wide."""
+    look = {"arrowstyle": "-|>", "color": color, "linewidth": width, "shrinkA": 0, "shrinkB": 0}
+    look["mutation_scale"] = 12 + 2 * width
+    axes.annotate("", xy=(end[0], end[1]), xytext=(start[0], start[1]), arrowprops=look, zorder=5)
+
+
+def space_box(axes: Axes3D, labels: Sequence[str], low: np.ndarray, high: np.ndarray) -> None:
+    """Axes in space with few numbers, level names and no walls, round what is drawn."""
+    from matplotlib.ticker import MaxNLocator
+
+    names = (axes.set_xlabel, axes.set_ylabel, axes.set_zlabel)
+    limits = (axes.set_xlim, axes.set_ylim, axes.set_zlim)
+    sides = (axes.xaxis, axes.yaxis, axes.zaxis)
+    centre, half = (low + high) / 2, 0.54 * (high - low)
+    for k, (side, name, limit) in enumerate(zip(sides, names, limits, strict=True)):
+        side.set_rotate_label(False)
+        name(labels[k], labelpad=11 if k == 2 else 8, rotation=0)
+        side.set_pane_color((1, 1, 1, 0))
+        side.set_major_locator(MaxNLocator(4))
+        side._axinfo["grid"]["color"] = "#e3e5e8"
+        limit(centre[k] - half[k], centre[k] + half[k])
+    axes.tick_params(labelsize=8, pad=1)
+
+
+def ends(axes: Axes | Axes3D, points: np.ndarray, stroke: Stroke) -> None:
+    """A dot at the start, the stroke's own mark at the end."""
+    look: dict[str, object] = {"edgecolors": "white", "linewidths": 0.8, "zorder": 6}
+    if points.shape[1] == 3:
+        look["depthshade"] = False
+    axes.scatter(*points[-1], marker=stroke.end, s=46, color=stroke.color, **look)
+    axes.scatter(*points[0], marker="o", s=40, color="#222222", **look)
+
+
+def legend(figure: Figure, axes: Axes | Axes3D, columns: int = 4) -> None:
     """The lines of some axes above all panels."""
     handles, labels = axes.get_legend_handles_labels()
     figure.legend(
@@ -152,13 +227,8 @@ def legend(figure: Figure, axes: Any, columns: int = 4) -> None:
     )  # fmt: skip
 
 
-def quiet(axes: Any) -> None:
+def quiet(axes: Axes | Axes3D) -> None:
     """A light grid and no box."""
     axes.grid(color=PALE, linewidth=0.8)
     axes.set_axisbelow(True)
     axes.spines[["top", "right"]].set_visible(False)
-
-
-def clock(pair: Pair) -> str:
-    """What the curve parameter is called on an axis: t, unless a coordinate has that name."""
-    return "curve parameter" if "t" in pair.problem.coordinates else "$t$"

@@ -11,6 +11,7 @@ from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.str import StrPrinter
 
 from geomtorsion.checks import expression as expression_of
+from geomtorsion.errors import ExpressionError
 
 _LETTERS = (
     "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho "
@@ -37,6 +38,17 @@ def greek_name(name: str) -> str:
     return name
 
 
+def greek_words(text: str) -> str:
+    """Words of a sentence with the Greek letters they name.
+
+    Examples
+    --------
+    >>> greek_words("momentum of phi")
+    'momentum of φ'
+    """
+    return re.sub(r"[A-Za-z]+[0-9]*", lambda match: greek_name(match.group()), text)
+
+
 def expression_text(expression: object, *, greek: bool = True) -> str:
     """One line of text for an expression: positive terms first, ^ for powers, a'(t) for d a/d t.
 
@@ -56,7 +68,9 @@ def expression_text(expression: object, *, greek: bool = True) -> str:
 
 def to_sympy(expression: object) -> sympy.Basic:
     """What is to be written, as sympy has it; no text is read as code."""
-    return expression if isinstance(expression, sympy.Basic) else expression_of(expression)
+    if isinstance(expression, sympy.Basic):
+        return expression
+    return expression_of(expression, "expression", ExpressionError)
 
 
 def plain_text(expression: object) -> str:

@@ -9,11 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion.pictures.scene_axis import axes_picture, axis_picture
-from geomtorsion.pictures.scene_cones import cones_picture
-from geomtorsion.pictures.scene_lines import watched_picture
+from geomtorsion.pictures.scene_attitude import axes_picture, axis_picture, cones_picture
+from geomtorsion.pictures.scene_over_time import change_picture, trust_picture, watched_picture
 from geomtorsion.pictures.scene_path import path_picture
-from geomtorsion.pictures.scene_trust import change_picture, trust_picture
 from geomtorsion.pictures.style import number, save
 from geomtorsion.scenes.selection_drawing import selection_figure
 

@@ -19,7 +19,7 @@ from geomtorsion.files import TEXT_FORM, ArrayForm
 from geomtorsion.motion import solve
 from geomtorsion.motion.solution import Cost
 from geomtorsion.motion.tables import pandas_table
-from geomtorsion.pictures.scene_lines import watched_picture
+from geomtorsion.pictures.scene_over_time import watched_picture
 from geomtorsion.pictures.style import save
 from geomtorsion.scenes.to_ode import invariant_changes, observed
 

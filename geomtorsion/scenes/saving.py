@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import SceneError
-from geomtorsion.pictures import album as pictures
+from geomtorsion.pictures import style as pictures
 from geomtorsion.pictures.style import save
 from geomtorsion.scenes.plotting import album
 from geomtorsion.scenes.table import write_csv

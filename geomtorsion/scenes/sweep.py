@@ -16,8 +16,8 @@ from geomtorsion import checks
 from geomtorsion.errors import AccuracyError, SceneError, StartError, StuckError
 from geomtorsion.motion import solve_many
 from geomtorsion.motion.tables import pandas_table
-from geomtorsion.pictures.scene_sweep import WIDE, sweep_picture
-from geomtorsion.pictures.style import number, save
+from geomtorsion.pictures.scene_sweep import sweep_picture
+from geomtorsion.pictures.style import STYLE, number, save
 from geomtorsion.scenes.closed_form import closed_form
 from geomtorsion.scenes.context import Number
 from geomtorsion.scenes.metrics import Measure, SweepRun, Values, measures, only_words, quantities
@@ -121,7 +121,7 @@ class SceneSweep:
         curve = None
         if known is not None and values.ndim == 1:
             low, high = float(pairs[0][1].min()), float(pairs[0][1].max())
-            spaced = np.geomspace if low > 0 and high > WIDE * low else np.linspace
+            spaced = np.geomspace if low > 0 and high > STYLE.wide * low else np.linspace
             fine = spaced(low, high, 401)
             curve = (known_name, fine, np.array([known(x) for x in fine]))
         error = number(float(f"{self.error:.1e}"))

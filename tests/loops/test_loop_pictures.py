@@ -7,8 +7,8 @@ from geomtorsion.accuracy.loops import LoopCost, LoopCosts
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import Loop, burgers_map, burgers_vector, burgers_vectors
 from geomtorsion.loops.hodograph import hodograph
-from geomtorsion.pictures.loop_costs import draw_loop_costs
-from geomtorsion.pictures.loops import draw_closure, draw_loop, draw_map
+from geomtorsion.pictures.costs import draw_loop_costs
+from geomtorsion.pictures.loops import draw_closure, draw_map
 from geomtorsion.spaces import load
 
 pytest.importorskip("matplotlib")
@@ -53,14 +53,18 @@ def test_a_gap_too_small_to_see_is_enlarged(radius: float) -> None:
 
 def test_axes_say_what_they_show() -> None:
     """Two panels; coordinates with their centre and unit, legs by number; three axes if needed."""
-    figure = draw_loop(load("so3").frame, Loop.circle([0.3, 1, 0.2], 1e-6))
+    figure = draw_closure(burgers_vector(load("so3").frame, Loop.circle([0.3, 1, 0.2], 1e-6)))
     left, right = figure.axes
     assert left.get_xlabel() == r"$(\phi_{1} - 0.3)$ / 1e-06"
     assert right.name == "3d"
     assert right.get_zlabel() == "$X^2$ / 1e-06"
-    flat = draw_loop(load("flat_polar").frame, Loop.polygon([[1, 0], [2, 0], [2, 2], [1, 2]]))
+    flat = draw_closure(
+        burgers_vector(load("flat_polar").frame, Loop.polygon([[1, 0], [2, 0], [2, 2], [1, 2]]))
+    )
     assert [axes.name for axes in flat.axes] == ["rectilinear"] * 2
-    nothing = draw_loop(load("flat_polar").frame, Loop.polygon([[1, 0], [1, 2], [1, 1]]))
+    nothing = draw_closure(
+        burgers_vector(load("flat_polar").frame, Loop.polygon([[1, 0], [1, 2], [1, 1]]))
+    )
     assert "|b|" in nothing.axes[1].get_title()
 
 
@@ -108,4 +112,4 @@ def test_costs_have_one_line_for_each_rule() -> None:
     left, right = figure.axes
     assert [line.get_label() for line in left.lines] == ["Gauss", "flux", "scipy.quad"]
     assert len(right.lines) == 3
-    assert min(left.lines[0].get_ydata()) > 0
+    assert np.min(left.lines[0].get_ydata()) > 0

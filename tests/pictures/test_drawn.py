@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from geomtorsion.motion import RungeKutta
-from geomtorsion.pictures.album import album
-from geomtorsion.pictures.curves import continued
-from geomtorsion.pictures.pair import follow
+from geomtorsion.pictures.curve_files import curve_pictures
+from geomtorsion.pictures.curves import caption, continued
+from geomtorsion.pictures.pair_solving import solve_pair
 from geomtorsion.pictures.sphere import parted, towards
-from geomtorsion.pictures.style import SERIES, STROKES, caption, mathematics, number, save
+from geomtorsion.pictures.style import SERIES, STROKES, mathematics, number, save
 from geomtorsion.spaces import load, names
 from geomtorsion.spaces.first_motions import first_motion
 
@@ -22,7 +22,7 @@ SHOWN = {
 
 def pair_of(name, **options):
     """The usual pair, cheaply."""
-    return follow(load(name), engine=RungeKutta(), accuracy=1e-6, samples=21, **options)
+    return solve_pair(load(name), engine=RungeKutta(), accuracy=1e-6, samples=21, **options)
 
 
 @pytest.mark.parametrize("name", SHOWN)
@@ -32,8 +32,8 @@ def test_every_picture_is_written_and_shows_something(name, tmp_path):
     from matplotlib.image import imread
 
     pair = pair_of(name)
-    assert list(album(pair)) == SHOWN[name]
-    for key, (draw, says) in album(pair).items():
+    assert list(curve_pictures(pair)) == SHOWN[name]
+    for key, (draw, says) in curve_pictures(pair).items():
         assert says.endswith(".")
         save(draw(pair), tmp_path / f"{key}.png")
         pixels = imread(tmp_path / f"{key}.png")[::2, ::2, :3].reshape(-1, 3)
@@ -48,7 +48,7 @@ def test_a_picture_is_the_same_each_time(tmp_path):
     for form in ("svg", "png"):
         files = [tmp_path / f"{k}.{form}" for k in (1, 2)]
         for file in files:
-            save(album(pair)["distance"][0](pair), file)
+            save(curve_pictures(pair)["distance"][0](pair), file)
         assert files[0].read_bytes() == files[1].read_bytes()
 
 
@@ -56,7 +56,7 @@ def test_labels_do_not_overlap():
     """Legend, titles and caption of the pictures of s2 keep apart."""
     pytest.importorskip("matplotlib")
     pair = pair_of("s2")
-    for draw, _ in album(pair).values():
+    for draw, _ in curve_pictures(pair).values():
         figure = draw(pair)
         figure.draw_without_rendering()
         boxes = [text.get_window_extent() for text in figure.texts]

@@ -6,10 +6,10 @@ import pytest
 from geomtorsion.errors import AccuracyError, ShapeError, StartError
 from geomtorsion.geometry import cartan
 from geomtorsion.motion import RungeKutta, autoparallel, distance_apart, geodesic, solve
-from geomtorsion.pictures.album import metadata
-from geomtorsion.pictures.drift import drift_over_time, error_over_time
-from geomtorsion.pictures.pair import Pair, follow
-from geomtorsion.pictures.quality import coincide
+from geomtorsion.pictures.curve_files import metadata
+from geomtorsion.pictures.error_over_time import drift_over_time, error_over_time
+from geomtorsion.pictures.pair import Pair
+from geomtorsion.pictures.pair_solving import solve_pair
 from geomtorsion.spaces import load
 
 ENGINE = RungeKutta()
@@ -18,15 +18,15 @@ ENGINE = RungeKutta()
 @pytest.fixture(scope="module")
 def sphere():
     """The usual pair on s2."""
-    return follow(load("s2"), engine=ENGINE, accuracy=1e-9, samples=41)
+    return solve_pair(load("s2"), engine=ENGINE, accuracy=1e-9, samples=41)
 
 
 def test_what_is_chosen_is_said():
     """Only what was not given is called chosen."""
     space = load("s2")
     options = {"engine": ENGINE, "accuracy": 1e-6, "samples": 3, "t": 1}
-    assert follow(space, [1, 0], [0, 1], parameters={"R": 2}, **options).chosen == ()
-    assert follow(space, [1, 0], **options).chosen == ("velocity", "parameters")
+    assert solve_pair(space, [1, 0], [0, 1], parameters={"R": 2}, **options).chosen == ()
+    assert solve_pair(space, [1, 0], **options).chosen == ("velocity", "parameters")
 
 
 def test_numbers_are_those_of_the_library(sphere):
@@ -67,7 +67,7 @@ def test_errors_and_drifts_over_time_have_the_known_maxima(sphere):
 def test_drift_over_several_charts():
     """Charts that a motion passes through are joined: one value for each time."""
     space = load("s2")
-    over_pole = follow(space, [1.5, 1e-3], [-1.0, 0.0], parameters={"R": 1}, t=2, samples=21)
+    over_pole = solve_pair(space, [1.5, 1e-3], [-1.0, 0.0], parameters={"R": 1}, t=2, samples=21)
     solution = over_pole.shortest
     assert len(solution.charts) > 1
     for values in drift_over_time(solution).values():
@@ -77,13 +77,13 @@ def test_drift_over_several_charts():
 def test_on_so3_the_two_are_one():
     """Totally antisymmetric torsion has no force; unequal moments part them."""
     options = {"engine": ENGINE, "accuracy": 1e-8, "samples": 11, "t": 2}
-    assert coincide(follow(load("so3"), **options))
-    assert not coincide(follow(load("so3"), moments=[1, 2, 3], **options))
+    assert solve_pair(load("so3"), **options).coincide
+    assert not solve_pair(load("so3"), moments=[1, 2, 3], **options).coincide
 
 
 def test_a_motion_that_stops_is_kept():
     """A loxodrome ends in the pole; the other curve goes on, the table has both."""
-    pair = follow(load("s2"), [0.5, 0.0], [-0.2, 1.0], t=6, engine=ENGINE, samples=25)
+    pair = solve_pair(load("s2"), [0.5, 0.0], [-0.2, 1.0], t=6, engine=ENGINE, samples=25)
     assert "chart 's2' ends" in pair.stops["autoparallel"]
     table = pair.columns()
     assert len(table["autoparallel phi"]) == len(table["distance"]) < 25
@@ -98,7 +98,7 @@ def test_the_connection_of_the_space_is_followed(tmp_path):
     file.write_text(
         'coordinates = ["x", "y"]\ncoframe = [[1, 0], [0, 1]]\nconnection = {"0,0,1" = "1"}\n'
     )
-    pair = follow(read_file(file), [0, 0], [1, 0], t=1, engine=ENGINE, samples=3)
+    pair = solve_pair(read_file(file), [0, 0], [1, 0], t=1, engine=ENGINE, samples=3)
     # y'' = -x'^2 with x' = 1.
     assert pair.straight.coordinates[-1] == pytest.approx([1.0, -0.5], abs=1e-9)
     assert pair.shortest.coordinates[-1] == pytest.approx([1.0, 0.0], abs=1e-9)
@@ -119,12 +119,12 @@ def test_the_connection_of_the_space_is_followed(tmp_path):
 def test_bad_input(name, options, error, says):
     """Each with what came and what to do."""
     with pytest.raises(error, match=says):
-        follow(load(name), **options)
+        solve_pair(load(name), **options)
 
 
 def test_two_solutions_make_a_pair():
     """Whoever solved both is asked for nothing else: no curve stopped, nothing was chosen."""
     space = load("so3")
-    known = follow(space, engine=RungeKutta())
+    known = solve_pair(space, engine=RungeKutta())
     pair = Pair(space, known.straight, known.shortest)
     assert metadata(pair)["curves"]["geodesic"]["stopped"] == ""

@@ -31,9 +31,8 @@ from geomtorsion.cli.terminal import bar, working
 from geomtorsion.cli.values import numbers
 from geomtorsion.errors import StartError
 from geomtorsion.motion import Engine
-from geomtorsion.pictures.album import can_draw
-from geomtorsion.pictures.pair import posed
-from geomtorsion.pictures.style import save
+from geomtorsion.pictures.pair_solving import pair_problems
+from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.scenes.accuracy_table import scene_accuracy
 
 
@@ -91,7 +90,7 @@ def accuracy(
         space = space_or_hint(source)
         with working(space.name) as progress:
             options = start_options(start, velocity, frame_velocity, t, parameters, moments)
-            problems, chosen, last = posed(space, **options)
+            problems, chosen, last = pair_problems(space, **options)
             progress("measuring")
             problem = problems[curve.value]
             table = accuracy_cost(problem, last, solvers or None, asked)

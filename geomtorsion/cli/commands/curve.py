@@ -27,9 +27,10 @@ from geomtorsion.cli.problems import engine_of, start_lines, start_options
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.tables import right_aligned, some_rows
 from geomtorsion.cli.terminal import working
-from geomtorsion.pictures.album import can_draw, write_curves
-from geomtorsion.pictures.pair import Pair, follow
-from geomtorsion.pictures.quality import coincide
+from geomtorsion.pictures.curve_files import write_curves
+from geomtorsion.pictures.pair import Pair
+from geomtorsion.pictures.pair_solving import solve_pair
+from geomtorsion.pictures.style import can_draw
 
 # Characters of a number, and the most coordinates that both curves show in one row.
 WIDTH, SIDE_BY_SIDE = 11, 4
@@ -69,7 +70,7 @@ def curve(
     written: list[Path] = []
     with working(space.name) as progress:
         progress("solving")
-        pair = follow(
+        pair = solve_pair(
             space,
             **start_options(start, velocity, frame_velocity, t, parameters, moments),
             accuracy=accuracy,
@@ -101,7 +102,7 @@ def _summary(pair: Pair) -> list[str]:
             f"{solution.error:.1e} (asked {solution.accuracy:.1e}){invariants}"
         )
     largest = float(pair.distance.max())
-    if coincide(pair):
+    if pair.coincide:
         lines.append(f"the two are one: never further apart than {largest:.1e}")
     else:
         lines.append(f"apart by {float(pair.distance[-1]):.6g} at the end, {largest:.6g} at most")

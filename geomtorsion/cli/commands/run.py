@@ -28,7 +28,7 @@ from geomtorsion.cli.tables import right_aligned, some_rows
 from geomtorsion.cli.terminal import bar, working
 from geomtorsion.errors import CheckpointError, StuckError
 from geomtorsion.motion import Engine
-from geomtorsion.pictures.album import can_draw
+from geomtorsion.pictures.style import can_draw
 from geomtorsion.scenes import Scene, SceneResult
 from geomtorsion.scenes.checkpoint import partial_result
 from geomtorsion.scenes.film import write_scene_film

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from geomtorsion.motion import RungeKutta
-from geomtorsion.pictures.pair import follow
+from geomtorsion.pictures.pair_solving import solve_pair
 from geomtorsion.spaces import load
 from tests.cli.running import run
 
@@ -35,7 +35,7 @@ def test_files_hold_what_the_library_computes(name, tmp_path, no_pictures):
     assert "(chosen)" in text
     assert "No pictures: matplotlib is not installed" in text
     assert sorted(path.name for path in folder.iterdir()) == ["curve.csv", "curve.json"]
-    pair = follow(load(name), engine=RungeKutta(), accuracy=1e-8, samples=21)
+    pair = solve_pair(load(name), engine=RungeKutta(), accuracy=1e-8, samples=21)
     table = table_of(folder)
     assert {key: [float(x) for x in column] for key, column in table.items()} == {
         key: column.tolist() for key, column in pair.columns().items()

@@ -1,18 +1,16 @@
-"""work precision: what accuracy costs, achieved error against time, log-log."""
+"""costs: achieved error against time, of motions and of rules of quadrature."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
-from geomtorsion.pictures.style import SERIES, captioned, new_figure, quiet
+from geomtorsion.pictures.style import NOTHING, SERIES, captioned, new_figure, quiet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MARKS = "osD^vP"
-# An error that is no more than rounding is drawn here.
-LEAST = 1e-17
 
 
 class Row(Protocol):
@@ -88,7 +86,7 @@ def work_precision_picture(table: Table) -> Figure:
         ]
         if not rows:
             continue
-        errors = [max(row.achieved or 0.0, LEAST) for row in rows]
+        errors = [max(row.achieved or 0.0, NOTHING) for row in rows]
         total = [1e3 * (row.total_seconds or 0.0) for row in rows]
         alone = [1e3 * (row.seconds or 0.0) for row in rows]
         axes.plot(errors, total, **stroke.line, marker=mark, markersize=7, label=name)
@@ -118,4 +116,76 @@ def work_precision_picture(table: Table) -> Figure:
             "Bars lead to the accuracy asked for; lower and further right is better.",
         ],
     )
+    return figure
+
+
+class RuleRow(Protocol):
+    """What is drawn of one rule with one number of points."""
+
+    @property
+    def rule(self) -> str:
+        """Name of the rule."""
+        ...
+
+    @property
+    def points(self) -> int:
+        """Number of evaluations."""
+        ...
+
+    @property
+    def error(self) -> float:
+        """Measured relative error."""
+        ...
+
+    @property
+    def seconds(self) -> float:
+        """Wall time."""
+        ...
+
+    @property
+    def asked(self) -> float | None:
+        """Accuracy asked for, where the rule is adaptive."""
+        ...
+
+
+class LoopCosts(Protocol):
+    """What `geomtorsion.accuracy.loops.loop_costs` gives."""
+
+    @property
+    def name(self) -> str:
+        """Which loop in which frame."""
+        ...
+
+    @property
+    def rows(self) -> Sequence[RuleRow]:
+        """Rule by rule, points rising."""
+        ...
+
+
+def draw_loop_costs(costs: LoopCosts) -> Figure:
+    """Error against number of points and against time, one line for each rule.
+
+    Returns
+    -------
+    A matplotlib figure.
+
+    Raises
+    ------
+    MissingExtraError
+        matplotlib is not installed.
+    """
+    figure = new_figure(9.6, 4.4)
+    left, right = figure.add_subplot(121), figure.add_subplot(122)
+    for axes, what in ((left, "points"), (right, "milliseconds")):
+        for number, rule in enumerate(dict.fromkeys(row.rule for row in costs.rows)):
+            rows = [row for row in costs.rows if row.rule == rule]
+            spent = [row.points if what == "points" else row.seconds * 1e3 for row in rows]
+            errors = [max(row.error, NOTHING) for row in rows]
+            stroke = SERIES[number % len(SERIES)]
+            axes.loglog(spent, errors, marker=stroke.end, markersize=4, label=rule, **stroke.line)
+        axes.set_xlabel(what)
+        axes.set_ylabel("relative error" if axes is left else "")
+        quiet(axes)
+    right.legend(fontsize=8, frameon=False, handlelength=3.2)
+    figure.suptitle(costs.name, fontsize=11)
     return figure

@@ -1,4 +1,4 @@
-"""drift: how error estimate and invariants change along a solved motion."""
+"""error over time: how error estimate and invariants change along a solved motion."""
 
 from __future__ import annotations
 

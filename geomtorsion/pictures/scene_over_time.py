@@ -1,19 +1,124 @@
-"""scene trust: how far a scene's numbers can be trusted, over time."""
+"""scene over time: what is watched, and how far its numbers can be trusted."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion.pictures.style import SERIES, captioned, new_figure, number, quiet
+from geomtorsion.pictures.style import (
+    NOTHING,
+    SERIES,
+    captioned,
+    new_figure,
+    number,
+    quiet,
+    visible,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Below the rounding of doubles, and drawn at the bottom of a logarithmic scale.
-NOTHING = 1e-17
+# Changes below this share of a value are its rounding: the panel says that it is constant.
+STILL = 1e-9
+
+
+def watched_picture(
+    times: Any,
+    watched: Mapping[str, Any],
+    units: Mapping[str, str] | None = None,
+    labels: Mapping[str, Sequence[str]] | None = None,
+    meanings: Mapping[str, str] | None = None,
+    title: str = "",
+    notes: Sequence[str] = (),
+) -> Figure:
+    """Each quantity against time in a panel of its own; parts of a vector share one.
+
+    Parameters
+    ----------
+    times
+        shape (m,), seconds.
+    watched
+        name -> values, shape (m,), (m, k) or (m, 3, 3).
+    units
+        name -> unit, written on the axis.
+    labels
+        name -> what its components are called; numbers from 1, if not given.
+    meanings
+        name -> what it is, in words; the name, if not given.
+    notes
+        lines for below the picture.
+
+    Raises
+    ------
+    MissingExtraError
+        matplotlib is not installed.
+
+    Examples
+    --------
+    >>> figure = watched_picture([0, 1, 2], {"energy": [1.0, 1.0, 1.0]})
+    >>> len(figure.axes)
+    1
+    """
+    panels = {name: np.asarray(values, dtype=float) for name, values in watched.items()}
+    columns = 1 if len(panels) <= 3 else 2
+    rows = math.ceil(len(panels) / columns)
+    figure = new_figure(8.6 if columns == 1 else 11.0, 1.1 + 2.2 * rows)
+    first: Any = None
+    for place, (name, values) in enumerate(panels.items()):
+        axes = figure.add_subplot(rows, columns, place + 1, sharex=first)
+        first = first or axes
+        heading = (meanings or {}).get(name, name.replace("_", " "))
+        count = values[0].size if len(values) else 1
+        parts = (labels or {}).get(name) or [str(k + 1) for k in range(count)]
+        unit = (units or {}).get(name, "")
+        _panel(axes, heading, np.asarray(times, dtype=float), values, unit, parts)
+        if place < len(panels) - columns:
+            axes.tick_params(labelbottom=False)
+        else:
+            axes.set_xlabel("$t$ / s")
+    if title:
+        figure.suptitle(title, fontsize=12)
+    captioned(figure, notes)
+    return figure
+
+
+def _panel(
+    axes: Any, heading: str, times: Any, values: Any, unit: str, parts: Sequence[str]
+) -> None:
+    """One quantity; one that keeps its value is drawn on a scale that shows it so."""
+    flat = values.reshape(len(values), -1)
+    for part, stroke in zip(range(flat.shape[1]), SERIES * 2, strict=False):
+        axes.plot(times[: len(flat)], flat[:, part], **stroke.line, label=parts[part])
+    axes.set_title(heading, fontsize=10.5, loc="left")
+    axes.set_ylabel(unit, fontsize=9)
+    finite = flat[np.isfinite(flat)]
+    size = float(np.abs(finite).max()) if finite.size else 0.0
+    change = float(np.ptp(finite)) if finite.size else 0.0
+    if flat.shape[1] == 1 and change <= STILL * size:
+        value = float(finite[0])
+        half = 0.5 * abs(value) or 1.0
+        axes.set_ylim(value - half, value + half)
+        axes.text(
+            0.99, 0.95, f"constant: {number(value)}", ha="right", va="top",
+            transform=axes.transAxes, fontsize=9, color="#444444",
+        )  # fmt: skip
+    quiet(axes)
+    axes.margins(x=0.01)
+    axes.ticklabel_format(axis="y", useOffset=False, style="plain" if _plain(size) else "sci")
+    if flat.shape[1] > 1:
+        axes.legend(
+            loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=9,
+            handlelength=2.6, ncols=1 if flat.shape[1] <= 4 else 3,
+        )  # fmt: skip
+
+
+def _plain(size: float) -> bool:
+    return 1e-3 <= size < 1e5 or size == 0
+
+
 # What changes by less than this, relative, is kept.
 KEPT = 1e-8
 
@@ -49,12 +154,12 @@ def trust_picture(
     figure = new_figure(8.6, 4.8)
     axes: Any = figure.add_subplot()
     for (name, values), stroke in zip(drifts.items(), SERIES[1:] * 4, strict=False):
-        shown = _visible(values)
+        shown = visible(values)
         label = f"drift of {name.replace('_', ' ')}"
         label += "" if shown.max() > NOTHING else ": none"
         axes.plot(clock[: len(shown)], shown, **stroke.line, label=label)
     if errors is not None:
-        shown = _visible(errors)
+        shown = visible(errors)
         axes.plot(clock[: len(shown)], shown, **SERIES[0].line, label="error estimate")
     else:
         axes.axhline(
@@ -134,8 +239,3 @@ def change_picture(
         figure.suptitle(title, fontsize=12)
     captioned(figure, notes)
     return figure
-
-
-def _visible(values: Any) -> np.ndarray:
-    """Sizes for a logarithmic scale; what is zero stands at its bottom."""
-    return np.maximum(np.abs(np.asarray(values, dtype=float)), NOTHING)

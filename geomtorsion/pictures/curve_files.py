@@ -1,40 +1,47 @@
-"""album: the pictures of a pair of motions, and the files that `geomtorsion curve` writes."""
+"""curve files: what `geomtorsion curve` writes: a table, what was solved, and pictures."""
 
 from __future__ import annotations
 
 import csv
 import json
 from collections.abc import Callable, Mapping
-from importlib.util import find_spec
 from itertools import zip_longest
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 
-from geomtorsion.pictures.attitude import attitude_picture
-from geomtorsion.pictures.curves import coordinates_picture, paths_picture
-from geomtorsion.pictures.quality import coincide, distance_picture, quality_picture
-from geomtorsion.pictures.style import save
+import numpy as np
+
+from geomtorsion.pictures.curves import (
+    attitude_picture,
+    coordinates_picture,
+    distance_picture,
+    paths_picture,
+    quality_picture,
+)
+from geomtorsion.pictures.style import can_draw, save
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from geomtorsion.motion import Solution
     from geomtorsion.pictures.pair import Pair
 
-Drawn = Callable[["Pair"], Any]
+Draw = Callable[["Pair"], "Figure"]
 
 
-def album(pair: Pair) -> dict[str, tuple[Drawn, str]]:
+def curve_pictures(pair: Pair) -> dict[str, tuple[Draw, str]]:
     """Which pictures this pair has: name -> (how to draw it, what it shows).
 
     Examples
     --------
     >>> from geomtorsion.motion import RungeKutta
-    >>> from geomtorsion.pictures.pair import follow
+    >>> from geomtorsion.pictures.pair_solving import solve_pair
     >>> from geomtorsion.spaces import load
-    >>> list(album(follow(load("so3"), engine=RungeKutta())))
+    >>> list(curve_pictures(solve_pair(load("so3"), engine=RungeKutta())))
     ['paths', 'attitude', 'coordinates', 'distance', 'quality']
     """
     embedding = pair.embedding
-    shown: dict[str, tuple[Drawn, str]] = {}
+    shown: dict[str, tuple[Draw, str]] = {}
     if len(pair.symbols) <= 3 or (embedding is not None and embedding.place):
         shown["paths"] = (paths_picture, "Autoparallel and geodesic from one start.")
     if embedding is not None and embedding.attitude is not None:
@@ -43,11 +50,6 @@ def album(pair: Pair) -> dict[str, tuple[Drawn, str]]:
     shown["distance"] = (distance_picture, "How far apart the two motions are.")
     shown["quality"] = (quality_picture, "Error estimate, and drift of what should be constant.")
     return shown
-
-
-def can_draw() -> bool:
-    """Whether matplotlib is installed."""
-    return find_spec("matplotlib") is not None
 
 
 def write_curves(
@@ -65,9 +67,9 @@ def write_curves(
     >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
     >>> from geomtorsion.motion import RungeKutta
-    >>> from geomtorsion.pictures.pair import follow
+    >>> from geomtorsion.pictures.pair_solving import solve_pair
     >>> from geomtorsion.spaces import load
-    >>> pair = follow(load("s2"), engine=RungeKutta(), samples=5)
+    >>> pair = solve_pair(load("s2"), engine=RungeKutta(), samples=5)
     >>> with TemporaryDirectory() as folder:
     ...     [path.name for path in write_curves(pair, Path(folder))][:2]
     ['curve.csv', 'curve.json']
@@ -75,7 +77,7 @@ def write_curves(
     table = pair.columns()
     figures = {}
     if can_draw():
-        for name, (draw, _) in album(pair).items():
+        for name, (draw, _) in curve_pictures(pair).items():
             progress(f"drawing {name}")
             figures[f"{name}.{form}"] = draw(pair)
     facts = metadata(pair) | {"table": "curve.csv", "pictures": list(figures)}
@@ -90,7 +92,7 @@ def write_curves(
     return written
 
 
-def _write_csv(file: Any, table: Mapping[str, Any]) -> None:
+def _write_csv(file: TextIO, table: Mapping[str, np.ndarray]) -> None:
     """Every number with all its digits; cells of a curve that stopped early stay empty."""
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(table)
@@ -115,7 +117,7 @@ def metadata(pair: Pair) -> dict[str, Any]:
         "chosen": list(pair.chosen),
         "accuracy": pair.straight.accuracy,
         "largest_distance": float(pair.distance.max()),
-        "coincide": coincide(pair),
+        "coincide": pair.coincide,
         "curves": {name: _facts(pair, name, found) for name, found in pair.curves.items()},
     }
 
