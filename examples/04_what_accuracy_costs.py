@@ -4,7 +4,7 @@
     python examples/04_what_accuracy_costs.py --time 100 --picture cost.png
 
 A body turns at constant rate: the attitude is an exponential, known to any number of digits. So
-each error in the table is a true one, and the estimate beside it can be judged.
+each error in the table is a true one, and the estimate in its row can be judged.
 """
 
 import argparse

@@ -60,10 +60,12 @@ def main(arguments: list[str] | None = None) -> None:
     survey = burgers_vectors(frame, centres, 10 ** rng.uniform(-12, -1, 100_000))
     print(f"\n{survey}: all to {survey.accuracy:g}: {survey.reached.all()}")
     tiny = survey.areas < 1e-12
-    apart = abs(survey.vectors - survey.expected).max(axis=0)[tiny]
-    print(f"b and 2 S A differ by {(apart / survey.areas[tiny]).max():.0e} for radii below 1e-6")
+    difference = abs(survey.vectors - survey.expected).max(axis=0)[tiny]
+    print(
+        f"b and 2 S A differ by {(difference / survey.areas[tiny]).max():.0e} for radii below 1e-6"
+    )
     assert survey.reached.all()
-    assert (apart < 1e-11 * survey.areas[tiny]).all()
+    assert (difference < 1e-11 * survey.areas[tiny]).all()
 
     core = spaces.load("screw_core").frame
     grid = np.linspace(-1, 1, 42)

@@ -21,14 +21,14 @@ from geomtorsion.loops import Loop, develop, develop_path, dispiration
 
 
 def crystal_with_a_line(alpha: Fraction, step: Fraction, picture: Path | None) -> None:
-    """Three loops about a dispiration, and one beside it."""
+    """Three loops about a dispiration, and one next to it."""
     crystal = gt.levi_civita(dispiration(alpha, step))
     print(f"flat: {crystal.is_flat}, torsion-free: {crystal.is_torsion_free}")
     loops = {
         "a circle": Loop.circle([0, 0, 0], 1),
         "a long ellipse": Loop.ellipse([0.5, -0.2, 3], (4, 1)),
         "a crooked polygon": Loop.polygon([[1, -1, 0], [2, 3, 1], [-1, 1, -2], [-1, -0.5, 0]]),
-        "a circle beside it": Loop.circle([5, 0, 0], 1),
+        "a circle next to it": Loop.circle([5, 0, 0], 1),
     }
     for name, loop in loops.items():
         turn = develop(crystal, loop)
@@ -74,7 +74,7 @@ def sphere_without_any() -> None:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Develop loops about a line, beside it, and on a sphere."""
+    """Develop loops about a line, next to it, and on a sphere."""
     parser = argparse.ArgumentParser(description="Loops that come back turned and moved.")
     parser.add_argument("--alpha", type=Fraction, default=Fraction(5, 6), help="angle that is left")
     parser.add_argument("--step", type=Fraction, default=Fraction(3, 10), help="lift of the face")

@@ -77,6 +77,13 @@ def test_commands_run(command, tmp_path, monkeypatch):
     assert result.output.strip()
 
 
+def test_the_flow_names_every_package():
+    """Each package has a row, and each row is a package."""
+    rows = set(re.findall(r"^\| `(\w+)/` \|", TEXT, re.MULTILINE))
+    folders = {path.parent.name for path in Path(geomtorsion.__file__).parent.glob("*/__init__.py")}
+    assert rows == folders
+
+
 def test_the_two_commands_stand_there_once():
     """One line installs and runs, one installs and tests; .ci/run takes the second from here."""
     assert len(INSTALLING) == 2

@@ -32,7 +32,7 @@ def main(arguments: list[str] | None = None) -> None:
 
     result = scene.with_values(t=options.t).run()
     print(result)
-    # m u' = m a W^2 and (I3 + m a^2) W' = -m a u W: the energy is kept, u = U tanh(k t + c).
+    # m u' = m a W^2 and (I3 + m a^2) W' = -m a u W: energy is conserved, u = U tanh(k t + c).
     inertia = float(body.tensor[2, 2]) + MASS * ARM**2
     fastest = np.sqrt(SPEED**2 + inertia / MASS * TURN**2)
     phase = MASS * ARM * fastest / inertia * result.times + np.arctanh(SPEED / fastest)

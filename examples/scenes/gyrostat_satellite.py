@@ -39,7 +39,7 @@ def main(arguments: list[str] | None = None) -> None:
 
     result = scene.with_values(t=options.orbits * 95 * 60).run()
     print(result)
-    # The field turns with the orbit: energy alone is not kept, energy - n L_z is.
+    # The field turns with the orbit: energy alone is not conserved, energy - n L_z is.
     turning = RATE * result["angular_momentum_space"][:, 2]
     jacobi = result["energy"] - turning
     drift = np.ptp(jacobi) / np.abs(turning).max()

@@ -4,7 +4,7 @@
     python examples/scenes/naive_top.py --t 100
 
 I Omega' = 0 turns a free body evenly. Nothing turns it, and yet its angular momentum moves about in
-space; its energy is kept, for what the naive law leaves out, Omega x L, does no work.
+space; its energy is conserved, for what the naive law leaves out, Omega x L, does no work.
 """
 
 import argparse
@@ -15,7 +15,7 @@ import geomtorsion as gt
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """The naive law beside the right one, from the same start."""
+    """The naive law and the right one, from the same start."""
     parser = argparse.ArgumentParser(description="The naive top, and the right one.")
     parser.add_argument("--t", type=float, default=40.0, help="last time, s")
     options = parser.parse_args(arguments)

@@ -41,8 +41,8 @@ def main(arguments: list[str] | None = None) -> None:
     slope = vz / vx
     # 1 / vx^2 + (c / m g) (slope sqrt(1 + slope^2) + arsinh(slope)) is constant.
     bent = slope * np.sqrt(1 + slope**2) + np.arcsinh(slope)
-    kept = 1 / vx**2 + DRAG / (MASS * G) * bent
-    drift = np.abs(kept / kept[0] - 1).max()
+    constant = 1 / vx**2 + DRAG / (MASS * G) * bent
+    drift = np.abs(constant / constant[0] - 1).max()
     lost = result["energy"][0] - result["energy"][-1]
     print(f"Bernoulli's relation drifts by {drift:.1e}; the air has taken {lost:.3f} J")
     assert drift < 1e-9
