@@ -68,7 +68,7 @@ def public_functions() -> list[Case]:
         _public("Connection", frame=PLANE, coefficients=CARTAN.coefficients, name="c"),
         _public("Curvature", connection=CARTAN),
         _public("Torsion", connection=CARTAN),
-        _public("Plan", frame=PLANE, name="ricci"),
+        _public("DependencyGraph", frame=PLANE, name="ricci"),
         _public("blend", first=CARTAN, second=RIEMANN, share=sp.Rational(1, 2)),
         _public("cartan", frame=PLANE),
         _public("levi_civita", frame=PLANE),
@@ -416,7 +416,7 @@ def other_cases() -> list[Case]:
 # except from files, whose readers are tested.
 RESULTS = frozenset(
     "BurgersMap BurgersVector Connecting CostRow CostTable Development EnclosedDefect "
-    "EquationsOfMotion ExactBurgersVector FlowBundle FlowSolution Bundle Identity NodeRule "
+    "EquationsOfMotion ExactBurgersVector FlowBundle FlowSolution Bundle IdentityCheck NodeRule "
     "SceneCost StateSelection SceneResult Solution Variation Atlas Chart Change Problem Flow "
     "DislocationNetwork Engine".split()
 )

@@ -11,8 +11,8 @@ import sympy as sp
 from geomtorsion.action.phase import Phase
 from geomtorsion.errors import ConstraintError
 from geomtorsion.geometry import Frame
-from geomtorsion.geometry.intake import Opened
 from geomtorsion.geometry.matrices import inverse
+from geomtorsion.geometry.validation import Opened
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Element

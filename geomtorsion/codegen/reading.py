@@ -9,6 +9,7 @@ from typing import Any
 
 import sympy as sp
 
+from geomtorsion.checks import expression
 from geomtorsion.codegen.functions import FUNCTIONS
 from geomtorsion.codegen.sums import Sums, Term
 from geomtorsion.errors import ExpressionError, MissingValueError
@@ -74,7 +75,7 @@ class Reader:
         if isinstance(entry, tuple):
             return self.sums.entered([self._product(element, names) for element, names in entry])
         # A sum is not read as one literal: as an output nobody else need share it.
-        terms = sp.Add.make_args(sp.sympify(entry))
+        terms = sp.Add.make_args(expression(entry))
         for term in terms:
             for part in _inside_out(term, self._known):
                 self._known[part] = self._tree(part)

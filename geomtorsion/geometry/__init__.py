@@ -12,17 +12,17 @@ from geomtorsion.geometry.connections import (
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.curvature import Curvature
 from geomtorsion.geometry.frame import Frame
-from geomtorsion.geometry.identity import Identity, identities
-from geomtorsion.geometry.plan import Plan
+from geomtorsion.geometry.identity import IdentityCheck, identities
+from geomtorsion.geometry.quantities import DependencyGraph
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.torsion import Torsion
 
 __all__ = [
     "Connection",
     "Curvature",
+    "DependencyGraph",
     "Frame",
-    "Identity",
-    "Plan",
+    "IdentityCheck",
     "Tensor",
     "Torsion",
     "blend",

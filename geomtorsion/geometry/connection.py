@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
+from geomtorsion.errors import ShapeError, TensorIndexError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import riemannian
-from geomtorsion.geometry.arrays import total
-from geomtorsion.geometry.bases import parallel_rows
-from geomtorsion.geometry.components import Components, Rule
-from geomtorsion.geometry.covariant import covariant_derivative
+from geomtorsion.geometry.components import Components, Rule, total
 from geomtorsion.geometry.frame import Frame
-from geomtorsion.geometry.symmetry import Index, antisymmetric, symmetric
+from geomtorsion.geometry.frame_matrices import parallel_rows
+from geomtorsion.geometry.symmetry import Index, antisymmetric, shifted, symmetric
 from geomtorsion.geometry.tensor import Tensor
 
 if TYPE_CHECKING:
@@ -33,8 +32,8 @@ class Connection:
     frame: the frame it is made from.
     coefficients: Gamma_ab^c, slots ddu, a the direction of differentiation.
     name: what it is called.
-    kind: "cartan" or "levi-civita" where a shorter way to its curvature is known, else "general".
-    keeps_lengths: whether it is metric by its construction (then contortion is a difference).
+    kind: "cartan" or "levi-civita" where a shorter way to its curvature is known, "metric" where
+        it is metric compatible by its construction, else "general".
 
     Examples
     --------
@@ -50,7 +49,6 @@ class Connection:
     coefficients: Tensor
     name: str = "connection"
     kind: str = "general"
-    keeps_lengths: bool = False
 
     def __getitem__(self, index: tuple[int, int, int]) -> sp.Expr:
         """Gamma_ab^c as a sympy expression."""
@@ -91,7 +89,7 @@ class Connection:
 
         Its lower form K_abc is antisymmetric in b and c.
         """
-        if self.keeps_lengths:
+        if self.kind != "general":
             bar = riemannian.christoffel(self.frame)
             difference = self.coefficients - bar
             symmetry = antisymmetric(3, 1, 2)
@@ -189,7 +187,40 @@ class Connection:
         >>> levi_civita(frame).covariant_derivative(frame.metric).is_zero
         True
         """
-        return covariant_derivative(self, tensor)
+        frame = self.frame
+        if tensor.frame is not frame:
+            raise ShapeError(
+                "The tensor belongs to another frame than the self. Build it over this one."
+            )
+        if tensor.anchored:
+            raise TensorIndexError(f"{tensor.label} is not a tensor in all its indices.")
+        get, n, coordinates = tensor.components.get, frame.dimension, frame.coordinates
+        tables = {
+            "d": self.coefficients.components.get,
+            "D": self.spin_connection.components.get,
+        }
+
+        def rule(index: Index) -> Element | None:
+            a, rest = index[0], index[1:]
+            terms = []
+            value = get(rest)
+            if value is not None:
+                terms.append((1, value.diff(coordinates[a])))
+            for k, slot in enumerate(tensor.slots):
+                table = tables["d" if slot in "du" else "D"]
+                up = slot in "uU"
+                head, own, tail = rest[:k], rest[k], rest[k + 1 :]
+                for b in range(n):
+                    coefficient = table((a, b, own) if up else (a, own, b))
+                    if coefficient is None:
+                        continue
+                    value = get((*head, b, *tail))
+                    if value is not None:
+                        terms.append((1 if up else -1, coefficient, value))
+            return total(frame.field, terms)
+
+        symmetry = shifted(tensor.symmetry, 1)
+        return Tensor(frame, "d" + tensor.slots, rule, symmetry, f"D{tensor.symbol}", "")
 
     # -- verdicts --------------------------------------------------------------------------------
 
@@ -199,8 +230,8 @@ class Connection:
         return self.curvature.riemann.is_zero
 
     @property
-    def is_metric(self) -> bool | None:
-        """Whether lengths are kept: nonmetricity vanishes."""
+    def metric_compatible(self) -> bool | None:
+        """Whether the metric is parallel, so that transport keeps lengths and angles."""
         return self.nonmetricity.is_zero
 
     @property

@@ -8,11 +8,11 @@ from typing import Any
 from geomtorsion.errors import ShapeError, TensorIndexError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import riemannian
-from geomtorsion.geometry.arrays import total
-from geomtorsion.geometry.bases import parallel_rows
+from geomtorsion.geometry.components import total
 from geomtorsion.geometry.connection import Connection
 from geomtorsion.geometry.frame import Frame
-from geomtorsion.geometry.nested import tensor_from_array
+from geomtorsion.geometry.frame_matrices import parallel_rows
+from geomtorsion.geometry.from_arrays import tensor_from_array
 from geomtorsion.geometry.symmetry import Index
 from geomtorsion.geometry.tensor import Tensor
 
@@ -50,7 +50,7 @@ def cartan(frame: Frame) -> Connection:
             return total(frame.field, [(1, x, y) for x, y in pairs if y is not None])
 
         coefficients = _coefficients(frame, rule, "\\Gamma", "Cartan")
-        return Connection(frame, coefficients, "Cartan connection", "cartan", True)
+        return Connection(frame, coefficients, "Cartan connection", "cartan")
 
     return frame.derived("cartan", make)
 
@@ -73,7 +73,7 @@ def levi_civita(frame: Frame) -> Connection:
 
     def make() -> Connection:
         coefficients = riemannian.christoffel(frame)
-        return Connection(frame, coefficients, "Levi-Civita connection", "levi-civita", True)
+        return Connection(frame, coefficients, "Levi-Civita connection", "levi-civita")
 
     return frame.derived("levi_civita", make)
 
@@ -98,7 +98,7 @@ def from_coefficients(frame: Frame, coefficients: Any) -> Connection:
     >>> x, y = sp.symbols("x y")
     >>> flat = Frame([x, y], [[1, 0], [0, 1]])
     >>> bent = from_coefficients(flat, [[[0, 0], [y, 0]], [[0, 0], [0, 0]]])
-    >>> bent.torsion.S[0, 1, 0], bent.is_flat, bent.is_metric
+    >>> bent.torsion.S[0, 1, 0], bent.is_flat, bent.metric_compatible
     (y/2, False, False)
     """
     if isinstance(coefficients, Tensor):
@@ -128,7 +128,7 @@ def from_spin_connection(frame: Frame, omega: Any) -> Connection:
     >>> theta, phi = sp.symbols("theta phi")
     >>> frame = Frame([theta, phi], [[1, 0], [0, sp.sin(theta)]])
     >>> again = from_spin_connection(frame, levi_civita(frame).spin_connection)
-    >>> again.is_torsion_free, again.is_metric
+    >>> again.is_torsion_free, again.metric_compatible
     (True, True)
     """
     if isinstance(omega, Tensor):
@@ -151,7 +151,8 @@ def from_spin_connection(frame: Frame, omega: Any) -> Connection:
     lower = Tensor(frame, "dDU", spin).lowered(2).components
     metric = all(_cancels(lower.get((a, i, j)), lower.get((a, j, i))) for a, i, j in lower.nonzero)
     coefficients = _coefficients(frame, rule, "\\Gamma", "connection")
-    return Connection(frame, coefficients, "connection from spin connection", "general", metric)
+    kind = "metric" if metric else "general"
+    return Connection(frame, coefficients, "connection from spin connection", kind)
 
 
 def from_contortion(frame: Frame, contortion: Any) -> Connection:
@@ -174,7 +175,7 @@ def from_contortion(frame: Frame, contortion: Any) -> Connection:
     >>> x, y, c = sp.symbols("x y c")
     >>> plane = Frame([x, y], [[1, 0], [0, 1]])
     >>> turning = from_contortion(plane, [[[0, c], [-c, 0]], [[0, 0], [0, 0]]])
-    >>> turning.is_metric, turning.torsion.S[0, 1, 0]
+    >>> turning.metric_compatible, turning.torsion.S[0, 1, 0]
     (True, -c/2)
     """
     if isinstance(contortion, Tensor):
@@ -194,7 +195,7 @@ def from_contortion(frame: Frame, contortion: Any) -> Connection:
             )
     total_ = riemannian.christoffel(frame) + given
     coefficients = _coefficients(frame, total_.components, "\\Gamma", "connection")
-    return Connection(frame, coefficients, "connection from contortion", "general", True)
+    return Connection(frame, coefficients, "connection from contortion", "metric")
 
 
 def blend(first: Connection, second: Connection, share: Any = HALF) -> Connection:
@@ -225,9 +226,9 @@ def blend(first: Connection, second: Connection, share: Any = HALF) -> Connectio
     # One difference and one product a component; (1 - s) A + s B would take two products.
     mixed = first.coefficients + (second.coefficients - first.coefficients) * weight
     coefficients = _coefficients(first.frame, mixed.components, "\\Gamma", "connection")
-    metric = first.keeps_lengths and second.keeps_lengths
+    kind = "general" if "general" in (first.kind, second.kind) else "metric"
     name = f"blend of {first.name} and {second.name}"
-    return Connection(first.frame, coefficients, name, "general", metric)
+    return Connection(first.frame, coefficients, name, kind)
 
 
 def _cancels(one: Element | None, two: Element | None) -> bool:

@@ -6,8 +6,8 @@ from collections import Counter, defaultdict
 from collections.abc import Sequence
 
 from geomtorsion.errors import ShapeError, TensorIndexError
-from geomtorsion.geometry.arrays import joined
-from geomtorsion.geometry.slots import KINDS, POSITIONS
+from geomtorsion.geometry.components import joined
+from geomtorsion.geometry.index_types import KINDS, POSITIONS
 from geomtorsion.geometry.symmetry import Symmetry, effective
 from geomtorsion.geometry.tensor import Tensor
 

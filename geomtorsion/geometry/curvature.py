@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 from geomtorsion.exact import Element
 from geomtorsion.geometry import riemannian
-from geomtorsion.geometry.arrays import total
-from geomtorsion.geometry.components import Rule
+from geomtorsion.geometry.components import Rule, total
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.symmetry import RIEMANN, Index, Symmetry, antisymmetric, symmetric
 from geomtorsion.geometry.tensor import Tensor
@@ -71,7 +70,7 @@ class Curvature:
         """Symmetry of the all-lower form."""
         if self._is_riemannian:
             return RIEMANN
-        if self.connection.keeps_lengths:
+        if self.connection.kind != "general":
             return antisymmetric(4) + antisymmetric(4, 2, 3)
         return antisymmetric(4)
 

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from geomtorsion.exact import Branch, Element, Field
-from geomtorsion.geometry import bases, intake, makers, notation, sampling
+from geomtorsion.geometry import constructors, frame_matrices, notation, sampling, validation
 from geomtorsion.geometry.components import Components
 from geomtorsion.geometry.matrices import inverse
 from geomtorsion.geometry.symmetry import symmetric
 from geomtorsion.geometry.tensor import Tensor
 
 if TYPE_CHECKING:
-    from geomtorsion.geometry.plan import Plan
+    from geomtorsion.geometry.quantities import DependencyGraph
 
 Elements = dict[tuple[int, int], Element]
 
@@ -70,7 +70,7 @@ class Frame:
 
     def __init__(
         self,
-        coordinates: intake.Coordinates,
+        coordinates: validation.Coordinates,
         coframe: Any,
         signature: Any = None,
         parameters: Sequence[sp.Symbol] | None = None,
@@ -79,14 +79,14 @@ class Frame:
         name: str | None = None,
         branches: Mapping[sp.Expr, sp.Expr] | None = None,
     ) -> None:
-        n, entries = intake.matrix_entries(coframe, "coframe")
-        opened = intake.opened(coordinates, n, entries, parameters, domain, complex, branches)
-        elements = intake.read_matrix(opened.field, entries, "coframe")
-        eta = intake.read_signature(opened.field, signature, n)
-        intake.check_regular(opened.field, elements, n, "coframe")
+        n, entries = validation.matrix_entries(coframe, "coframe")
+        opened = validation.opened(coordinates, n, entries, parameters, domain, complex, branches)
+        elements = validation.read_matrix(opened.field, entries, "coframe")
+        eta = validation.read_signature(opened.field, signature, n)
+        validation.check_regular(opened.field, elements, n, "coframe")
         self.fill(opened, name, {"coframe": elements, "eta": eta})
 
-    def fill(self, opened: intake.Opened, name: str | None, given: dict[str, Elements]) -> None:
+    def fill(self, opened: validation.Opened, name: str | None, given: dict[str, Elements]) -> None:
         """Set the fields of a new frame, once all is checked (for makers)."""
         for key in ("coordinates", "parameters", "domain", "complex", "field"):
             object.__setattr__(self, key, getattr(opened, key))
@@ -97,9 +97,9 @@ class Frame:
     if TYPE_CHECKING:
         _kept: dict[str, Any]
 
-    from_frame = classmethod(makers.from_frame)
-    from_metric = classmethod(makers.from_metric)
-    from_structure_constants = classmethod(makers.from_structure_constants)
+    from_frame = classmethod(constructors.from_frame)
+    from_metric = classmethod(constructors.from_metric)
+    from_structure_constants = classmethod(constructors.from_structure_constants)
 
     # -- what is kept ---------------------------------------------------------------------------
 
@@ -111,7 +111,7 @@ class Frame:
 
     def read(self, entries: Sequence[tuple[str, Any]]) -> list[Element]:
         """Exact elements of pairs (where, expression); new symbols become parameters."""
-        return intake.read_more(self.field, entries)
+        return validation.read_more(self.field, entries)
 
     @property
     def dimension(self) -> int:
@@ -123,7 +123,7 @@ class Frame:
     @cached_property
     def coframe(self) -> Tensor:
         """e^i_mu, slots Ud: rows i, columns mu; inverse to legs."""
-        return Tensor(self, "Ud", bases.coframe(self), (), "e", "coframe")
+        return Tensor(self, "Ud", frame_matrices.coframe(self), (), "e", "coframe")
 
     @cached_property
     def eta(self) -> Tensor:
@@ -139,22 +139,24 @@ class Frame:
     @cached_property
     def legs(self) -> Tensor:
         """E_i^mu, slots uD: legs[mu, i], one leg per column."""
-        return Tensor(self, "uD", bases.legs(self), (), "E", "legs")
+        return Tensor(self, "uD", frame_matrices.legs(self), (), "E", "legs")
 
     @cached_property
     def metric(self) -> Tensor:
         """g_{mu nu} = e^i_mu eta_ij e^j_nu, slots dd."""
-        return Tensor(self, "dd", bases.metric(self), symmetric(2), "g", "metric")
+        return Tensor(self, "dd", frame_matrices.metric(self), symmetric(2), "g", "metric")
 
     @cached_property
     def inverse_metric(self) -> Tensor:
         """g^{mu nu}, slots uu."""
-        return Tensor(self, "uu", bases.inverse_metric(self), symmetric(2), "g", "inverse metric")
+        return Tensor(
+            self, "uu", frame_matrices.inverse_metric(self), symmetric(2), "g", "inverse metric"
+        )
 
     @cached_property
     def coframe_derivative(self) -> Components:
         """d_a e^i_b at (a, i, b): every connection is made from these."""
-        return bases.coframe_derivative(self)
+        return frame_matrices.coframe_derivative(self)
 
     @cached_property
     def anholonomy(self) -> Tensor:
@@ -162,7 +164,7 @@ class Frame:
 
         It equals 2 S_ij^k of the Cartan connection and minus the structure functions of the legs.
         """
-        return bases.anholonomy(self)
+        return frame_matrices.anholonomy(self)
 
     # -- scalars --------------------------------------------------------------------------------
 
@@ -173,12 +175,12 @@ class Frame:
     @cached_property
     def determinant(self) -> Tensor:
         """det e^i_mu, a scalar density (rank 0)."""
-        return self.scalar(lambda: bases.coframe_determinant(self), "e", "determinant")
+        return self.scalar(lambda: frame_matrices.coframe_determinant(self), "e", "determinant")
 
     @cached_property
     def volume(self) -> Tensor:
         """Volume element: det e * sqrt|det eta|, a signed root of |det g| (rank 0)."""
-        return self.scalar(lambda: bases.volume(self), "\\sqrt{g}", "volume element")
+        return self.scalar(lambda: frame_matrices.volume(self), "\\sqrt{g}", "volume element")
 
     @property
     def branches(self) -> tuple[Branch, ...]:
@@ -214,15 +216,15 @@ class Frame:
         >>> frame.quantity("scalar_curvature")[()]
         2
         """
-        from geomtorsion.geometry.plan import quantity
+        from geomtorsion.geometry.quantities import quantity
 
         return quantity(self, name)
 
-    def plan(self, name: str) -> Plan:
+    def plan(self, name: str) -> DependencyGraph:
         """What would be computed for a named quantity, in order, and what is left out."""
-        from geomtorsion.geometry.plan import Plan
+        from geomtorsion.geometry.quantities import DependencyGraph
 
-        return Plan(self, name)
+        return DependencyGraph(self, name)
 
     def __repr__(self) -> str:
         return notation.frame_text(self)

@@ -10,7 +10,7 @@ import sympy as sp
 
 from geomtorsion.errors import ShapeError, StructureConstantError
 from geomtorsion.exact import Field
-from geomtorsion.geometry.intake import free_symbols, named_symbols
+from geomtorsion.geometry.validation import free_symbols, named_symbols
 
 
 def invariant_coframe(

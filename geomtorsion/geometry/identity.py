@@ -18,7 +18,7 @@ Index = tuple[int, ...]
 
 
 @dataclass(frozen=True)
-class Identity:
+class IdentityCheck:
     """Result of one check.
 
     name, equation: what was checked.
@@ -39,7 +39,7 @@ class Identity:
         return f"{self.name}: {verdict} ({self.checked} components{where}): {self.equation}"
 
 
-def identities(connection: Connection) -> list[Identity]:
+def identities(connection: Connection) -> list[IdentityCheck]:
     """Check the identities that apply to a connection, exactly.
 
     Metricity is a property rather than an identity: it fails for a connection that does not keep
@@ -62,19 +62,19 @@ def identities(connection: Connection) -> list[Identity]:
     """
     found = [metricity(connection), decomposition(connection)]
     found += [first_bianchi(connection), second_bianchi(connection)]
-    if connection.is_metric:
+    if connection.metric_compatible:
         found.append(scalar_identity(connection))
     return found
 
 
-def metricity(connection: Connection) -> Identity:
+def metricity(connection: Connection) -> IdentityCheck:
     """D_a g_bc = 0."""
     n, get = connection.frame.dimension, connection.nonmetricity.components.get
     indices = ((a, b, c) for a, b, c in product(range(n), repeat=3) if b <= c)
     return _checked("metricity", "D_a g_bc = 0", indices, get)
 
 
-def decomposition(connection: Connection) -> Identity:
+def decomposition(connection: Connection) -> IdentityCheck:
     """Gamma = Levi-Civita + contortion (by its definition from the torsion) + disformation."""
     gamma = connection.coefficients.components.get
     parts = [
@@ -92,7 +92,7 @@ def decomposition(connection: Connection) -> Identity:
     return _checked("decomposition", equation, indices, difference)
 
 
-def first_bianchi(connection: Connection) -> Identity:
+def first_bianchi(connection: Connection) -> IdentityCheck:
     """Cyclic sum of R_abl^k equals that of D_a T_bl^k + T_ab^t T_tl^k."""
     n = connection.frame.dimension
     riemann = connection.curvature.riemann.components.get
@@ -113,7 +113,7 @@ def first_bianchi(connection: Connection) -> Identity:
     return _checked("first Bianchi", equation, indices, difference)
 
 
-def second_bianchi(connection: Connection) -> Identity:
+def second_bianchi(connection: Connection) -> IdentityCheck:
     """Cyclic sum of D_a R_mnl^k + T_am^t R_tnl^k vanishes."""
     n = connection.frame.dimension
     curvature = connection.curvature.riemann
@@ -138,7 +138,7 @@ def second_bianchi(connection: Connection) -> Identity:
     return _checked("second Bianchi", equation, indices, total)
 
 
-def scalar_identity(connection: Connection) -> Identity:
+def scalar_identity(connection: Connection) -> IdentityCheck:
     """R = R_bar + T_scalar + 2 D_bar_a v^a for a metric connection."""
     frame = connection.frame
     bar = levi_civita(frame)
@@ -174,7 +174,7 @@ def _checked(
     equation: str,
     indices: Iterator[Index] | list[Index],
     value: Callable[[Index], Element | None],
-) -> Identity:
+) -> IdentityCheck:
     """Evaluate the difference of both sides at every index."""
     checked, holds, worst = 0, True, None
     for index in indices:
@@ -184,4 +184,4 @@ def _checked(
         if verdict is not True and holds is not False:
             holds = verdict
             worst = index
-    return Identity(name, equation, holds, checked, worst)
+    return IdentityCheck(name, equation, holds, checked, worst)

@@ -5,8 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from geomtorsion.exact import Element
-from geomtorsion.geometry.arrays import total
-from geomtorsion.geometry.components import Components
+from geomtorsion.geometry.components import Components, total
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.symmetry import RIEMANN, Index, symmetric
 from geomtorsion.geometry.tensor import Tensor

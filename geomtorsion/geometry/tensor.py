@@ -9,14 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from geomtorsion.errors import TensorIndexError
+from geomtorsion.errors import (
+    CoordinateError,
+    MissingValueError,
+    SingularPointError,
+    TensorIndexError,
+    UndecidedError,
+)
 from geomtorsion.exact import Element
-from geomtorsion.geometry import arithmetic, notation
-from geomtorsion.geometry.arrays import change_slot
-from geomtorsion.geometry.components import Components
-from geomtorsion.geometry.evaluation import evaluated
-from geomtorsion.geometry.slots import KINDS, exchange, moved
-from geomtorsion.geometry.symmetry import Index, Symmetry, effective
+from geomtorsion.geometry import notation
+from geomtorsion.geometry.components import Components, Row, change_slot, total
+from geomtorsion.geometry.index_types import KINDS, moved
+from geomtorsion.geometry.symmetry import Index, Symmetry, common, effective
 
 if TYPE_CHECKING:
     import numpy as np
@@ -175,7 +179,7 @@ class Tensor:
         >>> Frame([r, phi], [[1, 0], [0, r]]).metric.at({r: 3}).tolist()
         [[1.0, 0.0], [0.0, 9.0]]
         """
-        return evaluated(self, point)
+        return _evaluated(self, point)
 
     # -- changing indices ----------------------------------------------------------------------
 
@@ -189,7 +193,7 @@ class Tensor:
                 "For the coefficients of a connection in the frame use connection.spin_connection."
             )
         slots = self.slots[:k] + slot + self.slots[k + 1 :]
-        rows, columns = exchange(self.frame, self.slots[k], slot)
+        rows, columns = _exchange(self.frame, self.slots[k], slot)
         symmetry = effective(self.symmetry, slots)
         source = change_slot(self.frame.field, self.components, k, rows, columns, symmetry)
         return replace(self, slots=slots, source=source)
@@ -239,21 +243,21 @@ class Tensor:
     # -- arithmetic ----------------------------------------------------------------------------
 
     def __add__(self, other: Tensor) -> Tensor:
-        return arithmetic.combined(self, other, 1)
+        return _combined(self, other, 1)
 
     def __sub__(self, other: Tensor) -> Tensor:
-        return arithmetic.combined(self, other, -1)
+        return _combined(self, other, -1)
 
     def __neg__(self) -> Tensor:
-        return arithmetic.multiple(self, -1)
+        return _multiple(self, -1)
 
     def __mul__(self, factor: Any) -> Tensor:
-        return arithmetic.multiple(self, factor)
+        return _multiple(self, factor)
 
     __rmul__ = __mul__
 
     def __truediv__(self, divisor: Any) -> Tensor:
-        return arithmetic.quotient(self, divisor)
+        return _quotient(self, divisor)
 
     def __matmul__(self, other: Tensor) -> Tensor:
         """Sum over the last index of self and the first of other."""
@@ -268,7 +272,7 @@ class Tensor:
 
     def __eq__(self, other: object) -> bool:
         """Exact equality of all components; the slots must agree."""
-        return arithmetic.equal(self, other) if isinstance(other, Tensor) else NotImplemented
+        return _equal(self, other) if isinstance(other, Tensor) else NotImplemented
 
     def __hash__(self) -> int:
         return hash((self.slots, frozenset(self.components.nonzero.items())))
@@ -285,3 +289,140 @@ class Tensor:
 
     def _repr_latex_(self) -> str:
         return notation.latex(self)
+
+
+# -- index positions -----------------------------------------------------------------------------
+
+
+def _exchange(frame: Frame, old: str, new: str) -> tuple[Sequence[Row], Sequence[Row]]:
+    """Sparse matrix that turns a slot of one kind into another: rows and columns of it."""
+    if old + new in ("uU", "Uu"):
+        matrix = frame.coframe.components if new == "U" else frame.legs.components
+        return matrix.rows, matrix.columns
+    if old + new in ("dD", "Dd"):
+        matrix = frame.legs.components if new == "D" else frame.coframe.components
+        return matrix.columns, matrix.rows
+    matrices = {"du": "inverse_metric", "ud": "metric", "DU": "inverse_eta", "UD": "eta"}
+    matrix = getattr(frame, matrices[old + new]).components
+    return matrix.rows, matrix.rows
+
+
+# -- arithmetic ----------------------------------------------------------------------------------
+
+
+def _combined(first: Tensor, second: Tensor, sign: int) -> Tensor:
+    """first + sign * second; slots and frame must agree."""
+    if not isinstance(second, type(first)):
+        raise TensorIndexError(f"{first.label} can be added to a tensor, not to {second!r}.")
+    if second.frame is not first.frame or second.slots != first.slots:
+        raise TensorIndexError(
+            f"{first.label} has slots {first.slots!r}, {second.label} has {second.slots!r}: "
+            "only tensors of one frame with equal slots can be added. "
+            "Use raised, lowered, in_frame, in_coordinates first."
+        )
+    field, one, two = first.frame.field, first.components.get, second.components.get
+
+    def rule(index: Index) -> Element | None:
+        terms = [(s, x) for s, x in ((1, one(index)), (sign, two(index))) if x is not None]
+        return total(field, terms)
+
+    return replace(
+        first,
+        source=rule,
+        symmetry=common(first.symmetry, second.symmetry),
+        symbol="t",
+        name="",
+        anchored=tuple(sorted({*first.anchored, *second.anchored})),
+    )
+
+
+def _multiple(tensor: Tensor, factor: Any) -> Tensor:
+    """Tensor times a number or an expression."""
+    if isinstance(factor, type(tensor)):
+        raise TensorIndexError(
+            "Say which indices are summed: contract('ab,bc->ac', s, t), or s @ t."
+        )
+    (scale,) = tensor.frame.read([("factor", factor)])
+    get = tensor.components.get
+
+    def rule(index: Index) -> Element | None:
+        value = get(index)
+        return None if value is None else value * scale
+
+    return replace(tensor, source=rule, symbol="t", name="")
+
+
+def _quotient(tensor: Tensor, divisor: Any) -> Tensor:
+    """Tensor divided by a number or an expression."""
+    (read,) = tensor.frame.read([("divisor", divisor)])
+    if read.is_zero:
+        raise ZeroDivisionError(f"{tensor.label} was divided by {divisor}, which is exactly zero.")
+    return _multiple(tensor, read.inverse())
+
+
+def _equal(first: Tensor, second: Tensor) -> bool:
+    """Exact equality of all components over one frame with equal slots."""
+    if second.frame is not first.frame or second.slots != first.slots:
+        return False
+    if first.components.nonzero == second.components.nonzero:
+        return True
+    verdict = _combined(first, second, -1).is_zero
+    if verdict is None:
+        raise UndecidedError(
+            f"Whether {first.label} equals {second.label} cannot be decided exactly: functions "
+            "occur whose relations are not known. Compare numbers with .at(point)."
+        )
+    return verdict
+
+
+# -- numbers -------------------------------------------------------------------------------------
+
+
+def _evaluated(tensor: Tensor, point: Mapping[Any, Any]) -> np.ndarray:
+    """Array of a tensor's components at a point (see Tensor.at)."""
+    import numpy as np
+
+    values = _named_values(tensor, point)
+    independent = tensor.components.independent
+    n, rank = tensor.frame.dimension, len(tensor.slots)
+    result = np.zeros((n,) * rank, dtype=complex if tensor.frame.complex else float)
+    numbers = {i: _number(tensor, i, v, values) for i, v in independent.items()}
+    for index in tensor.components.support:
+        sign, representative = tensor.components.representative(index)
+        result[index] = sign * numbers[representative]
+    return result
+
+
+def _named_values(tensor: Tensor, point: Mapping[Any, Any]) -> dict[Any, Any]:
+    """The point with symbols as keys; a name that means nothing here is refused."""
+    symbols = {symbol.name: symbol for symbol in tensor.frame.field.symbols}
+    values = {}
+    for key, number in point.items():
+        if isinstance(key, (str, sp.Symbol)):
+            name = key if isinstance(key, str) else key.name
+            if name not in symbols or (isinstance(key, sp.Symbol) and key != symbols[name]):
+                raise CoordinateError(
+                    f"{key} is neither a coordinate nor a parameter of this frame. "
+                    f"Known are {', '.join(symbols)}, with the assumptions they were made with."
+                )
+            values[symbols[name]] = number
+        else:
+            values[key] = number
+    return values
+
+
+def _number(tensor: Tensor, index: Index, element: Element, values: Mapping[Any, Any]) -> complex:
+    """Value of one component, with an error that names it where it is not finite."""
+    try:
+        number = element.evaluate(values)
+    except (ZeroDivisionError, SingularPointError):
+        number = float("nan")
+    except MissingValueError as error:
+        raise MissingValueError(f"{tensor.label}{list(index)}: {error}") from None
+    if abs(complex(number)) < float("inf") and (tensor.frame.complex or number.imag == 0):
+        return number
+    place = ", ".join(f"{symbol} = {value}" for symbol, value in values.items())
+    raise SingularPointError(
+        f"{tensor.label}{list(index)} has no finite real value at {place}. "
+        "Choose a point inside the domain of the frame."
+    )

@@ -9,9 +9,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.exact import Element
-from geomtorsion.geometry.arrays import total
+from geomtorsion.geometry.components import total
 from geomtorsion.geometry.contraction import contract
-from geomtorsion.geometry.nested import tensor_from_array
+from geomtorsion.geometry.from_arrays import tensor_from_array
 from geomtorsion.geometry.symmetry import Index, alternating, antisymmetric, symmetric
 from geomtorsion.geometry.tensor import Tensor
 

@@ -108,7 +108,7 @@ class Curved:
 
     def invariants(self, frame: Frame, names: Sequence[str]) -> dict[str, Products]:
         """The length of the velocity, if the connection is metric."""
-        if not (self.connection.keeps_lengths or self.connection.is_metric):
+        if self.connection.kind == "general" and not self.connection.metric_compatible:
             return {}
         return {"norm": _square(frame, None, names)}
 

@@ -143,7 +143,7 @@ def _state_gap(axes: Any, turn: Development) -> None:
     said = f"|b| = {size:.4g}" if size > turn.error else "b = 0"
     rotated = float(np.abs(turn.motion.turn).max())
     if rotated > max(turn.turn_error, 1e-13):
-        if turn.connection.keeps_lengths and len(turn.burgers) in (2, 3):
+        if turn.connection.metric_compatible and len(turn.burgers) in (2, 3):
             said += f",  turn = {np.degrees(turn.angle):.4g}°"
         else:
             said += f",  |R - 1| = {rotated:.4g}"

@@ -11,7 +11,7 @@ from geomtorsion.pictures.catalogue import entry
 from geomtorsion.spaces.checking import disagreements
 
 if TYPE_CHECKING:
-    from geomtorsion.geometry import Identity
+    from geomtorsion.geometry import IdentityCheck
     from geomtorsion.spaces.space import KnownAnswer, Space
 
 # A connection of the space's own may have these properties or not: they are no identities.
@@ -70,7 +70,7 @@ def verdicts(
     return groups
 
 
-def _of_identity(identity: Identity, *, own: bool) -> Verdict:
+def _of_identity(identity: IdentityCheck, *, own: bool) -> Verdict:
     required = not (own and identity.name in PROPERTIES)
     detail = f"{identity.checked} component{'s' * (identity.checked != 1)}"
     if identity.worst is not None:

@@ -42,15 +42,14 @@ def test_order_of_indices(frame: Frame) -> None:
     assert gamma[1, 0, 1] == 0
 
 
-def test_lorentzian_spin_connection_keeps_lengths(frame: Frame) -> None:
+def test_lorentzian_spin_connection_is_metric_compatible(frame: Frame) -> None:
     """A boost has omega_01 = -omega_10 lowered, so omega_0^1 = omega_1^0."""
     boost, turn = zeros(), zeros()
     boost[0][0][1] = boost[0][1][0] = c
     turn[0][0][1], turn[0][1][0] = c, -c
-    assert from_spin_connection(frame, boost).keeps_lengths
-    assert from_spin_connection(frame, boost).is_metric is True
-    assert not from_spin_connection(frame, turn).keeps_lengths
-    assert from_spin_connection(frame, turn).is_metric is False
+    assert from_spin_connection(frame, boost).metric_compatible is True
+    assert from_spin_connection(frame, boost).nonmetricity.is_zero is True
+    assert from_spin_connection(frame, turn).metric_compatible is False
 
 
 def test_spin_connection_of_the_makers(frame: Frame) -> None:
@@ -91,7 +90,7 @@ def test_coefficients_have_everything(frame: Frame) -> None:
     # Q_011 = d_0 g_11 - 2 g_11 G_01^1
     (expected,) = frame.read([("Q", (2 - 2 * y) * sp.exp(2 * x))])
     assert connection.nonmetricity.element(0, 1, 1) == expected
-    assert not connection.keeps_lengths
+    assert not connection.metric_compatible
     assert [identity.holds for identity in identities(connection)] == [False, True, True, True]
 
 
@@ -138,9 +137,9 @@ def test_a_false_claim_is_exposed(frame: Frame) -> None:
     gamma = zeros()
     gamma[0][1][1] = y
     pretended = from_coefficients(frame, gamma)
-    claim = Connection(frame, pretended.coefficients, "false", "cartan", True)
+    claim = Connection(frame, pretended.coefficients, "false", "cartan")
     assert claim.is_flat is False
-    assert claim.is_metric is False
+    assert claim.metric_compatible is False
     assert not all(identity.holds for identity in identities(claim))
 
 

@@ -6,7 +6,7 @@ import sympy as sp
 
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.geometry import Frame, Tensor
-from geomtorsion.geometry.plan import QUANTITIES
+from geomtorsion.geometry.quantities import QUANTITIES
 
 t, r, theta, phi = sp.symbols("t r theta phi", positive=True)
 M = sp.Symbol("M", positive=True)

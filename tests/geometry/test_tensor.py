@@ -12,7 +12,7 @@ from geomtorsion.errors import (
     TensorIndexError,
 )
 from geomtorsion.geometry import Frame, Tensor, cartan, contract, levi_civita
-from geomtorsion.geometry.nested import tensor_from_array
+from geomtorsion.geometry.from_arrays import tensor_from_array
 from geomtorsion.geometry.symmetry import antisymmetric, symmetric
 
 r, phi, M = sp.symbols("r phi M", positive=True)

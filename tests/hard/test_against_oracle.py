@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import geomtorsion as gt
-from geomtorsion.geometry.plan import QUANTITIES
+from geomtorsion.geometry.quantities import QUANTITIES
 from tests.differences import DIGITS, agrees
 from tests.hard.support import numbers, oracle_of, quick, values_at
 from tests.strategies import COORDINATES, F, coframes, k

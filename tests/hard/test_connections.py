@@ -84,7 +84,8 @@ def test_connections_from_a_contortion_and_blends(data, case):
     contortion = gt.Tensor(frame, "ddd", lower)
     connection = gt.from_contortion(frame, contortion)
     values = values_at(coordinates, 4)
-    assert connection.is_metric is True
+    assert connection.metric_compatible is True
+    assert connection.nonmetricity.is_zero is True
     assert connection.contortion.lowered(2) == contortion
     assert disagreements(connection, values) == []
     mixed = gt.blend(connection, gt.levi_civita(frame), sp.Rational(1, 3))

@@ -51,7 +51,7 @@ def test_identities_hold_for_every_maker(maker: str) -> None:
         if maker in METRIC:
             assert results["metricity"].holds is True
             assert "scalar" in results
-            assert connection.keeps_lengths
+            assert connection.metric_compatible
         event(f"flat: {connection.is_flat}")
 
     law()
@@ -66,7 +66,8 @@ def test_cartan_curvature_vanishes_by_the_long_way(frame: Frame) -> None:
     connection = cartan(frame)
     assert by_coefficients(connection).is_zero is True
     assert connection.curvature.is_zero is True
-    assert connection.is_metric is True
+    assert connection.metric_compatible is True
+    assert connection.nonmetricity.is_zero is True
 
 
 @few

@@ -21,7 +21,7 @@ def test_identities_of_a_shipped_space(name: str) -> None:
         assert len(results) >= 4
         assert results[1].checked == connection.frame.dimension**3
         for identity in results:
-            if identity.name != "metricity" or connection.keeps_lengths:
+            if identity.name != "metricity" or connection.metric_compatible:
                 assert identity.holds is True, f"{connection.name}: {identity}"
 
 
@@ -31,8 +31,10 @@ def test_the_first_two_connections_are_what_they_are_called(name: str) -> None:
     flat, bar = connections(name)[:2]
     frame = flat.frame
     assert flat.is_flat is True
-    assert flat.is_metric is True
-    assert bar.is_metric is True
+    assert flat.metric_compatible is True
+    assert flat.nonmetricity.is_zero is True
+    assert bar.metric_compatible is True
+    assert bar.nonmetricity.is_zero is True
     assert bar.is_torsion_free is True
     unit = contract("ia,aj->ij", frame.coframe, frame.legs).nonzero()
     assert unit == {(i, i): 1 for i in range(frame.dimension)}

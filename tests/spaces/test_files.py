@@ -112,7 +112,7 @@ def test_a_contortion_of_its_own():
     k = connection.frame.parameters[0]
     assert connection.contortion[0, 1, 2] == k
     assert connection.torsion.S[0, 1, 2] == k
-    assert connection.is_metric
+    assert connection.metric_compatible
 
 
 def test_a_spin_connection_and_coefficients(read):
@@ -123,7 +123,7 @@ def test_a_spin_connection_and_coefficients(read):
     bent = read(PLANE + COFRAME + 'connection = {"0,0,1" = "r"}').connection
     assert bent is not None
     assert str(bent[0, 0, 1]) == "r"
-    assert bent.is_metric is False
+    assert bent.metric_compatible is False
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from geomtorsion.exact import Element
-from geomtorsion.geometry.arrays import total
-from geomtorsion.geometry.components import Components, Row
+from geomtorsion.geometry.components import Components, Row, total
 from geomtorsion.geometry.matrices import Entries, blocks, determinant, inverse
 from geomtorsion.geometry.symmetry import Index, antisymmetric, symmetric
 from geomtorsion.geometry.tensor import Tensor

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from geomtorsion.geometry import intake
+from geomtorsion.geometry import validation
 from geomtorsion.geometry.groups import invariant_coframe
 from geomtorsion.geometry.matrices import inverse
-from geomtorsion.geometry.squares import orthonormal_rows
+from geomtorsion.geometry.orthonormalize import orthonormal_rows
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.frame import Frame
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 def from_frame(
     cls: type[Frame],
-    coordinates: intake.Coordinates,
+    coordinates: validation.Coordinates,
     legs: Any,
     signature: Any = None,
     parameters: Sequence[sp.Symbol] | None = None,
@@ -37,11 +37,11 @@ def from_frame(
     >>> Frame.from_frame([r, phi], [[1, 0], [0, 1 / r]]).coframe[1, 1]
     r
     """
-    n, entries = intake.matrix_entries(legs, "legs")
-    opened = intake.opened(coordinates, n, entries, parameters, domain, complex, branches)
-    elements = intake.read_matrix(opened.field, entries, "legs")
-    eta = intake.read_signature(opened.field, signature, n)
-    intake.check_regular(opened.field, elements, n, "matrix of legs")
+    n, entries = validation.matrix_entries(legs, "legs")
+    opened = validation.opened(coordinates, n, entries, parameters, domain, complex, branches)
+    elements = validation.read_matrix(opened.field, entries, "legs")
+    eta = validation.read_signature(opened.field, signature, n)
+    validation.check_regular(opened.field, elements, n, "matrix of legs")
     coframe = inverse(opened.field, elements, n)
     frame = object.__new__(cls)
     frame.fill(opened, name, {"coframe": coframe, "legs": elements, "eta": eta})
@@ -50,7 +50,7 @@ def from_frame(
 
 def from_metric(
     cls: type[Frame],
-    coordinates: intake.Coordinates,
+    coordinates: validation.Coordinates,
     metric: Any,
     signature: Sequence[int] | None = None,
     parameters: Sequence[sp.Symbol] | None = None,
@@ -77,10 +77,10 @@ def from_metric(
     >>> Frame.from_metric([r, phi], [[1, 0], [0, r**2]]).coframe[1, 1]
     r
     """
-    n, entries = intake.matrix_entries(metric, "metric")
-    opened = intake.opened(coordinates, n, entries, parameters, domain, False, branches)
-    elements = intake.read_matrix(opened.field, entries, "metric")
-    intake.check_symmetric(elements, n)
+    n, entries = validation.matrix_entries(metric, "metric")
+    opened = validation.opened(coordinates, n, entries, parameters, domain, False, branches)
+    elements = validation.read_matrix(opened.field, entries, "metric")
+    validation.check_symmetric(elements, n)
     signs = None if signature is None else tuple(signature)
     rows, squares, eta = orthonormal_rows(opened.field, elements, n, opened.points(), signs)
     frame = object.__new__(cls)
@@ -91,7 +91,7 @@ def from_metric(
 def from_structure_constants(
     cls: type[Frame],
     constants: Any,
-    coordinates: intake.Coordinates | None = None,
+    coordinates: validation.Coordinates | None = None,
     signature: Any = None,
     name: str | None = None,
 ) -> Frame:

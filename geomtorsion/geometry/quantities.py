@@ -1,4 +1,4 @@
-"""Plan: named quantities, what each needs, and what asking for one computes."""
+"""Quantities: by name, what each needs, and what asking for one computes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from geomtorsion.errors import UnknownNameError
-from geomtorsion.geometry import bases
+from geomtorsion.geometry import frame_matrices
 from geomtorsion.geometry.connections import cartan, levi_civita
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.symmetry import effective, orbits
@@ -174,9 +174,9 @@ def needs(frame: Frame, name: str) -> tuple[str, ...]:
         return ()
     if name == "coframe" and "legs" in frame.given:
         return ("legs",)
-    if name == "legs" and bases.goes_through_metric(frame):
+    if name == "legs" and frame_matrices.goes_through_metric(frame):
         return ("coframe", "inverse_metric")
-    if name == "inverse_metric" and not bases.inverts_metric(frame):
+    if name == "inverse_metric" and not frame_matrices.inverts_metric(frame):
         return ("legs",)
     return QUANTITIES[name].needs
 
@@ -197,7 +197,7 @@ class Step:
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class DependencyGraph:
     """What asking for one quantity computes: its ancestors in the derivation graph, no others.
 
     frame: the frame that is asked.
