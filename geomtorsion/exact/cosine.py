@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy
 from flint import fmpq
 
 if TYPE_CHECKING:
+    from flint import fmpq_mpoly
+
     from geomtorsion.exact.element import Element
     from geomtorsion.exact.tower import Tower
 
@@ -49,7 +51,7 @@ def by_cosine(
 
 
 def _turned(
-    source: Tower, poly: Any, angle: sympy.Symbol, field: Tower, cosine: sympy.Symbol
+    source: Tower, poly: fmpq_mpoly, angle: sympy.Symbol, field: Tower, cosine: sympy.Symbol
 ) -> tuple[Element, int] | None:
     """A polynomial over one power, 0 or 1, of the sine, and that power."""
     z, sine, places = field.symbol(cosine), -1, {}

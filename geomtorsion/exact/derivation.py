@@ -10,10 +10,16 @@ from geomtorsion.exact.element import Element
 from geomtorsion.exact.unknown_functions import jet
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import sympy
+    from flint import fmpq_mpoly
 
     from geomtorsion.exact.generators import Generator
     from geomtorsion.exact.tower import Tower
+
+    # The derivative of a generator with respect to a symbol.
+    Rule = Callable[[Tower, Generator, sympy.Symbol], Element]
 
 
 def derivative(field: Tower, element: Element, symbol: sympy.Symbol) -> Element:
@@ -31,7 +37,9 @@ def derivative(field: Tower, element: Element, symbol: sympy.Symbol) -> Element:
     return field.sum(terms)
 
 
-def _parts(field: Tower, poly: Any, symbol: sympy.Symbol) -> list[tuple[Any, Element]]:
+def _parts(
+    field: Tower, poly: fmpq_mpoly, symbol: sympy.Symbol
+) -> list[tuple[fmpq_mpoly, Element]]:
     """Pairs (d poly / d generator, d generator / d symbol) that are not zero."""
     found = []
     names = []
@@ -77,7 +85,7 @@ def _symbol(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element
     return field.one if generator.shown == symbol else field.zero
 
 
-def _partnered(sign: int) -> Any:
+def _partnered(sign: int) -> Rule:
     """Rule for cos, sin, cosh, sinh: argument = (angle, name of the partner)."""
 
     def rule(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
@@ -132,7 +140,7 @@ def _opaque(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element
     return field.read(generator.shown.diff(symbol), f"derivative of {generator.shown}")
 
 
-_RULES: dict[str, Any] = {
+_RULES: dict[str, Rule] = {
     "symbol": _symbol,
     "cos": _partnered(-1),
     "sin": _partnered(1),

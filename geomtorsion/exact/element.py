@@ -13,9 +13,14 @@ from geomtorsion.exact.limits import check_power
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    import mpmath
     import sympy
+    from flint import fmpq_mpoly
 
     from geomtorsion.exact.tower import Tower
+
+    # What users give for the value of a symbol.
+    Value = int | float | complex | Fraction | fmpq | mpmath.mpf | sympy.Expr
 
 Denominator = tuple[tuple[int, int], ...]
 Number = int | Fraction | fmpq
@@ -41,13 +46,14 @@ class Element:
 
     __slots__ = ("_den", "_diffs", "_field", "_form", "_hash", "_level", "_num", "_sympy")
 
-    def __init__(self, field: Any, num: Any, den: Denominator, level: int) -> None:
-        self._field: Tower = field
+    def __init__(self, field: Tower, num: fmpq_mpoly, den: Denominator, level: int) -> None:
+        self._field = field
         self._num = num
         self._den = den
         self._level = level
         self._diffs: dict[sympy.Symbol, Element] | None = None
         self._sympy: sympy.Expr | None = None
+        # What form.py made of it; its type would close a ring of imports.
         self._form: Any = None
         self._hash: int | None = None
 
@@ -217,7 +223,9 @@ class Element:
             self._sympy = self._field.written(self)
         return self._sympy
 
-    def evaluate(self, point: Mapping[Any, Any], precision: int = 53) -> Any:
+    def evaluate(
+        self, point: Mapping[Any, Value], precision: int = 53
+    ) -> float | complex | mpmath.mpf:
         """The value at a point: float or complex at 53 bits, an mpmath number above.
 
         Parameters

@@ -16,14 +16,21 @@ from geomtorsion.exact.generators import Generator
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from flint import fmpq_mpoly
+
     from geomtorsion.exact.element import Element
+    from geomtorsion.exact.tower import Tower
+
+    # The values of symbols and jets; the values of generators by name, once known.
+    Given = Callable[[Generator], mpmath.mpf]
+    Known = dict[str, mpmath.mpf]
 
 _GUARD = 30
 # Expanded numerators cancel; precision is doubled up to this many bits until they agree.
 _LARGEST_BITS = 2**12
 
 
-def evaluate(element: Element, point: Mapping[Any, Any], precision: int = 53) -> Any:
+def evaluate(element: Element, point: Mapping[Any, Any], precision: int = 53) -> mpmath.mpf:
     """The value of an element at a point; see `Element.evaluate`."""
     value = settled_value(
         lambda: _written_value(element, lambda generator: _given(point, generator), {}),
@@ -41,7 +48,7 @@ def evaluate(element: Element, point: Mapping[Any, Any], precision: int = 53) ->
     return complex(value) if isinstance(value, mpmath.mpc) and value.imag else float(value.real)
 
 
-def settled_value(compute: Callable[[], Any], precision: int, largest: int) -> Any:
+def settled_value(compute: Callable[[], mpmath.mpf], precision: int, largest: int) -> mpmath.mpf:
     """The value on which two working precisions agree to the precision asked for.
 
     Zero is accepted only at the largest precision, as what is below 2**(-largest/4) there.
@@ -73,7 +80,7 @@ def settled_value(compute: Callable[[], Any], precision: int, largest: int) -> A
         before, bits = value, 2 * bits
 
 
-def _written_value(element: Element, given: Callable[[Generator], Any], known: Any) -> Any:
+def _written_value(element: Element, given: Given, known: Known) -> mpmath.mpf:
     """The value of the written form, which has fewer removable singularities."""
     written = form(element)
     result = mpmath.mpf(int(written.coefficient.p)) / int(written.coefficient.q)
@@ -96,7 +103,7 @@ def _written_value(element: Element, given: Callable[[Generator], Any], known: A
     return result
 
 
-def values(element: Element, given: Callable[[Generator], Any], known: dict[str, Any]) -> Any:
+def values(element: Element, given: Given, known: Known) -> mpmath.mpf:
     """The value from the values of generators; `given` answers for symbols and jets."""
     field = element.field
     num = _polynomial(field, field.lift(element), given, known)
@@ -111,7 +118,7 @@ def values(element: Element, given: Callable[[Generator], Any], known: dict[str,
     return num
 
 
-def _polynomial(field: Any, poly: Any, given: Any, known: dict[str, Any]) -> Any:
+def _polynomial(field: Tower, poly: fmpq_mpoly, given: Given, known: Known) -> mpmath.mpf:
     """The value of a polynomial in the generators."""
     total = mpmath.mpf(0)
     for monomial, coefficient in poly.to_dict().items():
@@ -123,14 +130,14 @@ def _polynomial(field: Any, poly: Any, given: Any, known: dict[str, Any]) -> Any
     return total
 
 
-def _generator(generator: Generator, given: Any, known: dict[str, Any]) -> Any:
+def _generator(generator: Generator, given: Given, known: Known) -> mpmath.mpf:
     """The value of one generator, computed once per point."""
     if generator.name not in known:
         known[generator.name] = _computed(generator, given, known)
     return known[generator.name]
 
 
-def _computed(generator: Generator, given: Any, known: dict[str, Any]) -> Any:
+def _computed(generator: Generator, given: Given, known: Known) -> mpmath.mpf:
     kind, argument = generator.kind, generator.argument
     if kind in ("symbol", "jet"):
         return given(generator)
@@ -154,7 +161,7 @@ def _computed(generator: Generator, given: Any, known: dict[str, Any]) -> Any:
     return _by_sympy(generator, given)
 
 
-def _by_sympy(generator: Generator, given: Any) -> Any:
+def _by_sympy(generator: Generator, given: Given) -> mpmath.mpf:
     """Opaque functions and constants: sympy's own evaluation."""
     digits = int(mpmath.mp.dps) + 5
     table = {s: given(Generator("symbol", "", s, frozenset((s,)))) for s in generator.depends}
@@ -166,7 +173,7 @@ def _by_sympy(generator: Generator, given: Any) -> Any:
     return mpmath.mpc(value, mpmath.mpf(str(imaginary))) if imaginary else value
 
 
-def _given(point: Mapping[Any, Any], generator: Generator) -> Any:
+def _given(point: Mapping[Any, Any], generator: Generator) -> mpmath.mpf:
     """The value that the user gave for a symbol or a jet."""
     for key in (generator.shown, str(generator.shown)):
         if key in point:
@@ -176,7 +183,7 @@ def _given(point: Mapping[Any, Any], generator: Generator) -> Any:
     )
 
 
-def _number(value: Any) -> Any:
+def _number(value: Any) -> mpmath.mpf:
     """A number of any kind as mpmath takes it, exact ones to the working precision."""
     if isinstance(value, sympy.Basic):
         return mpmath.mpmathify(value.evalf(int(mpmath.mp.dps) + 5))

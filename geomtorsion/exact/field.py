@@ -21,6 +21,11 @@ from geomtorsion.exact.writing import to_sympy
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
+    from fractions import Fraction
+
+    import mpmath
+
+    from geomtorsion.exact.element import Value
 
 
 class Field(Tower):
@@ -55,7 +60,7 @@ class Field(Tower):
         symbols: Sequence[sympy.Symbol],
         *,
         complex: bool = False,
-        sample: Mapping[sympy.Symbol, Any] | None = None,
+        sample: Mapping[sympy.Symbol, Value] | None = None,
         branches: Mapping[sympy.Expr, sympy.Expr] | None = None,
     ) -> None:
         if len(set(symbols)) != len(symbols):
@@ -82,7 +87,7 @@ class Field(Tower):
             self._symbol_elements[symbol] = element
         self.symbols = (*self.symbols, *symbols)
 
-    def read(self, expr: Any, where: str = "expression") -> Element:
+    def read(self, expr: sympy.Expr | Fraction | int, where: str = "expression") -> Element:
         """Reads one sympy expression, int or Fraction.
 
         Raises
@@ -137,7 +142,9 @@ class Field(Tower):
         """The element as a short sympy expression."""
         return to_sympy(element)
 
-    def value(self, element: Element, point: Mapping[Any, Any], precision: int) -> Any:
+    def value(
+        self, element: Element, point: Mapping[Any, Value], precision: int
+    ) -> float | complex | mpmath.mpf:
         """The value of an element at a point; see `Element.evaluate`."""
         return evaluate(element, point, precision)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from flint import fmpq
 
@@ -11,6 +11,8 @@ from geomtorsion.exact.fourier import HIGHEST_DEGREE, high_pairs, multiple_angle
 from geomtorsion.exact.radical_denominators import monic, roots_restored
 
 if TYPE_CHECKING:
+    from flint import fmpq_mpoly
+
     from geomtorsion.exact.element import Element
     from geomtorsion.exact.generators import Generator
     from geomtorsion.exact.tower import Tower
@@ -49,7 +51,7 @@ class Radicals:
     def __init__(self, field: Tower) -> None:
         self.level = field.level
         self.sums: dict[str, tuple[Sum, int]] = {}
-        self.table: list[tuple[str, Any, tuple[str, ...]]] = []
+        self.table: list[tuple[str, fmpq, tuple[str, ...]]] = []
         self.partners: list[tuple[int, int, int]] = []
         self.circular: list[tuple[int, int]] = []
         for position, generator in enumerate(field.generators):
@@ -98,7 +100,7 @@ def _made(element: Element) -> Form:
     if not num:
         return Form(fmpq(0), ())
     table = radicals(field)
-    polys: dict[str, Any] = {}
+    polys: dict[str, fmpq_mpoly] = {}
     exponents: dict[str, int] = {}
     if len(num) == 1 and not den and not below:
         return _monomial(field, num)
@@ -124,12 +126,11 @@ def _made(element: Element) -> Form:
             for key in keys:
                 exponents[key] -= take
             exponents[root] = exponents.get(root, 0) + 2 * take
-            polys.setdefault(root, None)
             content = content / scale**take
     powers: list[tuple[Generator | Sum, int]] = []
     for key, exponent in exponents.items():
         if exponent:
-            base, sign = _base(field, table, key, polys[key])
+            base, sign = _base(field, table, key, polys.get(key))
             content = content * sign if exponent % 2 else content
             powers.append((base, exponent))
     if content < 0:
@@ -137,7 +138,7 @@ def _made(element: Element) -> Form:
     return Form(fmpq(content), tuple(powers))
 
 
-def _is_short_wave(field: Tower, table: Radicals, num: Any) -> bool:
+def _is_short_wave(field: Tower, table: Radicals, num: fmpq_mpoly) -> bool:
     """Whether a polynomial of high degree in cos and sin is a sum of very few waves."""
     degrees = num.degrees()
     if not any(degrees[cos] > HIGHEST_DEGREE for cos, _ in table.circular):
@@ -156,25 +157,28 @@ def _sign_absorbed(powers: list[tuple[Generator | Sum, int]]) -> int:
     return 1
 
 
-def _monomial(field: Tower, num: Any) -> Form:
+def _monomial(field: Tower, num: fmpq_mpoly) -> Form:
     """The form of a polynomial of one term."""
     ((monomial, value),) = num.to_dict().items()
     powers = tuple((g, int(e)) for g, e in zip(field.generators, monomial, strict=True) if e)
     return Form(value, powers)
 
 
-def _base(field: Tower, table: Radicals, key: str, poly: Any) -> tuple[Generator | Sum, int]:
+def _base(
+    field: Tower, table: Radicals, key: str, poly: fmpq_mpoly | None
+) -> tuple[Generator | Sum, int]:
     """A factor as generator or as sum with its better sign."""
     generator = field.by_name.get(key)
     if generator is not None:
         return generator, 1
+    assert poly is not None
     known = table.sums.get(key)
     if known is None:
         known = table.sums[key] = _sum(field, table, poly)
     return known
 
 
-def _sum(field: Tower, table: Radicals, poly: Any) -> tuple[Sum, int]:
+def _sum(field: Tower, table: Radicals, poly: fmpq_mpoly) -> tuple[Sum, int]:
     """A polynomial as sum of terms, with sin**2 for 1 - cos**2 where that is shorter."""
     terms = {tuple(map(int, m)): fmpq(c) for m, c in poly.to_dict().items()}
     high = high_pairs(terms, table.circular)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import sympy
+    from flint import fmpq
 
     from geomtorsion.exact.element import Element
 
@@ -40,7 +41,7 @@ class Generator:
     depends: frozenset[sympy.Symbol]
     degree: int = 0
     tail: Element | None = None
-    middle: tuple[tuple[int, Any], ...] = ()
+    middle: tuple[tuple[int, fmpq], ...] = ()
     argument: Any = None
     sure: bool = True
 

@@ -35,11 +35,11 @@ class GenericPoint:
     def __init__(self, field: Tower, given: Mapping[sympy.Symbol, Any]) -> None:
         self._field = field
         self._given = dict(given)
-        self._known: dict[int, dict[str, Any]] = {}
+        self._known: dict[int, dict[str, mpmath.mpf]] = {}
         self._signs: list[tuple[Element, bool]] = []
         self._place = 0
 
-    def value(self, element: Element) -> Any:
+    def value(self, element: Element) -> mpmath.mpf:
         """The value of an element at the point, to about 90 digits.
 
         Raises
@@ -49,7 +49,7 @@ class GenericPoint:
         """
         return settled_value(lambda: self._now(element), _BITS, _LARGEST_BITS)
 
-    def _now(self, element: Element) -> Any:
+    def _now(self, element: Element) -> mpmath.mpf:
         """The value at the working precision."""
         return values(element, self._value_of, self._known.setdefault(mpmath.mp.prec, {}))
 
@@ -99,7 +99,7 @@ class GenericPoint:
         except (GeomtorsionError, ArithmeticError, ValueError):
             return False
 
-    def _value_of(self, generator: Generator) -> Any:
+    def _value_of(self, generator: Generator) -> mpmath.mpf:
         shown = generator.shown
         if shown in self._given:
             given = expression(self._given[shown], str(shown))
@@ -115,7 +115,7 @@ class GenericPoint:
         return -value if getattr(shown, "is_negative", None) else value
 
 
-def _share(text: str) -> Any:
+def _share(text: str) -> mpmath.mpf:
     """A number between 0 and 1 made from a text."""
     seed = zlib.crc32(text.encode()) / 2**32
     return mpmath.frac(mpmath.sqrt(2) * 1000 * (seed + 1))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from flint import fmpz
 
 from geomtorsion.errors import LimitError
@@ -13,7 +11,7 @@ _BITS = 150
 _SMOOTH_BITS = 30
 
 
-def prime_factors(number: Any) -> list[tuple[Any, int]]:
+def prime_factors(number: fmpz | int) -> list[tuple[fmpz, int]]:
     """(prime, exponent) of a positive integer.
 
     Raises
@@ -24,7 +22,7 @@ def prime_factors(number: Any) -> list[tuple[Any, int]]:
     number = fmpz(number)
     if number.bit_length() <= _BITS:
         return list(number.factor())
-    found: list[tuple[Any, int]] = []
+    found: list[tuple[fmpz, int]] = []
     for part, exponent in number.factor_smooth(_SMOOTH_BITS):
         if part.bit_length() <= _BITS:
             found += [(prime, inner * exponent) for prime, inner in part.factor()]

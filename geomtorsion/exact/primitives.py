@@ -8,7 +8,7 @@ angles in use and with the coordinates themselves.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import mpmath
 import sympy
@@ -20,17 +20,20 @@ from geomtorsion.exact.integers import prime_factors
 from geomtorsion.exact.rational_basis import express
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from geomtorsion.exact.element import Element
     from geomtorsion.exact.tower import Tower
+
+    # Argument of a logarithm; or inner element, slope and arguments of an inverse function.
+    Data = Element | tuple[Element, Element, tuple[Element, ...]]
 
 _BITS = 400
 _CLOSE = mpmath.mpf(10) ** -70
 # Constants that are recognised: multiples of pi with a denominator up to this.
 _PARTS_OF_TURN = 48
 
-_SLOPES: dict[str, Any] = {
+_SLOPES: dict[str, Callable[[Element], Element]] = {
     "atan": lambda u: (u * u + 1).inverse(),
     "acot": lambda u: -(u * u + 1).inverse(),
     "asin": lambda u: (1 - u * u).sqrt().inverse(),
@@ -46,7 +49,7 @@ INVERSE_FUNCTIONS = frozenset(_SLOPES)
 class Primitives:
     """The logarithms and inverse functions of one field."""
 
-    def __init__(self, field: Tower, arguments: Any) -> None:
+    def __init__(self, field: Tower, arguments: Callable[[], list[Element]]) -> None:
         self._field = field
         self._arguments = arguments
         self._known: list[tuple[Element, tuple[Element, ...]]] = []
@@ -173,7 +176,7 @@ class Primitives:
         shown: sympy.Expr,
         arguments: tuple[Element, ...],
         slopes: tuple[Element, ...],
-        data: Any,
+        data: Data,
     ) -> Element:
         """The function as combination of known ones plus a constant, or a new generator."""
         field = self._field
@@ -199,7 +202,12 @@ class Primitives:
             self._known.append((element, slopes))
         return element
 
-    def _constant_function(self, name: str, shown: sympy.Expr, data: Any) -> Element:
+    def _constant_function(
+        self,
+        name: str,
+        shown: sympy.Expr,
+        data: Data,
+    ) -> Element:
         """A logarithm or inverse function of a constant; of log(pi) alone more is believed."""
         field = self._field
         pi = field.by_name.get("pi")
@@ -225,7 +233,7 @@ class Primitives:
             return None
         return field.sum((q, f) for q, (f, _) in zip(found, basis, strict=True) if q)
 
-    def _number(self, name: str, arguments: tuple[Element, ...]) -> Any:
+    def _number(self, name: str, arguments: tuple[Element, ...]) -> mpmath.mpf | None:
         """The value of the function at the sample point, or None."""
         try:
             with mpmath.workprec(_BITS):
@@ -233,7 +241,7 @@ class Primitives:
         except (ArithmeticError, ValueError):
             return None
 
-    def _constant(self, value: Any, combination: Element) -> Element | None:
+    def _constant(self, value: mpmath.mpf, combination: Element) -> Element | None:
         """The constant value - combination where it is a part of pi or a simple logarithm."""
         field = self._field
         with mpmath.workprec(_BITS):

@@ -7,15 +7,20 @@ does not; written and evaluated, the quotient is therefore turned back where tha
 from __future__ import annotations
 
 from itertools import combinations
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from flint.utils.flint_exceptions import DomainError
 
 from geomtorsion.exact.limits import check_product
 
 if TYPE_CHECKING:
+    from flint import fmpq, fmpq_mpoly
+
     from geomtorsion.exact.element import Denominator, Element
     from geomtorsion.exact.tower import Tower
+
+    # Factors with roots below the line, by their text: polynomial and exponent.
+    Below = dict[str, tuple[fmpq_mpoly, int]]
 
 # Beyond this many roots in one denominator its conjugates are too many to try.
 _MOST_ROOTS = 4
@@ -61,20 +66,20 @@ def inverse(field: Tower, element: Element) -> Element:
     return field.over_factors(multiplier * den * (1 / content), signed)
 
 
-def monic(factor: Any) -> tuple[Any, int]:
+def monic(factor: fmpq_mpoly) -> tuple[fmpq_mpoly, int]:
     """A factor with positive leading coefficient, and the sign taken out."""
     return (-factor, -1) if factor.leading_coefficient() < 0 else (factor, 1)
 
 
-def split(field: Tower, poly: Any, position: int) -> tuple[Any, Any]:
+def split(field: Tower, poly: fmpq_mpoly, position: int) -> tuple[fmpq_mpoly, fmpq_mpoly]:
     """(A, B) with poly = A + B w, for the generator w at a position, degree at most 1."""
     above = poly.derivative(position)
     return poly - above * field.ctx.gen(position), above
 
 
-def coefficients(field: Tower, poly: Any, position: int, degree: int) -> list[Any]:
+def coefficients(field: Tower, poly: fmpq_mpoly, position: int, degree: int) -> list[fmpq_mpoly]:
     """The coefficients of 1, w, ..., w**(degree - 1) for the generator at a position."""
-    parts: list[dict[tuple[int, ...], Any]] = [{} for _ in range(degree)]
+    parts: list[dict[tuple[int, ...], fmpq]] = [{} for _ in range(degree)]
     for monomial, value in poly.to_dict().items():
         exponents = list(monomial)
         power, exponents[position] = int(exponents[position]), 0
@@ -82,7 +87,7 @@ def coefficients(field: Tower, poly: Any, position: int, degree: int) -> list[An
     return [field.ctx.from_dict(part) for part in parts]
 
 
-def _conjugate(field: Tower, num: Any, position: int) -> tuple[Any, Any]:
+def _conjugate(field: Tower, num: fmpq_mpoly, position: int) -> tuple[fmpq_mpoly, fmpq_mpoly]:
     """(norm, c) with num * c = norm, free of the generator w of degree n at the position.
 
     Multiplication by num is an n by n matrix on the powers of w; c is made of the cofactors
@@ -97,7 +102,7 @@ def _conjugate(field: Tower, num: Any, position: int) -> tuple[Any, Any]:
         columns.append(coefficients(field, power, position, n))
         power = field.reduced(power * w)
     # minors[S]: determinant of the last len(S) rows in the columns S, built row by row.
-    minors: dict[tuple[int, ...], Any] = {(): field.ctx.constant(1)}
+    minors: dict[tuple[int, ...], fmpq_mpoly] = {(): field.ctx.constant(1)}
     for size in range(1, n):
         row = n - size
         minors = {
@@ -114,8 +119,11 @@ def _conjugate(field: Tower, num: Any, position: int) -> tuple[Any, Any]:
 
 
 def _expanded(
-    field: Tower, row: list[Any], chosen: tuple[int, ...], minors: dict[tuple[int, ...], Any]
-) -> Any:
+    field: Tower,
+    row: list[fmpq_mpoly],
+    chosen: tuple[int, ...],
+    minors: dict[tuple[int, ...], fmpq_mpoly],
+) -> fmpq_mpoly:
     """A determinant expanded along its first row."""
     total = field.ctx.constant(0)
     for place, entry in enumerate(row):
@@ -132,7 +140,7 @@ class Norms:
     def __init__(self, field: Tower) -> None:
         self.level = field.level
         self.count = len(field.rooted)
-        self.table: list[tuple[list[Any], Denominator]] = []
+        self.table: list[tuple[list[fmpq_mpoly], Denominator]] = []
         seen: set[str] = set()
         for element in field.rooted:
             for factor, _ in field.lift(element).factor()[1]:
@@ -141,7 +149,7 @@ class Norms:
                     seen.add(key)
                     self._enter(field, factor)
 
-    def _enter(self, field: Tower, factor: Any) -> None:
+    def _enter(self, field: Tower, factor: fmpq_mpoly) -> None:
         """Notes one factor, if it has roots and its norm is a product of known factors."""
         degrees = factor.degrees()
         places = [k for k, g in enumerate(field.generators) if g.degree == 2 and degrees[k] > 0]
@@ -180,11 +188,11 @@ def norms(field: Tower) -> Norms:
     return known
 
 
-def roots_restored(element: Element) -> tuple[Any, Denominator, dict[str, tuple[Any, int]]]:
+def roots_restored(element: Element) -> tuple[fmpq_mpoly, Denominator, Below]:
     """(num, den, {key: (polynomial, exponent)}): the element with roots below where exact."""
     field = element.field
     num, den = field.lift(element), element._den
-    below: dict[str, tuple[Any, int]] = {}
+    below: Below = {}
     if not field.rooted or not den:
         return num, den, below
     for conjugates, powers in norms(field).table:
@@ -206,8 +214,8 @@ def roots_restored(element: Element) -> tuple[Any, Denominator, dict[str, tuple[
 
 
 def _divided(
-    field: Tower, num: Any, conjugates: list[Any], powers: Denominator
-) -> tuple[Any, Any] | None:
+    field: Tower, num: fmpq_mpoly, conjugates: list[fmpq_mpoly], powers: Denominator
+) -> tuple[fmpq_mpoly, fmpq_mpoly] | None:
     """(q, c) with num/norm = q/c for a conjugate c, or None."""
     norm = field.cofactor(powers, ())
     for conjugate in conjugates:

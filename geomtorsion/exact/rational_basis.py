@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import gcd
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy
 from flint import fmpq, fmpq_mat
@@ -13,6 +13,9 @@ from geomtorsion.exact.element import Denominator, Element
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from flint import fmpq_mpoly
+
+    from geomtorsion.exact.generators import Generator
     from geomtorsion.exact.tower import Tower
 
 
@@ -96,7 +99,7 @@ def undone_by_exp(field: Tower, atom: Element) -> bool:
     return generator.kind in ("log", "primitive") or isinstance(generator.shown, sympy.log)
 
 
-def single_generator(field: Tower, atom: Element) -> Any:
+def single_generator(field: Tower, atom: Element) -> Generator | None:
     """The generator that the element is, or None."""
     used = field.generators_of(atom)
     if len(used) == 1 and atom == field.generator_element(used[0]):
@@ -117,7 +120,7 @@ def terms(element: Element) -> list[tuple[fmpq, Element]]:
     """
     field = element.field
     rest = field.lift(element)
-    parts: list[tuple[Any, Denominator]] = [(rest, element._den)]
+    parts: list[tuple[fmpq_mpoly, Denominator]] = [(rest, element._den)]
     if element._den:
         whole, rest = divmod(rest, field.cofactor(element._den, ()))
         parts = [(whole, ()), (rest, element._den)]

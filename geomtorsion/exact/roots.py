@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import lcm
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import mpmath
 import sympy
@@ -65,7 +65,7 @@ def _square_root(field: Tower, element: Element, radical: sympy.Expr | None) -> 
     return value
 
 
-def _squares_taken_out(field: Tower, element: Element) -> tuple[Element, Any, Element]:
+def _squares_taken_out(field: Tower, element: Element) -> tuple[Element, fmpz, Element]:
     """(outer, content, tail) with element = outer**2 * tail, tail a polynomial."""
     content, factors = field.lift(element).factor()
     outer, tail = field.ctx.constant(1), field.ctx.constant(1)
@@ -81,7 +81,7 @@ def _squares_taken_out(field: Tower, element: Element) -> tuple[Element, Any, El
     return outside, free, field.polynomial(tail * free)
 
 
-def _square_part(value: Any) -> tuple[Any, Any]:
+def _square_part(value: fmpq) -> tuple[fmpq, fmpz]:
     """(s, f) with value = s**2 f, f a square-free integer with the sign of value."""
     whole = fmpz(value.p * value.q)
     sign = -1 if whole < 0 else 1
@@ -158,7 +158,7 @@ def _odd_root(field: Tower, element: Element, order: int) -> Element:
     return result * sign
 
 
-def _negated(factors: Any) -> list[tuple[Any, int]]:
+def _negated(factors: list[tuple[fmpz, int]]) -> list[tuple[fmpz, int]]:
     return [(prime, -exponent) for prime, exponent in factors]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from flint import fmpq
 
@@ -12,6 +12,7 @@ from geomtorsion.exact.sign import generators, of_factor
 
 if TYPE_CHECKING:
     import sympy
+    from flint import fmpq_mpoly
 
     from geomtorsion.exact.element import Element
 
@@ -74,7 +75,7 @@ def specialised(element: Element, away: Collection[sympy.Symbol]) -> Element | N
     return None
 
 
-def _put(poly: Any, values: Mapping[int, int]) -> dict[tuple[int, ...], fmpq]:
+def _put(poly: fmpq_mpoly, values: Mapping[int, int]) -> dict[tuple[int, ...], fmpq]:
     """The terms of a polynomial with numbers for some of its variables."""
     found: dict[tuple[int, ...], fmpq] = {}
     for monomial, coefficient in poly.to_dict().items():

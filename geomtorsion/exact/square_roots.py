@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from flint import fmpq, fmpz
 
@@ -173,7 +173,7 @@ def _rational_square_root(field: Tower, element: Element) -> Element | None:
     return field.over_factors(top, bottom) * scale
 
 
-def _square_of_rational(value: Any) -> Any:
+def _square_of_rational(value: fmpq) -> fmpq | None:
     """The root of a rational square, or None."""
     value = fmpq(value)
     if value < 0:

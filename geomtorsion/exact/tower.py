@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     import mpmath
+    from flint import fmpq_mpoly
+
+    from geomtorsion.exact.element import Value
 
 # Above this many products a sum is added up pairwise, so that its cost stays n log n.
 _PAIRWISE = 24
@@ -71,12 +74,12 @@ class Tower(ABC):
     def __init__(self) -> None:
         self.ctx = fmpq_mpoly_ctx.get((), Ordering.lex)
         self.level = 0
-        self.factors: list[Any] = []
+        self.factors: list[fmpq_mpoly] = []
         self.factor_index: dict[str, int] = {}
         self._merged: dict[tuple[Denominator, Denominator], Denominator] = {}
         self._lcms: dict[tuple[Denominator, Denominator], Denominator] = {}
-        self._cofactors: dict[tuple[Denominator, Denominator], Any] = {}
-        self._algebraic: list[tuple[int, int, Any]] = []
+        self._cofactors: dict[tuple[Denominator, Denominator], fmpq_mpoly] = {}
+        self._algebraic: list[tuple[int, int, fmpq_mpoly]] = []
         self.zero = Element(self, self.ctx.constant(0), (), 0)
         self.one = Element(self, self.ctx.constant(1), (), 0)
         self.symbols: tuple[sympy.Symbol, ...] = ()
@@ -94,7 +97,7 @@ class Tower(ABC):
     # What files made for it answer.
 
     @abstractmethod
-    def read(self, expr: Any, where: str = "expression") -> Element:
+    def read(self, expr: sympy.Expr | Fraction | int, where: str = "expression") -> Element:
         """Read one sympy expression, int or Fraction."""
 
     @abstractmethod
@@ -122,7 +125,9 @@ class Tower(ABC):
         """The element as a short sympy expression."""
 
     @abstractmethod
-    def value(self, element: Element, point: Mapping[Any, Any], precision: int) -> Any:
+    def value(
+        self, element: Element, point: Mapping[Any, Value], precision: int
+    ) -> float | complex | mpmath.mpf:
         """The value of an element at a point."""
 
     @abstractmethod
@@ -215,7 +220,7 @@ class Tower(ABC):
         """A generator as an element."""
         return Element(self, self.ctx.gen(self.generators.index(generator)), (), self.level)
 
-    def polynomial(self, poly: Any) -> Element:
+    def polynomial(self, poly: fmpq_mpoly) -> Element:
         """A polynomial of the present ring as an element."""
         return Element(self, self.reduced(poly), (), self.level)
 
@@ -255,12 +260,12 @@ class Tower(ABC):
         self.factors = [self.lifted(poly, 1) for poly in self.factors]
         self._cofactors.clear()
 
-    def lifted(self, poly: Any, by: int) -> Any:
+    def lifted(self, poly: fmpq_mpoly, by: int) -> fmpq_mpoly:
         """A polynomial of an earlier ring, `by` variables smaller, in the present one."""
         pad = (0,) * by
         return self.ctx.from_dict({pad + tuple(m): c for m, c in poly.to_dict().items()})
 
-    def lift(self, element: Element) -> Any:
+    def lift(self, element: Element) -> fmpq_mpoly:
         """The numerator of an element, moved to the present polynomial ring."""
         if element._level != self.level:
             element._num = self.lifted(element._num, self.level - element._level)
@@ -271,7 +276,7 @@ class Tower(ABC):
         """A sum of products (rational coefficient, element, element, ...), normalised once."""
         terms = list(terms)  # making them may add generators; only then is the ring fixed
         level = self.level
-        groups: dict[Denominator, list[Any]] = {}
+        groups: dict[Denominator, list[fmpq_mpoly]] = {}
         for coefficient, *elements in terms:
             num = None
             den: Denominator = ()
@@ -308,7 +313,7 @@ class Tower(ABC):
             return self.zero
         return Element(self, element._num * _as_fmpq(factor), element._den, element._level)
 
-    def reduced(self, poly: Any) -> Any:
+    def reduced(self, poly: fmpq_mpoly) -> fmpq_mpoly:
         """A polynomial of the present ring, reduced by every algebraic relation."""
         if not self._algebraic or not poly:
             return poly
@@ -322,7 +327,7 @@ class Tower(ABC):
                     break
         return poly
 
-    def _normalised(self, num: Any, den: Denominator) -> Element:
+    def _normalised(self, num: fmpq_mpoly, den: Denominator) -> Element:
         """The element num/den: reduced, with common factors divided out."""
         num = self.reduced(num)
         if not num:
@@ -366,7 +371,7 @@ class Tower(ABC):
             known = self._lcms[a, b] = tuple(sorted(powers.items()))
         return known
 
-    def cofactor(self, common: Denominator, den: Denominator) -> Any:
+    def cofactor(self, common: Denominator, den: Denominator) -> fmpq_mpoly:
         """The polynomial common/den."""
         known = self._cofactors.get((common, den))
         if known is None:
@@ -377,7 +382,7 @@ class Tower(ABC):
             self._cofactors[common, den] = known
         return known
 
-    def register(self, factor: Any) -> int:
+    def register(self, factor: fmpq_mpoly) -> int:
         """The number of an irreducible polynomial without algebraic generators."""
         key = str(factor)
         index = self.factor_index.get(key)
@@ -386,7 +391,7 @@ class Tower(ABC):
             self.factors.append(factor)
         return index
 
-    def over_factors(self, num: Any, factors: Iterable[tuple[Any, int]]) -> Element:
+    def over_factors(self, num: fmpq_mpoly, factors: Iterable[tuple[fmpq_mpoly, int]]) -> Element:
         """num over irreducible factors (polynomial, exponent) without algebraic generators."""
         powers: dict[int, int] = {}
         for factor, exponent in factors:
@@ -399,12 +404,12 @@ class Tower(ABC):
         return Element(self, self.cofactor(element._den, ()), (), self.level)
 
 
-def _as_fmpq(value: Any) -> Any:
+def _as_fmpq(value: int | Fraction | fmpq) -> int | fmpq:
     """A rational number as FLINT takes it."""
     return fmpq(value.numerator, value.denominator) if isinstance(value, Fraction) else value
 
 
-def _added(polys: list[Any]) -> Any:
+def _added(polys: list[fmpq_mpoly]) -> fmpq_mpoly:
     """The sum of polynomials, pairwise where there are many."""
     if len(polys) > _PAIRWISE:
         half = len(polys) // 2

@@ -6,7 +6,7 @@ An opaque function, such as erf, has a derivative in the field but no relation t
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy
 
@@ -20,7 +20,10 @@ if TYPE_CHECKING:
 
 
 def jet(
-    field: Tower, function: Any, orders: tuple[int, ...], arguments: tuple[Element, ...]
+    field: Tower,
+    function: sympy.FunctionClass,
+    orders: tuple[int, ...],
+    arguments: tuple[Element, ...],
 ) -> Element:
     """The partial derivative of given orders of an unknown function at its arguments."""
     for generator in field.generators:
@@ -35,7 +38,9 @@ def jet(
     return field.add(generator)
 
 
-def _shown(function: Any, orders: tuple[int, ...], places: list[sympy.Expr]) -> sympy.Expr:
+def _shown(
+    function: sympy.FunctionClass, orders: tuple[int, ...], places: list[sympy.Expr]
+) -> sympy.Expr:
     """The jet as sympy writes it: Derivative, within Subs where an argument is composite."""
     if not any(orders):
         return function(*places)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cmp_to_key
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy
 
@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from flint import fmpq
 
     from geomtorsion.exact.element import Element
+
+    # Powers that have been made.
+    Powers = dict[tuple[Generator | Sum, int], sympy.Expr]
 
 # Generators that sympy never merges with others in a product, as it does exp(x)*exp(y).
 _PLAIN = frozenset(("symbol", "cos", "sin", "cosh", "sinh", "log", "jet"))
@@ -51,7 +54,7 @@ def _product(value: fmpq, factors: list[sympy.Expr], plain: bool) -> sympy.Expr:
     return sympy.Mul._from_args(ordered, is_commutative=True)
 
 
-def _power(known: dict[Any, sympy.Expr], base: Generator | Sum, exponent: int) -> sympy.Expr:
+def _power(known: Powers, base: Generator | Sum, exponent: int) -> sympy.Expr:
     """base**exponent, made once."""
     key = (base, exponent)
     found = known.get(key)
@@ -61,7 +64,7 @@ def _power(known: dict[Any, sympy.Expr], base: Generator | Sum, exponent: int) -
     return found
 
 
-def _sum(known: dict[Any, sympy.Expr], base: Sum) -> sympy.Expr:
+def _sum(known: Powers, base: Sum) -> sympy.Expr:
     """A sum of monomials."""
     terms = []
     all_plain = True
