@@ -10,12 +10,13 @@ from typing import Any
 
 import mpmath
 import numpy as np
+from numpy.typing import ArrayLike
 
 from geomtorsion.codegen.differentiation import jacobian
 from geomtorsion.codegen.emission import Emitter
 from geomtorsion.codegen.evaluation import exact_values
 from geomtorsion.codegen.factoring import factor as pull_out
-from geomtorsion.codegen.heyoka_code import heyoka_expressions
+from geomtorsion.codegen.heyoka_code import Expression, Number, heyoka_expressions
 from geomtorsion.codegen.python_code import compiled, python_source
 from geomtorsion.codegen.reading import Output, Reader
 from geomtorsion.codegen.steps import Signed, Step
@@ -154,7 +155,7 @@ class Graph:
         inner = compiled(self._source, "arrays")
         dtype, size = complex if self.is_complex else float, self.size
 
-        def values(*arguments: Any) -> np.ndarray:
+        def values(*arguments: ArrayLike) -> np.ndarray:
             arrays = [np.asarray(argument, dtype=dtype) for argument in arguments]
             shape = np.broadcast_shapes(*(array.shape for array in arrays))
             result = np.empty((size, *shape), dtype=dtype)
@@ -165,7 +166,7 @@ class Graph:
 
         return values
 
-    def heyoka(self, known: Mapping[str, Any], number: Callable[[int, int], Any]) -> list[Any]:
+    def heyoka(self, known: Mapping[str, Expression], number: Number) -> list[Expression]:
         """Expressions of heyoka.
 
         known: name of an argument -> its expression.
@@ -187,7 +188,7 @@ class Graph:
         """
         return exact_values(self.steps, self.outputs, values, bits)
 
-    def sizes(self, *arguments: Any) -> np.ndarray:
+    def sizes(self, *arguments: ArrayLike) -> np.ndarray:
         """Sums of the absolute sizes of all terms: the scale against which rounding is measured.
 
         Arguments are numbers or arrays of one shape; the result is an array (size, *shape).

@@ -26,7 +26,7 @@ MOST_PAIRS = 4_000
 # Stands for some literal where only the number of literals matters.
 _SOME = 10**9
 
-# A pair of terms without common factor, or a pair of factors (numbers).
+# A pair of terms without common factor, or a pair of factors (integers).
 Divisor = tuple[Any, Any]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from importlib import import_module
-from typing import Any
+from typing import Protocol
 
 from geomtorsion.codegen.functions import FUNCTIONS
 from geomtorsion.codegen.steps import Signed, Step, is_one
@@ -15,12 +15,32 @@ from geomtorsion.errors import ExpressionError
 _DIGITS = 120
 
 
+class Expression(Protocol):
+    """An expression of heyoka, which does not tell its types."""
+
+    def __neg__(self) -> Expression:
+        """Its opposite."""
+        ...
+
+    def __truediv__(self, other: Expression) -> Expression:
+        """A quotient."""
+        ...
+
+    def __pow__(self, other: Expression | float) -> Expression:
+        """A power."""
+        ...
+
+
+# p, q -> p/q, rounded at the precision in use.
+Number = Callable[[int, int], Expression]
+
+
 def heyoka_expressions(
     steps: Sequence[Step],
     outputs: Sequence[Signed],
-    arguments: Sequence[Any],
-    number: Callable[[int, int], Any],
-) -> list[Any]:
+    arguments: Sequence[Expression | None],
+    number: Number,
+) -> list[Expression]:
     """Outputs as expressions of those that stand for the arguments."""
     writer = _Writer(steps, arguments, number)
     return [writer.made[place] if sign > 0 else -writer.made[place] for sign, place in outputs]
@@ -30,21 +50,23 @@ class _Writer:
     """Writes steps as expressions, in order."""
 
     def __init__(
-        self, steps: Sequence[Step], arguments: Sequence[Any], number: Callable[[int, int], Any]
+        self, steps: Sequence[Step], arguments: Sequence[Expression | None], number: Number
     ) -> None:
         # heyoka is an extra: it is loaded only where it is used.
-        self.heyoka: Any = import_module("heyoka")
+        self.heyoka = import_module("heyoka")
         self.steps = steps
         self.arguments = arguments
         self.number = number
-        self.made: list[Any] = []
+        self.made: list[Expression] = []
         for step in steps:
             self.made.append(self._step(step))
 
-    def _step(self, step: Step) -> Any:
+    def _step(self, step: Step) -> Expression:
         kind, detail = step.kind, step.detail
         if kind == "argument":
-            return self.arguments[detail]
+            found = self.arguments[detail]
+            assert found is not None
+            return found
         if kind == "number":
             return self.number(detail.numerator, detail.denominator)
         if kind == "digits":
@@ -74,7 +96,7 @@ class _Writer:
             )
         return getattr(self.heyoka, name)(*inner)
 
-    def _product(self, place: int, value: Any) -> Any:
+    def _product(self, place: int, value: Expression) -> Expression:
         """A product; with a product of constants one constant after another.
 
         Each of them costs one multiplication at each order, while heyoka takes their product for
@@ -87,7 +109,7 @@ class _Writer:
             return value
         return self.heyoka.prod([self.made[place], value])
 
-    def _quotient(self, step: Step, above: Any, below: Any) -> Any:
+    def _quotient(self, step: Step, above: Expression, below: Expression) -> Expression:
         first, second = (self.steps[place] for place in step.operands)
         if second.constant and not step.constant:
             # A product costs less than a quotient at each order, and the inverse nothing.
