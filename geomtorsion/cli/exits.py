@@ -8,6 +8,7 @@ from enum import IntEnum
 
 import typer
 
+from geomtorsion.checks import cut
 from geomtorsion.errors import GeomtorsionError
 
 
@@ -34,7 +35,7 @@ def clean_exits() -> Iterator[None]:
     except BrokenPipeError:
         raise
     except OSError as error:
-        name = f": {error.filename}" if error.filename else ""
+        name = f": {cut(str(error.filename))}" if error.filename else ""
         typer.echo(f"geomtorsion: {error.strerror or error}{name}", err=True)
         raise typer.Exit(ExitCode.wrong_input) from None
     except KeyboardInterrupt:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any, SupportsFloat
 
+from geomtorsion.checks import shown
 from geomtorsion.cli.values import named_numbers, number, numbers
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.motion import Engine, Problem, RungeKutta, Stiff, Taylor
@@ -18,7 +19,7 @@ def engine_of(name: str) -> Engine | None:
         return None
     if name.lower() not in ENGINES:
         raise UnknownNameError(
-            f"there is no engine {name!r}. There are auto, {', '.join(ENGINES)}."
+            f"there is no engine {shown(name)}. There are auto, {', '.join(ENGINES)}."
         )
     return ENGINES[name.lower()]()
 

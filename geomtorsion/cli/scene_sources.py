@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from geomtorsion import scenes
-from geomtorsion.checks import near_names
+from geomtorsion.checks import near_names, shown
 from geomtorsion.cli.sources import open_space, shipped_or_file
 from geomtorsion.cli.values import number, parts
 from geomtorsion.errors import GeomtorsionError, StartError, UnknownNameError
@@ -65,5 +65,5 @@ def _setting(text: str) -> tuple[str, float]:
     """One path=number."""
     path, sign, value = text.partition("=")
     if not sign or not path.strip():
-        raise StartError(f"--set: path=number was needed, {text!r} came: body.moments[2]=3.1.")
+        raise StartError(f"--set: path=number was needed, {shown(text)} came: body.moments[2]=3.1.")
     return path.strip(), number(value, path.strip())

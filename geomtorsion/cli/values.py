@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
+from geomtorsion.checks import cut, shown
 from geomtorsion.errors import ExpressionError, StartError
 from geomtorsion.exact import parse_expression
 
@@ -34,7 +35,7 @@ def number(text: str, what: str) -> float:
     except ValueError:
         value = _expression(text, what)
     if not math.isfinite(value):
-        raise StartError(f"{what}: {text} is not finite. Give finite numbers.")
+        raise StartError(f"{what}: {cut(text)} is not finite. Give finite numbers.")
     return value
 
 
@@ -43,7 +44,7 @@ def _expression(text: str, what: str) -> float:
         return float(parse_expression(text, symbols={}, functions={}))
     except (ExpressionError, TypeError):
         raise StartError(
-            f"{what}: a number was needed, {text!r} came. "
+            f"{what}: a number was needed, {shown(text)} came. "
             "Write numbers separated by commas, such as 0.3,pi/2,-1e-3."
         ) from None
 
@@ -74,8 +75,10 @@ def named_numbers(texts: Iterable[str]) -> dict[str, float]:
         name, sign, value = part.partition("=")
         name = name.strip()
         if not sign or not name:
-            raise StartError(f"parameters: name=number was needed, {part!r} came. Write M=1,a=0.5.")
+            raise StartError(
+                f"parameters: name=number was needed, {shown(part)} came. Write M=1,a=0.5."
+            )
         if name in found:
-            raise StartError(f"parameters: {name} is given twice. Give it once.")
+            raise StartError(f"parameters: {cut(name)} is given twice. Give it once.")
         found[name] = number(value, f"parameter {name}")
     return found

@@ -4,6 +4,7 @@ import pytest
 
 from geomtorsion.cli.values import named_numbers, numbers, parts
 from geomtorsion.errors import StartError
+from tests.cli.running import run
 
 
 def test_numbers():
@@ -21,6 +22,24 @@ def test_pairs():
     assert named_numbers(["M=1", "a=2, b=3"]) == {"M": 1.0, "a": 2.0, "b": 3.0}
     with pytest.raises(StartError, match="given twice"):
         named_numbers(["M=1", "M=2"])
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("curve", "s2", "--start", "x" * 5000),
+        ("curve", "s2", "--set", "x" * 5000),
+        ("curve", "s2", "--engine", "x" * 5000),
+        ("burgers", "s2", "--circle", "x" * 5000),
+        ("burgers", "s2", "--polygon", "x" * 5000),
+        ("burgers", "s2", "--loops", "x" * 5000),
+        ("run", "helix", "--set", "x" * 5000),
+        ("paper", "--format", "x" * 5000),
+    ],
+)
+def test_long_texts_are_cut(arguments):
+    """What came is recognised by its beginning."""
+    assert len(run(*arguments, code=2).stderr) < 1000
 
 
 def test_words():

@@ -12,6 +12,7 @@ from typing import Annotated, Any
 import sympy as sp
 import typer
 
+from geomtorsion.checks import cut
 from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.options import SpaceOrFile, directory, option
 from geomtorsion.cli.sources import open_space
@@ -163,7 +164,7 @@ def exact_assignments(texts: Iterable[str]) -> Values:
     for text in texts:
         name, equals, value = text.partition("=")
         if not equals or not name.strip() or not value.strip():
-            raise LoopError(f"--set {text}: NAME=VALUE was needed, as in --set R=1.5.")
+            raise LoopError(f"--set {cut(text)}: NAME=VALUE was needed, as in --set R=1.5.")
         values[name.strip()] = number_of(value.strip(), f"--set {name.strip()}")
     return values
 
@@ -179,7 +180,7 @@ def _described(frame: Frame, given: Mapping[str, Texts], interval: str) -> Itera
     """Loops that stand on the command line."""
     for kind, texts in given.items():
         for text in texts:
-            yield loop_from_data(frame, loop_data(kind, text, interval), f"--{kind} {text}")
+            yield loop_from_data(frame, loop_data(kind, text, interval), f"--{kind} {cut(text)}")
 
 
 def loop_data(kind: str, text: str, interval: str) -> dict[str, Any]:
@@ -189,7 +190,7 @@ def loop_data(kind: str, text: str, interval: str) -> dict[str, Any]:
         keys, fields = FIELDS[kind], _split(text, ":")
         if not 2 <= len(fields) <= 3:
             wanted = f"{keys[0].upper()}:{keys[1].upper()}[:PLANE]"
-            raise LoopError(f"--{kind} {text}: {wanted} was needed, {len(fields)} parts came.")
+            raise LoopError(f"--{kind} {cut(text)}: {wanted} was needed, {len(fields)} parts came.")
         inner = {key: _split(field, ",") for key, field in zip(keys, fields, strict=False)}
         if kind == "circle":
             inner["radius"] = fields[1]
@@ -198,7 +199,7 @@ def loop_data(kind: str, text: str, interval: str) -> dict[str, Any]:
     else:
         points = [_split(point, ",") for point in text.split(";") if point.strip()]
         inner = {"points" if kind == "spline" else "vertices": points}
-    return {kind: inner, "name": f"{kind} {text}"}
+    return {kind: inner, "name": f"{kind} {cut(text)}"}
 
 
 def _split(text: str, separator: str) -> list[str]:

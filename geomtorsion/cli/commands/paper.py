@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from geomtorsion.checks import shown
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.paper import statements
 
@@ -34,7 +35,7 @@ def paper(
       geomtorsion paper --format json
     """
     if format not in ("text", "json"):
-        raise UnknownNameError(f"paper has no format {format!r}; choose text or json.")
+        raise UnknownNameError(f"paper has no format {shown(format)}; choose text or json.")
     found = statements()
     if format == "json":
         typer.echo(json.dumps([asdict(statement) for statement in found], indent=2))

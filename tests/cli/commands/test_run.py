@@ -7,11 +7,13 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from geomtorsion.pictures import scene_film
 from geomtorsion.scenes import SceneResult, load, read_file
 from tests.cli.running import run
 
@@ -57,7 +59,8 @@ def test_a_run_leaves_what_the_library_computes(tmp_path, no_pictures):
 def test_pictures_and_film(tmp_path, monkeypatch):
     """They are written, listed, and not empty; the film also if the attitude was not watched."""
     pytest.importorskip("matplotlib")
-    monkeypatch.setattr("geomtorsion.pictures.scene_film.FRAMES_PER_SECOND", 2)
+    quick = replace(scene_film.STYLE, rate=2)
+    monkeypatch.setattr(scene_film, "STYLE", quick)
     film = tmp_path / "film" / "top.gif"
     out = str(tmp_path / "run")
     arguments = ("--watch", "axis,energy", "-o", out, "--format", "svg", "--animate", str(film))
