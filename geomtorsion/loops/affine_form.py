@@ -110,7 +110,7 @@ class _Block:
 
 def _compiled(connection: Connection, kind: str) -> tuple[_Block, _Block]:
     """The compiled form or its curvature, kept with the frame."""
-    # The connection is kept beside the result, so that no other can come to have its id.
+    # The connection is kept with the result, so that no other can come to have its id.
     key = f"affine {kind} {id(connection)}"
     return connection.frame.derived(key, lambda: (connection, _compile(connection, kind)))[1]
 

@@ -9,12 +9,10 @@ import numpy as np
 
 from geomtorsion.errors import LoopError, ShapeError
 
-# Below this size the series of the logarithm converges in few terms.
-SMALL = 0.3
 # A linear part stretches if it changes lengths by more than this share of what it turns.
 ROTATION = 1e-6
 # Where the parts of a loop cancel, rounding alone is left of the turn.
-ROUNDING = 1e-14
+ROUNDING = 64 * float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,7 +221,8 @@ def logarithm(turn: np.ndarray) -> np.ndarray:
     identity = np.eye(n)
     if not np.abs(turn).max(initial=0.0) > 0:
         return np.zeros_like(turn)
-    if np.linalg.norm(turn, 2) < SMALL:
+    # So near the identity the series converges in few terms, and keeps every digit.
+    if np.linalg.norm(turn, 2) < 0.3:
         z = np.linalg.solve(2 * identity + turn, turn)
         square, power, total = z @ z, z, z.copy()
         for k in range(3, 40, 2):

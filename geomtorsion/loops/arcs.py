@@ -1,17 +1,22 @@
-"""Sides: the smooth arcs of which a loop is made, as offsets from its centre."""
+"""Arcs: the smooth pieces of which a loop is made, as offsets from its centre."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
 from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
 import sympy as sp
 
+from geomtorsion import checks
+from geomtorsion.errors import LoopError
+
 Vector = tuple[float, ...]
+# Points that miss each other by less than this share of the size of a loop are one point: its ends,
+# the base points of two loops, a loop and a singular line that it meets.
+SAME_POINT = 1e-12
 
 
 class Arc(Protocol):
@@ -37,14 +42,10 @@ class Arc(Protocol):
 
 
 def exact_number(value: Any) -> sp.Expr:
-    """A number as it was meant: 0.3 is 3/10, for exact integrals."""
+    """A number as it was meant: 0.3 is 3/10, for exact integrals; expressions stay."""
     if isinstance(value, sp.Expr) and not value.is_Float:
         return value
-    if isinstance(value, Fraction):
-        return sp.Rational(value.numerator, value.denominator)
-    if isinstance(value, int):
-        return sp.Integer(value)
-    return sp.Rational(repr(float(value)))
+    return checks.rational(value, "number", LoopError, decimal=True)
 
 
 @dataclass(frozen=True)
@@ -173,7 +174,7 @@ class Curve:
     def _function(self) -> Callable[[np.ndarray], Sequence[Any]]:
         """Offsets and derivatives as a NumPy function.
 
-        Not through `numpy_function`: a field has one basis for all angles, and cos(1000 s) beside
+        Not through `numpy_function`: a field has one basis for all angles, and cos(1000 s) next to
         cos(s) would become a polynomial of degree 1000 that no floating point can sum.
         """
         derivatives = [expression.diff(self.parameter) for expression in self.expressions]

@@ -14,13 +14,12 @@ from geomtorsion.loops.exact_integral import ExactBurgersVector, exact_burgers_v
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.integrals import Route, agreement, flux_route, line_route
 from geomtorsion.loops.loop import Loop
+from geomtorsion.loops.planes import check_accuracy
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.result import BurgersVector, Check
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
-
-LEAST_ACCURACY = 1e-15
 
 
 @overload
@@ -106,11 +105,7 @@ def burgers_vector(
         )
     if exact:
         return exact_burgers_vector(frame, loop)
-    if not LEAST_ACCURACY <= accuracy < 1:
-        raise LoopError(
-            f"accuracy: a relative error from {LEAST_ACCURACY} to below 1 was needed, "
-            f"but {accuracy!r} came."
-        )
+    check_accuracy(accuracy)
 
     start = time.perf_counter()
     if loop.symbols:
@@ -211,10 +206,7 @@ def _check(
     flux, flux_error = _total(loop, fluxes, 1)
     flux, flux_error = flux * loop.size, flux_error * loop.size
     agrees = all(verdict is True for verdict in verdicts)
-    apart = abs(line - flux).max()
     others = ", ".join(dict.fromkeys(route.rule for route in fluxes))
-    word = "agree" if agrees else "DISAGREE: a defect is enclosed; they differ"
-    text = f"line ({rules}) and flux ({others}) {word} to {apart:.1e}".replace(
-        "differ to", "differ by"
-    )
+    word = "agree to" if agrees else "DISAGREE: a defect is enclosed; they differ by"
+    text = f"line ({rules}) and flux ({others}) {word} {abs(line - flux).max():.1e}"
     return Check(line, line_error, flux, flux_error, agrees, text)

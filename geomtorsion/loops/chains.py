@@ -9,10 +9,15 @@ from typing import Protocol
 import numpy as np
 
 from geomtorsion.loops.arcs import Arc, Ellipse
-from geomtorsion.loops.quadrature import GROWTH, LEVELS, equidistant, gauss_rule, places, ray_rule
-
-# Points of the finest levels.
-MOST_RIM, MOST_INSIDE = 2**20, 2**17
+from geomtorsion.loops.quadrature import (
+    GROWTH,
+    LEVELS,
+    MOST_AT_ONCE,
+    equidistant,
+    gauss_rule,
+    places,
+    ray_rule,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +129,7 @@ def _levels(waves: int, first: int) -> tuple[int, int]:
     """Levels along a curve and over the cone that have no more points than allowed."""
     rims = [equidistant(waves, level, first) for level in range(LEVELS)]
     insides = [rim * _rays(first, level) for level, rim in enumerate(rims)]
-    return sum(rim <= MOST_RIM for rim in rims), sum(area <= MOST_INSIDE for area in insides)
+    return sum(rim <= MOST_AT_ONCE for rim in rims), sum(area <= MOST_AT_ONCE for area in insides)
 
 
 def _rays(first: int, level: int) -> int:

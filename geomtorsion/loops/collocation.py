@@ -6,9 +6,6 @@ from functools import cache
 
 import numpy as np
 
-# Fixed-point sweeps before the linear system is solved instead.
-SWEEPS = 30
-
 
 @cache
 def collocation(stages: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -34,14 +31,17 @@ def inner_turns(omega: np.ndarray, weights: np.ndarray) -> np.ndarray:
     # Matrices as rows: a product of weights with all stretches at once, much faster than einsum.
     flat = (*omega.shape[:2], -1)
     first = (weights @ omega.reshape(flat)).reshape(omega.shape)
-    found = first
-    for _ in range(SWEEPS):
+    found, before = first, np.inf
+    while True:
         after = first + (weights @ (found @ omega).reshape(flat)).reshape(omega.shape)
         change = np.abs(after - found).max(initial=0.0)
         found = after
-        if change <= 2.0**-54 * np.abs(found).max(initial=0.0):
+        if change <= np.finfo(float).eps / 4 * np.abs(found).max(initial=0.0):
             return found
-    return _solved(omega, weights)
+        # Where a sweep no longer halves the change, one linear system is cheaper.
+        if not change < before / 2:
+            return _solved(omega, weights)
+        before = change
 
 
 def _solved(omega: np.ndarray, weights: np.ndarray) -> np.ndarray:

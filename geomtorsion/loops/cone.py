@@ -11,15 +11,15 @@ from geomtorsion.loops.affine_form import AffineForm
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Part, Segment
 from geomtorsion.loops.collocation import collocation, inner_turns
-from geomtorsion.loops.forms import ROUNDING, perturbed
+from geomtorsion.loops.forms import perturbed
 from geomtorsion.loops.integrals import probes
-from geomtorsion.loops.quadrature import ray_rule
+from geomtorsion.loops.quadrature import ROUNDING, ray_rule
 from geomtorsion.loops.transport import Integrand, Transported, transported
 
 # Gauss points along the rays: pairs that are compared, the next if they disagree.
 LEVELS = ((6, 10), (10, 16), (16, 26))
 # Loops whose area is below this lose digits to underflow; the line integral alone is left to them.
-SMALLEST_AREA = 1e-290
+SMALLEST_AREA = float(np.finfo(float).tiny / np.finfo(float).eps)
 
 
 def around_cone(form: AffineForm, part: Part, accuracy: float) -> Transported | None:

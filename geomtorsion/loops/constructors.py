@@ -16,8 +16,8 @@ from geomtorsion.loops.parametric import symbolic_ellipse
 if TYPE_CHECKING:
     import networkx as nx
 
-# Neighbours closer than this share of the loop's size cannot be told apart.
-COINCIDE = 1e-15
+# Neighbours closer than this share of the loop's size are one point after rounding.
+COINCIDE = 4 * float(np.finfo(float).eps)
 
 
 def circle(centre: Sequence[Any], radius: Any, plane: Any) -> Part:

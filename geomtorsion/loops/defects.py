@@ -128,10 +128,10 @@ class EnclosedDefect:
 
     def __str__(self) -> str:
         count = "once" if self.turns == 1 else f"{self.turns} times"
-        told = f"{self.defect}, {count}"
+        text = f"{self.defect}, {count}"
         if self.charge is not None:
-            told += f", b = {shown(self.charge.burgers)} a turn"
-        return told
+            text += f", b = {shown(self.charge.burgers)} a turn"
+        return text
 
 
 def find_defects(frame: Frame) -> tuple[Defect, ...]:

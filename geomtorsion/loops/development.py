@@ -18,8 +18,10 @@ from geomtorsion.loops.defects import Defect, EnclosedDefect, enclosed_defects
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.integrals import DISAGREE
 from geomtorsion.loops.loop import Loop
+from geomtorsion.loops.planes import check_accuracy
 from geomtorsion.loops.poles import refuse_poles
-from geomtorsion.loops.transport import EPS, Transported, transported
+from geomtorsion.loops.quadrature import ROUNDING
+from geomtorsion.loops.transport import Transported, transported
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Connection
@@ -30,7 +32,7 @@ def along_line(form: AffineForm, part: Part, accuracy: float) -> Transported:
 
     found = transported(part.arcs, line_rate(form, part), accuracy)
     place = np.abs(np.array(part.centre)).max() / part.size
-    noise = 2 * EPS * found.scale * (1 + min(place, 4.0))
+    noise = ROUNDING / 2 * found.scale * (1 + min(place, 4.0))
     return Transported(
         found.motion, found.error + noise, found.turn_error, found.scale, found.points
     )
@@ -65,18 +67,15 @@ def joined(parts: Sequence[Transported]) -> Transported:
 def agree(line: Transported, cone: Transported) -> bool:
     """Whether both routes give the same motion within their errors."""
 
-    apart = np.abs(line.motion.increment - cone.motion.increment)
-    shift = float(apart[:-1, -1].max()) <= DISAGREE * (line.error + cone.error)
-    turn = float(apart[:-1, :-1].max()) <= DISAGREE * (line.turn_error + cone.turn_error)
+    difference = np.abs(line.motion.increment - cone.motion.increment)
+    shift = float(difference[:-1, -1].max()) <= DISAGREE * (line.error + cone.error)
+    turn = float(difference[:-1, :-1].max()) <= DISAGREE * (line.turn_error + cone.turn_error)
     return shift and turn
 
 
 def better(cone: Transported, line: Transported) -> bool:
     """Whether the cone has the smaller error of the translation."""
     return cone.error <= line.error
-
-
-LEAST_ACCURACY = 1e-15
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,11 +218,7 @@ def develop(
             f"the loop has {loop.dimension} coordinates, the frame {frame.dimension}: "
             "give a loop in the coordinates of the frame."
         )
-    if not LEAST_ACCURACY <= accuracy < 1:
-        raise LoopError(
-            f"accuracy: a relative error from {LEAST_ACCURACY} to below 1 was needed, "
-            f"but {accuracy!r} came."
-        )
+    check_accuracy(accuracy)
     start = time.perf_counter()
     loop = loop.at(parameters or {}) if loop.symbols else loop
     compiled = forms(frame, parameters)

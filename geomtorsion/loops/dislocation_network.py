@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
+from geomtorsion import checks
 from geomtorsion.errors import NetworkError
 
 if TYPE_CHECKING:
@@ -36,18 +36,13 @@ def exact_vector(values: Any, where: str, dimension: int | None = None) -> Vecto
 
 
 def _number(value: Any, where: str) -> Any:
-    """An exact number, or a finite float."""
-    if isinstance(value, sp.Expr):
-        return Fraction(int(value.p), int(value.q)) if isinstance(value, sp.Rational) else value
-    if isinstance(value, int | Fraction) and not isinstance(value, bool):
-        return Fraction(value)
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        number = float("nan")
-    if not abs(number) < float("inf"):
-        raise NetworkError(f"{where}: finite numbers were needed, but {value!r} came.")
-    return number
+    """An exact number or expression, or a finite float."""
+    if isinstance(value, sp.Expr) and not isinstance(value, sp.Rational | sp.Float):
+        return value
+    message = "{subject}: finite numbers were needed, but {value} came."
+    found = checks.exact_number(value, where, NetworkError, message=message, infinite=message)
+    # Floats are compared within a tolerance: they stay floats.
+    return float(found) if isinstance(found, float | sp.Float) else checks.fraction(found)
 
 
 def total(vectors: Sequence[Vector]) -> Vector:

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geomtorsion.errors import NetworkError, SingularPointError
-from geomtorsion.loops.arcs import shown
+from geomtorsion.loops.arcs import SAME_POINT, shown
 from geomtorsion.loops.defects import find_defects
-from geomtorsion.loops.forms import ROUNDING, Form, forms
+from geomtorsion.loops.forms import Form, forms
 from geomtorsion.loops.planes import rows
-from geomtorsion.loops.quadrature import PIECE, gauss_pair, halved
-from geomtorsion.loops.winding import TOUCHES, nearest
+from geomtorsion.loops.quadrature import PIECE, ROUNDING, gauss_pair, halved
+from geomtorsion.loops.winding import nearest
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
@@ -125,7 +125,7 @@ def refuse_touching(
         one, two = (across @ (points - place).T for points in (starts, ends))
         share, distance = nearest(one, two)
         size = np.maximum(np.abs(one).max(axis=0), np.abs(two).max(axis=0))
-        bad = np.flatnonzero(distance <= TOUCHES * size)
+        bad = np.flatnonzero(distance <= SAME_POINT * size)
         if len(bad):
             k = int(bad[0])
             where = starts[k] + share[k] * (ends[k] - starts[k])

@@ -20,9 +20,8 @@ from geomtorsion.loops.loop import Loop
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
 
-SECONDS = 20.0
 # The closed form is compared with a numerical integral to this many digits.
-DIGITS = 15
+DIGITS = np.finfo(float).precision
 Piece = tuple[tuple[sp.Expr, ...], sp.Symbol, sp.Expr, sp.Expr]
 
 
@@ -68,7 +67,7 @@ class ExactBurgersVector:
         return f"$b = {sp.latex(sp.Matrix(self.vector))}$"
 
 
-def exact_burgers_vector(frame: Frame, loop: Loop, seconds: float = SECONDS) -> ExactBurgersVector:
+def exact_burgers_vector(frame: Frame, loop: Loop, seconds: float = 20.0) -> ExactBurgersVector:
     """Burgers vector of a loop in closed form.
 
     The pulled-back one-forms are integrated over every arc: constants, polynomials, trigonometric

@@ -11,18 +11,17 @@ import numpy as np
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from geomtorsion import checks
 from geomtorsion.codegen import numpy_function
 from geomtorsion.errors import LoopError, MissingValueError, UnknownNameError
 from geomtorsion.exact import Element
 from geomtorsion.exact.form import Sum, form
+from geomtorsion.loops.quadrature import ROUNDING
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
 
 Values = Callable[..., np.ndarray]
-# Coordinates are moved by this share of themselves, a few units in the last place, to see what
-# rounding does to a form there.
-ROUNDING = 4 * float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +65,7 @@ class Form:
 
 
 def perturbed(points: np.ndarray) -> np.ndarray:
-    """Points a few roundings away, up for some coordinates and down for others."""
+    """Points a few roundings away: what a form changes by there is what rounding does to it."""
     up = np.arange(points.size).reshape(points.shape) * 7 % 3 == 1
     return points * np.where(up, 1 + ROUNDING, 1 - ROUNDING)
 
@@ -78,7 +77,7 @@ class Forms:
     coframe: e^i_mu. curl: (de)^i_{mn} = d_m e^i_n - d_n e^i_m for m < n; None if it vanishes.
     poles: function of what may vanish in a denominator of the coframe, or None.
     pole_names: the same as text.
-    parameters: the symbols beside the coordinates that need values; numbers: their values.
+    parameters: the symbols other than coordinates that need values; numbers: their values.
     pairs: m and n of each pair m < n, shape (2, n (n - 1) / 2).
     """
 
@@ -235,11 +234,12 @@ def parameter_values(
 
 
 def _number(value: Any, name: str) -> float | complex:
-    """A finite number for a parameter."""
-    try:
-        result: complex = complex(value)
-    except (TypeError, ValueError):
-        raise LoopError(f"parameter {name}: a number was needed, but {value!r} came.") from None
-    if not abs(result) < float("inf"):
-        raise LoopError(f"parameter {name}: a finite number was needed, but {value!r} came.")
-    return result if result.imag else result.real
+    """A finite number for a parameter, complex if it has an imaginary part."""
+    found = checks.plain(value)
+    where = f"parameter {name}"
+    if isinstance(found, sp.Expr) and found.is_number and found.is_real is False:
+        found = complex(found)
+    if not isinstance(found, complex):
+        return checks.number(found, where, LoopError)
+    checks.number(abs(found), where, LoopError)
+    return found if found.imag else found.real

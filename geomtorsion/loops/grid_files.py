@@ -11,7 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from geomtorsion import checks
 from geomtorsion.errors import FileFormatError, GridError, MissingExtraError
+from geomtorsion.files import ArrayForm, read_npz
 
 # Steps of an axis may differ by this share: coordinates are often stored as 32-bit floats.
 REGULAR = 1e-4
@@ -20,15 +22,8 @@ REGULAR = 1e-4
 def numbers(values: Any, where: str) -> np.ndarray:
     """An array of real numbers."""
 
-    try:
-        result = np.asarray(values)
-    except ValueError:
-        raise GridError(
-            f"{where}: an array was needed, but rows of different lengths came."
-        ) from None
-    if not (np.issubdtype(result.dtype, np.floating) or np.issubdtype(result.dtype, np.integer)):
-        raise GridError(f"{where}: real numbers were needed, but {result.dtype} came.")
-    return result.astype(float)
+    message = "{subject}: an array of real numbers was needed, but {value} came."
+    return checks.array(values, where, GridError, message=message, infinite=None)
 
 
 def regular_axis(values: Any, name: str) -> np.ndarray:
@@ -126,14 +121,8 @@ def read_grid(path: Path) -> Grid:
 
 def _npz(path: Path) -> Grid:
     """A grid from an NPZ file."""
-
-    def load() -> dict[str, np.ndarray]:
-        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as content:
-            return {name: content[name] for name in content.files}
-
-    arrays = _guarded(path, load)
-    if not isinstance(arrays, dict):
-        raise FileFormatError(f"{path}: an NPZ archive was needed.")
+    message = "{path}: it cannot be read, it is truncated or no file of this kind ({reason})."
+    arrays = read_npz(path, {"*": ArrayForm(None, "fiuU")}, message=message)
     key = _key(path, arrays)
     if "names" in arrays:
         names = tuple(str(name) for name in np.atleast_1d(arrays["names"]))

@@ -11,11 +11,10 @@ from geomtorsion.loops.integrals import line_at
 from geomtorsion.loops.quadrature import kronrod_rule
 from geomtorsion.loops.result import BurgersVector
 
-POINTS = 360
 # Smaller loops are drawn at this size: their deviation from the linear image scales as its square.
-LEAST_SIZE = 1e-5
-# A gap below this share of the picture is magnified to SHOWN of it.
-VISIBLE, SHOWN = 0.02, 0.25
+LEAST_SIZE = float(np.finfo(float).eps ** (1 / 3))
+# A gap below a tenth of this share of the picture is magnified to it.
+SHOWN = 0.25
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +35,7 @@ class Hodograph:
     magnified: float
 
 
-def hodograph(b: BurgersVector, points: int = POINTS) -> Hodograph:
+def hodograph(b: BurgersVector, points: int = 360) -> Hodograph:
     """The image of a loop in the frame, with its gap enlarged where it could not be seen."""
 
     loop, compiled = b.loop, forms(b.frame, b.parameters)
@@ -71,7 +70,7 @@ def hodograph(b: BurgersVector, points: int = POINTS) -> Hodograph:
     extent = float(np.ptp(straight + curved, axis=1).max()) or 1.0
     gap = float(np.abs(b.reduced).max()) * (b.size if b.power == 2 else 1.0)
     magnified = 1.0
-    if 0 < gap < VISIBLE * extent and not b.vanishes:
+    if 0 < gap < SHOWN / 10 * extent and not b.vanishes:
         magnified = float(10.0 ** np.floor(np.log10(SHOWN * extent / gap) + 0.5))
     plain = 1e-3 <= loop.size <= 1e3
     size = loop.size if plain else 1.0

@@ -10,14 +10,17 @@ import numpy as np
 
 from geomtorsion.errors import SingularPointError
 from geomtorsion.loops.arcs import Arc, Part, at_arcs, shown
-from geomtorsion.loops.chains import MOST_INSIDE, ClosedCurve, Shape, pairs_of
-from geomtorsion.loops.forms import ROUNDING, Form, Forms, perturbed
+from geomtorsion.loops.chains import ClosedCurve, Shape, pairs_of
+from geomtorsion.loops.forms import Form, Forms, perturbed
 from geomtorsion.loops.quadrature import (
+    MOST_AT_ONCE,
     MOST_POINTS,
-    SHIFT,
+    ROUNDING,
     Integral,
     integrate,
+    intervals,
     kronrod,
+    kronrod_rule,
     norm,
     ray_rule,
     refined,
@@ -25,9 +28,8 @@ from geomtorsion.loops.quadrature import (
 
 # Two routes disagree when they differ by more than this many times their errors together.
 DISAGREE = 30
-# Of the nodes of the first level every so manieth is perturbed; of many arcs some are.
+# Every fifth node of the first level, or of the first intervals, is perturbed to see the rounding.
 EVERY = 5
-PROBES = 24
 # Gauss points along the rays of a cone: pairs that are compared, the next if they disagree.
 RAYS = ((4, 6), (6, 10), (10, 16), (16, 26), (26, 42))
 # An integral whose error is this share of what is summed does not converge at all.
@@ -239,7 +241,7 @@ def flux_route(forms: Forms, part: Part, accuracy: float) -> Route | None:
         rounding, used = _flux_rounding(forms, part)
         for few, many in RAYS:
             integrand = partial(flux_at, forms, part, rays=(many, few))
-            most = MOST_INSIDE // (few + many)
+            most = MOST_AT_ONCE // (few + many)
             found = integrate(part.arcs, integrand, accuracy / 2, rounding, most)
             used += found.points * (few + many)
             if not found.converged:
@@ -298,19 +300,16 @@ def smooth(part: Part) -> bool:
 
 
 def probes(arcs: Sequence[Arc]) -> tuple[np.ndarray, np.ndarray]:
-    """Offsets and slopes at a few points of every arc (of some, where there are many)."""
-    chosen = arcs[:: -(-len(arcs) // PROBES)]
-    each = max(1, PROBES // len(chosen))
-    s = (np.arange(each) + SHIFT) / each
-    owner = np.arange(len(chosen))
-    return at_arcs(chosen, owner, np.broadcast_to(s, (len(chosen), each)))
+    """Offsets and slopes at a few points of the first intervals of every arc."""
+    owner, low, width = intervals(arcs)
+    return at_arcs(arcs, owner, low[:, None] + width[:, None] * kronrod_rule().nodes[::EVERY])
 
 
 def agreement(line: Route, flux: Route, sizes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Where both routes agree, and where they do and the flux has the smaller error; (k,) each."""
     flux_error = sizes * flux.error
-    apart = np.abs(line.values - sizes * flux.values).max(axis=0)
-    agree = apart <= DISAGREE * (line.error + flux_error)
+    difference = np.abs(line.values - sizes * flux.values).max(axis=0)
+    agree = difference <= DISAGREE * (line.error + flux_error)
     return agree, agree & (flux_error <= line.error)
 
 

@@ -1,4 +1,4 @@
-"""Loop: closed paths; centre and offsets are kept apart, so that tiny ones lose nothing."""
+"""Loop: closed paths; the centre does not enter the offsets, so that tiny ones lose nothing."""
 
 from __future__ import annotations
 
@@ -10,16 +10,13 @@ import numpy as np
 
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import constructors, parametric, planes
-from geomtorsion.loops.arcs import Arc, Part, shown
+from geomtorsion.loops.arcs import SAME_POINT, Arc, Part, shown
 from geomtorsion.loops.quadrature import integrate
 from geomtorsion.loops.winding import turns_round
 
 if TYPE_CHECKING:
     import networkx as nx
     import sympy as sp
-
-# Two loops share a base point if they miss each other by less than this share of their size.
-SAME_POINT = 1e-12
 
 
 Plane = tuple[Any, Any]
@@ -177,7 +174,7 @@ class Loop:
         interval
             Exact bounds of the parameter, such as (0, 2*pi) or text.
         symbols
-            Names that the text may use beside the parameter.
+            Names that the text may use in addition to the parameter.
 
         Raises
         ------
@@ -269,10 +266,10 @@ class Loop:
                 f"{other.dimension}: only loops in the same space can follow each other."
             )
         one, two = self.parts[0], other.parts[0]
-        apart = np.array(one.centre) - np.array(two.centre)
-        gap = apart + one.size * one.base_offset - two.size * two.base_offset
+        shift = np.array(one.centre) - np.array(two.centre)
+        gap = shift + one.size * one.base_offset - two.size * two.base_offset
         rounding = 4 * np.finfo(float).eps * max(np.abs(one.centre).max(), np.abs(two.centre).max())
-        allowed = SAME_POINT * max(one.size, two.size) + (rounding if apart.any() else 0)
+        allowed = SAME_POINT * max(one.size, two.size) + (rounding if shift.any() else 0)
         if np.abs(gap).max() > allowed:
             raise LoopError(
                 f"{self.name} starts at {shown(one.base)}, {other.name} at {shown(two.base)}: "

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from geomtorsion.errors import FileFormatError, GeomtorsionError, LimitError, LoopError
+from geomtorsion import checks
+from geomtorsion.errors import FileFormatError, GeomtorsionError, LoopError
 from geomtorsion.exact import parse_expression
+from geomtorsion.files import read_json_text, read_text
 from geomtorsion.loops.loop import Loop
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def loop_from_data(frame: Frame, data: Any, where: str = "loop") -> Loop:
     Exactly one key names the kind: circle (centre, radius, plane), ellipse (centre, axes, plane),
     polygon (vertices, centre, size), plaquette (corner, steps, plane), curve (expressions,
     parameter, interval, centre, size), spline (points, centre, size); name and times may stand
-    beside it. Numbers may be text such as "pi/2"; a plane is two coordinates, by number or name,
+    next to it. Numbers may be text such as "pi/2"; a plane is two coordinates, by number or name,
     or two vectors.
 
     Raises
@@ -72,7 +72,7 @@ def loop_from_data(frame: Frame, data: Any, where: str = "loop") -> Loop:
     for key in needed:
         if key not in inner:
             raise FileFormatError(f"{place}: the key {key!r} is missing.")
-    values = {key: _value(frame, kind, key, value, place) for key, value in inner.items()}
+    values = {key: _value(frame, key, value, place) for key, value in inner.items()}
     name = data.get("name", kind)
     if not isinstance(name, str):
         raise FileFormatError(f"{where}: name: a text was needed, but {name!r} came.")
@@ -87,22 +87,16 @@ def loop_from_data(frame: Frame, data: Any, where: str = "loop") -> Loop:
 def _check_keys(data: Any, known: Sequence[str], where: str) -> None:
     """Refuse what is no mapping, and unknown keys."""
     if not isinstance(data, Mapping):
-        raise FileFormatError(f"{where}: a mapping was needed, but {data!r} came.")
-    for key in data:
-        if key not in known:
-            near = get_close_matches(str(key), known, 1)
-            hint = f"Did you mean {near[0]}? " if near else ""
-            raise FileFormatError(
-                f"{where}: unknown key {key!r}. {hint}Known are {', '.join(known)}."
-            )
+        came = checks.shown(data)
+        raise FileFormatError(f"{where}: a mapping was needed, but {came} came.")
+    message = "{subject}: unknown key {value}. {hint}Known are {known}."
+    checks.known_keys(data, known, where, FileFormatError, message=message)
 
 
-def _value(frame: Frame, kind: str, key: str, value: Any, where: str) -> Any:
+def _value(frame: Frame, key: str, value: Any, where: str) -> Any:
     """The value of one key: expressions stay text, a plane may name coordinates."""
     if key in ("expressions", "parameter"):
         return value
-    if key == "interval" or kind == "curve":
-        return _numbers(value, f"{where}: {key}")
     if key == "plane":
         return plane_of(frame, value, where)
     return _numbers(value, f"{where}: {key}")
@@ -134,9 +128,7 @@ def _numbers(value: Any, where: str) -> Any:
         return [_numbers(part, f"{where}[{k}]") for k, part in enumerate(value)]
     if isinstance(value, str):
         return number_of(value, where)
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        return value
-    raise FileFormatError(f"{where}: a number was needed, but {value!r} came.")
+    return checks.exact_number(value, where, FileFormatError)
 
 
 def number_of(text: str, where: str) -> Any:
@@ -161,6 +153,7 @@ def number_of(text: str, where: str) -> Any:
     raise FileFormatError(f"{where}: a real number was needed, but {text!r} came.")
 
 
+# Bytes: a million circles are no more.
 LARGEST_FILE = 50_000_000
 TOP_KEYS = ("loops", "parameters", "accuracy")
 
@@ -196,18 +189,8 @@ def read_loops(frame: Frame, path: str | Path) -> LoopFile:
         The file is too large.
     """
     path = Path(path)
-    try:
-        size = path.stat().st_size
-        if size > LARGEST_FILE:
-            raise LimitError(f"{path.name}: {size:,} bytes; the limit is {LARGEST_FILE:,}.")
-        text = path.read_text("utf-8-sig")
-    except OSError as error:
-        reason = error.strerror or type(error).__name__
-        raise FileFormatError(f"{path}: the file cannot be read: {reason}.") from None
-    except UnicodeDecodeError:
-        raise FileFormatError(f"{path.name}: the file is no UTF-8 text.") from None
     reader = loops_from_csv if path.suffix.lower() == ".csv" else loops_from_json
-    return reader(frame, text, path.name)
+    return reader(frame, read_text(path, LARGEST_FILE), path.name)
 
 
 def loops_from_json(frame: Frame, text: str, where: str = "loops") -> LoopFile:
@@ -221,35 +204,19 @@ def loops_from_json(frame: Frame, text: str, where: str = "loops") -> LoopFile:
     >>> loops_from_json(plane, text).loops[0].name
     'polygon'
     """
-
-    def refuse(word: str) -> NoReturn:
-        raise FileFormatError(f"{where}: {word} is no number that JSON knows.")
-
-    try:
-        data = json.loads(text, parse_constant=refuse)
-    except json.JSONDecodeError as error:
-        raise FileFormatError(
-            f"{where}: line {error.lineno}, column {error.colno}: this is no JSON: {error.msg}. "
-            "Is the file complete?"
-        ) from None
-    except RecursionError:
-        raise LimitError(f"{where}: lists are nested too deeply to be read.") from None
+    data = read_json_text(text, where)
     if isinstance(data, list):
         data = {"loops": data}
     if not isinstance(data, dict) or not isinstance(data.get("loops"), list) or not data["loops"]:
         raise FileFormatError(
             f'{where}: a list of loops was needed, or {{"loops": [...]}} with at least one.'
         )
-    for key in data:
-        if key not in TOP_KEYS:
-            raise FileFormatError(f"{where}: unknown key {key!r}. Known are {', '.join(TOP_KEYS)}.")
+    _check_keys(data, TOP_KEYS, where)
     parameters, accuracy = data.get("parameters", {}), data.get("accuracy")
     if not isinstance(parameters, dict):
         raise FileFormatError(f"{where}: parameters: names and values were needed.")
-    if accuracy is not None and (
-        isinstance(accuracy, bool) or not isinstance(accuracy, float | int)
-    ):
-        raise FileFormatError(f"{where}: accuracy: a number was needed, but {accuracy!r} came.")
+    if accuracy is not None:
+        checks.number(accuracy, f"{where}: accuracy", FileFormatError)
     return LoopFile(
         loops=tuple(
             loop_from_data(frame, item, f"{where}: loops[{k}]")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from geomtorsion import checks
 from geomtorsion.errors import GeomtorsionError, LoopError
 from geomtorsion.loops import planes
 from geomtorsion.loops.arcs import Ellipse
@@ -18,12 +19,13 @@ from geomtorsion.loops.forms import Forms, forms
 from geomtorsion.loops.integrals import Places, agreement, by_levels
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.progress import counted
+from geomtorsion.loops.quadrature import PIECE
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
 
-# Loops that are treated together: their points fit in the cache of the processor.
-TOGETHER = 1024
+# Loops that are treated together: so many that the points of each need a few pieces.
+TOGETHER = PIECE // 32
 # Points of the first level on a circle: most are so small that few are enough.
 FIRST = 9
 # Where a denominator falls below this share of its largest value, a loop is looked at by itself.
@@ -322,8 +324,7 @@ def _map(
 ) -> BurgersMap:
     """Do all loops block by block; on Ctrl-C keep what is done."""
     start = time.perf_counter()
-    if not 1e-14 <= accuracy < 1:
-        raise LoopError(f"accuracy: 1e-14 to below 1 was needed, but {accuracy!r} came.")
+    planes.check_accuracy(accuracy, 1e-14)
     columns = tuple(np.flatnonzero(plane.any(axis=0)).tolist())
     compiled = forms(frame, parameters, columns)
     survey = _Survey(frame, shape, area, plane, accuracy, parameters, compiled)
@@ -364,17 +365,16 @@ def _map(
 
 
 def _array(values: Any, where: str, rank: int | None = None) -> np.ndarray:
-    """An array of finite floats of a given rank."""
-
-    try:
-        result = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
-        raise LoopError(f"{where}: an array of numbers was needed.") from None
+    """An array of finite floats of a given rank; without one, a number or a list of them."""
+    result = checks.array(
+        values,
+        where,
+        LoopError,
+        message="{subject}: an array of numbers was needed.",
+        infinite="{subject}{place}: {value} is not finite.",
+    )
     if rank is not None and result.ndim != rank:
         raise LoopError(f"{where}: {rank} axes were needed, but the shape is {result.shape}.")
-    if not np.isfinite(result).all():
-        place = tuple(int(k) for k in np.argwhere(~np.isfinite(result))[0])
-        raise LoopError(f"{where}{list(place)}: {result[place]} is not finite.")
     if rank is None and result.ndim > 1:
         raise LoopError(f"{where}: one number, or one for each loop, was needed.")
     return result

@@ -14,7 +14,7 @@ from geomtorsion.errors import LimitError, NetworkError
 from geomtorsion.loops.arcs import shown
 from geomtorsion.loops.edges import EdgeIntegrals, edge_integrals, refuse_touching
 from geomtorsion.loops.loop import Loop
-from geomtorsion.loops.node_rule import NodeRule, node_rule
+from geomtorsion.loops.node_rule import MOST_LISTED, NodeRule, node_rule
 from geomtorsion.loops.spanning_forest import Forest, spanning_forest
 
 if TYPE_CHECKING:
@@ -131,7 +131,6 @@ def _of_graph(
 
 # networkx takes minutes for the minimum cycle basis of a graph with more edges.
 MINIMUM_BASIS_EDGES = 200
-LISTED_CYCLES = 100_000
 
 Cycle = tuple[Hashable, ...]
 
@@ -302,9 +301,9 @@ class Network:
         if basis != "fundamental":
             raise NetworkError(f"basis: 'fundamental' or 'minimum' was needed, but {basis!r} came.")
         forest = self.forest
-        if len(forest.chords) > LISTED_CYCLES:
+        if len(forest.chords) > MOST_LISTED:
             raise LimitError(
-                f"{len(forest.chords)} cycles are too many to list; the limit is {LISTED_CYCLES}. "
+                f"{len(forest.chords)} cycles are too many to list; the limit is {MOST_LISTED}. "
                 "Use .forest, which has chords and closures as arrays."
             )
         return tuple(self._around(int(chord)) for chord in forest.chords)

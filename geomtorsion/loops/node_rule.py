@@ -10,18 +10,16 @@ import numpy as np
 
 from geomtorsion.errors import LimitError, NetworkError
 from geomtorsion.loops.arcs import shown
-from geomtorsion.loops.forms import ROUNDING, Forms, forms
+from geomtorsion.loops.forms import Forms, forms
 from geomtorsion.loops.integrals import DISAGREE
-from geomtorsion.loops.quadrature import gauss_rule, ray_rule, refined
+from geomtorsion.loops.quadrature import LEVELS, ROUNDING, gauss_rule, ray_rule, refined
 
 if TYPE_CHECKING:
     from geomtorsion.loops.network import Network
 
 Face = tuple[Hashable, ...]
-# More cells than this are not searched for; they have to be given.
-MOST_CELLS = 100_000
-# Fluxes through faces: relative accuracy, and rules of 4 x 4, 6 x 6, ... points.
-ACCURACY, LEVELS = 1e-14, 6
+# More cells than this are not searched for, nor more cycles listed: there are arrays for them.
+MOST_LISTED = 100_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,9 +89,9 @@ def node_rule(net: Network, cells: Sequence[Sequence[Sequence[Hashable]]] | None
     pierced = []
     for name, face in faces.items():
         flux, error = fluxes[name]
-        apart = lines[name].vector - flux
-        if not np.abs(apart).max() <= DISAGREE * (error + lines[name].error):
-            pierced.append((face, apart))
+        difference = lines[name].vector - flux
+        if not np.abs(difference).max() <= DISAGREE * (error + lines[name].error):
+            pierced.append((face, difference))
     return NodeRule(len(chosen), tuple(violations), tuple(pierced))
 
 
@@ -116,9 +114,9 @@ def tetrahedra(net: Network) -> list[tuple[Face, ...]]:
                     e, f = (d, c) if turned else (c, d)
                     cell = ((a, e, b), (a, b, f), (b, e, f), (a, f, e))
                     found.append(tuple(tuple(labels[k] for k in face) for face in cell))
-                    if len(found) > MOST_CELLS:
+                    if len(found) > MOST_LISTED:
                         raise LimitError(
-                            f"the network has more than {MOST_CELLS} tetrahedra. "
+                            f"the network has more than {MOST_LISTED} tetrahedra. "
                             "Give the cells that shall be checked."
                         )
     return found
@@ -196,7 +194,7 @@ def _triangles(forms: Forms, corners: np.ndarray) -> tuple[np.ndarray, np.ndarra
         return form.gather @ (values @ np.outer(w, u).ravel() * area[:, which])
 
     with np.errstate(all="ignore"):
-        found = refined(evaluate, count, ACCURACY, np.zeros(count), LEVELS)
+        found = refined(evaluate, count, DISAGREE * ROUNDING, np.zeros(count), LEVELS)
     bad = ~np.isfinite(found.values).all(axis=0)
     values = np.where(bad, 0.0, found.values)
     return values, np.where(bad, np.inf, found.truncation) + ROUNDING * np.abs(values).max(axis=0)

@@ -15,13 +15,12 @@ from geomtorsion.errors import ExpressionError, LoopError, MissingValueError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exact.names import FUNCTIONS
 from geomtorsion.loops import planes
-from geomtorsion.loops.arcs import Curve, Part, exact_number, shown
+from geomtorsion.loops.arcs import SAME_POINT, Curve, Part, exact_number, shown
 from geomtorsion.loops.quadrature import kronrod
 
-# A curve closes if start and end agree to this share of its extent.
-CLOSED = 1e-12
 # Prime numbers of samples: a frequency that hides from one shows itself to the next.
 SAMPLES = (251, 1009, 4093, 16381, 65521)
+# A frequency below this share of the largest is rounding.
 NOISE = 1e-11
 Directions = Callable[[Any, int], tuple[Sequence[Any], Sequence[Any]]]
 SMOOTH = frozenset(made for made, _ in FUNCTIONS.values() if isinstance(made, type))
@@ -147,7 +146,7 @@ def _check_closed(arc: Curve) -> None:
     if extent <= 1e-15 * np.abs(points).max():
         raise LoopError(f"curve: it stays at the point {shown(points[:, 0])} and has no length.")
     gap = _gap(arc)
-    if np.abs(gap).max() > CLOSED * extent:
+    if np.abs(gap).max() > SAME_POINT * extent:
         raise LoopError(
             f"curve: it does not close: it starts at {shown(first)} and ends at {shown(last)}, the "
             f"gap is {shown(gap)}. Choose the interval so that both ends meet."

@@ -12,18 +12,15 @@ import numpy as np
 from geomtorsion.errors import LoopError
 from geomtorsion.loops.affine_form import AffineForm
 from geomtorsion.loops.affine_map import AffineMap
-from geomtorsion.loops.arcs import Part, Segment, shown
+from geomtorsion.loops.arcs import SAME_POINT, Part, Segment, shown
 from geomtorsion.loops.collocation import collocation, increments
 from geomtorsion.loops.cone import line_rate
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.planes import number, vector
-from geomtorsion.loops.transport import transported
+from geomtorsion.loops.transport import STAGES, transported
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Connection
-
-# Ends may differ from a whole number of periods by this share of the period.
-SAME = 1e-12
 
 
 def develop_path(
@@ -128,7 +125,7 @@ def develop_period(
     for k, period in lengths.items():
         gap[k] -= period * round(gap[k] / period)
     sizes = np.array([lengths.get(k, 1.0) for k in range(frame.dimension)])
-    if (np.abs(gap) > SAME * np.maximum(np.abs(sizes), np.abs(rows[0]))).any():
+    if (np.abs(gap) > SAME_POINT * np.maximum(np.abs(sizes), np.abs(rows[0]))).any():
         raise LoopError(
             f"the path does not close: whole periods from its start {shown(rows[0])} a gap of "
             f"{shown(gap)} is left. Let it end where it began, in every coordinate up to periods."
@@ -138,9 +135,6 @@ def develop_period(
     # Components of the legs at the start in those at the end: both sit at the same point.
     back = np.linalg.solve(start.T, (end - start).T).T
     return open_ @ AffineMap.of(back, np.zeros(frame.dimension))
-
-
-STAGES = 6
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,30 +1,24 @@
-"""Intake: numbers and planes that come from a user, checked once."""
+"""Planes: directions, points, lengths and accuracies that come from a user, checked once."""
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 import sympy as sp
 
+from geomtorsion import checks
 from geomtorsion.errors import LoopError
 from geomtorsion.loops.arcs import exact_number
 
 
 def number(value: Any, where: str) -> float:
-    """A finite float from an int, Fraction, float or sympy number."""
+    """A finite float; symbols are refused with their own message."""
     if is_symbolic(value):
         raise LoopError(
             f"{where}: {value} contains symbols; only circles, ellipses and curves may."
         )
-    try:
-        result = float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise LoopError(f"{where}: a number was needed, but {value!r} came.") from None
-    if isinstance(value, str | bool) or not math.isfinite(result):
-        raise LoopError(f"{where}: a finite number was needed, but {value!r} came.")
-    return result
+    return checks.number(value, where, LoopError)
 
 
 def exact_input(value: Any, where: str) -> Any:
@@ -35,25 +29,34 @@ def exact_input(value: Any, where: str) -> Any:
 
 def length(value: Any, where: str) -> float:
     """A positive finite float."""
-    result = number(value, where)
-    if result <= 0:
-        raise LoopError(
-            f"{where}: a positive length was needed, but {value} came. "
-            "A loop without length encloses nothing."
-        )
-    return result
+    number(value, where)
+    message = (
+        "{subject}: a positive length was needed, but {value} came. "
+        "A loop without length encloses nothing."
+    )
+    return checks.positive(value, where, LoopError, message=message)
 
 
 def vector(values: Any, where: str, dimension: int | None = None) -> tuple[float, ...]:
     """A tuple of finite floats, of a given length."""
     if isinstance(values, str) or not hasattr(values, "__len__"):
-        raise LoopError(f"{where}: a list of coordinates was needed, but {values!r} came.")
+        raise LoopError(
+            f"{where}: a list of coordinates was needed, but {checks.shown(values)} came."
+        )
     result = tuple(number(x, f"{where}[{k}]") for k, x in enumerate(values))
     if dimension is not None and len(result) != dimension:
         raise LoopError(f"{where}: {dimension} numbers were needed, but {len(result)} came.")
     if len(result) < 2:
         raise LoopError(f"{where}: a loop needs at least two coordinates, but {values!r} came.")
     return result
+
+
+def check_accuracy(accuracy: float, least: float = float(np.finfo(float).resolution)) -> None:
+    """Refuse a relative accuracy that no double has, or that is none."""
+    if not least <= accuracy < 1:
+        raise LoopError(
+            f"accuracy: a relative error from {least} to below 1 was needed, but {accuracy!r} came."
+        )
 
 
 def is_symbolic(*values: Any) -> bool:

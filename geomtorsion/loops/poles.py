@@ -7,16 +7,12 @@ import math
 import numpy as np
 
 from geomtorsion.errors import SingularPointError
-from geomtorsion.loops.arcs import Arc, Part, shown
+from geomtorsion.loops.arcs import SAME_POINT, Arc, Part, shown
 from geomtorsion.loops.forms import Forms
+from geomtorsion.loops.quadrature import NARROWEST
 
-# A denominator this small beside its largest value on an arc is a zero on the loop. (It goes with
-# the square of the distance: what is nearer than 1e-12 of the size is on it.)
-ZERO = 1e-24
-# Minima below this share of the largest value are looked at closely, as often as it takes to come
-# from a step between samples down to a zero.
-LOW = 0.3
-ZOOMS = 24
+# A denominator goes with the square of the distance; as a share of its largest value on an arc:
+ZERO = SAME_POINT**2
 # Where a denominator is flat within this share of itself, its minimum is found.
 FLAT = 0.9
 # A peak as narrow as this share of a step between samples escapes rules with few points.
@@ -67,9 +63,10 @@ def _graded(place: float, width: float, step: float) -> list[float]:
 
 
 def _dips(sizes: np.ndarray) -> np.ndarray:
-    """Places of the local minima that are small."""
-    inner = (sizes[1:-1] <= sizes[:-2]) & (sizes[1:-1] <= sizes[2:])
-    return np.flatnonzero(inner & (sizes[1:-1] < LOW * sizes.max())) + 1
+    """Places of the local minima that are not flat already."""
+    before, here, after = sizes[:-2], sizes[1:-1], sizes[2:]
+    deep = here < FLAT * np.maximum(before, after)
+    return np.flatnonzero((here <= before) & (here <= after) & deep) + 1
 
 
 def _minimum(
@@ -79,19 +76,18 @@ def _minimum(
 
     The width is 0 where it vanishes.
     """
-    place, width = low, high - low
-    for _ in range(ZOOMS):
+    while True:
         s = np.linspace(low, high, 9)
         row = _values(forms, part, arc, s)[k]
         best = int(np.abs(row).argmin())
         place, width = float(s[best]), float(high - low)
         crosses = not np.iscomplexobj(row) and row.min() < 0 < row.max()
-        if np.abs(row[best]) <= ZERO * largest or crosses:
+        # An interval as short as the rounding of s ends the search as well.
+        if np.abs(row[best]) <= ZERO * largest or crosses or width < NARROWEST:
             return place, 0.0
         if np.abs(row[best]) > FLAT * np.abs(row).max():
-            break
+            return place, width
         low, high = s[max(best - 1, 0)], s[min(best + 1, 8)]
-    return place, width
 
 
 def _values(forms: Forms, part: Part, arc: Arc, s: np.ndarray) -> np.ndarray:

@@ -16,9 +16,10 @@ Integrand = Callable[[np.ndarray, np.ndarray], np.ndarray]
 # From arcs by number, shape (p,), and s on each, shape (p, k), to values of shape (m, p, k).
 Sampler = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
-# How many points an integral may take, and how many are evaluated at once: those fit in the cache.
-MOST_POINTS = 2**25
+# Points that are evaluated at once, which fit in the cache; an integral may take many such pieces,
+# and one level of a rule a few.
 PIECE = 2**15
+MOST_POINTS, MOST_AT_ONCE = 1024 * PIECE, 4 * PIECE
 # Each level of a rule has 1.6 times the points of the one before, shifted by the golden section
 # of a step: no frequency hides from both.
 GROWTH = 1.6
@@ -26,10 +27,12 @@ SHIFT = (3 - math.sqrt(5)) / 2
 # Beyond some 100 times the points that the curve needs, the integrand has a narrow peak, and
 # halving intervals is cheaper.
 LEVELS = 11
-NARROWEST = 2.0**-44
-# Errors of an interval below this share of its integral are rounding; so are those below SMALL
-# that halving does not reduce.
-FLOOR, SMALL = 1e-15, 1e-8
+# A few units in the last place: what rounding does to a number, and to a sum of some.
+ROUNDING = 4 * float(np.finfo(float).eps)
+# Intervals shorter than this, as share of an arc, have ends that rounding moves too much.
+NARROWEST = 64 * ROUNDING
+# Errors of an interval below this share of its integral that halving does not reduce are rounding.
+SMALL = 1e-8
 
 # Kronrod's 15 nodes on (0, 1) with the 7 of Gauss among them (QUADPACK, routine qk15).
 KRONROD_NODES = (
@@ -337,7 +340,7 @@ def halved(
         allowed = np.maximum(accuracy * np.abs(total).max(axis=0), floor)
         allowed = np.maximum(allowed, noise * absolute)
         share = allowed / (2 * np.bincount(member, minlength=len(floor)))
-        bad = ~finite | ((errors > share[member]) & (errors > FLOOR * sizes) & ~stuck)
+        bad = ~finite | ((errors > share[member]) & (errors > ROUNDING * sizes) & ~stuck)
         converged = np.isfinite(truncation) & (truncation <= allowed)
         bad &= ~converged[member]
         if not bad.any():
@@ -355,13 +358,13 @@ def halved(
         new_values, new_errors, new_sizes = _panels(sampler, rule, owners, starts, halves)
         # Halving that helps no more, where the error is small, has met rounding.
         pairs = new_errors.reshape(-1, 2).sum(axis=1)
-        held = (pairs > errors[bad] / 2) & (pairs < SMALL * new_sizes.reshape(-1, 2).sum(axis=1))
+        rounded = (pairs > errors[bad] / 2) & (pairs < SMALL * new_sizes.reshape(-1, 2).sum(axis=1))
         points += len(rule.nodes) * len(owners)
         good = ~bad
         owner, low = np.append(owner[good], owners), np.append(low[good], starts)
         width, errors = np.append(width[good], halves), np.append(errors[good], new_errors)
         sizes = np.append(sizes[good], new_sizes)
-        stuck = np.append(stuck[good], np.repeat(held, 2))
+        stuck = np.append(stuck[good], np.repeat(rounded, 2))
         values = np.concatenate([values[:, good], new_values], axis=1)
     done = np.ones(len(floor), dtype=bool)
     if worst is not None:

@@ -290,7 +290,7 @@ class SampledFrame:
 
 
 # Gauss points on each stretch, and stretches per cell that a loop crosses.
-GAUSS = 6
+GAUSS = max(ORDERS) // 2 + 2
 PER_CELL = 2
 # A loop may leave the grid by this share of a step: rounding of its own coordinates.
 SLACK = 1e-9

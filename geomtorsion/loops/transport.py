@@ -12,6 +12,7 @@ from geomtorsion.errors import LoopError
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Arc, at_arcs, shown
 from geomtorsion.loops.collocation import collocation, increments, product
+from geomtorsion.loops.quadrature import MOST_AT_ONCE, NARROWEST, PIECE, ROUNDING, SMALL
 
 if TYPE_CHECKING:
     from geomtorsion.loops.arcs import Arc
@@ -19,16 +20,11 @@ if TYPE_CHECKING:
 # From offsets and slopes, shape (n, k), to omega (k, n, n) and theta (k, n).
 Integrand = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
+# Points of Gauss in each interval; halving it gains a factor of 2**(2 * STAGES) where it is smooth.
+# One that gains less than a quarter of these digits twice, and whose error is small, has come to
+# the rounding of its points.
 STAGES = 8
-# How many points one evaluation may take, and how many stretches a path may need.
-PIECE = 2**15
-MOST_STRETCHES = 2**17
-NARROWEST = 2.0**-40
-EPS = 2.0**-52
-# Halving gains a factor of 2**16 on a smooth stretch. One that gains less than this twice, and
-# differs by less than this share of its size, has come to the rounding of its points.
-GAIN = 16.0
-NOISE = 1e-8
+GAIN = 2.0 ** (STAGES // 2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,17 +83,17 @@ def transported(arcs: Sequence[Arc], integrand: Integrand, accuracy: float) -> T
         found = np.stack([change[:, :-1, :-1].max(axis=(1, 2)), change[:, :-1, -1].max(axis=1)], 1)
         total = np.maximum(total, waiting.size.sum(axis=0))
         allowed = np.maximum(
-            accuracy * total * waiting.width[:, None] / len(arcs), 16 * EPS * waiting.size
+            accuracy * total * waiting.width[:, None] / len(arcs), 4 * ROUNDING * waiting.size
         )
         slow = (found > before / GAIN) & (before > earlier / GAIN)
-        stalled = slow & (found <= NOISE * waiting.size)
+        stalled = slow & (found <= SMALL * waiting.size)
         good = np.asarray(((found <= allowed) | stalled).all(axis=1))
         narrow = ~good & (waiting.width < NARROWEST)
-        if narrow.any() or len(waiting.owner) > MOST_STRETCHES or not np.isfinite(found).all():
+        if narrow.any() or len(waiting.owner) > MOST_AT_ONCE or not np.isfinite(found).all():
             worst = int(np.argmax(np.where(np.isfinite(found[:, 1]), found.max(axis=1), np.inf)))
             raise _stuck(arcs, waiting, worst)
         done.append(_chosen(waiting, good, joined))
-        errors.append(found[good] + 2 * EPS * waiting.size[good])
+        errors.append(found[good] + ROUNDING / 2 * waiting.size[good])
         waiting = _chosen(halves, np.repeat(~good, 2))
         before, earlier = (np.repeat(x[~good], 2, axis=0) for x in (found, before))
     return _assembled(done, errors, points)

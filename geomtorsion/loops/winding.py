@@ -7,13 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from geomtorsion.errors import GeomtorsionError, SingularPointError
-from geomtorsion.loops.arcs import Arc, Part, Segment, shown
-
-# Points per arc at first, and how often stretches that turn too far may be halved.
-FIRST_POINTS = 33
-HALVINGS = 48
-# A loop that comes this close to a line, as share of its size, goes through it.
-TOUCHES = 1e-13
+from geomtorsion.loops.arcs import SAME_POINT, Arc, Part, Segment, shown
 
 
 def turns_round(
@@ -65,16 +59,17 @@ def _turned(arc: Arc, across: np.ndarray, offset: np.ndarray) -> tuple[float, fl
     def plane(s: np.ndarray) -> np.ndarray:
         return across @ arc.shape(s)[0] + offset[:, None]
 
-    count = 2 if isinstance(arc, Segment) else max(FIRST_POINTS, 8 * arc.waves + 1)
+    count = 2 if isinstance(arc, Segment) else 8 * max(4, arc.waves) + 1
     s = np.linspace(0, 1, count)
     low, high = s[:-1], s[1:]
     angle = 0.0
-    for _ in range(HALVINGS):
+    # Intervals that turn too far are halved, down to the rounding of s.
+    while (high - low).max() > np.finfo(float).eps:
         one, two = plane(low), plane(high)
         cross = one[0] * two[1] - one[1] * two[0]
         turned = np.arctan2(cross, (one * two).sum(axis=0))
         share, near = nearest(one, two)
-        touching = near <= TOUCHES
+        touching = near <= SAME_POINT
         if touching.any() and (isinstance(arc, Segment) or (high - low).max() < 2.0**-20):
             k = int(np.flatnonzero(touching)[0])
             return angle, float(low[k] + share[k] * (high[k] - low[k]))

@@ -166,7 +166,7 @@ BAD = [
     (lambda: Loop.circle([0, 0], -1), "positive length"),
     (lambda: Loop.circle([0, NAN], 1), r"centre\[1\]: a finite number"),
     (lambda: Loop.circle([0, 0], float("inf")), "radius: a finite number"),
-    (lambda: Loop.circle([0, 0], "1"), "radius: a finite number was needed, but '1' came"),
+    (lambda: Loop.circle([0, 0], "1"), "radius: a number was needed, but '1' came"),
     (lambda: Loop.circle([0], 1), "at least two coordinates"),
     (lambda: Loop.circle("xy", 1), "a list of coordinates"),
     (lambda: Loop.circle([0, 0], 1, (0, 2)), "there is no coordinate 2; there are 2"),
