@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from geomtorsion.action import making, writing
-from geomtorsion.action.hamel import Hamel
+from geomtorsion.action import validation, writing
+from geomtorsion.action.hamel import Hamel, hamel_of
 from geomtorsion.action.lagrange import Lagrange
-from geomtorsion.action.phase import expressions, opened
 from geomtorsion.action.principles import principle_named
 from geomtorsion.action.reduced import Reduced, reduced
+from geomtorsion.action.tangent_bundle import bundle_over
 from geomtorsion.errors import ShapeError
 
 if TYPE_CHECKING:
@@ -44,12 +44,12 @@ class EquationsOfMotion:
     @property
     def velocities(self) -> tuple[sp.Symbol, ...]:
         """The quasi-velocities that move: all of them, or those that constraints leave."""
-        return tuple(self.hamel.phase.letters.velocities[i] for i in self.hamel.free)
+        return tuple(self.hamel.bundle.symbols.velocities[i] for i in self.hamel.free)
 
     @property
     def time(self) -> sp.Symbol:
         """The symbol of the time."""
-        return self.hamel.phase.letters.time
+        return self.hamel.bundle.symbols.time
 
     @cached_property
     def momenta(self) -> tuple[sp.Expr, ...]:
@@ -62,7 +62,7 @@ class EquationsOfMotion:
 
         u'^k are written u1dot, u2dot, ...; one for each velocity that moves.
         """
-        dots = self.hamel.phase.letters.accelerations
+        dots = self.hamel.bundle.symbols.accelerations
         found = []
         for k in self.hamel.free:
             pairs, rest = self.hamel.residuals[k]
@@ -114,13 +114,15 @@ class EquationsOfMotion:
         """
         from dataclasses import replace
 
-        from geomtorsion.action.twist import twist_of
+        from geomtorsion.action.hamel_coefficients import coefficients_of
 
         hamilton = principle_named("closed_in_coordinates")
         image = principle_named("closed_in_image")
-        frame, connection = self.hamel.phase.frame, self.lagrange.connection
-        whole = replace(self.hamel, twist=twist_of(frame, hamilton)).gyroscopic
-        flat = replace(self.hamel, twist=twist_of(frame, image, connection)).gyroscopic
+        frame, connection = self.hamel.bundle.frame, self.lagrange.connection
+        whole = replace(self.hamel, coefficients=coefficients_of(frame, hamilton)).gyroscopic
+        flat = replace(
+            self.hamel, coefficients=coefficients_of(frame, image, connection)
+        ).gyroscopic
         pairs = zip(whole, flat, strict=True)
         every = [(one - two).sympy for one, two in pairs]
         return tuple(every[k] for k in self.hamel.free)
@@ -130,16 +132,16 @@ class EquationsOfMotion:
         """Name -> f(q, u, t) that the motion keeps, each proved by exact zero."""
         from geomtorsion.action.invariants import conserved
 
-        return conserved(self.hamel, self.frame, self.lagrange.phase.frame)
+        return conserved(self.hamel, self.frame, self.lagrange.bundle.frame)
 
     @cached_property
     def reactions(self) -> Mapping[str, sp.Expr]:
         """Forces that keep the constraints, by the velocity whose form each replaces."""
-        hamel, names = self.hamel, self.hamel.phase.letters.velocities
+        hamel, names = self.hamel, self.hamel.bundle.symbols.velocities
         if hamel.reactions is not None:
             return {names[k].name: value.sympy for k, value in hamel.reactions.items()}
         moving, found = dict(zip(hamel.free, self.accelerations, strict=True)), {}
-        for k in hamel.held:
+        for k in hamel.fixed:
             pairs, rest = hamel.residuals[k]
             found[names[k].name] = sp.Add(*(x.sympy * moving[i] for i, x in pairs), rest.sympy)
         return found
@@ -246,18 +248,18 @@ def equations_of_motion(
     (0, 0, 0)
     """
     chosen = principle_named(principle)
-    making.check_real(frame)
+    validation.check_real(frame)
     if connection is not None and connection.frame is not frame:
         raise ShapeError("the connection belongs to another frame. Build it over this one.")
     n = frame.dimension
-    pushes = making.force_entries(forces, n)
-    held = making.constraint_entries(constraints, n)
-    read = expressions(frame, [("lagrangian", lagrangian), *pushes, *held], parameters)
+    pushes = validation.force_entries(forces, n)
+    fixed = validation.constraint_entries(constraints, n)
+    read = validation.expressions(frame, [("lagrangian", lagrangian), *pushes, *fixed], parameters)
     energy, given, kept = read[0], tuple(read[1 : n + 1]), tuple(read[n + 1 :])
-    phase = opened(frame, read)
-    hamel = making.hamel_of(phase, energy, given, kept, chosen, connection)
+    bundle = bundle_over(frame, read)
+    hamel = hamel_of(bundle, energy, given, kept, chosen, connection)
     hamel.matrix  # noqa: B018  a singular kinetic matrix is refused here, not later
-    lagrange = Lagrange(phase, energy, given, chosen, connection)
+    lagrange = Lagrange(bundle, energy, given, chosen, connection)
     return EquationsOfMotion(frame, energy, given, kept, principle, hamel, lagrange)
 
 

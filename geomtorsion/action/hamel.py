@@ -7,62 +7,67 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from geomtorsion.action.phase import Phase
+from geomtorsion.action.adapted_frame import AdaptedFrame, adapted_frame
+from geomtorsion.action.hamel_coefficients import HamelCoefficients, coefficients_of
 from geomtorsion.action.solving import Quotient, quotients
+from geomtorsion.action.tangent_bundle import TangentBundle
 from geomtorsion.errors import KineticMatrixError, LimitError, UndecidedError
 from geomtorsion.geometry.matrices import dependence, determinant, inverse
 
 if TYPE_CHECKING:
-    from geomtorsion.action.twist import Twist
+    import sympy as sp
+
+    from geomtorsion.action.principles import Principle
     from geomtorsion.exact import Element
+    from geomtorsion.geometry import Connection
 
 
 @dataclass(frozen=True, eq=False)
 class Hamel:
-    """d/dt p_k = A_kj^i u^j p_i + E_k(L) + F_k over a frame, some velocities held.
+    """d/dt p_k = A_kj^i u^j p_i + E_k(L) + F_k over a frame, some velocities fixed.
 
-    phase: the frame, adapted to the constraints if there are any.
+    bundle: the frame, adapted to the constraints if there are any.
     free: numbers of the quasi-velocities that move.
-    lagrangian: L, where the held velocities have their values.
+    lagrangian: L, where the fixed velocities have their values.
     momenta: p_i = dL/du^i for all i, likewise.
     slopes: E_k(L) at fixed u, for all k, likewise.
     forces: F_k, for all k, likewise.
-    twist: A_kj^i of the variation.
-    held: values of the other velocities, functions of q and t, mostly zero.
+    coefficients: A_kj^i of the variation.
+    fixed: values of the other velocities, functions of q and t, mostly zero.
     """
 
-    phase: Phase
+    bundle: TangentBundle
     free: tuple[int, ...]
     lagrangian: Element
     momenta: tuple[Element, ...]
     slopes: tuple[Element, ...]
     forces: tuple[Element, ...]
-    twist: Twist
-    held: Mapping[int, Element] = field(default_factory=dict)
+    coefficients: HamelCoefficients
+    fixed: Mapping[int, Element] = field(default_factory=dict)
 
     @cached_property
     def velocities(self) -> tuple[Element, ...]:
-        """u^i as elements, with the values of those that are held."""
-        every = enumerate(self.phase.velocities)
-        return tuple(self.held.get(i, value) for i, value in every)
+        """u^i as elements, with the values of those that are fixed."""
+        every = enumerate(self.bundle.velocities)
+        return tuple(self.fixed.get(i, value) for i, value in every)
 
     @cached_property
     def rates(self) -> tuple[Element, ...]:
         """q'^mu = E_i^mu u^i."""
-        return tuple(self.phase.rates(self.velocities))
+        return tuple(self.bundle.rates(self.velocities))
 
     @cached_property
     def gyroscopic(self) -> tuple[Element, ...]:
         """A_kj^i u^j p_i for each k."""
-        field = self.phase.field
-        terms: list[list] = [[] for _ in range(self.phase.dimension)]
-        for (k, j, i), value in self.twist.items():
+        field = self.bundle.field
+        terms: list[list] = [[] for _ in range(self.bundle.dimension)]
+        for (k, j, i), value in self.coefficients.items():
             terms[k].append((1, value, self.velocities[j], self.momenta[i]))
         return tuple(field.sum(row) for row in terms)
 
     def kinetic(self, rows: Sequence[int]) -> dict[tuple[int, int], Element]:
         """M_kl = dp_k/du^l at (place of k in rows, place of l among the free ones)."""
-        symbols = [self.phase.letters.velocities[i] for i in self.free]
+        symbols = [self.bundle.symbols.velocities[i] for i in self.free]
         found = {}
         for place, k in enumerate(rows):
             for column, symbol in enumerate(symbols):
@@ -74,10 +79,10 @@ class Hamel:
     @cached_property
     def rest(self) -> tuple[Element, ...]:
         """The residual without its accelerations, for each k."""
-        field, phase = self.phase.field, self.phase
+        field, bundle = self.bundle.field, self.bundle
         found = []
-        for k in range(phase.dimension):
-            change = phase.change(self.momenta[k], self.rates)
+        for k in range(bundle.dimension):
+            change = bundle.change(self.momenta[k], self.rates)
             parts = ((1, change), (-1, self.gyroscopic[k]), (-1, self.slopes[k]))
             found.append(field.sum([*parts, (-1, self.forces[k])]))
         return tuple(found)
@@ -95,7 +100,7 @@ class Hamel:
 
         None where clearing a denominator full of roots and sines would fill the memory.
         """
-        field, n = self.phase.field, len(self.free)
+        field, n = self.bundle.field, len(self.free)
         try:
             inverted = inverse(field, self.matrix, n)
         except LimitError:
@@ -109,10 +114,10 @@ class Hamel:
     def quotients(self) -> tuple[Quotient, ...]:
         """The same as above / below, never divided."""
         right = [-self.rest[k] for k in self.free]
-        return tuple(quotients(self.phase.field, self.matrix, right))
+        return tuple(quotients(self.bundle.field, self.matrix, right))
 
     def _check_regular(self, matrix: dict[tuple[int, int], Element], n: int) -> None:
-        field, letters = self.phase.field, self.phase.letters
+        field, symbols = self.bundle.field, self.bundle.symbols
         size = determinant(field, matrix, n)
         if size.is_zero is None:
             raise UndecidedError(
@@ -121,7 +126,7 @@ class Hamel:
             )
         if not size.is_zero:
             return
-        names = [letters.velocities[i].name for i in self.free]
+        names = [symbols.velocities[i].name for i in self.free]
         lost = sorted(set(range(n)) - {column for _, column in matrix})
         relation = "; ".join(f"{names[k]} does not occur quadratically" for k in lost)
         if not lost:
@@ -137,38 +142,38 @@ class Hamel:
     @cached_property
     def whole_matrix(self) -> dict[tuple[int, int], Element]:
         """M_kl at (k, place of l among the free ones), for all k."""
-        return self.kinetic(range(self.phase.dimension))
+        return self.kinetic(range(self.bundle.dimension))
 
     @cached_property
     def residuals(self) -> tuple[tuple[tuple[tuple[int, Element], ...], Element], ...]:
         """For each k the pairs (l, M_kl) with l counted among all velocities, and the rest."""
         matrix, found = self.whole_matrix, []
-        for k in range(self.phase.dimension):
+        for k in range(self.bundle.dimension):
             pairs = [(self.free[c], value) for (row, c), value in matrix.items() if row == k]
             found.append((tuple(pairs), self.rest[k]))
         return tuple(found)
 
     @cached_property
     def reactions(self) -> dict[int, Element] | None:
-        """Forces that hold the held velocities: the residuals along them; None as above."""
+        """Forces that hold the fixed velocities: the residuals along them; None as above."""
         if self.accelerations is None:
             return None
         moving = dict(zip(self.free, self.accelerations, strict=True))
         found = {}
-        for k in range(self.phase.dimension):
+        for k in range(self.bundle.dimension):
             if k not in self.free:
                 pairs, rest = self.residuals[k]
                 terms = [(1, value, moving[i]) for i, value in pairs]
-                found[k] = self.phase.field.sum([*terms, (1, rest)])
+                found[k] = self.bundle.field.sum([*terms, (1, rest)])
         return found
 
     def derivative(self, element: Element) -> Element:
         """d/dt of f(q, u, t) along the motion, where accelerations could not be divided times
         the denominators of all: the same factor for every f.
         """
-        letters, field = self.phase.letters, self.phase.field
-        change = self.phase.change(element, self.rates)
-        slopes = [element.diff(letters.velocities[i]) for i in self.free]
+        symbols, field = self.bundle.symbols, self.bundle.field
+        change = self.bundle.change(element, self.rates)
+        slopes = [element.diff(symbols.velocities[i]) for i in self.free]
         if self.accelerations is not None:
             pairs = zip(slopes, self.accelerations, strict=True)
             return field.sum([(1, change), *((1, slope, value) for slope, value in pairs)])
@@ -177,3 +182,53 @@ class Hamel:
         for slope, (above, below) in zip(slopes, self.quotients, strict=True):
             terms.append((1, slope, above, *(other for other in every if other != below)))
         return field.sum(terms)
+
+
+def hamel_of(
+    bundle: TangentBundle,
+    lagrangian: sp.Expr,
+    forces: Sequence[sp.Expr],
+    constraints: Sequence[sp.Expr],
+    principle: Principle,
+    connection: Connection | None,
+) -> Hamel:
+    """The equations in quasi-velocities, over the frame or over one adapted to constraints."""
+    named = [("lagrangian", lagrangian)]
+    named += [(f"forces[{k}]", value) for k, value in enumerate(forces)]
+    names = [f"constraints[{r}]" for r in range(len(constraints))]
+    every = bundle.frame.read([*named, *zip(names, constraints, strict=True)])
+    energy, pushes, fixed = every[0], every[1 : len(named)], every[len(named) :]
+    if fixed:
+        adapted = adapted_frame(bundle, list(zip(names, fixed, strict=True)))
+        return _restricted(adapted, lagrangian, forces, principle, connection)
+    n = bundle.dimension
+    momenta = tuple(energy.diff(symbol) for symbol in bundle.symbols.velocities)
+    slopes = tuple(bundle.along(k, energy) for k in range(n))
+    coefficients = coefficients_of(bundle.frame, principle, connection)
+    return Hamel(bundle, tuple(range(n)), energy, momenta, slopes, tuple(pushes), coefficients)
+
+
+def _restricted(
+    adapted: AdaptedFrame,
+    lagrangian: sp.Expr,
+    forces: Sequence[sp.Expr],
+    principle: Principle,
+    connection: Connection | None,
+) -> Hamel:
+    """The same over the adapted frame, where the replaced velocities have their values."""
+    bundle, u = adapted.bundle, adapted.bundle.symbols.velocities
+    replaced, values_at = adapted.velocity_substitution(), adapted.fixed_values()
+    energy = bundle.frame.read([("lagrangian", lagrangian.xreplace(replaced))])[0]
+
+    def at_fixed(element: Element) -> Element:
+        if not element.symbols & set(values_at):
+            return element
+        return bundle.field.read(element.sympy.subs(values_at))
+
+    momenta = tuple(at_fixed(energy.diff(symbol)) for symbol in u)
+    slopes = tuple(at_fixed(bundle.along(k, energy)) for k in range(bundle.dimension))
+    named = [(f"forces[{k}]", value.xreplace(replaced)) for k, value in enumerate(forces)]
+    pushes = adapted.covector([at_fixed(value) for value in bundle.frame.read(named)])
+    coefficients = coefficients_of(bundle.frame, principle, connection)
+    free, values = adapted.free, adapted.fixed
+    return Hamel(bundle, free, at_fixed(energy), momenta, slopes, pushes, coefficients, values)

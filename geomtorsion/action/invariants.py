@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
-from geomtorsion.action import candidates, fields
-from geomtorsion.action.candidates import Candidate, combined
+from geomtorsion.action import conservation_ansatz, killing_ansatz
+from geomtorsion.action.conservation_ansatz import Candidate, combined
 from geomtorsion.action.hamel import Hamel
 from geomtorsion.action.relations import depends, relations
 
@@ -33,27 +33,27 @@ class _Found:
         value = one.value
         if value.is_rational or one.change(self.hamel).is_zero is not True:
             return False
-        if not (self.hamel.held or one.is_sound(self.hamel)):
+        if not (self.hamel.fixed or one.is_sound(self.hamel)):
             return False
         known = list(self.kept.values())
         if squares:
-            inside = set(self.hamel.phase.frame.coordinates)
+            inside = set(self.hamel.bundle.frame.coordinates)
             known += [x * x for x in known if not x.symbols & inside]
         if not (
             any(self._proportional(value, x) for x in known)
-            or depends(self.hamel.phase.field, value, [*known, value.field.one])
+            or depends(self.hamel.bundle.field, value, [*known, value.field.one])
         ):
             self.kept[one.name] = value
         return True
 
     def _proportional(self, one: Element, two: Element) -> bool:
         """Whether the ratio of two values contains nothing but parameters."""
-        letters = self.hamel.phase.letters
-        moving = {*letters.coordinates, *letters.velocities, letters.time}
+        symbols = self.hamel.bundle.symbols
+        moving = {*symbols.coordinates, *symbols.velocities, symbols.time}
         inside = one.symbols & moving
         if inside != two.symbols & moving:
             return False
-        exact = self.hamel.phase.field
+        exact = self.hamel.bundle.field
         return all(
             exact.sum([(1, one.diff(s), two), (-1, one, two.diff(s))]).is_zero is True
             for s in sorted(inside, key=str)
@@ -71,13 +71,13 @@ def conserved(hamel: Hamel, frame: Frame, base: Frame) -> dict[str, sp.Expr]:
     frame: as the user gave it. base: the same over the field of the equations.
     """
     found = _Found(hamel)
-    for one in candidates.energies(hamel):
+    for one in conservation_ansatz.energies(hamel):
         found.add(one)
-    rest = [one for one in candidates.momenta(hamel, frame, base) if not found.add(one)]
+    rest = [one for one in conservation_ansatz.momenta(hamel, frame, base) if not found.add(one)]
     _combine(found, rest, "momentum")
-    if fields.right_invariant(frame) is None:
-        _combine(found, candidates.ansatz(hamel), "killing")
-    for one in candidates.casimirs(hamel):
+    if killing_ansatz.right_invariant(frame) is None:
+        _combine(found, conservation_ansatz.ansatz(hamel), "killing")
+    for one in conservation_ansatz.casimirs(hamel):
         found.add(one, squares=True)
     return {name: value.sympy for name, value in found.kept.items()}
 
@@ -86,7 +86,7 @@ def _combine(found: _Found, tried: Iterable[Candidate], stem: str) -> None:
     """Keep the rational combinations of candidates that do not change."""
     hamel, every = found.hamel, list(tried)
     number = 1
-    for row in relations(hamel.phase.field, [[one.change(hamel)] for one in every]):
+    for row in relations(hamel.bundle.field, [[one.change(hamel)] for one in every]):
         parts = [(q, every[j]) for j, q in row.items()]
         found.add(combined(hamel, f"{stem} {number}", parts))
         number = 1 + sum(name.removeprefix(f"{stem} ").isdigit() for name in found.kept)

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import sympy as sp
 
 from geomtorsion.action.hamel import Hamel
-from geomtorsion.action.phase import Phase
-from geomtorsion.action.twist import Twist, torsion_over
+from geomtorsion.action.hamel_coefficients import HamelCoefficients, torsion_over
+from geomtorsion.action.tangent_bundle import TangentBundle
 
 if TYPE_CHECKING:
     from geomtorsion.action.principles import Principle
@@ -24,12 +24,12 @@ class Lagrange:
 
     X is the torsion that the principle takes off: zero for Hamilton's.
 
-    phase: the given frame, not adapted to constraints.
+    bundle: the given frame, not adapted to constraints.
     lagrangian, forces: in q, u, t; forces F_k in the frame, Q_mu = e^k_mu F_k.
     principle, connection: how the action is varied.
     """
 
-    phase: Phase
+    bundle: TangentBundle
     lagrangian: sp.Expr
     forces: tuple[sp.Expr, ...]
     principle: Principle
@@ -38,45 +38,45 @@ class Lagrange:
     @cached_property
     def velocities(self) -> dict[sp.Symbol, sp.Expr]:
         """u^i = e^i_mu q'^mu, written out."""
-        letters = self.phase.letters
+        symbols = self.bundle.symbols
         found = {}
-        for i, row in enumerate(self.phase.frame.coframe.components.rows):
-            terms = [value.sympy * letters.rates[mu] for mu, value in row]
-            found[letters.velocities[i]] = sp.Add(*terms)
+        for i, row in enumerate(self.bundle.frame.coframe.components.rows):
+            terms = [value.sympy * symbols.rates[mu] for mu, value in row]
+            found[symbols.velocities[i]] = sp.Add(*terms)
         return found
 
     def _read(self, where: str, expression: sp.Expr) -> Element:
         """An expression in q, u, t read with the coordinate velocities in place of u."""
-        return self.phase.frame.read([(where, expression.xreplace(self.velocities))])[0]
+        return self.bundle.frame.read([(where, expression.xreplace(self.velocities))])[0]
 
     @cached_property
     def residuals(self) -> tuple[Element, ...]:
         """One for each coordinate; they vanish on the motions without constraints."""
-        phase, letters, field = self.phase, self.phase.letters, self.phase.field
-        field.declare((*letters.rates, *letters.second_rates))
-        rates = [field.symbol(symbol) for symbol in letters.rates]
-        second = [field.symbol(symbol) for symbol in letters.second_rates]
+        bundle, symbols, field = self.bundle, self.bundle.symbols, self.bundle.field
+        field.declare((*symbols.rates, *symbols.second_rates))
+        rates = [field.symbol(symbol) for symbol in symbols.rates]
+        second = [field.symbol(symbol) for symbol in symbols.second_rates]
         energy = self._read("lagrangian", self.lagrangian)
-        momenta = [energy.diff(symbol) for symbol in letters.rates]
+        momenta = [energy.diff(symbol) for symbol in symbols.rates]
         pushes = [self._read(f"forces[{k}]", value) for k, value in enumerate(self.forces)]
         terms: list[list] = []
-        for momentum, symbol in zip(momenta, letters.coordinates, strict=True):
-            row = [(1, phase.change(momentum, rates)), (-1, energy.diff(symbol))]
-            pairs = zip(letters.rates, second, strict=True)
+        for momentum, symbol in zip(momenta, symbols.coordinates, strict=True):
+            row = [(1, bundle.change(momentum, rates)), (-1, energy.diff(symbol))]
+            pairs = zip(symbols.rates, second, strict=True)
             terms.append(row + [(1, momentum.diff(rate), value) for rate, value in pairs])
         for (a, b, c), value in self._torsion().items():
             terms[a].append((1, value, rates[b], momenta[c]))
-        for k, row in enumerate(phase.frame.coframe.components.rows):
+        for k, row in enumerate(bundle.frame.coframe.components.rows):
             for mu, value in row:
                 terms[mu].append((-1, value, pushes[k]))
         return tuple(field.sum(row) for row in terms)
 
-    def _torsion(self) -> Twist:
+    def _torsion(self) -> HamelCoefficients:
         """X_mu nu^la, what the principle takes off."""
-        principle, frame = self.principle, self.phase.frame
-        if principle.frame_twist and not principle.image_twist:
+        principle, frame = self.principle, self.bundle.frame
+        if principle.frame_curl and not principle.image_torsion:
             return {}
-        connection = self.connection if principle.image_twist else None
+        connection = self.connection if principle.image_torsion else None
         return torsion_over(frame, connection).components.nonzero
 
     def agrees(self, hamel: Hamel) -> bool | None:
@@ -84,23 +84,23 @@ class Lagrange:
 
         Decided by exact zero, after q' = E u and q'' = d/dt (E u) are put in.
         """
-        field, letters = hamel.phase.field, hamel.phase.letters
-        field.declare(letters.accelerations)
-        moving = {i: field.symbol(letters.accelerations[i]) for i in hamel.free}
-        table = dict(zip(letters.rates, (rate.sympy for rate in hamel.rates), strict=True))
-        for symbol, rate in zip(letters.second_rates, hamel.rates, strict=True):
-            terms = [(1, value, rate.diff(letters.velocities[i])) for i, value in moving.items()]
-            change = field.sum([(1, hamel.phase.change(rate, hamel.rates)), *terms])
+        field, symbols = hamel.bundle.field, hamel.bundle.symbols
+        field.declare(symbols.accelerations)
+        moving = {i: field.symbol(symbols.accelerations[i]) for i in hamel.free}
+        table = dict(zip(symbols.rates, (rate.sympy for rate in hamel.rates), strict=True))
+        for symbol, rate in zip(symbols.second_rates, hamel.rates, strict=True):
+            terms = [(1, value, rate.diff(symbols.velocities[i])) for i, value in moving.items()]
+            change = field.sum([(1, hamel.bundle.change(rate, hamel.rates)), *terms])
             table[symbol] = change.sympy
-        carried = field.read_all(
+        covector = field.read_all(
             [("equation", value.sympy.xreplace(table)) for value in self.residuals]
         )
         verdicts = []
         for k in hamel.free:
             pairs, rest = hamel.residuals[k]
             expected = field.sum([(1, rest), *((1, value, moving[i]) for i, value in pairs)])
-            columns = hamel.phase.frame.legs.components.columns[k]
-            terms = [(1, value, carried[mu]) for mu, value in columns]
+            columns = hamel.bundle.frame.legs.components.columns[k]
+            terms = [(1, value, covector[mu]) for mu, value in columns]
             verdicts.append(field.sum([*terms, (-1, expected)]).is_zero)
         if False in verdicts:
             return False

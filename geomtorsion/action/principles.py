@@ -4,26 +4,26 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from geomtorsion.checks import near_names
 from geomtorsion.errors import UnknownNameError
-from geomtorsion.exact.names import near_names
 
 
 @dataclass(frozen=True)
 class Principle:
-    """A way to vary: what closes, and whether the twist of the frame and of the image enter.
+    """A way to vary: what closes, and what of curl and torsion enters.
 
     name: how it is asked for.
     closes: what has fixed ends.
     leads_to: the curves that it gives for a kinetic energy.
-    frame_twist: share of C_kj^i, the object of anholonomy of the frame.
-    image_twist: share of T_kj^i = 2 S_kj^i, the torsion of the connection of the image.
+    frame_curl: share of C_kj^i, the object of anholonomy of the frame.
+    image_torsion: share of T_kj^i = 2 S_kj^i, the torsion of the connection of the image.
     """
 
     name: str
     closes: str
     leads_to: str
-    frame_twist: int
-    image_twist: int
+    frame_curl: int
+    image_torsion: int
 
 
 PRINCIPLES = (

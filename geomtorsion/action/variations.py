@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from geomtorsion.action.letters import free_form, letters_of
-from geomtorsion.action.phase import opened
+from geomtorsion.action.hamel_coefficients import coefficients_of, torsion_over
 from geomtorsion.action.principles import principle_named
-from geomtorsion.action.twist import torsion_over, twist_of
+from geomtorsion.action.symbols import free_pattern, symbols_of
+from geomtorsion.action.tangent_bundle import bundle_over
 from geomtorsion.errors import ShapeError
 from geomtorsion.geometry import Tensor
 
@@ -39,7 +39,7 @@ class Variation:
     @property
     def velocities(self) -> tuple[sp.Symbol, ...]:
         """u^i."""
-        return letters_of(self.frame).velocities
+        return symbols_of(self.frame).velocities
 
     @cached_property
     def images(self) -> tuple[sp.Symbol, ...]:
@@ -59,14 +59,14 @@ class Variation:
     def _numbered(self, forms: Sequence[str]) -> tuple[sp.Symbol, ...]:
         """Symbols with the numbers of the forms, named as the frame has none."""
         numbers = range(1, self.frame.dimension + 1)
-        form = free_form(self.frame, numbers, forms)
+        form = free_pattern(self.frame, numbers, forms)
         return tuple(sp.Symbol(form.format(k)) for k in numbers)
 
     @cached_property
     def coefficients(self) -> Tensor:
         """A_kj^i, slots DDU: index k of dPhi, j of u."""
-        twist = twist_of(self.frame, principle_named(self.principle), self.connection)
-        return Tensor(self.frame, "DDU", dict(twist), (), "A", f"variation {self.principle}")
+        coefficients = coefficients_of(self.frame, principle_named(self.principle), self.connection)
+        return Tensor(self.frame, "DDU", dict(coefficients), (), "A", f"variation {self.principle}")
 
     @cached_property
     def changes(self) -> tuple[sp.Expr, ...]:
@@ -99,8 +99,8 @@ class Variation:
         found = _bilinear(torsion, self.velocities, self.images)
         if self.principle == "naive":
             return tuple(-term for term in found)
-        carried = _bilinear(self.frame.anholonomy, self.velocities, self.gaps)
-        return tuple(-one - two for one, two in zip(found, carried, strict=True))
+        curl_part = _bilinear(self.frame.anholonomy, self.velocities, self.gaps)
+        return tuple(-one - two for one, two in zip(found, curl_part, strict=True))
 
     @cached_property
     def proved(self) -> bool | None:
@@ -116,10 +116,10 @@ class Variation:
 
     def _defects(self) -> list[Element]:
         """delta (e q') as claimed minus as worked out, with q' = E u and dq = E (dPhi + b)."""
-        phase = opened(self.frame, [])
-        field, frame = phase.field, phase.frame
+        bundle = bundle_over(self.frame, [])
+        field, frame = bundle.field, bundle.frame
         field.declare((*self.images, *self.image_rates, *self.gaps))
-        u = phase.velocities
+        u = bundle.velocities
         images, gaps = ([field.symbol(s) for s in row] for row in (self.images, self.gaps))
         changing = [field.symbol(s) for s in self.image_rates]
         claimed = frame.read([("change", value) for value in self.changes])
@@ -127,7 +127,7 @@ class Variation:
             images = [one + two for one, two in zip(images, gaps, strict=True)]
             gap_rates = frame.read([("gap", value) for value in self.gap_rates])
             changing = [one + two for one, two in zip(changing, gap_rates, strict=True)]
-        rates, moves = phase.rates(u), phase.rates(images)
+        rates, moves = bundle.rates(u), bundle.rates(images)
         defects = []
         for i, row in enumerate(frame.coframe.components.rows):
             terms: list = [(1, claimed[i]), (-1, changing[i])]

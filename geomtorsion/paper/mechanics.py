@@ -109,21 +109,21 @@ class Mechanics:
         Reduced to the body axes, so that it is a polynomial in the velocities.
         """
         hamel, turn = self.right.hamel, attitude()
-        exact = hamel.phase.frame
+        exact = hamel.bundle.frame
         fixed = exact.read([("vector", value) for value in turn * sp.Matrix(vector)])
         changes = [hamel.derivative(value) for value in fixed]
         back = exact.read([("turn", value) for value in turn.T])
         n = range(3)
-        sums = [hamel.phase.field.sum([(1, back[3 * i + j], changes[j]) for j in n]) for i in n]
+        sums = [hamel.bundle.field.sum([(1, back[3 * i + j], changes[j]) for j in n]) for i in n]
         return [value.sympy for value in sums]
 
     def transformed(self, kinetic: sp.Matrix) -> bool:
         """Whether the energy is q'^T K q' / 2 once u = e q' is put in."""
-        phase = self.right.hamel.phase
-        v = sp.Matrix(phase.letters.rates)
+        bundle = self.right.hamel.bundle
+        v = sp.Matrix(bundle.symbols.rates)
         difference = self.energy.xreplace(self.right.lagrange.velocities)
         printed = (v.T * kinetic * v)[0] / 2
-        return phase.frame.read([("energy", difference - printed)])[0].is_zero is True
+        return bundle.frame.read([("energy", difference - printed)])[0].is_zero is True
 
 
 def turning_body(frames: PaperFrames) -> Mechanics:

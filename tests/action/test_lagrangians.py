@@ -121,7 +121,7 @@ def test_lorentzian_geodesics(name):
             for j in n
             for i in n
         )
-        pair = found.hamel.phase.frame.read(
+        pair = found.hamel.bundle.frame.read(
             [("found", found.accelerations[k] * eta[k, k]), ("expected", right)]
         )
         assert pair[0] == pair[1]

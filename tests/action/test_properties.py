@@ -86,7 +86,7 @@ def test_power_of_forces_changes_the_energy(data):
     energy = sum(p * u for p, u in zip(found.momenta, found.velocities, strict=True))
     power = sum(f * u for f, u in zip(found.forces, found.velocities, strict=True))
     entries = [energy - found.lagrangian, power - sp.diff(found.lagrangian, T)]
-    left, right = found.hamel.phase.frame.read([("value", entry) for entry in entries])
+    left, right = found.hamel.bundle.frame.read([("value", entry) for entry in entries])
     assert (found.hamel.derivative(left) - right).is_zero is True
 
 
@@ -107,7 +107,7 @@ def test_a_constraint_takes_its_velocity_away(data):
     rates = [found.rates[q.name] for q in frame.coordinates]
     speeds = [sum(forms[i, mu] * rates[mu] for mu in range(n)) for i in range(n)]
     kept = sum(a * v for a, v in zip(row, speeds, strict=True))
-    (element,) = found.hamel.phase.frame.read([("constraint", kept)])
+    (element,) = found.hamel.bundle.frame.read([("constraint", kept)])
     assert element.is_zero is True
 
 

@@ -26,7 +26,7 @@ def test_geodesics_and_autoparallels(name):
     assert [symbol.name for symbol in shortest.velocities] == [symbol.name for symbol in u]
     law = Hamel().rates(frame, [symbol.name for symbol in u])
     assert law is not None
-    own = shortest.hamel.phase.frame
+    own = shortest.hamel.bundle.frame
     assert shortest.hamel.accelerations is not None
     for found, products in zip(shortest.hamel.accelerations, law.products, strict=True):
         rate = sp.Add(*(c.sympy * sp.Mul(*map(sp.Symbol, names)) for c, names in products))

@@ -1,4 +1,7 @@
-"""Twist: by how much a varied velocity differs from the change of a variation."""
+"""Hamel coefficients: by how much a varied velocity differs from the change of a variation.
+
+They are the A_kj^i of the transpositional relations.
+"""
 
 from __future__ import annotations
 
@@ -13,10 +16,12 @@ if TYPE_CHECKING:
     from geomtorsion.exact import Element
     from geomtorsion.geometry import Connection, Frame
 
-Twist = Mapping[Index, "Element"]
+HamelCoefficients = Mapping[Index, "Element"]
 
 
-def twist_of(frame: Frame, principle: Principle, connection: Connection | None = None) -> Twist:
+def coefficients_of(
+    frame: Frame, principle: Principle, connection: Connection | None = None
+) -> HamelCoefficients:
     """A_kj^i at (k, j, i), with  delta-bar u^i = d/dt dPhi^i + A_kj^i u^j dPhi^k.
 
     u^i = e^i_mu q'^mu gives  delta u^i - d/dt (e^i_mu dq^mu)
@@ -24,10 +29,10 @@ def twist_of(frame: Frame, principle: Principle, connection: Connection | None =
     Where the image closes, the torsion 2 S_kj^i of its connection goes off again: all of it for
     the Cartan connection of the frame, which is taken if none is given.
     """
-    if not principle.frame_twist:
+    if not principle.frame_curl:
         return {}
     curl = frame.anholonomy
-    if not principle.image_twist:
+    if not principle.image_torsion:
         return curl.components.nonzero
     torsion = torsion_over(frame, connection).in_frame()
     return (curl - torsion).components.nonzero

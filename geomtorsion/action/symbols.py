@@ -1,4 +1,4 @@
-"""Letters: the symbols of mechanics over a frame, in names that the frame has not taken."""
+"""Symbols of mechanics over a frame, in names that the frame has not taken."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _DOTS = ("dot", "_dot", "_prime")
 
 
 @dataclass(frozen=True)
-class Letters:
+class MotionSymbols:
     """Symbols besides the coordinates q^mu and the parameters.
 
     velocities: u^i, quasi-velocities: u1 ... un, or w1 ... where the frame uses u1 itself.
@@ -30,8 +30,8 @@ class Letters:
     Examples
     --------
     >>> from geomtorsion.spaces import load
-    >>> letters = letters_of(load("flat_polar").frame)
-    >>> letters.velocities, letters.accelerations, letters.rates, letters.time
+    >>> symbols = symbols_of(load("flat_polar").frame)
+    >>> symbols.velocities, symbols.accelerations, symbols.rates, symbols.time
     ((u1, u2), (u1dot, u2dot), (rdot, phidot), t)
     """
 
@@ -43,8 +43,8 @@ class Letters:
     time: sp.Symbol
 
 
-def letters_of(frame: Frame) -> Letters:
-    """The letters for a frame: u1 ... un and t where these names are free.
+def symbols_of(frame: Frame) -> MotionSymbols:
+    """The symbols for a frame: u1 ... un and t where these names are free.
 
     Raises
     ------
@@ -62,9 +62,9 @@ def letters_of(frame: Frame) -> Letters:
             f"{', '.join([stem + '1' for stem in _STEMS] + list(_TIMES))}. Rename a coordinate."
         )
     coordinates = [symbol.name for symbol in frame.coordinates]
-    dot = free_form(frame, [*names, *coordinates], [f"{{}}{dot}" for dot in _DOTS])
-    twice = free_form(frame, coordinates, [f"{{}}d{dot}" for dot in _DOTS])
-    return Letters(
+    dot = free_pattern(frame, [*names, *coordinates], [f"{{}}{dot}" for dot in _DOTS])
+    twice = free_pattern(frame, coordinates, [f"{{}}d{dot}" for dot in _DOTS])
+    return MotionSymbols(
         frame.coordinates,
         _symbols(names),
         _symbols(dot.format(name) for name in names),
@@ -74,7 +74,7 @@ def letters_of(frame: Frame) -> Letters:
     )
 
 
-def free_form(frame: Frame, names: Sequence[Any], forms: Sequence[str]) -> str:
+def free_pattern(frame: Frame, names: Sequence[Any], forms: Sequence[str]) -> str:
     """The first form, as in "{}dot", that makes no name which the frame uses.
 
     Raises

@@ -1,4 +1,4 @@
-"""Candidates: quantities that may be kept, each with the combination of equations behind it."""
+"""Conservation ansatz: quantities that may be kept, each with the equations behind it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.action import fields
+from geomtorsion.action import killing_ansatz
 from geomtorsion.action.hamel import Hamel
 from geomtorsion.action.relations import relations
 
@@ -31,26 +31,26 @@ class Candidate:
 
     def change(self, hamel: Hamel) -> Element:
         """df/dt along the motion; under constraints up to the factor of `Hamel.derivative`."""
-        if hamel.held:
+        if hamel.fixed:
             return hamel.derivative(self.value)
-        terms: list[Any] = [(1, hamel.phase.change(self.value, hamel.rates))]
+        terms: list[Any] = [(1, hamel.bundle.change(self.value, hamel.rates))]
         terms += [(-1, weight, hamel.rest[k]) for k, weight in self.weights.items()]
-        return hamel.phase.field.sum(terms)
+        return hamel.bundle.field.sum(terms)
 
     def is_sound(self, hamel: Hamel) -> bool:
         """Whether df/du^l = la^k M_kl holds exactly."""
-        exact, terms = hamel.phase.field, {i: [] for i in hamel.free}
+        exact, terms = hamel.bundle.field, {i: [] for i in hamel.free}
         for (k, column), value in hamel.whole_matrix.items():
             if k in self.weights:
                 terms[hamel.free[column]].append((-1, self.weights[k], value))
-        letters = hamel.phase.letters.velocities
-        slopes = ((i, self.value.diff(letters[i])) for i in hamel.free)
+        symbols = hamel.bundle.symbols.velocities
+        slopes = ((i, self.value.diff(symbols[i])) for i in hamel.free)
         return all(exact.sum([(1, slope), *terms[i]]).is_zero is True for i, slope in slopes)
 
 
 def combined(hamel: Hamel, name: str, parts: Iterable[tuple[Any, Candidate]]) -> Candidate:
     """A rational combination."""
-    exact, parts = hamel.phase.field, list(parts)
+    exact, parts = hamel.bundle.field, list(parts)
     weights: dict[int, list] = {}
     for q, part in parts:
         for k, weight in part.weights.items():
@@ -62,16 +62,16 @@ def combined(hamel: Hamel, name: str, parts: Iterable[tuple[Any, Candidate]]) ->
 def _along(hamel: Hamel, name: str, components: Mapping[int, Element]) -> Candidate:
     """p_i xi^i."""
     terms = [(1, value, hamel.momenta[i]) for i, value in components.items()]
-    return Candidate(name, hamel.phase.field.sum(terms), components)
+    return Candidate(name, hamel.bundle.field.sum(terms), components)
 
 
 def energies(hamel: Hamel) -> Iterator[Candidate]:
     """p_i u^i - L over all velocities, and over those that move (others may be driven)."""
-    everything = range(hamel.phase.dimension)
+    everything = range(hamel.bundle.dimension)
     for name, moving in (("energy", everything), ("jacobi integral", hamel.free)):
         weights = {i: hamel.velocities[i] for i in moving}
         terms = [(1, hamel.momenta[i], value) for i, value in weights.items()]
-        value = hamel.phase.field.sum([*terms, (-1, hamel.lagrangian)])
+        value = hamel.bundle.field.sum([*terms, (-1, hamel.lagrangian)])
         yield Candidate(name, value, weights)
 
 
@@ -80,13 +80,13 @@ def momenta(hamel: Hamel, frame: Frame, base: Frame) -> Iterator[Candidate]:
 
     frame: as the user gave it. base: the same over the field of the equations.
     """
-    exact, adapted = hamel.phase.field, hamel.phase.frame
+    exact, adapted = hamel.bundle.field, hamel.bundle.frame
     for mu, symbol in enumerate(frame.coordinates):
         column = dict(adapted.coframe.components.columns[mu])
         yield _along(hamel, f"momentum of {symbol}", column)
-    for i in range(hamel.phase.dimension):
+    for i in range(hamel.bundle.dimension):
         yield _along(hamel, f"body momentum {i + 1}", {i: exact.one})
-    for number, row in enumerate(fields.right_invariant(frame) or (), 1):
+    for number, row in enumerate(killing_ansatz.right_invariant(frame) or (), 1):
         components = exact.read_all([("field", value) for value in row])
         if adapted is not base:
             components = _turned(components, base, adapted)
@@ -103,10 +103,10 @@ def _turned(components: Sequence[Element], base: Frame, adapted: Frame) -> list[
 
 def ansatz(hamel: Hamel) -> Iterator[Candidate]:
     """p_k f(q) for a few functions."""
-    frame = hamel.phase.frame
+    frame = hamel.bundle.frame
     entries = [hamel.lagrangian.sympy, *frame.coframe.nonzero().values()]
-    for function in fields.ansatz_functions(frame, entries):
-        value = hamel.phase.field.read(function)
+    for function in killing_ansatz.ansatz_functions(frame, entries):
+        value = hamel.bundle.field.read(function)
         for k in hamel.free:
             yield _along(hamel, f"{function}*p{k + 1}", {k: value})
 
@@ -116,19 +116,19 @@ def casimirs(hamel: Hamel) -> Iterator[Candidate]:
 
     Examples: L.L for rotations; P.P and L.P for rotations with translations.
     """
-    exact, n = hamel.phase.field, hamel.phase.dimension
-    twist = hamel.phase.frame.anholonomy.components.nonzero
-    if not twist or any(not value.is_rational for value in twist.values()):
+    exact, n = hamel.bundle.field, hamel.bundle.dimension
+    coefficients = hamel.bundle.frame.anholonomy.components.nonzero
+    if not coefficients or any(not value.is_rational for value in coefficients.values()):
         return
     # Any n independent symbols can stand for the momenta here.
-    u = hamel.phase.velocities
-    turned = {(j, k): exact.zero for j in range(n) for k in range(n)}
-    for (j, k, i), value in twist.items():
-        turned[j, k] = turned[j, k] + value * u[i]
+    u = hamel.bundle.velocities
+    operator = {(j, k): exact.zero for j in range(n) for k in range(n)}
+    for (j, k, i), value in coefficients.items():
+        operator[j, k] = operator[j, k] + value * u[i]
     pairs = list(combinations_with_replacement(range(n), 2))
     vectors = []
     for k, m in pairs:
-        changes = ([(1, turned[j, k], u[m]), (1, u[k], turned[j, m])] for j in range(n))
+        changes = ([(1, operator[j, k], u[m]), (1, u[k], operator[j, m])] for j in range(n))
         vectors.append([exact.sum(terms) for terms in changes])
     p = hamel.momenta
     for number, row in enumerate(relations(exact, vectors), 1):

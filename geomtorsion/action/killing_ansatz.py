@@ -1,4 +1,4 @@
-"""Fields: vector fields along which a Lagrangian may be the same, as candidates to be tried."""
+"""Killing ansatz: vector fields along which a Lagrangian may be the same, to be tried."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def _right_invariant(frame: Frame) -> list[list[sp.Expr]] | None:
     if any(value.symbols & set(frame.coordinates) for value in table.values()):
         return None
     n, q = frame.dimension, frame.coordinates
-    twist = {index: value.sympy for index, value in table.items()}
+    coefficients = {index: value.sympy for index, value in table.items()}
     columns = [[frame.coframe[k, mu] for k in range(n)] for mu in range(n)]
     left, order = set(range(n)), []
     while left:
@@ -64,7 +64,7 @@ def _right_invariant(frame: Frame) -> list[list[sp.Expr]] | None:
     for place, mu in enumerate(order):
         still = {q[nu]: _base(columns, q[nu]) for nu in order[place + 1 :]}
         column = [expression(entry).xreplace(still) for entry in columns[mu]]
-        step = _step(column, twist, n, q[mu])
+        step = _step(column, coefficients, n, q[mu])
         if step is None:
             return None
         whole = step * whole
@@ -78,7 +78,9 @@ def _base(columns: Sequence[Sequence[Any]], symbol: sp.Symbol) -> sp.Expr:
     return sp.Integer(1 if singular else 0)
 
 
-def _step(column: Sequence[sp.Expr], twist: Any, n: int, symbol: sp.Symbol) -> sp.Matrix | None:
+def _step(
+    column: Sequence[sp.Expr], coefficients: Any, n: int, symbol: sp.Symbol
+) -> sp.Matrix | None:
     """exp of the integral of e^k C_kj^i along one line, from the base to the coordinate."""
     forms = [entry for entry in column if entry != 0]
     if not forms:
@@ -88,7 +90,7 @@ def _step(column: Sequence[sp.Expr], twist: Any, n: int, symbol: sp.Symbol) -> s
     if any(ratio.free_symbols for ratio in ratios):
         return None
     matrix = sp.zeros(n, n)
-    for (k, j, i), value in twist.items():
+    for (k, j, i), value in coefficients.items():
         matrix[i, j] += value * ratios[k]
     length = _length(shape, symbol)
     if length is None:

@@ -1,0 +1,164 @@
+"""Validation: what a user gives for equations of motion, checked once and read exactly."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+
+from geomtorsion import checks
+from geomtorsion.action.symbols import MotionSymbols, symbols_of
+from geomtorsion.checks import near_names
+from geomtorsion.errors import ConstraintError, LagrangianError, ShapeError
+from geomtorsion.exact import parse_expression
+from geomtorsion.geometry import Frame
+
+Named = list[tuple[str, Any]]
+
+
+def force_entries(forces: Any, n: int) -> Named:
+    """F_k as n named entries, from a sequence of n or a mapping k -> F_k; none are zero.
+
+    Raises
+    ------
+    ShapeError
+        There are not n of them, or a number in the mapping is not among 0 ... n - 1.
+    """
+    if forces is None:
+        given: Mapping[Any, Any] = {}
+    elif isinstance(forces, Mapping):
+        given = forces
+    else:
+        values = _listed(forces, "forces")
+        if len(values) != n:
+            raise ShapeError(
+                f"forces: {n} components F_k were needed, one for each form of the frame, "
+                f"{len(values)} came. Give {n}, or a mapping such as {{0: 'M1'}}."
+            )
+        given = dict(enumerate(values))
+    wrong = [key for key in given if key not in range(n)]
+    if wrong:
+        raise ShapeError(
+            f"forces: there is no component {wrong[0]!r}. Count the forms of the frame from 0 "
+            f"to {n - 1}."
+        )
+    return [(f"forces[{k}]", given.get(k, 0)) for k in range(n)]
+
+
+def constraint_entries(constraints: Any, n: int) -> Named:
+    """The constraints, each an expression that stays zero, named for messages.
+
+    Raises
+    ------
+    ConstraintError
+        There are as many as velocities, or more: nothing would move.
+    """
+    values = [] if constraints is None else _listed(constraints, "constraints")
+    if len(values) >= n:
+        raise ConstraintError(
+            f"{len(values)} constraints came for {n} velocities: nothing could move. Give fewer."
+        )
+    return [(f"constraints[{r}]", value) for r, value in enumerate(values)]
+
+
+def _listed(values: Any, what: str) -> list[Any]:
+    values = values.tolist() if hasattr(values, "tolist") else values
+    if isinstance(values, str) or not isinstance(values, Iterable):
+        raise ShapeError(f"{what}: a list was needed, {values!r} came. Put it in brackets.")
+    return [row[0] if isinstance(row, list) and len(row) == 1 else row for row in values]
+
+
+def check_real(frame: Frame) -> None:
+    """Refuse complex frames: their velocities are no motion."""
+    if frame.complex:
+        raise LagrangianError(
+            f"{frame.name or 'the frame'} is complex (a null tetrad); mechanics needs a real frame."
+        )
+
+
+def expressions(
+    frame: Frame,
+    entries: Sequence[tuple[str, Any]],
+    parameters: Iterable[Any] | None,
+) -> list[sp.Expr]:
+    """Texts, numbers or sympy expressions in q, u, t and parameters as sympy expressions.
+
+    Symbols are known by their names. In a sympy expression every other symbol is a parameter
+    unless parameters are listed; in a text it must be listed, or stand in such an expression.
+
+    Raises
+    ------
+    LagrangianError
+        A symbol is none of these, or cannot be one (u7 where there are three velocities).
+    ExpressionError
+        A text is no expression.
+    """
+    symbols = symbols_of(frame)
+    own = (*frame.coordinates, *frame.parameters, symbols.time, *symbols.velocities)
+    table = {symbol.name: symbol for symbol in own}
+    listed = parameters.replace(",", " ").split() if isinstance(parameters, str) else parameters
+    for item in listed or ():
+        symbol = sp.Symbol(item) if isinstance(item, str) else item
+        if symbol.name in {s.name for s in (*symbols.rates, *symbols.accelerations)}:
+            _check_parameter("parameters", symbol.name, symbols, table, True)
+        table.setdefault(symbol.name, symbol)
+    found: dict[str, sp.Expr] = {}
+    for where, value in entries:
+        if not isinstance(value, str):
+            expression = found[where] = _sympified(where, value)
+            for symbol in sorted(expression.free_symbols, key=str):
+                if symbol.name not in table:
+                    _check_parameter(where, symbol.name, symbols, table, parameters is not None)
+                    table[symbol.name] = symbol
+            renamed = {symbol: table[symbol.name] for symbol in expression.free_symbols}
+            found[where] = expression.xreplace(renamed)
+            _check_functions(where, expression, table)
+    for where, value in entries:
+        if isinstance(value, str):
+            found[where] = parse_expression(value, table, where=where)
+    return [found[where] for where, _ in entries]
+
+
+def _sympified(where: str, value: Any) -> sp.Expr:
+    """A number, element or expression of sympy; never a text."""
+    message = (
+        f"{{subject}}: an expression was needed, {type(value).__name__} came: {{value}}. "
+        "Give text, a number or a sympy expression."
+    )
+    return checks.expression(value, where, LagrangianError, message=message)
+
+
+def _check_functions(where: str, expression: sp.Expr, table: Mapping[str, Any]) -> None:
+    """Refuse phi1(t) for the coordinate phi1: it would count as a given function of the time."""
+    for function in sorted(expression.atoms(AppliedUndef), key=str):
+        name = type(function).__name__
+        if name in table:
+            raise LagrangianError(
+                f"{where}: {function} is a function, but {name} is a symbol here. Write {name}, "
+                "and velocities as u^i = e^i_mu q'^mu in place of derivatives."
+            )
+
+
+def _check_parameter(
+    where: str, name: str, symbols: MotionSymbols, table: Mapping[str, Any], listed: bool
+) -> None:
+    """Refuse a symbol that can be no parameter."""
+    stem = symbols.velocities[0].name.rstrip("0123456789")
+    velocity = bool(re.fullmatch(rf"{stem}\d+", name))
+    rate = any(name == s.name for s in (*symbols.rates, *symbols.accelerations))
+    if not (listed or velocity or rate):
+        return
+    near = near_names(name, table)
+    hint = f" Did you mean {near}?" if near else ""
+    u = [symbol.name for symbol in symbols.velocities]
+    span = u[0] if len(u) == 1 else f"{u[0]} ... {u[-1]}"
+    remedy = f"Velocities are {span}: u^i = e^i_mu q'^mu, one for each form of the frame."
+    if listed and not (velocity or rate):
+        remedy = f"List {name} among the parameters, if it is one."
+    raise LagrangianError(
+        f"{where}: {name} is neither a coordinate, a velocity, the time nor a parameter."
+        f"{hint} {remedy}"
+    )
