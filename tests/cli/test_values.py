@@ -31,7 +31,6 @@ def test_pairs():
         ("curve", "s2", "--set", "x" * 5000),
         ("curve", "s2", "--engine", "x" * 5000),
         ("burgers", "s2", "--circle", "x" * 5000),
-        ("burgers", "s2", "--loops", "x" * 5000),
         ("run", "helix", "--set", "x" * 5000),
         ("paper", "--format", "x" * 5000),
     ],
