@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.accuracy import accuracy_cost
 from geomtorsion.accuracy.loops import loop_costs
-from geomtorsion.lab.facts import space_of
+from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.lab.numbers import table
 from geomtorsion.lab.plot import LOOKS, Plot
+from geomtorsion.lab.settings import PAGE
+from geomtorsion.lab.space_info import space_of
 from geomtorsion.lab.top import made, scene_of
 from geomtorsion.loops import Loop
 from geomtorsion.pictures.pair_solving import pair_problems
@@ -21,14 +23,12 @@ from geomtorsion.spaces.first_motions import first_motion
 if TYPE_CHECKING:
     from geomtorsion.accuracy import CostTable
 
-# An error that is no more than rounding is drawn here.
-_LEAST = 1e-17
 _RULES = ("trapezoid", "Gauss", "flux", "burgers_vector")
 _POINTS = (4, 8, 12, 16, 24, 32, 48)
 _CAPTION = "Lower and further right is better. Measured on this machine, just now."
 
 
-def costs(kind: str, case: Mapping[str, Any]) -> dict[str, Any]:
+def costs(kind: str, case: Json) -> Json:
     """Error against time for a loop or a motion.
 
     Parameters
@@ -36,7 +36,7 @@ def costs(kind: str, case: Mapping[str, Any]) -> dict[str, Any]:
     kind
         "loop", "straightest", "shortest" or "top".
     case
-        What the page for it is set to: the arguments of `closing`, of `paths` or of `top`.
+        What the page for it is set to: the arguments of `closure_failure`, of `paths` or of `top`.
 
     Returns
     -------
@@ -53,9 +53,7 @@ def costs(kind: str, case: Mapping[str, Any]) -> dict[str, Any]:
     return _of_top(**case) if kind == "top" else _of_motion(kind, **case)
 
 
-def _of_loop(
-    space: str, centre: Sequence[float], radius: float, plane: Sequence[int]
-) -> dict[str, Any]:
+def _of_loop(space: str, centre: Sequence[float], radius: float, plane: Sequence[int]) -> Json:
     """Rules of quadrature round a circle, against fifty digits."""
     frame = space_of(space).frame
     first, second = plane
@@ -78,7 +76,7 @@ def _of_motion(
     velocity: Sequence[float],
     t: float,
     moments: Sequence[float] | None = None,
-) -> dict[str, Any]:
+) -> Json:
     """Engines along one of the two curves, against a closed form or quadruple precision."""
     problems, _, last = pair_problems(
         space_of(space), frame_velocity=list(velocity), t=float(t), moments=moments
@@ -95,30 +93,30 @@ def _of_top(
     t: float,
     effects: Sequence[str] = (),
     watch: Sequence[str] = ("nutation",),
-) -> dict[str, Any]:
+) -> Json:
     """Engines on the equations of a body that turns."""
     scene = scene_of(moments, omega, tilt, t, made(effects), watch)
     acting = ", ".join(effects) or "free"
     return _of_table(f"The top ({acting}), to t = {number(t)} s", scene_accuracy(scene))
 
 
-def _of_table(title: str, found: CostTable) -> dict[str, Any]:
+def _of_table(title: str, found: CostTable) -> Json:
     """A table of engines and accuracies, as far as there are answers."""
     rows = [
         [row.engine, row.asked, row.achieved, row.total_seconds]
         for row in found.rows
         if row.achieved is not None and row.total_seconds is not None
     ]
-    return _shown(title, rows, found.recommendation) | {"truth": found.truth}
+    return {**_shown(title, rows, found.recommendation), "truth": found.truth}
 
 
-def _shown(title: str, rows: list[list[Any]], advice: str) -> dict[str, Any]:
+def _shown(title: str, rows: list[list[Any]], advice: str) -> Json:
     """Picture and table of measured rows."""
     plot = Plot(title, ("error, relative", "ms"), log="xy", falling=True)
     plot.width, plot.height = 640, 470
     names = list(dict.fromkeys(row[0] for row in rows))
     for name, look in zip(names, LOOKS, strict=False):
-        points = [(max(row[2], _LEAST), 1e3 * row[3]) for row in rows if row[0] == name]
+        points = [(max(row[2], PAGE.nothing), 1e3 * row[3]) for row in rows if row[0] == name]
         plot.line(points, look, name)
         for point in points:
             plot.mark(point, look)

@@ -7,11 +7,11 @@ from collections.abc import Callable, Mapping
 from html import escape
 from os import PathLike
 from pathlib import Path
-from typing import Any
 
+from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.lab import views
 from geomtorsion.lab.controls import path_case
-from geomtorsion.lab.facts import facts
+from geomtorsion.lab.space_info import space_info
 from geomtorsion.lab.tasks import task
 from geomtorsion.pictures.text import greek_name
 
@@ -25,7 +25,7 @@ RADII = (1e-9, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7)
 PATHS: tuple[tuple[str, tuple[float, ...]], ...] = (
     ("r3xso3", ()), ("so3", (1, 2, 3)), ("s2", ()), ("flat_polar", ()), ("heisenberg", ()),
 )  # fmt: skip
-TOPS: Mapping[str, Mapping[str, Any]] = {
+TOPS: Mapping[str, Json] = {
     "A body that tumbles": {"moments": (1, 2, 3), "omega": (0.1, 2, 0.1), "tilt": 0.3, "t": 12},
     "A symmetric body": {"moments": (1, 1, 1.8), "omega": (1, 0, 2), "tilt": 0.3, "t": 12},
     "A heavy top": {
@@ -115,7 +115,7 @@ def tetrads() -> str:
     """Some tetrads with their geometry."""
     parts = []
     for name in TETRADS:
-        known = facts(name)
+        known = space_info(name)
         reply = task("tetrad")(
             coordinates=", ".join(known["coordinates"]),
             parameters=", ".join(known["parameters"]),
@@ -132,7 +132,7 @@ def tetrads() -> str:
     return "".join(parts)
 
 
-def _forms(known: Mapping[str, Any]) -> str:
+def _forms(known: Json) -> str:
     """The one-forms as they would be typed."""
     rows = []
     for i, row in enumerate(known["coframe"]):
@@ -149,7 +149,7 @@ def loops() -> str:
     """Loops of several radii, behind a slider."""
     parts = []
     for name in LOOPS:
-        known = facts(name)
+        known = space_info(name)
         slides = []
         for radius in RADII:
             plane = known["planes"][0]
@@ -168,7 +168,7 @@ def curves() -> str:
     """The straightest and the shortest curve in some spaces."""
     parts = []
     for name, moments in PATHS:
-        known = facts(name)
+        known = space_info(name)
         speeds = {f"u{k}": value for k, value in enumerate(known["velocity"])} | {"t": known["t"]}
         inertia = {f"I{k}": value for k, value in enumerate(moments)}
         reply = task("paths")(**path_case(name, speeds, inertia))
@@ -190,7 +190,7 @@ def tops() -> str:
 
 def measured() -> str:
     """What accuracy costs, measured while the page was written."""
-    known = facts("so3")
+    known = space_info("so3")
     loop = {"space": "so3", "centre": known["start"], "radius": 0.3, "plane": known["planes"][0]}
     path = {"space": "so3", "velocity": known["velocity"], "t": known["t"], "moments": [1, 2, 3]}
     replies = [

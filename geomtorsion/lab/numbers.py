@@ -6,10 +6,8 @@ import math
 from collections.abc import Sequence
 from html import escape
 
+from geomtorsion.lab.settings import PAGE
 from geomtorsion.pictures.style import number
-
-# Values within so many errors of zero are shown as zero.
-WITHIN = 3.0
 
 
 def shown(value: float, error: float = 0.0) -> str:
@@ -22,7 +20,7 @@ def shown(value: float, error: float = 0.0) -> str:
     """
     if not math.isfinite(value):
         return "–"
-    return "0" if abs(value) <= WITHIN * error else number(value)
+    return "0" if abs(value) <= PAGE.zero * error else number(value)
 
 
 def names_text(names: Sequence[str]) -> str:

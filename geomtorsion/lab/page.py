@@ -11,12 +11,12 @@ app = marimo.App(
 def _():
     import marimo as mo
 
-    from geomtorsion.lab import answering, controls, views
+    from geomtorsion.lab import controls, views
     from geomtorsion.lab.tasks import common_runner
 
     runner = common_runner()
     mo.Html(views.header())
-    return answering, controls, runner, mo, views
+    return controls, mo, runner, views
 
 
 @app.cell
@@ -31,7 +31,7 @@ def _(controls, mo):
 
 @app.cell
 def _(controls, mo):
-    beginning = controls.beginnings(mo)
+    beginning = controls.starts(mo)
     shown = controls.offered(mo)
     return beginning, shown
 
@@ -40,7 +40,9 @@ def _(controls, mo):
 def _(beginning, controls, runner, mo):
     _chosen = beginning.value
     tetrad_facts = (
-        controls.blank(_chosen) if isinstance(_chosen, int) else runner.ask("facts", space=_chosen)
+        controls.blank(_chosen)
+        if isinstance(_chosen, int)
+        else runner.ask("space_info", space=_chosen)
     )
     names = controls.names(mo, tetrad_facts)
     entries = controls.entries(mo, tetrad_facts)
@@ -97,7 +99,7 @@ def _(controls, mo):
 
 @app.cell
 def _(controls, runner, loop_space, mo):
-    _facts = runner.ask("facts", space=loop_space.value)
+    _facts = runner.ask("space_info", space=loop_space.value)
     centre = controls.centre(mo, _facts)
     plane = controls.plane(mo, _facts)
     return centre, plane
@@ -134,7 +136,7 @@ def _(controls, mo):
 
 @app.cell
 def _(controls, runner, mo, path_space):
-    velocity = controls.velocity(mo, runner.ask("facts", space=path_space.value))
+    velocity = controls.velocity(mo, runner.ask("space_info", space=path_space.value))
     moments = controls.moments(mo, path_space.value)
     return moments, velocity
 
@@ -218,17 +220,17 @@ def _(runner, kind, loop_case, mo, path_case, tab, top_case, views):
 
 
 @app.cell
-def _(answering, runner, mo):
-    exercise = answering.exercises(mo, runner.ask("listing"))
-    seed = answering.seed(mo)
+def _(controls, mo, runner):
+    exercise = controls.exercises(mo, runner.ask("listing"))
+    seed = controls.seed(mo)
     return exercise, seed
 
 
 @app.cell
-def _(answering, runner, exercise, mo, seed):
+def _(controls, exercise, mo, runner, seed):
     stated = runner.ask("exercise", number=exercise.value, seed=int(seed.value or 0))
-    form = answering.answers(mo, stated)
-    hint = answering.next_hint(mo, stated)
+    form = controls.answers(mo, stated)
+    hint = controls.next_hint(mo, stated)
     return form, hint, stated
 
 
@@ -246,7 +248,7 @@ def _(exercise, form, mo, seed, stated, tab, views):
 
 
 @app.cell
-def _(answering, runner, form, mo, stated, tab, views):
+def _(controls, form, mo, runner, stated, tab, views):
     mo.stop(tab.value != views.EXERCISES)
     _reply = None
     if form.value is not None:
@@ -254,7 +256,7 @@ def _(answering, runner, form, mo, stated, tab, views):
             "answer",
             number=stated["number"],
             seed=stated["seed"],
-            answers=answering.given(stated, form.value),
+            answers=controls.given(stated, form.value),
         )
     mo.Html(views.verdict(_reply))
     return

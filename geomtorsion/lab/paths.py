@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geomtorsion.lab.facts import space_of
+from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.lab.numbers import table
 from geomtorsion.lab.plot import LOOKS, Look, Plot
+from geomtorsion.lab.settings import PAGE
+from geomtorsion.lab.space_info import space_of
 from geomtorsion.lab.turning import Curve, Film, thinned, turnable
 from geomtorsion.pictures.pair_solving import solve_pair
 from geomtorsion.pictures.style import number
@@ -18,18 +20,14 @@ from geomtorsion.pictures.text import greek_name
 if TYPE_CHECKING:
     from geomtorsion.pictures.pair import Pair
 
-ACCURACY = 1e-9
-SAMPLES = 241
 STRAIGHT, SHORT, APART = LOOKS[0], LOOKS[1], LOOKS[3]
 LABELS = {"autoparallel": "straightest (autoparallel)", "geodesic": "shortest (geodesic)"}
 STROKES = {"autoparallel": STRAIGHT, "geodesic": SHORT}
-# Distances below this are drawn on a logarithmic axis.
-_LEAST = 1e-17
 
 
 def paths(
     space: str, velocity: Sequence[float], t: float, moments: Sequence[float] | None = None
-) -> dict[str, Any]:
+) -> Json:
     """Both curves of a shipped space from its usual start.
 
     Parameters
@@ -56,11 +54,12 @@ def paths(
         frame_velocity=[float(x) for x in velocity],
         t=float(t),
         moments=None if moments is None else [float(x) for x in moments],
-        accuracy=ACCURACY,
-        samples=SAMPLES,
+        accuracy=PAGE.accuracy,
+        samples=PAGE.samples,
     )
     largest = float(pair.distance.max())
-    return _drawn(pair) | {
+    return {
+        **_drawn(pair),
         "distance": _distance(pair),
         "table": _table(pair),
         "sentence": _sentence(pair, largest),
@@ -68,7 +67,7 @@ def paths(
     }
 
 
-def _drawn(pair: Pair) -> dict[str, Any]:
+def _drawn(pair: Pair) -> Json:
     """The curves where they can be seen best."""
     embedding = pair.embedding
     name = f"paths {pair.space.name}"
@@ -98,7 +97,7 @@ def _drawn(pair: Pair) -> dict[str, Any]:
     return {"space": turnable(scene)}
 
 
-def _places(pair: Pair) -> dict[str, Any]:
+def _places(pair: Pair) -> dict[str, np.ndarray]:
     assert pair.embedding is not None
     return {
         curve: pair.embedding.places(points, pair.parameters)
@@ -111,7 +110,7 @@ def _three(names: Sequence[str]) -> tuple[str, str, str]:
     return first, second, third
 
 
-def _radius(places: dict[str, Any]) -> float:
+def _radius(places: dict[str, np.ndarray]) -> float:
     """Radius of the sphere on which all points lie, or zero."""
     lengths = np.concatenate([np.linalg.norm(points, axis=1) for points in places.values()])
     return float(lengths.max()) if np.ptp(lengths) < 1e-6 * lengths.max() else 0.0
@@ -121,7 +120,7 @@ def _times(pair: Pair) -> list[float]:
     return thinned(pair.times.tolist())
 
 
-def _curves(places: dict[str, Any]) -> tuple[Curve, ...]:
+def _curves(places: dict[str, np.ndarray]) -> tuple[Curve, ...]:
     return tuple(
         Curve(thinned(points.tolist()), STROKES[curve], LABELS[curve])
         for curve, points in places.items()
@@ -142,7 +141,7 @@ def _axes(pair: Pair) -> tuple[Curve, ...]:
     return tuple(found)
 
 
-def _plane(places: dict[str, Any], names: Sequence[str], title: str, *, equal: bool) -> str:
+def _plane(places: dict[str, np.ndarray], names: Sequence[str], title: str, *, equal: bool) -> str:
     plot = Plot(title, (names[0], names[1]), equal=equal)
     for curve, points in places.items():
         plot.line([(x, y) for x, y in thinned(points.tolist())], STROKES[curve], LABELS[curve])
@@ -158,8 +157,10 @@ def _distance(pair: Pair) -> str:
     distances = pair.distance.tolist()
     if pair.coincide:
         plot = Plot("Distance: the two are one, to the accuracy", ("t", "distance"), log="y")
-        plot.line([(t, max(d, _LEAST)) for t, d in zip(times, distances, strict=True)], APART)
-        plot.line([(times[0], ACCURACY), (times[-1], ACCURACY)], LOOKS[5], "accuracy asked for")
+        plot.line([(t, max(d, PAGE.nothing)) for t, d in zip(times, distances, strict=True)], APART)
+        plot.line(
+            [(times[0], PAGE.accuracy), (times[-1], PAGE.accuracy)], LOOKS[5], "accuracy asked for"
+        )
         return plot.svg()
     plot = Plot("Distance of the two over time", ("t", "distance"))
     plot.line(list(zip(times, distances, strict=True)), LOOKS[0])

@@ -14,14 +14,27 @@ from typing import Any
 from geomtorsion.pictures.style import number
 
 Point = tuple[float, float]
-_LEFT, _RIGHT, _TOP, _BOTTOM = 66.0, 16.0, 34.0, 46.0
-_LEGEND_ROW = 22.0
-# About how many ticks an axis has.
-_TICKS = 5
-# A logarithmic axis over fewer decades is marked between the powers of ten too.
-_SHORT = 2.2
-# Decimals of a pixel that are written.
-_PLACES = 1
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Sizes of a plot, in its own units.
+
+    left, right, top, bottom: margins. entry: height of a line of the legend.
+    ticks: about how many an axis has. decades: a logarithmic axis over fewer is marked between the
+    powers of ten too.
+    """
+
+    left: float = 66.0
+    right: float = 16.0
+    top: float = 34.0
+    bottom: float = 46.0
+    entry: float = 22.0
+    ticks: int = 5
+    decades: float = 2.2
+
+
+LAYOUT = Layout()
 
 
 @dataclass(frozen=True)
@@ -125,9 +138,12 @@ class Axes:
             centre, half = (low + high) / 2, (high - low) / 2
             half = half or abs(centre) * 0.1 or 1.0
             spans.append((centre, half * 1.08))
-        foot = _LEGEND_ROW * len(_legend(plot))
+        foot = LAYOUT.entry * len(_legend(plot))
         if plot.equal:
-            room = (plot.width - _LEFT - _RIGHT, plot.height - _TOP - _BOTTOM - foot)
+            room = (
+                plot.width - LAYOUT.left - LAYOUT.right,
+                plot.height - LAYOUT.top - LAYOUT.bottom - foot,
+            )
             unit = max(2 * span[1] / size for span, size in zip(spans, room, strict=True))
             spans = [(s[0], unit * size / 2) for s, size in zip(spans, room, strict=True)]
         return cls(
@@ -142,11 +158,11 @@ class Axes:
         return self._at(self.plot._scaled(point))
 
     def _at(self, point: Point) -> Point:
-        wide = self.plot.width - _LEFT - _RIGHT
-        tall = self.plot.height - _TOP - _BOTTOM - self.foot
+        wide = self.plot.width - LAYOUT.left - LAYOUT.right
+        tall = self.plot.height - LAYOUT.top - LAYOUT.bottom - self.foot
         x = (point[0] - self.low[0]) / (self.high[0] - self.low[0])
         y = (point[1] - self.low[1]) / (self.high[1] - self.low[1])
-        return _LEFT + wide * (1 - x if self.plot.falling else x), _TOP + tall * (1 - y)
+        return LAYOUT.left + wide * (1 - x if self.plot.falling else x), LAYOUT.top + tall * (1 - y)
 
     def svg(self) -> str:
         """The whole picture."""
@@ -179,7 +195,7 @@ class Axes:
             return head(self.place(start), self.place(end), look.color, 13)
         height, look, _ = what
         level = self.place((self._first(), height))[1]
-        return polyline([(_LEFT, level), (self.plot.width - _RIGHT, level)], look)
+        return polyline([(LAYOUT.left, level), (self.plot.width - LAYOUT.right, level)], look)
 
     def _first(self) -> float:
         return 10 ** self.low[0] if "x" in self.plot.log else self.low[0]
@@ -197,18 +213,18 @@ class Axes:
         """Lines, numbers and names of the axes."""
         plot = self.plot
         parts = []
-        bottom = plot.height - _BOTTOM - self.foot
+        bottom = plot.height - LAYOUT.bottom - self.foot
         for value, text in self._ticks(0):
             x, _ = self._at((value, self.low[1]))
-            parts.append(_rule((x, _TOP), (x, bottom)))
+            parts.append(_rule((x, LAYOUT.top), (x, bottom)))
             parts.append(words(x, bottom + 17, text, "middle", 12, SOFT))
         for value, text in self._ticks(1):
             _, y = self._at((self.low[0], value))
-            parts.append(_rule((_LEFT, y), (plot.width - _RIGHT, y)))
-            parts.append(words(_LEFT - 6, y + 4, text, "end", 12, SOFT))
-        middle = (_LEFT + plot.width - _RIGHT) / 2
+            parts.append(_rule((LAYOUT.left, y), (plot.width - LAYOUT.right, y)))
+            parts.append(words(LAYOUT.left - 6, y + 4, text, "end", 12, SOFT))
+        middle = (LAYOUT.left + plot.width - LAYOUT.right) / 2
         parts.append(words(middle, bottom + 37, plot.labels[0], "middle", 14))
-        parts.append(words(6, _TOP - 8, plot.labels[1], "start", 14))
+        parts.append(words(6, LAYOUT.top - 8, plot.labels[1], "start", 14))
         return "".join(parts)
 
     def _ticks(self, k: int) -> list[tuple[float, str]]:
@@ -216,7 +232,7 @@ class Axes:
         if "xy"[k] in self.plot.log:
             step = max(1, math.ceil((high - low) / 7))
             first = math.ceil(low / step) * step
-            if high - low < _SHORT:
+            if high - low < LAYOUT.decades:
                 return _between_powers(low, high)
             return [(e, _power(e)) for e in range(first, math.floor(high) + 1, step)]
         return [(value, number(value)) for value in nice_ticks(low, high)]
@@ -226,11 +242,11 @@ class Axes:
         parts = []
         top = self.plot.height - self.foot + 6
         for row, (look, label) in enumerate(_legend(self.plot)):
-            y = top + _LEGEND_ROW * row
-            parts.append(polyline([(_LEFT, y), (_LEFT + 48, y)], look))
+            y = top + LAYOUT.entry * row
+            parts.append(polyline([(LAYOUT.left, y), (LAYOUT.left + 48, y)], look))
             if look.mark:
-                parts.append(marker((_LEFT + 48, y), look.mark, look.color, 4.5))
-            parts.append(words(_LEFT + 60, y + 5, label, "start", 13))
+                parts.append(marker((LAYOUT.left + 48, y), look.mark, look.color, 4.5))
+            parts.append(words(LAYOUT.left + 60, y + 5, label, "start", 13))
         return "".join(parts)
 
 
@@ -242,7 +258,7 @@ def nice_ticks(low: float, high: float) -> list[float]:
     >>> nice_ticks(0.0, 1.0)
     [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]
     """
-    rough = (high - low) / _TICKS
+    rough = (high - low) / LAYOUT.ticks
     unit = 10.0 ** math.floor(math.log10(rough))
     step = unit * min((m for m in (1, 2, 5, 10)), key=lambda m: abs(math.log(m * unit / rough)))
     first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
@@ -279,7 +295,7 @@ def _legend(plot: Plot) -> list[tuple[Look, str]]:
 
 def polyline(points: Sequence[Point], look: Look) -> str:
     """A curve in the units of the picture."""
-    text = " ".join(f"{x:.{_PLACES}f},{y:.{_PLACES}f}" for x, y in points)
+    text = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
     dashes = f' stroke-dasharray="{look.dashes}"' if look.dashes else ""
     return (
         f'<polyline points="{text}" fill="none" stroke="{look.color}" '

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from geomtorsion import exercises
 from geomtorsion.errors import LimitError
 from geomtorsion.exercises.prompts import how_to_answer, symbol_names
 from geomtorsion.exercises.prose import html_of
+from geomtorsion.exercises.worker_pool import Json
+from geomtorsion.lab.settings import PAGE
 
 if TYPE_CHECKING:
     from geomtorsion.exercises import Question
 
-# Characters of one answer.
-LONGEST = 4000
 # Kind of a question -> how it is answered.
 HOW = {
     "expression": "an expression, such as sin(phi2)/2",
@@ -44,7 +44,7 @@ def how(question: Question) -> str:
     return f"{text}. Names that may occur: {names}" if names else f"{text}. No names occur in it"
 
 
-def listing() -> dict[str, Any]:
+def listing() -> Json:
     """All exercises by chapter; loads none of them.
 
     Examples
@@ -63,7 +63,7 @@ def listing() -> dict[str, Any]:
     }
 
 
-def statement(number: str, seed: int = 0) -> dict[str, Any]:
+def statement(number: str, seed: int = 0) -> Json:
     """An exercise without its solution; statement and prompts as HTML, formulas as MathML.
 
     Examples
@@ -95,7 +95,7 @@ def statement(number: str, seed: int = 0) -> dict[str, Any]:
     }
 
 
-def hints(number: str, seed: int, count: int) -> dict[str, Any]:
+def hints(number: str, seed: int, count: int) -> Json:
     """The first hints of an exercise, as HTML.
 
     Examples
@@ -106,7 +106,7 @@ def hints(number: str, seed: int, count: int) -> dict[str, Any]:
     return {"hints": [html_of(hint) for hint in exercises.load(number, seed).hints[:count]]}
 
 
-def answer(number: str, seed: int, answers: Mapping[str, str]) -> dict[str, Any]:
+def answer(number: str, seed: int, answers: Mapping[str, str]) -> Json:
     """What is said about answers, question by question, as HTML; an empty one is not looked at.
 
     Raises
@@ -123,9 +123,9 @@ def answer(number: str, seed: int, answers: Mapping[str, str]) -> dict[str, Any]
     """
     given = {name: text for name, text in answers.items() if text.strip()}
     for name, text in given.items():
-        if len(text) > LONGEST:
+        if len(text) > PAGE.answer:
             raise LimitError(
-                f"{name}: the answer has {len(text):,} characters; {LONGEST:,} are enough for "
+                f"{name}: the answer has {len(text):,} characters; {PAGE.answer:,} are enough for "
                 "every exercise. Write it shorter."
             )
     verdict = exercises.load(number, seed).check(given)

@@ -5,26 +5,26 @@ from __future__ import annotations
 import ipaddress
 import secrets
 import socket
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from geomtorsion.errors import LimitError, MissingExtraError
-from geomtorsion.lab.door import LOOPBACK, MOST_SESSIONS, Door
+from geomtorsion.exercises.worker_pool import Json
+from geomtorsion.lab.access import LOOPBACK, AccessControl
+from geomtorsion.lab.settings import PAGE
 from geomtorsion.lab.tasks import common_runner
 
 # What the tabs begin with; the motions among it are compiled.
 _SO3 = {"space": "so3", "velocity": [0.4, 0.3, 1.0], "t": 5.0}
 _TOP = {"moments": [1, 2, 3], "omega": [0.1, 2.0, 0.1], "tilt": 0.3, "t": 12}
-FIRST: tuple[tuple[str, Mapping[str, Any]], ...] = (
+FIRST: tuple[tuple[str, Json], ...] = (
     ("loop", {"space": "so3", "centre": [0.3, 1.0, 0.2], "radius": 0.3, "plane": [0, 1]}),
     ("paths", {**_SO3, "moments": None}),
     ("paths", {**_SO3, "moments": [1.0, 2.0, 3.0]}),
     ("top", {**_TOP, "effects": [], "watch": ["nutation"]}),
 )
-# Seconds for which a page that was closed can be opened again where it was.
-KEPT = 120
 
 
 @dataclass(frozen=True)
@@ -72,8 +72,8 @@ class Address:
         return f"http://{name}:{port}/" + (f"?access_token={self.token}" if self.token else "")
 
 
-def application(address: Address, sessions: int = MOST_SESSIONS) -> Any:
-    """The page as an ASGI application, behind its door.
+def application(address: Address, sessions: int = PAGE.sessions) -> Any:
+    """The page as an ASGI application, behind its access control.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def application(address: Address, sessions: int = MOST_SESSIONS) -> Any:
             "`geomtorsion lab --export DIR` writes pages without it."
         ) from None
     builder = marimo.create_asgi_app(
-        quiet=True, include_code=False, token=address.token, session_ttl=KEPT
+        quiet=True, include_code=False, token=address.token, session_ttl=PAGE.reopening
     )
     page = Path(__file__).with_name("page.py")
     inner: Any = builder.with_app(path="", root=str(page)).build()
@@ -100,13 +100,13 @@ def application(address: Address, sessions: int = MOST_SESSIONS) -> Any:
         for manager in managers:
             await manager.shutdown()
 
-    return Door(inner, hosts, sessions, ending)
+    return AccessControl(inner, hosts, sessions, ending)
 
 
 def serve(
     address: Address,
     ready: Callable[[str], object] = lambda _: None,
-    sessions: int = MOST_SESSIONS,
+    sessions: int = PAGE.sessions,
 ) -> None:
     """Serve until interrupted; ready hears the address once it is answered.
 

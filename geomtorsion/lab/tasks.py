@@ -15,11 +15,8 @@ from typing import Any
 
 from geomtorsion.errors import GeomtorsionError, LimitError, UnknownNameError
 from geomtorsion.exercises.worker_pool import EXCEEDED, Json, WorkerPool
+from geomtorsion.lab.settings import PAGE
 
-# Longest request, in characters of JSON: the largest tetrad of the page has 36 entries.
-LONGEST_REQUEST = 24_000
-# Characters of all answers that are kept: some hundred pictures.
-MOST_KEPT = 64_000_000
 _BROKEN = (
     "this request could not be carried out: the worker ended. Nothing else is lost; "
     "change the input and go on."
@@ -45,9 +42,9 @@ def _task(module: str, function: str, seconds: float) -> Task:
 
 
 TASKS: Mapping[str, Task] = {
-    "facts": _task("facts", "facts", 10),
+    "space_info": _task("space_info", "space_info", 10),
     "tetrad": _task("tetrad", "tetrad", 10),
-    "loop": _task("closing", "closing", 8),
+    "loop": _task("closure_failure", "closure_failure", 8),
     "paths": _task("paths", "paths", 12),
     "top": _task("top", "top", 15),
     "costs": _task("costs", "costs", 40),
@@ -84,10 +81,10 @@ def checked_length(text: str) -> str:
     LimitError
         It is longer than any request of the page.
     """
-    if len(text) > LONGEST_REQUEST:
+    if len(text) > PAGE.request:
         raise LimitError(
             f"what was typed has {len(text):,} characters in all; the page reads up to "
-            f"{LONGEST_REQUEST:,}. Write shorter expressions, or use a tetrad file."
+            f"{PAGE.request:,}. Write shorter expressions, or use a tetrad file."
         )
     return text
 
@@ -97,7 +94,7 @@ def answer(request: Json) -> Json:
 
     Examples
     --------
-    >>> answer({"task": "facts", "arguments": {"space": "s2"}})["coordinates"]
+    >>> answer({"task": "space_info", "arguments": {"space": "s2"}})["coordinates"]
     ['theta', 'phi']
     >>> answer({"task": "dance", "arguments": {}})["problem"].split(".")[0]
     "no task is called 'dance'"
@@ -163,7 +160,7 @@ class TaskRunner:
         with self._lock:
             self.kept[key] = reply
             self._characters += _length(key, reply)
-            while self._characters > MOST_KEPT:
+            while self._characters > PAGE.kept:
                 self._characters -= _length(*self.kept.popitem(last=False))
 
     def warm(self, requests: Sequence[tuple[str, Json]] = ()) -> None:

@@ -5,20 +5,20 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from html import escape
-from typing import Any
 
 import sympy as sp
 
 from geomtorsion.errors import CoordinateError, GeomtorsionError, LimitError, SignatureError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exact.tokens import Limits
+from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.geometry import Frame
+from geomtorsion.lab.settings import PAGE
 from geomtorsion.pictures.catalogue import SECTIONS
 from geomtorsion.pictures.quantities import chosen_quantities
 from geomtorsion.pictures.sections import section
 from geomtorsion.spaces.space import Space
 
-MOST_DIMENSIONS = 6
 # What a person types by hand stays far below these.
 LIMITS = Limits(characters=600, depth=20, exponent=32, digits=40)
 # Quantity -> how the page calls it; the first ones are shown unless others are asked for.
@@ -51,7 +51,7 @@ def tetrad(
     parameters: str = "",
     signature: str = "",
     show: Sequence[str] = USUAL,
-) -> dict[str, Any]:
+) -> Json:
     """The geometry of a typed coframe as HTML, or what is wrong with which entry.
 
     Parameters
@@ -153,9 +153,9 @@ def signs_of(text: str, dimension: int) -> tuple[int, ...] | None:
 def _check_names(names: Sequence[str], constants: Sequence[str]) -> None:
     if not names:
         raise CoordinateError("coordinates: at least one name was needed, such as r, phi.")
-    if len(names) > MOST_DIMENSIONS:
+    if len(names) > PAGE.dimensions:
         raise LimitError(
-            f"{len(names)} coordinates came; this page reads up to {MOST_DIMENSIONS}. "
+            f"{len(names)} coordinates came; this page reads up to {PAGE.dimensions}. "
             "`geomtorsion report FILE.toml` takes more."
         )
     every = [*names, *constants]
@@ -166,7 +166,9 @@ def _check_names(names: Sequence[str], constants: Sequence[str]) -> None:
         )
 
 
-def _read(entries: Any, symbols: dict[str, sp.Symbol], errors: dict[str, str]) -> list[list[Any]]:
+def _read(
+    entries: Sequence[Sequence[str]], symbols: dict[str, sp.Symbol], errors: dict[str, str]
+) -> list[list[sp.Expr]]:
     """All entries as expressions; what cannot be read is noted under its place."""
     rows = []
     for i, row in enumerate(entries):

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.lab.numbers import shown, table
 from geomtorsion.lab.plot import LOOKS, Look, Plot
+from geomtorsion.lab.settings import PAGE
 from geomtorsion.lab.turning import Curve, Film, thinned, turnable
 from geomtorsion.scenes import Body, Scene, State, effects
 from geomtorsion.scenes.effects import Naive
@@ -18,10 +20,6 @@ if TYPE_CHECKING:
     from geomtorsion.scenes import Scene, SceneResult
     from geomtorsion.scenes.effects import Effect
 
-ACCURACY = 1e-9
-# Times of the film, and how many of them there are for each turn of the body.
-LEAST_TIMES, MOST_TIMES, EACH_TURN = 241, 1201, 24
-SHOWN_TIMES = 601
 # Watched for the film and the comparison, whatever is chosen for the plan.
 _WATCH = ("omega", "omega_space", "matrix", "angular_momentum_space", "energy")
 # key -> what it is called on its switch.
@@ -53,7 +51,7 @@ def top(
     t: float,
     effects: Sequence[str] = (),
     watch: Sequence[str] = ("nutation",),
-) -> dict[str, Any]:
+) -> Json:
     """A body with some effects, right and by the naive law.
 
     Parameters
@@ -79,7 +77,7 @@ def top(
     ([0.1, 2.0, 0.1], 3)
     """
     turns = math.hypot(*omega) * float(t) / (2 * math.pi)
-    samples = round(min(max(LEAST_TIMES, EACH_TURN * turns), MOST_TIMES))
+    samples = round(min(max(PAGE.least_times, PAGE.each_turn * turns), PAGE.most_times))
     acting = made(effects)
     scene = scene_of(moments, omega, tilt, t, acting, _WATCH, samples)
     result = scene.run()
@@ -125,7 +123,7 @@ def scene_of(
     t: float,
     effects: Sequence[Effect],
     watch: Sequence[str],
-    samples: int = LEAST_TIMES,
+    samples: int = PAGE.least_times,
 ) -> Scene:
     """The scene that the switches and sliders describe."""
     return Scene(
@@ -134,7 +132,7 @@ def scene_of(
         State(omega=tuple(omega), euler=(0, tilt, 0)),
         watch=tuple(watch),
         t=float(t),
-        accuracy=ACCURACY,
+        accuracy=PAGE.accuracy,
         samples=samples,
     )
 
@@ -145,12 +143,12 @@ def _film(result: SceneResult) -> Film:
     size = float(np.linalg.norm(omega, axis=1).max()) or 1.0
     momentum = result["angular_momentum_space"]
     long = float(np.linalg.norm(momentum, axis=1).max()) or 1.0
-    tips = thinned((fixed / size).tolist(), SHOWN_TIMES)
+    tips = thinned((fixed / size).tolist(), PAGE.film_points)
     curves = [
         Curve(tips, _SPACE, "space cone: where ω points, in space", tip="ω"),
         Curve(_rays(tips), Look(_SPACE.color, _SPACE.dashes, ""), thin=True),
         Curve(
-            thinned(turns[:, :, 2].tolist(), SHOWN_TIMES),
+            thinned(turns[:, :, 2].tolist(), PAGE.film_points),
             Look(_AXIS.color, _AXIS.dashes, "diamond", 1.4), "path of axis 3", tip="3",
         ),
         Curve(
@@ -158,7 +156,7 @@ def _film(result: SceneResult) -> Film:
             Look(_MOMENTUM.color, _MOMENTUM.dashes, "", 2.0), "angular momentum at the start",
         ),
     ]  # fmt: skip
-    polhode = thinned((omega / size).tolist(), SHOWN_TIMES)
+    polhode = thinned((omega / size).tolist(), PAGE.film_points)
     moving = [
         Curve(polhode, Look(_BODY.color, _BODY.dashes, "", 2.4), "body cone: it rolls"),
         Curve(_rays(polhode), Look(_BODY.color, _BODY.dashes, "", 0.7)),
@@ -171,8 +169,8 @@ def _film(result: SceneResult) -> Film:
     moving.append(Curve([(0, 0, 0), (0, 0, 1)], axis))
     return Film(
         "top", "Body cone and space cone", ("x", "y", "z"), tuple(curves), tuple(moving),
-        attitudes=thinned(turns.tolist(), SHOWN_TIMES),
-        times=thinned(result.times.tolist(), SHOWN_TIMES), equal=True,
+        attitudes=thinned(turns.tolist(), PAGE.film_points),
+        times=thinned(result.times.tolist(), PAGE.film_points), equal=True,
     )  # fmt: skip
 
 
@@ -210,11 +208,11 @@ def _compared(result: SceneResult, wrong: SceneResult | None) -> str:
     return plot.svg()
 
 
-def _pairs(times: Sequence[float], values: Any) -> list[tuple[float, float]]:
-    return thinned(list(zip(times, values.tolist(), strict=True)), SHOWN_TIMES)
+def _pairs(times: Sequence[float], values: np.ndarray) -> list[tuple[float, float]]:
+    return thinned(list(zip(times, values.tolist(), strict=True)), PAGE.film_points)
 
 
-def _change(values: Any) -> float:
+def _change(values: np.ndarray) -> float:
     """Largest change of a vector since the start, relative to its size."""
     moved = np.linalg.norm(values - values[0], axis=-1).max()
     return float(moved / (np.linalg.norm(values, axis=-1).max() or 1.0))
@@ -233,8 +231,8 @@ def _table(result: SceneResult, wrong: SceneResult | None) -> str:
                 name,
                 found.closed_form or found.engine,
                 f"{found.error:.0e}",
-                shown(_change(found["angular_momentum_space"]), ACCURACY),
-                shown(float(abs(energy - energy[0]).max()) / scale, ACCURACY),
+                shown(_change(found["angular_momentum_space"]), PAGE.accuracy),
+                shown(float(abs(energy - energy[0]).max()) / scale, PAGE.accuracy),
             ]
         )
     heads = ("", "by", "error", "change of L in space", "change of energy")
@@ -246,12 +244,12 @@ def _sentence(result: SceneResult, wrong: SceneResult | None) -> str:
     change = _change(result["angular_momentum_space"])
     kept = (
         "The angular momentum stays where it is in space"
-        if change < 1e3 * ACCURACY
+        if change < 1e3 * PAGE.accuracy
         else "The angular momentum moves in space, since moments act"
     )
     if wrong is None:
         return f"{kept}. There is no naive law with torsion."
     other = _change(wrong["angular_momentum_space"])
-    if other < 1e3 * ACCURACY:
+    if other < 1e3 * PAGE.accuracy:
         return f"{kept}; by the naive law too: here both laws say the same."
     return f"{kept}; by the naive law it changes by {other:.1%}."

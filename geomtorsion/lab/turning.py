@@ -8,14 +8,13 @@ from dataclasses import asdict, dataclass, field
 from functools import cache
 from html import escape
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
+from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.lab.plot import Look, Point, marker, polyline
+from geomtorsion.lab.settings import PAGE
 
-# Points of a curve that are sent; digits of each.
-MOST_POINTS, DIGITS = 600, 5
-# Seconds that a film lasts.
-FILM = 12.0
+T = TypeVar("T")
 _STYLE = """
 * { box-sizing: border-box; }
 body { margin: 0; font: 15px/1.4 system-ui, sans-serif; color: #1d2330; background: #fff; }
@@ -63,7 +62,7 @@ class Film:
     axes: tuple[str, str, str]
     curves: tuple[Curve, ...]
     moving: tuple[Curve, ...] = ()
-    attitudes: Sequence[Any] = ()
+    attitudes: Sequence[Sequence[Sequence[float]]] = ()
     times: Sequence[float] = ()
     globe: float = 0.0
     equal: bool = False
@@ -90,7 +89,7 @@ def turnable(scene: Film) -> str:
         "times": _rounded(scene.times),
         "globe": scene.globe,
         "equal": scene.equal,
-        "seconds": FILM,
+        "seconds": PAGE.film,
     }
     # In a script element only the end of that element ends the text.
     text = json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
@@ -121,7 +120,7 @@ def _script() -> str:
     return Path(__file__).with_name("turn.js").read_text("utf-8")
 
 
-def _plain(curve: Curve) -> dict[str, Any]:
+def _plain(curve: Curve) -> Json:
     look = asdict(curve.look)
     dashes = [float(x) for x in look.pop("dashes").split()]
     points = [_rounded(point) for point in curve.points]
@@ -129,7 +128,7 @@ def _plain(curve: Curve) -> dict[str, Any]:
 
 
 def _rounded(values: Sequence[float]) -> list[float]:
-    return [float(f"{float(x):.{DIGITS}g}") for x in values]
+    return [float(f"{float(x):.{PAGE.digits}g}") for x in values]
 
 
 def _entry(curve: Curve) -> str:
@@ -142,7 +141,7 @@ def _entry(curve: Curve) -> str:
     return f"<li>{picture}{escape(curve.label)}</li>"
 
 
-def thinned(points: Sequence[Any], most: int = MOST_POINTS) -> list[Any]:
+def thinned(points: Sequence[T], most: int = PAGE.points) -> list[T]:
     """Evenly chosen points of a long curve, the last one among them.
 
     Examples

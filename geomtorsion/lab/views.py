@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import cache
 from html import escape
 from pathlib import Path
-from typing import Any
 
-Reply = Mapping[str, Any]
+from geomtorsion.exercises.worker_pool import Json
+
 # Name of a tab -> what is to be done there, in a sentence.
 TABS = {
     "Any tetrad": "Type one-forms; read metric, connections, torsion and curvature, exactly.",
@@ -53,18 +53,18 @@ def notice(text: str) -> str:
     return f'<pre class="notice" role="alert">{escape(text)}</pre>'
 
 
-def problem(reply: Reply) -> str:
+def problem(reply: Json) -> str:
     """The message of a reply that is no answer, or nothing."""
     return notice(reply["problem"]) if reply.get("problem") else ""
 
 
-def fault(reply: Reply, i: int, k: int) -> str:
+def fault(reply: Json, i: int, k: int) -> str:
     """What is wrong with one entry of a tetrad, to stand beside it."""
     text = reply.get("errors", {}).get(f"{i},{k}", "")
     return f'<pre class="fault" role="alert">✗ {escape(text)}</pre>' if text else ""
 
 
-def tetrad(reply: Reply) -> str:
+def tetrad(reply: Json) -> str:
     """Cards of a tetrad, or what is wrong."""
     faults = len(reply.get("errors", {}))
     told = ""
@@ -74,7 +74,7 @@ def tetrad(reply: Reply) -> str:
     return wrapped(problem(reply) + told + reply.get("html", ""))
 
 
-def loop(reply: Reply) -> str:
+def loop(reply: Json) -> str:
     """A loop, its image and its Burgers vector."""
     if reply.get("problem"):
         return wrapped(problem(reply))
@@ -83,7 +83,7 @@ def loop(reply: Reply) -> str:
     return wrapped(f'<div class="pair" id="loop">{pictures}</div>{said}{reply["table"]}')
 
 
-def paths(reply: Reply) -> str:
+def paths(reply: Json) -> str:
     """Two curves and how far they are apart."""
     if reply.get("problem"):
         return wrapped(problem(reply))
@@ -93,7 +93,7 @@ def paths(reply: Reply) -> str:
     return wrapped(f'<div class="figures"><div>{curves}</div>{beside}</div>{reply["table"]}')
 
 
-def costs(reply: Reply) -> str:
+def costs(reply: Json) -> str:
     """Picture, advice and measurements."""
     if reply.get("problem"):
         return wrapped(problem(reply))
@@ -102,7 +102,7 @@ def costs(reply: Reply) -> str:
     return wrapped(f'{said}<div class="one">{reply["picture"]}</div>{reply["table"]}')
 
 
-def top(reply: Reply) -> str:
+def top(reply: Json) -> str:
     """A film of the top, the naive law beside it, and the plan."""
     if reply.get("problem"):
         return wrapped(problem(reply))
@@ -112,7 +112,7 @@ def top(reply: Reply) -> str:
     return wrapped(f'<div class="figures"><div>{framed(reply)}</div>{beside}</div>{below}')
 
 
-def exercise(reply: Reply) -> str:
+def exercise(reply: Json) -> str:
     """Statement of an exercise."""
     if reply.get("problem"):
         return wrapped(problem(reply))
@@ -122,7 +122,7 @@ def exercise(reply: Reply) -> str:
     return wrapped(f'{head}<p class="note">{facts}</p>{stated}')
 
 
-def verdict(reply: Reply | None) -> str:
+def verdict(reply: Json | None) -> str:
     """What is said about answers; nothing if none were given."""
     if reply is None:
         return ""
@@ -143,7 +143,7 @@ def verdict(reply: Reply | None) -> str:
     return wrapped(f'<div class="sideways" id="verdict">{"".join(parts)}</div>')
 
 
-def steps(reply: Reply) -> str:
+def steps(reply: Json) -> str:
     """Hints, in order."""
     if reply.get("problem"):
         return wrapped(problem(reply))
@@ -151,7 +151,7 @@ def steps(reply: Reply) -> str:
     return wrapped(f'<div class="sideways"><ol id="hints">{items}</ol></div>' if items else "")
 
 
-def framed(reply: Reply) -> str:
+def framed(reply: Json) -> str:
     """The turnable picture of a reply in a frame of its own, with all it needs; or nothing."""
     if not reply.get("space"):
         return ""
@@ -165,7 +165,7 @@ def grid(cells: Sequence[str], columns: int) -> str:
     return f'<div class="tetrad" style="{template}">{inner}</div>'
 
 
-def controls(pieces: Sequence[Any]) -> str:
+def controls(pieces: Sequence[object]) -> str:
     """Controls side by side, in as many rows as they need."""
     inner = "".join(f"<div>{piece}</div>" for piece in pieces)
     return wrapped(f'<div class="controls">{inner}</div>')

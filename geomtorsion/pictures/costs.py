@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from geomtorsion.pictures.style import NOTHING, SERIES, captioned, new_figure, quiet
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 MARKS = "osD^vP"
@@ -78,7 +79,7 @@ def work_precision_picture(table: Table) -> Figure:
         matplotlib is not installed.
     """
     figure = new_figure(7.0, 5.0)
-    axes: Any = figure.add_subplot()
+    axes: Axes = figure.add_subplot()
     names = list(dict.fromkeys(row.engine for row in table.rows))
     for name, stroke, mark in zip(names, SERIES * len(names), MARKS * len(names), strict=False):
         rows = [

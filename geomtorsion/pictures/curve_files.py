@@ -7,7 +7,7 @@ import json
 from collections.abc import Callable, Mapping
 from itertools import zip_longest
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, TextIO
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from geomtorsion.pictures.curves import (
     paths_picture,
     quality_picture,
 )
+from geomtorsion.pictures.quantities import Data
 from geomtorsion.pictures.style import can_draw, save
 
 if TYPE_CHECKING:
@@ -100,7 +101,7 @@ def _write_csv(file: TextIO, table: Mapping[str, np.ndarray]) -> None:
     writer.writerows(zip_longest(*columns, fillvalue=""))
 
 
-def metadata(pair: Pair) -> dict[str, Any]:
+def metadata(pair: Pair) -> Data:
     """What was solved, how, and how well, ready for JSON."""
     problem = pair.problem
     return {
@@ -122,7 +123,7 @@ def metadata(pair: Pair) -> dict[str, Any]:
     }
 
 
-def _facts(pair: Pair, name: str, solution: Solution) -> dict[str, Any]:
+def _facts(pair: Pair, name: str, solution: Solution) -> Data:
     return {
         "law": solution.problem.law.text,
         "equations": solution.problem.text,

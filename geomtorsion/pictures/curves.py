@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from geomtorsion.pictures.style import (
     SERIES,
     STROKES,
     STYLE,
+    Stroke,
     assigned,
     captioned,
     ends,
@@ -98,7 +99,7 @@ def paths_picture(pair: Pair) -> Figure:
             "not known to lie in ordinary space. Use `coordinates_picture`."
         )
     figure = new_figure(10.0 if len(views) > 1 else 6.6, 5.2)
-    shown: Any = None
+    shown: Axes | None = None
     for k, (paths, labels, title, equal) in enumerate(views):
         shown = _view(figure, (1, len(views), k + 1), paths, labels, title, equal)
     legend(figure, shown)
@@ -119,7 +120,7 @@ def coordinates_picture(pair: Pair) -> Figure:
     columns = 1 if len(names) == 1 else 2 if len(names) in (2, 4) else 3
     rows = math.ceil(len(names) / columns)
     figure = new_figure(3.1 * columns if columns > 1 else 6.0, 1.2 + 2.3 * rows)
-    shown: Any = None
+    shown: Axes | None = None
     for k, name in enumerate(names):
         shown = figure.add_subplot(rows, columns, k + 1, sharex=shown)
         for curve, stroke in STROKES.items():
@@ -248,7 +249,7 @@ def attitude_picture(pair: Pair) -> Figure:
     }
     facing = towards([turn[:, :, axis] for turn in turns.values() for axis in range(3)])
     for k, (name, turn) in enumerate(turns.items()):
-        axes: Any = figure.add_subplot(1, 2, k + 1, projection="3d")
+        axes: Axes3D = figure.add_subplot(1, 2, k + 1, projection="3d")
         first = first or axes
         viewer = globe(axes, 1.0, facing)
         space_axes(axes, 1.0, viewer)
@@ -272,10 +273,10 @@ def distance_picture(pair: Pair) -> Figure:
         matplotlib is not installed.
     """
     figure = new_figure(6.6, 4.2)
-    axes: Any = figure.add_subplot()
+    axes: Axes = figure.add_subplot()
     times = pair.times[: len(pair.distance)]
     stroke = SERIES[3]
-    line = stroke.line | {"linestyle": "-"}
+    line = Stroke(stroke.color, "-", stroke.width).line
     if pair.coincide:
         axes.plot(times, visible(pair.distance), **line, label="distance")
         asked = pair.straight.accuracy
@@ -311,7 +312,7 @@ def quality_picture(pair: Pair) -> Figure:
         for name, values in drift_over_time(solution).items()
     ]
     figure = new_figure(9.4, 4.6)
-    left: Any = figure.add_subplot(1, 2, 1)
+    left: Axes = figure.add_subplot(1, 2, 1)
     for curve, stroke in STROKES.items():
         solution = pair.curves[curve]
         errors = error_over_time(solution)
@@ -326,7 +327,7 @@ def quality_picture(pair: Pair) -> Figure:
         label="accuracy asked",
     )
     left.set_title("Error estimate, relative", fontsize=11)
-    right: Any = figure.add_subplot(1, 2, 2, sharey=left)
+    right: Axes = figure.add_subplot(1, 2, 2, sharey=left)
     for (label, times, values), stroke in zip(drifts, SERIES * 3, strict=False):
         shown = label if values[values == values].any() else f"{label}: none"
         right.plot(times, visible(values), **stroke.line, label=shown)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+import sympy as sp
 from sympy import latex
 
 from geomtorsion.loops import Loop, develop
@@ -14,6 +15,9 @@ from geomtorsion.pictures.loops import GAP, IMAGE, PATH, START
 from geomtorsion.pictures.style import arrow, new_figure, quiet
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
     from geomtorsion.geometry import Connection
     from geomtorsion.loops import Development
 
@@ -24,9 +28,9 @@ def draw_development(
     connection: Connection,
     loop: Loop,
     *,
-    parameters: Mapping[Any, Any] | None = None,
+    parameters: Mapping[str | sp.Symbol, float] | None = None,
     frames: int = 12,
-) -> Any:
+) -> Figure:
     """A loop in coordinates, and rolled out into the frame at its base point.
 
     The rolled-out path does not close: the gap is the Burgers vector, and the frame that arrives
@@ -71,7 +75,7 @@ def _marks(count: int, frames: int) -> list[int]:
     return [round(k * (count - 1) / frames) for k in range(1, frames)]
 
 
-def _draw_loop(axes: Any, path: DevelopedPath, names: list[str], frames: int) -> None:
+def _draw_loop(axes: Axes, path: DevelopedPath, names: list[str], frames: int) -> None:
     """The loop in coordinates, with the points at which frames are drawn."""
     a, b = _plane(path.points)
     x, y = path.points[a], path.points[b]
@@ -88,7 +92,7 @@ def _draw_loop(axes: Any, path: DevelopedPath, names: list[str], frames: int) ->
     quiet(axes)
 
 
-def _draw_rolled(axes: Any, path: DevelopedPath, frames: int) -> None:
+def _draw_rolled(axes: Axes, path: DevelopedPath, frames: int) -> None:
     """The rolled-out path, the frames along it, and the gap."""
     a, b = _plane(path.places)
     x, y = path.places[a], path.places[b]
@@ -120,7 +124,7 @@ def _draw_rolled(axes: Any, path: DevelopedPath, frames: int) -> None:
 
 
 def _draw_frame(
-    axes: Any,
+    axes: Axes,
     path: DevelopedPath,
     k: int,
     plane: tuple[int, int],
@@ -137,7 +141,7 @@ def _draw_frame(
     axes.plot(x, y, "o", color=ink, ms=2.5 * width)
 
 
-def _state_gap(axes: Any, turn: Development) -> None:
+def _state_gap(axes: Axes, turn: Development) -> None:
     """Gap and turn in numbers, and what lies inside."""
     size = float(np.linalg.norm(turn.burgers))
     said = f"|b| = {size:.4g}" if size > turn.error else "b = 0"

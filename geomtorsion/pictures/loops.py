@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from sympy import latex
@@ -15,13 +15,14 @@ from geomtorsion.loops.hodograph import Hodograph, hodograph
 from geomtorsion.pictures.style import FLAT, arrow, new_figure, quiet
 
 if TYPE_CHECKING:
-    pass
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 # Colours that stay apart in print and for every eye (Okabe and Ito).
 PATH, IMAGE, GAP, START = "#0072B2", "#007a59", "#D55E00", "#222222"
 
 
-def draw_closure(b: BurgersVector) -> Any:
+def draw_closure(b: BurgersVector) -> Figure:
     """The loop in coordinates, and its image in the frame with the gap as an arrow.
 
     The image is the curve X^i(s), integral of e^i_mu dq^mu along the loop so far. Where the gap is
@@ -44,7 +45,7 @@ def draw_closure(b: BurgersVector) -> Any:
     return figure
 
 
-def _extents(points: Any) -> list[int]:
+def _extents(points: np.ndarray) -> list[int]:
     """The two or three directions in which there is something to see, in order."""
     widths = np.ptp(points, axis=1)
     wide = [int(k) for k in np.argsort(-widths, kind="stable") if widths[k] > FLAT * widths.max()]
@@ -55,7 +56,7 @@ def _extents(points: Any) -> list[int]:
     return sorted(chosen)
 
 
-def _axes(figure: Any, place: int, points: Any) -> Any:
+def _axes(figure: Figure, place: int, points: np.ndarray) -> Axes:
     """Axes in two or three dimensions, as the points need."""
     if len(_extents(points)) > 2:
         import_module("mpl_toolkits.mplot3d")
@@ -75,7 +76,7 @@ def _axes(figure: Any, place: int, points: Any) -> Any:
     return axes
 
 
-def _draw_path(axes: Any, drawn: Hodograph, names: list[str]) -> None:
+def _draw_path(axes: Axes, drawn: Hodograph, names: list[str]) -> None:
     """The loop in coordinates, with its base point and its sense."""
     chosen = _extents(drawn.path)
     points = drawn.path[chosen]
@@ -106,7 +107,7 @@ def _power(value: float) -> str:
     return f"$10^{{{exponent}}}$" if exponent > 3 else f"{value:g}"
 
 
-def _draw_image(axes: Any, drawn: Hodograph, b: BurgersVector) -> None:
+def _draw_image(axes: Axes, drawn: Hodograph, b: BurgersVector) -> None:
     """The image in the frame, and the gap as an arrow from its start to its end."""
     chosen = _extents(drawn.image)
     points = drawn.image[chosen]
@@ -128,7 +129,7 @@ def _draw_image(axes: Any, drawn: Hodograph, b: BurgersVector) -> None:
     axes.set_title(f"its image in the frame{grown}\n{size}", fontsize=11, color=START)
 
 
-def _sense(axes: Any, points: Any, colour: str) -> None:
+def _sense(axes: Axes, points: np.ndarray, colour: str) -> None:
     """A small arrow head that shows the sense in which a curve is run through."""
     if len(points) != 2:
         return
@@ -136,13 +137,13 @@ def _sense(axes: Any, points: Any, colour: str) -> None:
     arrow(axes, points[:, k], points[:, k + 1], colour)
 
 
-def _label(axes: Any, labels: list[str]) -> None:
+def _label(axes: Axes, labels: list[str]) -> None:
     """Names of the axes."""
     for name, label in zip("xyz", labels, strict=False):
         getattr(axes, f"set_{name}label")(label)
 
 
-def draw_map(survey: BurgersMap, *, relative: bool = False) -> Any:
+def draw_map(survey: BurgersMap, *, relative: bool = False) -> Figure:
     """Burgers vectors per area over a grid, one panel for each component that does not vanish.
 
     Cells that enclose a defect are ringed. relative: show instead by how much the density differs
@@ -191,7 +192,9 @@ def _extend(largest: float, limit: float) -> str:
     return "both" if largest > 1.0000001 * limit else "neither"
 
 
-def _corners(survey: BurgersMap, names: list[str]) -> tuple[tuple[Any, Any], list[str]]:
+def _corners(
+    survey: BurgersMap, names: list[str]
+) -> tuple[tuple[np.ndarray, np.ndarray], list[str]]:
     """Corners of the cells, and what the two axes show."""
     labels, lines = [], []
     for axis in (0, 1):
@@ -204,7 +207,7 @@ def _corners(survey: BurgersMap, names: list[str]) -> tuple[tuple[Any, Any], lis
     return (lines[0], lines[1]), labels
 
 
-def _edges(middles: Any, areas: Any, axis: int) -> Any:
+def _edges(middles: np.ndarray, areas: np.ndarray, axis: int) -> np.ndarray:
     """Edges of cells from their middles, from the widths that the areas tell."""
     widths = np.abs(areas.sum(axis=1 - axis))
     if len(middles) > 1:
@@ -214,13 +217,13 @@ def _edges(middles: Any, areas: Any, axis: int) -> Any:
     return edges + middles[0] - widths[0] / 2
 
 
-def _similar(corners: tuple[Any, Any]) -> bool:
+def _similar(corners: tuple[np.ndarray, np.ndarray]) -> bool:
     """Whether both axes have comparable lengths."""
     spans = [float(side[-1] - side[0]) for side in corners]
     return max(spans) < 5 * min(spans)
 
 
-def _ring(axes: Any, survey: BurgersMap, corners: tuple[Any, Any], k: int) -> None:
+def _ring(axes: Axes, survey: BurgersMap, corners: tuple[np.ndarray, np.ndarray], k: int) -> None:
     """Rings round the cells that enclose a defect, with its strength."""
     for row, column in np.argwhere(survey.enclosed)[:40]:
         x = (corners[0][row] + corners[0][row + 1]) / 2

@@ -13,6 +13,9 @@ from geomtorsion.pictures.loops import GAP, PATH, START
 from geomtorsion.pictures.style import FLAT, arrow, new_figure, quiet
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
     from geomtorsion.loops import DislocationNetwork, Network
 
 SOFT, GOOD = "#9ca5b6", "#1c7a43"
@@ -20,7 +23,7 @@ SOFT, GOOD = "#9ca5b6", "#1c7a43"
 MOST_EDGES = 5000
 
 
-def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = (0, 1)) -> Any:
+def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = (0, 1)) -> Figure:
     """A network in two of its coordinates; cycles that do not close are filled by |b|.
 
     Parameters
@@ -79,7 +82,7 @@ def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = 
     return figure
 
 
-def _shades(figure: Any, axes: Any, largest: float) -> Any:
+def _shades(figure: Figure, axes: Axes, largest: float) -> Any:
     """A scale of colours from 0 to the largest |b|, with its bar."""
     # Only who draws needs the extra.
     from matplotlib.cm import ScalarMappable
@@ -94,9 +97,9 @@ def _shades(figure: Any, axes: Any, largest: float) -> Any:
 
 def draw_dislocations(
     net: DislocationNetwork,
-    positions: Mapping[Any, Sequence[float]] | None = None,
+    positions: Mapping[Hashable, Sequence[float]] | None = None,
     plane: tuple[int, int] = (0, 1),
-) -> Any:
+) -> Figure:
     """Dislocation lines with sense (arrow), Burgers vector and strength (width); nodes by the rule.
 
     Green junctions conserve b, orange ones do not and show the excess; open circles lie at the
@@ -152,7 +155,7 @@ def draw_dislocations(
 
 def _places(
     net: DislocationNetwork,
-    positions: Mapping[Any, Sequence[float]] | None,
+    positions: Mapping[Hashable, Sequence[float]] | None,
     plane: tuple[int, int],
 ) -> dict[Hashable, tuple[float, float]]:
     """Where the nodes are drawn."""
@@ -169,7 +172,7 @@ def _places(
 
 
 def _draw_line(
-    axes: Any,
+    axes: Axes,
     start: tuple[float, float],
     end: tuple[float, float],
     bend: float,

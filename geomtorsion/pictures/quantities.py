@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from geomtorsion.geometry import Tensor
     from geomtorsion.spaces.space import Space
 
+# What is written as JSON.
+Data = dict[str, Any]
 BASES = ("natural", "coordinate", "frame")
 
 
@@ -103,7 +105,7 @@ def _in_basis(tensor: Tensor, basis: str) -> Tensor:
     return tensor.in_frame() if basis == "frame" else tensor.in_coordinates()
 
 
-def geometry_data(space: Space, quantities: Sequence[Quantity]) -> dict[str, Any]:
+def geometry_data(space: Space, quantities: Sequence[Quantity]) -> Data:
     """A space and its quantities as nested dictionaries of text.
 
     Expressions are written so that ``parse_expression`` reads them back. Indices are counted from
@@ -138,7 +140,7 @@ def geometry_data(space: Space, quantities: Sequence[Quantity]) -> dict[str, Any
     }
 
 
-def _quantity(quantity: Quantity) -> dict[str, Any]:
+def _quantity(quantity: Quantity) -> Data:
     return {
         "title": quantity.entry.title,
         "equation": quantity.entry.equation,

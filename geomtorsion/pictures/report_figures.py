@@ -7,12 +7,12 @@ from collections.abc import Callable
 from html import escape
 from io import BytesIO
 from itertools import combinations
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from geomtorsion.errors import GeomtorsionError, StartError
 from geomtorsion.loops import BurgersVector, Loop, burgers_vector
 from geomtorsion.motion import RungeKutta
-from geomtorsion.pictures.curve_files import curve_pictures
+from geomtorsion.pictures.curve_files import Draw, curve_pictures
 from geomtorsion.pictures.loops import draw_closure
 from geomtorsion.pictures.pair import Pair
 from geomtorsion.pictures.pair_solving import refuse_unknown_functions, solve_pair
@@ -45,7 +45,7 @@ def motions_card(space: Space, progress: Callable[[str], object] = lambda _: Non
     return f'<section class="card">{facts}{"".join(pictures) or NO_PICTURES}</section>'
 
 
-def _chosen(pair: Pair) -> list[tuple[Callable[[Pair], Any], str]]:
+def _chosen(pair: Pair) -> list[tuple[Draw, str]]:
     """The pictures that say most: the paths, or the coordinates where paths cannot be drawn."""
     shown = curve_pictures(pair)
     names = [("paths" if "paths" in shown else "coordinates"), "attitude", "distance"]
@@ -103,7 +103,7 @@ def widest_gap(space: Space) -> BurgersVector:
     return max(found, key=lambda b: b.magnitude)
 
 
-def _img(figure: Figure | Any, says: str) -> str:
+def _img(figure: Figure, says: str) -> str:
     """A picture inside the page."""
     import matplotlib as mpl
 

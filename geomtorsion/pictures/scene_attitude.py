@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,7 +27,10 @@ from geomtorsion.pictures.style import (
 )
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from mpl_toolkits.mplot3d import Axes3D
+    from numpy.typing import ArrayLike
 
 TRACE = Stroke("#0072B2", "-", 1.7, "^")
 LIMIT = "#D55E00"
@@ -36,8 +39,8 @@ UPRIGHT = 0.35
 
 
 def axis_picture(
-    times: Any,
-    axis: Any,
+    times: ArrayLike,
+    axis: ArrayLike,
     limits: Sequence[float] | None = None,
     title: str = "",
     notes: Sequence[str] = (),
@@ -65,7 +68,7 @@ def axis_picture(
     figure = new_figure(10.4, 5.2)
     grid = figure.add_gridspec(1, 2, width_ratios=(1, 1))
     shown = tip[: _first_turns(tip)]
-    ball: Any = figure.add_subplot(grid[0], projection="3d")
+    ball: Axes3D = figure.add_subplot(grid[0], projection="3d")
     tilted = float(np.median(tip[:, 2]))
     viewer = globe(ball, 1.0, towards([shown]), elevation=42.0 if abs(tilted) > 0.5 else 24.0)
     space_axes(ball, 1.0, viewer)
@@ -73,7 +76,7 @@ def axis_picture(
         _parallel(ball, bound, viewer)
     curve_on(ball, shown, viewer, TRACE)
     ball.set_title("on the sphere", fontsize=11)
-    flat: Any = figure.add_subplot(grid[1])
+    flat: Axes = figure.add_subplot(grid[1])
     if max(bounds) < UPRIGHT:
         _from_above(flat, tip, theta, bounds)
     else:
@@ -100,7 +103,7 @@ def _first_turns(tip: np.ndarray) -> int:
     return int(beyond[0]) + 1 if len(beyond) else len(tip)
 
 
-def _parallel(axes: Any, theta: float, viewer: Any) -> None:
+def _parallel(axes: Axes3D, theta: float, viewer: np.ndarray) -> None:
     """A circle of constant angle from the vertical."""
     turn = np.linspace(0, 2 * np.pi, 181)
     ring = np.column_stack(
@@ -112,7 +115,7 @@ def _parallel(axes: Any, theta: float, viewer: Any) -> None:
         )
 
 
-def _unrolled(axes: Any, tip: np.ndarray, theta: np.ndarray, bounds: Any) -> None:
+def _unrolled(axes: Axes, tip: np.ndarray, theta: np.ndarray, bounds: Sequence[float]) -> None:
     """Angle from the vertical against the angle about it, upright as on the sphere."""
     phi, tilt = np.degrees(_azimuth(tip)), np.degrees(theta)
     axes.plot(phi, tilt, **TRACE.line)
@@ -128,7 +131,7 @@ def _unrolled(axes: Any, tip: np.ndarray, theta: np.ndarray, bounds: Any) -> Non
     quiet(axes)
 
 
-def _from_above(axes: Any, tip: np.ndarray, theta: np.ndarray, bounds: Any) -> None:
+def _from_above(axes: Axes, tip: np.ndarray, theta: np.ndarray, bounds: Sequence[float]) -> None:
     """The tip seen from above: the radius is the angle from the vertical."""
     phi, tilt = np.arctan2(tip[:, 1], tip[:, 0]), np.degrees(theta)
     place = np.column_stack([tilt * np.cos(phi), tilt * np.sin(phi)])
@@ -146,7 +149,7 @@ def _from_above(axes: Any, tip: np.ndarray, theta: np.ndarray, bounds: Any) -> N
 
 
 def axes_picture(
-    matrices: Any,
+    matrices: ArrayLike,
     title: str = "",
     notes: Sequence[str] = (),
     names: Sequence[str] = ("1", "2", "3"),
@@ -165,7 +168,7 @@ def axes_picture(
     """
     turn = np.asarray(matrices, dtype=float)
     figure = new_figure(6.6, 6.4)
-    axes: Any = figure.add_subplot(projection="3d")
+    axes: Axes3D = figure.add_subplot(projection="3d")
     viewer = globe(axes, 1.0, towards([turn[:, :, k] for k in range(3)]))
     space_axes(axes, 1.0, viewer)
     for k, stroke in enumerate(SERIES[:3]):
@@ -189,8 +192,8 @@ FAMILY = (0.06, 0.2, 0.4, 0.6, 0.8, 0.94)
 
 def cones_picture(
     moments: Sequence[float],
-    omega: Any,
-    matrices: Any = None,
+    omega: ArrayLike,
+    matrices: ArrayLike | None = None,
     title: str = "",
     notes: Sequence[str] = (),
 ) -> Figure:
@@ -219,12 +222,12 @@ def cones_picture(
     direction = momentum / np.where(sizes > 0, sizes, 1)
     panels = 1 if matrices is None else 2
     figure = new_figure(5.6 * panels, 5.7)
-    ball: Any = figure.add_subplot(1, panels, 1, projection="3d")
+    ball: Axes3D = figure.add_subplot(1, panels, 1, projection="3d")
     _in_body(ball, inertia, direction)
     lines = ["Body: direction of the angular momentum; pale: other free motions of the body."]
     if matrices is not None:
         turn = np.asarray(matrices, dtype=float)
-        space: Any = figure.add_subplot(1, panels, 2, projection="3d")
+        space: Axes3D = figure.add_subplot(1, panels, 2, projection="3d")
         _in_space(space, turn, np.asarray(omega, dtype=float), momentum)
         lines.append("Dots: start; triangle and square: ends.")
     if title:
@@ -233,7 +236,7 @@ def cones_picture(
     return figure
 
 
-def _in_body(axes: Any, inertia: np.ndarray, direction: np.ndarray) -> None:
+def _in_body(axes: Axes3D, inertia: np.ndarray, direction: np.ndarray) -> None:
     """The sphere of angular momentum with the family of polhodes and the one that is travelled."""
     viewer = globe(axes, 1.0, towards([direction]), elevation=24.0)
     for value in _levels(inertia):
@@ -262,7 +265,7 @@ def _levels(inertia: np.ndarray) -> list[float]:
     return [*found, float(np.float64(middle))]
 
 
-def polhodes(inertia: Any, value: float) -> list[tuple[np.ndarray, bool]]:
+def polhodes(inertia: np.ndarray, value: float) -> list[tuple[np.ndarray, bool]]:
     """Closed curves on the unit sphere on which sum l_k^2 / I_k is constant.
 
     Each comes with whether it is the separatrix. The sphere is cut as a function of the angle
@@ -297,7 +300,7 @@ def polhodes(inertia: Any, value: float) -> list[tuple[np.ndarray, bool]]:
     return found
 
 
-def _in_space(axes: Any, turn: np.ndarray, omega: np.ndarray, momentum: np.ndarray) -> None:
+def _in_space(axes: Axes3D, turn: np.ndarray, omega: np.ndarray, momentum: np.ndarray) -> None:
     """Axis of the body, angular velocity and angular momentum as directions in space."""
     tip = turn[:, :, 2]
     spin = np.einsum("mij,mj->mi", turn, omega)

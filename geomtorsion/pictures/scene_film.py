@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geomtorsion.errors import FileFormatError, MissingExtraError
 from geomtorsion.pictures.style import SERIES, STYLE, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.animation import FFMpegWriter, PillowWriter
+    from mpl_toolkits.mplot3d import Axes3D
+    from numpy.typing import ArrayLike
 
 FORMS = (".gif", ".mp4")
 FACES = ("#8fc1e3", "#f2b48a", "#9fd6bd")
@@ -18,7 +23,7 @@ _CORNERS = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
 _FACES = ((0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5))
 
 
-def block_sides(moments: Any) -> np.ndarray:
+def block_sides(moments: ArrayLike) -> np.ndarray:
     """Half sides of the block with these principal moments, the longest being 1.
 
     Examples
@@ -33,7 +38,7 @@ def block_sides(moments: Any) -> np.ndarray:
     return np.maximum(sides / sides.max(), 0.08)
 
 
-def polygons(sides: Any) -> tuple[list[np.ndarray], list[str]]:
+def polygons(sides: ArrayLike) -> tuple[list[np.ndarray], list[str]]:
     """Faces of a body about its centre, with their colours: a block, or round if two sides agree.
 
     Examples
@@ -64,10 +69,10 @@ def polygons(sides: Any) -> tuple[list[np.ndarray], list[str]]:
 
 def write_film(
     path: Path,
-    times: Any,
-    matrices: Any,
-    positions: Any = None,
-    sides: Any = (1.0, 1.0, 1.0),
+    times: ArrayLike,
+    matrices: ArrayLike,
+    positions: ArrayLike | None = None,
+    sides: ArrayLike = (1.0, 1.0, 1.0),
     seconds: float = 8.0,
     title: str = "",
     progress: Callable[[float], object] = lambda _: None,
@@ -96,17 +101,17 @@ def write_film(
         the suffix is neither .gif nor .mp4.
     """
     writer = _writer(path)
-    frames = int(min(max(seconds * STYLE.rate, 2), STYLE.frames, len(times)))
-    chosen = np.linspace(0, len(times) - 1, frames).round().astype(int)
-    turn = np.asarray(matrices, dtype=float)
     clock = np.asarray(times, dtype=float)
+    frames = int(min(max(seconds * STYLE.rate, 2), STYLE.frames, len(clock)))
+    chosen = np.linspace(0, len(clock) - 1, frames).round().astype(int)
+    turn = np.asarray(matrices, dtype=float)
     figure = new_figure(4.6, 4.8)
     # The frames are drawn one by one: a layout engine would make them jitter.
     figure.set_layout_engine("none")
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     FigureCanvasAgg(figure)
-    axes: Any = figure.add_axes((0.0, 0.02, 1.0, 0.9), projection="3d")
+    axes: Axes3D = figure.add_axes((0.0, 0.02, 1.0, 0.9), projection="3d")
     scene = _Stage(axes, turn, positions, np.asarray(sides, dtype=float))
     label = figure.text(0.5, 0.955, "", ha="center", fontsize=11)
     partial = path.with_name(f".{path.name}{path.suffix}")
@@ -123,7 +128,7 @@ def write_film(
     return frames
 
 
-def _writer(path: Path) -> Any:
+def _writer(path: Path) -> FFMpegWriter | PillowWriter:
     """The writer for a suffix."""
     kind = path.suffix.lower()
     if kind not in FORMS:
@@ -146,7 +151,9 @@ def _writer(path: Path) -> Any:
 class _Stage:
     """The drawing that changes from frame to frame."""
 
-    def __init__(self, axes: Any, turn: np.ndarray, positions: Any, sides: np.ndarray) -> None:
+    def __init__(
+        self, axes: Axes3D, turn: np.ndarray, positions: ArrayLike | None, sides: np.ndarray
+    ) -> None:
         from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
         self.turn = turn

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,15 +19,17 @@ from geomtorsion.pictures.style import (
 )
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike
 
 # Changes below this share of a value are its rounding: the panel says that it is constant.
 STILL = 1e-9
 
 
 def watched_picture(
-    times: Any,
-    watched: Mapping[str, Any],
+    times: ArrayLike,
+    watched: Mapping[str, ArrayLike],
     units: Mapping[str, str] | None = None,
     labels: Mapping[str, Sequence[str]] | None = None,
     meanings: Mapping[str, str] | None = None,
@@ -66,7 +68,7 @@ def watched_picture(
     columns = 1 if len(panels) <= 3 else 2
     rows = math.ceil(len(panels) / columns)
     figure = new_figure(8.6 if columns == 1 else 11.0, 1.1 + 2.2 * rows)
-    first: Any = None
+    first: Axes | None = None
     for place, (name, values) in enumerate(panels.items()):
         axes = figure.add_subplot(rows, columns, place + 1, sharex=first)
         first = first or axes
@@ -86,7 +88,7 @@ def watched_picture(
 
 
 def _panel(
-    axes: Any, heading: str, times: Any, values: Any, unit: str, parts: Sequence[str]
+    axes: Axes, heading: str, times: np.ndarray, values: np.ndarray, unit: str, parts: Sequence[str]
 ) -> None:
     """One quantity; one that keeps its value is drawn on a scale that shows it so."""
     flat = values.reshape(len(values), -1)
@@ -124,11 +126,11 @@ KEPT = 1e-8
 
 
 def trust_picture(
-    times: Any,
-    drifts: Mapping[str, Any],
+    times: ArrayLike,
+    drifts: Mapping[str, ArrayLike],
     error: float,
     asked: float,
-    errors: Any = None,
+    errors: ArrayLike | None = None,
     title: str = "",
     notes: Sequence[str] = (),
 ) -> Figure:
@@ -152,7 +154,7 @@ def trust_picture(
     """
     clock = np.asarray(times, dtype=float)
     figure = new_figure(8.6, 4.8)
-    axes: Any = figure.add_subplot()
+    axes: Axes = figure.add_subplot()
     for (name, values), stroke in zip(drifts.items(), SERIES[1:] * 4, strict=False):
         shown = visible(values)
         label = f"drift of {name.replace('_', ' ')}"
@@ -185,8 +187,8 @@ def trust_picture(
 
 
 def change_picture(
-    times: Any,
-    kept: Mapping[str, Mapping[str, Any]],
+    times: ArrayLike,
+    kept: Mapping[str, Mapping[str, ArrayLike]],
     title: str = "",
     notes: Sequence[str] = (),
 ) -> Figure:
@@ -205,13 +207,14 @@ def change_picture(
     """
     clock = np.asarray(times, dtype=float)
     figure = new_figure(8.6, 1.2 + 2.4 * len(kept))
-    first: Any = None
+    first: Axes | None = None
     for place, (quantity, laws) in enumerate(kept.items()):
-        axes: Any = figure.add_subplot(len(kept), 1, place + 1, sharex=first)
+        axes: Axes = figure.add_subplot(len(kept), 1, place + 1, sharex=first)
         first = first or axes
         largest = 0.0
         for (law, values), stroke in zip(laws.items(), SERIES * 2, strict=False):
-            data = np.asarray(values, dtype=float).reshape(len(values), -1)
+            data = np.asarray(values, dtype=float)
+            data = data.reshape(len(data), -1)
             size = float(np.linalg.norm(data[0])) or 1.0
             change = np.linalg.norm(data - data[0], axis=1) / size
             axes.plot(clock[: len(change)], change, **stroke.line, label=law)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,14 +21,17 @@ from geomtorsion.pictures.style import (
 )
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from mpl_toolkits.mplot3d import Axes3D
+    from numpy.typing import ArrayLike
 
 AXES = ("#b04a86", "#8a6d00", "#007a59")
 
 
 def path_picture(
-    paths: Mapping[str, Any],
-    matrices: Any = None,
+    paths: Mapping[str, ArrayLike],
+    matrices: ArrayLike | None = None,
     title: str = "",
     notes: Sequence[str] = (),
 ) -> Figure:
@@ -53,7 +56,7 @@ def path_picture(
     turn = None if matrices is None else np.asarray(matrices, dtype=float)
     if len(seen) == 3:
         figure = new_figure(8.0, 6.6)
-        axes: Any = figure.add_subplot(projection="3d")
+        axes: Axes3D = figure.add_subplot(projection="3d")
         _in_space(axes, places, turn, every)
     else:
         seen = sorted((seen + [k for k in (0, 2, 1) if k not in seen])[:2])
@@ -77,7 +80,7 @@ def _height(ratio: float) -> float:
     return 6.6 if ratio <= 1.5 else 1.6 + 8.0 / ratio
 
 
-def _strokes(places: Mapping[str, Any]) -> list[tuple[str, Any, Stroke]]:
+def _strokes(places: Mapping[str, np.ndarray]) -> list[tuple[str, np.ndarray, Stroke]]:
     pairs = zip(places.items(), SERIES * len(places), strict=False)
     return [(name, points, stroke) for (name, points), stroke in pairs]
 
@@ -91,7 +94,9 @@ def _stations(points: np.ndarray) -> np.ndarray:
     return np.unique(np.searchsorted(way, wanted).clip(0, len(points) - 1))
 
 
-def _in_space(axes: Any, places: Mapping[str, Any], turn: Any, every: np.ndarray) -> None:
+def _in_space(
+    axes: Axes3D, places: Mapping[str, np.ndarray], turn: np.ndarray | None, every: np.ndarray
+) -> None:
     low, high = every.min(axis=0), every.max(axis=0)
     # One unit is equally long on all axes; the box is not flatter than a third.
     size = np.maximum(high - low, (high - low).max() / 3)
@@ -115,7 +120,9 @@ def _in_space(axes: Any, places: Mapping[str, Any], turn: Any, every: np.ndarray
     axes.view_init(elev=22.0, azim=-56.0)
 
 
-def _in_plane(axes: Any, places: Mapping[str, Any], turn: Any, seen: Sequence[int]) -> None:
+def _in_plane(
+    axes: Axes, places: Mapping[str, np.ndarray], turn: np.ndarray | None, seen: Sequence[int]
+) -> None:
     for name, points, stroke in _strokes(places):
         axes.plot(*points[:, seen].T, **stroke.line, label=name)
     flat = np.concatenate([points[:, seen] for points in places.values()])

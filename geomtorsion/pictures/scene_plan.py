@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from geomtorsion.pictures.style import STYLE, captioned, new_figure
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 INK, OUT = "#1d2330", "#9aa0aa"
@@ -46,7 +47,7 @@ def plan_picture(
     reasons = left_out or {}
     tallest = max((len(boxes) for boxes in columns.values()), default=1)
     figure = new_figure(1.2 + STYLE.column * len(columns), 1.3 + STYLE.row * (tallest + 1))
-    axes: Any = figure.add_subplot()
+    axes: Axes = figure.add_subplot()
     places: dict[str, tuple[float, float]] = {}
     for k, (heading, boxes) in enumerate(columns.items()):
         axes.text(
@@ -77,7 +78,7 @@ def plan_picture(
     return figure
 
 
-def _box(axes: Any, place: tuple[float, float], text: str, fill: str, reason: str | None) -> None:
+def _box(axes: Axes, place: tuple[float, float], text: str, fill: str, reason: str | None) -> None:
     from matplotlib.patches import FancyBboxPatch
 
     x, y = place
@@ -94,7 +95,7 @@ def _box(axes: Any, place: tuple[float, float], text: str, fill: str, reason: st
     axes.text(x, y, text, ha="center", va="center", fontsize=size, color=OUT if gone else INK)
 
 
-def _arrow(axes: Any, start: tuple[float, float], end: tuple[float, float], gone: bool) -> None:
+def _arrow(axes: Axes, start: tuple[float, float], end: tuple[float, float], gone: bool) -> None:
     """From the right edge of one box to the left edge of another, or bent within a column."""
     (x, y), (u, v) = start, end
     look = {

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geomtorsion.pictures.style import SERIES, STYLE, captioned, new_figure, quiet
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike
 
 
 def sweep_picture(
-    varied: Sequence[tuple[str, Any]],
-    measured: tuple[str, Any],
-    known: tuple[str, Any, Any] | None = None,
+    varied: Sequence[tuple[str, ArrayLike]],
+    measured: tuple[str, ArrayLike],
+    known: tuple[str, ArrayLike, ArrayLike] | None = None,
     title: str = "",
     notes: Sequence[str] = (),
 ) -> Figure:
@@ -37,7 +39,7 @@ def sweep_picture(
         matplotlib is not installed.
     """
     figure = new_figure(7.6, 5.0)
-    axes: Any = figure.add_subplot()
+    axes: Axes = figure.add_subplot()
     values = np.asarray(measured[1], dtype=float)
     if len(varied) == 1:
         name, places = varied[0][0], np.asarray(varied[0][1], dtype=float)
@@ -69,7 +71,7 @@ def sweep_picture(
     return figure
 
 
-def _scaled(setter: Any, values: Any) -> None:
+def _scaled(setter: Callable[[str], object], values: np.ndarray) -> None:
     """A logarithmic axis where the values ask for one."""
     finite = values[np.isfinite(values)]
     if finite.size and finite.min() > 0 and finite.max() > STYLE.wide * finite.min():

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geomtorsion.pictures.style import FAINT, STYLE, Stroke
 
+if TYPE_CHECKING:
+    from mpl_toolkits.mplot3d import Axes3D
 
-def globe(axes: Any, radius: float, facing: Any, elevation: float = 22.0) -> np.ndarray:
+
+def globe(axes: Axes3D, radius: float, facing: np.ndarray, elevation: float = 22.0) -> np.ndarray:
     """Draw a globe seen from above a direction; return the unit vector towards the viewer."""
     azimuth = float(np.degrees(np.arctan2(facing[1], facing[0])))
     axes.view_init(elev=elevation, azim=azimuth)
@@ -35,12 +39,14 @@ def globe(axes: Any, radius: float, facing: Any, elevation: float = 22.0) -> np.
     return viewer
 
 
-def _ring(axes: Any, points: Any, viewer: Any) -> None:
+def _ring(axes: Axes3D, points: np.ndarray, viewer: np.ndarray) -> None:
     for part, front in parted(points, viewer):
         axes.plot(*part.T, color=FAINT, linewidth=0.7, alpha=0.9 if front else 0.35)
 
 
-def curve_on(axes: Any, points: Any, viewer: Any, stroke: Stroke, label: str = "") -> None:
+def curve_on(
+    axes: Axes3D, points: np.ndarray, viewer: np.ndarray, stroke: Stroke, label: str = ""
+) -> None:
     """A curve on a globe, with a dot where it starts and a mark where it ends."""
     for part, front in parted(points, viewer):
         axes.plot(*part.T, **stroke.line, alpha=1.0 if front else STYLE.behind)
@@ -54,7 +60,9 @@ def curve_on(axes: Any, points: Any, viewer: Any, stroke: Stroke, label: str = "
         )  # fmt: skip
 
 
-def numbered(axes: Any, place: Any, viewer: Any, text: str, stroke: Stroke) -> None:
+def numbered(
+    axes: Axes3D, place: np.ndarray, viewer: np.ndarray, text: str, stroke: Stroke
+) -> None:
     """A number beside a point of a unit globe, on the side of the point's own direction."""
     front = float(place @ viewer)
     # Seen from the side a step outwards is enough; in the middle of the disc it is a step up.
@@ -63,13 +71,13 @@ def numbered(axes: Any, place: Any, viewer: Any, text: str, stroke: Stroke) -> N
     axes.text(*(place + step), text, ha="center", va="center", fontsize=11, zorder=6, **look)
 
 
-def _upwards(viewer: Any) -> Any:
+def _upwards(viewer: np.ndarray) -> np.ndarray:
     """The direction that is up in the picture."""
     up = np.array([0.0, 0.0, 1.0]) - viewer[2] * viewer
     return up / np.linalg.norm(up)
 
 
-def space_axes(axes: Any, radius: float, viewer: Any) -> None:
+def space_axes(axes: Axes3D, radius: float, viewer: np.ndarray) -> None:
     """Short pins on the globe where the axes of space leave it."""
     for letter, pin in zip("xyz", np.eye(3), strict=True):
         look = {"alpha": 1.0 if pin @ viewer >= 0 else STYLE.behind, "color": "#555555"}
@@ -77,7 +85,7 @@ def space_axes(axes: Any, radius: float, viewer: Any) -> None:
         axes.text(*(1.17 * radius * pin), f"${letter}$", ha="center", va="center", **look)
 
 
-def towards(paths: Any) -> Any:
+def towards(paths: Sequence[np.ndarray]) -> np.ndarray:
     """The side from which most of some curves on a globe, their ends above all, is seen.
 
     Examples
@@ -97,7 +105,7 @@ def towards(paths: Any) -> Any:
     return sides[int(np.argmax(score))]
 
 
-def parted(points: Any, viewer: Any) -> list[tuple[Any, bool]]:
+def parted(points: np.ndarray, viewer: np.ndarray) -> list[tuple[np.ndarray, bool]]:
     """Pieces of a curve in front of the globe and behind it, those behind first.
 
     Examples

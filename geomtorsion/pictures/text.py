@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from typing import Any
 
 import sympy
 from sympy.core.function import AppliedUndef
@@ -102,26 +101,26 @@ class _Printer(StrPrinter):
     def _name(self, name: str) -> str:
         return greek_name(name) if self.greek else name
 
-    def _print_Symbol(self, expr: Any) -> str:
+    def _print_Symbol(self, expr: sympy.Expr) -> str:
         return self._name(expr.name)
 
-    def _print_Pi(self, expr: Any) -> str:
+    def _print_Pi(self, expr: sympy.Expr) -> str:
         return "π" if self.greek else "pi"
 
     def _as_ordered_terms(self, expr: sympy.Add, order: object = None) -> list[sympy.Expr]:
         return ordered_terms(expr)
 
-    def _print_Pow(self, expr: Any, rational: bool = False) -> str:
+    def _print_Pow(self, expr: sympy.Expr, rational: bool = False) -> str:
         base, exponent = expr.args
         if exponent.is_Integer and exponent < -1:
             return f"1/{self.parenthesize(base**-exponent, PRECEDENCE['Mul'], strict=True)}"
         return super()._print_Pow(expr, rational=rational)
 
-    def _print_Function(self, expr: Any) -> str:
+    def _print_Function(self, expr: sympy.Expr) -> str:
         arguments = ", ".join(self._print(argument) for argument in expr.args)
         return f"{self._name(expr.func.__name__)}({arguments})"
 
-    def _print_Derivative(self, expr: Any) -> str:
+    def _print_Derivative(self, expr: sympy.Expr) -> str:
         function = expr.expr
         if self.greek and isinstance(function, AppliedUndef) and len(function.args) == 1:
             count = expr.derivative_count

@@ -11,10 +11,10 @@ import pytest
 
 from geomtorsion import Loop, burgers_vector, spaces
 from geomtorsion.errors import GeomtorsionError
-from geomtorsion.lab.closing import closing
+from geomtorsion.lab.closure_failure import closure_failure
 from geomtorsion.lab.costs import costs
-from geomtorsion.lab.facts import drawable, facts
 from geomtorsion.lab.paths import paths
+from geomtorsion.lab.space_info import drawable, space_info
 from geomtorsion.lab.top import top
 
 PI = math.pi
@@ -23,15 +23,15 @@ PI = math.pi
 def test_a_loop_in_the_heisenberg_group():
     """b = (0, 0, -+ A): the torsion is constant, so 2 S A is exact at any size."""
     for radius in (1e-12, 1e-3, 0.5, 1.0):
-        found = closing("heisenberg", [0.3, -0.2, 0.1], radius, [0, 1])
+        found = closure_failure("heisenberg", [0.3, -0.2, 0.1], radius, [0, 1])
         assert abs(found["b"][2]) == pytest.approx(PI * radius**2, rel=1e-12)
         assert np.allclose(found["b"], found["expected"], rtol=0, atol=1e-11 * PI * radius**2)
 
 
 def test_the_plane_has_a_sense():
     """A loop in the plane (n, m) runs the other way: every number changes its sign."""
-    one = closing("so3", [0.3, 1.0, 0.2], 0.2, [0, 1])
-    two = closing("so3", [0.3, 1.0, 0.2], 0.2, [1, 0])
+    one = closure_failure("so3", [0.3, 1.0, 0.2], 0.2, [0, 1])
+    two = closure_failure("so3", [0.3, 1.0, 0.2], 0.2, [1, 0])
     assert np.allclose(one["expected"], -np.array(two["expected"]), rtol=1e-14, atol=0)
     assert one["expected"] != two["expected"]
 
@@ -40,7 +40,7 @@ def test_two_s_a_is_the_limit_of_small_loops():
     """b and 2 S A at the centre differ by an order of two in the radius."""
     apart = []
     for radius in (0.2, 0.1):
-        found = closing("so3", [0.3, 1.0, 0.2], radius, [0, 1])
+        found = closure_failure("so3", [0.3, 1.0, 0.2], radius, [0, 1])
         gap = np.abs(np.array(found["b"]) - found["expected"]).max()
         apart.append(gap / np.abs(found["expected"]).max())
     assert apart[0] / apart[1] == pytest.approx(4, rel=0.05)
@@ -48,7 +48,7 @@ def test_two_s_a_is_the_limit_of_small_loops():
 
 def test_the_table_shows_the_library():
     """What stands in the table is the Burgers vector of the library."""
-    found = closing("so3", [0.3, 1.0, 0.2], 0.45, [0, 1])
+    found = closure_failure("so3", [0.3, 1.0, 0.2], 0.45, [0, 1])
     frame = spaces.load("so3").frame
     b = burgers_vector(frame, Loop.circle((0.3, 1.0, 0.2), 0.45, (0, 1)))
     shown = re.findall(r"<td>([^<]*)</td>", found["table"])[::4]
@@ -58,12 +58,12 @@ def test_the_table_shows_the_library():
 @pytest.mark.parametrize("name", drawable().values())
 def test_every_offered_space_has_a_loop_and_a_path(name):
     """No space of the list leads to an error where the page begins."""
-    known = facts(name)
+    known = space_info(name)
     for low, high, step in known["ranges"]:
         assert low <= high
         assert step > 0
     radius = 0.05 if name == "de_sitter" else 0.3
-    found = closing(name, known["start"], radius, known["planes"][0])
+    found = closure_failure(name, known["start"], radius, known["planes"][0])
     assert len(found["pictures"]) == 2
     drawn = paths(name, known["velocity"], known["t"] / 4)
     assert "space" in drawn or "picture" in drawn

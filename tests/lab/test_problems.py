@@ -4,7 +4,8 @@ import pytest
 
 from geomtorsion import exercises
 from geomtorsion.exercises.prompts import shown_name
-from geomtorsion.lab.problems import LONGEST, answer, statement
+from geomtorsion.lab.problems import answer, statement
+from geomtorsion.lab.settings import PAGE
 
 
 @pytest.mark.parametrize("number", exercises.names()[::5])
@@ -29,4 +30,4 @@ def test_an_exercise_right_and_wrong(number):
 def test_an_endless_answer_is_refused():
     """An answer is no novel."""
     with pytest.raises(ValueError, match="enough for every exercise"):
-        answer("1.1", 0, {"legs": "1" * (LONGEST + 1)})
+        answer("1.1", 0, {"legs": "1" * (PAGE.answer + 1)})

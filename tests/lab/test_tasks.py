@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from geomtorsion.lab.tasks import LONGEST_REQUEST, TASKS, TaskRunner
+from geomtorsion.lab.settings import PAGE
+from geomtorsion.lab.tasks import TASKS, TaskRunner
 
 # A metric of four unrelated functions of everything takes far longer than its limit here.
 SLOW = {
@@ -31,14 +32,14 @@ def runner() -> Iterator[TaskRunner]:
 
 def test_a_request_is_answered_and_kept(runner: TaskRunner):
     """The second of two equal requests is the same answer, not a second computation."""
-    one = runner.ask("facts", space="s2")
+    one = runner.ask("space_info", space="s2")
     assert one["coordinates"] == ["theta", "phi"]
-    assert runner.ask("facts", space="s2") is one
+    assert runner.ask("space_info", space="s2") is one
 
 
 def test_a_request_that_takes_too_long_is_stopped(runner: TaskRunner):
     """After its time the worker is ended; the next request is answered by another."""
-    runner.ask("facts", space="s2")
+    runner.ask("space_info", space="s2")
     [worker] = runner.pool.workers
     assert "takes longer than the 2 s" in runner.ask("tetrad", **SLOW)["problem"]
     assert not worker.lives
@@ -52,7 +53,7 @@ def test_nothing_that_lies_about_is_imported(tmp_path: Path, monkeypatch: pytest
     monkeypatch.chdir(tmp_path)
     runner = TaskRunner(workers=1)
     try:
-        assert runner.ask("facts", space="s2")["name"] == "s2"
+        assert runner.ask("space_info", space="s2")["name"] == "s2"
     finally:
         runner.close()
 
@@ -61,10 +62,12 @@ def test_warming_up_leaves_a_worker_free():
     """While one worker practises, the other answers; what was practised is kept."""
     runner = TaskRunner(workers=2, patience=30.0)
     try:
-        runner.warm([("facts", {"space": "heisenberg"})])
-        assert runner.ask("facts", space="s2")["name"] == "s2"
+        runner.warm([("space_info", {"space": "heisenberg"})])
+        assert runner.ask("space_info", space="s2")["name"] == "s2"
         for _ in range(600):
-            if runner.kept.keys() >= {'{"task": "facts", "arguments": {"space": "heisenberg"}}'}:
+            if runner.kept.keys() >= {
+                '{"task": "space_info", "arguments": {"space": "heisenberg"}}'
+            }:
                 break
             time.sleep(0.1)
         else:
@@ -77,20 +80,20 @@ def test_errors_come_as_messages(runner: TaskRunner):
     """An error of the package is a message, and is not kept."""
     case = {"centre": [1, 2, 3], "radius": 1, "plane": [0, 1]}
     assert "has" in runner.ask("loop", space="s2", **case)["problem"]
-    assert "nobody" in runner.ask("facts", space="nobody")["problem"]
+    assert "nobody" in runner.ask("space_info", space="nobody")["problem"]
     assert "no task is called" in runner.ask("rm")["problem"]
 
 
 def test_a_request_that_is_too_long_is_refused(runner: TaskRunner):
     """Long texts do not even reach a worker."""
-    found = runner.ask("tetrad", coordinates="r", entries=[["1" * LONGEST_REQUEST]])
+    found = runner.ask("tetrad", coordinates="r", entries=[["1" * PAGE.request]])
     assert "24,000" in found["problem"]
 
 
 def test_a_worker_that_dies_is_replaced(runner: TaskRunner):
     """What goes wrong in one worker is told to whoever asked, and to nobody else."""
-    assert "worker ended" in runner.ask("facts", wrong="argument")["problem"]
-    assert runner.ask("facts", space="s2")["name"] == "s2"
+    assert "worker ended" in runner.ask("space_info", wrong="argument")["problem"]
+    assert runner.ask("space_info", space="s2")["name"] == "s2"
 
 
 def test_a_crowd_that_waits_too_long_is_told():
@@ -100,7 +103,7 @@ def test_a_crowd_that_waits_too_long_is_told():
     busy.start()
     time.sleep(0.1)
     try:
-        assert "not your turn" in runner.ask("facts", space="s2")["problem"]
+        assert "not your turn" in runner.ask("space_info", space="s2")["problem"]
     finally:
         busy.join()
         runner.close()

@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 
 from geomtorsion import spaces
-from geomtorsion.lab.facts import drawable, facts
-from geomtorsion.lab.tetrad import MOST_DIMENSIONS, OFFERED, tetrad
+from geomtorsion.lab.settings import PAGE
+from geomtorsion.lab.space_info import drawable, space_info
+from geomtorsion.lab.tetrad import OFFERED, tetrad
 from geomtorsion.pictures.quantities import chosen_quantities
 from geomtorsion.pictures.sections import section
 
@@ -15,7 +16,7 @@ POLAR = {"coordinates": "r, phi", "entries": [["1", "0"], ["0", "r"]]}
 
 def test_a_shipped_tetrad_typed_again_gives_the_same_cards():
     """The coframe of so3, typed as text, gives the same mathematics as the shipped space."""
-    known = facts("so3")
+    known = space_info("so3")
     found = tetrad(", ".join(known["coordinates"]), known["coframe"], signature=known["signature"])
     shipped = spaces.load("so3")
     for name in ("metric", "torsion", "cartan_connection", "ricci", "cartan_curvature"):
@@ -26,7 +27,7 @@ def test_a_shipped_tetrad_typed_again_gives_the_same_cards():
 @pytest.mark.parametrize("name", drawable().values())
 def test_every_offered_space_can_be_typed(name):
     """The facts about a space are enough to type its tetrad again."""
-    known = facts(name)
+    known = space_info(name)
     found = tetrad(
         ", ".join(known["coordinates"]),
         known["coframe"],
@@ -83,7 +84,7 @@ def test_several_faults_at_once():
         ({"coordinates": ""}, "at least one name"),
         ({"parameters": "r"}, "stands twice"),
         ({"signature": "-++"}, "2 signs"),
-        ({"coordinates": "a b c d e f g"}, f"up to {MOST_DIMENSIONS}"),
+        ({"coordinates": "a b c d e f g"}, f"up to {PAGE.dimensions}"),
     ],
 )
 def test_what_is_wrong_with_the_whole(changes, message):

@@ -1,4 +1,4 @@
-"""door: what stands between the network and the page, and lets in no more than it should."""
+"""access: what stands between the network and the page, and lets in no more than it should."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from collections.abc import Awaitable, Callable, Iterable, MutableMapping
 from typing import Any
 from urllib.parse import SplitResult, urlsplit
 
+from geomtorsion.lab.settings import PAGE
+
 Scope = MutableMapping[str, Any]
 Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
 Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 App = Callable[[Scope, Receive, Send], Awaitable[None]]
 
-# Sessions at once, and bytes of one request: a whole tetrad is a hundredth of that.
-MOST_SESSIONS, LARGEST_BODY = 64, 262_144
 # The browser itself is told to load nothing from anywhere else.
 POLICY = (
     "default-src 'self'; script-src 'self' 'unsafe-inline' 'unsafe-eval' blob:; "
@@ -22,8 +22,6 @@ POLICY = (
     "object-src 'none'; base-uri 'self'; form-action 'self'"
 )
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
-# Seconds that a session may take to show its first page before the next one is let in.
-OPENING = 15.0
 # How the message begins that ends the first run of a session, or says that it goes on.
 _BEGUN = ('{"op": "completed-run"', '{"op": "reconnected"')
 _FULL = (
@@ -32,7 +30,7 @@ _FULL = (
 )
 
 
-class Door:
+class AccessControl:
     """An ASGI application before another: hosts, origins, sizes and the number of sessions.
 
     hosts: names by which the page may be called; empty: any. A page of another site that is open
@@ -43,7 +41,7 @@ class Door:
         self,
         app: App,
         hosts: Iterable[str] = LOOPBACK,
-        sessions: int = MOST_SESSIONS,
+        sessions: int = PAGE.sessions,
         ending: Callable[[], Awaitable[None]] | None = None,
     ) -> None:
         self.app = app
@@ -96,8 +94,8 @@ class Door:
         if origin == "null" and scope.get("method", "GET") not in ("GET", "HEAD"):
             return 403, "Requests of pages without a name are not answered."
         length = headers.get("content-length", "0")
-        if not length.isdecimal() or len(length) > 12 or int(length) > LARGEST_BODY:
-            return 413, f"A request may have {LARGEST_BODY:,} bytes."
+        if not length.isdecimal() or len(length) > 12 or int(length) > PAGE.body:
+            return 413, f"A request may have {PAGE.body:,} bytes."
         if scope["type"] == "http" and scope["path"] == "/" and self.open >= self.sessions:
             return 503, _FULL.format(most=self.sessions)
         return None
@@ -135,7 +133,7 @@ class Door:
             session = asyncio.create_task(self.app(scope, receive, watched))  # type: ignore[arg-type]
             waiting = asyncio.create_task(begun.wait())
             both = (session, waiting)
-            await asyncio.wait(both, timeout=OPENING, return_when=asyncio.FIRST_COMPLETED)
+            await asyncio.wait(both, timeout=PAGE.opening, return_when=asyncio.FIRST_COMPLETED)
             waiting.cancel()
         await session
 
@@ -156,7 +154,7 @@ def _bounded(receive: Receive) -> Receive:
         nonlocal seen
         message = await receive()
         seen += len(message.get("body", b""))
-        return {"type": "http.disconnect"} if seen > LARGEST_BODY else message
+        return {"type": "http.disconnect"} if seen > PAGE.body else message
 
     return bounded
 

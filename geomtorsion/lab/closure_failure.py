@@ -1,18 +1,19 @@
-"""closing: a circle, its image in the frame that does not close, and by how much, twice."""
+"""closure failure: a circle, its image in the frame that does not close, and by how much, twice."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geomtorsion.lab.facts import space_of
+from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.lab.numbers import names_text, shown, table
 from geomtorsion.lab.plot import LOOKS, Look, Plot
+from geomtorsion.lab.space_info import space_of
 from geomtorsion.loops import Loop, burgers_vector
 from geomtorsion.loops.forms import forms
-from geomtorsion.loops.hodograph import hodograph
+from geomtorsion.loops.hodograph import Hodograph, hodograph
 from geomtorsion.pictures.style import number
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.spaces.first_motions import first_motion
@@ -27,9 +28,9 @@ GAP = Look("#C24E00", "", "triangle", 3.4)
 START = Look("#222222", "", "dot")
 
 
-def closing(
+def closure_failure(
     space: str, centre: Sequence[float], radius: float, plane: Sequence[int]
-) -> dict[str, Any]:
+) -> Json:
     """A circle about a point of a shipped space and its Burgers vector, drawn and tabulated.
 
     Parameters
@@ -46,7 +47,7 @@ def closing(
 
     Examples
     --------
-    >>> found = closing("heisenberg", [0, 0, 0], 0.5, [0, 1])
+    >>> found = closure_failure("heisenberg", [0, 0, 0], 0.5, [0, 1])
     >>> max(abs(x - y) for x, y in zip(found["b"], found["expected"])) < 1e-12
     True
     """
@@ -86,7 +87,7 @@ def density(frame: Frame, b: BurgersVector, first: int, second: int) -> list[flo
     return [float(x) * area for x in result]
 
 
-def _path(drawn: Any, names: list[str], first: int, second: int) -> str:
+def _path(drawn: Hodograph, names: list[str], first: int, second: int) -> str:
     """The loop in its plane, in coordinates."""
     unit = f", in {drawn.unit}" if drawn.unit else ""
     labels = [f"{names[k]} − centre{unit}" for k in (first, second)]
@@ -97,7 +98,7 @@ def _path(drawn: Any, names: list[str], first: int, second: int) -> str:
     return plot.mark(points[0], START, "dot", "start = end").svg()
 
 
-def _image(drawn: Any, b: BurgersVector) -> str:
+def _image(drawn: Hodograph, b: BurgersVector) -> str:
     """The image in the frame, seen from the side from which the gap is widest."""
     curve = np.real(drawn.image)
     widths = np.ptp(curve, axis=1)

@@ -1,4 +1,4 @@
-"""The door: who may come in, how much they may carry, and what the browser is told."""
+"""The access control: who may come in, how much they may carry, and what the browser is told."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ from typing import Any
 import pytest
 
 from geomtorsion.errors import LimitError
-from geomtorsion.lab.door import LARGEST_BODY, Door
+from geomtorsion.lab.access import AccessControl
 from geomtorsion.lab.server import Address, _socket
+from geomtorsion.lab.settings import PAGE
 from tests.lab.serving import ROOT, served
 from tests.lab.session import run
 
@@ -35,9 +36,13 @@ async def inner(scope: Any, receive: Any, send: Any) -> None:
 
 
 def ask(
-    door: Door, headers: dict[str, str], method: str = "GET", path: str = "/", bodies: Any = (b"",)
+    control: AccessControl,
+    headers: dict[str, str],
+    method: str = "GET",
+    path: str = "/",
+    bodies: Any = (b"",),
 ) -> tuple[int, dict[str, str]]:
-    """Status and headers of what the door answers; 0 if it hangs up."""
+    """Status and headers of what the access control answers; 0 if it hangs up."""
     sent: list[dict[str, Any]] = []
     parts = list(bodies)
 
@@ -54,7 +59,7 @@ def ask(
         "path": path,
         "headers": [(k.lower().encode(), v.encode("latin-1")) for k, v in headers.items()],
     }
-    run(door(scope, receive, send))
+    run(control(scope, receive, send))
     if not sent:
         return 0, {}
     return sent[0]["status"], {k.decode(): v.decode() for k, v in sent[0]["headers"]}
@@ -65,7 +70,7 @@ HOST = {"host": "127.0.0.1:2718"}
 
 def test_the_usual_visitor_comes_in():
     """A browser on this machine gets the page, with the order to load nothing else."""
-    status, headers = ask(Door(inner), HOST | {"origin": "http://127.0.0.1:2718"})
+    status, headers = ask(AccessControl(inner), HOST | {"origin": "http://127.0.0.1:2718"})
     assert status == 200
     for rule in OPEN:
         assert rule in headers["content-security-policy"]
@@ -78,7 +83,7 @@ def test_the_usual_visitor_comes_in():
         ({}, 421),
         (HOST | {"origin": "http://evil.example"}, 403),
         (HOST | {"origin": "http://127.0.0.1:9999"}, 403),
-        (HOST | {"content-length": str(LARGEST_BODY + 1)}, 413),
+        (HOST | {"content-length": str(PAGE.body + 1)}, 413),
         (HOST | {"content-length": "many"}, 413),
         (HOST | {"content-length": "9" * 5000}, 413),
         (HOST | {"content-length": "\u00b2"}, 413),
@@ -89,12 +94,14 @@ def test_the_usual_visitor_comes_in():
 )
 def test_others_stay_outside(headers, status):
     """Other names (DNS rebinding), pages of other sites and long bodies are refused."""
-    assert ask(Door(inner), headers, "POST", "/api/kernel/run")[0] == status
+    assert ask(AccessControl(inner), headers, "POST", "/api/kernel/run")[0] == status
 
 
 def test_a_body_without_a_length_ends_where_it_is_too_long():
     """Whatever the header says, no more than the limit is read."""
-    status, _ = ask(Door(inner), HOST, "POST", "/x", [b"x" * 200_000, b"x" * 200_000, b"x"])
+    status, _ = ask(
+        AccessControl(inner), HOST, "POST", "/x", [b"x" * 200_000, b"x" * 200_000, b"x"]
+    )
     assert status == 0
 
 

@@ -1,13 +1,16 @@
-"""facts: what controls need to know of a space: names, a start, and how far sliders may go."""
+"""space info: what controls need to know of a space: names, a start, and how far sliders may go."""
 
 from __future__ import annotations
 
 from functools import cache
 from itertools import combinations
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy as sp
+from sympy.core.relational import Relational
 
+from geomtorsion.exercises.worker_pool import Json
+from geomtorsion.lab.settings import PAGE
 from geomtorsion.pictures.text import plain_text
 from geomtorsion.spaces import load
 from geomtorsion.spaces.first_motions import first_motion
@@ -17,8 +20,6 @@ if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
     from geomtorsion.spaces.space import Space
 
-# Sliders reach so many steps to either side of the start; fewer where the domain ends.
-STEPS, STEP = 20, 0.05
 # Shown first, because a lesson begins with them.
 FIRST = ("so3", "s2", "flat_polar", "heisenberg", "screw_dislocation", "r3xso3", "schwarzschild")
 # Complex, or with unknown functions: there is nothing to draw.
@@ -44,12 +45,12 @@ def drawable() -> dict[str, str]:
     return {f"{name}: {titles[name]}": name for name in order if name in titles}
 
 
-def facts(space: str) -> dict[str, Any]:
+def space_info(space: str) -> Json:
     """Everything about a shipped space that a control is made of.
 
     Examples
     --------
-    >>> found = facts("so3")
+    >>> found = space_info("so3")
     >>> found["coordinates"], found["start"], found["planes"][0]
     (['phi1', 'phi2', 'phi3'], [0.3, 1.0, 0.2], [0, 1])
     """
@@ -91,17 +92,21 @@ def _ranges(frame: Frame, start: list[float], values: dict[str, float]) -> list[
     for symbol, value in zip(frame.coordinates, start, strict=True):
         # The start may lie on the edge of what another coordinate is bound to.
         own = [relation for relation in frame.domain if symbol in relation.free_symbols]
-        step = STEP * max(1.0, round(abs(value) / 2))
+        step = PAGE.step * max(1.0, round(abs(value) / 2))
         ends = []
         for sign in (-1, 1):
             count = 0
-            while count < STEPS and _inside(own, point, symbol, value + sign * (count + 1) * step):
+            while count < PAGE.reach and _inside(
+                own, point, symbol, value + sign * (count + 1) * step
+            ):
                 count += 1
             ends.append(round(value + sign * count * step, 9))
         found.append([*ends, step])
     return found
 
 
-def _inside(own: list[Any], point: dict[Any, float], symbol: Any, value: float) -> bool:
+def _inside(
+    own: list[Relational], point: dict[sp.Symbol, float], symbol: sp.Symbol, value: float
+) -> bool:
     """Whether the relations of one coordinate hold where it has this value."""
     return all(relation.subs(point | {symbol: value}) != sp.false for relation in own)

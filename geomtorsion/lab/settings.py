@@ -1,0 +1,58 @@
+"""settings: how much the page may take, and how finely it draws."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Settings:
+    """One number for each limit and each choice, with its reason.
+
+    Limits of what comes in
+    -----------------------
+    sessions: open at once. body: bytes of one request; a whole tetrad is a hundredth of that.
+    request: characters of one request; the largest tetrad of the page has 36 entries.
+    answer: characters of one answer to an exercise. dimensions: coordinates of a typed tetrad.
+    kept: characters of all answers that are kept, some hundred pictures.
+
+    Times
+    -----
+    opening: seconds that a session may take to show its first page before the next is let in.
+    reopening: seconds for which a page that was closed can be opened again where it was.
+    pause: milliseconds without a key pressed after which a typed text is read.
+
+    How finely
+    ----------
+    accuracy: of motions, relative. samples: of two curves. points: of a curve that are sent;
+    digits: of each. film: seconds that a film lasts. film_points: of its curves.
+    least_times, most_times, each_turn: times at which a top is computed, and for each turn.
+    reach: steps that a slider goes to either side of the start; step: the usual size of one.
+    fastest: speed along a frame vector, and its step. zero: a value within so many errors of zero
+    is shown as zero. nothing: an error of rounding is drawn here on a logarithmic axis.
+    """
+
+    sessions: int = 64
+    body: int = 262_144
+    request: int = 24_000
+    answer: int = 4000
+    dimensions: int = 6
+    kept: int = 64_000_000
+    opening: float = 15.0
+    reopening: int = 120
+    pause: int = 350
+    accuracy: float = 1e-9
+    samples: int = 241
+    points: int = 600
+    digits: int = 5
+    film: float = 12.0
+    film_points: int = 601
+    least_times: int = 241
+    most_times: int = 1201
+    each_turn: int = 24
+    reach: int = 20
+    step: float = 0.05
+    fastest: float = 3.0
+    zero: float = 3.0
+    nothing: float = 1e-17
+
+
+PAGE = Settings()
