@@ -9,9 +9,6 @@ from geomtorsion.codegen.reading import Reader
 from geomtorsion.codegen.steps import Builder, Signed
 from geomtorsion.codegen.sums import Term, content, shared, without
 
-# No step at all: an empty product.
-_NOTHING = -1
-
 
 class Emitter:
     """Writes sums as steps, literals in the order in which they need each other."""
@@ -99,31 +96,32 @@ class Emitter:
     def _term(self, term: Term) -> Signed:
         number, constants, rest = term
         sign, above, below = self._split(rest)
-        if not constants and abs(number) == 1:
-            turn, scale = (1 if number > 0 else -1), _NOTHING
-        else:
+        scale = None
+        if constants or abs(number) != 1:
             turn, scale = self._scale(number, constants)
-        if above == _NOTHING:
-            above, scale = scale, _NOTHING
-        if above == _NOTHING:
+        else:
+            turn = 1 if number > 0 else -1
+        if above is None:
+            above, scale = scale, None
+        if above is None:
             above = self.builder.number(Fraction(1))
-        if below != _NOTHING:
+        if below is not None:
             above = self.builder.quotient(above, below)
-        return sign * turn, above if scale == _NOTHING else self.builder.product(scale, above)
+        return sign * turn, above if scale is None else self.builder.product(scale, above)
 
     def _scale(self, number: Fraction, constants: tuple[int, ...]) -> Signed:
         """A number times constants."""
         sign, above, below = self._split(constants)
         if number < 0:
             sign, number = -sign, -number
-        if above == _NOTHING:
+        if above is None:
             above = self.builder.number(number)
         elif number != 1:
             above = self.builder.product(self.builder.number(number), above)
-        return sign, above if below == _NOTHING else self.builder.quotient(above, below)
+        return sign, above if below is None else self.builder.quotient(above, below)
 
-    def _split(self, literals: tuple[int, ...]) -> tuple[int, int, int]:
-        """Sign, and places of what stands above and below the line."""
+    def _split(self, literals: tuple[int, ...]) -> tuple[int, int | None, int | None]:
+        """Sign, and places of what stands above and below the line, None for nothing."""
         sign, above, below = 1, list[int](), list[int]()
         for literal in literals:
             turn, place = self._done[abs(literal)]
@@ -131,15 +129,15 @@ class Emitter:
             (above if literal > 0 else below).append(place)
         return sign, self._chain(above), self._chain(below)
 
-    def _chain(self, places: Iterable[int]) -> int:
+    def _chain(self, places: Iterable[int]) -> int | None:
         """The product of places, equal ones as powers."""
         count: dict[int, int] = {}
         for place in sorted(places):
             count[place] = count.get(place, 0) + 1
-        result = _NOTHING
+        result = None
         for place, times in count.items():
             power = self.builder.power(place, times)
-            result = power if result == _NOTHING else self.builder.product(result, power)
+            result = power if result is None else self.builder.product(result, power)
         return result
 
 

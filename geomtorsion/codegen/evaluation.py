@@ -11,6 +11,9 @@ import mpmath
 from geomtorsion.codegen.functions import FUNCTIONS
 from geomtorsion.codegen.steps import Signed, Step
 
+# Bits of numbers that are no fractions: no engine calculates with more.
+EXACT_BITS = 400
+
 Exact = Fraction | mpmath.mpf
 
 

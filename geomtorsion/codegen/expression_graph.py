@@ -14,16 +14,13 @@ from numpy.typing import ArrayLike
 
 from geomtorsion.codegen.differentiation import jacobian
 from geomtorsion.codegen.emission import Emitter
-from geomtorsion.codegen.evaluation import exact_values
+from geomtorsion.codegen.evaluation import EXACT_BITS, exact_values
 from geomtorsion.codegen.factoring import factor as pull_out
 from geomtorsion.codegen.heyoka_code import Expression, Number, heyoka_expressions
 from geomtorsion.codegen.python_code import compiled, python_source
 from geomtorsion.codegen.reading import Output, Reader
 from geomtorsion.codegen.steps import Signed, Step
 from geomtorsion.codegen.term_sizes import term_sizes
-
-# Digits with which numbers that are no fractions are worked out exactly enough for every engine.
-EXACT_BITS = 400
 
 
 def graph(

@@ -16,15 +16,11 @@ from typing import Any
 from geomtorsion.codegen.sums import Sums, Term, collected, content, order, shared, without
 
 # What an operation on Taylor series costs, as measured with heyoka at order 20: a product of two
-# series convolves them; its square needs half the convolution, a product with a constant and a sum
-# none.  On plain numbers all this costs the same, and fewer products are still better.
-PRODUCT, SQUARE, QUOTIENT, SCALE, SUM = 100, 40, 130, 10, 2
+# series convolves them; its square needs half the convolution, a product with a constant none.
+# On plain numbers all this costs the same, and fewer products are still better.
+PRODUCT, SQUARE, QUOTIENT, SCALE = 100, 40, 130, 10
 # More comparisons than this take tens of milliseconds: what is found by then has to do.
 MOST_COMPARED = 12_000
-# If the first look alone would take more, nothing is pulled out.
-MOST_PAIRS = 4_000
-# Stands for some literal where only the number of literals matters.
-_SOME = 10**9
 
 # A pair of terms without common factor, or a pair of factors (integers).
 Divisor = tuple[Any, Any]
@@ -38,7 +34,8 @@ def factor(sums: Sums) -> None:
     work = 0
     for terms in sums.sums:
         work += len(terms) ** 2 // 2 + sum(len(rest) ** 2 // 2 for _, _, rest in terms)
-    if work <= MOST_PAIRS:
+    # Below a third, some rounds are sure to be possible.
+    if work <= MOST_COMPARED // 3:
         _Search(sums).run()
 
 
@@ -149,12 +146,13 @@ class _Search:
         if key not in self.divided:
             divisor, front = divided(self.terms[one], self.terms[two])
             number, parameters, rest = front
+            some = self.pool.count + 1  # any literal that is not there: only how many matters
             if divisor[0][2] or divisor[1][2]:
-                after = (number, parameters, (*rest, _SOME))
+                after = (number, parameters, (*rest, some))
             else:
-                after = (number, (_SOME,), rest)
+                after = (number, (some,), rest)
             states = divisor[0][2] or divisor[1][2] or rest
-            saved = self.costs[one] + self.costs[two] + SUM - cost(after)
+            saved = self.costs[one] + self.costs[two] - cost(after)
             place = self._divisor(divisor) if states else -1
             self.divided[key] = (place, self._term(front), saved)
         return self.divided[key]
@@ -183,7 +181,7 @@ class _Search:
         if isinstance(one, int):
             each = SQUARE if one == two else QUOTIENT if one < 0 < two else PRODUCT
             return (sum(where.values()) - (not known)) * each
-        total = 0 if known else -cost(one) - cost(two) - SUM
+        total = 0 if known else -cost(one) - cost(two)
         for pairs in where.values():
             for pair in disjoint(pairs):
                 total += self.divided[pair][2]

@@ -7,12 +7,12 @@ from fractions import Fraction
 from importlib import import_module
 from typing import Protocol
 
+from mpmath.libmp import prec_to_dps
+
+from geomtorsion.codegen.evaluation import EXACT_BITS
 from geomtorsion.codegen.functions import FUNCTIONS
 from geomtorsion.codegen.steps import Signed, Step, is_one
 from geomtorsion.errors import ExpressionError
-
-# Digits of pi and its kind; no engine calculates with more.
-_DIGITS = 120
 
 
 class Expression(Protocol):
@@ -70,7 +70,7 @@ class _Writer:
         if kind == "number":
             return self.number(detail.numerator, detail.denominator)
         if kind == "digits":
-            digits = Fraction(str(detail.evalf(_DIGITS)))
+            digits = Fraction(str(detail.evalf(prec_to_dps(EXACT_BITS))))
             return self.number(digits.numerator, digits.denominator)
         inner = [self.made[place] for place in step.operands]
         if kind == "sum":

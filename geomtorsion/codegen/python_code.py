@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from enum import IntEnum
 from fractions import Fraction
 from functools import lru_cache, reduce
 from typing import Any, Literal
@@ -13,10 +14,16 @@ import numpy as np
 from geomtorsion.codegen.functions import FUNCTIONS
 from geomtorsion.codegen.steps import Signed, Step, uses
 
-# How tightly a piece of code holds together: sums, products, and what needs no brackets.
-_SUM, _PRODUCT, _WHOLE = 0, 1, 2
 # Longer pieces become statements: Python's parser has a limit for brackets within brackets.
 _LONGEST_PIECE = 500
+
+
+class Binding(IntEnum):
+    """How tightly a piece of code holds together."""
+
+    SUM = 0
+    PRODUCT = 1
+    WHOLE = 2
 
 
 def python_source(
@@ -35,11 +42,11 @@ class _Writer:
 
     def __init__(self, steps: Sequence[Step], outputs: Sequence[Signed]) -> None:
         self.lines: list[str] = []
-        self._codes: list[tuple[str, int]] = []
+        self._codes: list[tuple[str, Binding]] = []
         for step, count in zip(steps, uses(steps, outputs), strict=True):
             code, kind = self._step(step)
-            if len(code) > _LONGEST_PIECE or (count > 1 and (kind != _WHOLE or "(" in code)):
-                code, kind = self._stored(code), _WHOLE
+            if len(code) > _LONGEST_PIECE or (count > 1 and (kind != Binding.WHOLE or "(" in code)):
+                code, kind = self._stored(code), Binding.WHOLE
             self._codes.append((code, kind))
 
     def signed(self, sign: int, place: int) -> str:
@@ -47,60 +54,60 @@ class _Writer:
         code, kind = self._codes[place]
         if sign > 0:
             return code
-        return f"-({code})" if kind == _SUM else f"-{code}"
+        return f"-({code})" if kind == Binding.SUM else f"-{code}"
 
     def _stored(self, code: str) -> str:
         name = f"t{len(self.lines)}"
         self.lines.append(f"{name} = {code}")
         return name
 
-    def _bracketed(self, place: int, least: int) -> str:
+    def _bracketed(self, place: int, least: Binding) -> str:
         code, kind = self._codes[place]
         return code if kind >= least else f"({code})"
 
-    def _step(self, step: Step) -> tuple[str, int]:
+    def _step(self, step: Step) -> tuple[str, Binding]:
         kind, operands, detail = step.kind, step.operands, step.detail
         if kind == "argument":
-            return f"a{detail}", _WHOLE
+            return f"a{detail}", Binding.WHOLE
         if kind == "number":
             return _number(detail)
         if kind == "digits":
-            return repr(float(detail)), _WHOLE
+            return repr(float(detail)), Binding.WHOLE
         if kind == "imaginary":
-            return "1j", _WHOLE
+            return "1j", Binding.WHOLE
         if kind == "sum":
-            return self._sum(step), _SUM
+            return self._sum(step), Binding.SUM
         if kind == "square":
             # The base is read twice, so it has a name or is short.
-            code = self._bracketed(operands[0], _WHOLE)
-            return f"{code}*{code}", _PRODUCT
+            code = self._bracketed(operands[0], Binding.WHOLE)
+            return f"{code}*{code}", Binding.PRODUCT
         if kind in ("product", "quotient"):
             sign = "*" if kind == "product" else "/"
-            first, second = operands
-            code = f"{self._bracketed(first, _PRODUCT)}{sign}{self._bracketed(second, _WHOLE)}"
-            return code, _PRODUCT
+            first = self._bracketed(operands[0], Binding.PRODUCT)
+            second = self._bracketed(operands[1], Binding.WHOLE)
+            return f"{first}{sign}{second}", Binding.PRODUCT
         inner = [self._codes[place][0] for place in operands]
         if kind == "root":
             name, inner = ("sqrt", inner) if detail == 2 else ("pow", [*inner, f"1/{detail}"])
         else:
             name = "pow" if detail == "power" else FUNCTIONS[detail].math
-        return f"{name}({', '.join(inner)})", _WHOLE
+        return f"{name}({', '.join(inner)})", Binding.WHOLE
 
     def _sum(self, step: Step) -> str:
         code = ""
         for sign, place in zip(step.signs, step.operands, strict=True):
             if len(code) > _LONGEST_PIECE:
                 code = " + " + self._stored(code.removeprefix(" + "))
-            code += f" {'+' if sign > 0 else '-'} {self._bracketed(place, _PRODUCT)}"
+            code += f" {'+' if sign > 0 else '-'} {self._bracketed(place, Binding.PRODUCT)}"
         return code.removeprefix(" + ")
 
 
-def _number(value: Fraction) -> tuple[str, int]:
+def _number(value: Fraction) -> tuple[str, Binding]:
     """A rational number as floating-point code."""
     above, below = float(value.numerator), float(value.denominator)
     if value.denominator & (value.denominator - 1) == 0:
-        return repr(above / below), _WHOLE if value >= 0 else _SUM
-    return f"({above!r}/{below!r})", _WHOLE
+        return repr(above / below), Binding.WHOLE if value >= 0 else Binding.SUM
+    return f"({above!r}/{below!r})", Binding.WHOLE
 
 
 def _sign(x: float) -> float:

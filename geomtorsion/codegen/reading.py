@@ -23,7 +23,7 @@ Products = tuple[tuple[Element, tuple[str, ...]], ...]
 Output = Element | Products | sp.Expr | int | Fraction
 
 # Up to this exponent, powers are spelt out, so that factoring sees what they share.
-_SPELT_OUT = 24
+SPELT_OUT = 24
 # Generators of a field that are functions of their first argument.
 _OF_ANGLES = {"cos": "cos", "sin": "sin", "cosh": "cosh", "sinh": "sinh", "chebyshev": "cos"}
 # Functions that are one over another one.
@@ -121,7 +121,7 @@ class Reader:
             if exponent < 0:
                 return self._call("power", term, (Fraction(exponent), (), ()))
             return term if exponent else (Fraction(1), (), ())
-        if abs(exponent) > _SPELT_OUT:
+        if abs(exponent) > SPELT_OUT:
             number, constants, rest = self._function("power", abs(exponent), term)
             sign = 1 if exponent > 0 else -1
             return number, tuple(sign * c for c in constants), tuple(sign * r for r in rest)

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 _GUARD = 30
 # Expanded numerators cancel; precision is doubled up to this many bits until they agree.
-_LARGEST_BITS = 2**12
+LARGEST_BITS = 2**12
 
 
 def evaluate(element: Element, point: Mapping[Any, Any], precision: int = 53) -> mpmath.mpf:
@@ -35,7 +35,7 @@ def evaluate(element: Element, point: Mapping[Any, Any], precision: int = 53) ->
     value = settled_value(
         lambda: _written_value(element, lambda generator: _given(point, generator), {}),
         precision,
-        _LARGEST_BITS,
+        LARGEST_BITS,
     )
     if not element.field.is_complex and mpmath.im(value):
         raise SingularPointError(

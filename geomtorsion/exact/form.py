@@ -21,7 +21,7 @@ Monomial = tuple[tuple["Generator", int], ...]
 
 # Longer polynomials are not rewritten with sin**2: it would cost more than it shortens.
 _LONGEST_REWRITTEN = 120
-_LONGEST_FACTORED = 2000
+LONGEST_FACTORED = 2000
 # A product of factors that is a sum of so few multiple angles is written as that sum.
 _FEW_WAVES = 4
 
@@ -105,7 +105,7 @@ def _made(element: Element) -> Form:
     if len(num) == 1 and not den and not below:
         return _monomial(field, num)
     # A long polynomial is written as it is: its factors would cost more than they explain.
-    content, factors = num.factor() if len(num) <= _LONGEST_FACTORED else (fmpq(1), [(num, 1)])
+    content, factors = num.factor() if len(num) <= LONGEST_FACTORED else (fmpq(1), [(num, 1)])
     if len(factors) > 1 and _is_short_wave(field, table, num):
         content, factors = fmpq(1), [(num, 1)]
     for factor, exponent in factors:

@@ -10,7 +10,7 @@ import sympy
 
 from geomtorsion.checks import expression
 from geomtorsion.errors import GeomtorsionError
-from geomtorsion.exact.evaluate import settled_value, values
+from geomtorsion.exact.evaluate import LARGEST_BITS, settled_value, values
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from geomtorsion.exact.generators import Generator
     from geomtorsion.exact.tower import Tower
 
-_BITS = 300
-_LARGEST_BITS = 2048
+# Bits of values at the point; zero is accepted at half the bits that evaluation tries at most.
+BITS = 300
 # Points tried before a radicand or the argument of a log is left negative.
 _TRIES = 80
 
@@ -47,7 +47,7 @@ class GenericPoint:
         SingularPointError
             the element is singular there, or its value drowns in cancellation.
         """
-        return settled_value(lambda: self._now(element), _BITS, _LARGEST_BITS)
+        return settled_value(lambda: self._now(element), BITS, LARGEST_BITS // 2)
 
     def _now(self, element: Element) -> mpmath.mpf:
         """The value at the working precision."""
@@ -74,8 +74,8 @@ class GenericPoint:
         except (GeomtorsionError, ArithmeticError, ValueError):
             return True
         real, imaginary = mpmath.re(value), mpmath.im(value)
-        with mpmath.workprec(_BITS):
-            negligible = mpmath.ldexp(max(abs(real), abs(imaginary)), -_BITS // 2)
+        with mpmath.workprec(BITS):
+            negligible = mpmath.ldexp(max(abs(real), abs(imaginary)), -BITS // 2)
             return bool(real > 0 if abs(real) > negligible else imaginary > 0)
 
     def prefer_positive(self, element: Element) -> bool:

@@ -16,6 +16,7 @@ from flint import fmpq
 
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.generators import Branch, Generator
+from geomtorsion.exact.generic_point import BITS
 from geomtorsion.exact.integers import prime_factors
 from geomtorsion.exact.rational_basis import express
 
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     # Argument of a logarithm; or inner element, slope and arguments of an inverse function.
     Data = Element | tuple[Element, Element, tuple[Element, ...]]
 
-_BITS = 400
+# Values at the generic point have 90 digits: what differs by less than this is equal.
 _CLOSE = mpmath.mpf(10) ** -70
 # Constants that are recognised: multiples of pi with a denominator up to this.
 _PARTS_OF_TURN = 48
@@ -91,7 +92,7 @@ class Primitives:
         if not field.is_complex:
             return value
         try:
-            with mpmath.workprec(_BITS):
+            with mpmath.workprec(BITS):
                 excess = field.sample.value(value) - mpmath.log(field.sample.value(element))
                 turns = int(mpmath.nint(mpmath.im(excess) / (2 * mpmath.pi)))
         except (ArithmeticError, ValueError):
@@ -236,7 +237,7 @@ class Primitives:
     def _number(self, name: str, arguments: tuple[Element, ...]) -> mpmath.mpf | None:
         """The value of the function at the sample point, or None."""
         try:
-            with mpmath.workprec(_BITS):
+            with mpmath.workprec(BITS):
                 return getattr(mpmath, name)(*map(self._field.sample.value, arguments))
         except (ArithmeticError, ValueError):
             return None
@@ -244,7 +245,7 @@ class Primitives:
     def _constant(self, value: mpmath.mpf, combination: Element) -> Element | None:
         """The constant value - combination where it is a part of pi or a simple logarithm."""
         field = self._field
-        with mpmath.workprec(_BITS):
+        with mpmath.workprec(BITS):
             rest = mpmath.mpmathify(value - field.sample.value(combination))
             size = 1 + abs(value)
             if abs(mpmath.im(rest)) > size * _CLOSE:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import sympy
 
-from geomtorsion.exact.form import Sum, form
+from geomtorsion.exact.form import LONGEST_FACTORED, Sum, form
 from geomtorsion.exact.generators import Generator
 
 if TYPE_CHECKING:
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
 # Generators that sympy never merges with others in a product, as it does exp(x)*exp(y).
 _PLAIN = frozenset(("symbol", "cos", "sin", "cosh", "sinh", "log", "jet"))
-# Sums above this many terms stay in their own order: sorting them takes sympy minutes.
-_LONGEST_SORTED = 2000
 _ORDER = cmp_to_key(sympy.Basic.compare)
 
 
@@ -75,6 +73,7 @@ def _sum(known: Powers, base: Sum) -> sympy.Expr:
         terms.append(_product(value, factors, plain))
     if not all_plain:
         return sympy.Add(*terms)
-    if len(terms) <= _LONGEST_SORTED:
+    # Longer sums stay in their own order: sorting them takes sympy minutes.
+    if len(terms) <= LONGEST_FACTORED:
         terms.sort(key=lambda term: (not term.is_Number, _ORDER(term)))
     return sympy.Add._from_args(terms, is_commutative=True)

@@ -11,6 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geomtorsion.codegen import graph
+from geomtorsion.codegen.factoring import MOST_COMPARED
+from geomtorsion.codegen.reading import SPELT_OUT
 from geomtorsion.codegen.steps import MANY_QUOTIENTS
 from geomtorsion.exact import Field
 from tests.codegen.systems import (
@@ -118,6 +120,24 @@ def test_what_is_too_long_is_not_factored():
     assert made == graph(NAMES, [output], factor=False)
     expected = sum(0.5**i * 1.5**j * 2.0**k for i in range(6) for j in range(6) for k in range(6))
     assert made.python()(0.5, 1.5, 2.0, 0.0, 0.0) == pytest.approx((expected,), rel=1e-14)
+
+
+@pytest.mark.parametrize(("terms", "left"), [(80, 1), (95, 2)])
+def test_the_limit_of_factoring(terms, left):
+    """All pairs of n terms are n**2/2: up to a third of the limit x*y + x*z becomes x*(y + z)."""
+    assert (terms**2 // 2 < MOST_COMPARED // 3) is (left == 1)
+    others = sp.symbols(f"c0:{terms - 2}")
+    made = graph([*NAMES, *(c.name for c in others)], [x * y + x * z + sp.Add(*others)])
+    assert costly(made) == left
+
+
+@pytest.mark.parametrize("exponent", [SPELT_OUT, SPELT_OUT + 1, -SPELT_OUT - 1, 10**4])
+def test_high_powers(exponent):
+    """Powers that are too high to be spelt out are squares and products all the same."""
+    made = graph(["x", "y"], [x**exponent * y + x**2])
+    exact = Fraction(9, 8) ** exponent * 3 + Fraction(81, 64)
+    assert made.exactly([Fraction(9, 8), 3]) == [exact]
+    assert costly(made) < 2.1 * len(bin(abs(exponent)))
 
 
 entries = st.builds(
