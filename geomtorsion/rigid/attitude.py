@@ -32,8 +32,8 @@ CONVENTIONS: tuple[str, ...] = (*_SMALL, *(name.upper() for name in _SMALL))
 # Attitudes printed with seven digits are this far from a unit quaternion or a rotation matrix: what
 # is nearer is taken for rounded, what is farther for a mistake.
 ROUNDED = 1e-6
-# Two components of a quaternion that are this small beside the other two hold no angle any more:
-# they come from sums of terms of size 1, each rounded at 1e-16.
+# Two components of a quaternion that are this small, relative to the other two, hold no angle any
+# more: they come from sums of terms of size 1, each rounded at 1e-16.
 LOCKED = 1e-14
 
 

@@ -21,7 +21,7 @@ class SceneCostRow:
 
     effect: the key that was added last ("spin" at first).
     states: number of equations; steps: of the integration.
-    run_seconds: to integrate, best of several, without compiling; what runs beside is part of it.
+    run_seconds: to integrate, best of several, without compiling.
     compile_seconds: once for all scenes with equal equations.
     note: why there are no figures, if there are none.
     """

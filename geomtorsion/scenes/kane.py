@@ -44,10 +44,10 @@ def accelerations(made: Assembly) -> list[sp.Expr]:
         return _solved(made, inertia, list(turning))
     v, mass = made.velocity_body, context.mass
     pulling = made.constrained(ATTITUDE.T * vector_sum(parts, "force"))
-    # With the speeds held: how the partial velocities themselves change.
-    held = replace(made, rates={s: r for s, r in made.rates.items() if s not in made.speeds})
-    pulling -= mass * (v.applyfunc(held.derivative) + omega.cross(v))
-    turning -= inertia * omega.applyfunc(held.derivative)
+    # With constant speeds: how the partial velocities themselves change.
+    fixed = replace(made, rates={s: r for s, r in made.rates.items() if s not in made.speeds})
+    pulling -= mass * (v.applyfunc(fixed.derivative) + omega.cross(v))
+    turning -= inertia * omega.applyfunc(fixed.derivative)
     pairs = [(omega.diff(speed), v.diff(speed)) for speed in made.speeds]
     matrix = sp.Matrix(
         [[sp.expand(w.dot(inertia * o) + mass * m.dot(n)) for o, n in pairs] for w, m in pairs]

@@ -113,11 +113,11 @@ class SweepRun:
 
         def value(x: float) -> float:
             """Barycentric interpolation."""
-            apart = x - place
-            hit = np.flatnonzero(apart == 0)
+            gap = x - place
+            hit = np.flatnonzero(gap == 0)
             if len(hit):
                 return float(values[near][hit[0]])
-            shares = weights / apart
+            shares = weights / gap
             return float(shares @ values[near] / shares.sum())
 
         return value

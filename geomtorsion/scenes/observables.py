@@ -26,6 +26,8 @@ Ingredients = Callable[[Assembly], tuple[sp.Expr, ...]]
 Finish = Callable[[np.ndarray], np.ndarray]
 AXES = ("1", "2", "3")
 SPACE = ("x", "y", "z")
+# So many times make smooth curves, and measures between them as good as the motion.
+FINE = 1001
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from geomtorsion.pictures.scene_attitude import axes_picture, axis_picture, cone
 from geomtorsion.pictures.scene_over_time import change_picture, trust_picture, watched_picture
 from geomtorsion.pictures.scene_path import path_picture
 from geomtorsion.pictures.style import number, save
+from geomtorsion.scenes.observables import FINE
 from geomtorsion.scenes.selection_drawing import selection_figure
 
 if TYPE_CHECKING:
@@ -21,10 +22,8 @@ if TYPE_CHECKING:
     from geomtorsion.scenes.result import SceneResult
 
 Drawn = Callable[["SceneResult"], Any]
-# Effects that are no mechanics: with them a scene is shown beside the one without.
+# Effects that are no mechanics: with them a scene is compared with the one without.
 LAWS = frozenset({"naive", "torsion"})
-# So many points make a smooth curve.
-SMOOTH = 1501
 # Directions that change by less than this (relative) are taken to stay.
 STEADY = 1e-6
 
@@ -81,9 +80,9 @@ def _turns(omega: np.ndarray | None) -> bool:
 
 def finely(result: SceneResult, *names: str) -> list[Any]:
     """Times, and quantities of these names at them, close enough for smooth curves."""
-    if result.scene is None or len(result.times) >= SMOOTH or len(result.times) < 2:
+    if result.scene is None or len(result.times) >= FINE or len(result.times) < 2:
         return [result.times, *(result.values.get(name) for name in names)]
-    times = np.linspace(float(result.times[0]), float(result.times[-1]), SMOOTH)
+    times = np.linspace(float(result.times[0]), float(result.times[-1]), FINE)
     found = result.at(times)
     return [times, *(found.get(name) for name in names)]
 
@@ -153,18 +152,19 @@ def laws(result: SceneResult) -> Figure:
     assert scene is not None
     (key,) = LAWS & set(scene.keyed)
     kept = tuple(effect for effect in scene.effects if effect.key not in LAWS)
-    lawful = replace(scene, effects=kept).run()
+    other = replace(scene, effects=kept).run()
     if "position" in result.values:
         _, places = finely(result, "position")
-        _, others = finely(lawful, "position")
-        apart = np.linalg.norm(others - others[0], axis=1)
-        near = apart <= 2 * float(np.ptp(places, axis=0).max())
+        _, others = finely(other, "position")
+        # A straight line soon leaves the helix behind: it is drawn as far as that reaches.
+        way = np.linalg.norm(others - others[0], axis=1)
+        near = way <= 2 * float(np.ptp(places, axis=0).max())
         names = ("autoparallel", "geodesic") if key == "torsion" else (key, "right")
         paths = dict(zip(names, (places, others[near]), strict=True))
         return path_picture(paths, title=title_of(result), notes=notes_of(result))
     names = [name for name in ("energy", "angular_momentum_space") if name in result.values]
     times, *ours = finely(result, *names)
-    _, *theirs = finely(lawful, *names)
+    _, *theirs = finely(other, *names)
     pairs = zip(names, zip(theirs, ours, strict=True), strict=True)
     changes = {name: {"right": right, key: own} for name, (right, own) in pairs}
     return change_picture(times, changes, title_of(result), notes_of(result))

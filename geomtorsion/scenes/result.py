@@ -19,8 +19,7 @@ from geomtorsion.files import TEXT_FORM, ArrayForm
 from geomtorsion.motion import solve
 from geomtorsion.motion.solution import Cost
 from geomtorsion.motion.tables import pandas_table
-from geomtorsion.pictures.scene_over_time import watched_picture
-from geomtorsion.pictures.style import save
+from geomtorsion.scenes.plotting import plot
 from geomtorsion.scenes.to_ode import invariant_changes, observed
 
 if TYPE_CHECKING:
@@ -220,14 +219,7 @@ class SceneResult:
         MissingExtraError
             matplotlib is not installed.
         """
-        how = self.closed_form or self.engine
-        notes = [f"By {how}; accuracy {self.accuracy:.1e} asked, error below {self.error:.1e}."]
-        figure = watched_picture(
-            self.times, self.values, self.units, self.labels, title=self.title, notes=notes
-        )
-        if path is not None:
-            save(figure, Path(path))
-        return figure
+        return plot(self, path)
 
     # -- taking it elsewhere ---------------------------------------------------------------------
 

@@ -1,4 +1,4 @@
-"""Saving: everything about a run of a scene, in one directory."""
+"""Saving: everything about a run of a scene in one directory, and a film of it."""
 
 from __future__ import annotations
 
@@ -7,17 +7,20 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.errors import SceneError
 from geomtorsion.pictures import style as pictures
+from geomtorsion.pictures.scene_film import block_sides, write_film
 from geomtorsion.pictures.style import save
-from geomtorsion.scenes.plotting import album
+from geomtorsion.scenes.plotting import album, finely
 from geomtorsion.scenes.table import write_csv
 from geomtorsion.scenes.writing import write_file
 
 if TYPE_CHECKING:
     from geomtorsion.scenes.result import SceneResult
 
-# Enough for a screen, and files that are not large.
+# Enough for a screen, and files that are not large: the limit is 250 kB each, as a test says.
 DPI = 92
 TABLE, ARRAYS, FACTS, SCENE = "table.csv", "result.npz", "run.json", "scene.toml"
 
@@ -86,3 +89,34 @@ def metadata(result: SceneResult) -> dict[str, Any]:
         "cost": {name: float(value) for name, value in vars(result.cost).items()},
         "selection": str(result.selection).splitlines(),
     }
+
+
+def write_scene_film(result: SceneResult, path: Path) -> Path:
+    """Write a film of a scene (.gif or .mp4); the directory is made if it is missing.
+
+    The attitude, if it was not watched, is solved for anew.
+
+    Raises
+    ------
+    SceneError
+        the result was loaded from a file.
+    """
+    scene = result.scene
+    if scene is None:
+        raise SceneError("a result from a file has no scene; run the scene and draw that.")
+    names = ["matrix", *(["position"] if "position" in result.values else [])]
+    if "matrix" not in result.values:
+        result = scene.with_values(watch=names).run()
+    times, matrix, position = finely(result, "matrix", "position")
+    body = scene.body
+    moments = np.linalg.eigvalsh(body.tensor) if body.moments is None else body.moments
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_film(
+        path,
+        times,
+        matrix.reshape(-1, 3, 3),
+        position,
+        block_sides([float(x) for x in moments]),
+        title=scene.title or scene.name,
+    )
+    return path

@@ -21,6 +21,7 @@ from geomtorsion.pictures.style import STYLE, number, save
 from geomtorsion.scenes.closed_form import closed_form
 from geomtorsion.scenes.context import Number
 from geomtorsion.scenes.metrics import Measure, SweepRun, Values, measures, only_words, quantities
+from geomtorsion.scenes.observables import FINE
 from geomtorsion.scenes.table import write_csv
 from geomtorsion.scenes.to_ode import observed, parameters_of, start_of
 
@@ -32,9 +33,7 @@ if TYPE_CHECKING:
     from geomtorsion.scenes.scene import Scene
     from geomtorsion.scenes.state import State
 
-# Samples of each motion, at least, so that zeros between them are as good as the motion.
-SAMPLES = 1001
-# Numbers that are held at once, 160 MB: longer batches are solved in parts.
+# Numbers in memory at once, 160 MB: longer batches are solved in parts.
 LARGEST_BATCH = 20_000_000
 _START = re.compile(r"start\.([^\W\d]\w*)(?:\[(\d+)\])?")
 
@@ -344,7 +343,7 @@ def _solve_group(
 
 def _sampled(scene: Scene) -> np.ndarray:
     """Times close enough to measure what is between them."""
-    return np.linspace(0.0, float(scene.times[-1]), max(SAMPLES, len(scene.times)))
+    return np.linspace(0.0, float(scene.times[-1]), max(FINE, len(scene.times)))
 
 
 def _in_batches(

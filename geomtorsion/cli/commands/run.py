@@ -31,8 +31,7 @@ from geomtorsion.motion import Engine
 from geomtorsion.pictures.style import can_draw
 from geomtorsion.scenes import Scene, SceneResult
 from geomtorsion.scenes.checkpoint import partial_result
-from geomtorsion.scenes.film import write_scene_film
-from geomtorsion.scenes.saving import write_run
+from geomtorsion.scenes.saving import write_run, write_scene_film
 from geomtorsion.scenes.table import write_csv
 
 CHECKPOINT, PARTIAL = "checkpoint.npz", "partial.csv"

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 class Drift(Effect):
     """The centre of mass moves freely, as Newton says: m v' = F in space axes.
 
-    A body that nothing holds drifts without being told; naming it makes a scene that also holds
+    A body that nothing holds drifts in any case; naming it makes a scene that also holds
     the body (pivot, rolling) an error.
 
     Equation

@@ -65,11 +65,11 @@ class KnifeEdge(Effect):
         spin = context.Omega[2]
         arm = context.vector("a", self.arm)
         blade = sp.Matrix([u, 0, 0])
-        held = Constraint(
+        constraint = Constraint(
             speeds=(u.name, spin.name),
             omega=(sp.S.Zero, sp.S.Zero, spin),
             velocity=tuple(blade + sp.Matrix([0, 0, spin]).cross(arm)),
             start={u.name: self.speed},
         )
         place = sp.Matrix(context.position) - context.in_space(arm)
-        return Contribution(constraint=held, outputs={"blade": tuple(place), "forward": u})
+        return Contribution(constraint=constraint, outputs={"blade": tuple(place), "forward": u})

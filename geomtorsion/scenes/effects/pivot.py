@@ -70,7 +70,7 @@ class Pivot(Effect):
         """The constraint v = Omega x a; inertia is taken back where it counts Steiner's part."""
         arm = context.vector("a", self.arm)
         place = context.vector("place", self.place)
-        held = Constraint(
+        constraint = Constraint(
             speeds=tuple(symbol.name for symbol in context.Omega),
             omega=context.Omega,
             velocity=tuple(sp.Matrix(context.Omega).cross(arm)),
@@ -81,4 +81,4 @@ class Pivot(Effect):
         if self.moments_at == "pivot":
             matrix = context.mass * (arm * arm.T - arm.dot(arm) * sp.eye(3))
             steiner = tuple(tuple(matrix[i, :]) for i in range(3))
-        return Contribution(constraint=held, inertia=steiner)
+        return Contribution(constraint=constraint, inertia=steiner)

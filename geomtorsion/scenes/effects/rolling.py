@@ -70,12 +70,14 @@ class Rolling(Effect):
         else:
             contact = -r * sp.Matrix([n1, n2, n3])
         velocity = contact.cross(sp.Matrix(context.Omega))
-        rolled = Constraint(
+        constraint = Constraint(
             speeds=tuple(symbol.name for symbol in context.Omega),
             omega=context.Omega,
             velocity=tuple(velocity),
         )
-        return Contribution(constraint=rolled, outputs={"contact": self._place(context, contact)})
+        return Contribution(
+            constraint=constraint, outputs={"contact": self._place(context, contact)}
+        )
 
     def _place(self, context: Context, contact: sp.Matrix) -> tuple[sp.Expr, sp.Expr]:
         """Where it touches the plane: x and y."""

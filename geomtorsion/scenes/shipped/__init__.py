@@ -1,4 +1,4 @@
-"""Shipped: the scenes that come with the package, each a scene file beside this one."""
+"""Shipped: the scenes that come with the package, each a scene file in this folder."""
 
 from __future__ import annotations
 
