@@ -70,18 +70,7 @@ def point_of(frame: gt.Frame) -> dict:
     return {s: sp.Rational(v) for s, v in frame.sample_point.items()}
 
 
-# A kind of space each: groups, spheres, holes, roots, unknown functions, complex legs, defects.
-KINDS = (
-    "so3 so3_rodrigues s2 s3 sl2r r3xso3 heisenberg sol bianchi_v kerr kerr_kinnersley frw "
-    "goedel schwarzschild_isotropic screw_core edge_dislocation_elastic wedge_disclination "
-    "twisted_bar flat_spherical bianchi_vii_h ax_plus_b"
-).split()
-
-
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(n, marks=() if n in KINDS else pytest.mark.slow) for n in gt.spaces.names()],
-)
+@pytest.mark.parametrize("name", gt.spaces.names())
 def test_shipped_spaces(name):
     """Every shipped space agrees with the oracle in every quantity (S^7: without Riemann's)."""
     frame = gt.spaces.load(name).frame
@@ -93,7 +82,6 @@ def test_shipped_spaces(name):
 def test_nothing_is_left_out():
     """The comparison runs over all spaces and over every quantity that has a name."""
     assert len(gt.spaces.names()) >= 30
-    assert set(KINDS) <= set(gt.spaces.names())
     assert OF_FRAME.keys() == QUANTITIES.keys()
 
 
