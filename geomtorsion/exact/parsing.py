@@ -1,11 +1,11 @@
-"""Parsing: text to sympy by a whitelist over Python's ast; nothing is ever evaluated as code."""
+"""Parsing: text to sympy by a whitelist; nothing is ever evaluated as code."""
 
 from __future__ import annotations
 
-import ast
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from typing import Any, NoReturn
 
 import sympy
@@ -13,8 +13,8 @@ import sympy
 from geomtorsion.checks import near_names
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.names import CONSTANTS, DERIVATIVE_NAMES, FUNCTIONS, NOT_SMOOTH
-from geomtorsion.exact.rewriting import Rewritten, rewrite
-from geomtorsion.exact.tokens import Limits, Source, tokens_of
+from geomtorsion.exact.syntax import Node, parse, too_deep
+from geomtorsion.exact.tokens import Limits, Source
 
 _NO_NUMBER = (sympy.zoo, sympy.oo, -sympy.oo, sympy.nan)
 
@@ -26,6 +26,7 @@ def parse_expression(
     *,
     where: str = "expression",
     limits: Limits | None = None,
+    decimals: bool = False,
 ) -> sympy.Expr:
     """Read a sympy expression from text that may come from anywhere.
 
@@ -45,6 +46,9 @@ def parse_expression(
         How errors call this expression, for instance ``"coframe[0, 1]"``.
     limits
         What the expression may cost; the defaults suit everything written by a person.
+    decimals
+        Whether decimal numbers are read, as the fractions that they are written as: 0.1 is 1/10.
+        Otherwise they are refused.
 
     Returns
     -------
@@ -76,76 +80,51 @@ def parse_expression(
         )
     limits = limits or Limits()
     source = Source(text, where)
-    tokens = tokens_of(source, {*symbols, *(functions or ())}, limits)
-    rewritten = rewrite(source, tokens, limits)
-    reader = _Reader(source, rewritten, symbols, functions, limits)
     try:
-        tree = ast.parse(rewritten.text, mode="eval")
-        return reader.read(tree.body)
-    except SyntaxError as error:
-        column = rewritten.column((error.offset or 1) - 1)
-        reason = "the expression does not hold together here"
-        raise source.error(column, column + 1, reason) from None
+        tree = parse(source, {*symbols, *(functions or ())}, limits, decimals=decimals)
+        return _Reader(source, symbols, functions, limits).read(tree)
     except (RecursionError, MemoryError):
-        reason = f"the expression is nested too deeply; the limit is {limits.depth} levels"
-        raise source.limit(0, 1, reason, "Write it flatter.") from None
+        raise source.limit(0, 1, too_deep(limits), "Write it flatter.") from None
 
 
 @dataclass
 class _Reader:
-    """Turns whitelisted ast nodes into sympy; long sums and products are walked, not recursed."""
+    """Turns nodes into sympy; long sums and products are walked, not recursed."""
 
     source: Source
-    rewritten: Rewritten
     symbols: Mapping[str, sympy.Symbol]
     functions: Mapping[str, Any] | None
     limits: Limits
     denominator: int = field(default=1)
 
-    def read(self, node: ast.expr) -> Any:
-        if isinstance(node, ast.Constant) and type(node.value) is int:
-            return sympy.Integer(node.value)
-        if isinstance(node, ast.Name):
+    def read(self, node: Node) -> sympy.Expr:
+        if node.kind == "number":
+            number = Fraction(node.text)
+            return sympy.Rational(number.numerator, number.denominator)
+        if node.kind == "name":
             return self._symbol(node)
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords:
-            return self._call(node, node.func)
-        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
+        if node.kind == "call":
+            return self._call(node)
+        if node.kind == "sum":
             return self._sum(node)
-        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult | ast.Div):
+        if node.kind == "product":
             coefficient, rest = self._product(node)
             return coefficient * rest
-        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
-            return self._power(node, self.read(node.left), self.read(node.right))
-        if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd):
-            return self._sum(node)
-        self._fail(node, "this is not part of an expression")
+        base, exponent = node.parts
+        return self._power(node, self.read(base), self.read(exponent))
 
-    def _sum(self, node: ast.expr) -> Any:
+    def _sum(self, node: Node) -> sympy.Expr:
         # Coefficients of equal parts are added up first: that is most of the work in a long sum.
-        collected: dict[Any, Any] = {}
-        stack: list[tuple[ast.expr, int]] = [(node, 1)]
-        while stack:
-            part, sign = stack.pop()
-            if isinstance(part, ast.BinOp) and isinstance(part.op, ast.Add | ast.Sub):
-                stack.append((part.right, sign if isinstance(part.op, ast.Add) else -sign))
-                stack.append((part.left, sign))
-            elif isinstance(part, ast.UnaryOp) and isinstance(part.op, ast.USub | ast.UAdd):
-                stack.append((part.operand, sign if isinstance(part.op, ast.UAdd) else -sign))
-            else:
-                coefficient, rest = self._product(part)
-                collected[rest] = collected.get(rest, 0) + sign * coefficient
+        collected: dict[sympy.Expr, sympy.Expr] = {}
+        for part, sign in _flat(node):
+            coefficient, rest = self._product(part)
+            collected[rest] = collected.get(rest, 0) + sign * coefficient
         return sympy.Add(*(coefficient * rest for rest, coefficient in collected.items()))
 
-    def _product(self, node: ast.expr) -> tuple[Any, Any]:
+    def _product(self, node: Node) -> tuple[sympy.Expr, sympy.Expr]:
         """Rational coefficient and the rest of a product."""
         coefficient, factors, bits = sympy.Integer(1), [], 0
-        stack: list[tuple[ast.expr, int]] = [(node, 1)]
-        while stack:
-            part, power = stack.pop()
-            if isinstance(part, ast.BinOp) and isinstance(part.op, ast.Mult | ast.Div):
-                stack.append((part.right, power if isinstance(part.op, ast.Mult) else -power))
-                stack.append((part.left, power))
-                continue
+        for part, power in _flat(node, "product"):
             factor = self.read(part)
             if power < 0:
                 if factor == 0:
@@ -161,7 +140,7 @@ class _Reader:
         self._note(node, coefficient)
         return coefficient, sympy.Mul(*factors) if len(factors) != 1 else factors[0]
 
-    def _power(self, node: ast.expr, base: Any, exponent: Any) -> Any:
+    def _power(self, node: Node, base: Any, exponent: Any) -> Any:
         if base == 0 and exponent.is_negative:
             self._fail(node, "division by zero")
         if exponent.is_Rational:
@@ -177,7 +156,7 @@ class _Reader:
         self._note(node, result)
         return result
 
-    def _note(self, node: ast.expr, value: Any) -> None:
+    def _note(self, node: Node, value: Any) -> None:
         # A sum of fractions grows as the common denominator does, however short its terms are.
         coefficient = value.as_coeff_Mul()[0]
         if coefficient.is_Rational and coefficient.q != 1:
@@ -189,8 +168,8 @@ class _Reader:
     def _most_bits(self) -> float:
         return self.limits.digits / math.log10(2)
 
-    def _symbol(self, node: ast.Name) -> Any:
-        name = self.rewritten.names[node.id]
+    def _symbol(self, node: Node) -> Any:
+        name = node.text
         if name in self.symbols:
             return self.symbols[name]
         if self.functions and name in self.functions:
@@ -211,14 +190,16 @@ class _Reader:
         reason = f"{name} is neither a coordinate nor a declared parameter"
         self._fail(node, reason, remedy[0].upper() + remedy[1:])
 
-    def _call(self, node: ast.Call, func: ast.Name) -> Any:
-        name = self.rewritten.names[func.id]
+    def _call(self, node: Node) -> Any:
+        name = node.text
+        # Of a mistake in the name itself, the name is shown and not its arguments.
+        called = replace(node, end=node.start + len(name))
         if name in DERIVATIVE_NAMES and name not in (self.functions or ()):
             return self._derivative(node, name)
         if name in self.symbols:
             remedy = f"For a product write {name}*(...)."
-            self._fail(func, f"{name} is a symbol, not a function", remedy)
-        arguments = [self.read(argument) for argument in node.args]
+            self._fail(called, f"{name} is a symbol, not a function", remedy)
+        arguments = [self.read(argument) for argument in node.parts]
         if self.functions and name in self.functions:
             return self._declared(node, name, self.functions[name], arguments)
         if name in FUNCTIONS:
@@ -230,15 +211,15 @@ class _Reader:
             self._note(node, value)
             return value
         if name in NOT_SMOOTH:
-            self._fail(func, f"{name} is not smooth", NOT_SMOOTH[name])
+            self._fail(called, f"{name} is not smooth", NOT_SMOOTH[name])
         near = near_names(name, [*(self.functions or ()), *FUNCTIONS])
         if self.functions is not None or near or not arguments:
             hint = f"Did you mean {near}? Otherwise d" if near else "D"
             remedy = f"{hint}eclare it as an unknown function with its arguments, as in {name}(r)."
-            self._fail(func, f"{name} is not a function that is known here", remedy)
+            self._fail(called, f"{name} is not a function that is known here", remedy)
         return sympy.Function(name)(*arguments)
 
-    def _declared(self, node: ast.Call, name: str, declared: Any, arguments: list[Any]) -> Any:
+    def _declared(self, node: Node, name: str, declared: Any, arguments: list[Any]) -> Any:
         if isinstance(declared, sympy.Expr):
             self._count(node, name, (len(declared.args),))
             return declared.func(*arguments)
@@ -246,13 +227,13 @@ class _Reader:
             self._fail(node, f"{name} has no argument", f"Write what it depends on: {name}(r).")
         return declared(*arguments)
 
-    def _derivative(self, node: ast.Call, name: str) -> Any:
+    def _derivative(self, node: Node, name: str) -> Any:
         usage = f"Write {name}(f(r), r) or {name}(f(r), r, 2)."
-        if len(node.args) < 2:
+        if len(node.parts) < 2:
             self._fail(node, f"{name} needs a function and a symbol", usage)
-        target, *wrt = [self.read(argument) for argument in node.args]
+        target, *wrt = [self.read(argument) for argument in node.parts]
         if not isinstance(target, sympy.core.function.AppliedUndef | sympy.Derivative):
-            self._fail(node.args[0], "only unknown functions are differentiated here", usage)
+            self._fail(node.parts[0], "only unknown functions are differentiated here", usage)
         variables: list[Any] = []
         for item in wrt:
             if item.is_Integer and variables and 0 < item <= self.limits.depth:
@@ -263,28 +244,38 @@ class _Reader:
                 self._fail(node, f"{item} is no symbol to differentiate by", usage)
         return target.diff(*variables)
 
-    def _count(self, node: ast.Call, name: str, counts: tuple[int, ...]) -> None:
+    def _count(self, node: Node, name: str, counts: tuple[int, ...]) -> None:
         """Fail unless the number of arguments is one of counts."""
-        if len(node.args) not in counts:
+        if len(node.parts) not in counts:
             needed = " or ".join(str(count) for count in counts)
-            reason = f"{name} takes {needed} argument{'s' * (counts != (1,))}, not {len(node.args)}"
+            reason = (
+                f"{name} takes {needed} argument{'s' * (counts != (1,))}, not {len(node.parts)}"
+            )
             self._fail(node, reason)
 
-    def _span(self, node: ast.expr) -> tuple[int, int]:
-        start = self.rewritten.column(node.col_offset)
-        return start, max(start + 1, self.rewritten.end((node.end_col_offset or 1) - 1))
+    def _fail(self, node: Node, reason: str, remedy: str = "") -> NoReturn:
+        raise self.source.error(node.start, node.end, reason, remedy)
 
-    def _fail(self, node: ast.expr, reason: str, remedy: str = "") -> NoReturn:
-        raise self.source.error(*self._span(node), reason, remedy)
-
-    def _too_long(self, node: ast.expr) -> NoReturn:
+    def _too_long(self, node: Node) -> NoReturn:
         reason = f"a number here has more digits than the limit of {self.limits.digits:,}"
-        raise self.source.limit(*self._span(node), reason, "Name it as a parameter.")
+        raise self.source.limit(node.start, node.end, reason, "Name it as a parameter.")
 
-    def _too_high(self, node: ast.expr, exponent: Any) -> NoReturn:
+    def _too_high(self, node: Node, exponent: Any) -> NoReturn:
         shown = str(exponent) if _bits(exponent) < 64 else "a number of many digits"
         reason = f"the exponent is {shown}; the limit is {self.limits.exponent}"
-        raise self.source.limit(*self._span(node), reason, "Name it as a parameter, as in r**n.")
+        raise self.source.limit(node.start, node.end, reason, "Name it as a parameter, as in r**n.")
+
+
+def _flat(node: Node, kind: str = "sum") -> Iterator[tuple[Node, int]]:
+    """Terms of a sum, or factors of a product, in brackets too, each with its sign."""
+    waiting = [(node, 1)]
+    while waiting:
+        part, sign = waiting.pop()
+        if part.kind == kind:
+            inner = zip(part.parts, part.signs, strict=True)
+            waiting += [(x, sign * own) for x, own in inner][::-1]
+        else:
+            yield part, sign
 
 
 def _bits(value: Any) -> int:

@@ -87,8 +87,12 @@ _CODE = {"eval", "exec", "compile", "open", "input", "getattr", "setattr", "glob
 _ALLOWED = "Allowed are integers, names, + - * / ** ^ ( ) and functions such as sin(x)."
 
 
-def tokens_of(source: Source, names: Collection[str], limits: Limits) -> list[Token]:
+def tokens_of(
+    source: Source, names: Collection[str], limits: Limits, *, decimals: bool = False
+) -> list[Token]:
     """Cut a text into tokens; all but numbers, names and + - * / ** ( ) , is refused.
+
+    decimals: whether 0.1 is a number; otherwise the message offers 1/10.
 
     Raises
     ------
@@ -114,11 +118,14 @@ def tokens_of(source: Source, names: Collection[str], limits: Limits) -> list[To
             _refuse(source, text[position], position, position + 1)
         kind, piece, end = str(match.lastgroup), match.group(), match.end()
         if kind == "decimal":
-            raise _decimal(source, piece, position, end, limits)
-        if kind == "number" and len(piece) > limits.digits:
+            _check_digits(source, piece, position, end, limits)
+            if not decimals:
+                raise _decimal(source, piece, position, end)
+            kind, piece = "number", piece.replace("_", "")
+        elif kind == "number" and len(piece) > limits.digits:
             reason = f"the number has {len(piece):,} digits; the limit is {limits.digits:,}"
             raise source.limit(position, end, reason)
-        if kind == "number":
+        elif kind == "number":
             piece = piece.replace("_", "").lstrip("0") or "0"
         if kind == "name" and piece not in names:
             _refuse_code(source, piece, position, end)
@@ -150,12 +157,20 @@ def _refuse_code(source: Source, name: str, start: int, end: int) -> None:
         raise source.error(start, end, reason, _ALLOWED)
 
 
-def _decimal(source: Source, piece: str, start: int, end: int, limits: Limits) -> Exception:
-    """Return the error that offers the exact rational for a decimal number."""
-    exponent = re.search(r"[eE]([+-]?[0-9]+)$", piece)
+_EXPONENT = re.compile(r"[eE]([+-]?[0-9]+)$")
+
+
+def _check_digits(source: Source, piece: str, start: int, end: int, limits: Limits) -> None:
+    """Refuse a decimal number that would be a fraction of very many digits."""
+    exponent = _EXPONENT.search(piece)
     if len(piece) > limits.digits or (exponent and abs(int(exponent[1])) > limits.digits):
         reason = f"the number {piece[:20]} has more digits than the limit of {limits.digits:,}"
-        return source.limit(start, end, reason)
+        raise source.limit(start, end, reason)
+
+
+def _decimal(source: Source, piece: str, start: int, end: int) -> ExpressionError:
+    """Return the error that offers the exact rational for a decimal number."""
+    exponent = _EXPONENT.search(piece)
     exact = str(Fraction(piece.rstrip(".")))
     if exponent and len(exact) > 40:
         exact = f"{Fraction(piece[: exponent.start()])}*10**({int(exponent[1])})"

@@ -6,15 +6,15 @@ ask for its sign takes for ever.
 
 from __future__ import annotations
 
-import ast
 import cmath
+import contextlib
 import math
 from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
 from geomtorsion.errors import LimitError
-from geomtorsion.exact.rewriting import rewrite
-from geomtorsion.exact.tokens import Limits, Source, tokens_of
+from geomtorsion.exact.syntax import Node, parse
+from geomtorsion.exact.tokens import Limits, Source
 
 LARGEST_ARGUMENT = 1e4
 LARGEST_POWER = 100
@@ -44,55 +44,41 @@ def check_constants(text: str, symbols: Collection[str], where: str, limits: Lim
     Traceback (most recent call last):
     geomtorsion.errors.LimitError: answer: cosh of a number above 10,000. Write it shorter.
     """
-    source = Source(text, where)
-    rewritten = rewrite(source, tokens_of(source, symbols, limits), limits)
-    try:
-        tree = ast.parse(rewritten.text, mode="eval")
-        _Estimate(rewritten.names, symbols, where).of(tree.body)
-    except (SyntaxError, RecursionError, MemoryError):
-        # The parser proper says what is wrong.
-        return
+    with contextlib.suppress(RecursionError, MemoryError):
+        # What is too deep is refused by the parser proper, which says so.
+        _Estimate(symbols, where).of(parse(Source(text, where), symbols, limits))
 
 
 class _Estimate:
     """Values of constant parts as floats; None for what contains a symbol or has no value."""
 
-    def __init__(self, names: Mapping[str, str], symbols: Collection[str], where: str) -> None:
-        self.names, self.symbols, self.where = names, symbols, where
+    def __init__(self, symbols: Collection[str], where: str) -> None:
+        self.symbols, self.where = symbols, where
 
-    def of(self, node: ast.expr) -> complex | None:
+    def of(self, node: Node) -> complex | None:
         """The value of a part, after a look at all that is inside."""
-        if isinstance(node, ast.Constant):
-            return _float(node.value)
-        if isinstance(node, ast.Name):
-            name = self.names.get(node.id, "")
-            return None if name in self.symbols else _CONSTANTS.get(name)
-        if isinstance(node, ast.UnaryOp):
-            inner = self.of(node.operand)
-            return -inner if inner is not None and isinstance(node.op, ast.USub) else inner
-        if isinstance(node, ast.BinOp):
-            return self.joined(node.op, self.of(node.left), self.of(node.right))
-        if isinstance(node, ast.Call):
-            arguments = [self.of(argument) for argument in node.args]
-            name = self.names.get(node.func.id, "") if isinstance(node.func, ast.Name) else ""
-            return self.called(name, arguments)
-        return None
+        if node.kind == "number":
+            return _float(int(node.text))
+        if node.kind == "name":
+            return None if node.text in self.symbols else _CONSTANTS.get(node.text)
+        values = [self.of(part) for part in node.parts]
+        if node.kind == "call":
+            return self.called(node.text, values)
+        if node.kind == "power":
+            return self.power(*values)
+        return self.joined(node, values)
 
-    def joined(
-        self, sign: ast.operator, one: complex | None, two: complex | None
-    ) -> complex | None:
-        """Sum, product or power of two parts."""
-        if isinstance(sign, ast.Pow):
-            return self.power(one, two)
-        if one is None or two is None:
-            return None
-        if isinstance(sign, ast.Add):
-            return one + two
-        if isinstance(sign, ast.Sub):
-            return one - two
-        if isinstance(sign, ast.Mult):
-            return one * two
-        return one / two if two else None
+    def joined(self, node: Node, values: list[complex | None]) -> complex | None:
+        """Sum or product of parts."""
+        total: complex = 0 if node.kind == "sum" else 1
+        for value, sign in zip(values, node.signs, strict=True):
+            if value is None or (node.kind == "product" and sign < 0 and not value):
+                return None
+            if node.kind == "sum":
+                total += sign * value
+            else:
+                total = total * value if sign > 0 else total / value
+        return total
 
     def power(self, base: complex | None, exponent: complex | None) -> complex | None:
         """A power; what grows beyond floats counts as endless."""

@@ -5,7 +5,7 @@ import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geomtorsion.errors import ExpressionError, GeomtorsionError
+from geomtorsion.errors import ExpressionError, GeomtorsionError, LimitError
 from geomtorsion.exact.parsing import parse_expression
 
 t, r, theta, M = sympy.symbols("t r theta M", positive=True)
@@ -207,6 +207,25 @@ def test_an_error_points_at_the_part():
     _, shown, caret, _ = str(caught.value).split("\n")
     assert len(shown) < 100
     assert shown[caret.index("^") : caret.rindex("^") + 1] == "thetta"
+
+
+def test_decimals_are_read_where_they_are_asked_for():
+    """0.1 is 1/10, never a float; how many digits there may be has a limit here too."""
+    read = {
+        "0.1*r": r / 10,
+        "2.5e-3": sympy.Rational(1, 400),
+        ".5 + 1.": sympy.Rational(3, 2),
+        "1e3*M": 1000 * M,
+        "1_0.2_5": sympy.Rational(41, 4),
+        "r**0.5": sympy.sqrt(r),
+    }
+    for text, expected in read.items():
+        assert parse_expression(text, NAMES, decimals=True) == expected
+    with pytest.raises(LimitError, match="more digits than the limit"):
+        parse_expression("1e5000", NAMES, decimals=True)
+    for text in ("1.2.3", "1.e", "0x1.8p0", "1..2", "r.5"):
+        with pytest.raises(ExpressionError):
+            parse_expression(text, NAMES, decimals=True)
 
 
 def test_text_is_needed():

@@ -1,0 +1,206 @@
+"""Syntax: tokens to a tree of sums, products, powers and calls, by precedence climbing.
+
+First one pass over the tokens checks that values and signs alternate, that brackets match and how
+deep they go; the parser then meets no mistake. Sums and products are flat, however long they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+from geomtorsion.exact.tokens import Limits, Source, Token, tokens_of
+
+
+@dataclass(frozen=True)
+class Node:
+    """A part of an expression.
+
+    kind: "number", "name", "call", "sum", "product" or "power".
+    text: the number or the name as it is written, of a call the name of the function.
+    parts: terms, factors, (base, exponent) or arguments.
+    signs: 1 or -1 for each term (plus, minus) or factor (times, by).
+    start, end: columns in the text, without brackets around it.
+    """
+
+    kind: str
+    text: str
+    parts: tuple[Node, ...]
+    signs: tuple[int, ...]
+    start: int
+    end: int
+
+
+def parse(
+    source: Source, names: Collection[str], limits: Limits, *, decimals: bool = False
+) -> Node:
+    """The tree of a text; names are words that may be used although a language reserves them.
+
+    decimals: read 0.1 as a number; otherwise it is refused, as exact work needs a rational.
+
+    Raises
+    ------
+    ExpressionError
+        A sign that has no place in an expression, a value or a sign that is missing, a bracket
+        without its partner.
+    LimitError
+        The text is longer or deeper than ``limits`` allow.
+
+    Examples
+    --------
+    >>> node = parse(Source("1 - 2*r^2", "entry"), {"r"}, Limits())
+    >>> node.kind, node.signs, [part.kind for part in node.parts]
+    ('sum', (1, -1), ['number', 'product'])
+    """
+    tokens = tokens_of(source, names, limits, decimals=decimals)
+    _check(source, tokens, limits)
+    return _Parser(tokens).sum()
+
+
+def too_deep(limits: Limits) -> str:
+    """What is said of brackets that go too deep."""
+    return f"the expression is nested too deeply; the limit is {limits.depth} levels"
+
+
+class _Parser:
+    """Reads tokens that were checked, from the loosest sign to the tightest."""
+
+    def __init__(self, tokens: Sequence[Token]) -> None:
+        self.tokens = tokens
+        self.place = 0
+
+    def at(self, *signs: str) -> bool:
+        """Whether one of these signs comes next."""
+        here = self.tokens[self.place] if self.place < len(self.tokens) else None
+        return here is not None and here.kind == "sign" and here.text in signs
+
+    def taken(self) -> Token:
+        """The next token."""
+        self.place += 1
+        return self.tokens[self.place - 1]
+
+    def made(
+        self,
+        kind: str,
+        first: int,
+        parts: Sequence[Node] = (),
+        signs: Sequence[int] = (),
+        text: str = "",
+    ) -> Node:
+        """A node that spans all tokens since the first."""
+        start, end = self.tokens[first].start, self.tokens[self.place - 1].end
+        return Node(kind, text, tuple(parts), tuple(signs), start, end)
+
+    def sum(self) -> Node:
+        first, parts, signs = self.place, [self.product()], [1]
+        while self.at("+", "-"):
+            signs.append(1 if self.taken().text == "+" else -1)
+            parts.append(self.product())
+        return parts[0] if len(parts) == 1 else self.made("sum", first, parts, signs)
+
+    def product(self) -> Node:
+        first, parts, signs = self.place, [self.signed()], [1]
+        while self.at("*", "/"):
+            signs.append(1 if self.taken().text == "*" else -1)
+            parts.append(self.signed())
+        return parts[0] if len(parts) == 1 else self.made("product", first, parts, signs)
+
+    def signed(self) -> Node:
+        """A factor with its sign: -r**2 is -(r**2)."""
+        if not self.at("+", "-"):
+            return self.power()
+        first, sign = self.place, 1 if self.taken().text == "+" else -1
+        return self.made("sum", first, [self.signed()], [sign])
+
+    def power(self) -> Node:
+        """A power; r**s**t is r**(s**t), and an exponent may have a sign."""
+        first, base = self.place, self.value()
+        if not self.at("**"):
+            return base
+        self.taken()
+        return self.made("power", first, [base, self.signed()])
+
+    def value(self) -> Node:
+        """A number, a name, a call, or what stands in brackets."""
+        first, token = self.place, self.taken()
+        if token.text == "(":
+            inner = self.sum()
+            self.taken()
+            return inner
+        if token.kind == "number" or not self.at("("):
+            return self.made(token.kind, first, text=token.text)
+        self.taken()
+        arguments = []
+        while not self.at(")"):
+            arguments.append(self.sum())
+            if self.at(","):
+                self.taken()
+        self.taken()
+        return self.made("call", first, arguments, text=token.text)
+
+
+@dataclass
+class _Level:
+    """An open bracket (None: the text itself), and the signs inside its present factor."""
+
+    opening: Token | None
+    is_call: bool
+    nested: int = 0
+
+
+def _check(source: Source, tokens: Sequence[Token], limits: Limits) -> None:
+    """Refuse tokens that cannot stand where they do, and too many levels."""
+    levels = [_Level(None, is_call=False)]
+    before: Token | None = None
+    for token in tokens:
+        level = levels[-1]
+        after_value = before is not None and (before.kind != "sign" or before.text == ")")
+        _check_place(source, token, before, after_value, level)
+        if len(levels) + level.nested > limits.depth:
+            raise source.limit(token.start, token.end, too_deep(limits), "Write it flatter.")
+        if token.text == "(":
+            levels.append(_Level(token, is_call=before is not None and before.kind == "name"))
+        elif token.text == ")":
+            levels.pop()
+        elif token.text in (",", "*", "/") or (token.text in ("+", "-") and after_value):
+            level.nested = 0
+        elif token.kind == "sign":
+            level.nested += 1
+        before = token
+    _check_end(source, before, levels[-1])
+
+
+def _check_place(
+    source: Source, token: Token, before: Token | None, after_value: bool, level: _Level
+) -> None:
+    """Refuse a token that cannot stand where it does."""
+    starts_value = token.kind != "sign" or token.text == "("
+    if starts_value and after_value and before is not None:
+        if token.text == "(" and before.kind == "name":
+            return
+        reason = f"a sign is missing between {before.text} and {token.text}"
+        raise source.error(token.start, token.end, reason, "For a product write *.")
+    if starts_value or token.text in ("+", "-"):
+        return
+    empty_call = token.text == ")" and level.is_call and before is level.opening
+    if not after_value and not empty_call:
+        reason = f"a number or a name is missing before {token.text}"
+        raise source.error(token.start, token.end, reason)
+    if token.text == ")" and level.opening is None:
+        reason = "this closing bracket has no opening one"
+        raise source.error(token.start, token.end, reason)
+    if token.text == "," and not level.is_call:
+        reason = "a comma stands only between the arguments of a function"
+        raise source.error(token.start, token.end, reason, "A decimal point is no comma either.")
+
+
+def _check_end(source: Source, last: Token | None, level: _Level) -> None:
+    """Refuse a text that ends too early."""
+    end = len(source.text)
+    if last is None:
+        raise source.error(0, 1, "the expression is empty", "Write 0 if it vanishes.")
+    if level.opening is not None:
+        opening = level.opening
+        raise source.error(opening.start, opening.end, "this bracket is never closed")
+    if last.kind == "sign" and last.text != ")":
+        raise source.error(end, end + 1, f"a number or a name is missing after {last.text}")
