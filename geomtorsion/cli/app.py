@@ -58,6 +58,7 @@ def _show_version(wanted: bool) -> None:
 def geomtorsion(
     _version: Annotated[
         bool,
+        # Eager: the version is shown although no command is given.
         typer.Option(
             "--version", callback=_show_version, is_eager=True, help="Show the version and stop."
         ),

@@ -33,6 +33,7 @@ def clean_exits() -> Iterator[None]:
         typer.echo(f"geomtorsion: {error}", err=True)
         raise typer.Exit(ExitCode.wrong_input) from None
     except BrokenPipeError:
+        # `| head` closed the pipe: typer ends without a word.
         raise
     except OSError as error:
         name = f": {cut(str(error.filename))}" if error.filename else ""

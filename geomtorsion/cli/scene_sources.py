@@ -27,6 +27,7 @@ def is_scene(source: str) -> bool:
     try:
         data = read_toml(path).data
     except GeomtorsionError:
+        # A broken file is read as a space, whose error says what is wrong.
         return False
     return "body" in data or "effects" in data
 

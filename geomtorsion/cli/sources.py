@@ -21,8 +21,10 @@ def shipped_or_file(
     path = Path(source)
     if source in names:
         return load(source)
+    # What looks like a file is read as one, so that a misspelt path is no unknown name.
     if path.suffix == ".toml" or path.exists() or path.name != source:
         return read(path)
+    # Neither: the error of the loader names what may have been meant.
     try:
         return load(source)
     except UnknownNameError as error:

@@ -31,6 +31,7 @@ def number(text: str, what: str) -> float:
     """
     text = text.strip()
     try:
+        # Tried first: 1e-300 is a number to float, and a fraction of 300 digits to the parser.
         value = float(text)
     except ValueError:
         value = _expression(text, what)

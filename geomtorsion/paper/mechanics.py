@@ -108,11 +108,13 @@ class Mechanics:
 
         Reduced to the body axes, so that it is a polynomial in the velocities.
         """
+        # By the chain rule along the equations of motion, in exact arithmetic.
         hamel, turn = self.right.hamel, attitude()
         exact = hamel.bundle.frame
         fixed = exact.read([("vector", value) for value in turn * sp.Matrix(vector)])
         changes = [hamel.derivative(value) for value in fixed]
         back = exact.read([("turn", value) for value in turn.T])
+        # R^T (R vector)' has no angles left in it: the equations can be compared term by term.
         n = range(3)
         sums = [hamel.bundle.field.sum([(1, back[3 * i + j], changes[j]) for j in n]) for i in n]
         return [value.sympy for value in sums]
@@ -121,6 +123,7 @@ class Mechanics:
         """Whether the energy is q'^T K q' / 2 once u = e q' is put in."""
         bundle = self.right.hamel.bundle
         v = sp.Matrix(bundle.symbols.rates)
+        # The energy in the coordinates minus the printed one: zero is decided, not simplified.
         difference = self.energy.xreplace(self.right.lagrange.velocities)
         printed = (v.T * kinetic * v)[0] / 2
         return bundle.frame.read([("energy", difference - printed)])[0].is_zero is True

@@ -49,6 +49,7 @@ def _transformation(frames: PaperFrames) -> Iterator[Statement]:
         structure[i, j, k] = -value  # d(dPhi^k) = -(1/2) eps_kij dPhi^i ^ dPhi^j
         structure[k, 3 + j, 3 + i] = value  # d(dX^i) = eps_ijk dPhi^k ^ dX^j
         structure[3 + j, k, 3 + i] = -value
+    # eps is a rotation: nine products, 1 on the diagonal.
     rotation = frame.read([("V", x) for x in turn * turn.T])
     orthogonal = all(x == int(k % 4 == 0) for k, x in enumerate(rotation))
     yield Statement(
@@ -83,6 +84,7 @@ def _metric(frame: Frame) -> Iterator[Statement]:
         f"g = {rows(frame.metric)}",
     )
     printed = {(0, 0): 1, (1, 1): s2**2, (2, 2): 1, (0, 2): -c2, (2, 0): -c2}
+    # The print is g^-1 times |g|: dividing by |g| has to give the inverse.
     repaired = {index: value / s2**2 for index, value in printed.items()}
     lost = "the factor 1/|g| = 1/s2**2 is lost"
     if not same(inverse, repaired):

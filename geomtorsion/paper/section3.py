@@ -87,6 +87,7 @@ def _variations(frames: PaperFrames, body: Mechanics) -> Iterator[Statement]:
         verdict(all(strip.holds(i, n, n) for i in n)),
         "differentiated along phi(s, t): delta is d/ds",
     )
+    # 2 S is T, the torsion without the half.
     torsion = cartan(body.frame).torsion.T.in_frame()
     twist = [
         sp.Add(*(torsion[k, j, i] * OMEGA[j] * bar.images[k] for k in n for j in n)) for i in n

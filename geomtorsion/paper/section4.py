@@ -59,6 +59,7 @@ def _geometry(frames: PaperFrames) -> Iterator[Statement]:
         verdict(forms == blocks and frame.metric.to_sympy().tomatrix() == metric),
         "so it is with the coordinates in the order (phi, x) and the forms (dPhi, dX)",
     )
+    # What E is in the order in which the paper names its coordinates: places first.
     other = sp.Matrix(6, 6, lambda i, mu: forms[(i + 3) % 6, (mu + 3) % 6])
     yield Statement(
         "around (21)",
@@ -108,6 +109,7 @@ def _variations(frames: PaperFrames, body: Mechanics) -> Iterator[Statement]:
     mine, other = cross(OMEGA, bar.images[3:]), cross(bar.images[:3], VELOCITY)
     printed = total(rates, other, minus(mine))
     right = total(rates, mine, minus(other))
+    # The print swaps the two terms; anything else would be a worse mistake.
     wrong = "the second term has the wrong sign"
     if not equal(bar.changes[3:], right):
         wrong = "wrong in more than a sign"

@@ -79,6 +79,7 @@ def accuracy(
       geomtorsion accuracy lagrange_cusp --t 1
     """
     asked = numbers(accuracies, "accuracies") or []
+    # The table chooses engines by itself, so that auto adds none.
     names = [] if engines is None else engines.split(",")
     solvers = [solver for name in names if (solver := engine_of(name.strip())) is not None]
     if is_scene(source):

@@ -126,6 +126,7 @@ def _block(pair: Pair, rows: list[int], curves: list[str]) -> list[str]:
     """Rows of a table, with a heading for each curve."""
     names = [symbol.name.rstrip("_") for symbol in pair.symbols]
     heads = "  ".join(name.center(WIDTH * len(names)) for name in curves)
+    # Where a coordinate is called t, the curve parameter needs another name.
     parameter = "parameter" if "t" in names else "t"
     second = right_aligned(names, WIDTH)
     lines = [

@@ -54,4 +54,5 @@ def lab(
         if show:
             webbrowser.open(url)
 
+    # Until Ctrl-C.
     serve(Address(host, port, token), ready, sessions)

@@ -49,6 +49,7 @@ def plan(
             typer.echo(f"wrote {output}")
         return
     if quantity is None:
+        # A wrong name is an error of its own, before the quantity is asked for.
         space_or_hint(source)
         raise UnknownNameError(
             f"plan {source}: name a quantity of the space, as in `geomtorsion plan {source} ricci`."

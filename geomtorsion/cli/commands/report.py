@@ -36,6 +36,7 @@ def report(
     """
     with working(source) as progress:
         space = open_space(source)
+        # The name in a file may be any text; that of a directory may not.
         default = re.sub(r"[^\w-]+", "-", space.name) + "-report"
         written = write_report(space, output or default, progress, pictures=pictures)
     typer.echo(f"{space.name}: wrote {written} and {written.with_name('geometry.json')}")

@@ -12,6 +12,7 @@ from geomtorsion.pictures.quantities import Quantity
 from geomtorsion.pictures.text import expression_text
 from geomtorsion.spaces.space import Space
 
+# Letters with bars stand first: without, their bars would be left over.
 _ASCII = {
     "Γ\u0304": "Gamma_bar", "R\u0304": "R_bar", "Γ": "Gamma", "Φ": "Phi", "δ": "delta",
     "η": "eta", "ω": "omega", "∂": "d", "∧": "^", "θ": "theta",
@@ -68,6 +69,7 @@ def _paragraph(chosen: Quantity, *, greek: bool, every: bool) -> str:
     if not tensor.slots:
         value = expression_text(components[()].sympy, greek=greek)
         return f"{title}  {symbol} = {value}"
+    # Equal signs stand below each other.
     lines = [f"{title}  {label}   [{adapted(entry.equation)}]"]
     labels = {
         index: text_label(symbol, text_marks(tensor, index, greek=greek), tensor.slots)

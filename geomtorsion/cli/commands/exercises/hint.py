@@ -27,6 +27,7 @@ def hint(
     exercise = load(number, seed)
     for place, text in enumerate(exercise.hints[:step], 1):
         typer.echo(wrapped(f"{place}. {text_of(text)}"))
+    # One at a time: the next is asked for by its number.
     if step < len(exercise.hints):
         again = f" --seed {seed}" if seed else ""
         typer.echo(f"Next: `geomtorsion exercises hint {number}{again} --step {step + 1}`.")
