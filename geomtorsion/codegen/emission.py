@@ -85,12 +85,13 @@ class Emitter:
         value, constants = terms[0][0], terms[0][1]
         for other, some, _ in terms:
             value, constants = content(value, other), shared(constants, some)
-        bare = [(n / value, without(some, constants), rest) for n, some, rest in terms]
         front = _in_front([(value, constants, ())])
-        if len(terms) > 1 and front and _in_front(bare) + front <= _in_front(terms):
-            sign, place = self.builder.total([self._term(term) for term in bare])
-            turn, scale = self._scale(value, constants)
-            return sign * turn, self.builder.product(scale, place)
+        if len(terms) > 1 and front:
+            bare = [(n / value, without(some, constants), rest) for n, some, rest in terms]
+            if _in_front(bare) + front <= _in_front(terms):
+                sign, place = self.builder.total([self._term(term) for term in bare])
+                turn, scale = self._scale(value, constants)
+                return sign * turn, self.builder.product(scale, place)
         return self.builder.total([self._term(term) for term in terms])
 
     def _term(self, term: Term) -> Signed:
@@ -129,8 +130,10 @@ class Emitter:
             (above if literal > 0 else below).append(place)
         return sign, self._chain(above), self._chain(below)
 
-    def _chain(self, places: Iterable[int]) -> int | None:
+    def _chain(self, places: Sequence[int]) -> int | None:
         """The product of places, equal ones as powers."""
+        if len(places) < 2:
+            return places[0] if places else None
         count: dict[int, int] = {}
         for place in sorted(places):
             count[place] = count.get(place, 0) + 1

@@ -8,10 +8,11 @@ from fractions import Fraction
 from typing import Any
 
 import sympy as sp
+from flint import fmpq
 
 from geomtorsion.checks import expression
 from geomtorsion.codegen.functions import FUNCTIONS
-from geomtorsion.codegen.sums import Sums, Term
+from geomtorsion.codegen.sums import ONE, Sums, Term
 from geomtorsion.errors import ExpressionError, MissingValueError
 from geomtorsion.exact.element import Element
 from geomtorsion.exact.form import Sum, form
@@ -86,7 +87,7 @@ class Reader:
     def _made(self, meaning: Meaning, *, constant: bool) -> Term:
         literal = self.sums.fresh(constant=constant)
         self.meaning[literal] = meaning
-        return (Fraction(1), (literal,), ()) if constant else (Fraction(1), (), (literal,))
+        return (ONE, (literal,), ()) if constant else (ONE, (), (literal,))
 
     def _function(self, kind: str, detail: int | str, *inner: Term) -> Term:
         """A function of terms."""
@@ -120,7 +121,7 @@ class Reader:
             # 0**0 is 1, 0**n is 0, and 1/0 is left to the engines: it has no value in any.
             if exponent < 0:
                 return self._call("power", term, (Fraction(exponent), (), ()))
-            return term if exponent else (Fraction(1), (), ())
+            return term if exponent else (ONE, (), ())
         if abs(exponent) > SPELT_OUT:
             number, constants, rest = self._function("power", abs(exponent), term)
             sign = 1 if exponent > 0 else -1
@@ -129,16 +130,18 @@ class Reader:
         sign = -1 if exponent < 0 else 1
         spelt = tuple(sorted(sign * literal for literal in constants * abs(exponent)))
         other = tuple(sorted(sign * literal for literal in rest * abs(exponent)))
-        return (number**exponent, spelt, other)
+        return (ONE if number is ONE else number**exponent, spelt, other)
 
     def _times(self, terms: Iterable[Term]) -> Term:
         """A product of terms; a root as often as its degree is what stands below it."""
-        number, constants, rest = Fraction(1), list[int](), list[int]()
+        number, constants, rest = ONE, list[int](), list[int]()
         for value, some, others in terms:
-            number *= value
+            # Most numbers are one, and products of fractions are slow.
+            if value is not ONE:
+                number = value if number is ONE else number * value
             constants += some
             rest += others
-        for entries in (constants, rest):
+        for entries in (constants, rest) if self._roots else ():
             for literal in sorted(set(map(abs, entries)) & self._roots.keys()):
                 degree, inner = self._roots[literal]
                 above, below = entries.count(literal), entries.count(-literal)
@@ -160,8 +163,7 @@ class Reader:
 
     def _element(self, element: Element) -> Term:
         written = form(element)
-        value = written.coefficient
-        number = Fraction(int(value.p), int(value.q))
+        number = _fraction(written.coefficient)
         is_complex = element.field.is_complex
         parts = [
             self._power(self._base(base, is_complex), exponent) for base, exponent in written.powers
@@ -181,7 +183,7 @@ class Reader:
         terms = []
         for value, monomial in base.terms:
             parts = [self._power(self._base(g, is_complex), exponent) for g, exponent in monomial]
-            terms.append(self._times([(Fraction(int(value.p), int(value.q)), (), ()), *parts]))
+            terms.append(self._times([(_fraction(value), (), ()), *parts]))
         return self.sums.literal(terms)
 
     def _generator(self, generator: Generator, is_complex: bool) -> Term:
@@ -229,8 +231,7 @@ class Reader:
                 raise self._unknown(tree)
             return self.arguments[tree.name]
         if isinstance(tree, sp.Rational | sp.Float):
-            value = sp.Rational(tree)
-            return (Fraction(int(value.p), int(value.q)), (), ())
+            return (_fraction(sp.Rational(tree)), (), ())
         if isinstance(tree, sp.NumberSymbol):
             return self._number(tree)
         inner = [self._known[part] for part in tree.args]
@@ -258,6 +259,11 @@ class Reader:
             return self._call("power", below, above)
         root = below if number.denominator == 1 else self._root(2, below)
         return self._times([self._power(root, number.numerator)])
+
+
+def _fraction(value: fmpq | sp.Rational) -> Fraction:
+    """A rational number of FLINT or sympy."""
+    return ONE if value == 1 else Fraction(int(value.p), int(value.q))
 
 
 def _inside_out(tree: sp.Basic, known: Collection[object]) -> Iterator[sp.Basic]:

@@ -9,6 +9,7 @@ from math import gcd, lcm
 # Number, constants, literals.  A literal is an integer k > 0, and -k stands for its inverse; the
 # two tuples are sorted, with repetition.
 Term = tuple[Fraction, tuple[int, ...], tuple[int, ...]]
+ONE = Fraction(1)
 
 
 class Sums:
@@ -53,7 +54,11 @@ class Sums:
         for value, _, _ in found:
             number = content(number, value)
         number = number if found[0][0] > 0 else -number
-        key = tuple((value / number, constants, rest) for value, constants, rest in found)
+        if number == 1:
+            number = ONE
+            key = tuple(found)
+        else:
+            key = tuple((value / number, constants, rest) for value, constants, rest in found)
         if key not in self.known:
             constant = not any(rest for _, _, rest in key)
             literal = self.known[key] = self.fresh(constant=constant)
@@ -103,8 +108,11 @@ def collected(terms: Iterable[Term]) -> list[Term]:
 
 def content(one: Fraction, two: Fraction) -> Fraction:
     """The positive number that leaves whole numbers without common divisor."""
+    if one is ONE and two.denominator == 1:
+        return ONE
     above = gcd(one.numerator, two.numerator)
-    return Fraction(above, lcm(one.denominator, two.denominator))
+    below = lcm(one.denominator, two.denominator)
+    return ONE if above == below == 1 else Fraction(above, below)
 
 
 def shared(one: tuple[int, ...], two: tuple[int, ...]) -> tuple[int, ...]:
