@@ -32,6 +32,7 @@ class Angles:
 
     def prepare(self, angles: list[Element]) -> None:
         """Chooses units that serve all these angles at once."""
+        # Multiples of pi have values in radicals; the rest is counted in atoms.
         rests = [self._turn_taken_out(angle)[1] for angle in angles]
         self.basis.choose(rests)
         for rest in rests:
@@ -97,6 +98,7 @@ class Angles:
             count = coefficient / unit
         n = int(count.p)
         limits.check_multiple(n, "angles", self.basis.elements[index], unit)
+        # cos(n u) by repeated doubling: log(n) products instead of n.
         cos, sin = _power(pair, abs(n), self._field)
         result = (cos, -sin if n < 0 else sin)
         self._multiples[index, coefficient] = result
@@ -156,6 +158,7 @@ class Angles:
     def _algebraic_part(self, angle: Element, whole: Pair, prime: int) -> Element:
         """cos of the part of an angle; where cos of the whole is no polynomial, by a root."""
         field = self._field
+        # A polynomial relation T_n(w) = cos(n u) can be a generator; a quotient cannot.
         if not whole[0]._den:
             return self._new_part(angle, whole, prime)
         if prime > 2:

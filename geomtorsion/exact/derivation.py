@@ -26,12 +26,14 @@ def derivative(field: Tower, element: Element, symbol: sympy.Symbol) -> Element:
     """d(num/den) = d num / den - num / den * sum of exponent * d factor / factor."""
     num = field.lift(element)
     den = element._den
+    # Everything goes into one sum, which is normalised once.
     terms: list[tuple[Any, ...]] = []
     for part, inner in _parts(field, num, symbol):
         terms.append((1, Element(field, part, den, field.level), inner))
     for index, exponent in den:
         inner = _factor_derivative(field, index, symbol)
         if inner._num:
+            # d(1/f**e) = -e (1/f**e) df/f: the denominator grows by one power of each factor.
             once = Element(field, field.ctx.constant(1), ((index, 1),), field.level)
             terms.append((-exponent, element, inner, once))
     return field.sum(terms)

@@ -151,6 +151,7 @@ class Element:
             return NotImplemented
         if self is element:
             return True
+        # Denominators are canonical, so different ones mean different elements.
         if self._den != element._den:
             return False
         if self._level != element._level:
@@ -160,6 +161,7 @@ class Element:
 
     def __hash__(self) -> int:
         if self._hash is None:
+            # The text does not depend on the ring in which the polynomial is written.
             self._hash = hash((str(self._num), self._den))
         return self._hash
 
@@ -175,6 +177,7 @@ class Element:
         """
         if not self._num:
             return True
+        # With proved independence a numerator that is not zero as a polynomial is not zero.
         return False if self._field.all_sure else self._field.decide_zero(self)
 
     @property
@@ -192,6 +195,7 @@ class Element:
         """
         if not self.is_rational:
             raise ValueError(f"{self} is not a rational number")
+        # A constant polynomial has one coefficient, whatever the ring.
         value = fmpq(self._num.leading_coefficient()) if self._num else fmpq(0)
         return Fraction(int(value.p), int(value.q))
 

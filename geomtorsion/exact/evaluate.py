@@ -58,6 +58,7 @@ def settled_value(compute: Callable[[], mpmath.mpf], precision: int, largest: in
     SingularPointError
         no finite value, or none that rises above cancellation, up to the largest precision.
     """
+    # An expanded numerator may cancel to any depth, which one run cannot see: two that agree can.
     bits, before = precision + _GUARD, None
     while True:
         with mpmath.workprec(bits):
@@ -72,6 +73,7 @@ def settled_value(compute: Callable[[], mpmath.mpf], precision: int, largest: in
                     return value
                 if bits > largest:
                     if abs(value) < mpmath.ldexp(1, -largest // 4):
+                        # Below all rounding of the largest precision: zero, as far as can be told.
                         return value * 0
                     raise SingularPointError(
                         f"the value drowns in cancellation even with {bits} bits; "

@@ -51,6 +51,7 @@ class Exponents:
 
     def cosh_sinh(self, argument: Element) -> tuple[Element, Element]:
         """(cosh, sinh) of an argument without imaginary part."""
+        # cosh and sinh of a sum are sums of products of exponentials, each of one atom.
         up = down = self._field.one
         for coefficient, index in self.basis.decompose(argument):
             a, b = self._power(index, coefficient)
@@ -119,6 +120,7 @@ class Exponents:
                 argument=(exponent, names[0]),
             )
         )
+        # exp(u) and exp(-u) by cosh and sinh, so that results read in these two.
         self._base[index] = (unit, cosh + sinh, cosh - sinh)
 
     def _of_inverse_function(self, atom: Element) -> Element | None:

@@ -78,6 +78,7 @@ def form(element: Element) -> Form:
     """The written form of an element, made once for all that are equal."""
     if element._form is None:
         known = element.field.tables.setdefault("forms", {})
+        # Equal elements are often different objects; factoring is dear, their text is cheap.
         key = (str(element.field.lift(element)), element._den)
         if key not in known:
             known[key] = _made(element)
@@ -107,6 +108,7 @@ def _made(element: Element) -> Form:
     # A long polynomial is written as it is: its factors would cost more than they explain.
     content, factors = num.factor() if len(num) <= LONGEST_FACTORED else (fmpq(1), [(num, 1)])
     if len(factors) > 1 and _is_short_wave(field, table, num):
+        # cos(3 x) + cos(2 x) is shorter and more precise than the product of its factors.
         content, factors = fmpq(1), [(num, 1)]
     for factor, exponent in factors:
         positive, sign = monic(factor)
@@ -121,6 +123,7 @@ def _made(element: Element) -> Form:
     for root, scale, keys in table.table:
         counts = [exponents.get(key, 0) for key in keys]
         least, most = min(counts), max(counts)
+        # A radicand that is there in full, above or below the line, is the square of its root.
         take = least if least > 0 else min(0, most)
         if take:
             for key in keys:
@@ -184,10 +187,12 @@ def _sum(field: Tower, table: Radicals, poly: fmpq_mpoly) -> tuple[Sum, int]:
     high = high_pairs(terms, table.circular)
     if high:
         return Sum(tuple(multiple_angles(field, terms, high))), 1
+    # Which of the three is shortest depends on the other terms: all are tried.
     for cos, sin, sign in table.partners:
         if len(terms) <= _LONGEST_REWRITTEN and any(m[cos] > 1 for m in terms):
             others = (_paired(terms, cos, sin, sign), _rewritten(terms, cos, sin, sign))
             terms = min((terms, *others), key=len)
+    # A sum with more minus than plus signs reads better with its sign outside.
     positive = sum(1 for value in terms.values() if value > 0)
     sign = -1 if 2 * positive < len(terms) else 1
     named = tuple(

@@ -39,6 +39,7 @@ def multiple_angles(field: Tower, terms: Terms, pairs: list[tuple[int, int]]) ->
         rest = list(monomial)
         products: list[tuple[fmpq, tuple[tuple[int, bool], ...]]] = [(value, ())]
         for cos, sin in pairs:
+            # Products of powers of one angle are sums of its multiples; angles are independent.
             waves = _harmonics(monomial[cos], monomial[sin])
             rest[cos] = rest[sin] = 0
             products = [

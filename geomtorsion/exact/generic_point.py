@@ -71,6 +71,7 @@ class GenericPoint:
         """Whether the real part, or where it vanishes the other, is positive."""
         try:
             value = self.value(element)
+        # No value at the point: the principal branch is as good as any.
         except (GeomtorsionError, ArithmeticError, ValueError):
             return True
         real, imaginary = mpmath.re(value), mpmath.im(value)
@@ -80,6 +81,7 @@ class GenericPoint:
 
     def prefer_positive(self, element: Element) -> bool:
         """Moves the point to where the element is positive, if that contradicts no sign."""
+        # A radicand that is negative here may be positive elsewhere in the domain.
         if not self._sign(element) and not self._field.is_complex:
             before = self._place
             for place in range(1, _TRIES):
@@ -117,5 +119,6 @@ class GenericPoint:
 
 def _share(text: str) -> mpmath.mpf:
     """A number between 0 and 1 made from a text."""
+    # Made from the name, so that it is the same in every process and for every order of reading.
     seed = zlib.crc32(text.encode()) / 2**32
     return mpmath.frac(mpmath.sqrt(2) * 1000 * (seed + 1))

@@ -69,6 +69,7 @@ class Primitives:
             raise ExpressionError("log of an expression that is exactly zero")
         field.sample.prefer_positive(element)
         content, factors = field.lift(element).factor()
+        # log(x**2 y) = 2 log(x) + log(y): the logarithms of irreducible factors are independent.
         powers = [(field.polynomial(factor), exponent) for factor, exponent in factors]
         powers += [(field.polynomial(field.factors[i]), -e) for i, e in element._den]
         total, value = [], fmpq(content)
@@ -135,6 +136,7 @@ class Primitives:
         known = self._by_argument.get(("log", (base,)))
         if known is not None:
             return known
+        # The logarithm of an exponential is its exponent, that of a root a part of a logarithm.
         for generator in field.generators_of(base):
             if generator.kind == "imaginary" and base == field.imaginary:
                 return field.read(sympy.pi / 2) * field.imaginary
@@ -184,6 +186,7 @@ class Primitives:
         depends: frozenset[sympy.Symbol] = frozenset()
         for argument in arguments:
             depends |= argument.symbols
+        # A constant: its derivatives say nothing about dependence.
         if not any(slope._num for slope in slopes):
             return self._constant_function(name, shown, data)
         value = self._number(name, arguments)
@@ -195,6 +198,7 @@ class Primitives:
                 result = combination + constant
                 self._field.state_branch(Branch(shown, result.sympy, field.sample.place_in_words()))
                 return result
+            # A constant that is not recognised may or may not be rational: nothing is claimed.
             sure = False
         kind = "log" if name == "log" else "primitive"
         generator = Generator(kind, field.next_name(kind), shown, depends, argument=data, sure=sure)
@@ -224,6 +228,7 @@ class Primitives:
         candidates += [
             (atom, tuple(atom.diff(s) for s in field.symbols)) for atom in self._arguments()
         ]
+        # All functions with derivatives in the field; by Ostrowski there is no other relation.
         candidates += self._known
         basis: list[tuple[Element, Sequence[Element]]] = list(candidates)
         if field.is_complex:

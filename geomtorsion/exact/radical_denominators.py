@@ -32,6 +32,7 @@ def inverse(field: Tower, element: Element) -> Element:
     den = field.cofactor(element._den, ())
     multiplier = field.ctx.constant(1)
     degrees = num.degrees()
+    # A quotient by several terms with roots reads better as it was: the denominator is noted.
     if len(num) > 1 and any(
         g.degree and d > 0 for g, d in zip(field.generators, degrees, strict=True)
     ):
@@ -42,12 +43,14 @@ def inverse(field: Tower, element: Element) -> Element:
                 num, conjugate = _conjugate(field, num, position)
                 check_product(multiplier, conjugate)
                 multiplier = field.reduced(multiplier * conjugate)
+                # A conjugate may bring in roots that stand below this one; later rounds clear them.
                 degrees = num.degrees()
                 continue
             assert generator.tail is not None
             tail = field.lift(generator.tail)
             w = field.ctx.gen(position)
             below, above = split(field, num, position)
+            # 1/(B w) = w/(B P): no conjugate is needed.
             if not below:
                 num = field.reduced(above * tail)
                 multiplier = field.reduced(multiplier * w)
@@ -63,6 +66,7 @@ def inverse(field: Tower, element: Element) -> Element:
         positive, sign = monic(factor)
         content = content * sign if exponent % 2 else content
         signed.append((positive, exponent))
+    # Irreducible factors are registered once, so that later sums share them.
     return field.over_factors(multiplier * den * (1 / content), signed)
 
 
@@ -173,6 +177,7 @@ class Norms:
         powers: dict[int, int] = {}
         for part, exponent in norm.factor()[1]:
             index = field.factor_index.get(str(monic(part)[0]))
+            # Only norms that stand below some element can be replaced.
             if index is None:
                 return
             powers[index] = powers.get(index, 0) + exponent

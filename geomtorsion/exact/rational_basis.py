@@ -36,7 +36,9 @@ class RationalBasis:
             for _, monomial in parts:
                 if monomial not in self._index:
                     self._add(monomial)
+            # Different monomials are independent: no linear algebra is needed.
             return [(value, self._index[monomial]) for value, monomial in parts]
+        # Sums that are atoms themselves may span this one; only if not, its terms become atoms.
         found = self._express(element)
         if found is None:
             for _, part in parts:

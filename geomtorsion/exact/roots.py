@@ -25,6 +25,7 @@ def root(field: Tower, element: Element, order: int, radical: sympy.Expr | None 
         return field.zero
     value = element
     odd = order
+    # Square roots are decided in towers of quadratic extensions, so they come last.
     while odd % 2 == 0:
         odd //= 2
     if odd > 1:
@@ -54,6 +55,7 @@ def _square_root(field: Tower, element: Element, radical: sympy.Expr | None) -> 
         return value if _matches_principal(field, value, element) else -value
     outer, content, tail = _squares_taken_out(field, element)
     if content < 0 and field.is_complex:
+        # sqrt(-x) and sqrt(x) are dependent through I: one of them is enough.
         turned = _square_root(field, -element, None) * field.imaginary
         return turned if _matches_principal(field, turned, element) else -turned
     generator = field.add_root(tail, 2, _is_decided(field, tail))
@@ -68,6 +70,7 @@ def _square_root(field: Tower, element: Element, radical: sympy.Expr | None) -> 
 def _squares_taken_out(field: Tower, element: Element) -> tuple[Element, fmpz, Element]:
     """(outer, content, tail) with element = outer**2 * tail, tail a polynomial."""
     content, factors = field.lift(element).factor()
+    # Squares go outside, so that sqrt(4 x) and sqrt(x) share one generator.
     outer, tail = field.ctx.constant(1), field.ctx.constant(1)
     for factor, exponent in factors:
         outer = outer * factor ** (exponent // 2)
@@ -127,6 +130,7 @@ def _state(
 def _odd_root(field: Tower, element: Element, order: int) -> Element:
     """The odd root: factor by factor, each factor positive at the sample point."""
     if any(g.degree for g in field.generators_of(element)):
+        # An odd root of u with square roots in it: if u**2 has none, its root is enough.
         square = element * element
         if any(g.degree for g in field.generators_of(square)):
             tail = field.polynomial(field.lift(element)) * field.denominator(element) ** (order - 1)
@@ -173,6 +177,7 @@ def _factor_power(field: Tower, base: Element, exponent: int, order: int) -> Ele
 
 def _irreducible_root(field: Tower, base: Element, order: int) -> Element:
     """base**(1/order), through the finest root of this base that is already there."""
+    # x**(1/3) and x**(1/9) are dependent: the finest root so far gives the others.
     finest, depth = base, 1
     for generator in reversed(field.generators):
         known = generator.argument if generator.kind == "root" else None

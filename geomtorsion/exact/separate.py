@@ -61,6 +61,7 @@ def specialised(element: Element, away: Collection[sympy.Symbol]) -> Element | N
     if any(g.kind not in _PLACES or not g.depends <= set(away) for g in inside):
         return None
     polys = [field.lift(element), *(field.factors[index] for index, _ in element._den)]
+    # A denominator may vanish for one choice of numbers: then the next is tried.
     for choice in range(len(_PLACES["symbol"])):
         values: dict[int, int] = {}
         for generator in inside:

@@ -21,12 +21,14 @@ def square_root_inside(field: Tower, element: Element) -> Element | None:
     In F(w), w**2 = P: A is a square if A or A P is one in F; A + B w is one exactly if
     A**2 - B**2 P = n**2 in F and (A + n)/2 or (A - n)/2 is a square there.
     """
+    # Oldest first: each root stands above those that its radicand contains.
     quadratic = [g for g in reversed(field.generators) if g.degree == 2 and _plain(field, g)]
     if any(
         g not in quadratic if g.degree == 2 else g.degree and not _plain(field, g)
         for g in field.generators_of(element)
     ):
         return None
+    # Radicands without roots are compared by their factors alone, nested ones by norms.
     base = [g for g in quadratic if g.tail is not None and not _algebraic(field, g.tail)]
     nested = [g for g in quadratic if g not in base]
     return _inside(field, element, base, nested)
@@ -73,6 +75,7 @@ def _inside(
     norm = _inside(field, a * a - b * b * top.tail, *below)
     if norm is None:
         return None
+    # One of the two halves is a square where the element is one; which, its branch decides.
     for sign in (1, -1):
         half = (a + norm * sign) * fmpq(1, 2)
         first = _inside(field, half, *below)

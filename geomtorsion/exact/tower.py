@@ -72,10 +72,14 @@ class Tower(ABC):
     sample: Point
 
     def __init__(self) -> None:
+        # Elements made before a generator was added stay valid: their level says in how many
+        # variables they are written, and `lift` brings them up when they are needed.
         self.ctx = fmpq_mpoly_ctx.get((), Ordering.lex)
         self.level = 0
+        # Denominators are kept as exponents of these: no gcd is ever needed in a sum.
         self.factors: list[fmpq_mpoly] = []
         self.factor_index: dict[str, int] = {}
+        # The same denominators meet again and again; products and multiples of them are kept.
         self._merged: dict[tuple[Denominator, Denominator], Denominator] = {}
         self._lcms: dict[tuple[Denominator, Denominator], Denominator] = {}
         self._cofactors: dict[tuple[Denominator, Denominator], fmpq_mpoly] = {}
@@ -148,6 +152,7 @@ class Tower(ABC):
         self.by_name[generator.name] = generator
         if not generator.sure:
             self.all_sure = False
+        # Relations are polynomials of the present ring; it has just grown.
         self._algebraic = []
         for position, known in enumerate(self.generators):
             if known.tail is not None:
@@ -257,6 +262,7 @@ class Tower(ABC):
         """
         self.ctx = fmpq_mpoly_ctx.get((name, *self.ctx.names()), Ordering.lex)
         self.level += 1
+        # Factors are used far more often than numerators: they are lifted at once.
         self.factors = [self.lifted(poly, 1) for poly in self.factors]
         self._cofactors.clear()
 
@@ -289,6 +295,7 @@ class Tower(ABC):
                 num = self.ctx.constant(1)
             if coefficient != 1:
                 num = -num if coefficient == -1 else num * _as_fmpq(coefficient)
+            # Terms over one denominator are added first: only their sums are multiplied up.
             if den in groups:
                 groups[den].append(num)
             else:
@@ -321,6 +328,7 @@ class Tower(ABC):
         changed = False
         for position, degree, relation in self._algebraic:
             if degrees[position] >= degree or (changed and poly.degrees()[position] >= degree):
+                # With a lexicographic order the remainder is the normal form for this relation.
                 _, poly = divmod(poly, relation)
                 changed = True
                 if not poly:
@@ -335,6 +343,7 @@ class Tower(ABC):
         if den:
             left = []
             for index, exponent in den:
+                # Trial division by the few factors below is cheaper than a gcd with their product.
                 factor = self.factors[index]
                 while exponent:
                     try:

@@ -47,6 +47,7 @@ def _shown(
     variables, values = [], []
     slots: list[sympy.Expr] = []
     for k, place in enumerate(places):
+        # f(x, x) has two derivatives: a slot that is not a lone symbol is named afresh.
         plain = place.is_Symbol and places.count(place) == 1
         slot = place if plain or not orders[k] else _fresh(f"xi_{k + 1}", places)
         if slot is not place:

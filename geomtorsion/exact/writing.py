@@ -46,6 +46,7 @@ def _product(value: fmpq, factors: list[sympy.Expr], plain: bool) -> sympy.Expr:
         return factors[0]
     if not plain:
         return sympy.Mul(_number(value), *factors)
+    # sympy wants its own order, also where it is not asked to look at the factors.
     ordered = sorted(factors, key=_ORDER)
     if value != 1:
         ordered.insert(0, _number(value))
