@@ -8,6 +8,7 @@ from functools import cached_property
 from time import perf_counter
 from typing import TYPE_CHECKING
 
+from geomtorsion.checks import close_names, shown
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.geometry import frame_matrices
 from geomtorsion.geometry.connections import cartan, levi_civita
@@ -150,13 +151,11 @@ def quantity(frame: Frame, name: str) -> Tensor:
 
 def _known(name: str) -> Quantity:
     """The node of this name, or an error that lists near ones."""
-    if name in QUANTITIES:
+    if isinstance(name, str) and name in QUANTITIES:
         return QUANTITIES[name]
-    from difflib import get_close_matches
-
-    near = get_close_matches(name, QUANTITIES, n=3, cutoff=0.5)
+    near = close_names(name, QUANTITIES, most=3, cutoff=0.5) if isinstance(name, str) else []
     hint = f"Did you mean {' or '.join(near)}?" if near else f"Known are {', '.join(QUANTITIES)}."
-    raise UnknownNameError(f"there is no quantity called {name!r}. {hint}")
+    raise UnknownNameError(f"there is no quantity called {shown(name)}. {hint}")
 
 
 def needs(frame: Frame, name: str) -> tuple[str, ...]:

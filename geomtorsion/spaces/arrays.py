@@ -8,10 +8,12 @@ from typing import Any
 
 import sympy
 
+from geomtorsion.checks import cut, shown
 from geomtorsion.errors import FileFormatError
 from geomtorsion.spaces.symbols import Vocabulary
 
-_INDEX = re.compile(r"\s*[0-9]+\s*(,\s*[0-9]+\s*)*")
+# Three digits are more than any frame has coordinates; a longer number would fill the memory.
+_INDEX = re.compile(r"\s*[0-9]{1,3}\s*(,\s*[0-9]{1,3}\s*){0,9}")
 
 
 def dimension_of(file: str, key: str, value: Any) -> int:
@@ -21,7 +23,7 @@ def dimension_of(file: str, key: str, value: Any) -> int:
     if isinstance(value, dict) and value:
         return 1 + max(max(_index(file, key, text)) for text in value)
     raise FileFormatError(
-        f"{file}: {key}: a list of rows was needed, but {value!r} came. "
+        f"{file}: {key}: a list of rows was needed, but {shown(value)} came. "
         f'Write {key} = [["1", "0"], ["0", "r"]] or a table of the entries that do not vanish.'
     )
 
@@ -62,7 +64,7 @@ def _nested(
     if len(index) == rank:
         return words.expression(value, place)
     if not isinstance(value, list) or len(value) != dimension:
-        came = f"{len(value)} came" if isinstance(value, list) else f"{value!r} came"
+        came = f"{len(value)} came" if isinstance(value, list) else f"{shown(value)} came"
         raise FileFormatError(
             f"{words.file}: {place}: a list of {dimension} entries was needed, one for each "
             f"coordinate, but {came}. {_levels(key, rank)}"
@@ -79,11 +81,13 @@ def _sparse(
         index = _index(words.file, key, text)
         if len(index) != rank or max(index) >= dimension:
             raise FileFormatError(
-                f'{words.file}: {key}: "{text}" is no index here: {rank} numbers from 0 to '
+                f'{words.file}: {key}: "{cut(text)}" is no index here: {rank} numbers from 0 to '
                 f"{dimension - 1} were needed, separated by commas."
             )
         if index in entries:
-            raise FileFormatError(f'{words.file}: {key}: "{text}" stands there twice. Remove one.')
+            raise FileFormatError(
+                f'{words.file}: {key}: "{cut(text)}" stands there twice. Remove one.'
+            )
         entries[index] = words.expression(value, f"{key}[{', '.join(map(str, index))}]")
     return entries
 
@@ -101,8 +105,8 @@ def _index(file: str, key: str, text: str) -> tuple[int, ...]:
     """Numbers of an index such as "0,1,2"."""
     if not _INDEX.fullmatch(text):
         raise FileFormatError(
-            f'{file}: {key}: "{text}" is no index. Write the numbers of the entry, counted from 0, '
-            'separated by commas: "0,1,2".'
+            f'{file}: {key}: "{cut(text)}" is no index. Write the numbers of the entry, counted '
+            'from 0, separated by commas: "0,1,2".'
         )
     return tuple(int(number) for number in text.split(","))
 

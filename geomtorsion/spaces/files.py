@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import re
-import tomllib
 from collections.abc import Callable, Mapping
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from geomtorsion.errors import FileFormatError, LimitError
+from geomtorsion.checks import did_you_mean, shown
+from geomtorsion.errors import FileFormatError
+from geomtorsion.files import Decimal, read_toml
 from geomtorsion.geometry import (
     Connection,
     Frame,
@@ -19,20 +19,16 @@ from geomtorsion.geometry import (
 )
 from geomtorsion.spaces.arrays import antisymmetric_array, array, dimension_of
 from geomtorsion.spaces.space import Space
-from geomtorsion.spaces.symbols import Vocabulary, nearest, vocabulary
+from geomtorsion.spaces.symbols import Vocabulary, vocabulary
 
 TEXT_KEYS = ("name", "title", "story", "source", "notes")
 SYMBOL_KEYS = ("coordinates", "parameters", "functions", "domain")
 SHAPE_KEYS = ("coframe", "frame", "metric", "structure_constants")
 CONNECTION_KEYS = ("spin_connection", "contortion", "connection")
 KEYS = (*TEXT_KEYS, *SYMBOL_KEYS, "signature", "complex", *SHAPE_KEYS, *CONNECTION_KEYS)
-LARGEST_FILE = 10_000_000
 
 
-class _Decimal(str):
-    """A decimal number as it stands in the file, so that the exact rational can be offered."""
-
-    __slots__ = ()
+ADVICE = 'Expressions stand in quotes, as in ["r*sin(theta)", 0]; lists in square brackets.'
 
 
 def read_file(path: str | PathLike[str]) -> Space:
@@ -85,7 +81,7 @@ def read_file(path: str | PathLike[str]) -> Space:
     r**2
     """
     path = Path(path)
-    data = _loaded(path)
+    data = read_toml(path, advice=ADVICE, decimals=True).data
     file = path.name
     _check_keys(file, data)
     shape = _only(file, data, SHAPE_KEYS, required=True)
@@ -104,48 +100,13 @@ def read_file(path: str | PathLike[str]) -> Space:
     )
 
 
-def _loaded(path: Path) -> dict[str, Any]:
-    """The content of a TOML file, decimals as text."""
-    try:
-        with path.open("rb") as file:
-            content = file.read(LARGEST_FILE + 1)
-        if len(content) <= LARGEST_FILE:
-            return tomllib.loads(content.decode("utf-8"), parse_float=_Decimal)
-    except OSError as error:
-        reason = error.strerror or type(error).__name__
-        raise FileFormatError(f"{path}: the file cannot be read: {reason}.") from None
-    except UnicodeDecodeError:
-        raise FileFormatError(
-            f"{path.name}: the file is no UTF-8 text. Save it as UTF-8."
-        ) from None
-    except RecursionError:
-        raise LimitError(f"{path.name}: lists are nested too deeply to be read.") from None
-    except ValueError as error:
-        raise _bad_toml(path, error) from None
-    raise LimitError(f"{path.name}: the file is longer than the limit of {LARGEST_FILE:,} bytes.")
-
-
-def _bad_toml(path: Path, error: ValueError) -> FileFormatError:
-    """The error for what tomllib refuses, with the line it refuses."""
-    found = re.search(r"\(at line ([0-9]+), column ([0-9]+)\)", str(error))
-    if found is None:
-        return FileFormatError(f"{path.name}: this is no TOML file: {error}.")
-    line, column = int(found[1]), int(found[2])
-    reason = str(error)[: found.start()].strip()
-    text = path.read_text("utf-8").splitlines()[line - 1][:200]
-    return FileFormatError(
-        f"{path.name}: line {line}, column {column}: this is no TOML: {reason}.\n    {text}\n"
-        f"    {' ' * (column - 1)}^\n"
-        'Expressions stand in quotes, as in ["r*sin(theta)", 0]; lists in square brackets.'
-    )
-
-
 def _check_keys(file: str, data: Mapping[str, Any]) -> None:
     """Refuse unknown keys, and those that slipped under a table."""
     for key in data:
         if key not in KEYS:
             raise FileFormatError(
-                f"{file}: unknown key {key!r}. {nearest(key, KEYS)}Known are {', '.join(KEYS)}."
+                f"{file}: unknown key {shown(key)}. {did_you_mean(key, KEYS)}"
+                f"Known are {', '.join(KEYS)}."
             )
     for table in ("parameters", "functions"):
         inside = data.get(table)
@@ -169,8 +130,10 @@ def _only(file: str, data: Mapping[str, Any], keys: tuple[str, ...], *, required
 
 def _text(file: str, data: Mapping[str, Any], key: str) -> str:
     value = data.get(key, "")
-    if not isinstance(value, str) or isinstance(value, _Decimal):
-        raise FileFormatError(f"{file}: {key}: a text in quotes was needed, but {value!r} came.")
+    if not isinstance(value, str) or isinstance(value, Decimal):
+        raise FileFormatError(
+            f"{file}: {key}: a text in quotes was needed, but {shown(value)} came."
+        )
     return value
 
 
@@ -180,7 +143,9 @@ def _frame(words: Vocabulary, data: Mapping[str, Any], shape: str, name: str) ->
     signature = _signature(words, data)
     is_complex = data.get("complex", False)
     if not isinstance(is_complex, bool):
-        raise FileFormatError(f"{file}: complex: true or false was needed, not {is_complex!r}.")
+        raise FileFormatError(
+            f"{file}: complex: true or false was needed, not {shown(is_complex)}."
+        )
     domain = words.relations(data["domain"], "domain") if "domain" in data else None
     if shape == "structure_constants":
         _without(file, data, shape, "complex", "domain")
@@ -213,7 +178,7 @@ def _signature(words: Vocabulary, data: Mapping[str, Any]) -> Any:
         return tuple(value)
     raise FileFormatError(
         f"{words.file}: signature: a list of signs 1 and -1 or a constant matrix was needed, but "
-        f"{value!r} came. Write signature = [-1, 1, 1, 1]."
+        f"{shown(value)} came. Write signature = [-1, 1, 1, 1]."
     )
 
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from difflib import get_close_matches
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from geomtorsion.checks import close_names, shown
 from geomtorsion.errors import UnknownNameError
 
 if TYPE_CHECKING:
@@ -115,9 +115,10 @@ def load(name: str) -> Space:
             from geomtorsion.spaces.atlases import attach
 
             return attach(import_module(f"geomtorsion.spaces.{module}").space(name, title))
-    near = get_close_matches(name.lower().replace("-", "_"), names(), n=5, cutoff=0.4)
+    text = name.lower().replace("-", "_") if isinstance(name, str) else ""
+    near = close_names(text, names(), most=5, cutoff=0.4)
     hint = f"Near: {', '.join(near)}." if near else "None is near."
     raise UnknownNameError(
-        f"a shipped space was needed, but none is called {name!r}. {hint} "
+        f"a shipped space was needed, but none is called {shown(name)}. {hint} "
         "`geomtorsion spaces` (or geomtorsion.spaces.names()) lists all of them."
     )

@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import Any
 
 import sympy
 
+from geomtorsion.checks import cut, did_you_mean, shown
 from geomtorsion.errors import FileFormatError
 from geomtorsion.exact import parse_expression
 
@@ -65,8 +65,8 @@ class Vocabulary:
             first, *rest = _COMPARISON.split(text)
             if not rest:
                 raise FileFormatError(
-                    f'{self.file}: {place}[{number}]: {text!r} compares nothing. Write "r > 2*M" '
-                    'or "0 < theta < pi".'
+                    f"{self.file}: {place}[{number}]: {shown(text)} compares nothing. Write "
+                    '"r > 2*M" or "0 < theta < pi".'
                 )
             left = self.expression(first, f"{place}[{number}]")
             for sign, text_right in zip(rest[::2], rest[1::2], strict=True):
@@ -104,10 +104,10 @@ def vocabulary(file: str, data: Mapping[str, Any], dimension: int) -> Vocabulary
         arguments = texts(file, given, f"functions.{name}")
         for argument in arguments:
             if argument not in symbols:
-                near = nearest(argument, symbols)
+                near = did_you_mean(argument, symbols)
                 raise FileFormatError(
-                    f"{file}: functions.{name}: its argument {argument!r} is neither a coordinate "
-                    f"nor a declared parameter. {near}Declared are {', '.join(symbols)}."
+                    f"{file}: functions.{name}: its argument {shown(argument)} is neither a "
+                    f"coordinate nor a declared parameter. {near}Declared are {', '.join(symbols)}."
                 )
         function: Any = sympy.Function(_name(file, name, "functions"))
         functions[name] = function(*(symbols[argument] for argument in arguments))
@@ -132,17 +132,11 @@ def texts(file: str, value: Any, place: str) -> list[str]:
     return items
 
 
-def nearest(name: str, known: Any) -> str:
-    """The question "Did you mean ...? " if something is near, else nothing."""
-    near = get_close_matches(name, list(known), n=1, cutoff=0.6)
-    return f"Did you mean {near[0]}? " if near else ""
-
-
 def _name(file: str, name: str, place: str) -> str:
     if not _NAME.fullmatch(name):
         raise FileFormatError(
-            f"{file}: {place}: {name!r} is no name. A name is a letter followed by letters, digits "
-            "or underscores."
+            f"{file}: {place}: {shown(name)} is no name. A name is a letter followed by letters, "
+            "digits or underscores."
         )
     return name
 
@@ -153,8 +147,8 @@ def _assumptions(file: str, name: str, given: Any) -> dict[str, bool]:
     for word in words:
         if word not in ASSUMPTIONS:
             raise FileFormatError(
-                f"{file}: parameters.{name}: {word!r} is no assumption. "
-                f"{nearest(word, ASSUMPTIONS)}Known are {', '.join(ASSUMPTIONS)}."
+                f"{file}: parameters.{name}: {shown(word)} is no assumption. "
+                f"{did_you_mean(word, ASSUMPTIONS)}Known are {', '.join(ASSUMPTIONS)}."
             )
     assumptions = dict.fromkeys(words, True)
     return assumptions if "complex" in words else assumptions | {"real": True}
@@ -179,4 +173,4 @@ def _kind(value: Any) -> str:
         (bool, "true or false"), (str, "text"), (int, "an integer"), (list, "a list"),
         (dict, "a table"),
     )  # fmt: skip
-    return next((word for kind, word in names if isinstance(value, kind)), f"{value}")
+    return next((word for kind, word in names if isinstance(value, kind)), cut(f"{value}"))
