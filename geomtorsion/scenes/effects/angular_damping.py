@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from geomtorsion.errors import SceneError
-from geomtorsion.scenes.context import Number, exact
+from geomtorsion.scenes.context import Context, Number, exact
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
-
-if TYPE_CHECKING:
-    from geomtorsion.scenes.context import Context
 
 
 @dataclass(frozen=True)

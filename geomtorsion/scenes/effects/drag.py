@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import sympy as sp
 
-from geomtorsion.scenes.context import Number
+from geomtorsion.scenes.context import Context, Number
 from geomtorsion.scenes.effects.fields import check_numbers, check_vectors
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
-
-if TYPE_CHECKING:
-    from geomtorsion.scenes.context import Context
 
 
 @dataclass(frozen=True)

@@ -5,19 +5,15 @@ from __future__ import annotations
 import keyword
 import re
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import sympy as sp
 
 from geomtorsion.checks import did_you_mean
 from geomtorsion.errors import ExpressionError, SceneError
 from geomtorsion.exact import parse_expression
-from geomtorsion.scenes.context import GROUPS, Expression, Number, exact, symbols_in
+from geomtorsion.scenes.context import GROUPS, Context, Expression, Number, exact, symbols_in
+from geomtorsion.scenes.effects.protocol import Effect, Switch
 from geomtorsion.scenes.units import exact as without_decimals
-
-if TYPE_CHECKING:
-    from geomtorsion.scenes.context import Context
-    from geomtorsion.scenes.effects.protocol import Effect, Switch
 
 _STATE = frozenset(symbol.name for group in GROUPS.values() for symbol in group)
 _SHORT = "t, Omega1..3, n1..3, R11..R23, q0..q3, x, y, z, vx, vy, vz"

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import sympy as sp
 
-from geomtorsion.scenes.context import Number
+from geomtorsion.scenes.context import Context, Number
 from geomtorsion.scenes.effects.fields import check_numbers
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
-
-if TYPE_CHECKING:
-    from geomtorsion.scenes.context import Context
 
 
 @dataclass(frozen=True)

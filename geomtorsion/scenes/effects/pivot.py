@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import sympy as sp
 
 from geomtorsion.errors import SceneError
-from geomtorsion.scenes.context import Number
+from geomtorsion.scenes.context import Context, Number
 from geomtorsion.scenes.effects.fields import check_vectors
 from geomtorsion.scenes.effects.protocol import Constraint, Contribution, Effect, unit
-
-if TYPE_CHECKING:
-    from geomtorsion.scenes.context import Context
 
 
 @dataclass(frozen=True)

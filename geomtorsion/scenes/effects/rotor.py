@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import sympy as sp
 
 from geomtorsion.errors import SceneError
-from geomtorsion.scenes.context import Expression, Number, exact
+from geomtorsion.scenes.context import Context, Expression, Number, exact
 from geomtorsion.scenes.effects.fields import check_axis, check_numbers, read, unit_axis
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
-
-if TYPE_CHECKING:
-    from geomtorsion.scenes.context import Context
 
 
 @dataclass(frozen=True)

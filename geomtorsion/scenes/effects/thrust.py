@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from geomtorsion.errors import SceneError
-from geomtorsion.scenes.context import Expression, Number
+from geomtorsion.scenes.context import Context, Expression, Number
 from geomtorsion.scenes.effects.fields import between, check_numbers, check_vectors, read_three
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
-
-if TYPE_CHECKING:
-    from geomtorsion.scenes.context import Context
 
 
 @dataclass(frozen=True)
