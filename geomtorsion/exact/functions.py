@@ -2,25 +2,44 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from geomtorsion.exact.element import Element
 
 
-def _circular(form: Callable[[Element, Element], Element]) -> Any:
+class Waves(Protocol):
+    """What all these functions are made of; the reader of a field has it."""
+
+    def cos_sin(self, angle: Element) -> tuple[Element, Element]:
+        """(cos, sin) of an element."""
+        ...
+
+    def cosh_sinh(self, argument: Element) -> tuple[Element, Element]:
+        """(cosh, sinh) of an element."""
+        ...
+
+    def exp(self, exponent: Element) -> Element:
+        """exp of an element."""
+        ...
+
+
+# The value of a function from what reads its argument, and the argument.
+Rule = Callable[[Waves, "Element"], "Element"]
+
+
+def _circular(form: Callable[[Element, Element], Element]) -> Rule:
     """A function of cos and sin of its argument."""
-    return lambda reader, argument: form(*reader.cos_sin(argument))
+    return lambda waves, argument: form(*waves.cos_sin(argument))
 
 
-def _hyperbolic(form: Callable[[Element, Element], Element]) -> Any:
+def _hyperbolic(form: Callable[[Element, Element], Element]) -> Rule:
     """A function of cosh and sinh of its argument."""
-    return lambda reader, argument: form(*reader.cosh_sinh(argument))
+    return lambda waves, argument: form(*waves.cosh_sinh(argument))
 
 
-CIRCULAR: dict[str, Any] = {
+CIRCULAR: dict[str, Rule] = {
     "cos": _circular(lambda c, s: c),
     "sin": _circular(lambda c, s: s),
     "tan": _circular(lambda c, s: s / c),
@@ -28,7 +47,7 @@ CIRCULAR: dict[str, Any] = {
     "sec": _circular(lambda c, s: 1 / c),
     "csc": _circular(lambda c, s: 1 / s),
 }
-HYPERBOLIC: dict[str, Any] = {
+HYPERBOLIC: dict[str, Rule] = {
     "cosh": _hyperbolic(lambda c, s: c),
     "sinh": _hyperbolic(lambda c, s: s),
     "tanh": _hyperbolic(lambda c, s: s / c),
@@ -36,8 +55,8 @@ HYPERBOLIC: dict[str, Any] = {
     "sech": _hyperbolic(lambda c, s: 1 / c),
     "csch": _hyperbolic(lambda c, s: 1 / s),
 }
-FUNCTIONS: dict[str, Any] = {
+FUNCTIONS: dict[str, Rule] = {
     **CIRCULAR,
     **HYPERBOLIC,
-    "exp": lambda reader, argument: reader.exp(argument),
+    "exp": lambda waves, argument: waves.exp(argument),
 }
