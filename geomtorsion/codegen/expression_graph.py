@@ -132,7 +132,8 @@ class Graph:
     def python(self) -> Callable[..., tuple[float, ...]]:
         """A function of floats.
 
-        It raises ZeroDivisionError, ValueError or OverflowError where there is no value.
+        It raises ZeroDivisionError, ValueError or OverflowError where there is no value, and
+        takes no complex graphs; `numpy` does.
         """
         return compiled(self._source, "floats")
 
