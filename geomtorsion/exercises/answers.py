@@ -11,23 +11,21 @@ import sympy
 from geomtorsion import checks
 from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.exact import parse_expression
-from geomtorsion.exercises.limits import ANSWER, LARGEST_ANSWER
+from geomtorsion.exercises.limits import ANSWER, MOST, check_constants
 from geomtorsion.exercises.prompts import advice, plain_name, shown_name
-from geomtorsion.exercises.sizes import check_constants
 from geomtorsion.pictures.text import expression_text
 
 if TYPE_CHECKING:
     from geomtorsion.exercises.compare import Index, Value
     from geomtorsion.exercises.question import Question
 
-MOST_ENTRIES = 500
 # Digits of a number that is written.
 DIGITS = 12
 _DECIMAL = re.compile(r"(?<![\w.])([0-9]*)\.([0-9]*)(?:[eE]([+-]?[0-9]{1,3}))?(?![\w.])")
 _POWER_OF_TEN = re.compile(r"(?<![\w.])([0-9]+)[eE]([+-]?[0-9]{1,3})(?![\w.])")
 
 
-def expression(question: Question, given: Any, where: str) -> sympy.Expr:
+def expression(question: Question, given: object, where: str) -> sympy.Expr:
     """One expression over the symbols of a question.
 
     Raises
@@ -88,7 +86,7 @@ def _over(digits: int, exponent: int) -> str:
     return f"({digits}{'0' * exponent})" if exponent >= 0 else f"({digits}/1{'0' * -exponent})"
 
 
-def components(question: Question, given: Any, where: str) -> dict[Index, sympy.Expr]:
+def components(question: Question, given: object, where: str) -> dict[Index, sympy.Expr]:
     """Components by their indices, from a table, nested lists, or a text that writes one of them.
 
     A table or text names components: ``{"1,2,1" = "1/r"}`` or ``1,2,1 = 1/r; 2,1,1 = 0``; indices
@@ -117,8 +115,8 @@ def components(question: Question, given: Any, where: str) -> dict[Index, sympy.
             f"{where}: components were needed, but {_kind(given)} came. Write for instance "
             f'"{_example(question)}", or a list of lists.'
         )
-    if len(pairs) > MOST_ENTRIES:
-        raise LimitError(f"{where}: {len(pairs)} entries; the limit is {MOST_ENTRIES}.")
+    if len(pairs) > MOST.entries:
+        raise LimitError(f"{where}: {len(pairs)} entries; the limit is {MOST.entries}.")
     found: dict[Index, sympy.Expr] = {}
     for key, value in pairs:
         name = f"{where}[{','.join(str(k + 1) for k in key)}]"
@@ -128,7 +126,7 @@ def components(question: Question, given: Any, where: str) -> dict[Index, sympy.
     return found
 
 
-def index(question: Question, key: Any, where: str) -> Index:
+def index(question: Question, key: object, where: str) -> Index:
     """Indices counted from 0, from a text that counts from 1 or names coordinates.
 
     ``1,2,1``, ``121``, ``Gamma_12^1``, ``Gamma[1, 2, 1]`` and ``phi1,phi2,phi1`` all will do.
@@ -170,7 +168,7 @@ def _names(question: Question, text: str) -> bool:
     return any(part in question.domain.names for part in re.split(r"[\s,_^{}\[\]()]+", text))
 
 
-def completed(given: Mapping[Index, Any], symmetry: str) -> dict[Index, Any]:
+def completed(given: Value, symmetry: str) -> dict[Index, Any]:
     """With the components that follow from those given by exchanging the first two indices.
 
     Examples
@@ -185,11 +183,12 @@ def completed(given: Mapping[Index, Any], symmetry: str) -> dict[Index, Any]:
     return found
 
 
-def _from_text(text: str, where: str) -> Any:
+def _from_text(text: str, where: str) -> object:
     """A table or nested lists from a text; a single expression stays text."""
-    if len(text) > LARGEST_ANSWER:
+    if len(text) > MOST.characters:
         raise LimitError(
-            f"{where}: {len(text):,} characters; the limit is {LARGEST_ANSWER:,}. Write it shorter."
+            f"{where}: {len(text):,} characters; the limit is {MOST.characters:,}. "
+            "Write it shorter."
         )
     text = text.strip()
     if text.startswith("["):
@@ -212,9 +211,9 @@ def _from_text(text: str, where: str) -> Any:
     return table
 
 
-def _listed(text: str, where: str) -> list[Any]:
+def _listed(text: str, where: str) -> list[object]:
     """Nested lists of expressions from a text in square brackets."""
-    stack: list[list[Any]] = [[]]
+    stack: list[list] = [[]]
     word, depth = "", 0
     for sign in text:
         if sign == "[":
@@ -239,7 +238,7 @@ def _listed(text: str, where: str) -> list[Any]:
     return stack[0][0]
 
 
-def _flat(given: list[Any], shape: tuple[int, ...], where: str) -> list[tuple[Index, Any]]:
+def _flat(given: list, shape: tuple[int, ...], where: str) -> list[tuple[Index, object]]:
     """Pairs (index, entry) of nested lists, which must have the shape of the question."""
     if not shape or len(given) != shape[0]:
         needed = " x ".join(map(str, shape)) or "one expression"
@@ -248,7 +247,7 @@ def _flat(given: list[Any], shape: tuple[int, ...], where: str) -> list[tuple[In
         )
     if len(shape) == 1:
         return [((k,), entry) for k, entry in enumerate(given)]
-    found: list[tuple[Index, Any]] = []
+    found: list[tuple[Index, object]] = []
     for k, row in enumerate(given):
         if not isinstance(row, list):
             raise ExpressionError(f"{where}[{k + 1}]: a list was needed, but {_kind(row)} came.")
@@ -261,7 +260,7 @@ def _example(question: Question) -> str:
     return ",".join("1" for _ in question.shape) + " = ..."
 
 
-def _kind(value: Any) -> str:
+def _kind(value: object) -> str:
     """What an answer is, in a few words."""
     names = {bool: "true or false", list: "a list", dict: "a table", type(None): "nothing"}
     return names.get(type(value), f"{type(value).__name__} {str(value)[:40]}")
@@ -297,7 +296,7 @@ def answer_text(question: Question, value: Value) -> str:
     return "; ".join(pairs) or "0"
 
 
-def component_text(value: Any) -> str:
+def component_text(value: object) -> str:
     """One expression or number as text without Greek letters."""
     if isinstance(value, float):
         return f"{value:.{DIGITS}g}"

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from difflib import get_close_matches
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from geomtorsion.checks import close_names
 from geomtorsion.errors import GeomtorsionError, LimitError
 from geomtorsion.exercises.answers import completed, components, expression
 from geomtorsion.exercises.compare import EQUAL, PARTLY, compare_all, same
 from geomtorsion.exercises.diagnoses import MESSAGES
 from geomtorsion.exercises.equations import equations
+from geomtorsion.exercises.limits import MOST
 from geomtorsion.exercises.numbers import ROUNDED, UnitError, numbers
 from geomtorsion.exercises.question import deviation, scaled
 from geomtorsion.exercises.verdict import QuestionVerdict
@@ -19,10 +20,8 @@ if TYPE_CHECKING:
     from geomtorsion.exercises.compare import Index, Value
     from geomtorsion.exercises.question import Mistake, Question
 
-MOST_NAMED = 4
 
-
-def check_question(question: Question, given: Any) -> QuestionVerdict:
+def check_question(question: Question, given: object) -> QuestionVerdict:
     """What is said about an answer; never raises for what a student may write."""
     if given is None or (isinstance(given, str) and not given.strip()):
         return _wrong(question, "empty", "No answer was given.")
@@ -41,7 +40,7 @@ def check_question(question: Question, given: Any) -> QuestionVerdict:
         return _wrong(question, "unreadable", str(error) or type(error).__name__)
 
 
-def read(question: Question, given: Any) -> Value:
+def read(question: Question, given: object) -> Value:
     """An answer as index -> expression or number.
 
     Raises
@@ -63,19 +62,19 @@ def read(question: Question, given: Any) -> Value:
     return _dropped(components(question, given, name))
 
 
-def _dropped(value: Mapping[Index, Any]) -> Value:
+def _dropped(value: Value) -> Value:
     """Without the components that are zero."""
     return {key: x for key, x in value.items() if x != 0}
 
 
-def _chosen(question: Question, given: Any) -> str:
+def _chosen(question: Question, given: object) -> str:
     """The key of the option that was meant."""
     text = str(given).strip().lower()[:200]
     for key, option in question.options.items():
         if text in (key.lower(), option.lower()):
             return key
     known = ", ".join(question.options)
-    near = get_close_matches(text, question.options, n=1)
+    near = close_names(text, question.options)
     hint = f" Did you mean {near[0]}?" if near else ""
     raise LookupErrorInAnswer(f"{question.name}: one of {known} was needed.{hint}")
 
@@ -156,8 +155,8 @@ def _by_component(
     wrong = [key for key, state in agreement.items() if state != EQUAL]
     if not question.shape and question.kind != "equations":
         return _wrong(question, "", "That is not equal to the solution.")
-    named = ", ".join(_label(question, key) for key in wrong[:MOST_NAMED])
-    more = f" and {len(wrong) - MOST_NAMED} more" if len(wrong) > MOST_NAMED else ""
+    named = ", ".join(_label(question, key) for key in wrong[: MOST.named])
+    more = f" and {len(wrong) - MOST.named} more" if len(wrong) > MOST.named else ""
     score = round(1 - len(wrong) / len(agreement), 3)
     text = f"{len(agreement) - len(wrong)} of {len(agreement)} right. Look again at {named}{more}."
     code = "incomplete"

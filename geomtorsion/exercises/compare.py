@@ -14,7 +14,7 @@ from geomtorsion.exercises.limits import check_weight
 from geomtorsion.exercises.numeric import at_point, at_points, at_points_with_size
 
 if TYPE_CHECKING:
-    from geomtorsion.exercises.domain import Domain
+    from geomtorsion.exercises.domain import Domain, Point
 
 Index = tuple[int, ...]
 Value = Mapping[Index, Any]
@@ -31,7 +31,7 @@ BEYOND = 1e120
 SURE = 1e-30
 
 
-def compare(domain: Domain, one: Any, two: Any) -> str:
+def compare(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> str:
     """How two expressions are related: EQUAL, PARTLY (on a part of the domain) or DIFFERENT.
 
     Equal means that the difference vanishes exactly and that both have the same value at every
@@ -44,7 +44,7 @@ def compare(domain: Domain, one: Any, two: Any) -> str:
 
     Examples
     --------
-    >>> from geomtorsion.exercises.domain import Domain
+    >>> from geomtorsion.exercises.domain import Domain, Point
     >>> x = sympy.Symbol("x", real=True)
     >>> whole, half = Domain((x,), (x > 0, x < 2 * sympy.pi)), Domain((x,), (x > 0, x < sympy.pi))
     >>> root = sympy.sqrt(1 - sympy.cos(x) ** 2)
@@ -77,7 +77,7 @@ def same(domain: Domain, given: Value, right: Value) -> bool:
     )
 
 
-def _near(domain: Domain, one: Any, two: Any) -> tuple[list[bool], float]:
+def _near(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> tuple[list[bool], float]:
     """At each point where both have a value, whether it is the same; and the largest number.
 
     Floats tell where they differ by more than rounding can do; else many digits are taken.
@@ -99,7 +99,7 @@ def _near(domain: Domain, one: Any, two: Any) -> tuple[list[bool], float]:
     return found, float(np.max(largest, initial=0.0))
 
 
-def _settled(point: Any, one: Any, two: Any) -> bool | None:
+def _settled(point: Point, one: sympy.Expr, two: sympy.Expr) -> bool | None:
     """Whether both have one value at a point, in many digits; None where one has none."""
     a, b = at_point(one, point), at_point(two, point)
     if a is None or b is None:
@@ -107,7 +107,7 @@ def _settled(point: Any, one: Any, two: Any) -> bool | None:
     return bool(abs(a - b) <= SURE * (1 + abs(a) + abs(b)))
 
 
-def _is_zero(domain: Domain, one: Any, two: Any) -> bool:
+def _is_zero(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> bool:
     """Whether the difference vanishes exactly; where nothing decides it, what many digits say."""
     for expr in (one, two):
         check_weight(expr, "answer")
@@ -128,11 +128,11 @@ def _is_zero(domain: Domain, one: Any, two: Any) -> bool:
     return verdict
 
 
-def _without_sizes(domain: Domain, expr: Any) -> Any:
+def _without_sizes(domain: Domain, expr: sympy.Expr) -> sympy.Expr:
     """|x| as x or -x, where it has one sign at all points; sympy makes it of sqrt(x**2)."""
     table = {}
     for size in expr.atoms(sympy.Abs):
-        inner = at_points(size.args[0], domain.arrays).real
+        inner = np.real(at_points(size.args[0], domain.arrays))
         if (inner >= 0).all():
             table[size] = size.args[0]
         elif (inner <= 0).all():

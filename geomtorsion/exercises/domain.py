@@ -6,10 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import islice
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import sympy
+from sympy.core.relational import Relational
 
 from geomtorsion.exact import Field
 from geomtorsion.geometry.sampling import candidate_points
@@ -17,6 +18,7 @@ from geomtorsion.geometry.sampling import candidate_points
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
 
+Point = Mapping[sympy.Symbol, sympy.Rational]
 # As many points decide where in the domain an answer is right; each exact decision is its own.
 POINTS = 24
 # The signs of roots are read off at a point with large denominators: small fractions may lie
@@ -48,7 +50,7 @@ class Domain:
     """
 
     symbols: tuple[sympy.Symbol, ...] = ()
-    relations: tuple[Any, ...] = ()
+    relations: tuple[Relational, ...] = ()
 
     @classmethod
     def of(cls, frame: Frame, *more: sympy.Symbol) -> Domain:
@@ -66,17 +68,17 @@ class Domain:
         return found
 
     @cached_property
-    def points(self) -> tuple[Mapping[sympy.Symbol, sympy.Rational], ...]:
+    def points(self) -> tuple[Point, ...]:
         """Places all over the domain, always the same ones."""
         return tuple(islice(candidate_points(self.symbols, (), self.relations), POINTS))
 
     @property
-    def places(self) -> tuple[Mapping[sympy.Symbol, sympy.Rational], ...]:
+    def places(self) -> tuple[Point, ...]:
         """The points; a single one without coordinates where there are no symbols."""
         return self.points if self.symbols else ({},)
 
     @cached_property
-    def arrays(self) -> Mapping[sympy.Symbol, Any]:
+    def arrays(self) -> Mapping[sympy.Symbol, np.ndarray]:
         """The points as one array of floats for each symbol."""
         return {
             symbol: np.array([float(point[symbol]) for point in self.points])
@@ -84,7 +86,7 @@ class Domain:
         }
 
     @cached_property
-    def _generic(self) -> Mapping[sympy.Symbol, sympy.Rational]:
+    def _generic(self) -> Point:
         """The place at which signs of roots are read off."""
         return next(candidate_points(self.symbols, (), self.relations, FINENESS))
 

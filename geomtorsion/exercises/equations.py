@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy
 
 from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.exercises.answers import expression
 from geomtorsion.exercises.domain import Domain
-from geomtorsion.exercises.limits import LARGEST_ANSWER, LARGEST_EQUATION, check_weight
+from geomtorsion.exercises.limits import MOST, check_weight
 from geomtorsion.exercises.prompts import plain_name, shown_name
 
 if TYPE_CHECKING:
@@ -19,13 +19,12 @@ if TYPE_CHECKING:
     from geomtorsion.exercises.compare import Index
     from geomtorsion.exercises.question import Question
 
-MOST_EQUATIONS = 12
 _PLAIN = (
     sympy.sin, sympy.cos, sympy.tan, sympy.cot, sympy.sinh, sympy.cosh, sympy.tanh, sympy.exp,
 )  # fmt: skip
 
 
-def equations(question: Question, given: Any, where: str) -> dict[Index, sympy.Expr]:
+def equations(question: Question, given: object, where: str) -> dict[Index, sympy.Expr]:
     """The rates that follow from equations: as index of the unknown -> expression.
 
     Equations are a text ``Omega1' = ...; Omega2' = ...`` (semicolons or lines), a list of such, or
@@ -56,16 +55,19 @@ def equations(question: Question, given: Any, where: str) -> dict[Index, sympy.E
     return explicit or _solved(wide.domain, residuals, unknowns, where)
 
 
-def _sides(given: Any, where: str) -> list[tuple[Any, Any]]:
+def _sides(given: object, where: str) -> list[tuple[object, object]]:
     """Pairs (left, right) of all equations."""
     if isinstance(given, dict):
         pairs = list(given.items())
     else:
-        texts = given if isinstance(given, list) else [given]
-        if not all(isinstance(text, str) for text in texts):
+        given_texts = given if isinstance(given, list) else [given]
+        texts = [text for text in given_texts if isinstance(text, str)]
+        if len(texts) < len(given_texts):
             raise ExpressionError(f"{where}: equations in quotes were needed.")
-        if sum(map(len, texts)) > LARGEST_ANSWER:
-            raise LimitError(f"{where}: more than {LARGEST_ANSWER:,} characters. Write it shorter.")
+        if sum(map(len, texts)) > MOST.characters:
+            raise LimitError(
+                f"{where}: more than {MOST.characters:,} characters. Write it shorter."
+            )
         lines = [line for text in texts for line in re.split(r"[;\n]", text) if line.strip()]
         pairs = []
         for line in lines:
@@ -76,8 +78,8 @@ def _sides(given: Any, where: str) -> list[tuple[Any, Any]]:
                     "by semicolons."
                 )
             pairs.append((left, right))
-    if len(pairs) > MOST_EQUATIONS:
-        raise LimitError(f"{where}: {len(pairs)} equations; the limit is {MOST_EQUATIONS}.")
+    if len(pairs) > MOST.equations:
+        raise LimitError(f"{where}: {len(pairs)} equations; the limit is {MOST.equations}.")
     return pairs
 
 
@@ -105,7 +107,7 @@ def _solved(
 ) -> dict[Index, sympy.Expr]:
     """The rates by elimination in the exact field."""
     for place, residual in residuals:
-        check_weight(residual, place, LARGEST_EQUATION)
+        check_weight(residual, place, MOST.equation_terms)
         _check_plain(residual, place)
     field = domain.field()
     rows: list[list[Element]] = []

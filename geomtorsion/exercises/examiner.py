@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import TracebackType
-from typing import Any
 
 from geomtorsion.exercises.registry import load
 from geomtorsion.exercises.verdict import QuestionVerdict, Verdict
@@ -41,7 +40,7 @@ class Examiner:
     ) -> None:
         self.pool.close()
 
-    def check(self, number: str, answers: Mapping[str, Any] | str, seed: int = 0) -> Verdict:
+    def check(self, number: str, answers: Mapping[str, object] | str, seed: int = 0) -> Verdict:
         """What is said about the answers to an exercise, within the time; see `Exercise.check`.
 
         Raises
@@ -71,7 +70,7 @@ class Examiner:
         return Verdict.from_json(found["verdict"])
 
 
-def _unchecked(number: str, seed: int, answers: Mapping[str, Any], reason: str) -> Verdict:
+def _unchecked(number: str, seed: int, answers: Mapping[str, object], reason: str) -> Verdict:
     """The verdict on answers that could not be checked."""
     found = []
     for question in load(number, seed).questions:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
-from typing import Any
 
+from geomtorsion.checks import close_names
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.exercises.answers import answer_text
 from geomtorsion.exercises.checking import check_question
@@ -82,7 +81,7 @@ class Exercise:
             if question.name == name:
                 return question
         known = ", ".join(question.name for question in self.questions)
-        near = get_close_matches(name, [question.name for question in self.questions], n=1)
+        near = close_names(name, [question.name for question in self.questions])
         hint = f" Did you mean {near[0]}?" if near else ""
         raise UnknownNameError(
             f"exercise {self.number} has no question {name[:60]!r}: there is {known}.{hint}"
@@ -96,7 +95,7 @@ class Exercise:
         """The right answers as texts that `check` takes."""
         return {q.name: answer_text(q, q.solution) for q in self.questions}
 
-    def check(self, answers: Mapping[str, Any] | str) -> Verdict:
+    def check(self, answers: Mapping[str, object] | str) -> Verdict:
         """What is said about answers; nothing a student may write raises an error.
 
         Parameters
@@ -125,7 +124,7 @@ class Exercise:
         known = {question.name for question in self.questions}
         for name in answers:
             if name not in known:
-                near = get_close_matches(str(name)[:60], known, n=1)
+                near = close_names(str(name), known)
                 hint = f" Did you mean {near[0]}?" if near else ""
                 notes.append(f"There is no question {str(name)[:60]!r}.{hint}")
         found = tuple(check_question(q, answers.get(q.name)) for q in self.questions)

@@ -11,13 +11,13 @@ from pathlib import Path
 
 from geomtorsion.errors import FileFormatError, GeomtorsionError
 from geomtorsion.exercises.examiner import SECONDS, Examiner
+from geomtorsion.exercises.limits import MOST
 from geomtorsion.exercises.registry import load, names
 from geomtorsion.exercises.submission import Submission, read_submission
 
 GRADED, PARTLY, REFUSED = "graded", "partly", "not graded"
 HEAD = ("file", "student", "seed", "earned", "points", "percent", "status")
 TAIL = ("diagnoses", "remarks", "fingerprint")
-LONGEST_REMARK = 300
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def _harmless(text: str) -> str:
     """Text that no spreadsheet takes for a formula, and that can be written as UTF-8."""
     # Names of files may hold bytes of another encoding, which Python keeps as half characters.
     text = text.encode("utf-8", "replace").decode("utf-8")
-    text = " ".join(text.split())[:LONGEST_REMARK]
+    text = " ".join(text.split())[: MOST.remark]
     return f"'{text}" if text[:1] in ("=", "+", "-", "@") else text
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from geomtorsion.exercises.exercise import Exercise
 from geomtorsion.exercises.prompts import how_to_answer
+from geomtorsion.exercises.worker_pool import Json
 
 
-def notebook_of(title: str, exercises: Sequence[Exercise]) -> dict[str, Any]:
+def notebook_of(title: str, exercises: Sequence[Exercise]) -> Json:
     """A notebook as JSON-ready data (nbformat 4.5): statements, room to work, checks, hints.
 
     Examples
@@ -41,7 +41,7 @@ def notebook_of(title: str, exercises: Sequence[Exercise]) -> dict[str, Any]:
     }
 
 
-def _cells(exercise: Exercise) -> list[dict[str, Any]]:
+def _cells(exercise: Exercise) -> list[Json]:
     """Statement, questions, room to work, check, hints."""
     key = exercise.number.replace(".", "-")
     asked = [
@@ -67,11 +67,11 @@ def _cells(exercise: Exercise) -> list[dict[str, Any]]:
     ]
 
 
-def _markdown(key: str, text: str) -> dict[str, Any]:
+def _markdown(key: str, text: str) -> Json:
     return {"cell_type": "markdown", "id": key, "metadata": {}, "source": _lines(text)}
 
 
-def _code(key: str, text: str) -> dict[str, Any]:
+def _code(key: str, text: str) -> Json:
     return {
         "cell_type": "code",
         "execution_count": None,

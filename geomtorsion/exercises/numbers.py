@@ -6,7 +6,9 @@ import re
 from collections.abc import Mapping
 from math import isfinite, pi
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+import sympy
 
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exercises.answers import components, expression
@@ -39,7 +41,7 @@ class UnitError(ExpressionError):
     """The unit of an answer does not measure what is asked for."""
 
 
-def numbers(question: Question, given: Any, where: str) -> dict[Index, float]:
+def numbers(question: Question, given: object, where: str) -> dict[Index, float]:
     """Numbers by their indices, in the unit of the question.
 
     Raises
@@ -81,7 +83,7 @@ def _without_unit(question: Question, text: str, where: str) -> tuple[str, float
     return match[1], size / own
 
 
-def _float(expr: Any, where: str) -> float:
+def _float(expr: sympy.Expr, where: str) -> float:
     """An expression without symbols as a number."""
     found = at_point(expr, {})
     if found is None or found.imag or not isfinite(float(found.real)):

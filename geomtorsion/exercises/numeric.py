@@ -11,6 +11,9 @@ import sympy
 
 from geomtorsion.errors import ExpressionError
 
+# A complex array or a number of mpmath: one code computes with both.
+Number = Any
+Arrays = Mapping[sympy.Symbol, np.ndarray]
 # Enough for answers in which a hundred digits cancel.
 DIGITS = 200
 # Binary exponents beyond these are not followed: exp(exp(exp(9))) would take minutes.
@@ -23,12 +26,12 @@ _NUMPY = {
     "asinh": "arcsinh", "acosh": "arccosh", "atanh": "arctanh", "atan2": "arctan2",
     "Abs": "absolute",
 }  # fmt: skip
-_INVERSE = {"cot": "tan", "sec": "cos", "csc": "sin", "coth": "tanh", "sech": "cosh",
+INVERSE = {"cot": "tan", "sec": "cos", "csc": "sin", "coth": "tanh", "sech": "cosh",
             "csch": "sinh"}  # fmt: skip
 _TURNED = {"acot": "atan"}
 
 
-def at_points(expr: Any, points: Mapping[sympy.Symbol, Any]) -> Any:
+def at_points(expr: sympy.Expr, points: Arrays) -> np.ndarray:
     """Values at many points at once, complex array; nan or infinite where there is none.
 
     Examples
@@ -41,7 +44,7 @@ def at_points(expr: Any, points: Mapping[sympy.Symbol, Any]) -> Any:
     return at_points_with_size(expr, points)[0]
 
 
-def at_points_with_size(expr: Any, points: Mapping[sympy.Symbol, Any]) -> tuple[Any, Any]:
+def at_points_with_size(expr: sympy.Expr, points: Arrays) -> tuple[np.ndarray, np.ndarray]:
     """Values at many points, and the largest number that occurred on the way to each.
 
     A value far below that size has lost digits by cancellation.
@@ -54,7 +57,9 @@ def at_points_with_size(expr: Any, points: Mapping[sympy.Symbol, Any]) -> tuple[
     return np.broadcast_to(np.asarray(found, dtype=complex), shape), table.largest
 
 
-def at_point(expr: Any, point: Mapping[sympy.Symbol, Any], digits: int = DIGITS) -> Any:
+def at_point(
+    expr: sympy.Expr, point: Mapping[sympy.Symbol, sympy.Rational], digits: int = DIGITS
+) -> mpmath.mpc | None:
     """Value at one point to many digits, None where there is none or it is beyond all size.
 
     Examples
@@ -77,21 +82,21 @@ def at_point(expr: Any, point: Mapping[sympy.Symbol, Any], digits: int = DIGITS)
 class _Arrays:
     """Arithmetic of complex arrays that notes the largest size."""
 
-    def __init__(self, largest: Any) -> None:
+    def __init__(self, largest: np.ndarray) -> None:
         self.largest = largest
 
-    def number(self, expr: Any) -> Any:
+    def number(self, expr: sympy.Expr) -> Number:
         return complex(int(expr.p) / int(expr.q)) if expr.is_Rational else complex(expr)
 
-    def power(self, base: Any, exponent: Any) -> Any:
+    def power(self, base: Number, exponent: Number) -> Number:
         return np.sqrt(base) if np.ndim(exponent) == 0 and exponent == 0.5 else base**exponent
 
-    def call(self, name: str, arguments: list[Any]) -> Any:
+    def call(self, name: str, arguments: list[Number]) -> Number:
         if name == "atan2":
             return np.arctan2(arguments[0].real, arguments[1].real)
         return getattr(np, _NUMPY[name])(*arguments)
 
-    def checked(self, value: Any) -> Any:
+    def checked(self, value: Number) -> Number:
         self.largest = np.fmax(self.largest, np.abs(value))
         return value
 
@@ -99,35 +104,40 @@ class _Arrays:
 class _Digits:
     """Arithmetic of mpmath numbers, with an end to their size."""
 
-    def number(self, expr: Any) -> Any:
+    def number(self, expr: sympy.Expr) -> Number:
         if expr.is_Rational:
             return mpmath.mpc(mpmath.mpf(int(expr.p)) / int(expr.q))
         return mpmath.mpc(expr._to_mpmath(mpmath.mp.prec))
 
-    def power(self, base: Any, exponent: Any) -> Any:
+    def power(self, base: Number, exponent: Number) -> Number:
         self._check_argument(exponent)
         real = mpmath.re(exponent)
         whole = not mpmath.im(exponent) and real == int(real)
         return base ** int(real) if whole else mpmath.power(base, exponent)
 
-    def call(self, name: str, arguments: list[Any]) -> Any:
+    def call(self, name: str, arguments: list[Number]) -> Number:
         for argument in () if name in ("log", "Abs") else arguments:
             self._check_argument(argument)
         if name == "atan2":
             return mpmath.mpc(mpmath.atan2(arguments[0].real, arguments[1].real))
         return mpmath.mpc(getattr(mpmath, "fabs" if name == "Abs" else name)(*arguments))
 
-    def _check_argument(self, value: Any) -> None:
+    def _check_argument(self, value: Number) -> None:
         if value and mpmath.mag(value) > LARGEST_ARGUMENT:
             raise OverflowError("an argument beyond all size")
 
-    def checked(self, value: Any) -> Any:
+    def checked(self, value: Number) -> Number:
         if value and mpmath.mag(value) > LARGEST_EXPONENT:
             raise OverflowError("beyond all size")
         return value
 
 
-def _value(expr: Any, values: Mapping[Any, Any], table: Any, known: dict[Any, Any]) -> Any:
+def _value(
+    expr: sympy.Expr,
+    values: Mapping[sympy.Symbol, Number],
+    table: _Arrays | _Digits,
+    known: dict[sympy.Expr, Number],
+) -> Number:
     """The value of an expression; equal parts are computed once."""
     if expr in known:
         return known[expr]
@@ -142,7 +152,7 @@ def _value(expr: Any, values: Mapping[Any, Any], table: Any, known: dict[Any, An
     return known[expr]
 
 
-def _combined(expr: Any, parts: list[Any], table: Any) -> Any:
+def _combined(expr: sympy.Expr, parts: list[Number], table: _Arrays | _Digits) -> Number:
     """The value of a sum, product, power or function from those of its parts."""
     if expr.is_Add:
         return sum(parts[1:], parts[0])
@@ -154,8 +164,8 @@ def _combined(expr: Any, parts: list[Any], table: Any) -> Any:
     if expr.is_Pow:
         return table.power(*parts)
     name = type(expr).__name__
-    if name in _INVERSE:
-        return 1 / table.call(_INVERSE[name], parts)
+    if name in INVERSE:
+        return 1 / table.call(INVERSE[name], parts)
     if name in _TURNED:
         return table.call(_TURNED[name], [1 / parts[0]])
     if name not in _NUMPY:

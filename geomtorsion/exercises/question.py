@@ -9,6 +9,7 @@ from itertools import permutations
 from math import degrees, radians
 from typing import Any
 
+import numpy as np
 import sympy
 
 from geomtorsion.exercises.compare import Index, Value
@@ -59,7 +60,7 @@ class Question:
     name: str
     kind: str
     prompt: str
-    answer: Callable[[], Any]
+    answer: Callable[[], object]
     domain: Domain = field(default_factory=Domain)
     errors: Callable[[], Iterable[Mistake]] = _none
     shape: tuple[int, ...] = ()
@@ -83,7 +84,7 @@ class Question:
         return _all_mistakes(self)
 
 
-def normal(value: Any) -> Value:
+def normal(value: object) -> Value:
     """Index -> component, from a tensor, a mapping, nested lists, or a single expression.
 
     Examples
@@ -96,7 +97,9 @@ def normal(value: Any) -> Value:
     if isinstance(value, Mapping):
         pairs = {key if isinstance(key, tuple) else (key,): x for key, x in value.items()}
         return {key: x for key, x in pairs.items() if not _is_zero(x)}
-    if hasattr(value, "tolist"):
+    if isinstance(value, sympy.MatrixBase):
+        value = sympy.Matrix(value).tolist()
+    elif isinstance(value, np.ndarray):
         value = value.tolist()
     if isinstance(value, Sequence) and not isinstance(value, str):
         found: dict[Index, Any] = {}
@@ -106,7 +109,7 @@ def normal(value: Any) -> Value:
     return {} if _is_zero(value) else {(): value}
 
 
-def _is_zero(value: Any) -> bool:
+def _is_zero(value: object) -> bool:
     return not isinstance(value, str) and value == 0
 
 
@@ -162,7 +165,7 @@ def _generic(question: Question) -> Iterator[Mistake]:
         yield from (Mistake("permuted", value) for value in permuted(right, question.shape))
 
 
-def scaled(value: Any, factor: Any) -> Value:
+def scaled(value: object, factor: sympy.Expr | float) -> Value:
     """Every component times a factor.
 
     Examples
@@ -186,7 +189,7 @@ def permuted(value: Value, shape: tuple[int, ...]) -> Iterator[Value]:
             yield reordered(value, order)
 
 
-def reordered(value: Any, order: tuple[int, ...]) -> Value:
+def reordered(value: object, order: tuple[int, ...]) -> Value:
     """Components with their indices in another order; order[k] comes k-th.
 
     Examples

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from difflib import get_close_matches
 from functools import lru_cache
 from importlib import import_module
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from geomtorsion.checks import close_names
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.exercises.exercise import Exercise
+from geomtorsion.exercises.limits import MOST
 
 if TYPE_CHECKING:
-    from geomtorsion.exercises.exercise import Exercise
     from geomtorsion.exercises.verdict import Verdict
 
-LARGEST_SEED = 10**9
 # number, what it is about
 CHAPTERS: tuple[tuple[str, str], ...] = (
     ("1", "Frames and anholonomy"),
@@ -103,15 +102,14 @@ def load(number: str, seed: int = 0) -> Exercise:
     >>> load("1.1").title, load("1.1", seed=7).seed
     ('The legs of a coframe', 7)
     """
-    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= LARGEST_SEED:
+    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= MOST.seed:
         raise UnknownNameError(
-            f"seed: a whole number from 0 to {LARGEST_SEED:,} was needed, but {str(seed)[:40]!r} "
-            "came."
+            f"seed: a whole number from 0 to {MOST.seed:,} was needed, but {str(seed)[:40]!r} came."
         )
     for known, module, title, level in EXERCISES:
         if known == number:
             return _loaded(known, module, title, level, seed)
-    near = get_close_matches(str(number)[:20], names(), n=3)
+    near = close_names(str(number)[:20], names(), 3, 0.6)
     hint = f" Near: {', '.join(near)}." if near else ""
     raise UnknownNameError(
         f"no exercise has the number {str(number)[:20]!r}.{hint} There are {names()[0]} to "
@@ -128,7 +126,7 @@ def _loaded(number: str, module: str, title: str, level: str, seed: int) -> Exer
     return Exercise(number, title, chapter_of(number), level, seed, variant)
 
 
-def check(number: str, answers: Mapping[str, Any] | str, seed: int = 0) -> Verdict:
+def check(number: str, answers: Mapping[str, object] | str, seed: int = 0) -> Verdict:
     """What is said about the answers to an exercise; see `Exercise.check`.
 
     Examples

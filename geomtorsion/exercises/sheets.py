@@ -12,6 +12,7 @@ from geomtorsion.errors import UnknownNameError
 from geomtorsion.exercises.answers import answer_text
 from geomtorsion.exercises.diagnoses import MESSAGES, TITLES
 from geomtorsion.exercises.exercise import Exercise
+from geomtorsion.exercises.limits import MOST
 from geomtorsion.exercises.notebook import notebook_of
 from geomtorsion.exercises.prompts import how_to_answer
 from geomtorsion.exercises.prose import html_of
@@ -22,7 +23,6 @@ from geomtorsion.pictures.mathml import mathml
 from geomtorsion.pictures.page import stylesheet
 from geomtorsion.pictures.text import greek_name
 
-MOST_MISTAKES = 6
 _MORE = """
 .question {
   border-left: 3px solid var(--accent); padding: 0.1rem 0 0.1rem 0.9rem; margin: 0.8rem 0;
@@ -138,7 +138,7 @@ def _solution(question: Question) -> str:
     value = question.solution
     shown = _typeset(question)
     rows = []
-    for mistake in question.mistakes[:MOST_MISTAKES]:
+    for mistake in question.mistakes[: MOST.mistakes]:
         text = mistake.message or MESSAGES[mistake.code]
         given = escape(_short(answer_text(question, mistake.value)))
         rows.append(f"<li>{escape(TITLES[mistake.code])}: <code>{given}</code>{html_of(text)}</li>")

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from stat import S_ISREG
 from typing import Any
 
-from geomtorsion.errors import FileFormatError, GeomtorsionError, LimitError
-from geomtorsion.exercises.registry import LARGEST_SEED, names
-
-LARGEST_FILE = 200_000
-LONGEST_NAME = 200
+from geomtorsion.errors import FileFormatError
+from geomtorsion.exercises.limits import MOST
+from geomtorsion.exercises.registry import names
+from geomtorsion.files import read_toml
 
 
 @dataclass(frozen=True)
@@ -28,7 +25,7 @@ class Submission:
 
     student: str
     seed: int
-    answers: Mapping[str, Any]
+    answers: Mapping[str, object]
     unknown: tuple[str, ...] = ()
 
 
@@ -49,7 +46,7 @@ def read_submission(path: str | PathLike[str]) -> Submission:
     FileFormatError
         It is no regular file, no TOML, or has values of the wrong kind.
     LimitError
-        It is longer than LARGEST_FILE bytes, or nested too deeply.
+        It is longer than MOST.file bytes, or nested too deeply.
 
     Examples
     --------
@@ -63,15 +60,15 @@ def read_submission(path: str | PathLike[str]) -> Submission:
     path = Path(path)
     data = loaded(path)
     student = data.get("student", data.get("name", path.stem))
-    if not isinstance(student, str) or len(student) > LONGEST_NAME:
+    if not isinstance(student, str) or len(student) > MOST.name:
         raise FileFormatError(
-            f"{path.name}: student: a name of at most {LONGEST_NAME} letters was needed. Write "
+            f"{path.name}: student: a name of at most {MOST.name} letters was needed. Write "
             'student = "Ada Lovelace".'
         )
     seed = data.get("seed", 0)
-    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= LARGEST_SEED:
+    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= MOST.seed:
         raise FileFormatError(
-            f"{path.name}: seed: a whole number from 0 to {LARGEST_SEED:,} was needed, but "
+            f"{path.name}: seed: a whole number from 0 to {MOST.seed:,} was needed, but "
             f"{str(seed)[:40]!r} came. Write seed = 7."
         )
     table = data.get("answers", {})
@@ -87,51 +84,19 @@ def read_submission(path: str | PathLike[str]) -> Submission:
     return Submission(" ".join(student.split()), seed, answers, unknown)
 
 
-def loaded(path: Path) -> dict[str, Any]:
+def loaded(path: Path) -> Mapping[str, Any]:
     """The content of a TOML file of answers."""
-    try:
-        # A pipe or a device would never end.
-        if not S_ISREG(path.stat().st_mode):
-            raise FileFormatError(f"{path.name}: this is no regular file.")
-        with path.open("rb") as file:
-            content = file.read(LARGEST_FILE + 1)
-        if len(content) > LARGEST_FILE:
-            raise LimitError(
-                f"{path.name}: the file is longer than the limit of {LARGEST_FILE:,} bytes."
-            )
-        data = tomllib.loads(content.decode("utf-8-sig"))
-        # Python writes no whole number of many thousand digits, which hexadecimal ones may have.
-        _ = repr(data)
-        return data
-    except OSError as error:
-        reason = error.strerror or type(error).__name__
-        raise FileFormatError(f"{path.name}: the file cannot be read: {reason}.") from None
-    except UnicodeDecodeError:
-        raise FileFormatError(
-            f"{path.name}: the file is no UTF-8 text. Save it as UTF-8."
-        ) from None
-    except RecursionError:
-        raise LimitError(f"{path.name}: lists are nested too deeply to be read.") from None
-    except tomllib.TOMLDecodeError as error:
-        raise FileFormatError(
-            f"{path.name}: this is no TOML: {str(error)[:200]}. Answers stand in quotes, as in "
-            '"1.1" = "sin(x)".'
-        ) from None
-    except GeomtorsionError:
-        raise
-    except ValueError:
-        raise LimitError(
-            f"{path.name}: a number has more digits than can be read. Write a shorter one."
-        ) from None
+    advice = 'Answers stand in quotes, as in "1.1" = "sin(x)".'
+    return read_toml(path, advice=advice, largest=MOST.file).data
 
 
-def _flat(table: Mapping[str, Any]) -> dict[str, Any]:
+def _flat(table: Mapping[str, object]) -> dict[str, object]:
     """Answers by number; 1.1 written without quotes is a table in a table."""
-    found: dict[str, Any] = {}
+    found: dict[str, object] = {}
     for key, value in table.items():
-        inner = isinstance(value, dict) and key.isdecimal()
-        if inner and all(part.isdecimal() for part in value):
-            found |= {f"{key}.{part}": answer for part, answer in value.items()}
+        inner = value if isinstance(value, dict) and key.isdecimal() else {}
+        if inner and all(part.isdecimal() for part in inner):
+            found |= {f"{key}.{part}": answer for part, answer in inner.items()}
         else:
             found[key] = value
     return found

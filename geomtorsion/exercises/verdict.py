@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
+Json = Mapping[str, Any]
+
 
 @dataclass(frozen=True)
 class QuestionVerdict:
@@ -72,12 +74,12 @@ class Verdict:
         """Share of the points that was earned, 0 to 1."""
         return self.earned / self.points if self.points else 0.0
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> Json:
         """Everything as plain values, ready for json.dumps."""
         return asdict(self)
 
     @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Verdict:
+    def from_json(cls, data: Json) -> Verdict:
         """The verdict that `to_json` wrote."""
         questions = [
             QuestionVerdict(**{**entry, "also": tuple(entry["also"])})

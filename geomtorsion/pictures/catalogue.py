@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from difflib import get_close_matches
 
+from geomtorsion.checks import close_names
 from geomtorsion.errors import UnknownNameError
 
 
@@ -161,7 +161,7 @@ def entry(name: str) -> Entry:
         if known.name == name:
             return known
     names = [known.name for known in CATALOGUE]
-    near = get_close_matches(name.lower().replace("-", "_"), names, n=3, cutoff=0.5)
+    near = close_names(name.lower().replace("-", "_"), names, 3, 0.5)
     hint = f"Did you mean {' or '.join(near)}? " if near else ""
     raise UnknownNameError(f"no quantity is called {name!r}. {hint}There are: {', '.join(names)}.")
 

@@ -10,7 +10,7 @@ import numpy as np
 from geomtorsion.errors import LimitError, NetworkError
 from geomtorsion.loops.dislocation_network import size, written
 from geomtorsion.pictures.loops import GAP, PATH, START
-from geomtorsion.pictures.style import FLAT, arrow, new_figure, quiet
+from geomtorsion.pictures.style import FLAT, STYLE, arrow, new_figure, quiet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from geomtorsion.loops import DislocationNetwork, Network
 
 SOFT, GOOD = "#9ca5b6", "#1c7a43"
-# More edges than this make a picture black.
-MOST_EDGES = 5000
 
 
 def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = (0, 1)) -> Figure:
@@ -44,9 +42,9 @@ def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = 
     MissingExtraError
         matplotlib is not installed.
     """
-    if len(net.edges.pairs) > MOST_EDGES:
+    if len(net.edges.pairs) > STYLE.edges:
         raise LimitError(
-            f"a picture of {len(net.edges.pairs)} edges shows nothing; the limit is {MOST_EDGES}."
+            f"a picture of {len(net.edges.pairs)} edges shows nothing; the limit is {STYLE.edges}."
         )
     found = net.basis_burgers(basis)
     sizes = [float(np.linalg.norm(one.vector)) for one in found]

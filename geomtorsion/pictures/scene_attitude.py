@@ -265,7 +265,7 @@ def _levels(inertia: np.ndarray) -> list[float]:
     return [*found, float(np.float64(middle))]
 
 
-def polhodes(inertia: np.ndarray, value: float) -> list[tuple[np.ndarray, bool]]:
+def polhodes(inertia: ArrayLike, value: float) -> list[tuple[np.ndarray, bool]]:
     """Closed curves on the unit sphere on which sum l_k^2 / I_k is constant.
 
     Each comes with whether it is the separatrix. The sphere is cut as a function of the angle

@@ -11,16 +11,12 @@ import sympy
 from geomtorsion.pictures.labels import latex_label, latex_marks
 from geomtorsion.pictures.latex import equation_latex, latex_matrix, latex_text
 from geomtorsion.pictures.mathml import mathml
+from geomtorsion.pictures.style import STYLE
 from geomtorsion.pictures.text import expression_text
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Element
     from geomtorsion.pictures.quantities import Quantity
-
-# Letters that fit into a row of a matrix, into a third of the page, and into half of it.
-_ROW_WIDTH, _THIRD_WIDTH, _HALF_WIDTH = 90, 20, 34
-# Components of a list before the rest is folded away.
-_UNFOLDED = 40
 
 
 def section(quantity: Quantity) -> str:
@@ -57,7 +53,7 @@ def _fits(quantity: Quantity) -> bool:
     widths = [0] * n
     for (_, column), value in quantity.nonzero.items():
         widths[column] = max(widths[column], _width(value))
-    return sum(widths) + 2 * n <= _ROW_WIDTH
+    return sum(widths) + 2 * n <= STYLE.line
 
 
 def _matrix(quantity: Quantity) -> str:
@@ -70,18 +66,18 @@ def _listed(quantity: Quantity) -> str:
     """Components in columns; the later ones of a long list are folded away."""
     tensor = quantity.tensor
     lines = []
-    narrow = all(_width(value) <= _THIRD_WIDTH for value in quantity.independent.values())
+    narrow = all(_width(value) <= STYLE.third for value in quantity.independent.values())
     columns = "components" if narrow else "components two"
     for index, value in quantity.independent.items():
         label = latex_label(quantity.entry.latex, latex_marks(tensor, index), tensor.slots)
-        wide = " wide" if _width(value) > _HALF_WIDTH else ""
+        wide = " wide" if _width(value) > STYLE.half else ""
         formula = mathml(f"{label} = {latex_text(value.sympy)}", tall=True)
         lines.append(f'<div class="scroll{wide}">{formula}</div>')
-    shown = f'<div class="{columns}">{"".join(lines[:_UNFOLDED])}</div>'
-    if len(lines) > _UNFOLDED:
-        rest = "".join(lines[_UNFOLDED:])
+    shown = f'<div class="{columns}">{"".join(lines[: STYLE.unfolded])}</div>'
+    if len(lines) > STYLE.unfolded:
+        rest = "".join(lines[STYLE.unfolded :])
         shown += (
-            f"<details><summary>{len(lines) - _UNFOLDED} more components</summary>"
+            f"<details><summary>{len(lines) - STYLE.unfolded} more components</summary>"
             f'<div class="{columns}">{rest}</div></details>'
         )
     hidden = len(quantity.nonzero) - len(quantity.independent)

@@ -43,6 +43,9 @@ class Style:
     turns: about the vertical, that are drawn on a globe. rate: frames of a film per second.
     frames: the most that a film has. rem: of a page, per inch of a picture.
     wide: ratio of largest to smallest value from which an axis is logarithmic.
+    edges: of a network; more make a picture black.
+    line, half, third: letters that fit into a row of a matrix, half of a page and a third of it.
+    unfolded: components of a list before the rest is folded away.
     """
 
     resolution: int = 150
@@ -60,6 +63,11 @@ class Style:
     frames: int = 500
     rem: float = 5.4
     wide: float = 300.0
+    edges: int = 5000
+    line: int = 90
+    half: int = 34
+    third: int = 20
+    unfolded: int = 40
 
 
 STYLE = Style()

@@ -12,6 +12,7 @@ from geomtorsion.exercises import grading
 from geomtorsion.exercises.answers import answer_text
 from geomtorsion.exercises.examiner import Examiner
 from geomtorsion.exercises.grading import GRADED, PARTLY, REFUSED, grade
+from geomtorsion.exercises.limits import MOST
 from tests.exercises.forms import another_form
 
 STUDENTS = 200
@@ -196,7 +197,7 @@ def test_rows_are_harmless_in_a_spreadsheet():
         shown = grading._harmless(text)
         assert shown[0] not in "=+-@"
         assert "\n" not in shown
-        assert len(shown) <= grading.LONGEST_REMARK + 1
+        assert len(shown) <= MOST.remark + 1
 
 
 def test_a_name_in_another_encoding_costs_nobody_marks(tmp_path):

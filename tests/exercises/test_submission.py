@@ -5,7 +5,8 @@ import os
 import pytest
 
 from geomtorsion.errors import FileFormatError, LimitError
-from geomtorsion.exercises.submission import LARGEST_FILE, read_submission
+from geomtorsion.exercises.limits import MOST
+from geomtorsion.exercises.submission import read_submission
 
 
 def read(tmp_path, text: str | bytes, name: str = "ada.toml"):
@@ -63,7 +64,7 @@ def test_bad_files(tmp_path, text, says):
 def test_large_files_and_no_files(tmp_path):
     """Too long, missing, a directory, a pipe that would never end."""
     with pytest.raises(LimitError, match="longer than the limit"):
-        read(tmp_path, "#" * (LARGEST_FILE + 1))
+        read(tmp_path, "#" * (MOST.file + 1))
     with pytest.raises(FileFormatError, match="cannot be read"):
         read_submission(tmp_path / "nobody.toml")
     with pytest.raises(FileFormatError, match="no regular file"):

@@ -2,7 +2,6 @@
 
 from functools import cache
 from random import Random
-from typing import Any
 
 from geomtorsion.exercises.authoring import Mistake, Question, Variant, steps
 from geomtorsion.geometry import cartan
@@ -50,7 +49,7 @@ def _number(
     """One coordinate at the end, on the line asked for and on those that it is taken for."""
 
     @cache
-    def at_end(problem: Problem) -> Any:
+    def at_end(problem: Problem) -> float:
         return float(solve(problem, [last], ACCURACY).coordinates[-1, k])
 
     return Question(
