@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.metadata import PackageNotFoundError, version
 from typing import Annotated, ClassVar
 
 import typer
@@ -42,6 +41,9 @@ app = typer.Typer(
 
 def installed_version() -> str:
     """Version of the installed package."""
+    # Loading this takes longer than the rest of the list of commands.
+    from importlib.metadata import PackageNotFoundError, version
+
     try:
         return version("geomtorsion")
     except PackageNotFoundError:
