@@ -148,3 +148,16 @@ def test_a_plate_is_just_possible():
     """I3 = I1 + I2, even when rounding puts it on the wrong side."""
     assert Body(moments=(0.1, 0.2, 0.1 + 0.2)).mass == 1.0
     assert Body.cylinder(3.0, 0.1, 0).moments[2] == pytest.approx(0.015)
+
+
+def test_how_much_rounding_a_body_may_have():
+    """A plate has A + B = C: wrong by 0.9e-12 it is rounded, by 1.1e-12 no body; likewise I12."""
+    assert Body(moments=(1, 1, 2 * (1 + 0.9e-12))).moments
+    with pytest.raises(BodyError, match="impossible"):
+        Body(moments=(1, 1, 2 * (1 + 1.1e-12)))
+    tensor = np.diag([1.0, 1, 1])
+    tensor[0, 1] = 0.9e-12
+    assert Body(inertia=tensor).tensor[1, 0] == 0.9e-12
+    tensor[0, 1] = 1.1e-12
+    with pytest.raises(BodyError, match="not symmetric"):
+        Body(inertia=tensor)

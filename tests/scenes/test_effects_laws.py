@@ -75,7 +75,10 @@ def test_every_kind_is_sampled():
     assert len({kind.key for kind in EFFECTS}) == len(EFFECTS)
 
 
-@pytest.mark.parametrize("body", [BODY, SKEW], ids=["principal", "skew"])
+@pytest.mark.parametrize(
+    "body",
+    [pytest.param(BODY, id="principal", marks=pytest.mark.slow), pytest.param(SKEW, id="skew")],
+)
 @pytest.mark.parametrize("effect", SAMPLES, ids=lambda effect: effect.key)
 def test_energy_is_accounted_for(effect, body):
     """d(T + V)/dt = power for all states of motion: forces and potentials agree."""

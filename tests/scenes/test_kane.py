@@ -13,6 +13,8 @@ from sympy.physics.mechanics import (
 )
 
 from geomtorsion.scenes import Body, Scene, State, effects
+from geomtorsion.scenes.assembly import assemble
+from geomtorsion.scenes.context import OMEGA
 
 E = effects
 MASS, MOMENTS, G = 2.0, (1.0, 1.6, 2.1), 9.81
@@ -139,3 +141,12 @@ def test_a_sleigh_with_its_centre_off_the_blade():
     theirs = solved(method, {angle: 0.4, x: 0.5, y: -0.3, u: 1.5, w: 0.7})
     values = {"omega": (0, 0, 0.7), "euler": (0.4, 0, 0), "position": (0.5, -0.3, 0)}
     assert abs(theirs - rates(scene, ["u", "Omega3"], **values)).max() < 1e-13 * abs(theirs).max()
+
+
+def test_short_sums_are_gathered_and_long_ones_left():
+    """Products of short sums are multiplied out, so that like terms meet; long ones cost more."""
+    for count, factored in ((3, False), (40, True)):
+        series = " + ".join(f"y**{k}" for k in range(1, count))
+        effect = E.BodyMoment((f"(x + 1)*({series})", 0, 0))
+        rate = assemble(Body(moments=(1, 2, 3)), {"body_moment": effect}).rates[OMEGA[0]]
+        assert (sp.Symbol("x") + 1 in rate.atoms(sp.Add)) == factored

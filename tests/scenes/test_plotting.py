@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from geomtorsion.errors import SceneError
-from geomtorsion.scenes import SceneResult, load
+from geomtorsion.scenes import Body, Scene, SceneResult, State, load
 from geomtorsion.scenes.accuracy_table import scene_accuracy
 from geomtorsion.scenes.plotting import album, finely, plot
 from geomtorsion.scenes.saving import write_run
@@ -103,3 +103,10 @@ def test_accuracy_costs_what_it_costs():
             assert row.achieved is not None
             assert row.estimated is not None
             assert row.achieved <= max(10 * row.estimated, 1e-15)
+
+
+@pytest.mark.parametrize(("tilt", "shown"), [(0.3e-6, False), (0.7e-6, True)])
+def test_cones_of_what_turns(tilt, shown):
+    """An angular velocity that changes its direction by less than 1e-6 draws no cones."""
+    body, start = Body(moments=(1, 1, 2)), State(omega=(tilt, 0, 1))
+    assert ("cones" in album(Scene(body, (), start, ["omega"], t=10).run())) == shown

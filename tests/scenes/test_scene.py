@@ -332,3 +332,10 @@ def test_replacing_what_is_given_in_one_way():
     again = scene.with_values({"start.euler": (0, 0.1, 0), "body.moments": (1, 1, 1)})
     assert again.start.quaternion is None
     assert again.body.inertia is None
+
+
+def test_estimates_of_closed_forms_are_close():
+    """However little is asked for, the check of a closed form is accurate to 1e-9."""
+    result = gt.scenes.load("dzhanibekov").with_values(accuracy=1e-3).run()
+    assert result.closed_form
+    assert result.error < 3e-9

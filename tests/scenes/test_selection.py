@@ -219,3 +219,16 @@ def test_energy_that_changes_with_time():
     result = scene.run()
     # z = 2 - t^3/6, so that the work is the integral of z.
     assert result["work"][-1] == pytest.approx(2 * 3 - 3**4 / 24, rel=1e-10)
+
+
+def test_how_much_rounding_a_start_may_have():
+    """A velocity that a pivot gives: wrong by 0.9e-9 it is rounded, by 1.1e-9 a contradiction."""
+    pivot = (E.Pivot((0, 0, 1)),)
+    for excess, fine in ((0.9e-9, True), (1.1e-9, False)):
+        start = State(omega=(1, 0, 0), euler=(0, 0, 0), velocity=(0, -1 - excess, 0))
+        scene = Scene(BODY, pivot, start, ["velocity"], t=1)
+        if fine:
+            assert scene.ode.size == 7
+        else:
+            with pytest.raises(SceneError, match="the constraint makes it"):
+                _ = scene.ode

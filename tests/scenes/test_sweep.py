@@ -193,3 +193,12 @@ def test_columns_that_are_none(column):
     """One number, words, vectors of unequal length."""
     with pytest.raises(SceneError, match="a list of numbers, or of vectors"):
         load("dzhanibekov").sweep({"body.moments": column}, FLIP)
+
+
+def test_batches_in_parts(monkeypatch):
+    """Where not all motions fit into memory at once, they are solved in parts, to the same end."""
+    scene, varied = load("lagrange_cusp").with_values(t=0.2), {"gravity.g": [9.7, 9.8, 9.9]}
+    whole = scene.sweep(varied, "max nutation")
+    monkeypatch.setattr("geomtorsion.scenes.sweep.LARGEST_BATCH", 10_000)
+    parts = scene.sweep(varied, "max nutation")
+    assert np.abs(whole["max nutation"] - parts["max nutation"]).max() < 2 * scene.accuracy
