@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import sympy as sp
@@ -13,10 +13,11 @@ import sympy as sp
 from geomtorsion.codegen import numpy_function
 from geomtorsion.exact import Element
 from geomtorsion.geometry import contract
+from geomtorsion.loops.arcs import Parameters
 from geomtorsion.loops.forms import parameter_values
 
 if TYPE_CHECKING:
-    from geomtorsion.geometry import Connection
+    from geomtorsion.geometry import Connection, Tensor
 
 Entries = tuple[tuple[tuple[int, ...], Element], ...]
 
@@ -30,7 +31,7 @@ class AffineForm:
     """
 
     connection: Connection
-    parameters: Mapping[Any, Any] | None = None
+    parameters: Parameters | None = None
 
     @property
     def dimension(self) -> int:
@@ -42,7 +43,6 @@ class AffineForm:
 
         points, slopes: shape (n, k).
         """
-
         turn, step = _compiled(self.connection, "line")
         values = self._values(turn.function, points)
         n, k = points.shape
@@ -61,7 +61,6 @@ class AffineForm:
 
         points, x, v: shape (n, k); results (k, n, n) with row j, column i, and (k, n).
         """
-
         turn, step = _compiled(self.connection, "area")
         values = self._values(turn.function, points)
         n, k = points.shape
@@ -80,7 +79,6 @@ class AffineForm:
 
     def coframe(self, point: np.ndarray) -> np.ndarray:
         """e^i_mu at one point, shape (n, n)."""
-
         n = self.dimension
         rows = [self.along(point[:, None], np.eye(n)[:, [a]])[1][0] for a in range(n)]
         return np.array(rows).T
@@ -96,7 +94,7 @@ class AffineForm:
 class _Function:
     """A compiled list of components and the parameters that it takes after the coordinates."""
 
-    call: Callable[..., Any]
+    call: Callable[..., np.ndarray]
     extra: tuple[sp.Symbol, ...]
 
 
@@ -138,7 +136,7 @@ def _compile(connection: Connection, kind: str) -> tuple[_Block, _Block]:
     )
 
 
-def _entries(tensor: Any) -> Entries:
+def _entries(tensor: Tensor) -> Entries:
     """Components that do not vanish."""
     return tuple(tensor.components.nonzero.items())
 

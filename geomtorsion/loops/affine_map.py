@@ -34,7 +34,6 @@ class AffineMap:
     @classmethod
     def of(cls, turn: np.ndarray, translation: np.ndarray | list[float]) -> AffineMap:
         """From rotation - 1, shape (n, n), and translation, shape (n,)."""
-
         turn, column = np.asarray(turn), np.asarray(translation)
         if turn.shape != (len(column), len(column)):
             raise ShapeError(
@@ -48,7 +47,6 @@ class AffineMap:
     @property
     def matrix(self) -> np.ndarray:
         """The map in homogeneous form, shape (n + 1, n + 1)."""
-
         return np.eye(len(self.increment)) + self.increment
 
     @property
@@ -74,7 +72,6 @@ class AffineMap:
     @cached_property
     def inverse(self) -> AffineMap:
         """The motion of the path run backwards."""
-
         return AffineMap(-np.linalg.solve(self.matrix, self.increment))
 
     def seen_from(self, path: AffineMap) -> AffineMap:
@@ -84,7 +81,6 @@ class AffineMap:
         --------
         G' = P^-1 G P, with P the development of the path from the old base point to the new.
         """
-
         return AffineMap(np.linalg.solve(path.matrix, self.increment @ path.matrix))
 
     # -- invariants -----------------------------------------------------------------------------
@@ -106,7 +102,6 @@ class AffineMap:
     @property
     def frank_vector(self) -> np.ndarray:
         """Axis times angle of the transported frame, shape (3,); only in three dimensions."""
-
         self._needs(3, "frank_vector")
         angle, axis = self.angle, self.axis
         return np.zeros(3) if axis is None else angle * axis
@@ -123,7 +118,6 @@ class AffineMap:
         LoopError
             The linear part is no rotation: the connection does not keep Euclidean lengths.
         """
-
         n = len(self.increment) - 1
         turn = self._rotating
         if n == 2:
@@ -136,7 +130,6 @@ class AffineMap:
     @property
     def axis(self) -> np.ndarray | None:
         """Unit vector about which a carried vector turns, shape (3,); None without a turn."""
-
         self._needs(3, "axis")
         vector = -_axial(self._rotating)
         size, cosine = _length(vector), 1 + float(np.trace(self.turn)) / 2
@@ -163,7 +156,6 @@ class AffineMap:
         In two and three dimensions: where the defect seems to sit, seen along the loop.
         None without a turn.
         """
-
         n = len(self.increment) - 1
         if not np.abs(self.turn).max() > 0:
             return None
@@ -180,7 +172,6 @@ class AffineMap:
     @cached_property
     def _rotating(self) -> np.ndarray:
         """The turn, where it belongs to a rotation."""
-
         turn = self.turn
         stretch = np.abs(turn + turn.T + turn @ turn.T).max(initial=0.0)
         if not stretch <= ROTATION * float(np.abs(turn).max(initial=0.0)) + ROUNDING:
@@ -202,21 +193,18 @@ class AffineMap:
 
 def _axial(turn: np.ndarray) -> np.ndarray:
     """sin(angle) * axis of a rotation given as rotation - 1."""
-
     pairs = (turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1])
     return np.array(pairs) / 2
 
 
 def _length(vector: np.ndarray) -> float:
     """The length of a vector whose squares may underflow."""
-
     scale = float(np.abs(vector).max())
     return scale * float(np.linalg.norm(vector / scale)) if scale else 0.0
 
 
 def logarithm(turn: np.ndarray) -> np.ndarray:
     """log(1 + turn), to full relative accuracy for tiny turns; turn has shape (n, n)."""
-
     n = len(turn)
     identity = np.eye(n)
     if not np.abs(turn).max(initial=0.0) > 0:

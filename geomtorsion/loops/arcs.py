@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -14,6 +15,12 @@ from geomtorsion import checks
 from geomtorsion.errors import LoopError
 
 Vector = tuple[float, ...]
+# What users give: numbers exact or not, points, planes by two coordinates or two vectors, and
+# values by the names of parameters or by their symbols.
+Number = int | float | complex | Fraction | sp.Basic
+Point = Sequence[Number] | np.ndarray
+Plane = Sequence[int] | Sequence[Point] | np.ndarray
+Parameters = Mapping[str, Number] | Mapping[sp.Symbol, Number] | Mapping[sp.Basic, Number]
 # Points that miss each other by less than this share of the size of a loop are one point: its ends,
 # the base points of two loops, a loop and a singular line that it meets.
 SAME_POINT = 1e-12
@@ -58,7 +65,7 @@ class Ellipse:
 
     first: Vector
     second: Vector
-    meant: Callable[[], tuple[Sequence[Any], Sequence[Any]]] | None = field(
+    meant: Callable[[], tuple[Sequence[Number], Sequence[Number]]] | None = field(
         default=None, compare=False
     )
     is_periodic: bool = field(default=True, init=False)
@@ -66,7 +73,6 @@ class Ellipse:
 
     def shape(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Offsets and their derivatives by s."""
-
         u, v = self._columns
         angle = 2 * np.pi * s
         cos, sin = np.cos(angle), np.sin(angle)
@@ -75,7 +81,6 @@ class Ellipse:
     @cached_property
     def _columns(self) -> tuple[np.ndarray, np.ndarray]:
         """u and v as columns."""
-
         return np.array(self.first)[:, None], np.array(self.second)[:, None]
 
     def exact(self, s: sp.Symbol) -> tuple[sp.Expr, ...]:
@@ -95,13 +100,12 @@ class Segment:
 
     start: Vector
     end: Vector
-    given: tuple[tuple[Any, ...], tuple[Any, ...]] | None = field(default=None, compare=False)
+    given: tuple[tuple[Number, ...], tuple[Number, ...]] | None = field(default=None, compare=False)
     is_periodic: bool = field(default=False, init=False)
     waves: int = field(default=0, init=False)
 
     def shape(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Offsets and their derivatives by s."""
-
         start, end = np.array(self.start)[:, None], np.array(self.end)[:, None]
         step = end - start
         return start + step * s, np.broadcast_to(step, (len(step), len(s)))
@@ -126,7 +130,6 @@ class Cubic:
 
     def shape(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Offsets and their derivatives by s."""
-
         a, b, c, d = np.array(self.coefficients).T[:, :, None]
         return ((a * s + b) * s + c) * s + d, (3 * a * s + 2 * b) * s + c
 
@@ -163,7 +166,6 @@ class Curve:
 
     def shape(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Offsets and their derivatives by s."""
-
         low, width = float(self.start), float(self.end - self.start)
         values = np.empty((2, len(self.expressions), len(s)))
         for k, value in enumerate(self._function(low + width * s)):
@@ -171,7 +173,7 @@ class Curve:
         return values[0], values[1] * width
 
     @cached_property
-    def _function(self) -> Callable[[np.ndarray], Sequence[Any]]:
+    def _function(self) -> Callable[[np.ndarray], Sequence[np.ndarray | float]]:
         """Offsets and derivatives as a NumPy function.
 
         Not through `numpy_function`: a field has one basis for all angles, and cos(1000 s) next to
@@ -201,28 +203,25 @@ class Part:
     size: float
     arcs: tuple[Arc, ...]
     times: int = 1
-    given: tuple[tuple[Any, ...], Any] | None = None
+    given: tuple[tuple[Number, ...], Number] | None = None
 
-    def points(self, arc: Arc, s: Any) -> tuple[np.ndarray, np.ndarray]:
+    def points(self, arc: Arc, s: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Coordinates and their derivatives by s on an arc, shape (n, k) each."""
-
         offsets, slopes = arc.shape(np.atleast_1d(np.asarray(s, dtype=float)))
         return np.array(self.centre)[:, None] + self.size * offsets, self.size * slopes
 
     @property
     def base_offset(self) -> np.ndarray:
         """Where it starts and ends, as offset, shape (n,)."""
-
         return self.arcs[0].shape(np.zeros(1))[0][:, 0]
 
     @property
     def base(self) -> np.ndarray:
         """Where it starts and ends, as coordinates, shape (n,)."""
-
         return np.array(self.centre) + self.size * self.base_offset
 
 
-def shown(vector: Any) -> str:
+def shown(vector: Iterable[float]) -> str:
     """A vector in messages."""
     return "(" + ", ".join(f"{float(x):.6g}" for x in vector) + ")"
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Literal, overload
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal, overload
 
 import numpy as np
 
 from geomtorsion.errors import LoopError
-from geomtorsion.loops.arcs import Part
+from geomtorsion.loops.arcs import Parameters, Part
 from geomtorsion.loops.exact_integral import ExactBurgersVector, exact_burgers_vector
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.integrals import Route, agreement, flux_route, line_route
@@ -28,7 +28,7 @@ def burgers_vector(
     loop: Loop,
     accuracy: float = ...,
     *,
-    parameters: Mapping[Any, Any] | None = ...,
+    parameters: Parameters | None = ...,
     exact: Literal[False] = ...,
 ) -> BurgersVector: ...
 
@@ -39,7 +39,7 @@ def burgers_vector(
     loop: Loop,
     accuracy: float = ...,
     *,
-    parameters: Mapping[Any, Any] | None = ...,
+    parameters: Parameters | None = ...,
     exact: Literal[True],
 ) -> ExactBurgersVector: ...
 
@@ -49,7 +49,7 @@ def burgers_vector(
     loop: Loop,
     accuracy: float = 1e-12,
     *,
-    parameters: Mapping[Any, Any] | None = None,
+    parameters: Parameters | None = None,
     exact: bool = False,
 ) -> BurgersVector | ExactBurgersVector:
     """Burgers vector of a loop: what the frame misses when the loop closes in coordinates.
@@ -153,7 +153,6 @@ def _chosen(
     part: Part, line: Route, flux: Route | None, accuracy: float
 ) -> tuple[Route, bool | None, str]:
     """The better route, whether both agree, and why it was chosen."""
-
     if flux is None:
         return (
             line,
@@ -182,7 +181,6 @@ def _chosen(
 
 def _total(loop: Loop, routes: Sequence[Route], power: int) -> tuple[np.ndarray, float]:
     """Sum over the parts of a loop and its error, in units of size**power."""
-
     total, error = np.zeros(1), 0.0
     for part, route in zip(loop.parts, routes, strict=True):
         share = part.size / loop.size

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import product
 from math import comb
-from typing import Any, NoReturn
+from typing import NoReturn
 
 import sympy as sp
 
@@ -41,7 +41,7 @@ def deadline(seconds: float) -> Iterator[None]:
     # Where there are no timers, every call looks at the clock, at half the speed.
     end, hook = time.monotonic() + seconds, sys.getprofile()
 
-    def watch(*_: Any) -> None:
+    def watch(*_: object) -> None:
         if time.monotonic() > end:
             _over()
 
@@ -52,7 +52,7 @@ def deadline(seconds: float) -> Iterator[None]:
         sys.setprofile(hook)
 
 
-def _over(*_: Any) -> NoReturn:
+def _over(*_: object) -> NoReturn:
     """The time is over."""
     raise OutOfTimeError
 

@@ -10,7 +10,6 @@ import numpy as np
 @cache
 def collocation(stages: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Nodes and weights of Gauss on (0, 1), integrals of the node polynomials up to each node."""
-
     x, w = np.polynomial.legendre.leggauss(stages)
     # Integrals of Lagrange polynomials through their expansion in Legendre polynomials.
     values = np.polynomial.legendre.legvander(x, stages)
@@ -46,7 +45,6 @@ def inner_turns(omega: np.ndarray, weights: np.ndarray) -> np.ndarray:
 
 def _solved(omega: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """The same by one linear system for each stretch, where the fixed point is too far."""
-
     m, stages, n, _ = omega.shape
     system = np.eye(stages * n) - np.einsum("kl,mlij->mkjli", weights, omega).reshape(
         m, stages * n, stages * n

@@ -58,8 +58,7 @@ def around_cone(form: AffineForm, part: Part, accuracy: float) -> Transported | 
 
 def _levels(form: AffineForm, part: Part, accuracy: float) -> tuple[int, float, float] | None:
     """How many points the rays need; what they and rounding miss of translation and rotation."""
-
-    x, v = probes(part.arcs)
+    x, v, _ = probes(part.arcs)
     centre = tuple(perturbed(np.array(part.centre)).tolist())
     moved = replace(part, centre=centre)
     known: dict[int, tuple[np.ndarray, np.ndarray]] = {}
@@ -84,7 +83,6 @@ def cone_rate(
     form: AffineForm, part: Part, offsets: np.ndarray, slopes: np.ndarray, count: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """The rate of H at points of the loop, seen from the centre, shapes (k, n, n) and (k, n)."""
-
     n, k = offsets.shape
     u, weights = ray_rule(count)
     centre = np.array(part.centre)[:, None]
@@ -104,7 +102,6 @@ def _along_rays(
     form: AffineForm, part: Part, offsets: np.ndarray, stops: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Rotation and translation along each ray up to the stops, shapes (k, u, n, n), (k, u, n)."""
-
     n, k = offsets.shape
     nodes, _, integrals = collocation(len(stops))
     centre = np.array(part.centre)[:, None]
@@ -123,7 +120,6 @@ def _along_rays(
 
 def integrals_up_to(stops: np.ndarray, stages: int) -> np.ndarray:
     """Integrals of the node polynomials from 0 to each stop, shape (stops, stages)."""
-
     x, w = np.polynomial.legendre.leggauss(stages)
     values = np.polynomial.legendre.legvander(2 * stops - 1, stages)
     k = np.arange(stages)
@@ -144,7 +140,6 @@ def from_centre(form: AffineForm, part: Part) -> AffineMap:
 
 def line_rate(form: AffineForm, part: Part) -> Integrand:
     """The form along an arc of a part, from offsets and slopes."""
-
     centre = np.array(part.centre)[:, None]
 
     def rate(offsets: np.ndarray, slopes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import planes
-from geomtorsion.loops.arcs import Cubic, Ellipse, Part, Segment, exact_number, shown
+from geomtorsion.loops.arcs import (
+    Cubic,
+    Ellipse,
+    Number,
+    Part,
+    Plane,
+    Point,
+    Segment,
+    exact_number,
+    shown,
+)
 from geomtorsion.loops.parametric import symbolic_ellipse
 
 if TYPE_CHECKING:
@@ -20,7 +30,7 @@ if TYPE_CHECKING:
 COINCIDE = 4 * float(np.finfo(float).eps)
 
 
-def circle(centre: Sequence[Any], radius: Any, plane: Any) -> Part:
+def circle(centre: Point, radius: Number, plane: Plane) -> Part:
     """Circle of a radius about a centre; see Loop.circle."""
     if planes.is_symbolic(centre, radius):
         return symbolic_ellipse(centre, (radius, radius), plane, planes.exact_orthonormal)
@@ -32,7 +42,7 @@ def circle(centre: Sequence[Any], radius: Any, plane: Any) -> Part:
     return Part(place, size, (side,), given=(tuple(centre), radius))
 
 
-def ellipse(centre: Sequence[Any], axes: Any, plane: Any) -> Part:
+def ellipse(centre: Point, axes: Sequence[Number], plane: Plane) -> Part:
     """Ellipse with two semi-axes along two directions; see Loop.ellipse."""
     if not hasattr(axes, "__len__") or isinstance(axes, str) or len(axes) != 2:
         raise LoopError(f"axes: two semi-axes were needed, but {axes!r} came.")
@@ -48,7 +58,7 @@ def ellipse(centre: Sequence[Any], axes: Any, plane: Any) -> Part:
     return Part(place, size, (side,), given=(tuple(centre), axes[0] if a >= b else axes[1]))
 
 
-def polygon(vertices: Sequence[Any], centre: Any, size: Any) -> Part:
+def polygon(vertices: Sequence[Point] | np.ndarray, centre: Point | None, size: Number) -> Part:
     """Closed chain of straight sides; see Loop.polygon."""
     place, scale, offsets, given = _offsets(vertices, centre, size, "vertices", "vertex")
     meant = None if given else [tuple(vertices[k]) for k in range(len(offsets))]
@@ -57,7 +67,7 @@ def polygon(vertices: Sequence[Any], centre: Any, size: Any) -> Part:
 
 
 def _straight(
-    corners: Sequence[tuple[float, ...]], meant: Sequence[tuple[Any, ...]] | None
+    corners: Sequence[tuple[float, ...]], meant: Sequence[tuple[Number, ...]] | None
 ) -> tuple[Segment, ...]:
     """Sides from corner to corner; meant: the corners as coordinates, as the user gave them."""
     following = [*range(1, len(corners)), 0]
@@ -67,7 +77,7 @@ def _straight(
     )
 
 
-def plaquette(corner: Sequence[Any], steps: Any, plane: Any) -> Part:
+def plaquette(corner: Point, steps: Sequence[Number], plane: Plane) -> Part:
     """Parallelogram from a corner; see Loop.plaquette."""
     place = planes.vector(corner, "corner")
     first, second = planes.rows(plane, len(place))
@@ -93,7 +103,7 @@ def plaquette(corner: Sequence[Any], steps: Any, plane: Any) -> Part:
     return Part(middle, scale, _straight(corners, meant), given=((0,) * len(place), 1))
 
 
-def spline(points: Sequence[Any], centre: Any, size: Any) -> Part:
+def spline(points: Sequence[Point] | np.ndarray, centre: Point | None, size: Number) -> Part:
     """Periodic cubic spline through points; see Loop.spline."""
     from scipy.interpolate import CubicSpline  # 0.44 s, and splines alone need it
 
@@ -109,7 +119,7 @@ def spline(points: Sequence[Any], centre: Any, size: Any) -> Part:
     return Part(place, scale, sides)
 
 
-def cycle(graph: nx.Graph, nodes: Sequence[Any], position: str) -> Part:
+def cycle(graph: nx.Graph, nodes: Sequence[Hashable], position: str) -> Part:
     """Polygon along a cycle of a graph; see Loop.from_cycle."""
     chain = list(nodes)
     if len(chain) > 1 and chain[0] == chain[-1]:
@@ -131,10 +141,9 @@ def cycle(graph: nx.Graph, nodes: Sequence[Any], position: str) -> Part:
 
 
 def _offsets(
-    points: Any, centre: Any, size: Any, where: str, what: str
-) -> tuple[tuple[float, ...], float, np.ndarray, tuple[tuple[Any, ...], Any] | None]:
+    points: Sequence[Point] | np.ndarray, centre: Point | None, size: Number, where: str, what: str
+) -> tuple[tuple[float, ...], float, np.ndarray, tuple[tuple[Number, ...], Number] | None]:
     """Centre, size and offsets of points, closed and without neighbours that coincide."""
-
     if isinstance(points, str) or not hasattr(points, "__len__"):
         raise LoopError(f"{where}: a list of points was needed, but {points!r} came.")
     if len(points) == 0:

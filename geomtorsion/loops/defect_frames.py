@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from typing import Any
 
 import sympy as sp
 
@@ -12,15 +11,19 @@ from geomtorsion import checks
 from geomtorsion.errors import LoopError, ShapeError
 from geomtorsion.exact import parse_expression
 from geomtorsion.geometry import Frame
-from geomtorsion.loops.arcs import exact_number
+from geomtorsion.loops.arcs import Number, exact_number
 
+# Numbers, expressions, or text such as "1/2".
+Exact = Sequence[Number | str]
 X, Y, Z = sp.symbols("x y z", real=True)
 
 
 def parallel_dislocations(
-    positions: Sequence[Sequence[Any]], burgers: Sequence[Sequence[Any]], name: str | None = None
+    positions: Sequence[Sequence[Number | str]],
+    burgers: Sequence[Sequence[Number | str]],
+    name: str | None = None,
 ) -> Frame:
-    """Segment dislocations along z through points of the plane, with any Burgers vectors.
+    """Straight dislocations along z through points of the plane, with any Burgers vectors.
 
     Equation
     --------
@@ -64,8 +67,8 @@ def parallel_dislocations(
     return Frame([X, Y, Z], rows, name=name or "parallel dislocations")
 
 
-def parallel_screws(positions: Sequence[Sequence[Any]], burgers: Sequence[Any]) -> Frame:
-    """Segment screw dislocations along z, b_k along z.
+def parallel_screws(positions: Sequence[Exact], burgers: Exact) -> Frame:
+    """Straight screw dislocations along z, b_k along z.
 
     Examples
     --------
@@ -78,8 +81,8 @@ def parallel_screws(positions: Sequence[Sequence[Any]], burgers: Sequence[Any]) 
     return parallel_dislocations(positions, [(0, 0, b) for b in burgers], "parallel screws")
 
 
-def parallel_edges(positions: Sequence[Sequence[Any]], burgers: Sequence[Sequence[Any]]) -> Frame:
-    """Segment edge dislocations along z, b_k in the plane across, shape (m, 2).
+def parallel_edges(positions: Sequence[Exact], burgers: Sequence[Exact]) -> Frame:
+    """Straight edge dislocations along z, b_k in the plane across, shape (m, 2).
 
     Examples
     --------
@@ -89,7 +92,7 @@ def parallel_edges(positions: Sequence[Sequence[Any]], burgers: Sequence[Sequenc
     return parallel_dislocations(positions, [(*b, 0) for b in burgers], "parallel edges")
 
 
-def dispiration(alpha: Any, b: Any) -> Frame:
+def dispiration(alpha: Number | str, b: Number | str) -> Frame:
     """A wedge of angle 2 pi (1 - alpha) cut out and the faces joined one step b higher.
 
     Equation
@@ -125,14 +128,14 @@ def dispiration(alpha: Any, b: Any) -> Frame:
     )
 
 
-def _exact(row: Sequence[Any], length: int, where: str) -> tuple[sp.Expr, ...]:
+def _exact(row: Exact, length: int, where: str) -> tuple[sp.Expr, ...]:
     """A row of exact numbers or expressions."""
     if isinstance(row, str) or not hasattr(row, "__len__") or len(row) != length:
         raise ShapeError(f"{where}: {length} numbers were needed, but {checks.shown(row)} came.")
     return tuple(_expression(value, f"{where}[{k}]") for k, value in enumerate(row))
 
 
-def _expression(value: Any, where: str) -> sp.Expr:
+def _expression(value: object, where: str) -> sp.Expr:
     """An exact number or expression; text such as "1/2" is read as a number."""
     read = partial(parse_expression, symbols={}, functions={}, where=where)
     return exact_number(checks.expression(value, where, LoopError, read=read))

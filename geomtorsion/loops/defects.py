@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +15,7 @@ from geomtorsion.errors import LoopError, MissingValueError
 from geomtorsion.exact.form import Sum, form
 from geomtorsion.loops.affine_form import AffineForm
 from geomtorsion.loops.affine_map import AffineMap
-from geomtorsion.loops.arcs import shown
+from geomtorsion.loops.arcs import Number, Parameters, shown
 from geomtorsion.loops.cone import line_rate
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.planes import rows
@@ -53,14 +53,14 @@ class Defect:
     dislocation at q0 = 0, q1 = 0
     """
 
-    point: tuple[Any, ...]
+    point: tuple[Number, ...]
     across: tuple[Any, Any] | None
     name: str = "defect"
     source: str = "declared"
     names: tuple[str, ...] = ()
     free: tuple[int, ...] = ()
 
-    def place(self, parameters: Mapping[Any, Any] | None = None) -> tuple[float, ...]:
+    def place(self, parameters: Parameters | None = None) -> tuple[float, ...]:
         """The point as numbers.
 
         Raises
@@ -86,7 +86,7 @@ class Defect:
             numbers.append(float(number))
         return tuple(numbers)
 
-    def winding(self, loop: Loop, parameters: Mapping[Any, Any] | None = None) -> int:
+    def winding(self, loop: Loop, parameters: Parameters | None = None) -> int:
         """How often a loop winds round it.
 
         Raises
@@ -152,7 +152,7 @@ def find_defects(frame: Frame) -> tuple[Defect, ...]:
 
 def _found(frame: Frame) -> tuple[Defect, ...]:
     """The defects, once for each place."""
-    found: dict[tuple[Any, ...], Defect] = {}
+    found: dict[tuple[Hashable, ...], Defect] = {}
     for factor in factors(frame):
         place = isolated_zero(factor, frame.coordinates)
         if place is None:
@@ -193,7 +193,7 @@ def isolated_zero(
 def enclosed_defects(
     frame: Frame,
     loop: Loop,
-    parameters: Mapping[Any, Any] | None = None,
+    parameters: Parameters | None = None,
     *,
     defects: Sequence[Defect] | None = None,
     connection: Connection | None = None,
@@ -235,7 +235,7 @@ def charge(
     connection: Connection,
     defect: Defect,
     near: Loop,
-    parameters: Mapping[Any, Any] | None = None,
+    parameters: Parameters | None = None,
 ) -> AffineMap:
     """What one turn round a defect misses: the development of a small circle about it.
 

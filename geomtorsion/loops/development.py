@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geomtorsion.errors import LoopError
 from geomtorsion.loops.affine_form import AffineForm
 from geomtorsion.loops.affine_map import AffineMap
-from geomtorsion.loops.arcs import Part
+from geomtorsion.loops.arcs import Parameters, Part
 from geomtorsion.loops.cone import around_cone, line_rate
 from geomtorsion.loops.defects import Defect, EnclosedDefect, enclosed_defects
 from geomtorsion.loops.forms import forms
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
 def along_line(form: AffineForm, part: Part, accuracy: float) -> Transported:
     """The development once round along the line, with what rounding of the points does."""
-
     found = transported(part.arcs, line_rate(form, part), accuracy)
     place = np.abs(np.array(part.centre)).max() / part.size
     noise = ROUNDING / 2 * found.scale * (1 + min(place, 4.0))
@@ -66,7 +65,6 @@ def joined(parts: Sequence[Transported]) -> Transported:
 
 def agree(line: Transported, cone: Transported) -> bool:
     """Whether both routes give the same motion within their errors."""
-
     difference = np.abs(line.motion.increment - cone.motion.increment)
     shift = float(difference[:-1, -1].max()) <= DISAGREE * (line.error + cone.error)
     turn = float(difference[:-1, :-1].max()) <= DISAGREE * (line.turn_error + cone.turn_error)
@@ -165,7 +163,7 @@ def develop(
     loop: Loop,
     accuracy: float = 1e-12,
     *,
-    parameters: Mapping[Any, Any] | None = None,
+    parameters: Parameters | None = None,
     defects: Sequence[Defect] | None = None,
 ) -> Development:
     """Cartan development of a loop: Burgers vector and Frank rotation, path-ordered.

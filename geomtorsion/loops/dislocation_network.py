@@ -4,20 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
 from geomtorsion import checks
 from geomtorsion.errors import NetworkError
+from geomtorsion.loops.arcs import Number
 
 if TYPE_CHECKING:
     import networkx as nx
 
-Vector = tuple[Any, ...]
+# Exact numbers and expressions, or floats.
+Entry = Fraction | float | sp.Expr
+Vector = tuple[Entry, ...]
 
 
-def exact_vector(values: Any, where: str, dimension: int | None = None) -> Vector:
+def exact_vector(values: Sequence[Number], where: str, dimension: int | None = None) -> Vector:
     """A Burgers vector with exact numbers where they were exact: ints, Fractions, sympy, floats.
 
     Raises
@@ -35,7 +39,7 @@ def exact_vector(values: Any, where: str, dimension: int | None = None) -> Vecto
     return result
 
 
-def _number(value: Any, where: str) -> Any:
+def _number(value: Number, where: str) -> Entry:
     """An exact number or expression, or a finite float."""
     if isinstance(value, sp.Expr) and not isinstance(value, sp.Rational | sp.Float):
         return value
@@ -98,8 +102,8 @@ class Reaction:
     ('-1/6', True)
     """
 
-    before: Sequence[Sequence[Any]]
-    after: Sequence[Sequence[Any]]
+    before: Sequence[Sequence[Number]]
+    after: Sequence[Sequence[Number]]
     tolerance: float = 1e-9
 
     def __post_init__(self) -> None:
@@ -122,10 +126,10 @@ class Reaction:
             )
 
     @property
-    def energy_change(self) -> Any:
+    def energy_change(self) -> Entry:
         """Sum of b^2 after minus before: Frank's measure of the energy, without interaction."""
 
-        def square(vectors: Sequence[Any]) -> Any:
+        def square(vectors: Sequence[Sequence[Any]]) -> Any:
             return sum(x * x for vector in vectors for x in vector)
 
         return square(self.after) - square(self.before)
@@ -136,7 +140,7 @@ class Reaction:
         return bool(self.energy_change < 0)
 
 
-Line = tuple[Hashable, Hashable, Any]
+Line = tuple[Hashable, Hashable, Hashable]
 
 
 @dataclass(frozen=True)
@@ -205,9 +209,9 @@ class DislocationNetwork:
     @classmethod
     def of_lines(
         cls,
-        lines: Iterable[tuple[Hashable, Hashable, Sequence[Any]]],
+        lines: Iterable[tuple[Hashable, Hashable, Sequence[Number]]],
         surface: Iterable[Hashable] = (),
-        positions: Mapping[Any, Sequence[float]] | None = None,
+        positions: Mapping[Hashable, Sequence[float]] | None = None,
     ) -> DislocationNetwork:
         """From lines (start, end, b); `surface` names the nodes where lines leave the crystal."""
         import networkx as nx  # as above
@@ -224,7 +228,7 @@ class DislocationNetwork:
         return cls(graph)
 
     @property
-    def lines(self) -> tuple[tuple[Hashable, Hashable, Any, Vector], ...]:
+    def lines(self) -> tuple[tuple[Hashable, Hashable, Hashable, Vector], ...]:
         """All lines: start, end, key, b."""
         return tuple(
             (u, v, k, d["burgers"]) for u, v, k, d in self.graph.edges(keys=True, data=True)
@@ -292,7 +296,7 @@ class DislocationNetwork:
         graph.add_edge(end, start, **{**data, "burgers": tuple(-x for x in b)})
         return DislocationNetwork(graph, self.tolerance)
 
-    def split(self, line: Line, parts: Sequence[Sequence[Any]]) -> DislocationNetwork:
+    def split(self, line: Line, parts: Sequence[Sequence[Number]]) -> DislocationNetwork:
         """A line that dissociates into several between the same nodes: b -> b1 + b2 + ...
 
         Raises

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geomtorsion.errors import NetworkError, SingularPointError
-from geomtorsion.loops.arcs import SAME_POINT, shown
+from geomtorsion.loops.arcs import SAME_POINT, Parameters, shown
 from geomtorsion.loops.defects import find_defects
 from geomtorsion.loops.forms import Form, forms
 from geomtorsion.loops.planes import rows
-from geomtorsion.loops.quadrature import PIECE, ROUNDING, gauss_pair, halved
+from geomtorsion.loops.quadrature import PIECE, ROUNDING, cut, gauss_pair, graded, halved
 from geomtorsion.loops.winding import nearest
 
 if TYPE_CHECKING:
@@ -21,6 +20,8 @@ if TYPE_CHECKING:
 
 # Most edges are so short that fewer points than Kronrod's are enough.
 RULE = gauss_pair(4, 7)
+# Lines nearer than this share of an edge make a peak that these points may miss.
+NEAR = 1 / 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +43,7 @@ def edge_integrals(
     ends: np.ndarray,
     accuracy: float = 1e-12,
     *,
-    parameters: Mapping[Any, Any] | None = None,
+    parameters: Parameters | None = None,
 ) -> EdgeIntegrals:
     """Integral of e^i_mu dq^mu along straight edges, shape (edges, n) each; errors are measured.
 
@@ -59,6 +60,7 @@ def edge_integrals(
             "Use burgers_vector or develop for single loops, or a real frame."
         )
     coframe = forms(frame, parameters).coframe
+    shares, distances = _nearest_line(frame, starts, ends, parameters)
     vectors, errors = np.empty(starts.shape), np.empty(len(starts))
     evaluations = 0
     # As many as fit in the cache go fastest.
@@ -66,14 +68,20 @@ def edge_integrals(
     for begin in range(0, len(starts), together):
         part = slice(begin, begin + together)
         vectors[part], errors[part], points = _block(
-            coframe, starts[part], ends[part], accuracy, begin
+            coframe, starts[part], ends[part], shares[part], distances[part], accuracy, begin
         )
         evaluations += points
     return EdgeIntegrals(vectors, errors, evaluations)
 
 
 def _block(
-    coframe: Form, starts: np.ndarray, ends: np.ndarray, accuracy: float, first: int
+    coframe: Form,
+    starts: np.ndarray,
+    ends: np.ndarray,
+    shares: np.ndarray,
+    distances: np.ndarray,
+    accuracy: float,
+    first: int,
 ) -> tuple[np.ndarray, np.ndarray, int]:
     """Vectors and errors of a block of edges, and how many points were evaluated."""
     begin, step = starts.T, (ends - starts).T
@@ -90,10 +98,17 @@ def _block(
             result[i] += value * along[mu][:, None]
         return result
 
-    whole = (np.arange(count), np.zeros(count), np.ones(count))
+    # A peak near a singular line would be missed; the nearer it is, the narrower.
+    widths = distances / lengths
+    cuts = [
+        (int(k), s)
+        for k in np.flatnonzero(widths < NEAR)
+        for s in graded(float(shares[k]), float(widths[k]), NEAR)
+    ]
+    whole = cut(np.arange(count), np.zeros(count), cuts)
     # Ends rounded in their last place, and the evaluation of the coframe between them.
     places = np.maximum(np.abs(starts), np.abs(ends)).max(axis=1)
-    noise = ROUNDING + ROUNDING / 4 * places / lengths
+    noise = ROUNDING + ROUNDING / 4 * places / np.minimum(lengths, distances)
     with np.errstate(all="ignore"):
         found = halved(sampler, np.arange(count), whole, RULE, 0.0, accuracy * lengths, noise)
     if found.worst is not None:
@@ -107,16 +122,21 @@ def _block(
     return found.values.T, found.truncation + noise * found.sizes, found.points
 
 
-def refuse_touching(
-    frame: Frame, starts: np.ndarray, ends: np.ndarray, parameters: Mapping[Any, Any] | None
-) -> None:
-    """Refuse edges that go through a line on which the coframe is singular.
+def _nearest_line(
+    frame: Frame, starts: np.ndarray, ends: np.ndarray, parameters: Parameters | None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Where each edge is nearest to a line on which the coframe is singular, and how near.
+
+    Returns
+    -------
+    Share of the way along each edge, and distance, infinite without lines; shape (edges,) each.
 
     Raises
     ------
     SingularPointError
-        An edge does; the message names edge, point and line.
+        An edge goes through such a line; the message names edge, point and line.
     """
+    shares, distances = np.zeros(len(starts)), np.full(len(starts), np.inf)
     for defect in find_defects(frame):
         if defect.across is None:
             continue
@@ -133,3 +153,6 @@ def refuse_touching(
                 f"edge {k} passes through the {defect}, at {shown(where)}, where the coframe has "
                 "no finite value. Lead it past that point."
             )
+        shares = np.where(distance < distances, share, shares)
+        distances = np.minimum(distances, distance)
+    return shares, distances

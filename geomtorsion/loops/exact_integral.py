@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import mpmath
 import numpy as np
@@ -13,7 +13,7 @@ import sympy as sp
 
 from geomtorsion.checks import expression as expression_of
 from geomtorsion.errors import LoopError, MissingValueError, UndecidedError
-from geomtorsion.loops.arcs import Arc, Curve, Ellipse, Part, exact_number
+from geomtorsion.loops.arcs import Arc, Curve, Ellipse, Parameters, Part, exact_number
 from geomtorsion.loops.closed_forms import OutOfTimeError, deadline, definite
 from geomtorsion.loops.loop import Loop
 
@@ -41,7 +41,7 @@ class ExactBurgersVector:
     checked_at: Mapping[sp.Symbol, sp.Expr]
     seconds: float
 
-    def at(self, values: Mapping[Any, Any] | None = None) -> np.ndarray:
+    def at(self, values: Parameters | None = None) -> np.ndarray:
         """Numbers for given parameters, shape (n,).
 
         Raises
@@ -49,7 +49,6 @@ class ExactBurgersVector:
         MissingValueError
             A symbol has no value.
         """
-
         names = {str(key): value for key, value in (values or {}).items()}
         table = {}
         for symbol in sp.Tuple(*self.vector).free_symbols:
@@ -173,7 +172,7 @@ def _sample(frame: Frame, loop: Loop) -> dict[sp.Symbol, sp.Expr]:
     return known | {s: sp.Rational(7 + 4 * k, 19) for k, s in enumerate(others)}
 
 
-def _number(f: sp.Expr, piece: Piece, where: Mapping[sp.Symbol, sp.Expr]) -> Any:
+def _number(f: sp.Expr, piece: Piece, where: Mapping[sp.Symbol, sp.Expr]) -> mpmath.mpf:
     """The integral of f by quadrature at the sample values."""
     _, t, low, high = piece
     if f == 0:
@@ -186,7 +185,7 @@ def _number(f: sp.Expr, piece: Piece, where: Mapping[sp.Symbol, sp.Expr]) -> Any
 
 
 def _verify(
-    vector: tuple[sp.Expr, ...], numbers: list[Any], where: Mapping[sp.Symbol, sp.Expr]
+    vector: tuple[sp.Expr, ...], numbers: list[mpmath.mpf], where: Mapping[sp.Symbol, sp.Expr]
 ) -> None:
     """Refuse a closed form that is not what the numbers say."""
     for i, (expression, number) in enumerate(zip(vector, numbers, strict=True)):

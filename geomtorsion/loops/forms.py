@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import sympy as sp
@@ -16,6 +16,7 @@ from geomtorsion.codegen import numpy_function
 from geomtorsion.errors import LoopError, MissingValueError, UnknownNameError
 from geomtorsion.exact import Element
 from geomtorsion.exact.form import Sum, form
+from geomtorsion.loops.arcs import Parameters
 from geomtorsion.loops.quadrature import ROUNDING
 
 if TYPE_CHECKING:
@@ -59,15 +60,21 @@ class Form:
         found = self.values(points)
         return found if np.isfinite(found).all() else self.refuse()(*points, *self.numbers)
 
-    def noise(self, points: np.ndarray, values: np.ndarray) -> np.ndarray:
+    def noise(self, points: np.ndarray, values: np.ndarray, centre: np.ndarray) -> np.ndarray:
         """How far rounding of the coordinates and of the evaluation may move the entries there."""
-        return np.abs(self.values(perturbed(points)) - values) + ROUNDING * np.abs(values)
+        moved = self.values(perturbed(points, centre))
+        return np.abs(moved - values) + ROUNDING * np.abs(values)
 
 
-def perturbed(points: np.ndarray) -> np.ndarray:
-    """Points a few roundings away: what a form changes by there is what rounding does to it."""
+def perturbed(points: np.ndarray, centre: np.ndarray | float = 0.0) -> np.ndarray:
+    """Points a few roundings away: what a form changes by there is what rounding does to it.
+
+    centre: from which the points were computed; where they come near the origin, its digits are
+        what is rounded.
+    """
     up = np.arange(points.size).reshape(points.shape) * 7 % 3 == 1
-    return points * np.where(up, 1 + ROUNDING, 1 - ROUNDING)
+    scale = np.maximum(np.abs(points), np.abs(centre))
+    return points + scale * np.where(up, ROUNDING, -ROUNDING)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +104,7 @@ class Forms:
 
 
 def forms(
-    frame: Frame, parameters: Mapping[Any, Any] | None, columns: tuple[int, ...] | None = None
+    frame: Frame, parameters: Parameters | None, columns: tuple[int, ...] | None = None
 ) -> Forms:
     """The forms of a frame, compiled on first use and then kept, with values for its parameters.
 
@@ -202,7 +209,7 @@ def _denominators(frame: Frame, elements: Sequence[Element]) -> list[Element]:
 
 
 def parameter_values(
-    frame: Frame, wanted: Sequence[sp.Symbol], given: Mapping[Any, Any] | None
+    frame: Frame, wanted: Sequence[sp.Symbol], given: Parameters | None
 ) -> tuple[float | complex, ...]:
     """The numbers of the parameters that are wanted, in order.
 
@@ -213,7 +220,7 @@ def parameter_values(
     UnknownNameError
         A name means nothing to this frame.
     """
-    table: dict[str, Any] = {}
+    table: dict[str, object] = {}
     known = {symbol.name for symbol in frame.field.symbols}
     for key, value in (given or {}).items():
         name = key if isinstance(key, str) else getattr(key, "name", str(key))
@@ -233,7 +240,7 @@ def parameter_values(
     return tuple(_number(table[symbol.name], symbol.name) for symbol in wanted)
 
 
-def _number(value: Any, name: str) -> float | complex:
+def _number(value: object, name: str) -> float | complex:
     """A finite number for a parameter, complex if it has an imaginary part."""
     found = checks.plain(value)
     where = f"parameter {name}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zipfile
 import zlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -19,16 +19,14 @@ from geomtorsion.files import ArrayForm, read_npz
 REGULAR = 1e-4
 
 
-def numbers(values: Any, where: str) -> np.ndarray:
+def numbers(values: object, where: str) -> np.ndarray:
     """An array of real numbers."""
-
     message = "{subject}: an array of real numbers was needed, but {value} came."
     return checks.array(values, where, GridError, message=message, infinite=None)
 
 
-def regular_axis(values: Any, name: str) -> np.ndarray:
+def regular_axis(values: object, name: str) -> np.ndarray:
     """A regular axis."""
-
     axis = numbers(values, f"axis {name}")
     if axis.ndim != 1 or len(axis) < 2:
         raise GridError(f"axis {name}: a list of coordinates was needed, shape {axis.shape} came.")
@@ -67,7 +65,6 @@ def check_shape(
 
 def check_finite(values: np.ndarray, axes: Sequence[np.ndarray], names: Sequence[str]) -> None:
     """Refuse values that are not finite; the message names the first."""
-
     bad = np.argwhere(~np.isfinite(values))
     if len(bad):
         i, mu, *place = bad[0].tolist()
@@ -80,7 +77,7 @@ def check_finite(values: np.ndarray, axes: Sequence[np.ndarray], names: Sequence
         )
 
 
-def check_names(axes: Sequence[Any], names: Sequence[str]) -> None:
+def check_names(axes: Sequence[object], names: Sequence[str]) -> None:
     """Refuse a grid with less than two axes, or without a name for each."""
     if len(names) != len(axes) or len(axes) < 2:
         raise GridError(
@@ -89,7 +86,7 @@ def check_names(axes: Sequence[Any], names: Sequence[str]) -> None:
         )
 
 
-Grid = tuple[list[Any], Any, tuple[str, ...], bool]
+Grid = tuple[list[np.ndarray], np.ndarray, tuple[str, ...], bool]
 HDF5 = b"\x89HDF"
 
 
@@ -173,7 +170,7 @@ def _classic(path: Path) -> Grid:
                 "Install them: pip install xarray netcdf4."
             )
 
-    def load() -> tuple[dict[str, Any], dict[str, tuple[str, ...]]]:
+    def load() -> tuple[dict[str, np.ndarray], dict[str, tuple[str, ...]]]:
         with netcdf_file(path, mmap=False) as data:
             arrays = {name: variable[:].copy() for name, variable in data.variables.items()}
             sizes = {name: variable.dimensions for name, variable in data.variables.items()}
@@ -202,7 +199,7 @@ def _guarded(path: Path, load: Callable[[], Any]) -> Any:
         ) from None
 
 
-def _key(path: Path, arrays: Mapping[str, Any]) -> str:
+def _key(path: Path, arrays: Iterable[str]) -> str:
     """Which array holds the values."""
     found = [key for key in ("coframe", "distortion") if key in arrays]
     if len(found) != 1:

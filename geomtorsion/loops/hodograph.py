@@ -37,7 +37,6 @@ class Hodograph:
 
 def hodograph(b: BurgersVector, points: int = 360) -> Hodograph:
     """The image of a loop in the frame, with its gap enlarged where it could not be seen."""
-
     loop, compiled = b.loop, forms(b.frame, b.parameters)
     stretches = list(loop.arcs())
     each = max(2, points // len(stretches))
@@ -82,5 +81,4 @@ def hodograph(b: BurgersVector, points: int = 360) -> Hodograph:
 
 def _running(steps: np.ndarray) -> np.ndarray:
     """Running sum from zero, along the last axis."""
-
     return np.concatenate([np.zeros((len(steps), 1)), np.cumsum(steps, axis=1)], axis=1)

@@ -160,7 +160,7 @@ def by_levels(
         first = levels[0] == 0
         probed = slice(0, chains[0].points.shape[1], EVERY)
         if first:
-            few = perturbed(at[:, :, probed].reshape(len(at), -1))
+            few = perturbed(at[:, :, probed], places.centres[:, :, None]).reshape(len(at), -1)
             flat = np.concatenate([flat, few], axis=1)
         values = form.values(flat)
         points, rule = points + flat.shape[1], chains[-1].rule
@@ -200,13 +200,14 @@ def line_route(
         found = by_levels(forms, ClosedCurve(part.arcs[0]), Places.of(part), accuracy, 1)
         if found is not None and found.converged[0]:
             return found
-    offsets, slopes = probes(part.arcs)
-    points = np.array(part.centre)[:, None] + part.size * offsets
+    offsets, slopes, weights = probes(part.arcs, cuts)
+    centre = np.array(part.centre)[:, None]
+    points = centre + part.size * offsets
     values = forms.coframe.at(points)
-    noise = forms.coframe.noise(points, values)
-    lengths = np.abs(slopes[forms.coframe.columns])
+    noise = forms.coframe.noise(points, values, centre)
+    lengths = np.abs(slopes[forms.coframe.columns]) * weights
     size, rounding = (
-        float((forms.coframe.gather @ (x * lengths)).mean(axis=1).max()) * len(part.arcs)
+        float((forms.coframe.gather @ (x * lengths)).sum(axis=1).max())
         for x in (np.abs(values), noise)
     )
     with np.errstate(all="ignore"):
@@ -286,12 +287,13 @@ def _flux_rounding(forms: Forms, part: Part) -> tuple[float, int]:
     """What rounding does to the flux, from points halfway out in area, and how many they are."""
     form = forms.curl
     assert form is not None
-    offsets, slopes = probes(part.arcs)
-    points = np.array(part.centre)[:, None] + np.sqrt(0.5) * part.size * offsets
+    offsets, slopes, weights = probes(part.arcs)
+    centre = np.array(part.centre)[:, None]
+    points = centre + np.sqrt(0.5) * part.size * offsets
     a, b = forms.pairs
-    areas = np.abs(offsets[a] * slopes[b]) + np.abs(offsets[b] * slopes[a])
-    sums = form.gather @ (form.noise(points, form.at(points)) * areas[form.columns] / 2)
-    return float(sums.mean(axis=1).max()) * len(part.arcs), 2 * points.shape[1]
+    areas = (np.abs(offsets[a] * slopes[b]) + np.abs(offsets[b] * slopes[a])) * weights / 2
+    sums = form.gather @ (form.noise(points, form.at(points), centre) * areas[form.columns])
+    return float(sums.sum(axis=1).max()), 2 * points.shape[1]
 
 
 def smooth(part: Part) -> bool:
@@ -299,10 +301,14 @@ def smooth(part: Part) -> bool:
     return len(part.arcs) == 1 and part.arcs[0].is_periodic
 
 
-def probes(arcs: Sequence[Arc]) -> tuple[np.ndarray, np.ndarray]:
-    """Offsets and slopes at a few points of the first intervals of every arc."""
-    owner, low, width = intervals(arcs)
-    return at_arcs(arcs, owner, low[:, None] + width[:, None] * kronrod_rule().nodes[::EVERY])
+def probes(
+    arcs: Sequence[Arc], cuts: Sequence[tuple[int, float]] = ()
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Offsets and slopes at a few points of the first intervals of every arc, and their weights."""
+    owner, low, width = intervals(arcs, cuts)
+    nodes = kronrod_rule().nodes[::EVERY]
+    offsets, slopes = at_arcs(arcs, owner, low[:, None] + width[:, None] * nodes)
+    return offsets, slopes, np.repeat(width / len(nodes), len(nodes))
 
 
 def agreement(line: Route, flux: Route, sizes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import constructors, parametric, planes
-from geomtorsion.loops.arcs import SAME_POINT, Arc, Part, shown
+from geomtorsion.loops.arcs import SAME_POINT, Arc, Number, Parameters, Part, Plane, Point, shown
 from geomtorsion.loops.quadrature import integrate
 from geomtorsion.loops.winding import turns_round
 
 if TYPE_CHECKING:
     import networkx as nx
     import sympy as sp
-
-
-Plane = tuple[Any, Any]
 
 
 @dataclass(frozen=True)
@@ -46,7 +43,7 @@ class Loop:
 
     @classmethod
     def circle(
-        cls, centre: Sequence[Any], radius: Any, plane: Plane = (0, 1), name: str = "circle"
+        cls, centre: Point, radius: Number, plane: Plane = (0, 1), name: str = "circle"
     ) -> Self:
         """Circle about a point, from the first direction of the plane towards the second.
 
@@ -75,8 +72,8 @@ class Loop:
     @classmethod
     def ellipse(
         cls,
-        centre: Sequence[Any],
-        axes: tuple[Any, Any],
+        centre: Point,
+        axes: Sequence[Number],
         plane: Plane = (0, 1),
         name: str = "ellipse",
     ) -> Self:
@@ -97,9 +94,9 @@ class Loop:
     @classmethod
     def polygon(
         cls,
-        vertices: Sequence[Sequence[Any]],
-        centre: Sequence[Any] | None = None,
-        size: Any = 1,
+        vertices: Sequence[Point] | np.ndarray,
+        centre: Point | None = None,
+        size: Number = 1,
         name: str = "polygon",
     ) -> Self:
         """Polygon with sides that are straight in the coordinates.
@@ -132,8 +129,8 @@ class Loop:
     @classmethod
     def plaquette(
         cls,
-        corner: Sequence[Any],
-        steps: tuple[Any, Any],
+        corner: Point,
+        steps: Sequence[Number],
         plane: Plane = (0, 1),
         name: str = "plaquette",
     ) -> Self:
@@ -154,11 +151,11 @@ class Loop:
     @classmethod
     def parametric(
         cls,
-        expressions: Sequence[Any],
-        parameter: Any = "s",
-        interval: tuple[Any, Any] = (0, 1),
-        centre: Sequence[Any] | None = None,
-        size: Any = 1,
+        expressions: Sequence[Number | str],
+        parameter: str | sp.Symbol = "s",
+        interval: Sequence[Number | str] = (0, 1),
+        centre: Point | None = None,
+        size: Number = 1,
         symbols: Mapping[str, sp.Symbol] | None = None,
         name: str = "curve",
     ) -> Self:
@@ -195,9 +192,9 @@ class Loop:
     @classmethod
     def spline(
         cls,
-        points: Sequence[Sequence[Any]],
-        centre: Sequence[Any] | None = None,
-        size: Any = 1,
+        points: Sequence[Point] | np.ndarray,
+        centre: Point | None = None,
+        size: Number = 1,
         name: str = "spline",
     ) -> Self:
         """Smooth closed curve through points: the periodic cubic spline over the chord length.
@@ -220,7 +217,7 @@ class Loop:
     def from_cycle(
         cls,
         graph: nx.Graph,
-        cycle: Sequence[Any],
+        cycle: Sequence[Hashable],
         position: str = "position",
         name: str = "cycle",
     ) -> Self:
@@ -259,7 +256,6 @@ class Loop:
         LoopError
             They start at different points; the message names the gap.
         """
-
         if other.dimension != self.dimension:
             raise LoopError(
                 f"{self.name} lies in {self.dimension} dimensions, {other.name} in "
@@ -307,7 +303,7 @@ class Loop:
         found = [getattr(arc, "symbols", frozenset()) for p in self.parts for arc in p.arcs]
         return frozenset().union(*found)
 
-    def at(self, values: Mapping[Any, Any]) -> Loop:
+    def at(self, values: Parameters) -> Loop:
         """The loop with numbers for its symbols, {symbol or name: number}.
 
         Raises
@@ -359,7 +355,6 @@ class Loop:
 
     def points(self, count: int = 400) -> np.ndarray:
         """Coordinates of points along it for pictures, shape (n, about count), both ends in."""
-
         stretches = list(self.arcs())
         each = max(2, -(-count // len(stretches)))
         s = np.linspace(0, 1, each + 1)

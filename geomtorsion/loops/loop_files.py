@@ -84,7 +84,7 @@ def loop_from_data(frame: Frame, data: Any, where: str = "loop") -> Loop:
         raise LoopError(f"{where}: {error}") from None
 
 
-def _check_keys(data: Any, known: Sequence[str], where: str) -> None:
+def _check_keys(data: object, known: Sequence[str], where: str) -> None:
     """Refuse what is no mapping, and unknown keys."""
     if not isinstance(data, Mapping):
         came = checks.shown(data)
@@ -102,7 +102,7 @@ def _value(frame: Frame, key: str, value: Any, where: str) -> Any:
     return _numbers(value, f"{where}: {key}")
 
 
-def plane_of(frame: Frame, value: Any, where: str) -> tuple[Any, Any]:
+def plane_of(frame: Frame, value: object, where: str) -> tuple[Any, Any]:
     """Two coordinates, by number or name, or two vectors."""
     if not isinstance(value, list | tuple) or len(value) != 2:
         raise FileFormatError(
@@ -131,7 +131,7 @@ def _numbers(value: Any, where: str) -> Any:
     return checks.exact_number(value, where, FileFormatError)
 
 
-def number_of(text: str, where: str) -> Any:
+def number_of(text: str, where: str) -> float | sp.Expr:
     """A number from text: decimal, or an exact expression such as pi/2.
 
     Raises
@@ -167,7 +167,7 @@ class LoopFile:
     """
 
     loops: tuple[Loop, ...]
-    parameters: dict[str, Any] = field(default_factory=dict)
+    parameters: dict[str, float | sp.Expr] = field(default_factory=dict)
     accuracy: float | None = None
 
 
@@ -212,7 +212,8 @@ def loops_from_json(frame: Frame, text: str, where: str = "loops") -> LoopFile:
             f'{where}: a list of loops was needed, or {{"loops": [...]}} with at least one.'
         )
     _check_keys(data, TOP_KEYS, where)
-    parameters, accuracy = data.get("parameters", {}), data.get("accuracy")
+    parameters: Any = data.get("parameters", {})
+    accuracy: Any = data.get("accuracy")
     if not isinstance(parameters, dict):
         raise FileFormatError(f"{where}: parameters: names and values were needed.")
     if accuracy is not None:
@@ -286,7 +287,7 @@ def _circles(frame: Frame, names: list[str], table: Table, where: str) -> list[L
 
 def _polygons(_: Frame, names: list[str], table: Table, where: str) -> list[Loop]:
     """One polygon for each name in the column loop."""
-    corners: dict[str, list[list[Any]]] = {}
+    corners: dict[str, list[list[float | sp.Expr]]] = {}
     for line, row in table:
         point = [_cell(row, name, f"{where}: line {line}") for name in names]
         corners.setdefault(row["loop"], []).append(point)
@@ -299,6 +300,6 @@ def _polygons(_: Frame, names: list[str], table: Table, where: str) -> list[Loop
     return found
 
 
-def _cell(row: dict[str, str], name: str, where: str) -> Any:
+def _cell(row: dict[str, str], name: str, where: str) -> float | sp.Expr:
     """A number of a row."""
     return number_of(row[name], f"{where}: {name}")

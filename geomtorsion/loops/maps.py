@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import GeomtorsionError, LoopError
 from geomtorsion.loops import planes
-from geomtorsion.loops.arcs import Ellipse
+from geomtorsion.loops.arcs import Ellipse, Parameters, Plane, Point
 from geomtorsion.loops.burgers import burgers_vector
 from geomtorsion.loops.chains import ClosedCurve, Shape, Square
 from geomtorsion.loops.forms import Forms, forms
@@ -71,13 +71,11 @@ class BurgersMap:
     @property
     def reached(self) -> np.ndarray:
         """Where the relative error asked for was reached, shape (*shape)."""
-
         return self.errors <= self.accuracy * np.abs(self.vectors).max(axis=0)
 
     @property
     def total(self) -> np.ndarray:
         """Sum of all finished vectors, shape (n,): on a grid, b of the loop round all of it."""
-
         return np.nansum(self.vectors.reshape(len(self.vectors), -1), axis=1)
 
     def __repr__(self) -> str:
@@ -90,12 +88,12 @@ class BurgersMap:
 
 def burgers_vectors(
     frame: Frame,
-    centres: Any,
-    radius: Any,
-    plane: tuple[Any, Any] = (0, 1),
+    centres: Sequence[Point] | np.ndarray,
+    radius: float | Sequence[float] | np.ndarray,
+    plane: Plane = (0, 1),
     accuracy: float = 1e-10,
     *,
-    parameters: Mapping[Any, Any] | None = None,
+    parameters: Parameters | None = None,
 ) -> BurgersMap:
     """Burgers vectors of many circles in parallel planes.
 
@@ -142,12 +140,12 @@ def burgers_vectors(
 
 def burgers_map(
     frame: Frame,
-    edges: tuple[Any, Any],
-    plane: tuple[Any, Any] = (0, 1),
+    edges: Sequence[Sequence[float] | np.ndarray],
+    plane: Plane = (0, 1),
     at: Sequence[float] | None = None,
     accuracy: float = 1e-10,
     *,
-    parameters: Mapping[Any, Any] | None = None,
+    parameters: Parameters | None = None,
 ) -> BurgersMap:
     """Burgers vectors of all plaquettes of a grid: the density of dislocations over a surface.
 
@@ -211,7 +209,7 @@ class _Survey:
     area: float
     plane: np.ndarray
     accuracy: float
-    parameters: Mapping[Any, Any] | None
+    parameters: Parameters | None
     forms: Forms
 
     def measured(self, centres: np.ndarray, axes: np.ndarray) -> tuple[_Values, int]:
@@ -320,7 +318,7 @@ def _map(
     axes: np.ndarray,
     plane: np.ndarray,
     accuracy: float,
-    parameters: Mapping[Any, Any] | None,
+    parameters: Parameters | None,
 ) -> BurgersMap:
     """Do all loops block by block; on Ctrl-C keep what is done."""
     start = time.perf_counter()
@@ -364,7 +362,7 @@ def _map(
     )
 
 
-def _array(values: Any, where: str, rank: int | None = None) -> np.ndarray:
+def _array(values: object, where: str, rank: int | None = None) -> np.ndarray:
     """An array of finite floats of a given rank; without one, a number or a list of them."""
     result = checks.array(
         values,

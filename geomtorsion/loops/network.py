@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geomtorsion.errors import LimitError, NetworkError
-from geomtorsion.loops.arcs import shown
-from geomtorsion.loops.edges import EdgeIntegrals, edge_integrals, refuse_touching
+from geomtorsion.loops.arcs import Parameters, shown
+from geomtorsion.loops.edges import EdgeIntegrals, edge_integrals
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.node_rule import MOST_LISTED, NodeRule, node_rule
 from geomtorsion.loops.spanning_forest import Forest, spanning_forest
@@ -54,7 +54,7 @@ class EdgeList:
         return {label: k for k, label in enumerate(self.labels)}
 
 
-def edge_list(graph: Any, position: str, dimension: int) -> EdgeList:
+def edge_list(graph: nx.Graph | EdgeList, position: str, dimension: int) -> EdgeList:
     """Arrays of a graph (or of an `EdgeList`), with every position and edge checked.
 
     Raises
@@ -105,7 +105,6 @@ def _of_graph(
     graph: nx.Graph, position: str, dimension: int
 ) -> tuple[np.ndarray, np.ndarray, list[Hashable]]:
     """Arrays of a networkx graph."""
-
     labels = list(graph.nodes)
     rows = []
     for label, place in graph.nodes(data=position):
@@ -179,7 +178,7 @@ class Network:
     graph: nx.Graph | EdgeList
     position: str = "position"
     accuracy: float = 1e-12
-    parameters: Mapping[Any, Any] | None = field(default=None)
+    parameters: Parameters | None = field(default=None)
 
     # -- edges ----------------------------------------------------------------------------------
 
@@ -199,7 +198,6 @@ class Network:
         """The integral of the coframe along every edge, from its first node to its second."""
         places, pairs = self.edges.positions, self.edges.pairs
         starts, ends = places[pairs[:, 0]], places[pairs[:, 1]]
-        refuse_touching(self.frame, starts, ends, self.parameters)
         return edge_integrals(self.frame, starts, ends, self.accuracy, parameters=self.parameters)
 
     def edge(self, start: Hashable, end: Hashable) -> np.ndarray:

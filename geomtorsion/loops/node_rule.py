@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -67,7 +67,6 @@ class NodeRule:
 
 def node_rule(net: Network, cells: Sequence[Sequence[Sequence[Hashable]]] | None) -> NodeRule:
     """Check all cells of a network; see Network.node_rule."""
-
     chosen = tetrahedra(net) if cells is None else [tuple(map(tuple, cell)) for cell in cells]
     for cell in chosen:
         _check_closed(cell)
@@ -124,7 +123,7 @@ def tetrahedra(net: Network) -> list[tuple[Face, ...]]:
 
 def _check_closed(cell: Sequence[Face]) -> None:
     """Refuse a surface with a boundary: each edge must be run through once in each sense."""
-    count: dict[Any, int] = {}
+    count: dict[tuple[Hashable, Hashable], int] = {}
     for face in cell:
         for a, b in zip(face, (*face[1:], face[0]), strict=True):
             count[a, b] = count.get((a, b), 0) + 1

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -15,30 +14,40 @@ from geomtorsion.errors import ExpressionError, LoopError, MissingValueError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exact.names import FUNCTIONS
 from geomtorsion.loops import planes
-from geomtorsion.loops.arcs import SAME_POINT, Curve, Part, exact_number, shown
+from geomtorsion.loops.arcs import (
+    SAME_POINT,
+    Curve,
+    Number,
+    Parameters,
+    Part,
+    Plane,
+    Point,
+    exact_number,
+    shown,
+)
 from geomtorsion.loops.quadrature import kronrod
 
 # Prime numbers of samples: a frequency that hides from one shows itself to the next.
 SAMPLES = (251, 1009, 4093, 16381, 65521)
 # A frequency below this share of the largest is rounding.
 NOISE = 1e-11
-Directions = Callable[[Any, int], tuple[Sequence[Any], Sequence[Any]]]
+Directions = Callable[[Plane, int], tuple[Sequence[sp.Expr], Sequence[sp.Expr]]]
 SMOOTH = frozenset(made for made, _ in FUNCTIONS.values() if isinstance(made, type))
 
 
 def parametric(
-    expressions: Sequence[Any],
-    parameter: Any,
-    interval: Any,
-    centre: Sequence[Any] | None,
-    size: Any,
+    expressions: Sequence[Number | str],
+    parameter: str | sp.Symbol,
+    interval: Sequence[Number | str],
+    centre: Point | None,
+    size: Number,
     symbols: Mapping[str, sp.Symbol] | None,
 ) -> Part:
     """Closed curve from expressions; see Loop.parametric."""
     symbol = (
         parameter if isinstance(parameter, sp.Symbol) else sp.Symbol(_name(parameter), real=True)
     )
-    names = dict(symbols or {}) | {symbol.name: symbol}
+    names = {**(symbols or {}), str(symbol): symbol}
     if isinstance(expressions, str) or not hasattr(expressions, "__len__") or len(expressions) < 2:
         raise LoopError(
             f"curve: at least two expressions were needed, one per coordinate, but {expressions!r} "
@@ -71,7 +80,7 @@ def _finished(part: Part, arc: Curve, movable: bool) -> Part:
     return replace(part, arcs=(_resolved(arc),))
 
 
-def filled(part: Part, values: Mapping[Any, Any]) -> Part:
+def filled(part: Part, values: Parameters) -> Part:
     """A part with numbers for its symbols; see Loop.at."""
     (arc,) = part.arcs
     if not isinstance(arc, Curve) or not arc.symbols:
@@ -94,7 +103,7 @@ def filled(part: Part, values: Mapping[Any, Any]) -> Part:
 
 
 def symbolic_ellipse(
-    centre: Sequence[Any], axes: tuple[Any, Any], plane: Any, directions: Directions
+    centre: Point, axes: Sequence[Number], plane: Plane, directions: Directions
 ) -> Part:
     """Ellipse whose centre or axes contain symbols, for exact integrals."""
     s = sp.Symbol("s", real=True)
@@ -109,14 +118,14 @@ def symbolic_ellipse(
     return Part((0.0,) * len(centre), 1.0, (arc,), given=((0,) * len(centre), 1))
 
 
-def _name(parameter: Any) -> str:
+def _name(parameter: str | sp.Symbol) -> str:
     """The name of the parameter."""
     if not isinstance(parameter, str) or not parameter.isidentifier():
         raise LoopError(f"parameter: a name or a symbol was needed, but {parameter!r} came.")
     return parameter
 
 
-def _read(value: Any, names: Mapping[str, sp.Symbol], where: str) -> sp.Expr:
+def _read(value: object, names: Mapping[str, sp.Symbol], where: str) -> sp.Expr:
     """A smooth real expression from text or sympy."""
     read = partial(parse_expression, symbols=names, functions={}, where=where)
     expression = exact_number(checks.expression(value, where, LoopError, read=read))
@@ -132,7 +141,6 @@ def _read(value: Any, names: Mapping[str, sp.Symbol], where: str) -> sp.Expr:
 
 def _check_closed(arc: Curve) -> None:
     """Refuse a curve whose ends do not meet, that is a point, or is not finite."""
-
     with np.errstate(all="ignore"):
         points, _ = arc.shape(np.linspace(0, 1, 258)[1:-1])
         first, last = arc.shape(np.array([0.0, 1.0]))[0].T
@@ -155,7 +163,6 @@ def _check_closed(arc: Curve) -> None:
 
 def _gap(arc: Curve) -> np.ndarray:
     """End minus start, with more digits than a double has."""
-
     gaps = [
         (x.subs(arc.parameter, arc.end) - x.subs(arc.parameter, arc.start)).evalf(30, chop=True)
         for x in arc.expressions
@@ -165,7 +172,6 @@ def _gap(arc: Curve) -> np.ndarray:
 
 def _resolved(arc: Curve) -> Curve:
     """The curve with its highest frequency, and whether it repeats after the interval."""
-
     probe = np.array([0.137, 0.311, 0.618, 0.871])
     with np.errstate(all="ignore"):
         here, after = arc.shape(probe), arc.shape(probe + 1)

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geomtorsion.errors import LoopError
 from geomtorsion.loops.affine_form import AffineForm
 from geomtorsion.loops.affine_map import AffineMap
-from geomtorsion.loops.arcs import SAME_POINT, Part, Segment, shown
+from geomtorsion.loops.arcs import SAME_POINT, Parameters, Part, Segment, shown
 from geomtorsion.loops.collocation import collocation, increments
 from geomtorsion.loops.cone import line_rate
 from geomtorsion.loops.loop import Loop
@@ -28,7 +28,7 @@ def develop_path(
     points: Sequence[Sequence[float]],
     accuracy: float = 1e-12,
     *,
-    parameters: Mapping[Any, Any] | None = None,
+    parameters: Parameters | None = None,
 ) -> AffineMap:
     """Development of an open path through points, straight in the coordinates between them.
 
@@ -70,10 +70,10 @@ def develop_path(
 def develop_period(
     connection: Connection,
     points: Sequence[Sequence[float]],
-    periods: Mapping[Any, Any],
+    periods: Parameters,
     accuracy: float = 1e-12,
     *,
-    parameters: Mapping[Any, Any] | None = None,
+    parameters: Parameters | None = None,
 ) -> AffineMap:
     """Development of a path that closes only because coordinates are periodic, such as angles.
 
@@ -156,7 +156,7 @@ def developed_path(
     loop: Loop,
     count: int = 400,
     *,
-    parameters: Mapping[Any, Any] | None = None,
+    parameters: Parameters | None = None,
 ) -> DevelopedPath:
     """The development of a loop at about `count` points along it, for pictures.
 

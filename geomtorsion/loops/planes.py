@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -9,10 +10,10 @@ import sympy as sp
 
 from geomtorsion import checks
 from geomtorsion.errors import LoopError
-from geomtorsion.loops.arcs import exact_number
+from geomtorsion.loops.arcs import Number, Plane, exact_number
 
 
-def number(value: Any, where: str) -> float:
+def number(value: Number, where: str) -> float:
     """A finite float; symbols are refused with their own message."""
     if is_symbolic(value):
         raise LoopError(
@@ -21,13 +22,13 @@ def number(value: Any, where: str) -> float:
     return checks.number(value, where, LoopError)
 
 
-def exact_input(value: Any, where: str) -> Any:
+def exact_input(value: Number, where: str) -> Number:
     """A finite number, left as it came."""
     number(value, where)
     return value
 
 
-def length(value: Any, where: str) -> float:
+def length(value: Number, where: str) -> float:
     """A positive finite float."""
     number(value, where)
     message = (
@@ -71,9 +72,8 @@ def is_symbolic(*values: Any) -> bool:
     )
 
 
-def rows(plane: Any, dimension: int) -> tuple[np.ndarray, np.ndarray]:
+def rows(plane: Plane, dimension: int) -> tuple[np.ndarray, np.ndarray]:
     """The two directions of a plane as vectors: from coordinate numbers, or as they were given."""
-
     if isinstance(plane, str) or not hasattr(plane, "__len__") or len(plane) != 2:
         raise LoopError(
             f"plane: two coordinates such as (0, 1) or two vectors were needed, but {plane!r} came."
@@ -103,14 +103,13 @@ def _direction(side: Any, dimension: int) -> tuple[float, ...]:
 
 def orthonormal(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Two orthonormal vectors in the same plane, the first along the first."""
-
     u = first / np.linalg.norm(first)
     v = second / np.linalg.norm(second)
     v = v - u * np.dot(u, v)
     return u, v / np.linalg.norm(v)
 
 
-def exact_rows(plane: Any, dimension: int) -> tuple[list[sp.Expr], list[sp.Expr]]:
+def exact_rows(plane: Plane, dimension: int) -> tuple[list[sp.Expr], list[sp.Expr]]:
     """The two directions of a plane as exact vectors."""
     first, second = (
         [sp.Integer(k == side) for k in range(dimension)]
@@ -121,7 +120,7 @@ def exact_rows(plane: Any, dimension: int) -> tuple[list[sp.Expr], list[sp.Expr]
     return first, second
 
 
-def exact_orthonormal(plane: Any, dimension: int) -> tuple[list[sp.Expr], list[sp.Expr]]:
+def exact_orthonormal(plane: Plane, dimension: int) -> tuple[list[sp.Expr], list[sp.Expr]]:
     """Two exact orthonormal vectors in a plane, the first along the first."""
     first, second = exact_rows(plane, dimension)
     u, v = (sp.Matrix(x) for x in (first, second))
@@ -131,7 +130,7 @@ def exact_orthonormal(plane: Any, dimension: int) -> tuple[list[sp.Expr], list[s
 
 
 def exact_multiples(
-    plane: Any, axes: tuple[Any, Any], dimension: int
+    plane: Plane, axes: Sequence[Number], dimension: int
 ) -> tuple[list[sp.Expr], list[sp.Expr]]:
     """Semi-axes over the larger one along the directions of a plane, exactly."""
     first, second = exact_rows(plane, dimension)

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from geomtorsion.errors import SingularPointError
 from geomtorsion.loops.arcs import SAME_POINT, Arc, Part, shown
 from geomtorsion.loops.forms import Forms
-from geomtorsion.loops.quadrature import NARROWEST
+from geomtorsion.loops.quadrature import NARROWEST, graded
 
 # A denominator goes with the square of the distance; as a share of its largest value on an arc:
 ZERO = SAME_POINT**2
@@ -50,16 +48,8 @@ def refuse_poles(forms: Forms, part: Part) -> tuple[tuple[int, float], ...]:
                         f"the loop passes through {shown(point)}, where {forms.pole_names[k]} "
                         "vanishes and the coframe has no finite value. Lead it past that point."
                     )
-                cuts += [(number, cut) for cut in _graded(place, width, 1 / count)]
+                cuts += [(number, cut) for cut in graded(place, width, NARROW / count)]
     return tuple(cuts)
-
-
-def _graded(place: float, width: float, step: float) -> list[float]:
-    """Cuts on both sides of a place, from the width of the peak there up to a step of samples."""
-    if width > NARROW * step:
-        return []
-    distances = [0.0, *(width * 2.0**k for k in range(math.ceil(math.log2(step / width))))]
-    return [s for d in distances for s in (place - d, place + d) if 0 < s < 1]
 
 
 def _dips(sizes: np.ndarray) -> np.ndarray:

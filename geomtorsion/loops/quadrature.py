@@ -293,13 +293,30 @@ def intervals(
     counts = np.array([1 + arc.waves // 2 for arc in arcs])
     owner = np.repeat(np.arange(len(arcs)), counts)
     low = (np.arange(len(owner)) - (np.cumsum(counts) - counts)[owner]) / counts[owner]
+    return cut(owner, low, cuts)
+
+
+def cut(
+    owner: np.ndarray, low: np.ndarray, cuts: Sequence[tuple[int, float]]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Intervals that start where they did, and at the cuts: owner, start and width."""
     if cuts:
-        # Every interval is known by its start: more starts cut those that are there.
         starts = sorted({*zip(owner.tolist(), low.tolist(), strict=True), *cuts})
         owner, low = np.array([k for k, _ in starts]), np.array([s for _, s in starts])
     high = np.append(low[1:], 1.0)
     high[:-1][owner[1:] != owner[:-1]] = 1.0
     return owner, low, high - low
+
+
+def graded(place: float, width: float, step: float) -> list[float]:
+    """Cuts in (0, 1) on both sides of a narrow peak: from its width on, each twice as far.
+
+    step: how far apart points of a rule are that would not miss a peak of this width or more.
+    """
+    if width >= step:
+        return []
+    distances = [0.0, *(width * 2.0**k for k in range(math.ceil(math.log2(step / width)) + 2))]
+    return [s for d in distances for s in (place - d, place + d) if 0 < s < 1]
 
 
 def halved(

@@ -13,6 +13,7 @@ import numpy as np
 
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import planes
+from geomtorsion.loops.arcs import Number, Parameters
 from geomtorsion.loops.defects import EnclosedDefect, enclosed_defects
 
 if TYPE_CHECKING:
@@ -74,12 +75,11 @@ class BurgersVector:
     accuracy: float
     evaluations: int
     seconds: float
-    parameters: Mapping[str, Any]
+    parameters: Mapping[str, Number]
 
     @cached_property
     def vector(self) -> np.ndarray:
         """b^i in the frame, shape (n,)."""
-
         with np.errstate(over="ignore"):
             result = self.reduced * self.size
             if self.power == 2:
@@ -95,7 +95,6 @@ class BurgersVector:
     @property
     def relative_error(self) -> float:
         """Error over largest component: 0 for an exact zero, infinite for a zero that is not."""
-
         largest = float(np.abs(self.reduced).max())
         if largest:
             return self.reduced_error / largest
@@ -122,7 +121,7 @@ class BurgersVector:
         return enclosed_defects(self.frame, self.loop, self.parameters)
 
     @property
-    def numbers(self) -> tuple[Any, ...]:
+    def numbers(self) -> tuple[mpmath.mpf | mpmath.mpc, ...]:
         """b^i as mpmath numbers, which do not underflow: for loops of size 1e-300."""
         unit = mpmath.mpf(self.size) ** self.power
         return tuple(mpmath.mpmathify(x) * unit for x in self.reduced.tolist())
@@ -132,7 +131,7 @@ class BurgersVector:
         """The metric of the frame as numbers."""
         return self.frame.eta.at(self._named({}))
 
-    def _named(self, point: Mapping[Any, Any]) -> dict[Any, Any]:
+    def _named(self, point: Parameters) -> dict[Any, Any]:
         """A point with the parameters."""
         return {**self.parameters, **point}
 
@@ -171,7 +170,6 @@ class BurgersVector:
         LoopError
             The direction has no length in the metric of the frame.
         """
-
         along = np.array(planes.vector(direction, "direction", self.frame.dimension))
         square = along @ self._eta @ along
         if not abs(square) > 1e-15 * np.abs(along).max() ** 2:
@@ -216,7 +214,7 @@ class BurgersVector:
         return f"BurgersVector([{parts}], error={self.error:.1e}, route={self.route!r}{inside})"
 
 
-def _plain(vector: np.ndarray) -> list[Any]:
+def _plain(vector: np.ndarray) -> list[float | list[float]]:
     """Components as floats, or as [real, imaginary]."""
     values = vector.tolist()
     return [[x.real, x.imag] if isinstance(x, complex) else x for x in values]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geomtorsion.errors import GridError
-from geomtorsion.loops.arcs import Arc, Part, shown
+from geomtorsion.loops.arcs import Arc, Parameters, Part, shown
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.grid_files import (
     check_finite,
@@ -85,7 +85,6 @@ class SampledFrame:
 
     def __post_init__(self) -> None:
         """Check axes and values once."""
-
         if self.order not in ORDERS:
             raise GridError(f"order: one of {ORDERS} was needed, but {self.order!r} came.")
         names = tuple(self.names) or tuple("xyzuvw"[: len(self.axes)])
@@ -101,7 +100,11 @@ class SampledFrame:
 
     @classmethod
     def from_distortion(
-        cls, axes: Sequence[Any], distortion: Any, order: int = 4, names: Sequence[str] = ()
+        cls,
+        axes: Sequence[np.ndarray],
+        distortion: np.ndarray,
+        order: int = 4,
+        names: Sequence[str] = (),
     ) -> SampledFrame:
         """From a distortion beta^i_mu = d_mu u^i (row: displacement, column: derivative).
 
@@ -109,7 +112,6 @@ class SampledFrame:
         when u points from the real to the ideal place. For displacements from ideal to real places
         give -beta (small distortions), or the inverse of (1 + beta) minus 1.
         """
-
         values = numbers(distortion, "distortion")
         if values.ndim < 3:
             raise GridError(
@@ -122,10 +124,10 @@ class SampledFrame:
     def from_frame(
         cls,
         frame: Frame,
-        axes: Sequence[Any],
+        axes: Sequence[np.ndarray],
         order: int = 4,
         *,
-        parameters: Mapping[Any, Any] | None = None,
+        parameters: Parameters | None = None,
     ) -> SampledFrame:
         """Samples of an exact frame, one axis for each coordinate.
 
@@ -134,7 +136,6 @@ class SampledFrame:
         SingularPointError
             The frame has no finite value at a node.
         """
-
         lines = [numbers(axis, "axis") for axis in axes]
         if len(lines) != frame.dimension:
             raise GridError(
@@ -166,9 +167,12 @@ class SampledFrame:
 
     def save(self, path: str | Path) -> None:
         """Write an NPZ file that `read` reads back."""
-
         lines = {f"axis_{name}": axis for name, axis in zip(self.names, self.axes, strict=True)}
-        content: dict[str, Any] = {"coframe": self.coframe, "names": np.array(self.names), **lines}
+        content: dict[str, Any] = {
+            "coframe": self.coframe,
+            "names": np.array(self.names),
+            **lines,
+        }
         np.savez_compressed(path, **content)
 
     # -- what it is -------------------------------------------------------------------------------
@@ -205,7 +209,6 @@ class SampledFrame:
         GridError
             The plane does not name two different axes.
         """
-
         a, b = self._plane(plane)
         vectors = self._cells(a, b, self.order)
         errors = np.abs(vectors - self._cells(a, b, self.other_order)).max(axis=0)
@@ -214,7 +217,6 @@ class SampledFrame:
 
     def _cells(self, a: int, b: int, order: int) -> np.ndarray:
         """Closure of all cells, by quadrature of one order along the edges."""
-
         along_a, along_b = (
             self.steps[k] * applied(integration(order, len(self.axes[k])), self._bent[:, k], 1 + k)
             for k in (a, b)
@@ -233,7 +235,6 @@ class SampledFrame:
         Returns arrays of shape (rows, N_1, ..., N_d): the values, and their distance from
         differences of another order.
         """
-
         a, b = self._plane(plane)
         fine, other = (self._curl(a, b, order) for order in (self.order, self.other_order))
         return fine, np.abs(fine - other)
@@ -254,7 +255,6 @@ class SampledFrame:
         b^i of a small area with normal n_k is alpha^{ik} n_k A. On a plane grid (two axes) only
         k = 2 is known, and the shape is (rows, 1, N_1, N_2).
         """
-
         if self.dimension == 2:
             return self.torsion((0, 1))[0][:, None]
         if self.dimension != 3:
@@ -274,7 +274,7 @@ class SampledFrame:
         """
         return sampled_burgers(self, loop)
 
-    def _plane(self, plane: Any) -> tuple[int, int]:
+    def _plane(self, plane: Sequence[int]) -> tuple[int, int]:
         """Two different axes."""
         pair = tuple(plane) if hasattr(plane, "__len__") else ()
         if len(pair) != 2 or pair[0] == pair[1] or not set(pair) <= set(range(self.dimension)):
@@ -320,7 +320,6 @@ class SampledBurgers:
 
 def sampled_burgers(grid: SampledFrame, loop: Loop) -> SampledBurgers:
     """The integral of the interpolated coframe along a loop; see SampledFrame.burgers."""
-
     if loop.dimension != grid.dimension:
         raise GridError(
             f"the loop has {loop.dimension} coordinates, the grid {grid.dimension} axes: give a "
@@ -352,7 +351,6 @@ def sampled_burgers(grid: SampledFrame, loop: Loop) -> SampledBurgers:
 
 def _stretches(grid: SampledFrame, part: Part, arc: Arc) -> int:
     """How many stretches an arc needs so that each stays within a part of a cell."""
-
     count = max(65, 16 * arc.waves + 1)
     points, _ = part.points(arc, np.linspace(0, 1, count))
     steps = np.abs(np.diff(points, axis=1)) / np.abs(np.array(grid.steps))[:, None]
@@ -363,7 +361,6 @@ def _points(
     grid: SampledFrame, part: Part, arc: Arc, count: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Places in units of the grid, slopes and weights of a composite Gauss rule."""
-
     x, w = np.polynomial.legendre.leggauss(GAUSS)
     s = ((np.arange(count)[:, None] + (x + 1) / 2) / count).ravel()
     weights = np.tile(w / 2, count) / count
@@ -390,7 +387,6 @@ def _sum(
     grid: SampledFrame, places: np.ndarray, slopes: np.ndarray, weights: np.ndarray, order: int
 ) -> np.ndarray:
     """The integral along one arc; the mean coframe is left out, it closes exactly."""
-
     n = grid.dimension
     flat = grid._bent.reshape(grid.rows * n, *grid._bent.shape[2:])
     values = interpolated(flat, places, order).reshape(grid.rows, n, -1)

@@ -88,7 +88,6 @@ def _summed(
     component: np.ndarray,
 ) -> Forest:
     """Sums along the forest by pointer doubling, and the closure of the chords."""
-
     inner = np.flatnonzero(parent >= 0)
     used = np.asarray(both[parent[inner], inner]).ravel().astype(np.int64) - 1
     forward = edges[used, 1] == inner

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
 
 def lagrange(count: int, t: np.ndarray) -> np.ndarray:
     """Values at t of the polynomials that are 1 at one node of 0..count-1, shape (count, k)."""
-
     nodes = np.arange(count)
     factors = [
         [(t - nodes[m]) / (nodes[j] - nodes[m]) for m in nodes if m != j] for j in nodes.tolist()
@@ -23,7 +22,6 @@ def lagrange(count: int, t: np.ndarray) -> np.ndarray:
 
 def starts(order: int, cells: np.ndarray, points: int) -> np.ndarray:
     """First node of the stencil of each cell: centred, one-sided at the edge of the grid."""
-
     return np.clip(cells - order // 2 + 1, 0, points - order)
 
 
@@ -60,7 +58,6 @@ def differentiation(order: int, points: int) -> csr_array:
 
 def _banded(kind: type, weights: np.ndarray, first: np.ndarray, points: int) -> csr_array:
     """Rows of weights that begin at a column each, as a sparse matrix."""
-
     rows, width = weights.shape
     columns = (first[:, None] + np.arange(width)).ravel()
     indptr = np.arange(0, rows * width + 1, width)
@@ -69,7 +66,6 @@ def _banded(kind: type, weights: np.ndarray, first: np.ndarray, points: int) -> 
 
 def applied(matrix: csr_array, values: np.ndarray, axis: int) -> np.ndarray:
     """A sparse matrix along one axis of an array."""
-
     moved = np.moveaxis(values, axis, 0)
     result = matrix @ moved.reshape(len(moved), -1)
     return np.moveaxis(result.reshape(-1, *moved.shape[1:]), 0, axis)

@@ -101,7 +101,6 @@ def transported(arcs: Sequence[Arc], integrand: Integrand, accuracy: float) -> T
 
 def _assembled(done: list[_Stretches], errors: list[np.ndarray], points: int) -> Transported:
     """All stretches in the order of the path, multiplied."""
-
     owner = np.concatenate([part.owner for part in done])
     low = np.concatenate([part.low for part in done])
     order = np.lexsort((low, owner))
@@ -125,7 +124,6 @@ def _chosen(
 
 def _halved(arcs: Sequence[Arc], integrand: Integrand, stretches: _Stretches) -> _Stretches:
     """Both halves of each stretch, one after the other."""
-
     owner, width = np.repeat(stretches.owner, 2), np.repeat(stretches.width / 2, 2)
     low = np.repeat(stretches.low, 2)
     low[1::2] += width[1::2]
@@ -140,7 +138,6 @@ def _measured(
     width: np.ndarray,
 ) -> _Stretches:
     """Motions over stretches, in pieces that fit in memory."""
-
     nodes, weights, _ = collocation(STAGES)
     most = max(1, PIECE // STAGES)
     motions, sizes = [], []
@@ -160,7 +157,6 @@ def _measured(
 
 def _stuck(arcs: Sequence[Arc], stretches: _Stretches, worst: int) -> LoopError:
     """The error for a path along which the integral does not converge."""
-
     arc = arcs[int(stretches.owner[worst])]
     middle = float(stretches.low[worst] + stretches.width[worst] / 2)
     place = shown(arc.shape(np.array([middle]))[0][:, 0])

@@ -102,7 +102,6 @@ def nearest(one: np.ndarray, two: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _through(part: Part, arc: Arc, s: float, name: str) -> str:
     """The message for a loop that goes through the line."""
-
     place = shown(part.points(arc, np.array([s]))[0][:, 0])
     return (
         f"the loop passes through the {name}, at {place}: it has no winding number round it. "

@@ -187,7 +187,7 @@ def test_both_routes_agree_with_a_third(so3_half):
     (part,) = loop.parts
 
     def rate(s, flat):
-        points, slopes = part.points(part.arcs[0], [s])
+        points, slopes = part.points(part.arcs[0], np.array([s]))
         omega, step = form.along(points, slopes)
         return (flat.reshape(4, 4) @ _affine(omega[0], step[0])).ravel()
 

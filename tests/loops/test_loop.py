@@ -173,7 +173,7 @@ BAD = [
     (lambda: Loop.circle([0, 0], 1, (0, 0)), "span no plane"),
     (lambda: Loop.circle([0, 0], 1, ([1, 2], [2, 4])), "span no plane"),
     (lambda: Loop.circle([0, 0], 1, cast(Any, "xy")), "two coordinates such as"),
-    (lambda: Loop.circle([0, 0], 1, (0.5, 1)), "coordinate numbers or vectors"),
+    (lambda: Loop.circle([0, 0], 1, cast(Any, (0.5, 1))), "coordinate numbers or vectors"),
     (lambda: Loop.plaquette([0, 0], (sp.Symbol("R"), 1)), "contains symbols"),
     (lambda: Loop.ellipse([0, 0], cast(Any, 2)), "two semi-axes"),
     (lambda: Loop.polygon([]), "at least three points were needed, but none"),
