@@ -12,7 +12,7 @@ from geomtorsion.spaces import load
 B = {"b": 1.0}
 SCREW = load("screw_dislocation").frame
 # Distances of the line from the loop, in units of its radius, down to where they are rounding.
-NEAR = [0.3, 0.1, 0.05, 0.03, 0.02, 0.015, 1e-2, 5e-3, 2e-3, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10, 1e-11]
+NEAR = [0.3, 0.1, 0.05, 0.03, 0.02, 0.015, *(10.0**-k for k in range(2, 12))]
 
 
 def polygon(x: float) -> list[list[float]]:
