@@ -11,20 +11,21 @@ run it as code. Who accepts text reads it first with `geomtorsion.exact.parse_ex
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from decimal import Decimal
 from difflib import get_close_matches
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import sympy as sp
 
-from geomtorsion.errors import ExpressionError, GeomtorsionError
+from geomtorsion.errors import ArgumentError, ExpressionError, GeomtorsionError
 
 if TYPE_CHECKING:
     import numpy as np
 
 ErrorClass = type[GeomtorsionError]
+Kind = TypeVar("Kind")
 # Longer values are cut in messages: what came is recognised by its beginning.
 LONGEST_SHOWN = 200
 
@@ -319,6 +320,71 @@ def expression(
     if real(found) is not None:
         return sp.Float(float(found))
     _fail(error, message, subject, value)
+
+
+def instance(value: Any, kind: type[Kind], subject: str, error: ErrorClass = ArgumentError) -> Kind:
+    """A thing of a class, such as a frame; the message says by its name what was needed.
+
+    Examples
+    --------
+    >>> instance([1], sp.Symbol, "symbol")
+    Traceback (most recent call last):
+    geomtorsion.errors.ArgumentError: symbol: a Symbol was needed, but [1] came.
+    """
+    if isinstance(value, kind):
+        return value
+    article = "an" if kind.__name__[0] in "AEIOU" else "a"
+    raise error(f"{subject}: {article} {kind.__name__} was needed, but {shown(value)} came.")
+
+
+def flag(value: Any, subject: str, error: ErrorClass = ArgumentError) -> bool:
+    """True or False, and nothing that only counts as one.
+
+    Examples
+    --------
+    >>> flag("no", "complex")
+    Traceback (most recent call last):
+    geomtorsion.errors.ArgumentError: complex: True or False was needed, but 'no' came.
+    """
+    found = plain(value)
+    if isinstance(found, bool):
+        return found
+    raise error(f"{subject}: True or False was needed, but {shown(value)} came.")
+
+
+def entries(
+    values: Any,
+    subject: str,
+    error: ErrorClass = ArgumentError,
+    *,
+    message: str = "{subject}: a list was needed, but {value} came. Put it in brackets.",
+) -> list[Any]:
+    """The entries of a list, tuple, array or matrix (by rows); no text, table or set is one.
+
+    Examples
+    --------
+    >>> entries(sp.Matrix([[1, 2]]), "coframe")
+    [[1, 2]]
+    """
+    found = values.tolist() if hasattr(type(values), "tolist") else values
+    if isinstance(found, str | bytes | Mapping | Set) or not isinstance(found, Iterable):
+        _fail(error, message, subject, values)
+    return list(found)
+
+
+def table(values: Any, subject: str, error: ErrorClass = ArgumentError) -> dict[Any, Any]:
+    """A mapping as a dictionary; nothing for None.
+
+    Examples
+    --------
+    >>> table(None, "parameters"), table({"M": 1}, "parameters")
+    ({}, {'M': 1})
+    """
+    if values is None:
+        return {}
+    if isinstance(values, Mapping):
+        return dict(values)
+    _fail(error, "{subject}: names with values were needed, but {value} came.", subject, values)
 
 
 # -- several numbers ------------------------------------------------------------------------------

@@ -13,6 +13,10 @@ class GeomtorsionError(Exception):
     """
 
 
+class ArgumentError(GeomtorsionError, TypeError):
+    """An argument is of another kind than the one that is needed: the message names both."""
+
+
 class ExpressionError(GeomtorsionError, ValueError):
     """An expression cannot be read exactly: the message names the entry and the part."""
 

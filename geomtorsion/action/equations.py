@@ -15,7 +15,6 @@ from geomtorsion.action.lagrange import Lagrange
 from geomtorsion.action.principles import principle_named
 from geomtorsion.action.reduced import Reduced, reduced
 from geomtorsion.action.tangent_bundle import bundle_over
-from geomtorsion.errors import ShapeError
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Connection, Frame
@@ -248,9 +247,7 @@ def equations_of_motion(
     (0, 0, 0)
     """
     chosen = principle_named(principle)
-    validation.check_real(frame)
-    if connection is not None and connection.frame is not frame:
-        raise ShapeError("the connection belongs to another frame. Build it over this one.")
+    validation.check_frame(frame, connection)
     n = frame.dimension
     pushes = validation.force_entries(forces, n)
     fixed = validation.constraint_entries(constraints, n)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from geomtorsion.checks import near_names
+from geomtorsion.checks import cut, near_names, shown
 from geomtorsion.errors import UnknownNameError
 
 
@@ -68,9 +68,11 @@ def principle_named(name: str) -> Principle:
     'constant momenta in the frame: wrong for a body'
     """
     for principle in PRINCIPLES:
-        if principle.name == name:
+        if isinstance(name, str) and principle.name == name:
             return principle
     names = [principle.name for principle in PRINCIPLES]
-    near = near_names(str(name), names)
+    near = near_names(cut(str(name)), names)
     hint = f" Did you mean {near}?" if near else ""
-    raise UnknownNameError(f"no principle is called {name!r}.{hint} Choose {', '.join(names)}.")
+    raise UnknownNameError(
+        f"no principle is called {shown(name)}.{hint} Choose {', '.join(names)}."
+    )

@@ -14,7 +14,8 @@ from geomtorsion.action.symbols import MotionSymbols, symbols_of
 from geomtorsion.checks import near_names
 from geomtorsion.errors import ConstraintError, LagrangianError, ShapeError
 from geomtorsion.exact import parse_expression
-from geomtorsion.geometry import Frame
+from geomtorsion.geometry import Connection, Frame
+from geomtorsion.geometry.validation import named_symbols
 
 Named = list[tuple[str, Any]]
 
@@ -71,9 +72,14 @@ def _listed(values: Any, what: str) -> list[Any]:
     return [row[0] if isinstance(row, list) and len(row) == 1 else row for row in values]
 
 
-def check_real(frame: Frame) -> None:
-    """Refuse complex frames: their velocities are no motion."""
-    if frame.complex:
+def check_frame(frame: Frame, connection: Connection | None, *, complex_too: bool = False) -> None:
+    """Refuse a connection of another frame, and complex frames: their velocities are no motion."""
+    checks.instance(frame, Frame, "frame")
+    if connection is not None:
+        checks.instance(connection, Connection, "connection")
+        if connection.frame is not frame:
+            raise ShapeError("the connection belongs to another frame. Build it over this one.")
+    if frame.complex and not complex_too:
         raise LagrangianError(
             f"{frame.name or 'the frame'} is complex (a null tetrad); mechanics needs a real frame."
         )
@@ -99,9 +105,8 @@ def expressions(
     symbols = symbols_of(frame)
     own = (*frame.coordinates, *frame.parameters, symbols.time, *symbols.velocities)
     table = {symbol.name: symbol for symbol in own}
-    listed = parameters.replace(",", " ").split() if isinstance(parameters, str) else parameters
-    for item in listed or ():
-        symbol = sp.Symbol(item) if isinstance(item, str) else item
+    listed = named_symbols(() if parameters is None else parameters, what="parameter")
+    for symbol in listed:
         if symbol.name in {s.name for s in (*symbols.rates, *symbols.accelerations)}:
             _check_parameter("parameters", symbol.name, symbols, table, True)
         table.setdefault(symbol.name, symbol)

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
+from geomtorsion.action import validation
 from geomtorsion.action.hamel_coefficients import coefficients_of, torsion_over
 from geomtorsion.action.principles import principle_named
 from geomtorsion.action.symbols import free_pattern, symbols_of
 from geomtorsion.action.tangent_bundle import bundle_over
-from geomtorsion.errors import ShapeError
 from geomtorsion.geometry import Tensor
 
 if TYPE_CHECKING:
@@ -221,8 +221,7 @@ def variation(
     (True, False)
     """
     chosen = principle_named(principle)
-    if connection is not None and connection.frame is not frame:
-        raise ShapeError("the connection belongs to another frame. Build it over this one.")
+    validation.check_frame(frame, connection, complex_too=True)
     return Variation(frame, chosen.name, connection)
 
 

@@ -8,8 +8,9 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
+from geomtorsion.checks import entries, instance, shown
 from geomtorsion.codegen.expression_graph import graph
-from geomtorsion.errors import MissingValueError, SingularPointError
+from geomtorsion.errors import ArgumentError, MissingValueError, SingularPointError
 from geomtorsion.exact.element import Element
 
 
@@ -49,6 +50,10 @@ def numpy_function(
     >>> f([1.0, 2.0])
     array([[2., 5.]])
     """
+    symbols = entries(symbols, "symbols")
+    elements = entries(elements, "elements")
+    for k, element in enumerate(elements):
+        instance(element, Element, f"elements[{k}]")
     made = graph([str(symbol) for symbol in symbols], elements, factor=False)
     inner = made.numpy()
 
@@ -58,7 +63,13 @@ def numpy_function(
                 f"{len(symbols)} arguments are needed ({', '.join(map(str, symbols))}), "
                 f"{len(values)} came"
             )
-        result = inner(*values)
+        try:
+            result = inner(*values)
+        except (TypeError, ValueError):
+            came = shown(values)
+            raise ArgumentError(
+                f"numbers or arrays of one shape were needed, {came} came"
+            ) from None
         if check and not np.isfinite(result).all():
             raise SingularPointError(_where_singular(result, values, elements, symbols))
         return result

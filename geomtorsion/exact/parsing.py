@@ -10,8 +10,9 @@ from typing import Any, NoReturn
 
 import sympy
 
+from geomtorsion import checks
 from geomtorsion.checks import near_names
-from geomtorsion.errors import ExpressionError
+from geomtorsion.errors import ArgumentError, ExpressionError
 from geomtorsion.exact.names import CONSTANTS, DERIVATIVE_NAMES, FUNCTIONS, NOT_SMOOTH
 from geomtorsion.exact.syntax import Node, parse, too_deep
 from geomtorsion.exact.tokens import Limits, Source
@@ -75,10 +76,25 @@ def parse_expression(
     """
     if not isinstance(text, str):
         raise ExpressionError(
-            f"{where}: an expression as text was needed, but {type(text).__name__} came: {text!r}. "
+            f"{where}: an expression as text was needed, but {type(text).__name__} came: "
+            f"{checks.shown(text)}. "
             'Write it in quotes, for instance "r*sin(theta)".'
         )
-    limits = limits or Limits()
+    limits = Limits() if limits is None else checks.instance(limits, Limits, "limits")
+    for name, symbol in checks.table(symbols, "symbols").items():
+        if not isinstance(name, str) or not isinstance(symbol, sympy.Expr):
+            raise ArgumentError(
+                f"symbols: names with symbols were needed, but {checks.shown(name)}: "
+                f"{checks.shown(symbol)} came."
+            )
+    for name, function in checks.table(functions, "functions").items():
+        if not isinstance(name, str) or not isinstance(
+            function, sympy.Expr | sympy.core.function.FunctionClass
+        ):
+            raise ArgumentError(
+                f"functions: names with functions of sympy were needed, but {checks.shown(name)}: "
+                f"{checks.shown(function)} came."
+            )
     source = Source(text, where)
     try:
         tree = parse(source, {*symbols, *(functions or ())}, limits, decimals=decimals)

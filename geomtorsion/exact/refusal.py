@@ -7,6 +7,7 @@ from typing import Any
 
 import sympy
 
+from geomtorsion.checks import cut, plain, shown
 from geomtorsion.errors import ExpressionError
 
 _NOT_SMOOTH = (
@@ -28,7 +29,7 @@ def checked(where: str, value: Any) -> Any:
         a part is a float, not smooth, infinite or no scalar; the message names it.
     """
     if isinstance(value, bool) or value is None:
-        raise ExpressionError(f"{where}: {value!r} is not an expression")
+        raise ExpressionError(f"{where}: {shown(value)} is not an expression")
     if isinstance(value, Fraction):
         return sympy.Rational(value.numerator, value.denominator)
     if isinstance(value, int):
@@ -37,13 +38,14 @@ def checked(where: str, value: Any) -> Any:
         value = sympy.Float(value)
     if isinstance(value, str):
         raise ExpressionError(
-            f"{where}: {value!r} is text; read text with geomtorsion.parse_expression first"
+            f"{where}: {shown(value)} is text; read text with geomtorsion.parse_expression first"
         )
-    if hasattr(value, "item") and not isinstance(value, sympy.Basic):
-        return checked(where, value.item())
+    inner = plain(value)
+    if inner is not value:
+        return checked(where, inner)
     if not isinstance(value, sympy.Expr):
         kind = "a relation" if isinstance(value, sympy.logic.boolalg.Boolean) else "no scalar"
-        raise ExpressionError(f"{where}: {value} is {kind}; give one sympy expression")
+        raise ExpressionError(f"{where}: {cut(str(value))} is {kind}; give one sympy expression")
     seen: set[Any] = set()
     stack: list[Any] = [value]
     while stack:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
+from geomtorsion.checks import instance
 from geomtorsion.errors import ShapeError, TensorIndexError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import riemannian
@@ -188,6 +189,7 @@ class Connection:
         True
         """
         frame = self.frame
+        instance(tensor, Tensor, "tensor")
         if tensor.frame is not frame:
             raise ShapeError(
                 "The tensor belongs to another frame than the self. Build it over this one."

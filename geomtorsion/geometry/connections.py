@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Any
 
+from geomtorsion import checks
 from geomtorsion.errors import ShapeError, TensorIndexError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import riemannian
@@ -40,6 +41,8 @@ def cartan(frame: Frame) -> Connection:
     1/r
     """
 
+    checks.instance(frame, Frame, "frame")
+
     def make() -> Connection:
         rows = parallel_rows(frame)
         derivative, duals = rows.derivative.get, rows.duals
@@ -71,6 +74,8 @@ def levi_civita(frame: Frame) -> Connection:
     True
     """
 
+    checks.instance(frame, Frame, "frame")
+
     def make() -> Connection:
         coefficients = riemannian.christoffel(frame)
         return Connection(frame, coefficients, "Levi-Civita connection", "levi-civita")
@@ -101,6 +106,7 @@ def from_coefficients(frame: Frame, coefficients: Any) -> Connection:
     >>> bent.torsion.S[0, 1, 0], bent.is_flat, bent.metric_compatible
     (y/2, False, False)
     """
+    checks.instance(frame, Frame, "frame")
     if isinstance(coefficients, Tensor):
         given = _given(frame, coefficients, "ddu", "connection coefficients")
     else:
@@ -131,6 +137,7 @@ def from_spin_connection(frame: Frame, omega: Any) -> Connection:
     >>> again.is_torsion_free, again.metric_compatible
     (True, True)
     """
+    checks.instance(frame, Frame, "frame")
     if isinstance(omega, Tensor):
         given = _given(frame, omega, "dDU", "spin connection")
     else:
@@ -178,6 +185,7 @@ def from_contortion(frame: Frame, contortion: Any) -> Connection:
     >>> turning.metric_compatible, turning.torsion.S[0, 1, 0]
     (True, -c/2)
     """
+    checks.instance(frame, Frame, "frame")
     if isinstance(contortion, Tensor):
         given = contortion.in_coordinates()
         for k, slot in enumerate("ddu"):
@@ -220,6 +228,8 @@ def blend(first: Connection, second: Connection, share: Any = HALF) -> Connectio
     >>> blend(levi_civita(frame), cartan(frame), s).torsion.T[0, 1, 1]
     s/r
     """
+    for one, name in ((first, "first"), (second, "second")):
+        checks.instance(one, Connection, name)
     if first.frame is not second.frame:
         raise ShapeError("Connections over different frames cannot be blended. Build both on one.")
     (weight,) = first.frame.read([("share", share)])

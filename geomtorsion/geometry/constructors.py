@@ -81,7 +81,7 @@ def from_metric(
     opened = validation.opened(coordinates, n, entries, parameters, domain, False, branches)
     elements = validation.read_matrix(opened.field, entries, "metric")
     validation.check_symmetric(elements, n)
-    signs = None if signature is None else tuple(signature)
+    signs = None if signature is None else tuple(validation.signs_or_rows(signature))
     rows, squares, eta = orthonormal_rows(opened.field, elements, n, opened.points(), signs)
     frame = object.__new__(cls)
     frame.fill(opened, name, {"metric": elements, "rows": rows, "squares": squares, "eta": eta})

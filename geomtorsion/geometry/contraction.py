@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Sequence
 
+from geomtorsion.checks import text
 from geomtorsion.errors import ShapeError, TensorIndexError
 from geomtorsion.geometry.components import joined
 from geomtorsion.geometry.index_types import KINDS, POSITIONS
@@ -76,6 +77,7 @@ def contract(letters: str, *tensors: Tensor) -> Tensor:
 
 def _parse(letters: str, tensors: Sequence[Tensor]) -> tuple[list[str], str]:
     """Groups of letters and the letters of the result."""
+    text(letters, "letters", TensorIndexError)
     left, arrow, wanted = letters.replace(" ", "").partition("->")
     groups = left.split(",")
     if not tensors or len(groups) != len(tensors):

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
+from geomtorsion import checks
+from geomtorsion.errors import ArgumentError
 from geomtorsion.exact import Branch, Element, Field
 from geomtorsion.geometry import constructors, frame_matrices, notation, sampling, validation
 from geomtorsion.geometry.components import Components
@@ -90,7 +92,9 @@ class Frame:
         """Set the fields of a new frame, once all is checked (for makers)."""
         for key in ("coordinates", "parameters", "domain", "complex", "field"):
             object.__setattr__(self, key, getattr(opened, key))
-        object.__setattr__(self, "name", name or "")
+        object.__setattr__(
+            self, "name", "" if name is None else checks.text(name, "name", ArgumentError)
+        )
         object.__setattr__(self, "given", given)
         object.__setattr__(self, "_kept", {})
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+import sympy as sp
+
 from geomtorsion.errors import ShapeError
 from geomtorsion.geometry.symmetry import Index, Symmetry
 from geomtorsion.geometry.tensor import Tensor
@@ -34,7 +36,7 @@ def tensor_from_array(
     >>> tensor_from_array(frame, "u", [0, x], "velocity").nonzero()
     {(1,): x}
     """
-    if hasattr(values, "tolist"):
+    if hasattr(type(values), "tolist"):
         values = values.tolist()
     flat = dict(_entries(values, (), len(slots), frame.dimension, name))
     named = [(f"{name}{list(index)}", value) for index, value in flat.items()]
@@ -42,13 +44,15 @@ def tensor_from_array(
     return Tensor(frame, slots, elements, symmetry, symbol, name)
 
 
-def _entries(values: Any, index: Index, depth: int, n: int, name: str) -> Iterator:
+def _entries(
+    values: Any, index: Index, depth: int, n: int, name: str
+) -> Iterator[tuple[Index, Any]]:
     """Index and value of each entry of nested lists that is not plainly zero."""
     if depth == 0:
-        if values != 0:
+        if not (isinstance(values, int | float | sp.Expr) and values == 0):
             yield index, values
         return
-    size = len(values) if hasattr(values, "__len__") else None
+    size = len(values) if isinstance(values, list | tuple | sp.Tuple) else None
     if size != n:
         raise ShapeError(
             f"{name}{list(index) or ''}: {n} entries were needed, "

@@ -8,6 +8,7 @@ from typing import Any
 
 import sympy as sp
 
+from geomtorsion import checks
 from geomtorsion.errors import ShapeError, StructureConstantError
 from geomtorsion.exact import Field
 from geomtorsion.geometry.validation import free_symbols, named_symbols
@@ -39,9 +40,10 @@ def invariant_coframe(
 
 def checked_constants(constants: Any) -> list[list[list[sp.Expr]]]:
     """C_ij^k as nested lists; antisymmetric and satisfying the Jacobi identity, both exactly."""
-    rows = constants.tolist() if hasattr(constants, "tolist") else constants
+    needed = "{subject} must be C_ij^k with shape (n, n, n), axes (i, j, k), but {value} came."
+    rows = checks.entries(constants, "structure constants", StructureConstantError, message=needed)
     n = len(rows)
-    table = [[list(line) if hasattr(line, "__len__") else [] for line in b] for b in rows]
+    table = [[_listed(line) for line in _listed(b)] for b in rows]
     if n == 0 or any(len(b) != n or any(len(line) != n for line in b) for b in table):
         raise StructureConstantError(
             "structure constants must be C_ij^k with shape (n, n, n), axes (i, j, k). "
@@ -83,6 +85,11 @@ def _symbols(coordinates: Sequence[sp.Symbol] | str | None, n: int) -> list[sp.S
             f"{len(found)} coordinates came with structure constants of dimension {n}. Give {n}."
         )
     return found
+
+
+def _listed(values: Any) -> list[Any]:
+    """The entries of one level of the constants; none for what has none."""
+    return list(values) if isinstance(values, list | tuple | sp.Tuple) else []
 
 
 def exponential(matrix: sp.Matrix, x: sp.Symbol) -> sp.Matrix:

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import combinations, product
-from typing import TYPE_CHECKING
 
+from geomtorsion.checks import instance
 from geomtorsion.exact import Element
 from geomtorsion.geometry import riemannian
+from geomtorsion.geometry.connection import Connection
 from geomtorsion.geometry.connections import levi_civita
-
-if TYPE_CHECKING:
-    from geomtorsion.geometry.connection import Connection
 
 Index = tuple[int, ...]
 
@@ -60,6 +58,7 @@ def identities(connection: Connection) -> list[IdentityCheck]:
     second Bianchi True 0
     scalar True 1
     """
+    instance(connection, Connection, "connection")
     found = [metricity(connection), decomposition(connection)]
     found += [first_bianchi(connection), second_bianchi(connection)]
     if connection.metric_compatible:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from geomtorsion.checks import fraction, shown
 from geomtorsion.errors import MetricError, SignatureError
 from geomtorsion.exact import Element, Field
 from geomtorsion.geometry.matrices import Entries
@@ -93,9 +94,11 @@ def _signs(
     n: int,
 ) -> dict[int, int]:
     """Signs of the squares at the first suitable point; the one asked for, if it occurs."""
-    if signature is not None and (len(signature) != n or any(s not in (1, -1) for s in signature)):
+    if signature is not None and (
+        len(signature) != n or any(fraction(s) not in (1, -1) for s in signature)
+    ):
         raise SignatureError(
-            f"signature {signature} was asked for, but {n} signs (1 or -1) are needed, "
+            f"signature {shown(signature)} was asked for, but {n} signs (1 or -1) are needed, "
             "one for each row of the frame."
         )
     usable: list[dict[int, int]] = []

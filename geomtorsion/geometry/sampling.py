@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
+from geomtorsion import checks
 from geomtorsion.errors import CoordinateError
 
 if TYPE_CHECKING:
@@ -26,7 +27,12 @@ def domain_relations(domain: Any) -> tuple[sp.Basic, ...]:
     """A domain as relations that all hold: from one relation, And(...), a sequence or None."""
     if domain is None:
         return ()
-    items = [domain] if isinstance(domain, sp.Basic) else list(domain)
+    relations = "{subject}: relations were needed, but {value} came. Give r > 2*M, 0 < theta."
+    items = (
+        [domain]
+        if isinstance(domain, sp.Basic | bool)
+        else checks.entries(domain, "domain", CoordinateError, message=relations)
+    )
     found: list[sp.Basic] = []
     for item in items:
         parts = item.args if isinstance(item, sp.And) else (item,)
@@ -35,7 +41,8 @@ def domain_relations(domain: Any) -> tuple[sp.Basic, ...]:
                 continue
             if not isinstance(part, sp.core.relational.Relational):
                 raise CoordinateError(
-                    f"domain: {part!r} is no relation. Give relations such as r > 2*M, 0 < theta."
+                    f"domain: {checks.shown(part)} is no relation. "
+                    "Give relations such as r > 2*M, 0 < theta."
                 )
             found.append(part)
     return tuple(found)

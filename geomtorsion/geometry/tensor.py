@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
+from geomtorsion import checks
 from geomtorsion.errors import (
     CoordinateError,
     MissingValueError,
@@ -63,10 +64,10 @@ class Tensor:
 
     def __post_init__(self) -> None:
         """Refuse slots that are none."""
-        if set(self.slots) - set(KINDS):
+        if not isinstance(self.slots, str) or set(self.slots) - set(KINDS):
             raise TensorIndexError(
-                f"slots {self.slots!r}: each letter must be one of d, u (coordinate index down, "
-                "up) or D, U (frame index down, up)."
+                f"slots {checks.shown(self.slots)}: each letter must be one of d, u (coordinate "
+                "index down, up) or D, U (frame index down, up)."
             )
 
     @cached_property
@@ -124,9 +125,10 @@ class Tensor:
         if len(place) != len(self.slots) or not all(
             isinstance(k, int) and 0 <= k < n for k in place
         ):
+            came = ", ".join(map(checks.shown, place))
             raise TensorIndexError(
-                f"{self.label}[{', '.join(map(str, place))}]: needed are {len(self.slots)} whole "
-                f"numbers from 0 to {n - 1}, one for each index."
+                f"{self.label}[{came}]: needed are {len(self.slots)} whole numbers from 0 to "
+                f"{n - 1}, one for each index."
             )
         return place
 
@@ -234,9 +236,10 @@ class Tensor:
 
     def _place(self, k: int | None) -> int | None:
         """A valid position of an index, or None."""
-        if k is not None and not 0 <= k < len(self.slots):
+        if k is not None and not (isinstance(k, int) and 0 <= k < len(self.slots)):
             raise TensorIndexError(
-                f"{self.label} has no index {k}: it has {len(self.slots)}, counted from 0."
+                f"{self.label} has no index {checks.shown(k)}: it has {len(self.slots)}, "
+                "counted from 0."
             )
         return k
 
@@ -397,7 +400,10 @@ def _named_values(tensor: Tensor, point: Mapping[Any, Any]) -> dict[Any, Any]:
     """The point with symbols as keys; a name that means nothing here is refused."""
     symbols = {symbol.name: symbol for symbol in tensor.frame.field.symbols}
     values = {}
-    for key, number in point.items():
+    for key, number in checks.table(point, "point").items():
+        if not isinstance(checks.plain(number), complex):
+            # Neither nan nor infinity ends an evaluation to many digits.
+            checks.number(number, f"point: {checks.cut(str(key))}", CoordinateError)
         if isinstance(key, (str, sp.Symbol)):
             name = key if isinstance(key, str) else key.name
             if name not in symbols or (isinstance(key, sp.Symbol) and key != symbols[name]):

@@ -11,6 +11,7 @@ import sympy as sp
 
 from geomtorsion import checks
 from geomtorsion.errors import (
+    ArgumentError,
     CoframeError,
     CoordinateError,
     MetricError,
@@ -51,8 +52,13 @@ def opened(
     branches: Mapping[sp.Expr, sp.Expr] | None,
 ) -> Opened:
     """Check symbols and domain, and open a field over them."""
+    checks.flag(complex_, "complex")
+    chosen = {
+        checks.expression(root, "branches"): checks.expression(value, f"branches[{root}]")
+        for root, value in checks.table(branches, "branches").items()
+    }
     relations = domain_relations(domain)
-    free = free_symbols([*entries.values(), *relations, *(branches or {})])
+    free = free_symbols([*entries.values(), *relations, *chosen])
     symbols = coordinate_symbols(coordinates, n, free)
     constants = parameter_symbols(parameters, symbols, free)
     # The same generic point decides every sign that a root leaves open.
@@ -64,7 +70,7 @@ def opened(
             f"no point satisfies the domain {', '.join(map(str, relations))}, as far as was tried. "
             "Give relations that hold together, for instance bounds of each coordinate by numbers."
         )
-    field = Field((*symbols, *constants), complex=complex_, sample=sample, branches=branches)
+    field = Field((*symbols, *constants), complex=complex_, sample=sample, branches=chosen)
     return Opened(symbols, constants, relations, complex_, field)
 
 
@@ -73,10 +79,15 @@ REFUSALS = {"metric": MetricError, "signature": SignatureError}
 
 def matrix_entries(values: Any, name: str) -> tuple[int, Matrix]:
     """Size and non-zero entries of a square matrix given as nested lists or a sympy matrix."""
-    given = values.tolist() if hasattr(values, "tolist") else list(values)
-    rows = [list(row) if hasattr(row, "__len__") else [row] for row in given]
-    n = len(rows)
     refusal = REFUSALS.get(name, CoframeError)
+    needed = "{subject}: rows of entries were needed, but {value} came. Give nested lists."
+    rows = [
+        checks.entries(row, f"{name}[{i}]", refusal, message=needed)
+        if isinstance(row, Iterable) and not isinstance(row, str | sp.Basic)
+        else [row]
+        for i, row in enumerate(checks.entries(values, name, refusal, message=needed))
+    ]
+    n = len(rows)
     for i, row in enumerate(rows):
         if len(row) != n:
             raise refusal(
@@ -85,7 +96,14 @@ def matrix_entries(values: Any, name: str) -> tuple[int, Matrix]:
             )
     if n == 0:
         raise refusal(f"{name} is empty. Give at least one coordinate and one row.")
-    return n, {(i, j): x for i, row in enumerate(rows) for j, x in enumerate(row) if x != 0}
+    return n, {
+        (i, j): x for i, row in enumerate(rows) for j, x in enumerate(row) if not _is_plain_zero(x)
+    }
+
+
+def _is_plain_zero(value: Any) -> bool:
+    """Whether an entry is the number zero; what it is otherwise is found out on reading."""
+    return isinstance(value, int | float | sp.Expr) and value == 0
 
 
 def coordinate_symbols(coordinates: Any, n: int, free: Iterable[sp.Symbol]) -> tuple:
@@ -116,12 +134,9 @@ def named_symbols(
 ) -> list[sp.Symbol]:
     """Symbols from symbols or names, a text holding several; a known name is its symbol."""
     given = names.replace(",", " ").split() if isinstance(names, str) else names
-    if isinstance(given, Mapping) or not isinstance(given, Iterable):
-        raise CoordinateError(
-            f"{what}s: symbols or names were needed, but {checks.shown(given)} came."
-        )
+    needed = "{subject}: symbols or names were needed, but {value} came."
     found = []
-    for item in given:
+    for item in checks.entries(given, f"{what}s", CoordinateError, message=needed):
         symbol = (known or {}).get(item, sp.Symbol(item)) if isinstance(item, str) else item
         if not isinstance(symbol, sp.Symbol):
             raise CoordinateError(
@@ -168,17 +183,20 @@ def free_symbols(values: Iterable[Any]) -> set[sp.Symbol]:
     return found
 
 
+def signs_or_rows(signature: Any) -> list[Any]:
+    """A signature as a list, of signs or of rows of a matrix."""
+    message = (
+        "{subject}: signs or a matrix were needed, but {value} came. "
+        "Write (-1, 1, 1, 1), or a constant symmetric matrix."
+    )
+    return checks.entries(signature, "signature", SignatureError, message=message)
+
+
 def signature_entries(signature: Any, n: int) -> Matrix:
     """Non-zero entries of eta from None, a tuple of signs or a constant symmetric matrix."""
     if signature is None:
         return {(i, i): sp.S.One for i in range(n)}
-    rows = signature.tolist() if hasattr(signature, "tolist") else signature
-    if isinstance(rows, str) or not isinstance(rows, Iterable):
-        raise SignatureError(
-            f"signature: signs or a matrix were needed, but {checks.shown(rows)} came. "
-            "Write (-1, 1, 1, 1), or a constant symmetric matrix."
-        )
-    rows = list(rows)
+    rows = signs_or_rows(signature)
     if any(isinstance(row, (list, tuple)) for row in rows):
         size, entries = matrix_entries(rows, "signature")
     else:
@@ -269,6 +287,12 @@ def check_symmetric(entries: dict[tuple[int, int], Element], n: int) -> None:
 
 def read_more(field: Field, entries: Sequence[tuple[str, Any]]) -> list[Element]:
     """Exact elements of pairs (where, expression or element); new symbols are declared."""
+    for entry in checks.entries(entries, "entries"):
+        if not isinstance(entry, tuple) or len(entry) != 2:
+            raise ArgumentError(
+                f"entries: pairs (what it is called, expression) were needed, but "
+                f"{checks.shown(entry)} came."
+            )
     plain = [value for _, value in entries if not isinstance(value, Element)]
     known = {symbol.name: symbol for symbol in field.symbols}
     new = sorted(free_symbols(plain) - set(field.symbols), key=lambda symbol: symbol.name)

@@ -111,7 +111,7 @@ def load(name: str) -> Space:
     3
     """
     for known, module, title in SPACES:
-        if known == name:
+        if isinstance(name, str) and known == name:
             from geomtorsion.spaces.atlases import attach
 
             return attach(import_module(f"geomtorsion.spaces.{module}").space(name, title))
