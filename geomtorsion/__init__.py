@@ -50,7 +50,7 @@ _LATER = {
     ),
 }  # fmt: skip
 # Packages that are asked for by name, as spaces is.
-_PACKAGES = ("exercises", "scenes")
+_PACKAGES = ("exercises", "pictures", "scenes")
 _HOME = {name: package for package, names in _LATER.items() for name in names}
 
 __all__ = [
@@ -140,6 +140,7 @@ __all__ = [
     "parallel_screws",
     "parallel_transport",
     "parse_expression",
+    "pictures",
     "scenes",
     "solve",
     "solve_many",

@@ -1,4 +1,4 @@
-"""kit: what the file of an exercise is written with."""
+"""authoring: what the file of an exercise is written with."""
 
 from geomtorsion.exercises import tex
 from geomtorsion.exercises.domain import Domain

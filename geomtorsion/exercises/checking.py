@@ -111,8 +111,8 @@ def _agreement(question: Question, value: Value) -> dict[Index, str]:
     size = max((abs(float(x)) for x in right.values()), default=0.0) or 1.0
     allowed = question.tolerance * size
     keys = sorted({*value, *right})
-    apart = {key: abs(float(value.get(key, 0)) - float(right.get(key, 0))) for key in keys}
-    return {key: EQUAL if apart[key] <= allowed else "different" for key in keys}
+    difference = {key: abs(float(value.get(key, 0)) - float(right.get(key, 0))) for key in keys}
+    return {key: EQUAL if difference[key] <= allowed else "different" for key in keys}
 
 
 def _check_exactly(question: Question, value: Value) -> QuestionVerdict:

@@ -85,10 +85,10 @@ def _near(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> tuple[list[bool],
     arrays, points = domain.arrays, domain.places
     first, size = at_points_with_size(one, arrays)
     second, other = at_points_with_size(two, arrays)
-    apart = np.abs(first - second)
+    difference = np.abs(first - second)
     largest = np.fmax(size, other)
-    near = np.isfinite(apart) & (apart <= NEAR * (1 + np.abs(first) + np.abs(second)))
-    far = (apart > ROUNDING * largest) & (largest < TOO_LARGE)
+    near = np.isfinite(difference) & (difference <= NEAR * (1 + np.abs(first) + np.abs(second)))
+    far = (difference > ROUNDING * largest) & (largest < TOO_LARGE)
     found = []
     for k, point in enumerate(points):
         if near[k] or far[k]:

@@ -31,7 +31,7 @@ TITLES: Mapping[str, str] = MappingProxyType(
         "too large": "too large to be checked",
     }
 )
-# Code -> what a student is told, if the exercise says nothing of its own.
+# Code -> what is said to a student, if the exercise says nothing of its own.
 MESSAGES: Mapping[str, str] = MappingProxyType(
     {
         "factor": "It is off by a factor 2. Is there a half to keep or to drop, as in S = T/2?",

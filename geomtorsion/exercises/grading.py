@@ -104,7 +104,7 @@ def grade(
     seconds
         how long the answers to one exercise may take.
     progress
-        is told (files done, files in all, file).
+        is called with (files done, files in all, file).
 
     Returns
     -------

@@ -135,7 +135,7 @@ def _all_mistakes(question: Question) -> tuple[Mistake, ...]:
 
 
 def _is_other(question: Question, value: Value) -> bool:
-    """Whether a wrong answer can be told from the right one."""
+    """Whether a wrong answer differs from the right one."""
     if question.kind == "number":
         return deviation(question, value, question.solution) > 1
     return value != question.solution

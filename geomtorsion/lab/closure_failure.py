@@ -125,7 +125,7 @@ def _raised(k: int) -> str:
 
 
 def _table(b: BurgersVector, expected: Sequence[float]) -> str:
-    """Both routes, component by component, beside what a small loop has."""
+    """Both routes, component by component, and what a small loop has."""
     flux = b.check.flux
     rows = []
     for k, value in enumerate(np.real(b.vector)):
@@ -157,9 +157,9 @@ def _sentence(
     said += f"|b| = {b.magnitude:.6g}, error below {b.error:.0e}. "
     largest = max(abs(x) for x in expected)
     if largest:
-        apart = max(abs(x - y) for x, y in zip(np.real(b.vector), expected, strict=True)) / largest
+        miss = max(abs(x - y) for x, y in zip(np.real(b.vector), expected, strict=True)) / largest
         said += (
-            f"2 S A misses it by {apart:.1%}" if apart > 1e-3 else f"2 S A misses it by {apart:.0e}"
+            f"2 S A misses it by {miss:.1%}" if miss > 1e-3 else f"2 S A misses it by {miss:.0e}"
         )
         said += ": the smaller the loop, the better it is. "
     return f"{said}Two routes: {b.check.text}."

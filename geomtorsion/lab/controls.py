@@ -23,7 +23,7 @@ RADII = (
     1e-12, 1e-9, 1e-6, 1e-4, 1e-3, 0.01, 0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45,
     0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95, 1.0,
 )  # fmt: skip
-# Spaces in which moments of inertia mean something, with the legs that turn.
+# Spaces in which moments of inertia mean something, with the frame vectors that turn.
 BODIES = {"so3": 3, "so3_zxz": 3, "so3_xyz": 3, "so3_zyx": 3, "so3_quaternion": 3, "r3xso3": 3}
 BLANK = {f"blank, {n} coordinates": n for n in (2, 3, 4)}
 _LETTERS = ("x", "y", "z", "w")
@@ -142,7 +142,7 @@ def plane(mo: ModuleType, info: Json) -> ui.dropdown:
 
 
 def velocity(mo: ModuleType, info: Json) -> ui.dictionary:
-    """A slider for the velocity along each leg, one for the time."""
+    """A slider for the velocity along each frame vector, one for the time."""
     sliders = {}
     for k, value in enumerate(info["velocity"]):
         most = max(PAGE.fastest, abs(value))
@@ -177,7 +177,7 @@ def path_case(space: str, speeds: Mapping[str, float], inertia: Mapping[str, flo
     """
     speed = [value for name, value in speeds.items() if name != "t"]
     own = list(inertia.values())
-    # Equal unit moments are the metric of the frame itself; legs that do not turn keep theirs.
+    # Equal unit moments are the metric of the frame itself; who does not turn keeps its own.
     given = [*own, *[1.0] * (len(speed) - len(own))] if any(x != 1 for x in own) else None
     return {"space": space, "velocity": speed, "t": speeds["t"], "moments": given}
 

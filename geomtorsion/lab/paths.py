@@ -1,4 +1,4 @@
-"""paths: the straightest and the shortest curve from one start, in space and apart over time."""
+"""paths: the straightest and the shortest curve from one start, and their distance."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ def paths(
     Parameters
     ----------
     velocity
-        u^i along the legs of the frame.
+        u^i along the frame vectors.
     t
         last value of the curve parameter.
     moments
-        kinetic metric of the geodesic, one number for each leg.
+        kinetic metric of the geodesic, one number for each frame vector.
 
     Returns
     -------
@@ -152,7 +152,7 @@ def _plane(places: dict[str, np.ndarray], names: Sequence[str], title: str, *, e
 
 
 def _distance(pair: Pair) -> str:
-    """How far apart they are over time; on a logarithmic axis where they are one."""
+    """Their distance over time; on a logarithmic axis where they are one."""
     times = pair.times[: len(pair.distance)].tolist()
     distances = pair.distance.tolist()
     if pair.coincide:

@@ -1,4 +1,4 @@
-"""plot: curves over two axes as svg text, told apart by dashes and marks as well as by colour.
+"""plot: curves over two axes as svg text, which differ by dashes and marks as well as by colour.
 
 Not matplotlib: the page draws anew while a slider moves, and the extra `lab` needs no `plots`.
 """
@@ -39,7 +39,7 @@ LAYOUT = Layout()
 
 @dataclass(frozen=True)
 class Look:
-    """How a line looks: colour, dashes and the mark at its end, each of which tells it apart."""
+    """How a line looks: colour, dashes and the mark at its end, none of them like another's."""
 
     color: str
     dashes: str = ""
@@ -83,11 +83,11 @@ class Plot:
         return self._with("line", (list(points), look, label), points)
 
     def mark(self, point: Point, look: Look, kind: str = "", text: str = "") -> Plot:
-        """A mark, with a text beside it."""
+        """A mark, with a text next to it."""
         return self._with("mark", (point, look, kind or look.mark, text), [point])
 
     def arrow(self, start: Point, end: Point, look: Look, text: str = "") -> Plot:
-        """An arrow, with a text beside its middle."""
+        """An arrow, with a text next to its middle."""
         return self._with("arrow", (start, end, look, text), [start, end])
 
     def sense(self, points: Sequence[Point], look: Look) -> Plot:
@@ -186,8 +186,8 @@ class Axes:
             x, y = self.place(point)
             # Near the right edge the text stands on the other side.
             side, anchor = (-9, "end") if x > 0.85 * self.plot.width else (9, "start")
-            beside = words(x + side, y - 7, text, anchor, 13, look.color) if text else ""
-            return marker((x, y), mark, look.color) + beside
+            label = words(x + side, y - 7, text, anchor, 13, look.color) if text else ""
+            return marker((x, y), mark, look.color) + label
         if kind == "arrow":
             return self._arrow(*what)
         if kind == "sense":
@@ -206,8 +206,8 @@ class Axes:
             return ""
         size = min(12.0, 0.6 * math.dist(one, two))
         middle = ((one[0] + two[0]) / 2, (one[1] + two[1]) / 2)
-        beside = words(middle[0] + 10, middle[1] - 6, text, "start", 14, look.color, 600)
-        return polyline([one, two], look) + head(one, two, look.color, size) + beside
+        label = words(middle[0] + 10, middle[1] - 6, text, "start", 14, look.color, 600)
+        return polyline([one, two], look) + head(one, two, look.color, size) + label
 
     def _grid(self) -> str:
         """Lines, numbers and names of the axes."""

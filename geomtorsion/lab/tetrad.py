@@ -61,7 +61,7 @@ def tetrad(
     entries
         e[i][mu] as text; rows are one-forms.
     signature
-        One sign for each leg, such as "-+++"; all + if empty.
+        One sign for each frame vector, such as "-+++"; all + if empty.
     show
         Names of quantities.
 
@@ -127,12 +127,12 @@ def names_of(text: str, what: str = "names") -> list[str]:
 
 
 def signs_of(text: str, dimension: int) -> tuple[int, ...] | None:
-    """One sign per leg, or None for all plus.
+    """One sign per frame vector, or None for all plus.
 
     Raises
     ------
     SignatureError
-        There are other letters than + and -, or not as many as legs.
+        There are other letters than + and -, or not as many as frame vectors.
 
     Examples
     --------

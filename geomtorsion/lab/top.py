@@ -1,4 +1,4 @@
-"""top: a body that turns, as a film of its two cones; its plan; and the naive law beside it."""
+"""top: a body that turns, as a film of its two cones; its plan; and the naive law next to it."""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ def problem(reply: Json) -> str:
 
 
 def fault(reply: Json, i: int, k: int) -> str:
-    """What is wrong with one entry of a tetrad, to stand beside it."""
+    """What is wrong with one entry of a tetrad, to stand next to it."""
     text = reply.get("errors", {}).get(f"{i},{k}", "")
     return f'<pre class="fault" role="alert">✗ {escape(text)}</pre>' if text else ""
 
@@ -67,11 +67,11 @@ def fault(reply: Json, i: int, k: int) -> str:
 def tetrad(reply: Json) -> str:
     """Cards of a tetrad, or what is wrong."""
     faults = len(reply.get("errors", {}))
-    told = ""
+    message = ""
     if faults:
         entries = "1 entry" if faults == 1 else f"{faults} entries"
-        told = notice(f"{entries} cannot be read; the reason stands beside each.")
-    return wrapped(problem(reply) + told + reply.get("html", ""))
+        message = notice(f"{entries} cannot be read; the reason stands beside each.")
+    return wrapped(problem(reply) + message + reply.get("html", ""))
 
 
 def loop(reply: Json) -> str:
@@ -89,8 +89,8 @@ def paths(reply: Json) -> str:
         return wrapped(problem(reply))
     said = f'<p class="said" id="paths-said">{escape(reply["sentence"])}</p>'
     curves = framed(reply) or reply.get("picture", "")
-    beside = f"<div>{said}{reply['distance']}</div>"
-    return wrapped(f'<div class="figures"><div>{curves}</div>{beside}</div>{reply["table"]}')
+    side = f"<div>{said}{reply['distance']}</div>"
+    return wrapped(f'<div class="figures"><div>{curves}</div>{side}</div>{reply["table"]}')
 
 
 def costs(reply: Json) -> str:
@@ -103,13 +103,13 @@ def costs(reply: Json) -> str:
 
 
 def top(reply: Json) -> str:
-    """A film of the top, the naive law beside it, and the plan."""
+    """A film of the top, the naive law with it, and the plan."""
     if reply.get("problem"):
         return wrapped(problem(reply))
     said = f'<p class="said" id="top-said">{escape(reply["sentence"])}</p>'
-    beside = f"<div>{said}{reply['compared']}</div>"
+    side = f"<div>{said}{reply['compared']}</div>"
     below = f'{reply["table"]}<div id="top-plan">{reply["plan"]}</div>'
-    return wrapped(f'<div class="figures"><div>{framed(reply)}</div>{beside}</div>{below}')
+    return wrapped(f'<div class="figures"><div>{framed(reply)}</div>{side}</div>{below}')
 
 
 def exercise(reply: Json) -> str:

@@ -1,1 +1,64 @@
-"""pictures: what a person looks at: pages, formulas, labels."""
+"""pictures: what is seen of loops, curves and costs, as matplotlib figures for a user's own code.
+
+Each function takes what is solved and returns a figure; `save` writes it. Reports and the pictures
+of scenes are written by the command line and by the results of scenes.
+
+Examples
+--------
+>>> import geomtorsion as gt
+>>> frame = gt.spaces.load("so3").frame
+>>> b = gt.burgers_vector(frame, gt.Loop.circle([0.3, 1, 0.2], 0.3))
+>>> len(gt.pictures.draw_closure(b).axes) if gt.pictures.can_draw() else 2
+2
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from geomtorsion.pictures.costs import draw_loop_costs, work_precision_picture
+    from geomtorsion.pictures.curve_files import curve_pictures
+    from geomtorsion.pictures.development import draw_development
+    from geomtorsion.pictures.loops import draw_closure, draw_map
+    from geomtorsion.pictures.network import draw_dislocations, draw_network
+    from geomtorsion.pictures.pair_solving import solve_pair
+    from geomtorsion.pictures.report import write_report
+    from geomtorsion.pictures.style import can_draw, save
+
+# Imported when first asked for: who writes a formula needs no loops and no motions.
+_HOMES = {
+    "can_draw": "style",
+    "curve_pictures": "curve_files",
+    "draw_closure": "loops",
+    "draw_development": "development",
+    "draw_dislocations": "network",
+    "draw_loop_costs": "costs",
+    "draw_map": "loops",
+    "draw_network": "network",
+    "save": "style",
+    "solve_pair": "pair_solving",
+    "work_precision_picture": "costs",
+    "write_report": "report",
+}
+
+__all__ = [
+    "can_draw",
+    "curve_pictures",
+    "draw_closure",
+    "draw_development",
+    "draw_dislocations",
+    "draw_loop_costs",
+    "draw_map",
+    "draw_network",
+    "save",
+    "solve_pair",
+    "work_precision_picture",
+    "write_report",
+]
+
+
+def __getattr__(name: str) -> object:
+    """A public name, imported on first use."""
+    if name not in _HOMES:
+        raise AttributeError(f"module 'geomtorsion.pictures' has no attribute {name!r}")
+    return getattr(import_module(f"geomtorsion.pictures.{_HOMES[name]}"), name)

@@ -132,11 +132,11 @@ def _draw_frame(
     ink: str,
     width: float,
 ) -> None:
-    """The legs of one frame that lie in the plane of the picture."""
+    """The vectors of one frame that lie in the plane of the picture."""
     a, b = plane
     x, y = path.places[a, k], path.places[b, k]
-    for leg, style in ((a, "-"), (b, (0, (2, 1.2)))):
-        u, v = size * path.legs[k, a, leg], size * path.legs[k, b, leg]
+    for vector, style in ((a, "-"), (b, (0, (2, 1.2)))):
+        u, v = size * path.legs[k, a, vector], size * path.legs[k, b, vector]
         axes.plot([x, x + u], [y, y + v], color=ink, lw=width, ls=style, solid_capstyle="round")
     axes.plot(x, y, "o", color=ink, ms=2.5 * width)
 

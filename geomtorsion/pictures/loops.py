@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Colours that stay apart in print and for every eye (Okabe and Ito).
+# Colours that differ in print and for every eye (Okabe and Ito).
 PATH, IMAGE, GAP, START = "#0072B2", "#007a59", "#D55E00", "#222222"
 
 

@@ -59,8 +59,8 @@ def _row(node: Node) -> str:
         before = parts[number - 1] if number else EMPTY
         if number and (_is_named(part) or _is_named(before)):
             # A sign keeps its own distance, and brackets stand close to the function before them.
-            apart = (before.kind, part.kind)
-            if not {"sign", "space"} & set(apart) and (_is_named(part) or part.kind != "fence"):
+            kinds = {before.kind, part.kind}
+            if not {"sign", "space"} & kinds and (_is_named(part) or part.kind != "fence"):
                 found.append(_THIN)
         leads = not number or before.text in _LEADING
         found.append(_PREFIXED if part.text == "-" and leads else _written(part))

@@ -142,9 +142,9 @@ def draw_dislocations(
             axes.plot(x, y, "o", mfc="white", mec=START, ms=8, zorder=4)
         else:
             axes.plot(x, y, "o", color=GOOD, ms=9, zorder=4)
-    held = "b is conserved at every inner node"
+    kept = "b is conserved at every inner node"
     broken = f"b is not conserved at {len(violations)} node{'s' * (len(violations) > 1)}"
-    axes.set_title(broken if violations else held, fontsize=11)
+    axes.set_title(broken if violations else kept, fontsize=11)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.15)
     axes.axis("off")
@@ -177,7 +177,7 @@ def _draw_line(
     width: float,
     label: str,
 ) -> None:
-    """One line: a curve with an arrow half way and its Burgers vector beside it."""
+    """One line: a curve with an arrow half way and its Burgers vector next to it."""
     one, two = np.array(start), np.array(end)
     across = np.array([one[1] - two[1], two[0] - one[0]])
     middle = (one + two) / 2 + bend * across

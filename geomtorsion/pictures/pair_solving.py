@@ -45,7 +45,8 @@ def solve_pair(
     t
         last value of the curve parameter.
     moments
-        kinetic metric of the geodesic, one number for each leg; the metric of the frame if None.
+        kinetic metric of the geodesic, one number for each frame vector; that of the frame
+        if None.
 
     Raises
     ------

@@ -184,7 +184,7 @@ class _Stage:
         self._frame(centre, half)
 
     def _frame(self, centre: np.ndarray, half: float) -> None:
-        """Faint axes of space, and the ground."""
+        """Faint axes of space."""
         corner = centre - 0.75 * half
         for k, letter in enumerate("xyz"):
             end = corner + 0.5 * half * np.eye(3)[k]

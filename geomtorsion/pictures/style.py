@@ -75,7 +75,7 @@ STYLE = Style()
 
 @dataclass(frozen=True)
 class Stroke:
-    """A line that is told from others by colour, and without colour by dashes and width."""
+    """A line that differs from others in colour, and without colour in dashes and width."""
 
     color: str
     dashes: Any
@@ -88,7 +88,7 @@ class Stroke:
         return {"color": self.color, "linestyle": self.dashes, "linewidth": self.width}
 
 
-# The colours of Okabe and Ito, which people with any colour vision tell apart.
+# The colours of Okabe and Ito, which differ for people with any colour vision.
 STROKES: Mapping[str, Stroke] = {
     "autoparallel": Stroke("#0072B2", "-", 2.0, "s"),
     "geodesic": Stroke("#D55E00", (0, (5, 1.6)), 2.0, "^"),

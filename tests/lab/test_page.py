@@ -7,7 +7,6 @@ from typing import Any
 from urllib.parse import urlsplit
 
 import numpy as np
-import pytest
 
 from geomtorsion import Frame, Loop, burgers_vector, exercises, spaces
 from geomtorsion.lab.views import TABS
@@ -46,28 +45,36 @@ def too_wide(page: Any) -> list[Any]:
     )
 
 
-@pytest.mark.parametrize("name", TABS)
-def test_a_tab_loads_and_fits_a_phone(lab: Watched, name: str):
+def test_tabs_load_and_fit_a_phone(lab: Watched):
     """Each tab shows itself, asks for nothing but the server, and needs no more than 400 pixels."""
-    page = lab.tab(name)
-    page.wait_for_selector(READY[name])
+    for name in TABS:
+        lab.page.set_viewport_size({"width": 1200, "height": 900})
+        page = lab.tab(name)
+        page.wait_for_selector(READY[name])
+        page.set_viewport_size({"width": 400, "height": 800})
+        assert too_wide(page) == [], name
+        box = page.get_by_role("tab", name="Exercises").bounding_box()
+        assert box["x"] >= 0
+        assert box["x"] + box["width"] <= 400
+    # The arrow keys go from tab to tab too.
+    page.get_by_role("tab", name="Any tetrad").focus()
+    page.keyboard.press("ArrowRight")
+    page.wait_for_selector(READY["Loops"])
+    assert page.get_by_role("tab", name="Loops").get_attribute("aria-selected") == "true"
     hosts = {urlsplit(url).hostname for url in lab.asked if url.startswith(("http", "ws"))}
     assert hosts == {"127.0.0.1"}
-    page.set_viewport_size({"width": 400, "height": 800})
-    assert too_wide(page) == []
-    box = page.get_by_role("tab", name="Exercises").bounding_box()
-    assert box["x"] >= 0
-    assert box["x"] + box["width"] <= 400
 
 
 def test_a_tetrad_is_typed(lab: Watched):
-    """Polar coordinates typed over a blank tetrad: the torsion is 1/(2 r), as in the library."""
+    """Polar coordinates over a blank tetrad: the torsion is the library's; then a singular one."""
     page = blank(lab)
     fraction = page.locator("#torsion mfrac").first
     lab.typed({"coordinates": "r, phi", "row 1, dy": "r"}, fraction)
     r, phi = (spaces.load("flat_polar").frame.coordinates[k] for k in (0, 1))
     assert str(Frame([r, phi], [[1, 0], [0, r]]).quantity("torsion")[0, 1, 1]) == "1/(2*r)"
     assert fraction.evaluate("e => [...e.children].map(x => x.textContent)") == ["1", "2r"]
+    # What is no single entry's fault stands above the result.
+    lab.typed({"row 1, dy": "0"}, page.get_by_text("coframe is singular"))
 
 
 def test_a_bad_tetrad_shows_its_error(lab: Watched):
@@ -86,12 +93,6 @@ def test_a_bad_tetrad_shows_its_error(lab: Watched):
     assert fault.count() == 0
 
 
-def test_a_singular_tetrad_is_told(lab: Watched):
-    """What is no single entry's fault stands above the result."""
-    page = blank(lab)
-    lab.typed({"row 1, dy": "0"}, page.get_by_text("coframe is singular"))
-
-
 def test_a_slider_moves_the_loop(lab: Watched):
     """The radius moved by key: new numbers, and they are the library's."""
     page = lab.tab("Loops")
@@ -105,15 +106,6 @@ def test_a_slider_moves_the_loop(lab: Watched):
     lab.says("#loop-said", f"|b| = {b.magnitude:.6g}")
     cells = page.locator("table.numbers tbody tr td:nth-child(2)").all_inner_texts()
     assert np.allclose([number(text) for text in cells], b.vector, atol=1e-6)
-
-
-def test_other_space_other_sliders(lab: Watched):
-    """A chosen space brings its own coordinates; its loop is drawn."""
-    page = lab.tab("Loops")
-    page.get_by_label("space", exact=True).select_option(
-        label="heisenberg: the Heisenberg group (Nil)"
-    )
-    assert f"|b| = {np.pi * 0.3**2:.6g}" in lab.says("#loop-said", "in x and y")
 
 
 def test_the_curves_can_be_turned(lab: Watched):
@@ -144,14 +136,14 @@ def test_effects_are_switched(lab: Watched):
     lab.says("#top-said", "angular momentum moves in space")
 
 
-def test_costs_of_the_case_on_the_screen(lab: Watched):
-    """The case set on another tab is the one that is measured."""
+def test_another_space_and_what_it_costs(lab: Watched):
+    """A chosen space brings its own coordinates and its loop; this case is the one measured."""
     page = lab.tab("Loops")
     page.wait_for_selector("#loop svg")
     page.get_by_label("space", exact=True).select_option(
         label="heisenberg: the Heisenberg group (Nil)"
     )
-    lab.says("#loop-said", "in x and y")
+    assert f"|b| = {np.pi * 0.3**2:.6g}" in lab.says("#loop-said", "in x and y")
     lab.tab("What accuracy costs")
     page.get_by_label("A circle of radius 0.3 in heisenberg").wait_for()
     page.get_by_label("the top", exact=True).click()
@@ -177,12 +169,3 @@ def test_an_exercise_is_answered(lab: Watched):
     page.get_by_role("button", name="Next hint").click()
     page.locator("#hints li").first.wait_for()
     assert page.locator("#hints li").count() == 1
-
-
-def test_tabs_by_keyboard(lab: Watched):
-    """The arrow keys go from tab to tab."""
-    page = lab.page
-    page.get_by_role("tab", name="Any tetrad").focus()
-    page.keyboard.press("ArrowRight")
-    page.wait_for_selector(READY["Loops"])
-    assert page.get_by_role("tab", name="Loops").get_attribute("aria-selected") == "true"

@@ -19,7 +19,7 @@ def make(draw: Random, seed: int) -> Variant:
     away = radius + draw.choice((1, 2))
     around = Loop.circle([0, 0, 0], radius, plane=(0, 1))
     winding = around.times(turns)
-    beside = Loop.circle([away, 0, 0], sp.Rational(radius, 2), plane=(0, 1))
+    next_to_it = Loop.circle([away, 0, 0], sp.Rational(radius, 2), plane=(0, 1))
     way = "from $x$ towards $y$" if turns > 0 else "from $y$ towards $x$"
 
     @cache
@@ -63,7 +63,7 @@ def make(draw: Random, seed: int) -> Variant:
                 kind="components",
                 prompt=f"The same for a circle of half that radius about $({away}, 0, 0)$, once.",
                 domain=Domain((b,)),
-                answer=lambda: vector(beside),
+                answer=lambda: vector(next_to_it),
                 errors=lambda: [
                     Mistake("forgotten", vector(around), "Does this loop enclose the axis?")
                 ],

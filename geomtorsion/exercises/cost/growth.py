@@ -31,13 +31,13 @@ def make(draw: Random, seed: int) -> Variant:
     )
 
     @cache
-    def passenger(offset: float = 1.0) -> float:
+    def deviation(offset: float = 1.0) -> float:
         line = geodesic(frame, [begin, 0.0], frame_velocity=[1.0, 0.0])
         found = solve(geodesic_deviation(line, [0.0, offset]), [last], 1e-8)
         return float(found.passengers[-1, 1])
 
     def factor(f=length) -> float:
-        return passenger() * float(f(sp.Float(begin + last)) / f(sp.Float(begin)))
+        return deviation() * float(f(sp.Float(begin + last)) / f(sp.Float(begin)))
 
     return Variant(
         statement=(
@@ -56,7 +56,7 @@ def make(draw: Random, seed: int) -> Variant:
                 errors=lambda: [
                     Mistake(
                         "basis",
-                        passenger(),
+                        deviation(),
                         r"That is the error $\delta\phi$ in the coordinate, which stays; its "
                         r"length is $f(r)\,\delta\phi$.",
                     ),
@@ -74,7 +74,7 @@ def make(draw: Random, seed: int) -> Variant:
                 kind="number",
                 prompt="Two such errors, one twice the other, are carried along. What is the "
                 "quotient of their lengths in the end?",
-                answer=lambda: passenger(2.0) / passenger(),
+                answer=lambda: deviation(2.0) / deviation(),
                 errors=lambda: [Mistake("forgotten", 2 * factor(), "Both grow by this factor.")],
                 tolerance=1e-3,
                 generic=(),

@@ -44,7 +44,7 @@ def make(draw: Random, seed: int) -> Variant:
         half = pi / spin
         return sqrt(sum(x * x for x in place(True, half)) - (along * half) ** 2) / 2
 
-    def apart() -> float:
+    def separation() -> float:
         pairs = zip(place(True, last), place(False, last), strict=True)
         return hypot(*(x - y for x, y in pairs))
 
@@ -113,7 +113,7 @@ def make(draw: Random, seed: int) -> Variant:
                 kind="number",
                 prompt=f"How far from the centre of the body that flies freely would it be at "
                 f"$t = {last:g}$?",
-                answer=apart,
+                answer=separation,
                 errors=lambda: [
                     Mistake(
                         "forgotten",
