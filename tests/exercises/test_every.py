@@ -14,6 +14,9 @@ from tests.exercises.forms import another_form
 
 SEEDS = range(5)
 WRONG_ANSWERS = 20
+# Variants and answers of the normal run, and of the long one.
+FEW_AND_ALL = [3, pytest.param(WRONG_ANSWERS, marks=pytest.mark.slow)]
+FIRST_AND_ALL = [range(2), pytest.param(SEEDS, marks=pytest.mark.slow)]
 NUMBERS = exercises.names()
 # Every diagnosis that an exercise can compute in advance.
 COMPUTED = {
@@ -41,10 +44,11 @@ def test_there_are_enough():
     assert levels == {"warm-up", "exercise", "project"}
 
 
+@pytest.mark.parametrize("seeds", FIRST_AND_ALL, ids=len)
 @pytest.mark.parametrize("number", NUMBERS)
-def test_the_solution_is_right(number):
+def test_the_solution_is_right(number, seeds):
     """What the library computes passes its own check, in each variant."""
-    for seed in SEEDS:
+    for seed in seeds:
         exercise = exercises.load(number, seed)
         verdict = exercise.check(exercise.answers())
         assert verdict.right, verdict
@@ -62,12 +66,14 @@ def test_other_forms_are_right(number):
             assert said.right, (seed, question.name, answer, said)
 
 
+@pytest.mark.parametrize("count", FEW_AND_ALL)
 @pytest.mark.parametrize("number", NUMBERS)
-def test_mistakes_get_their_diagnosis(number):
-    """Twenty wrong answers of each kind that is expected, in random forms, are named."""
+def test_mistakes_get_their_diagnosis(number, count):
+    """So many wrong answers of each kind that is expected, in random forms, are named; all kinds
+    in all variants in the long run."""
     draw = Random(f"wrong {number}")
     for code, cases in wrong_answers(number).items():
-        for place in range(max(WRONG_ANSWERS, len(cases))):
+        for place in range(count if count < WRONG_ANSWERS else max(count, len(cases))):
             question, value = cases[place % len(cases)]
             answer = another_form(question, value, draw)
             said = check_question(question, answer)
