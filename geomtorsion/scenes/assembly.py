@@ -91,6 +91,7 @@ class Assembly:
         """Velocity of the centre of mass, body axes."""
         if self.constraint is not None:
             return sp.Matrix(self.constraint.velocity)
+        # The transpose of a rotation is its inverse: from space axes to body axes.
         return ATTITUDE.T * sp.Matrix(VELOCITY)
 
     @cached_property
@@ -187,6 +188,7 @@ def assemble(body: Body, effects: Mapping[str, Effect]) -> Assembly:
     constraint = parts[holding[0]].constraint if holding else None
     rates, start = _own_states(parts)
     substitutions = _substitutions(constraint)
+    # The accelerations need an assembly that knows everything but them.
     made = Assembly(context, parts, constraint, rates, start, substitutions)
     own = {s: made.constrained(r) for s, r in rates.items()}
     made = Assembly(context, parts, constraint, own, start, substitutions)
@@ -199,11 +201,13 @@ def assemble(body: Body, effects: Mapping[str, Effect]) -> Assembly:
         start |= constraint.start
         if constraint.position is None:
             own |= dict(zip(POSITION, ATTITUDE * made.velocity_body, strict=True))
+    # Work is a state only where something is put in: its rate is the power.
     if made.power == 0:
         substitutions[WORK] = sp.S.Zero
     else:
         own[WORK] = made.power
         start[WORK.name] = 0
+    # Laws that are no mechanics have the last word.
     for part in parts.values():
         own |= {sp.Symbol(name): made.constrained(rate) for name, rate in part.replaces.items()}
     own = {symbol: expression_of(rate) for symbol, rate in own.items()}

@@ -143,5 +143,6 @@ class Body:
             return np.array([0.0, 0.0, 1.0])
         if not close.any():
             return None
+        # The axis of the moment that differs, with its largest component positive.
         axis = axes[:, 2 if close[0] else 0]
         return axis * np.sign(axis[np.abs(axis).argmax()])

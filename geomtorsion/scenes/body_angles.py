@@ -37,6 +37,7 @@ def spin(vertical: ArrayLike) -> np.ndarray:
     [0.0, 1.570796]
     """
     n = np.asarray(vertical, dtype=float)
+    # Adding 0.0 turns -0.0 into 0.0, whose angle is 0 and not pi.
     return np.unwrap(np.arctan2(n[..., 1], -n[..., 0] + 0.0), axis=0)
 
 
@@ -68,6 +69,7 @@ def unspun(vectors: ArrayLike) -> np.ndarray:
     table = np.asarray(vectors, dtype=float)
     v, n = table[..., :3], table[..., 3:]
     size = np.hypot(n[..., 0], n[..., 1])
+    # Upright, phi1 has no meaning by itself; 0 keeps the vector as it is.
     upright = size == 0
     safe = np.where(upright, 1.0, size)
     cos, sin = np.where(upright, 1.0, -n[..., 0] / safe), n[..., 1] / safe

@@ -45,9 +45,11 @@ def invariants(
     }
     found: dict[str, sp.Expr | list[sp.Expr]] = {}
     for name, parts in _candidates(made).items():
+        # Where the energy is kept, the balance says nothing more.
         if name == "energy_balance" and "energy" in found:
             continue
         free = {symbol for part in parts for symbol in part.free_symbols} - parameters
+        # It has to be made of what is solved for, and of nothing that a switch changes.
         if not free or not free <= here or {s.name for s in free} & switched:
             continue
         if all(is_constant(correct, part) for part in parts):
@@ -101,6 +103,7 @@ def is_constant(made: Assembly, quantity: sp.Expr) -> bool:
                 total = abs(sum(values[1:], values[0]))
                 if total > NOTHING * max(abs(value) for value in values):
                     return False
+    # A root or a logarithm that has no real value at that place proves nothing.
     except (ArithmeticError, ValueError, TypeError, GeomtorsionError):
         return False
     return True

@@ -109,6 +109,7 @@ class Context:
         A name that is taken gets the key of the effect after it: `k`, then `k_spring2`.
         """
         number = exact(value, name)
+        # What is absent is left out of the equations, and with it perhaps a state.
         if number == 0:
             return sp.S.Zero
         return self._named(name, number)
@@ -161,6 +162,7 @@ class Context:
         for i in range(3):
             value = tensor[i][i]
             name = f"I{i + 1}" if diagonal else f"I{i + 1}{i + 1}"
+            # One symbol for equal moments: Euler's equations then show the symmetry by themselves.
             if not (diagonal and value in known):
                 known[value] = self.parameter(name, value)
             rows[i, i] = known[value]
@@ -190,6 +192,7 @@ def groups_in(context: Context, contribution: Contribution) -> frozenset[str]:
     """Groups of states that occur in a contribution; what it offers to be watched aside."""
     found = symbols_in(replace(contribution, outputs={}))
     own = {name for name, members in GROUPS.items() if members & found}
+    # Who has the whole attitude has the vertical with it.
     return frozenset(own - {"vertical"} if "attitude" in own else own)
 
 

@@ -82,6 +82,7 @@ def _row(scene: Scene, count: int, key: str, engine: Engine | None, repeats: int
     """The scene with its first effects, watching what there is to watch."""
     try:
         part = _with_first(scene, count)
+        # The first run compiles; what it ran is not counted.
         first = solve(part.ode, part.times, part.accuracy, engine)
         runs = [solve(part.ode, part.times, part.accuracy, engine) for _ in range(repeats)]
     except GeomtorsionError as problem:
@@ -99,6 +100,7 @@ def _with_first(scene: Scene, count: int) -> Scene:
     made = assemble(scene.body, keyed)
     names = []
     for name in scene.watch:
+        # What only a later effect brings cannot be watched yet.
         try:
             observable(name, made)
         except GeomtorsionError:

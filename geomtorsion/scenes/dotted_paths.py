@@ -20,11 +20,13 @@ _STEP = re.compile(r"([^\W\d]\w*)((?:\[\d+\])*)")
 
 def with_values(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     """The scene with each path set to its value; all at once, so that checks see the whole."""
+    # Changes are gathered first: half of them alone could be a body that cannot be.
     table: dict[str, Any] = {}
     keyed = dict(scene.keyed)
     for path, value in changes.items():
         head, *rest = _steps(path)
         name, places = head
+        # Effects are called by their keys, as gravity.g; all else by fields of the scene.
         if name in keyed:
             if not rest:
                 raise UnknownNameError(f"{path!r} names a whole effect. {_inside(keyed[name])}")

@@ -49,12 +49,14 @@ def placed(file: TomlFile, key: Key, what: str, known: Iterable[str] = ()) -> It
         raise
     except GeomtorsionError as error:
         text = str(error)
+        # Errors come from deep inside and know no file: the key is found by what they speak of.
         named = _of_effect(file.data, text)
         # `t = 1` speaks of t more surely than a word in passing.
         words = sorted(_WORD.finditer(text), key=lambda w: not re.match(r" =|\[", text[w.end() :]))
         named += [(*key, word[0]) for word in words if word[0] in known]
         named += [path for word in _QUOTED.findall(text) for path in _leaves(file.data, word)]
         there = next((path for path in named if file.line(path) and path[: len(key)] == key), key)
+        # A message that begins with the name of its part does not get it twice.
         spoken = what.rstrip(": ")
         prefix = "" if spoken and re.match(rf"{re.escape(spoken)}\b", text) else what
         file.fail(there, f"{prefix}{text}")

@@ -121,8 +121,10 @@ def scene_from(file: TomlFile, name: str = "") -> Scene:
             given[key] = _numbers(file, (key,), data[key], unit)
     body = _body(file)
     given["start"] = _start(file)
+    # What does not fit together is seen by the scene; the file adds the line.
     with placed(file, (), "", KEYS):
         scene = Scene(body, **given)
+    # A start that contradicts a constraint shows only when its numbers are worked out.
     if "start" in data:
         with placed(file, ("start",), "", START_UNITS):
             _ = scene.numbers
@@ -255,6 +257,7 @@ def _numbers(file: TomlFile, key: Key, value: Any, unit: str, *, texts: bool = F
         if texts and isinstance(value, str):
             expression, given = with_unit(value)
             names = set(_WORD.findall(expression)) - set(FUNCTIONS) - set(CONSTANTS)
+            # With names in it, it is an expression of time and state, left to the effect to read.
             if names:
                 scale = 1.0 if given is None else scale_of(given, unit)
                 return expression if scale == 1 else f"({scale!r})*({expression})"

@@ -80,6 +80,7 @@ def principal(tensor: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         moments, axes = np.diagonal(matrix)[order], np.eye(3)[:, order]
     else:
         moments, axes = np.linalg.eigh(matrix)
+    # A reflection turned into a rotation, for axes are to be right-handed.
     if np.linalg.det(axes) < 0:
         axes = axes * np.array([1.0, 1.0, -1.0])
     return moments, axes
@@ -127,6 +128,7 @@ def points(
          for x in place]
         for k, (_, place) in enumerate(listed)
     ]  # fmt: skip
+    # In fractions, so that a plate or a line is recognised exactly.
     total = sum(weights, Fraction(0))
     centre = [sum((m * p[k] for m, p in zip(weights, places, strict=True)), Fraction(0)) / total
               for k in range(3)]  # fmt: skip

@@ -40,6 +40,7 @@ def accelerations(made: Assembly) -> list[sp.Expr]:
     internal = made.constrained(vector_sum(parts, "momentum"))
     turning = made.constrained(vector_sum(parts, "moment"))
     turning -= omega.cross(inertia * omega + internal) + internal.applyfunc(made.derivative)
+    # A free body: translation and rotation are separate, and the speeds are Omega.
     if made.constraint is None:
         return _solved(made, inertia, list(turning))
     v, mass = made.velocity_body, context.mass
@@ -69,11 +70,13 @@ def _solved(made: Assembly, matrix: sp.Matrix, right: Sequence[sp.Expr]) -> list
     """matrix^-1 right: one term for each product of states, where that is short."""
     size = len(right)
     parameters = frozenset(sp.Symbol(name) for name in made.values)
+    # Principal axes, as most scenes have them: one division for each speed.
     if all(matrix[i, j] == 0 for i in range(size) for j in range(size) if i != j):
         rows = [_terms(value, parameters) for value in right]
         return [
             _total({rest: n / matrix[k, k] for rest, n in rows[k].items()}) for k in range(size)
         ]
+    # A constant matrix is inverted once, in exact numbers.
     if matrix.free_symbols <= parameters and not matrix.free_symbols & made.context.switched:
         inverse, rows = _named(made, matrix), [_terms(value, parameters) for value in right]
         return [_total(_merged(_products(inverse[k, :], rows))) for k in range(size)]

@@ -65,6 +65,7 @@ class SweepRun:
         values = self.part(name, part)
         change = np.flatnonzero(np.sign(values[1:]) * np.sign(values[:-1]) < 0)
         found = [self._crossing(values, int(k)) for k in change]
+        # Samples that are exactly zero change no sign from one side.
         return np.sort(np.concatenate([found, self.times[1:-1][values[1:-1] == 0]]))
 
     def largest(self, name: str, part: int | None = None, sign: int = 1) -> float:
@@ -83,6 +84,7 @@ class SweepRun:
         values = sign * self.part(name, part)
         k = int(np.argmax(values))
         best = float(values[k])
+        # The extreme lies in one of the two intervals next to the largest sample.
         for first in (k - 1, k):
             if 0 <= first < len(values) - 1:
                 between = self._between(values, first)
@@ -107,6 +109,7 @@ class SweepRun:
         near = slice(low, low + NEIGHBOURS)
         a, b = float(self.times[k]), float(self.times[k + 1])
         place = (self.times[near] - a) / (b - a)
+        # Weights of barycentric interpolation; the gap of a sample to itself does not count.
         gaps = place[:, None] - place[None, :]
         np.fill_diagonal(gaps, 1.0)
         weights = 1 / gaps.prod(axis=1)

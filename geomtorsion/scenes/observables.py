@@ -136,6 +136,7 @@ def observable(name: str, assembly: Assembly) -> Observable:
             parts = tuple(assembly.constrained(x) for x in (given if many else (given,)))
             labels = tuple(str(k) for k in range(1, len(parts) + 1)) if many else ()
             return Observable(name, f"of {key}", "", labels, lambda _, parts=parts: parts)
+    # Names of single states come last, so that none hides a quantity.
     bare = {s.name: s for s in (*assembly.rates, *VERTICAL, *QUATERNION, *assembly.substitutions)}
     if name in bare:
         found = (assembly.constrained(bare[name]),)

@@ -80,6 +80,7 @@ def _turns(omega: np.ndarray | None) -> bool:
 
 def finely(result: SceneResult, *names: str) -> list[Any]:
     """Times, and quantities of these names at them, close enough for smooth curves."""
+    # A result from a file has no values between its times.
     if result.scene is None or len(result.times) >= FINE or len(result.times) < 2:
         return [result.times, *(result.values.get(name) for name in names)]
     times = np.linspace(float(result.times[0]), float(result.times[-1]), FINE)

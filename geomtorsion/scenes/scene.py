@@ -94,6 +94,7 @@ class Scene:
             object.__setattr__(self, "t", tuple(float(x) for x in self.t))
         if not (isinstance(self.samples, int) and self.samples >= 2):
             raise SceneError(f"samples = {self.samples!r}: a whole number from 2 on was needed.")
+        # Outputs of effects are known only when these have written their equations.
         for key, part in self.assembly.parts.items():
             for name in part.outputs:
                 if name in OBSERVABLES:
@@ -251,6 +252,7 @@ def _names(watch: Any) -> tuple[str, ...]:
     for name in names:
         if not isinstance(name, str):
             raise SceneError(f'watch: {name!r} is no name. Give texts, for instance ["omega"].')
+    # In their order, each once.
     return tuple(dict.fromkeys(names))
 
 

@@ -93,6 +93,7 @@ class StateSelection:
             omega = tuple(self.assembly.omega)
             if any(self.assembly.turning(symbol) != 0 for symbol in symbols):
                 self._needs(graph, name, omega)
+        # Who follows the attitude has the vertical for nothing; it needs no states of its own.
         graph.add_edge("attitude", "vertical", kind="gives")
         for key in self.titles:
             graph.add_node(f"effect {key}", kind="effect")
@@ -122,6 +123,7 @@ class StateSelection:
         part = self.assembly.parts[key]
         found = {*part.states, *part.replaces}
         speeds = {symbol.name for symbol in self.assembly.speeds}
+        # A force acts on the rotation too, where a constraint couples the two.
         if any(v is not None for v in (part.moment, part.momentum, part.inertia, part.constraint)):
             found |= speeds
         if part.force is not None:
@@ -161,6 +163,7 @@ class StateSelection:
             found += VERTICAL
         found += [s for s in (*POSITION, *VELOCITY) if s.name in needed and s in rates]
         found += [s for s in rates if s.name in needed and s not in found]
+        # A velocity that nothing changes is a number, not a state.
         moving = [s for s in found if not (s in VELOCITY and rates[s] == 0)]
         # A flow has states; where nothing that is watched moves, the rotation is followed.
         return tuple(moving or found or self.assembly.speeds)

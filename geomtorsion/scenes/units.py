@@ -111,6 +111,7 @@ def unit(text: str) -> Unit:
             raise UnitError(f"{text!r} is no unit. Write for instance m/s^2, kg m^2 or rad/s.")
         sign, one, name, exponent = piece.groups()
         place = piece.end()
+        # As in 1/s: the 1 itself is no unit.
         if one:
             continue
         if name not in UNITS:
@@ -182,6 +183,7 @@ def scale_of(given: Unit, field: str) -> float:
     """
     wanted = unit(field)
     if given.powers[:4] == wanted.powers[:4]:
+        # A person who writes Hz may mean turns; a wrong guess would be wrong by 2 pi.
         if "Hz" in given.text and wanted.powers[4]:
             raise UnitError(f"{_HERTZ}.")
         # Angles may go without a name, as in 1/s; they may not turn up where none is measured.
@@ -234,6 +236,7 @@ def quantity(value: object, field: str = "") -> float:
     Traceback (most recent call last):
     geomtorsion.errors.UnitError: the unit rpm does not fit: this is measured in m.
     """
+    # True is an int for Python, and no number for anybody else.
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise ExpressionError(
             f'a number was needed, {value!r} came. Write 9.81, "sqrt(2)/2" or "9.81 m/s^2".'

@@ -78,6 +78,7 @@ def to_toml(scene: Scene, story: str = "") -> str:
     ]
     parts += [_effect(effect) for effect in scene.effects]
     start = {key: getattr(scene.start, key) for key in START_UNITS}
+    # A convention without angles, or the usual one, says nothing.
     if start["euler"] is None or start["euler_convention"] == State.euler_convention:
         del start["euler_convention"]
     lines = "".join(_line(key, value) for key, value in start.items() if value is not None)
@@ -126,6 +127,7 @@ def _written(value: Any, indent: int = 0) -> str:
         return "[\n" + "".join(f"  {part},\n" for part in parts) + "]"
     if isinstance(value, int):
         return str(value)
+    # Exact numbers would lose digits as TOML numbers: they stand as text, and are read exactly.
     if isinstance(value, Fraction):
         return _text(str(value))
     if hasattr(value, "free_symbols"):
@@ -143,6 +145,7 @@ def _written(value: Any, indent: int = 0) -> str:
 
 def _text(value: str) -> str:
     """A text in quotes; one of several lines keeps them."""
+    # JSON and TOML agree on texts, but for the character DEL.
     quoted = json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     if "\\n" not in quoted or '"""' in value or "\\\\" in quoted:
         return quoted

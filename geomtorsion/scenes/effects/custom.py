@@ -136,6 +136,7 @@ class Custom(Effect):
         switched = {name for _, changes in self.switches for name in changes}
         own: dict[str, sp.Expr] = {}
         for name, value in self.parameters.items():
+            # What a switch changes keeps its symbol even where it is 0 at first.
             make = context.switchable if name in switched else context.parameter
             own[name] = make(name, value)
         return own | {name: context.state(name) for name in self.states}

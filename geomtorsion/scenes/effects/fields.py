@@ -141,6 +141,7 @@ def read(
     if isinstance(value, str):
         try:
             return parse_expression(without_decimals(value), known, {}, where=where)
+        # The parser knows no states; a wrong name is better explained here.
         except ExpressionError:
             _check_names(value, known, where)
             raise
@@ -198,6 +199,7 @@ def between(
     >>> between(Context(Body(moments=(1, 2, 3))), "burn", 0, 2)
     (burn, ((2, {'burn': 0}),))
     """
+    # On from before the beginning is on from the beginning: no switch is needed for it.
     if start is not None and exact(start, "start") <= 0:
         start = None
     if start is None and end is None:

@@ -61,6 +61,7 @@ class GravityGradient(Effect):
         inert = context.inertia * centre
         moment = 3 * n**2 * centre.cross(inert)
         potential = sp.Rational(3, 2) * n**2 * centre.dot(inert)
+        # The field turns with the orbit, so that the potential changes even at rest.
         across = context.in_body((-sp.sin(angle), sp.cos(angle), 0))
         power = 3 * n**3 * across.dot(inert)
         return Contribution(moment=tuple(moment), energy=potential, power=power)

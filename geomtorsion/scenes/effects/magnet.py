@@ -59,6 +59,7 @@ class Magnet(Effect):
         """A moment, its potential, and what a changing field puts in."""
         dipole = context.vector("mu", self.dipole)
         outside = read_three(self.field, context, "B", f"{self.called(context)}.field")
+        # A field that changed with the place would also push, and its energy would be another.
         state = {symbol.name for symbol in outside.free_symbols} - {"t", *context.values}
         if state:
             raise SceneError(

@@ -75,6 +75,7 @@ class Pivot(Effect):
             arm=tuple(arm),
         )
         steiner = None
+        # The projection adds Steiner's part in any case: where it counts already, it is taken back.
         if self.moments_at == "pivot":
             matrix = context.mass * (arm * arm.T - arm.dot(arm) * sp.eye(3))
             steiner = tuple(tuple(matrix[i, :]) for i in range(3))

@@ -83,6 +83,7 @@ class Rotor(Effect):
             return Contribution(momentum=tuple(momentum))
         self._check_size(context)
         inertia = context.parameter("J", self.inertia)
+        # The wheel turns by itself about its axis: the body loses what it had of it there.
         out = -inertia * axis * axis.T
         rows = tuple(tuple(out[i, :]) for i in range(3))
         along = axis.dot(sp.Matrix(context.Omega))

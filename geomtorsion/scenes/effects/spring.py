@@ -65,6 +65,7 @@ class Spring(Effect):
         reach = sp.Matrix(context.position) + context.in_space(arm)
         reach -= context.vector("anchor", self.anchor)
         force, energy = -k * reach, k * reach.dot(reach) / 2
+        # Without a length at rest no root is needed, and nothing is singular.
         if rest != 0:
             distance = sp.sqrt(reach.dot(reach))
             force, energy = force * (1 - rest / distance), k * (distance - rest) ** 2 / 2

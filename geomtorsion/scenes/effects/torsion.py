@@ -56,6 +56,7 @@ class Torsion(Effect):
         omega = sp.Matrix(context.Omega)
         moment = size * omega.cross(context.inertia * omega)
         force = size * context.mass * context.in_space(omega).cross(sp.Matrix(context.velocity))
+        # Stated, since a product of symbols would have to be simplified to show it.
         return Contribution(moment=tuple(moment), force=tuple(force), power=sp.S.Zero)
 
 
