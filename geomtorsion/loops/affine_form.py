@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -14,7 +14,7 @@ from geomtorsion.codegen import numpy_function
 from geomtorsion.exact import Element
 from geomtorsion.geometry import contract
 from geomtorsion.loops.arcs import Parameters
-from geomtorsion.loops.forms import parameter_values
+from geomtorsion.loops.forms import Poles, parameter_values, poles_of
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Connection, Tensor
@@ -43,7 +43,7 @@ class AffineForm:
 
         points, slopes: shape (n, k).
         """
-        turn, step = _compiled(self.connection, "line")
+        turn, step, _ = _compiled(self.connection, "line")
         values = self._values(turn.function, points)
         n, k = points.shape
         omega = np.zeros((k, n, n), dtype=values.dtype)
@@ -61,7 +61,7 @@ class AffineForm:
 
         points, x, v: shape (n, k); results (k, n, n) with row j, column i, and (k, n).
         """
-        turn, step = _compiled(self.connection, "area")
+        turn, step, _ = _compiled(self.connection, "area")
         values = self._values(turn.function, points)
         n, k = points.shape
         rho = np.zeros((k, n, n), dtype=values.dtype)
@@ -71,6 +71,15 @@ class AffineForm:
         for value, (a, b, j) in zip(values[len(turn.indices) :], step.indices, strict=True):
             tau[:, j] += value * (x[a] * v[b] - x[b] * v[a])
         return rho, tau
+
+    @cached_property
+    def poles(self) -> Poles | None:
+        """What may vanish in a denominator of coframe or connection."""
+        found = _compiled(self.connection, "line")[2]
+        if found is None:
+            return None
+        frame, extra = self.connection.frame, _compiled(self.connection, "line")[0].function.extra
+        return replace(found, numbers=parameter_values(frame, extra, self.parameters))
 
     @cached_property
     def turns(self) -> bool:
@@ -106,14 +115,14 @@ class _Block:
     function: _Function
 
 
-def _compiled(connection: Connection, kind: str) -> tuple[_Block, _Block]:
+def _compiled(connection: Connection, kind: str) -> tuple[_Block, _Block, Poles | None]:
     """The compiled form or its curvature, kept with the frame."""
     # The connection is kept with the result, so that no other can come to have its id.
     key = f"affine {kind} {id(connection)}"
     return connection.frame.derived(key, lambda: (connection, _compile(connection, kind)))[1]
 
 
-def _compile(connection: Connection, kind: str) -> tuple[_Block, _Block]:
+def _compile(connection: Connection, kind: str) -> tuple[_Block, _Block, Poles | None]:
     """Exact components, chosen and compiled together."""
     frame = connection.frame
     if kind == "line":
@@ -130,9 +139,12 @@ def _compile(connection: Connection, kind: str) -> tuple[_Block, _Block]:
     found = {symbol for element in elements for symbol in element.symbols}
     extra = tuple(sorted(found - set(frame.coordinates), key=str))
     function = _Function(numpy_function(elements, (*frame.coordinates, *extra)), extra)
+    owner = "connection" if turn else "coframe"
+    poles = poles_of(frame, elements, (*frame.coordinates, *extra), owner)
     return (
         _Block(tuple(index for index, _ in turn), function),
         _Block(tuple(index for index, _ in step), function),
+        poles,
     )
 
 

@@ -115,7 +115,7 @@ def burgers_vector(
     compiled = forms(frame, parameters)
     pairs = [
         (
-            line_route(compiled, part, accuracy, refuse_poles(compiled, part)),
+            line_route(compiled, part, accuracy, refuse_poles(compiled.poles, part)),
             flux_route(compiled, part, accuracy),
         )
         for part in loop.parts

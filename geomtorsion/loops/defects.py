@@ -134,8 +134,10 @@ class EnclosedDefect:
         return text
 
 
-def find_defects(frame: Frame) -> tuple[Defect, ...]:
+def find_defects(frame: Frame, connection: Connection | None = None) -> tuple[Defect, ...]:
     """Lines on which the coframe is singular, from the exact denominators and the determinant.
+
+    With a connection also those on which its coefficients in the frame are.
 
     Found are the isolated zeros of each irreducible factor that is a definite quadratic form about
     some point in two of the coordinates or more, such as (x - 1)^2 + y^2. Others (curved lines,
@@ -147,13 +149,25 @@ def find_defects(frame: Frame) -> tuple[Defect, ...]:
     >>> [str(defect) for defect in find_defects(load("screw_dislocation").frame)]
     ['singular line at x = 0, y = 0']
     """
-    return frame.derived("defects", lambda: _found(frame))
+    if connection is None or connection.kind == "cartan":
+        return frame.derived("defects", lambda: _found(frame, factors(frame)))
+    # The connection is kept with the result, so that no other can come to have its id.
+    key = f"defects {id(connection)}"
+    return frame.derived(key, lambda: (connection, _of_connection(frame, connection)))[1]
 
 
-def _found(frame: Frame) -> tuple[Defect, ...]:
+def _of_connection(frame: Frame, connection: Connection) -> tuple[Defect, ...]:
+    """Lines on which a coframe or the coefficients of a connection are singular."""
+    found = dict.fromkeys(factors(frame))
+    for element in connection.spin_connection.components.independent.values():
+        found.update(dict.fromkeys(_bases(element, below=True)))
+    return _found(frame, tuple(found))
+
+
+def _found(frame: Frame, factors: Sequence[sp.Expr]) -> tuple[Defect, ...]:
     """The defects, once for each place."""
     found: dict[tuple[Hashable, ...], Defect] = {}
-    for factor in factors(frame):
+    for factor in factors:
         place = isolated_zero(factor, frame.coordinates)
         if place is None:
             continue
@@ -220,7 +234,11 @@ def enclosed_defects(
     >>> inside.turns, str(inside)
     (-2, 'singular line at x = 0, y = 0, -2 times')
     """
-    known = [one for one in (find_defects(frame) if defects is None else defects) if one.across]
+    known = [
+        one
+        for one in (find_defects(frame, connection) if defects is None else defects)
+        if one.across
+    ]
     turns = [(one, one.winding(loop, parameters)) for one in known]
     return tuple(
         EnclosedDefect(
@@ -271,9 +289,12 @@ def charge(
     centre = base - dual @ (covectors @ (base - place))
     radius = ALONE * near.size
     others = [
-        one for one in find_defects(connection.frame) if one != defect and one.across is not None
+        one
+        for one in find_defects(connection.frame, connection)
+        if one != defect and one.across is not None
     ]
     for other in others:
+        assert other.across is not None
         gap = np.array(rows(other.across, n)) @ (centre - np.array(other.place(parameters)))
         radius = min(radius, ALONE * float(np.linalg.norm(gap)))
     circle = Loop.circle(centre.tolist(), radius, (dual[:, 0], dual[:, 1]))

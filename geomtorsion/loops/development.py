@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,8 +15,8 @@ from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Parameters, Part
 from geomtorsion.loops.cone import around_cone, line_rate
 from geomtorsion.loops.defects import Defect, EnclosedDefect, enclosed_defects
-from geomtorsion.loops.forms import forms
-from geomtorsion.loops.integrals import DISAGREE
+from geomtorsion.loops.forms import perturbed
+from geomtorsion.loops.integrals import DISAGREE, probes
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.planes import check_accuracy
 from geomtorsion.loops.poles import refuse_poles
@@ -28,12 +28,28 @@ if TYPE_CHECKING:
 
 
 def along_line(form: AffineForm, part: Part, accuracy: float) -> Transported:
-    """The development once round along the line, with what rounding of the points does."""
-    found = transported(part.arcs, line_rate(form, part), accuracy)
-    place = np.abs(np.array(part.centre)).max() / part.size
-    noise = ROUNDING / 2 * found.scale * (1 + min(place, 4.0))
-    return Transported(
-        found.motion, found.error + noise, found.turn_error, found.scale, found.points
+    """The development once round along the line, with what rounding of the points does.
+
+    Raises
+    ------
+    SingularPointError
+        The loop passes through a point where coframe or connection are singular.
+    """
+    cuts = refuse_poles(form.poles, part)
+    found = transported(part.arcs, line_rate(form, part), accuracy, cuts)
+    offsets, slopes, weights = probes(part.arcs, cuts)
+    centre = np.array(part.centre)[:, None]
+    points = centre + part.size * offsets
+    here = form.along(points, part.size * slopes)
+    moved = form.along(perturbed(points, centre), part.size * slopes)
+    turn, shift = (
+        float(weights @ np.abs(one - two).reshape(len(one), -1).max(axis=1))
+        for one, two in zip(here, moved, strict=True)
+    )
+    return replace(
+        found,
+        error=found.error + ROUNDING * found.scale + shift + turn * found.scale,
+        turn_error=found.turn_error + turn,
     )
 
 
@@ -219,9 +235,6 @@ def develop(
     check_accuracy(accuracy)
     start = time.perf_counter()
     loop = loop.at(parameters or {}) if loop.symbols else loop
-    compiled = forms(frame, parameters)
-    for part in loop.parts:
-        refuse_poles(compiled, part)
     form = AffineForm(connection, parameters)
     lines = [repeated(along_line(form, part, accuracy), part.times) for part in loop.parts]
     cones = [around_cone(form, part, accuracy) for part in loop.parts]

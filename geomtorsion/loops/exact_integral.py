@@ -11,11 +11,14 @@ import mpmath
 import numpy as np
 import sympy as sp
 
+from geomtorsion import checks
 from geomtorsion.checks import expression as expression_of
 from geomtorsion.errors import LoopError, MissingValueError, UndecidedError
 from geomtorsion.loops.arcs import Arc, Curve, Ellipse, Parameters, Part, exact_number
 from geomtorsion.loops.closed_forms import OutOfTimeError, deadline, definite
+from geomtorsion.loops.forms import forms
 from geomtorsion.loops.loop import Loop
+from geomtorsion.loops.poles import refuse_poles
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
@@ -76,6 +79,8 @@ def exact_burgers_vector(frame: Frame, loop: Loop, seconds: float = 20.0) -> Exa
 
     Raises
     ------
+    SingularPointError
+        The loop passes through a point where the coframe is singular.
     UndecidedError
         No closed form was found within the time, or it does not agree with the numbers.
     LoopError
@@ -96,8 +101,10 @@ def exact_burgers_vector(frame: Frame, loop: Loop, seconds: float = 20.0) -> Exa
             f"the loop has {loop.dimension} coordinates, the frame {frame.dimension}: "
             "give a loop in the coordinates of the frame."
         )
+    checks.positive(seconds, "seconds", LoopError)
     total = [sp.S.Zero] * frame.dimension
     where = _sample(frame, loop)
+    _refuse_poles(frame, loop, where)
     numbers = [mpmath.mpf(0)] * frame.dimension
     try:
         with deadline(seconds):
@@ -118,6 +125,18 @@ def exact_burgers_vector(frame: Frame, loop: Loop, seconds: float = 20.0) -> Exa
         ) from None
     _verify(vector, numbers, where)
     return ExactBurgersVector(frame, loop, vector, where, time.perf_counter() - start)
+
+
+def _refuse_poles(frame: Frame, loop: Loop, where: Mapping[sp.Symbol, sp.Expr]) -> None:
+    """Refuse a loop through a pole: of what sympy gives there, half may be missing."""
+    known = {s.name: v for s, v in where.items() if s in frame.field.symbols}
+    try:
+        poles = forms(frame, known).poles
+    except MissingValueError:
+        # Unknown functions have no numbers, and so no poles that could be looked for.
+        return
+    for part in (loop.at(where) if loop.symbols else loop).parts:
+        refuse_poles(poles, part)
 
 
 def _short(x: sp.Expr) -> sp.Expr:

@@ -82,25 +82,36 @@ class Forms:
     """What loops need of a frame.
 
     coframe: e^i_mu. curl: (de)^i_{mn} = d_m e^i_n - d_n e^i_m for m < n; None if it vanishes.
-    poles: function of what may vanish in a denominator of the coframe, or None.
-    pole_names: the same as text.
+    poles: what may vanish in a denominator of the coframe, or None.
     parameters: the symbols other than coordinates that need values; numbers: their values.
     pairs: m and n of each pair m < n, shape (2, n (n - 1) / 2).
     """
 
     coframe: Form
     curl: Form | None
-    poles: Values | None
-    pole_names: tuple[str, ...]
+    poles: Poles | None
     parameters: tuple[sp.Symbol, ...]
     pairs: np.ndarray
     numbers: tuple[float | complex, ...] = ()
 
-    def pole_values(self, points: np.ndarray) -> np.ndarray:
-        """Values of all denominators at points, shape (poles, k)."""
-        if self.poles is None:
-            return np.zeros((0, points.shape[1]))
-        return self.poles(*points, *self.numbers)
+
+@dataclass(frozen=True, eq=False)
+class Poles:
+    """Denominators, at whose zeros forms have no finite values.
+
+    function: from coordinates, then parameters, to their values, shape (poles, k).
+    names: what they are, as text. owner: what has no finite value there.
+    numbers: values of the parameters.
+    """
+
+    function: Values
+    names: tuple[str, ...]
+    owner: str = "coframe"
+    numbers: tuple[float | complex, ...] = ()
+
+    def values(self, points: np.ndarray) -> np.ndarray:
+        """All denominators at points of shape (n, k), shape (poles, k)."""
+        return self.function(*points, *self.numbers)
 
 
 def forms(
@@ -129,7 +140,8 @@ def forms(
         return compiled
     curl_ = compiled.curl and replace(compiled.curl, numbers=numbers)
     coframe = replace(compiled.coframe, numbers=numbers)
-    return replace(compiled, coframe=coframe, curl=curl_, numbers=numbers)
+    poles = compiled.poles and replace(compiled.poles, numbers=numbers)
+    return replace(compiled, coframe=coframe, curl=curl_, poles=poles, numbers=numbers)
 
 
 def _compiled(frame: Frame, chosen: tuple[int, ...]) -> Forms:
@@ -150,12 +162,10 @@ def _compiled(frame: Frame, chosen: tuple[int, ...]) -> Forms:
         for i in range(n)
         if (value := curl(frame, i, a, b)).is_zero is not True
     }
-    poles = _denominators(frame, list(entries.values()))
     return Forms(
         coframe=_form(entries, arguments, n, n),
         curl=_form(curls, arguments, n, pairs.shape[1]) if curls else None,
-        poles=numpy_function(poles, arguments, check=False) if poles else None,
-        pole_names=tuple(map(str, poles)),
+        poles=poles_of(frame, list(entries.values()), arguments),
         parameters=parameters,
         pairs=pairs,
     )
@@ -187,8 +197,13 @@ def _form(
     return Form(function, rows, columns, gather, components, refuse)
 
 
-def _denominators(frame: Frame, elements: Sequence[Element]) -> list[Element]:
-    """Whatever stands in a denominator and depends on a coordinate."""
+def poles_of(
+    frame: Frame,
+    elements: Sequence[Element],
+    arguments: Sequence[sp.Symbol],
+    owner: str = "coframe",
+) -> Poles | None:
+    """Whatever stands in a denominator of the elements and depends on a coordinate."""
     field = frame.field
     found: dict[str, Element] = {}
     for element in elements:
@@ -205,7 +220,9 @@ def _denominators(frame: Frame, elements: Sequence[Element]) -> list[Element]:
                 factor = field.generator_element(base)
             if factor.symbols & set(frame.coordinates):
                 found[str(factor)] = factor
-    return list(found.values())
+    if not found:
+        return None
+    return Poles(numpy_function(list(found.values()), arguments, check=False), tuple(found), owner)
 
 
 def parameter_values(

@@ -258,7 +258,7 @@ class _Survey:
         if self.forms.poles is None:
             return np.zeros(count, dtype=bool)
         points = places.points(self.shape.rim(2).points)
-        values = self.forms.pole_values(points.reshape(len(points), -1))
+        values = self.forms.poles.values(points.reshape(len(points), -1))
         values = values.reshape(len(values), count, -1)
         sizes = np.abs(values)
         near = ~(sizes.min(axis=2) >= NEAR_POLE * sizes.max(axis=2))

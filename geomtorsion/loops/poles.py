@@ -6,7 +6,7 @@ import numpy as np
 
 from geomtorsion.errors import SingularPointError
 from geomtorsion.loops.arcs import SAME_POINT, Arc, Part, shown
-from geomtorsion.loops.forms import Forms
+from geomtorsion.loops.forms import Poles
 from geomtorsion.loops.quadrature import NARROWEST, graded
 
 # A denominator goes with the square of the distance; as a share of its largest value on an arc:
@@ -17,8 +17,8 @@ FLAT = 0.9
 NARROW = 0.25
 
 
-def refuse_poles(forms: Forms, part: Part) -> tuple[tuple[int, float], ...]:
-    """Refuse a loop on which a denominator of the coframe vanishes.
+def refuse_poles(poles: Poles | None, part: Part) -> tuple[tuple[int, float], ...]:
+    """Refuse a loop on which a denominator vanishes.
 
     Returns
     -------
@@ -31,22 +31,23 @@ def refuse_poles(forms: Forms, part: Part) -> tuple[tuple[int, float], ...]:
         The loop passes through a zero; the message names it.
     """
     cuts: list[tuple[int, float]] = []
-    if forms.poles is None:
+    if poles is None:
         return ()
     for number, arc in enumerate(part.arcs):
         count = max(17, 4 * arc.waves + 1)
         s = np.linspace(0, 1, count)
-        for k, row in enumerate(_values(forms, part, arc, s)):
+        for k, row in enumerate(_values(poles, part, arc, s)):
             sizes = np.abs(row)
             signs = np.flatnonzero(row[1:] * row[:-1] < 0) if not np.iscomplexobj(row) else ()
             for start in sorted({int(sizes.argmin()), *_dips(sizes).tolist(), *map(int, signs)}):
                 low, high = s[max(start - 1, 0)], s[min(start + 1, count - 1)]
-                place, width = _minimum(forms, part, arc, k, low, high, sizes.max())
+                place, width = _minimum(poles, part, arc, k, low, high, sizes.max())
                 if width == 0:
                     point = part.points(arc, place)[0][:, 0]
                     raise SingularPointError(
-                        f"the loop passes through {shown(point)}, where {forms.pole_names[k]} "
-                        "vanishes and the coframe has no finite value. Lead it past that point."
+                        f"the loop passes through {shown(point)}, where {poles.names[k]} "
+                        f"vanishes and the {poles.owner} has no finite value. "
+                        "Lead it past that point."
                     )
                 cuts += [(number, cut) for cut in graded(place, width, NARROW / count)]
     return tuple(cuts)
@@ -60,7 +61,7 @@ def _dips(sizes: np.ndarray) -> np.ndarray:
 
 
 def _minimum(
-    forms: Forms, part: Part, arc: Arc, k: int, low: float, high: float, largest: float
+    poles: Poles, part: Part, arc: Arc, k: int, low: float, high: float, largest: float
 ) -> tuple[float, float]:
     """Where denominator k is smallest between two values of s, and how wide it is there.
 
@@ -68,7 +69,7 @@ def _minimum(
     """
     while True:
         s = np.linspace(low, high, 9)
-        row = _values(forms, part, arc, s)[k]
+        row = _values(poles, part, arc, s)[k]
         best = int(np.abs(row).argmin())
         place, width = float(s[best]), float(high - low)
         crosses = not np.iscomplexobj(row) and row.min() < 0 < row.max()
@@ -80,6 +81,6 @@ def _minimum(
         low, high = s[max(best - 1, 0)], s[min(best + 1, 8)]
 
 
-def _values(forms: Forms, part: Part, arc: Arc, s: np.ndarray) -> np.ndarray:
+def _values(poles: Poles, part: Part, arc: Arc, s: np.ndarray) -> np.ndarray:
     """Values of all denominators along an arc, shape (poles, k)."""
-    return forms.pole_values(part.points(arc, s)[0])
+    return poles.values(part.points(arc, s)[0])

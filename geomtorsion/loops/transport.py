@@ -12,7 +12,7 @@ from geomtorsion.errors import LoopError
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Arc, at_arcs, shown
 from geomtorsion.loops.collocation import collocation, increments, product
-from geomtorsion.loops.quadrature import MOST_AT_ONCE, NARROWEST, PIECE, ROUNDING, SMALL
+from geomtorsion.loops.quadrature import MOST_AT_ONCE, NARROWEST, PIECE, ROUNDING, SMALL, intervals
 
 if TYPE_CHECKING:
     from geomtorsion.loops.arcs import Arc
@@ -55,8 +55,15 @@ class _Stretches:
     size: np.ndarray
 
 
-def transported(arcs: Sequence[Arc], integrand: Integrand, accuracy: float) -> Transported:
+def transported(
+    arcs: Sequence[Arc],
+    integrand: Integrand,
+    accuracy: float,
+    cuts: Sequence[tuple[int, float]] = (),
+) -> Transported:
     """Path-ordered product of 1 + [[omega, theta], [0, 0]] ds along arcs, s from 0 to 1 on each.
+
+    cuts: where intervals are to end at first, as (number of the arc, s).
 
     Raises
     ------
@@ -64,10 +71,7 @@ def transported(arcs: Sequence[Arc], integrand: Integrand, accuracy: float) -> T
         It does not converge near some point of the path; the message names it.
     """
 
-    counts = [max(1, 2 * arc.waves) for arc in arcs]
-    owner = np.repeat(np.arange(len(arcs)), counts)
-    low = np.concatenate([np.arange(k) / k for k in counts])
-    width = np.concatenate([np.full(k, 1 / k) for k in counts])
+    owner, low, width = intervals(arcs, cuts)
     waiting = _measured(arcs, integrand, owner, low, width)
     points = len(owner) * STAGES
     done: list[_Stretches] = []

@@ -1,9 +1,16 @@
 """Closed forms: Burgers vectors as expressions, and an error where there is none."""
 
+from typing import Any
+
 import pytest
 import sympy as sp
 
-from geomtorsion.errors import LoopError, MissingValueError, UndecidedError
+from geomtorsion.errors import (
+    LoopError,
+    MissingValueError,
+    SingularPointError,
+    UndecidedError,
+)
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop, burgers_vector, exact_burgers_vector
 from geomtorsion.loops.closed_forms import OutOfTimeError, deadline, definite
@@ -129,3 +136,24 @@ def test_the_deadline_holds_in_threads_too() -> None:
     assert count() == "stopped"
     with ThreadPoolExecutor(1) as pool:
         assert pool.submit(count).result(timeout=20) == "stopped"
+
+
+@pytest.mark.parametrize(
+    "loop",
+    [
+        Loop.circle([1, 0, 0], 1),
+        Loop.polygon([[0, 0, 0], [1, 0, 0], [1, 1, 0]]),
+        Loop.polygon([[-1, 0, 0], [1, 0, 0], [1, 1, 0]]),
+    ],
+)
+def test_a_closed_form_through_the_defect_is_refused(loop: Loop) -> None:
+    """Half or an eighth of b would come out: the point is named instead, as with numbers."""
+    with pytest.raises(SingularPointError, match="passes through"):
+        exact_burgers_vector(load("screw_dislocation").frame, loop)
+
+
+@pytest.mark.parametrize("seconds", [0, -1, float("nan"), "1"])
+def test_the_time_is_a_positive_number(seconds: Any) -> None:
+    """No time, less or none at all."""
+    with pytest.raises(LoopError, match="seconds: a"):
+        exact_burgers_vector(load("heisenberg").frame, Loop.circle([0, 0, 0], 1), seconds)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import sympy as sp
 
-from geomtorsion.errors import SingularPointError
-from geomtorsion.loops import EdgeList, Loop, Network, burgers_vector, burgers_vectors
+from geomtorsion.errors import LoopError, SingularPointError
+from geomtorsion.geometry import Connection, Frame, cartan, from_spin_connection
+from geomtorsion.loops import EdgeList, Loop, Network, burgers_vector, burgers_vectors, develop
 from geomtorsion.spaces import load
 
 B = {"b": 1.0}
@@ -65,3 +67,38 @@ def test_loops_far_from_poles_are_not_cut() -> None:
     near = burgers_vector(SCREW, Loop.circle([0.98, 0, 0], 1), parameters=B)
     assert "trapezoid" in far.check.text
     assert "Kronrod" in near.check.text
+
+
+@pytest.mark.parametrize("distance", [0.3, 1e-2, 1e-4, 1e-6, 1e-8, 1e-10])
+@pytest.mark.parametrize("accuracy", [1e-2, 1e-12])
+@pytest.mark.parametrize("inside", [1, 0])
+def test_a_development_misses_no_peak(distance: float, accuracy: float, inside: int) -> None:
+    """Near the line the development is right within its error, or refused with the place."""
+    loop = Loop.circle([1 - distance if inside else 1 + distance, 0, 0], 1)
+    if distance < 1e-9:
+        with pytest.raises(LoopError, match=r"does not converge near offset \(-1,"):
+            develop(cartan(SCREW), loop, accuracy, parameters=B)
+        return
+    found = develop(cartan(SCREW), loop, accuracy, parameters=B)
+    assert abs(found.burgers[2] - inside) <= found.error < 0.1
+
+
+def twist(share: sp.Rational) -> Connection:
+    """A flat coframe whose connection turns by share * 2 pi about the axis."""
+    x, y, z = sp.symbols("x y z", real=True)
+    frame = Frame([x, y, z], [[1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    omega = [[[sp.S.Zero] * 3 for _ in range(3)] for _ in range(3)]
+    for mu, slope in ((0, -y), (1, x)):
+        omega[mu][0][1] = share * slope / (x**2 + y**2)
+        omega[mu][1][0] = -omega[mu][0][1]
+    return from_spin_connection(frame, omega)
+
+
+@pytest.mark.parametrize("distance", [0.5, 1e-2, 1e-6])
+def test_a_singular_connection_over_a_regular_coframe(distance: float) -> None:
+    """Poles of the connection count: the whole angle, and the line is named."""
+    found = develop(twist(sp.Rational(1, 20)), Loop.circle([1 - distance, 0, 0], 1), 1e-6)
+    assert abs(found.angle - np.pi / 10) <= found.turn_error < 1e-5
+    assert [str(one.defect) for one in found.enclosed] == ["singular line at x = 0, y = 0"]
+    with pytest.raises(SingularPointError, match="the connection has no finite value"):
+        develop(twist(sp.Rational(1, 20)), Loop.circle([1, 0, 0], 1))
