@@ -189,10 +189,10 @@ def assemble(body: Body, effects: Mapping[str, Effect]) -> Assembly:
     rates, start = _own_states(parts)
     substitutions = _substitutions(constraint)
     # The accelerations need an assembly that knows everything but them.
-    made = Assembly(context, parts, constraint, rates, start, substitutions)
-    own = {s: made.constrained(r) for s, r in rates.items()}
-    made = Assembly(context, parts, constraint, own, start, substitutions)
-    own |= dict(zip(made.speeds, accelerations(made), strict=True))
+    assembly = Assembly(context, parts, constraint, rates, start, substitutions)
+    own = {s: assembly.constrained(r) for s, r in rates.items()}
+    assembly = Assembly(context, parts, constraint, own, start, substitutions)
+    own |= dict(zip(assembly.speeds, accelerations(assembly), strict=True))
     if constraint is None:
         force = vector_sum(parts.values(), "force")
         own |= {v: f / context.mass for v, f in zip(VELOCITY, force, strict=True)}
@@ -200,16 +200,16 @@ def assemble(body: Body, effects: Mapping[str, Effect]) -> Assembly:
     else:
         start |= constraint.start
         if constraint.position is None:
-            own |= dict(zip(POSITION, ATTITUDE * made.velocity_body, strict=True))
+            own |= dict(zip(POSITION, ATTITUDE * assembly.velocity_body, strict=True))
     # Work is a state only where something is put in: its rate is the power.
-    if made.power == 0:
+    if assembly.power == 0:
         substitutions[WORK] = sp.S.Zero
     else:
-        own[WORK] = made.power
+        own[WORK] = assembly.power
         start[WORK.name] = 0
     # Laws that are no mechanics have the last word.
     for part in parts.values():
-        own |= {sp.Symbol(name): made.constrained(rate) for name, rate in part.replaces.items()}
+        own |= {sp.Symbol(name): assembly.constrained(rate) for name, rate in part.replaces.items()}
     own = {symbol: expression_of(rate) for symbol, rate in own.items()}
     return Assembly(context, parts, constraint, own, start, substitutions)
 

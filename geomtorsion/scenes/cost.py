@@ -97,12 +97,12 @@ def _with_first(scene: Scene, count: int) -> Scene:
     if count == len(scene.effects):
         return scene
     keyed = dict(list(scene.keyed.items())[:count])
-    made = assemble(scene.body, keyed)
+    assembly = assemble(scene.body, keyed)
     names = []
     for name in scene.watch:
         # What only a later effect brings cannot be watched yet.
         try:
-            observable(name, made)
+            observable(name, assembly)
         except GeomtorsionError:
             continue
         names.append(name)

@@ -27,7 +27,7 @@ Sum = dict[sp.Expr, sp.Expr]
 SHORT = 60
 
 
-def accelerations(made: Assembly) -> list[sp.Expr]:
+def accelerations(assembly: Assembly) -> list[sp.Expr]:
     """Rates of the speeds, in their order; without a constraint Euler's equations.
 
     Equation
@@ -35,25 +35,27 @@ def accelerations(made: Assembly) -> list[sp.Expr]:
     omega_k . (I a + omega x L + h' - M) + v_k . (m v' + m omega x v - R^T F) = 0 for each speed,
     omega_k, v_k the partial velocities (body axes), L = I omega + h        [KaneLevinson1985]
     """
-    context, parts = made.context, made.parts.values()
-    inertia, omega = made.inertia, made.omega
-    internal = made.constrained(vector_sum(parts, "momentum"))
-    turning = made.constrained(vector_sum(parts, "moment"))
-    turning -= omega.cross(inertia * omega + internal) + internal.applyfunc(made.derivative)
+    context, parts = assembly.context, assembly.parts.values()
+    inertia, omega = assembly.inertia, assembly.omega
+    internal = assembly.constrained(vector_sum(parts, "momentum"))
+    turning = assembly.constrained(vector_sum(parts, "moment"))
+    turning -= omega.cross(inertia * omega + internal) + internal.applyfunc(assembly.derivative)
     # A free body: translation and rotation are separate, and the speeds are Omega.
-    if made.constraint is None:
-        return _solved(made, inertia, list(turning))
-    v, mass = made.velocity_body, context.mass
-    pulling = made.constrained(ATTITUDE.T * vector_sum(parts, "force"))
+    if assembly.constraint is None:
+        return _solved(assembly, inertia, list(turning))
+    v, mass = assembly.velocity_body, context.mass
+    pulling = assembly.constrained(ATTITUDE.T * vector_sum(parts, "force"))
     # With constant speeds: how the partial velocities themselves change.
-    fixed = replace(made, rates={s: r for s, r in made.rates.items() if s not in made.speeds})
+    fixed = replace(
+        assembly, rates={s: r for s, r in assembly.rates.items() if s not in assembly.speeds}
+    )
     pulling -= mass * (v.applyfunc(fixed.derivative) + omega.cross(v))
     turning -= inertia * omega.applyfunc(fixed.derivative)
-    pairs = [(omega.diff(speed), v.diff(speed)) for speed in made.speeds]
+    pairs = [(omega.diff(speed), v.diff(speed)) for speed in assembly.speeds]
     matrix = sp.Matrix(
         [[sp.expand(w.dot(inertia * o) + mass * m.dot(n)) for o, n in pairs] for w, m in pairs]
     )
-    return _solved(made, matrix, [w.dot(turning) + m.dot(pulling) for w, m in pairs])
+    return _solved(assembly, matrix, [w.dot(turning) + m.dot(pulling) for w, m in pairs])
 
 
 def vector_sum(parts: Iterable[Contribution], name: str) -> sp.Matrix:
@@ -66,10 +68,10 @@ def vector_sum(parts: Iterable[Contribution], name: str) -> sp.Matrix:
     return total
 
 
-def _solved(made: Assembly, matrix: sp.Matrix, right: Sequence[sp.Expr]) -> list[sp.Expr]:
+def _solved(assembly: Assembly, matrix: sp.Matrix, right: Sequence[sp.Expr]) -> list[sp.Expr]:
     """matrix^-1 right: one term for each product of states, where that is short."""
     size = len(right)
-    parameters = frozenset(sp.Symbol(name) for name in made.values)
+    parameters = frozenset(sp.Symbol(name) for name in assembly.values)
     # Principal axes, as most scenes have them: one division for each speed.
     if all(matrix[i, j] == 0 for i in range(size) for j in range(size) if i != j):
         rows = [_terms(value, parameters) for value in right]
@@ -77,8 +79,8 @@ def _solved(made: Assembly, matrix: sp.Matrix, right: Sequence[sp.Expr]) -> list
             _total({rest: n / matrix[k, k] for rest, n in rows[k].items()}) for k in range(size)
         ]
     # A constant matrix is inverted once, in exact numbers.
-    if matrix.free_symbols <= parameters and not matrix.free_symbols & made.context.switched:
-        inverse, rows = _named(made, matrix), [_terms(value, parameters) for value in right]
+    if matrix.free_symbols <= parameters and not matrix.free_symbols & assembly.context.switched:
+        inverse, rows = _named(assembly, matrix), [_terms(value, parameters) for value in right]
         return [_total(_merged(_products(inverse[k, :], rows))) for k in range(size)]
     # Nothing is multiplied out that engines can take as it is.
     adjugate, determinant = matrix.adjugate(), matrix.det(method="berkowitz")
@@ -101,15 +103,15 @@ def _products(factors: Iterable[sp.Expr], rows: Sequence[Sum]) -> Iterable[tuple
             yield rest, number * factor
 
 
-def _named(made: Assembly, matrix: sp.Matrix) -> sp.Matrix:
+def _named(assembly: Assembly, matrix: sp.Matrix) -> sp.Matrix:
     """The inverse of a constant matrix as parameters J11, J12, ...: exact, and short to write."""
-    numbers = {sp.Symbol(name): value for name, value in made.values.items()}
+    numbers = {sp.Symbol(name): value for name, value in assembly.values.items()}
     inverse = matrix.xreplace(numbers).inv()
     names = sp.zeros(*matrix.shape)
     for i in range(matrix.rows):
         for j in range(i + 1):
             name = f"J{j + 1}{i + 1}"
-            names[i, j] = names[j, i] = made.context.parameter(name, inverse[i, j])
+            names[i, j] = names[j, i] = assembly.context.parameter(name, inverse[i, j])
     return names
 
 

@@ -46,7 +46,8 @@ class SceneSweep:
     varied: path -> values, in the order of the axes; shape (n,), or (n, 3) for whole vectors.
     measured: name -> array with an axis for each path (one axis in all, if they go together).
     accuracy: asked for; error: largest estimate; engine: what solved it; seconds: in all.
-    lost: (what was varied, why) of each motion that does not reach its end; nan is measured there.
+    unfinished: (what was varied, why) of each motion that does not reach its end; what is measured
+        of it is nan.
     """
 
     title: str
@@ -56,7 +57,7 @@ class SceneSweep:
     error: float
     engine: str
     seconds: float
-    lost: tuple[tuple[Mapping[str, Values], str], ...] = ()
+    unfinished: tuple[tuple[Mapping[str, Values], str], ...] = ()
 
     def __getitem__(self, name: str) -> np.ndarray:
         """What was varied or measured under this name."""
@@ -137,9 +138,9 @@ class SceneSweep:
             there = values[np.isfinite(values)]
             span = f"{there.min():.6g} to {there.max():.6g}" if there.size else "none"
             lines.append(f"{name}: {span}")
-        if self.lost:
-            where, why = self.lost[0]
-            lines.append(f"{len(self.lost)} without a value; the first with {where}: {why}")
+        if self.unfinished:
+            where, why = self.unfinished[0]
+            lines.append(f"{len(self.unfinished)} without a value; the first with {where}: {why}")
         return "\n".join([*lines, f"error below {self.error:.1e} (asked {self.accuracy:.1e})"])
 
     __repr__ = __str__
@@ -178,7 +179,7 @@ def sweep(
     SceneError
         nothing is varied, lengths differ, or words that are no measure.
     StuckError
-        no motion reaches its end; where only some do not, they are in `lost`.
+        no motion reaches its end; where only some do not, they are in `unfinished`.
 
     Examples
     --------
@@ -209,9 +210,9 @@ def sweep(
     found = _Measured(readers, len(changes), progress)
     for members in _groups(scene, changes).values():
         _solve_group(scene, members, engine, found)
-    lost = [(changes[place], reason) for place, reason in sorted(found.lost.items())]
-    if len(lost) == len(changes):
-        raise StuckError(f"no motion reaches its end; with {lost[0][0]}: {lost[0][1]}.")
+    unfinished = [(changes[place], reason) for place, reason in sorted(found.unfinished.items())]
+    if len(unfinished) == len(changes):
+        raise StuckError(f"no motion reaches its end; with {unfinished[0][0]}: {unfinished[0][1]}.")
     grid = (len(changes),) if together else shape
     return SceneSweep(
         scene.title or scene.name,
@@ -221,7 +222,7 @@ def sweep(
         found.error,
         ", ".join(sorted(found.engines)),
         time.perf_counter() - began,
-        tuple(lost),
+        tuple(unfinished),
     )
 
 
@@ -263,7 +264,7 @@ class _Measured:
     progress: Callable[[float], object]
     error: float = 0.0
     engines: set[str] = field(default_factory=set)
-    lost: dict[int, str] = field(default_factory=dict)
+    unfinished: dict[int, str] = field(default_factory=dict)
     done: int = 0
 
     def __post_init__(self) -> None:
@@ -279,7 +280,7 @@ class _Measured:
 
     def lose(self, member: _Member, reason: str) -> None:
         """A motion that does not reach its end: nothing is measured, and that is said."""
-        self.lost[member.place] = reason
+        self.unfinished[member.place] = reason
         self._went_on()
 
     def _went_on(self) -> None:

@@ -179,7 +179,7 @@ def test_members_that_fail():
     single = scene.with_values({"custom.parameters.k": 0.2}).run()["position"][-1, 0]
     assert sweep["max position[0]"][2] == pytest.approx(single, rel=1e-9)
     assert np.isnan(sweep["max position[0]"]).tolist() == [False, True, False]
-    [(where, why)] = sweep.lost
+    [(where, why)] = sweep.unfinished
     assert where == {"custom.parameters.k": 9.0}
     assert "1 without a value" in str(sweep)
     assert "does not reach" in why
