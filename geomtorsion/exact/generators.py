@@ -45,11 +45,6 @@ class Generator:
     argument: Any = None
     sure: bool = True
 
-    @property
-    def is_algebraic(self) -> bool:
-        """Whether a power of it lies in the field below it."""
-        return self.degree > 0
-
 
 @dataclass(frozen=True)
 class Branch:
