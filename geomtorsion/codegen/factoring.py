@@ -40,7 +40,15 @@ def factor(sums: Sums) -> None:
 
 
 class _Search:
-    """Divisors of all sums, with what each would save; terms and divisors go by numbers."""
+    """Divisors of all sums, with what each would save; terms and divisors go by numbers.
+
+    divided: two terms -> divisor, front, and what the two save.
+    factors: a term -> its pairs of factors, and how often each could be taken.
+    literal: divisor -> the literal that it has become; own: sum -> the divisor that it is.
+    where: divisor -> sum -> pairs of terms, or how often a pair of factors is there; of: the
+        same by sums.
+    heap: gains with their divisors; what is no longer the gain of its divisor is passed over.
+    """
 
     def __init__(self, sums: Sums) -> None:
         self.pool = sums
@@ -50,20 +58,17 @@ class _Search:
         self.term_number: dict[Term, int] = {}
         self.divisors: list[Divisor] = []
         self.divisor_number: dict[Divisor, int] = {}
-        # Two terms -> divisor, front, and what the two save; a term -> its pairs of factors and
-        # how often each could be taken.
         self.divided: dict[tuple[int, int], tuple[int, int, int]] = {}
         self.factors: dict[int, list[tuple[int, int]]] = {}
         self.sums = [[self._term(term) for term in terms] for terms in sums.sums]
-        # What divisors have become, and which one a sum is itself.
         self.literal: dict[int, int] = {}
         self.own: dict[int, int] = {}
         for key, literal in sums.known.items():
+            # A sum of two terms that is there already costs nothing to pull out.
             if len(key) == 2 and literal not in sums.constant:
                 divisor = self._divisor((key[0], key[1]))
                 self.literal[divisor] = literal
                 self.own[sums.named[literal]] = divisor
-        # Divisor -> sum -> pairs of places, or how often.
         self.where: dict[int, dict[int, Any]] = {}
         self.of: dict[int, dict[int, Any]] = {}
         self.gain: dict[int, int] = {}
@@ -109,7 +114,7 @@ class _Search:
                 elif after[divisor] != where:
                     touched[divisor] = None
             for divisor, where in after.items():
-                # Places may stay while the terms on them change.
+                # Pairs may stay while what they save changes.
                 self.where.setdefault(divisor, {})[number] = where
                 touched[divisor] = None
         for divisor in touched:
@@ -118,6 +123,7 @@ class _Search:
                 self.gain.pop(divisor, None)
             elif gain != self.gain.get(divisor):
                 self.gain[divisor] = gain
+                # Of equal gains sums come first: a common factor may go with more terms later.
                 heappush(self.heap, (-gain, self._is_pair(divisor), divisor))
 
     def _is_pair(self, divisor: int) -> bool:
@@ -145,12 +151,13 @@ class _Search:
         key = (one, two)
         if key not in self.divided:
             divisor, front = divided(self.terms[one], self.terms[two])
-            number, parameters, rest = front
+            number, constants, rest = front
             some = self.pool.count + 1  # any literal that is not there: only how many matters
             if divisor[0][2] or divisor[1][2]:
-                after = (number, parameters, (*rest, some))
+                after = (number, constants, (*rest, some))
             else:
                 after = (number, (some,), rest)
+            # Constants are worked out once: nothing is gained by factoring what holds no state.
             states = divisor[0][2] or divisor[1][2] or rest
             saved = self.costs[one] + self.costs[two] - cost(after)
             place = self._divisor(divisor) if states else -1
@@ -227,10 +234,10 @@ class _Search:
 
 def cost(term: Term) -> int:
     """What one term costs."""
-    number, parameters, literals = term
+    number, constants, literals = term
     if not literals:
         return 0
-    bare = not parameters and number.denominator == 1 and number.numerator in (1, -1)
+    bare = not constants and number.denominator == 1 and number.numerator in (1, -1)
     repeated = sum(1 for a, b in pairwise(literals) if a == b)
     total = (0 if bare else SCALE) + (len(literals) - 1) * PRODUCT - repeated * (PRODUCT - SQUARE)
     if literals[0] > 0:
@@ -241,19 +248,19 @@ def cost(term: Term) -> int:
 
 def divided(one: Term, two: Term) -> tuple[tuple[Term, Term], Term]:
     """Two terms as front * (first + second): the sum without common parts, and the front."""
-    literals, parameters = shared(one[2], two[2]), shared(one[1], two[1])
+    literals, constants = shared(one[2], two[2]), shared(one[1], two[1])
     number = content(one[0], two[0])
     values = one[0], two[0]
     if number != 1:
         values = one[0] / number, two[0] / number
-    first = (values[0], without(one[1], parameters), without(one[2], literals))
-    second = (values[1], without(two[1], parameters), without(two[2], literals))
+    first = (values[0], without(one[1], constants), without(one[2], literals))
+    second = (values[1], without(two[1], constants), without(two[2], literals))
     if order(second) < order(first):
         first, second = second, first
     if first[0].numerator < 0:
         number = -number
         first, second = (-first[0], *first[1:]), (-second[0], *second[1:])
-    return (first, second), (number, parameters, literals)
+    return (first, second), (number, constants, literals)
 
 
 def paired(literals: tuple[int, ...], a: int, b: int, literal: int) -> tuple[int, ...]:
