@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 Point = Mapping[sympy.Symbol, sympy.Rational]
 # As many points decide where in the domain an answer is right; each exact decision is its own.
 POINTS = 24
-# The signs of roots are read off at a point with large denominators: small fractions may lie
-# where two expressions agree by chance.
+# Points have large denominators: at small fractions two symbols may coincide, and with them two
+# expressions that differ everywhere else.
 FINENESS = 10**12
 _LETTERS = dict(
     zip(
@@ -70,7 +70,7 @@ class Domain:
     @cached_property
     def points(self) -> tuple[Point, ...]:
         """Places all over the domain, always the same ones."""
-        return tuple(islice(candidate_points(self.symbols, (), self.relations), POINTS))
+        return tuple(islice(candidate_points(self.symbols, (), self.relations, FINENESS), POINTS))
 
     @property
     def places(self) -> tuple[Point, ...]:
@@ -85,11 +85,6 @@ class Domain:
             for symbol in self.symbols
         }
 
-    @cached_property
-    def _generic(self) -> Point:
-        """The place at which signs of roots are read off."""
-        return next(candidate_points(self.symbols, (), self.relations, FINENESS))
-
     def field(self) -> Field:
         """A fresh exact field over the symbols: no answer leaves traces in the next."""
-        return Field(self.symbols, sample=self._generic if self.symbols else None)
+        return Field(self.symbols, sample=self.points[0] if self.symbols else None)

@@ -81,7 +81,7 @@ class Question:
     @cached_property
     def mistakes(self) -> tuple[Mistake, ...]:
         """Wrong answers that are recognised, in the order in which they are tried."""
-        return _all_mistakes(self)
+        return all_mistakes(self)
 
 
 def normal(value: object) -> Value:
@@ -124,7 +124,7 @@ def deviation(question: Question, given: Value, right: Value) -> float:
     )
 
 
-def _all_mistakes(question: Question) -> tuple[Mistake, ...]:
+def all_mistakes(question: Question) -> tuple[Mistake, ...]:
     """What the exercise expects, then what can happen everywhere; none equals the solution."""
     found: list[Mistake] = []
     for mistake in (*question.errors(), *_generic(question)):

@@ -375,6 +375,16 @@ def test_hostile_forms_of_the_right_answer_end_soon():
     assert time.process_time() - start < 10
 
 
+@pytest.mark.parametrize(
+    ("number", "name", "answer"), [("3.2", "christoffel", "cot(phi1)"), ("6.4", "body", "v/3")]
+)
+def test_symbols_do_not_coincide_at_sample_points(number, name, answer):
+    """An answer in the wrong symbol is wrong everywhere, not "right on a part of the domain"."""
+    said = exercises.load(number).check({name: answer})[name]
+    assert not said.right
+    assert said.diagnosis != "domain"
+
+
 def test_answers_leave_no_trace():
     """Each answer is read into a field of its own: the order of answers does not matter."""
     exercise = exercises.load("3.2")

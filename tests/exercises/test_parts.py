@@ -1,5 +1,7 @@
 """Parts: domain, numeric values, limits, reading, writing, mistakes."""
 
+from dataclasses import replace
+
 import mpmath
 import numpy as np
 import pytest
@@ -12,14 +14,14 @@ from geomtorsion.exercises.answers import answer_text, components, expression, i
 from geomtorsion.exercises.domain import POINTS, Domain
 from geomtorsion.exercises.equations import equations
 from geomtorsion.exercises.families import ANGLES, attitude, matrix_of, seen_from_space
-from geomtorsion.exercises.limits import ANSWER, check_constants, check_weight
+from geomtorsion.exercises.limits import ANSWER, MOST, check_constants, check_weight
 from geomtorsion.exercises.numbers import numbers
 from geomtorsion.exercises.numeric import at_point, at_points
 from geomtorsion.exercises.prompts import plain_name
 from geomtorsion.exercises.question import (
     Mistake,
     Question,
-    _all_mistakes,
+    all_mistakes,
     deviation,
     normal,
     permuted,
@@ -180,9 +182,9 @@ def test_mistakes_never_equal_the_solution():
         "q", "components", "?", lambda: [[1, 2], [2, 3]], Domain((x,)),
         lambda: [Mistake("inverse", [[1, 2], [2, 3]])], shape=(2, 2),
     )  # fmt: skip
-    assert {m.code for m in _all_mistakes(symmetric)} == {"sign", "factor"}
+    assert {m.code for m in all_mistakes(symmetric)} == {"sign", "factor"}
     zero = Question("q", "expression", "?", lambda: 0, Domain((x,)))
-    assert _all_mistakes(zero) == ()
+    assert all_mistakes(zero) == ()
 
 
 def test_permutations():
@@ -255,3 +257,32 @@ def test_unknown_exercises(number, seed, says):
     """What there is, is said."""
     with pytest.raises(UnknownNameError, match=says):
         registry.load(number, seed)
+
+
+def test_limits_hold_on_both_sides():
+    """What is allowed passes, one more is refused: entries, equations, roots."""
+    many = Question("q", "components", "?", lambda: 0, Domain((x,)), shape=(MOST.entries,))
+    assert len(components(many, ["x"] * MOST.entries, "q")) == MOST.entries
+    more = replace(many, shape=(MOST.entries + 1,))
+    with pytest.raises(LimitError, match="501 entries; the limit is 500"):
+        components(more, ["x"] * (MOST.entries + 1), "q")
+    roots = [sp.sqrt(x**2 + k) for k in range(1, MOST.roots + 2)]
+    check_weight(sp.Add(*roots[:-1]), "q")
+    with pytest.raises(LimitError, match="more than 4 different roots"):
+        check_weight(sp.Add(*roots), "q")
+    names = [f"v{k}'" for k in range(1, MOST.equations + 2)]
+    text = "; ".join(f"{name} = x" for name in names)
+    asked = Question("q", "equations", "?", lambda: 0, Domain((x,)), unknowns=(*names[:-1],))
+    assert len(equations(asked, text.rpartition(";")[0], "q")) == MOST.equations
+    with pytest.raises(LimitError, match="13 equations; the limit is 12"):
+        equations(replace(asked, unknowns=(*names,)), text, "q")
+
+
+@pytest.mark.parametrize(("power", "refused"), [("201/2", True), ("199/2", False), ("101", False)])
+def test_powers_that_are_no_whole_numbers(power, refused):
+    """Above 100 they are refused, before sympy sees them."""
+    if refused:
+        with pytest.raises(LimitError, match="a power above 100"):
+            check_constants(f"2^({power})", ["x"], "q", ANSWER)
+    else:
+        check_constants(f"2^({power})", ["x"], "q", ANSWER)

@@ -81,6 +81,16 @@ def test_on_so3_the_two_are_one():
     assert not solve_pair(load("so3"), moments=[1, 2, 3], **options).coincide
 
 
+@pytest.mark.parametrize(("times_accuracy", "one"), [(9.0, True), (11.0, False)])
+def test_one_within_ten_times_the_accuracy(times_accuracy, one):
+    """Two curves are called one up to a distance of ten times what was asked, of their size."""
+    pair = solve_pair(load("s2"), engine=ENGINE, accuracy=1e-8, samples=5)
+    size = np.abs(pair.coordinates["geodesic"]).max()
+    # A cached property is kept in the object: the distance is set, all else is as solved.
+    pair.__dict__["distance"] = np.array([0.0, times_accuracy * 1e-8 * size])
+    assert pair.coincide is one
+
+
 def test_a_motion_that_stops_is_kept():
     """A loxodrome ends in the pole; the other curve goes on, the table has both."""
     pair = solve_pair(load("s2"), [0.5, 0.0], [-0.2, 1.0], t=6, engine=ENGINE, samples=25)

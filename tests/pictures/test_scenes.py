@@ -147,3 +147,45 @@ def test_figures_can_be_saved(tmp_path):
         path = tmp_path / f"axis.{form}"
         save(axis_picture(TIMES, TIPS, title="Top"), path)
         assert path.stat().st_size > 8000
+
+
+@pytest.mark.parametrize(("change", "constant"), [(0.9e-9, True), (1.1e-9, False)])
+def test_what_is_called_constant(change, constant):
+    """A quantity that changes by less than a billionth keeps its value."""
+    figure = watched_picture(TIMES, {"energy": 2.5 * (1 + change * TIMES / TIMES[-1])})
+    assert ("constant: 2.5" in words(figure)) is constant
+
+
+@pytest.mark.parametrize(("change", "kept"), [(0.9e-8, True), (1.1e-8, False)])
+def test_what_is_called_kept(change, kept):
+    """Equations of motion keep what changes by less than a hundred millionth."""
+    figure = change_picture(TIMES, {"energy": {"right": 1 + change * TIMES / TIMES[-1]}})
+    assert ("kept: changes below" in words(figure)) is kept
+
+
+@pytest.mark.parametrize(("tilt", "title"), [(0.34, "from above"), (0.36, "unrolled")])
+def test_an_upright_axis_is_seen_from_above(tilt, title):
+    """Near the vertical the way round is short: it is seen from above there."""
+    tips = np.stack([np.sin(tilt) * COS, np.sin(tilt) * SIN, NIL + np.cos(tilt)], axis=1)
+    assert title in words(axis_picture(TIMES, tips))
+
+
+@pytest.mark.parametrize(("wobble", "cones"), [(0.07, 2), (0.08, 1)])
+def test_a_cone_is_drawn_where_the_angle_is_kept(wobble, cones):
+    """The body's axis sweeps a cone if its angle from the angular momentum stays within 0.15."""
+    angle = 0.5 + wobble * np.sin(4 * TIMES)
+    cosine, sine = np.cos(angle), np.sin(angle)
+    turn = np.stack([[cosine, NIL, sine], [NIL, NIL + 1, NIL], [-sine, NIL, cosine]])
+    turn = turn.transpose(2, 0, 1)
+    # The angular momentum is vertical in space, so the angle of the axis is `angle` itself.
+    omega = np.einsum("mji,j->mi", turn, [0.0, 0.0, 1.0])
+    space = cones_picture([1, 1, 1], omega, turn).axes[1]
+    rays = {line.get_color() for line in space.lines if line.get_linewidth() == 0.5}
+    assert len(rays) == cones
+
+
+@pytest.mark.parametrize(("ratio", "scale"), [(299, "linear"), (301, "log")])
+def test_wide_ranges_are_logarithmic(ratio, scale):
+    """An axis over more than a factor 300 is logarithmic."""
+    values = np.linspace(1, ratio, 5)
+    assert sweep_picture([("spin", values)], ("tilt", values)).axes[0].get_xscale() == scale

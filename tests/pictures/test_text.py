@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from geomtorsion.exact import parse_expression
+from geomtorsion.pictures.latex import latex_text
 from geomtorsion.pictures.text import expression_text, greek_name
 
 r, M, theta, phi1 = sympy.symbols("r M theta phi1", positive=True)
@@ -71,3 +72,12 @@ def test_ascii_text_can_be_read_back(expression):
     written = expression_text(expression, greek=False)
     assert written.isascii()
     assert sympy.expand(parse_expression(written, NAMES) - expression) == 0
+
+
+def test_three_primes_at_most():
+    """Three primes are read at a glance, four are not: the order is written."""
+    r = sympy.Symbol("r")
+    a = sympy.Function("a")(r)
+    assert expression_text(a.diff(r, 3)) == "a'''(r)"
+    assert expression_text(a.diff(r, 4)) == "a^(4)(r)"
+    assert latex_text(a.diff(r, 4)) == r"a^{(4)}\left(r\right)"
