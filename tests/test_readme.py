@@ -84,6 +84,14 @@ def test_the_flow_names_every_package():
     assert rows == folders
 
 
+def test_what_measured_the_figures_is_there():
+    """Every test and benchmark that the README names can be run."""
+    named = set(re.findall(r"\btests/[\w/]+(?:\.py)?", TEXT))
+    named |= {name.replace(".", "/") + ".py" for name in re.findall(r"-m (tests\.[\w.]+\w)", TEXT)}
+    assert len(named) >= 8
+    assert not [name for name in named if not (ROOT / name).exists()]
+
+
 def test_the_two_commands_stand_there_once():
     """One line installs and runs, one installs and tests; .ci/run takes the second from here."""
     assert len(INSTALLING) == 2
