@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from geomtorsion.scenes.result import SceneResult
 
-Drawn = Callable[["SceneResult"], Any]
+Draw = Callable[["SceneResult"], "Figure"]
 # Effects that are no mechanics: with them a scene is compared with the one without.
 LAWS = frozenset({"naive", "torsion"})
 # Directions that change by less than this (relative) are taken to stay.
@@ -42,7 +42,7 @@ def plot(result: SceneResult, path: str | Path | None = None) -> Figure:
     return figure
 
 
-def album(result: SceneResult) -> dict[str, tuple[Drawn, str]]:
+def album(result: SceneResult) -> dict[str, tuple[Draw, str]]:
     """Which pictures a result has: name -> (how to draw it, what it shows).
 
     Examples
@@ -51,20 +51,20 @@ def album(result: SceneResult) -> dict[str, tuple[Drawn, str]]:
     >>> list(album(load("lagrange_cusp").run()))
     ['watched', 'axis', 'trust', 'plan']
     """
-    shown: dict[str, tuple[Drawn, str]] = {
+    shown: dict[str, tuple[Draw, str]] = {
         "watched": (watched, "Everything that was watched, over time.")
     }
     values, scene = result.values, result.scene
     if "axis" in values and len(result.times) > 1:
-        shown["axis"] = (axis, "The way of the tip of the axis on the sphere.")
+        shown["axis"] = (axis, "The path of the tip of the axis on the sphere.")
     if "matrix" in values:
         shown["attitude"] = (attitude, "Where the axes of the body point.")
     if scene is not None and scene.body.moments is not None and _turns(values.get("omega")):
         shown["cones"] = (cones, "How the body turns, seen from itself and from space.")
     if "position" in values:
-        shown["path"] = (path_in_space, "The way in space.")
+        shown["path"] = (path_in_space, "The path in space.")
     if scene is not None and LAWS & set(scene.keyed):
-        shown["laws"] = (laws, "Beside it, the same start by the law that bodies obey.")
+        shown["laws"] = (laws, "In comparison, the same start by the law that bodies obey.")
     if scene is not None:
         shown["trust"] = (trust, "Error, and drift of what should be constant.")
         shown["plan"] = (plan, "What was computed, and what was left out.")
@@ -88,11 +88,6 @@ def finely(result: SceneResult, *names: str) -> list[Any]:
     return [times, *(found.get(name) for name in names)]
 
 
-def title_of(result: SceneResult) -> str:
-    """The title of the scene."""
-    return str(getattr(result.selection, "title", ""))
-
-
 def notes_of(result: SceneResult) -> list[str]:
     """One line on how good the numbers are."""
     error = number(float(f"{result.error:.1e}"))
@@ -114,7 +109,7 @@ def watched(result: SceneResult) -> Figure:
         result.units,
         result.labels,
         {item.name: f"{item.name.replace('_', ' ')}: {item.meaning}" for item in quantities},
-        title_of(result),
+        result.title,
         notes_of(result),
     )
 
@@ -122,13 +117,13 @@ def watched(result: SceneResult) -> Figure:
 def axis(result: SceneResult) -> Figure:
     """The tip of the axis on the sphere."""
     times, tips = finely(result, "axis")
-    return axis_picture(times, tips, title=title_of(result), notes=notes_of(result))
+    return axis_picture(times, tips, title=result.title, notes=notes_of(result))
 
 
 def attitude(result: SceneResult) -> Figure:
     """The axes of the body on the sphere."""
     _, matrix = finely(result, "matrix")
-    return axes_picture(matrix.reshape(-1, 3, 3), title_of(result), notes_of(result))
+    return axes_picture(matrix.reshape(-1, 3, 3), result.title, notes_of(result))
 
 
 def cones(result: SceneResult) -> Figure:
@@ -137,14 +132,14 @@ def cones(result: SceneResult) -> Figure:
     moments = [float(x) for x in result.scene.body.moments or ()]
     _, omega, matrix = finely(result, "omega", "matrix")
     turned = None if matrix is None else matrix.reshape(-1, 3, 3)
-    return cones_picture(moments, omega, turned, title_of(result), notes_of(result))
+    return cones_picture(moments, omega, turned, result.title, notes_of(result))
 
 
 def path_in_space(result: SceneResult) -> Figure:
-    """The way in space, with the body on it."""
+    """The path in space, with the body on it."""
     _, places, matrix = finely(result, "position", "matrix")
     turned = None if matrix is None else matrix.reshape(-1, 3, 3)
-    return path_picture({"position": places}, turned, title_of(result), notes_of(result))
+    return path_picture({"position": places}, turned, result.title, notes_of(result))
 
 
 def laws(result: SceneResult) -> Figure:
@@ -162,13 +157,13 @@ def laws(result: SceneResult) -> Figure:
         near = way <= 2 * float(np.ptp(places, axis=0).max())
         names = ("autoparallel", "geodesic") if key == "torsion" else (key, "right")
         paths = dict(zip(names, (places, others[near]), strict=True))
-        return path_picture(paths, title=title_of(result), notes=notes_of(result))
+        return path_picture(paths, title=result.title, notes=notes_of(result))
     names = [name for name in ("energy", "angular_momentum_space") if name in result.values]
     times, *ours = finely(result, *names)
     _, *theirs = finely(other, *names)
     pairs = zip(names, zip(theirs, ours, strict=True), strict=True)
     changes = {name: {"right": right, key: own} for name, (right, own) in pairs}
-    return change_picture(times, changes, title_of(result), notes_of(result))
+    return change_picture(times, changes, result.title, notes_of(result))
 
 
 def trust(result: SceneResult) -> Figure:
@@ -178,7 +173,7 @@ def trust(result: SceneResult) -> Figure:
         result.changes(),
         result.error,
         result.accuracy,
-        title=title_of(result),
+        title=result.title,
         notes=notes_of(result),
     )
 
