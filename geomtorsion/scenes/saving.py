@@ -13,7 +13,8 @@ from geomtorsion.errors import SceneError
 from geomtorsion.pictures import style as pictures
 from geomtorsion.pictures.scene_film import block_sides, write_film
 from geomtorsion.pictures.style import save
-from geomtorsion.scenes.plotting import album, finely
+from geomtorsion.scenes.observables import FINE
+from geomtorsion.scenes.plotting import album
 from geomtorsion.scenes.table import write_csv
 from geomtorsion.scenes.writing import write_file
 
@@ -107,15 +108,17 @@ def write_scene_film(result: SceneResult, path: Path) -> Path:
     names = ["matrix", *(["position"] if "position" in result.values else [])]
     if "matrix" not in result.values:
         result = scene.with_values(watch=names).run()
-    times, matrix, position = finely(result, "matrix", "position")
+    # A film shows equal times in equal times, whatever times were asked for.
+    times = np.linspace(float(result.times[0]), float(result.times[-1]), FINE)
+    found = result.at(times)
     body = scene.body
     moments = np.linalg.eigvalsh(body.tensor) if body.moments is None else body.moments
     path.parent.mkdir(parents=True, exist_ok=True)
     write_film(
         path,
         times,
-        matrix.reshape(-1, 3, 3),
-        position,
+        found["matrix"].reshape(-1, 3, 3),
+        found.get("position"),
         block_sides([float(x) for x in moments]),
         title=scene.title or scene.name,
     )
