@@ -114,7 +114,7 @@ class _Search:
                 elif after[divisor] != where:
                     touched[divisor] = None
             for divisor, where in after.items():
-                # Pairs may stay while what they save changes.
+                # The same pairs save more once their divisor has a literal.
                 self.where.setdefault(divisor, {})[number] = where
                 touched[divisor] = None
         for divisor in touched:
