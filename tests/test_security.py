@@ -42,7 +42,7 @@ ALLOWED: dict[tuple[str, str], str] = {
     ("loops/arcs.py", "lambdify"): "of expressions that were read, with functions of a list",
     ("loops/exact_integral.py", "lambdify"): "of expressions made from exact elements",
     ("accuracy/loops.py", "lambdify"): "of expressions made from exact elements",
-    ("exact/refusal.py", "nsimplify"): "of a Float of sympy, never of text",
+    ("exact/unsupported.py", "nsimplify"): "of a Float of sympy, never of text",
 }
 
 

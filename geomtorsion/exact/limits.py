@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from math import comb, prod
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from geomtorsion.errors import LimitError
 
 if TYPE_CHECKING:
+    from flint import fmpq, fmpq_mpoly
+
     from geomtorsion.exact.element import Element
 
 # cos(n x) is a polynomial of degree n in cos(x).
@@ -16,7 +18,7 @@ LARGEST_POWER_TERMS = 1_000_000
 LARGEST_PRODUCT = 30_000_000
 
 
-def check_multiple(n: int, kind: str, atom: Element, unit: Any) -> None:
+def check_multiple(n: int, kind: str, atom: Element, unit: fmpq) -> None:
     """Refuses angles or exponents whose common unit is too fine.
 
     Raises
@@ -57,7 +59,7 @@ def check_power(base: Element, exponent: int) -> None:
         )
 
 
-def check_product(a: Any, b: Any) -> None:
+def check_product(a: fmpq_mpoly, b: fmpq_mpoly) -> None:
     """Refuses a product of polynomials that would fill the memory.
 
     Raises

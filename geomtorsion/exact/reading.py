@@ -10,18 +10,19 @@ from flint import fmpq
 from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import ExpressionError, GeomtorsionError, LimitError
-from geomtorsion.exact import refusal
+from geomtorsion.exact import unsupported
 from geomtorsion.exact.angles import Angles
 from geomtorsion.exact.exponents import Exponents
 from geomtorsion.exact.functions import FUNCTIONS
 from geomtorsion.exact.generators import Generator
+from geomtorsion.exact.prescan import Scan
 from geomtorsion.exact.primitives import INVERSE_FUNCTIONS, Primitives
 from geomtorsion.exact.radical_denominators import split
-from geomtorsion.exact.scan import Scan
 from geomtorsion.exact.unknown_functions import jet, opaque
 
 if TYPE_CHECKING:
     from geomtorsion.exact.element import Element
+    from geomtorsion.exact.prescan import Exprs
     from geomtorsion.exact.tower import Tower
 
 
@@ -40,7 +41,7 @@ class Reader:
 
     def read_all(self, entries: list[tuple[str, Any]]) -> list[Element]:
         """Reads all entries, on one common basis of angles and exponents."""
-        exprs = [(where, refusal.checked(where, value)) for where, value in entries]
+        exprs = [(where, unsupported.checked(where, value)) for where, value in entries]
         where = exprs[0][0] if exprs else ""
         try:
             scan = Scan([expr for _, expr in exprs])
@@ -65,7 +66,7 @@ class Reader:
                 raise
             raise type(error)(f"{where}: {error}") from error
 
-    def _prepare(self, angles: Any, exponents: Any, hyperbolic: Any) -> None:
+    def _prepare(self, angles: Exprs, exponents: Exprs, hyperbolic: Exprs) -> None:
         """One level of the scan: the arguments are read, then their units chosen."""
         circular, plain, doubled = [], [], []
         for arg in angles:
@@ -92,14 +93,14 @@ class Reader:
         below = field.denominator(element).inverse()
         return field.polynomial(low) * below, field.polynomial(high) * below
 
-    def element(self, expr: sympy.Expr) -> Element:
+    def element(self, expr: sympy.Basic) -> Element:
         """Reads one expression."""
         known = self._known.get(expr)
         if known is None:
             known = self._known[expr] = self._read(expr)
         return known
 
-    def _read(self, expr: Any) -> Element:
+    def _read(self, expr: sympy.Basic) -> Element:
         field = self.field
         if expr.is_Symbol:
             return field.symbol(expr)
@@ -122,13 +123,13 @@ class Reader:
             return self._function(expr)
         return self._constant(expr)
 
-    def _product(self, args: tuple[Any, ...]) -> Element:
+    def _product(self, args: tuple[sympy.Basic, ...]) -> Element:
         if len(args) <= 8:
             return self.field.sum(((1, *(self.element(arg) for arg in args)),))
         half = len(args) // 2
         return self._product(args[:half]) * self._product(args[half:])
 
-    def _power(self, expr: Any) -> Element:
+    def _power(self, expr: sympy.Basic) -> Element:
         base, exponent = expr.args
         if exponent.is_Integer:
             return self.element(base) ** int(exponent)
@@ -143,7 +144,7 @@ class Reader:
             return found ** int(exponent.p)
         return self.exp(self.element(exponent) * self.primitives.log(self.element(base)))
 
-    def _chosen(self, expr: Any) -> Element | None:
+    def _chosen(self, expr: sympy.Basic) -> Element | None:
         """The value that the user chose for a root, checked."""
         chosen = self.field.chosen.get(expr)
         if chosen is None:
@@ -186,7 +187,7 @@ class Reader:
             ch, sh = ch * cos + i * sh * sin, sh * cos + i * ch * sin
         return ch, sh
 
-    def _function(self, expr: Any) -> Element:
+    def _function(self, expr: sympy.Basic) -> Element:
         name = type(expr).__name__
         if name in FUNCTIONS:
             return FUNCTIONS[name](self, self.element(expr.args[0]))
@@ -196,20 +197,20 @@ class Reader:
             return self.primitives.inverse_function(name, self.element(expr.args[0]))
         if name == "atan2":
             return self.primitives.atan2(*(self.element(arg) for arg in expr.args))
-        rewritten = refusal.smooth_form(expr)
+        rewritten = unsupported.smooth_form(expr)
         if rewritten is not None:
             return self.element(rewritten)
         arguments = [self.element(arg) for arg in expr.args]
         return opaque(self.field, expr.func(*(a.sympy for a in arguments)), arguments)
 
-    def _derivative(self, expr: Any) -> Element:
+    def _derivative(self, expr: sympy.Derivative) -> Element:
         value = self.element(expr.expr)
         for variable, count in expr.variable_count:
             for _ in range(int(count)):
                 value = value.diff(variable)
         return value
 
-    def _substituted(self, expr: Any) -> Element:
+    def _substituted(self, expr: sympy.Subs) -> Element:
         """Subs(Derivative(f(xi), xi), xi, place): a jet at a composite place."""
         inner = expr.expr
         if not isinstance(inner, sympy.Derivative) or not isinstance(inner.expr, AppliedUndef):
@@ -224,7 +225,7 @@ class Reader:
         arguments = tuple(self.element(arg.subs(table)) for arg in inner.expr.args)
         return jet(self.field, inner.expr.func, tuple(orders), arguments)
 
-    def _constant(self, expr: Any) -> Element:
+    def _constant(self, expr: sympy.Basic) -> Element:
         """pi, E, I and other numbers with a name."""
         field = self.field
         if expr is sympy.I:

@@ -1,4 +1,4 @@
-"""Refusal: what cannot be read exactly, with the reason and a remedy."""
+"""Unsupported: what cannot be read exactly, with the reason and a remedy."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _REMEDIES = {
 }
 
 
-def checked(where: str, value: Any) -> Any:
+def checked(where: str, value: Any) -> sympy.Expr:
     """A sympy expression that consists of readable parts only.
 
     Raises
@@ -46,8 +46,8 @@ def checked(where: str, value: Any) -> Any:
     if not isinstance(value, sympy.Expr):
         kind = "a relation" if isinstance(value, sympy.logic.boolalg.Boolean) else "no scalar"
         raise ExpressionError(f"{where}: {cut(str(value))} is {kind}; give one sympy expression")
-    seen: set[Any] = set()
-    stack: list[Any] = [value]
+    seen: set[sympy.Basic] = set()
+    stack: list[sympy.Basic] = [value]
     while stack:
         part = stack.pop()
         if part in seen:
@@ -61,7 +61,7 @@ def checked(where: str, value: Any) -> Any:
     return value
 
 
-def _reason(part: Any) -> str:
+def _reason(part: sympy.Basic) -> str:
     """Why a part cannot be read, or nothing."""
     if part.is_Float:
         exact = sympy.nsimplify(part, rational=True)
@@ -81,7 +81,7 @@ def _reason(part: Any) -> str:
     return ""
 
 
-def smooth_form(expr: Any) -> Any:
+def smooth_form(expr: sympy.Expr) -> sympy.Expr | None:
     """A function rewritten by ones that are read, None if opaque.
 
     Raises
@@ -103,7 +103,7 @@ def smooth_form(expr: Any) -> Any:
     return None
 
 
-def _short(expr: Any) -> str:
+def _short(expr: sympy.Basic) -> str:
     """The text of an expression, cut where it is long."""
     text = str(expr)
     return text if len(text) <= 60 else text[:57] + "..."

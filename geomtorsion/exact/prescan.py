@@ -1,8 +1,8 @@
-"""Scan: finds all angles and exponents in expressions before any is read."""
+"""Prescan: finds all angles and exponents in expressions before any is read."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy
 
@@ -11,22 +11,24 @@ from geomtorsion.exact.functions import CIRCULAR, HYPERBOLIC
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    Exprs = list[sympy.Basic]
+
 
 class Scan:
     """Arguments of circular functions, exponents and hyperbolic arguments, by nesting."""
 
-    def __init__(self, exprs: list[Any]) -> None:
-        self._depth: dict[Any, int] = {}
-        self._found: dict[int, tuple[list[Any], list[Any], list[Any]]] = {}
+    def __init__(self, exprs: list[sympy.Expr]) -> None:
+        self._depth: dict[sympy.Basic, int] = {}
+        self._found: dict[int, tuple[Exprs, Exprs, Exprs]] = {}
         for expr in exprs:
             self._visit(expr)
 
-    def levels(self) -> Iterator[tuple[list[Any], list[Any], list[Any]]]:
+    def levels(self) -> Iterator[tuple[Exprs, Exprs, Exprs]]:
         """(angles, exponents, hyperbolic arguments), innermost first."""
         for depth in sorted(self._found):
             yield self._found[depth]
 
-    def _visit(self, expr: Any) -> int:
+    def _visit(self, expr: sympy.Basic) -> int:
         """The depth of functions inside an expression; notes what it meets."""
         known = self._depth.get(expr)
         if known is not None:
@@ -41,17 +43,17 @@ class Scan:
             self._note(depth, 1, expr.args[0])
         elif name in HYPERBOLIC:
             self._note(depth, 2, expr.args[0])
-        elif expr.is_Pow and not expr.exp.is_Rational:
+        elif isinstance(expr, sympy.Pow) and not expr.exp.is_Rational:
             base, exponent = expr.args
             if base is sympy.E:
                 self._note(depth, 1, exponent)
             else:
                 depth += 1
                 self._note(depth, 1, exponent * sympy.log(base))
-        if expr.is_Function or (expr.is_Pow and not expr.exp.is_Integer):
+        if expr.is_Function or (isinstance(expr, sympy.Pow) and not expr.exp.is_Integer):
             depth += 1
         self._depth[expr] = depth
         return depth
 
-    def _note(self, depth: int, kind: int, argument: Any) -> None:
+    def _note(self, depth: int, kind: int, argument: sympy.Basic) -> None:
         self._found.setdefault(depth, ([], [], []))[kind].append(argument)
