@@ -89,17 +89,18 @@ def _fail(error: ErrorClass, message: str, subject: str, value: object, **more: 
 # -- numbers --------------------------------------------------------------------------------------
 
 
-def plain(value: Any) -> Any:
+def plain(value: object) -> Any:
     """A NumPy number, or an array without axes, as the Python number in it; an exact element as
     its sympy expression; everything else as it came.
     """
-    if hasattr(type(value), "dtype") and getattr(value, "shape", None) == ():
-        value = value.item()
-    inner = getattr(value, "sympy", None) if hasattr(type(value), "sympy") else None
-    return inner if isinstance(inner, sp.Expr) else value
+    found: Any = value
+    if hasattr(type(found), "dtype") and getattr(found, "shape", None) == ():
+        found = found.item()
+    inner = getattr(found, "sympy", None) if hasattr(type(found), "sympy") else None
+    return inner if isinstance(inner, sp.Expr) else found
 
 
-def real(value: Any) -> float | None:
+def real(value: object) -> float | None:
     """The size of a real number as a float, perhaps nan or infinite; None for all else.
 
     Real numbers are int, float, Fraction, mpmath's, NumPy's and sympy's, and exact elements. Text,
@@ -127,7 +128,7 @@ def real(value: Any) -> float | None:
 
 
 def number(
-    value: Any, subject: str, error: ErrorClass, *, message: str = NUMBER, infinite: str = FINITE
+    value: object, subject: str, error: ErrorClass, *, message: str = NUMBER, infinite: str = FINITE
 ) -> float:
     """A finite float.
 
@@ -151,7 +152,7 @@ def number(
 
 
 def exact_number(
-    value: Any, subject: str, error: ErrorClass, *, message: str = NUMBER, infinite: str = FINITE
+    value: object, subject: str, error: ErrorClass, *, message: str = NUMBER, infinite: str = FINITE
 ) -> Any:
     """A finite real number kept as it came: fractions, sympy numbers and exact elements stay.
 
@@ -165,11 +166,11 @@ def exact_number(
     (Fraction(1, 3), 3)
     """
     number(value, subject, error, message=message, infinite=infinite)
-    return value.item() if hasattr(type(value), "dtype") else value
+    return plain(value) if hasattr(type(value), "dtype") else value
 
 
 def positive(
-    value: Any,
+    value: object,
     subject: str,
     error: ErrorClass,
     *,
@@ -193,7 +194,7 @@ def positive(
 
 
 def count(
-    value: Any,
+    value: object,
     subject: str,
     error: ErrorClass,
     low: int = 0,
@@ -220,7 +221,7 @@ def count(
     _fail(error, message, subject, value, range=bounds)
 
 
-def fraction(value: Any) -> Fraction | None:
+def fraction(value: object) -> Fraction | None:
     """A rational number or a float as the fraction that it is; None for what is no fraction.
 
     Examples
@@ -229,25 +230,25 @@ def fraction(value: Any) -> Fraction | None:
     >>> fraction(sp.Rational(1, 3)), fraction(0.5), fraction(sp.pi), fraction("1/2")
     (Fraction(1, 3), Fraction(1, 2), None, None)
     """
-    value = plain(value)
-    if isinstance(value, bool):
+    found: Any = plain(value)
+    if isinstance(found, bool):
         return None
-    if isinstance(value, sp.Rational):
-        return Fraction(int(value.p), int(value.q))
-    if isinstance(value, int | Fraction):
-        return Fraction(value)
-    if isinstance(value, float | Decimal) and math.isfinite(value):
-        return Fraction(value)
+    if isinstance(found, sp.Rational):
+        return Fraction(int(found.p), int(found.q))
+    if isinstance(found, int | Fraction):
+        return Fraction(found)
+    if isinstance(found, float | Decimal) and math.isfinite(found):
+        return Fraction(found)
     # A number of mpmath: sign, mantissa, exponent, bits. Its repr would lose digits.
-    parts = getattr(value, "_mpf_", None)
-    if isinstance(parts, tuple) and real(value) not in (None, math.inf, -math.inf):
+    parts = getattr(found, "_mpf_", None)
+    if isinstance(parts, tuple) and real(found) not in (None, math.inf, -math.inf):
         sign, mantissa, exponent, _ = parts
         return Fraction(-int(mantissa) if sign else int(mantissa)) * Fraction(2) ** exponent
     return None
 
 
 def rational(
-    value: Any,
+    value: object,
     subject: str,
     error: ErrorClass,
     *,
@@ -281,7 +282,7 @@ def repr_fraction(value: float) -> Fraction:
 
 
 def expression(
-    value: Any,
+    value: object,
     subject: str = "expression",
     error: ErrorClass = ExpressionError,
     *,
@@ -322,7 +323,9 @@ def expression(
     _fail(error, message, subject, value)
 
 
-def instance(value: Any, kind: type[Kind], subject: str, error: ErrorClass = ArgumentError) -> Kind:
+def instance(
+    value: object, kind: type[Kind], subject: str, error: ErrorClass = ArgumentError
+) -> Kind:
     """A thing of a class, such as a frame; the message says by its name what was needed.
 
     Examples
@@ -337,7 +340,7 @@ def instance(value: Any, kind: type[Kind], subject: str, error: ErrorClass = Arg
     raise error(f"{subject}: {article} {kind.__name__} was needed, but {shown(value)} came.")
 
 
-def flag(value: Any, subject: str, error: ErrorClass = ArgumentError) -> bool:
+def flag(value: object, subject: str, error: ErrorClass = ArgumentError) -> bool:
     """True or False, and nothing that only counts as one.
 
     Examples
@@ -353,7 +356,7 @@ def flag(value: Any, subject: str, error: ErrorClass = ArgumentError) -> bool:
 
 
 def entries(
-    values: Any,
+    values: object,
     subject: str,
     error: ErrorClass = ArgumentError,
     *,
@@ -366,13 +369,19 @@ def entries(
     >>> entries(sp.Matrix([[1, 2]]), "coframe")
     [[1, 2]]
     """
-    found = values.tolist() if hasattr(type(values), "tolist") else values
+    found = rows(values)
     if isinstance(found, str | bytes | Mapping | Set) or not isinstance(found, Iterable):
         _fail(error, message, subject, values)
     return list(found)
 
 
-def table(values: Any, subject: str, error: ErrorClass = ArgumentError) -> dict[Any, Any]:
+def rows(values: object) -> Any:
+    """An array or a matrix as nested lists; all else as it came."""
+    given: Any = values
+    return given.tolist() if hasattr(type(given), "tolist") else given
+
+
+def table(values: object, subject: str, error: ErrorClass = ArgumentError) -> dict[Any, Any]:
     """A mapping as a dictionary; nothing for None.
 
     Examples
@@ -391,7 +400,7 @@ def table(values: Any, subject: str, error: ErrorClass = ArgumentError) -> dict[
 
 
 def numbers(
-    values: Any,
+    values: object,
     wanted: int | None,
     subject: str,
     error: ErrorClass,
@@ -418,7 +427,7 @@ def numbers(
     """
     wrong = shape_error or error
     more = {"wanted": wanted, "came": ""}
-    if isinstance(values, str | bytes | Mapping) or not hasattr(values, "__iter__"):
+    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
         _fail(wrong, listed, subject, values, **more)
     try:
         found = tuple(values)
@@ -434,7 +443,7 @@ def numbers(
 
 
 def array(
-    values: Any,
+    values: object,
     subject: str,
     error: ErrorClass,
     *,
@@ -540,7 +549,7 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
 
 
 def known_name(
-    name: Any, known: Iterable[str], subject: str, error: ErrorClass, *, message: str = UNKNOWN
+    name: object, known: Iterable[str], subject: str, error: ErrorClass, *, message: str = UNKNOWN
 ) -> str:
     """A name that is known; the message may use {name}, {hint} (did you mean) and {known}.
 
@@ -554,7 +563,7 @@ def known_name(
     geomtorsion.errors.StartError: start: 'omga' is not known. Did you mean omega? Known are omega.
     """
     words = list(known)
-    text = name.name if isinstance(name, sp.Symbol) else name
+    text = str(name) if isinstance(name, sp.Symbol) else name
     if isinstance(text, str) and text in words:
         return text
     hint = did_you_mean(text, words) if isinstance(text, str) else ""
@@ -564,7 +573,7 @@ def known_name(
 
 
 def known_keys(
-    given: Any, known: Iterable[str], subject: str, error: ErrorClass, *, message: str = UNKNOWN
+    given: object, known: Iterable[str], subject: str, error: ErrorClass, *, message: str = UNKNOWN
 ) -> dict[str, Any]:
     """A mapping whose keys are all known, by name; see `known_name`.
 
@@ -584,7 +593,7 @@ def known_keys(
 
 
 def choice(
-    value: Any, words: Sequence[str], subject: str, error: ErrorClass, *, message: str = WORD
+    value: object, words: Sequence[str], subject: str, error: ErrorClass, *, message: str = WORD
 ) -> str:
     """One of several words; the message may use {known}.
 
@@ -601,7 +610,7 @@ def choice(
 
 
 def text(
-    value: Any, subject: str, error: ErrorClass, *, longest: int = 10**6, message: str = TEXT
+    value: object, subject: str, error: ErrorClass, *, longest: int = 10**6, message: str = TEXT
 ) -> str:
     """A text of at most so many characters.
 

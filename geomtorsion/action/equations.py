@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy as sp
 
 from geomtorsion.action import validation, writing
 from geomtorsion.action.hamel import Hamel, hamel_of
+from geomtorsion.action.hamel_coefficients import coefficients_of
+from geomtorsion.action.invariants import conserved
 from geomtorsion.action.lagrange import Lagrange
 from geomtorsion.action.principles import principle_named
 from geomtorsion.action.reduced import Reduced, reduced
 from geomtorsion.action.tangent_bundle import bundle_over
 
 if TYPE_CHECKING:
+    from geomtorsion.exact import Element
     from geomtorsion.geometry import Connection, Frame
 
 
@@ -111,10 +114,6 @@ class EquationsOfMotion:
 
         With p_i = eta_ij u^j it is minus the torsion force 2 S_a^c_b q'^a q'^b.
         """
-        from dataclasses import replace
-
-        from geomtorsion.action.hamel_coefficients import coefficients_of
-
         hamilton = principle_named("closed_in_coordinates")
         image = principle_named("closed_in_image")
         frame, connection = self.hamel.bundle.frame, self.lagrange.connection
@@ -129,8 +128,6 @@ class EquationsOfMotion:
     @cached_property
     def invariants(self) -> Mapping[str, sp.Expr]:
         """Name -> f(q, u, t) that the motion keeps, each proved by exact zero."""
-        from geomtorsion.action.invariants import conserved
-
         return conserved(self.hamel, self.frame, self.lagrange.bundle.frame)
 
     @cached_property
@@ -179,12 +176,12 @@ class EquationsOfMotion:
 
 def equations_of_motion(
     frame: Frame,
-    lagrangian: Any,
-    forces: Any = None,
+    lagrangian: str | int | sp.Expr | Element,
+    forces: object = None,
     principle: str = "closed_in_coordinates",
-    constraints: Any = None,
+    constraints: object = None,
     *,
-    parameters: Iterable[Any] | None = None,
+    parameters: Iterable[sp.Symbol | str] | None = None,
     connection: Connection | None = None,
 ) -> EquationsOfMotion:
     """Equations of motion of any Lagrangian L(q, u, t) in the velocities of a frame.
@@ -262,12 +259,12 @@ def equations_of_motion(
 
 def conserved_quantities(
     frame: Frame,
-    lagrangian: Any,
-    forces: Any = None,
+    lagrangian: str | int | sp.Expr | Element,
+    forces: object = None,
     principle: str = "closed_in_coordinates",
-    constraints: Any = None,
+    constraints: object = None,
     *,
-    parameters: Iterable[Any] | None = None,
+    parameters: Iterable[sp.Symbol | str] | None = None,
     connection: Connection | None = None,
 ) -> Mapping[str, sp.Expr]:
     """Name -> f(q, u, t) that the motion keeps: the `invariants` of its equations.

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy as sp
 
@@ -71,7 +71,7 @@ def _right_invariant(frame: Frame) -> list[list[sp.Expr]] | None:
     return [[sp.expand(whole[i, a]) for i in range(n)] for a in range(n)]
 
 
-def _base(columns: Sequence[Sequence[Any]], symbol: sp.Symbol) -> sp.Expr:
+def _base(columns: Sequence[Sequence[sp.Expr]], symbol: sp.Symbol) -> sp.Expr:
     """Where a coordinate line begins: at zero, or at one where the coframe ends at zero."""
     entries = [expression(entry).subs(symbol, 0) for column in columns for entry in column]
     singular = any(entry.has(sp.zoo, sp.oo, sp.nan) for entry in entries)
@@ -79,7 +79,10 @@ def _base(columns: Sequence[Sequence[Any]], symbol: sp.Symbol) -> sp.Expr:
 
 
 def _step(
-    column: Sequence[sp.Expr], coefficients: Any, n: int, symbol: sp.Symbol
+    column: Sequence[sp.Expr],
+    coefficients: Mapping[tuple[int, ...], sp.Expr],
+    n: int,
+    symbol: sp.Symbol,
 ) -> sp.Matrix | None:
     """exp of the integral of e^k C_kj^i along one line, from the base to the coordinate."""
     forms = [entry for entry in column if entry != 0]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy as sp
 
@@ -74,7 +74,7 @@ def symbols_of(frame: Frame) -> MotionSymbols:
     )
 
 
-def free_pattern(frame: Frame, names: Sequence[Any], forms: Sequence[str]) -> str:
+def free_pattern(frame: Frame, names: Sequence[str | int], forms: Sequence[str]) -> str:
     """The first form, as in "{}dot", that makes no name which the frame uses.
 
     Raises

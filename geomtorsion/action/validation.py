@@ -17,10 +17,10 @@ from geomtorsion.exact import parse_expression
 from geomtorsion.geometry import Connection, Frame
 from geomtorsion.geometry.validation import named_symbols
 
-Named = list[tuple[str, Any]]
+Named = list[tuple[str, object]]
 
 
-def force_entries(forces: Any, n: int) -> Named:
+def force_entries(forces: object, n: int) -> Named:
     """F_k as n named entries, from a sequence of n or a mapping k -> F_k; none are zero.
 
     Raises
@@ -29,7 +29,7 @@ def force_entries(forces: Any, n: int) -> Named:
         There are not n of them, or a number in the mapping is not among 0 ... n - 1.
     """
     if forces is None:
-        given: Mapping[Any, Any] = {}
+        given: Mapping[object, object] = {}
     elif isinstance(forces, Mapping):
         given = forces
     else:
@@ -49,7 +49,7 @@ def force_entries(forces: Any, n: int) -> Named:
     return [(f"forces[{k}]", given.get(k, 0)) for k in range(n)]
 
 
-def constraint_entries(constraints: Any, n: int) -> Named:
+def constraint_entries(constraints: object, n: int) -> Named:
     """The constraints, each an expression that stays zero, named for messages.
 
     Raises
@@ -65,11 +65,10 @@ def constraint_entries(constraints: Any, n: int) -> Named:
     return [(f"constraints[{r}]", value) for r, value in enumerate(values)]
 
 
-def _listed(values: Any, what: str) -> list[Any]:
-    values = values.tolist() if hasattr(values, "tolist") else values
-    if isinstance(values, str) or not isinstance(values, Iterable):
-        raise ShapeError(f"{what}: a list was needed, {values!r} came. Put it in brackets.")
-    return [row[0] if isinstance(row, list) and len(row) == 1 else row for row in values]
+def _listed(values: object, what: str) -> list[Any]:
+    message = "{subject}: a list was needed, {value} came. Put it in brackets."
+    rows = checks.entries(values, what, ShapeError, message=message)
+    return [row[0] if isinstance(row, list) and len(row) == 1 else row for row in rows]
 
 
 def check_frame(frame: Frame, connection: Connection | None, *, complex_too: bool = False) -> None:
@@ -87,8 +86,8 @@ def check_frame(frame: Frame, connection: Connection | None, *, complex_too: boo
 
 def expressions(
     frame: Frame,
-    entries: Sequence[tuple[str, Any]],
-    parameters: Iterable[Any] | None,
+    entries: Sequence[tuple[str, object]],
+    parameters: Iterable[sp.Symbol | str] | None,
 ) -> list[sp.Expr]:
     """Texts, numbers or sympy expressions in q, u, t and parameters as sympy expressions.
 
@@ -127,7 +126,7 @@ def expressions(
     return [found[where] for where, _ in entries]
 
 
-def _sympified(where: str, value: Any) -> sp.Expr:
+def _sympified(where: str, value: object) -> sp.Expr:
     """A number, element or expression of sympy; never a text."""
     message = (
         f"{{subject}}: an expression was needed, {type(value).__name__} came: {{value}}. "
@@ -136,7 +135,7 @@ def _sympified(where: str, value: Any) -> sp.Expr:
     return checks.expression(value, where, LagrangianError, message=message)
 
 
-def _check_functions(where: str, expression: sp.Expr, table: Mapping[str, Any]) -> None:
+def _check_functions(where: str, expression: sp.Expr, table: Mapping[str, sp.Symbol]) -> None:
     """Refuse phi1(t) for the coordinate phi1: it would count as a given function of the time."""
     for function in sorted(expression.atoms(AppliedUndef), key=str):
         name = type(function).__name__
@@ -148,7 +147,7 @@ def _check_functions(where: str, expression: sp.Expr, table: Mapping[str, Any]) 
 
 
 def _check_parameter(
-    where: str, name: str, symbols: MotionSymbols, table: Mapping[str, Any], listed: bool
+    where: str, name: str, symbols: MotionSymbols, table: Mapping[str, sp.Symbol], listed: bool
 ) -> None:
     """Refuse a symbol that can be no parameter."""
     stem = symbols.velocities[0].name.rstrip("0123456789")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Any
 
 from geomtorsion import checks
 from geomtorsion.errors import ShapeError, TensorIndexError
@@ -15,12 +14,12 @@ from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.frame_matrices import parallel_rows
 from geomtorsion.geometry.from_arrays import tensor_from_array
 from geomtorsion.geometry.symmetry import Index
-from geomtorsion.geometry.tensor import Tensor
+from geomtorsion.geometry.tensor import Scalar, Source, Tensor
 
 HALF = Fraction(1, 2)
 
 
-def _coefficients(frame: Frame, source: Any, symbol: str, name: str) -> Tensor:
+def _coefficients(frame: Frame, source: Source, symbol: str, name: str) -> Tensor:
     """Gamma_ab^c as a tensor object that knows what it is not."""
     return Tensor(frame, "ddu", source, (), symbol, name, anchored=(1, 2))
 
@@ -83,7 +82,7 @@ def levi_civita(frame: Frame) -> Connection:
     return frame.derived("levi_civita", make)
 
 
-def from_coefficients(frame: Frame, coefficients: Any) -> Connection:
+def from_coefficients(frame: Frame, coefficients: object) -> Connection:
     """Connection from any coefficients Gamma_ab^c: torsion, curvature and nonmetricity at once.
 
     Parameters
@@ -114,7 +113,7 @@ def from_coefficients(frame: Frame, coefficients: Any) -> Connection:
     return Connection(frame, _coefficients(frame, given.components, "\\Gamma", "connection"))
 
 
-def from_spin_connection(frame: Frame, omega: Any) -> Connection:
+def from_spin_connection(frame: Frame, omega: object) -> Connection:
     """Connection from its spin connection omega_ai^j: D_a E_i = omega_ai^j E_j.
 
     Equation
@@ -162,7 +161,7 @@ def from_spin_connection(frame: Frame, omega: Any) -> Connection:
     return Connection(frame, coefficients, "connection from spin connection", kind)
 
 
-def from_contortion(frame: Frame, contortion: Any) -> Connection:
+def from_contortion(frame: Frame, contortion: object) -> Connection:
     """Metric connection from its contortion: Gamma_ab^c = Gamma_bar_ab^c + K_ab^c.
 
     Parameters
@@ -206,7 +205,7 @@ def from_contortion(frame: Frame, contortion: Any) -> Connection:
     return Connection(frame, coefficients, "connection from contortion", "metric")
 
 
-def blend(first: Connection, second: Connection, share: Any = HALF) -> Connection:
+def blend(first: Connection, second: Connection, share: Scalar = HALF) -> Connection:
     """(1 - share) first + share second: the Cartan-Schouten family between two connections.
 
     Parameters

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy as sp
 
@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 def from_frame(
     cls: type[Frame],
     coordinates: validation.Coordinates,
-    legs: Any,
-    signature: Any = None,
+    legs: object,
+    signature: object = None,
     parameters: Sequence[sp.Symbol] | None = None,
-    domain: Any = None,
+    domain: object = None,
     complex: bool = False,
     name: str | None = None,
     branches: Mapping[sp.Expr, sp.Expr] | None = None,
@@ -51,10 +51,10 @@ def from_frame(
 def from_metric(
     cls: type[Frame],
     coordinates: validation.Coordinates,
-    metric: Any,
+    metric: object,
     signature: Sequence[int] | None = None,
     parameters: Sequence[sp.Symbol] | None = None,
-    domain: Any = None,
+    domain: object = None,
     name: str | None = None,
     branches: Mapping[sp.Expr, sp.Expr] | None = None,
 ) -> Frame:
@@ -90,9 +90,9 @@ def from_metric(
 
 def from_structure_constants(
     cls: type[Frame],
-    constants: Any,
+    constants: object,
     coordinates: validation.Coordinates | None = None,
-    signature: Any = None,
+    signature: object = None,
     name: str | None = None,
 ) -> Frame:
     """Left-invariant frame of the Lie group with given structure constants.

@@ -73,10 +73,10 @@ class Frame:
     def __init__(
         self,
         coordinates: validation.Coordinates,
-        coframe: Any,
-        signature: Any = None,
+        coframe: object,
+        signature: object = None,
         parameters: Sequence[sp.Symbol] | None = None,
-        domain: Any = None,
+        domain: object = None,
         complex: bool = False,
         name: str | None = None,
         branches: Mapping[sp.Expr, sp.Expr] | None = None,
@@ -113,7 +113,7 @@ class Frame:
             self._kept[key] = maker()
         return self._kept[key]
 
-    def read(self, entries: Sequence[tuple[str, Any]]) -> list[Element]:
+    def read(self, entries: Sequence[tuple[str, object]]) -> list[Element]:
         """Exact elements of pairs (where, expression); new symbols become parameters."""
         return validation.read_more(self.field, entries)
 

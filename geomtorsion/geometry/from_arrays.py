@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy as sp
 
+from geomtorsion.checks import rows
 from geomtorsion.errors import ShapeError
 from geomtorsion.geometry.symmetry import Index, Symmetry
 from geomtorsion.geometry.tensor import Tensor
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def tensor_from_array(
-    frame: Frame, slots: str, values: Any, name: str, symmetry: Symmetry = (), symbol: str = "t"
+    frame: Frame, slots: str, values: object, name: str, symmetry: Symmetry = (), symbol: str = "t"
 ) -> Tensor:
     """Tensor from nested lists, or a sympy or NumPy array, of expressions read together.
 
@@ -36,28 +37,27 @@ def tensor_from_array(
     >>> tensor_from_array(frame, "u", [0, x], "velocity").nonzero()
     {(1,): x}
     """
-    if hasattr(type(values), "tolist"):
-        values = values.tolist()
-    flat = dict(_entries(values, (), len(slots), frame.dimension, name))
+    flat = dict(_entries(rows(values), (), len(slots), frame.dimension, name))
     named = [(f"{name}{list(index)}", value) for index, value in flat.items()]
     elements = dict(zip(flat, frame.read(named), strict=True))
     return Tensor(frame, slots, elements, symmetry, symbol, name)
 
 
 def _entries(
-    values: Any, index: Index, depth: int, n: int, name: str
-) -> Iterator[tuple[Index, Any]]:
+    values: object, index: Index, depth: int, n: int, name: str
+) -> Iterator[tuple[Index, object]]:
     """Index and value of each entry of nested lists that is not plainly zero."""
     if depth == 0:
         if not (isinstance(values, int | float | sp.Expr) and values == 0):
             yield index, values
         return
-    size = len(values) if isinstance(values, list | tuple | sp.Tuple) else None
-    if size != n:
+    listed = list(values) if isinstance(values, list | tuple) else None
+    size = None if listed is None else len(listed)
+    if listed is None or size != n:
         raise ShapeError(
             f"{name}{list(index) or ''}: {n} entries were needed, "
             f"{'a single value' if size is None else size} came. "
             f"Give nested lists, one level for each index, each with {n} entries."
         )
     for k in range(n):
-        yield from _entries(values[k], (*index, k), depth - 1, n, name)
+        yield from _entries(listed[k], (*index, k), depth - 1, n, name)

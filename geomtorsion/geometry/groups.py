@@ -15,7 +15,7 @@ from geomtorsion.geometry.validation import free_symbols, named_symbols
 
 
 def invariant_coframe(
-    constants: Any, coordinates: Sequence[sp.Symbol] | str | None
+    constants: object, coordinates: Sequence[sp.Symbol] | str | None
 ) -> tuple[list[sp.Symbol], sp.Matrix]:
     """Coordinates of the second kind and the coframe with de^k = -(1/2) C_ij^k e^i ^ e^j.
 
@@ -38,7 +38,7 @@ def invariant_coframe(
     return symbols, coframe
 
 
-def checked_constants(constants: Any) -> list[list[list[sp.Expr]]]:
+def checked_constants(constants: object) -> list[list[list[sp.Expr]]]:
     """C_ij^k as nested lists; antisymmetric and satisfying the Jacobi identity, both exactly."""
     needed = "{subject} must be C_ij^k with shape (n, n, n), axes (i, j, k), but {value} came."
     rows = checks.entries(constants, "structure constants", StructureConstantError, message=needed)
@@ -87,9 +87,9 @@ def _symbols(coordinates: Sequence[sp.Symbol] | str | None, n: int) -> list[sp.S
     return found
 
 
-def _listed(values: Any) -> list[Any]:
+def _listed(values: object) -> list[Any]:
     """The entries of one level of the constants; none for what has none."""
-    return list(values) if isinstance(values, list | tuple | sp.Tuple) else []
+    return list(values) if isinstance(values, list | tuple) else []
 
 
 def exponential(matrix: sp.Matrix, x: sp.Symbol) -> sp.Matrix:

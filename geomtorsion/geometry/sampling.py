@@ -23,7 +23,7 @@ PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67
 Point = dict[sp.Symbol, sp.Rational]
 
 
-def domain_relations(domain: Any) -> tuple[sp.Basic, ...]:
+def domain_relations(domain: object) -> tuple[sp.Basic, ...]:
     """A domain as relations that all hold: from one relation, And(...), a sequence or None."""
     if domain is None:
         return ()
@@ -34,6 +34,7 @@ def domain_relations(domain: Any) -> tuple[sp.Basic, ...]:
         else checks.entries(domain, "domain", CoordinateError, message=relations)
     )
     found: list[sp.Basic] = []
+    item: Any
     for item in items:
         parts = item.args if isinstance(item, sp.And) else (item,)
         for part in parts:
@@ -51,7 +52,7 @@ def domain_relations(domain: Any) -> tuple[sp.Basic, ...]:
 def candidate_points(
     coordinates: Sequence[sp.Symbol],
     parameters: Sequence[sp.Symbol],
-    relations: Iterable[Any],
+    relations: Iterable[sp.Basic],
     fineness: int = 97,
 ) -> Iterator[Point]:
     """Points that satisfy the relations and the assumptions of the symbols, in a fixed order."""
@@ -102,7 +103,7 @@ def with_functions(element: Element, point: Point) -> dict[Any, Any]:
 
 
 def _interval(
-    symbol: sp.Symbol, relations: Iterable[Any]
+    symbol: sp.Symbol, relations: Iterable[sp.Basic]
 ) -> tuple[Fraction | None, Fraction | None]:
     """Bounds of a symbol from its assumptions and from relations to numbers."""
     low = Fraction(0) if symbol.is_nonnegative else None

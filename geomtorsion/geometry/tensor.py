@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy as sp
 
@@ -28,7 +29,10 @@ if TYPE_CHECKING:
 
     from geomtorsion.geometry.frame import Frame
 
-Source = Components | Mapping[Index, Any] | Callable[[Index], Element | None]
+Number = int | float | complex | Fraction | sp.Expr
+Scalar = int | Fraction | sp.Expr | Element
+Point = Mapping[str, Number] | Mapping[sp.Expr, Number]
+Source = Components | Mapping[Index, Scalar] | Callable[[Index], Element | None]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -157,7 +161,7 @@ class Tensor:
             flat[place] = value
         return sp.ImmutableDenseNDimArray(flat, (n,) * rank)
 
-    def at(self, point: Mapping[Any, Any]) -> np.ndarray:
+    def at(self, point: Point) -> np.ndarray:
         """Numbers at one point: array of floats (complex if the frame is), one axis per index.
 
         Parameters
@@ -254,12 +258,12 @@ class Tensor:
     def __neg__(self) -> Tensor:
         return _multiple(self, -1)
 
-    def __mul__(self, factor: Any) -> Tensor:
+    def __mul__(self, factor: Scalar) -> Tensor:
         return _multiple(self, factor)
 
     __rmul__ = __mul__
 
-    def __truediv__(self, divisor: Any) -> Tensor:
+    def __truediv__(self, divisor: Scalar) -> Tensor:
         return _quotient(self, divisor)
 
     def __matmul__(self, other: Tensor) -> Tensor:
@@ -339,7 +343,7 @@ def _combined(first: Tensor, second: Tensor, sign: int) -> Tensor:
     )
 
 
-def _multiple(tensor: Tensor, factor: Any) -> Tensor:
+def _multiple(tensor: Tensor, factor: Scalar) -> Tensor:
     """Tensor times a number or an expression."""
     if isinstance(factor, type(tensor)):
         raise TensorIndexError(
@@ -355,7 +359,7 @@ def _multiple(tensor: Tensor, factor: Any) -> Tensor:
     return replace(tensor, source=rule, symbol="t", name="")
 
 
-def _quotient(tensor: Tensor, divisor: Any) -> Tensor:
+def _quotient(tensor: Tensor, divisor: Scalar) -> Tensor:
     """Tensor divided by a number or an expression."""
     (read,) = tensor.frame.read([("divisor", divisor)])
     if read.is_zero:
@@ -381,7 +385,7 @@ def _equal(first: Tensor, second: Tensor) -> bool:
 # -- numbers -------------------------------------------------------------------------------------
 
 
-def _evaluated(tensor: Tensor, point: Mapping[Any, Any]) -> np.ndarray:
+def _evaluated(tensor: Tensor, point: Point) -> np.ndarray:
     """Array of a tensor's components at a point (see Tensor.at)."""
     import numpy as np
 
@@ -396,10 +400,10 @@ def _evaluated(tensor: Tensor, point: Mapping[Any, Any]) -> np.ndarray:
     return result
 
 
-def _named_values(tensor: Tensor, point: Mapping[Any, Any]) -> dict[Any, Any]:
+def _named_values(tensor: Tensor, point: Point) -> dict[sp.Expr, Number]:
     """The point with symbols as keys; a name that means nothing here is refused."""
     symbols = {symbol.name: symbol for symbol in tensor.frame.field.symbols}
-    values = {}
+    values: dict[sp.Expr, Number] = {}
     for key, number in checks.table(point, "point").items():
         if not isinstance(checks.plain(number), complex):
             # Neither nan nor infinity ends an evaluation to many digits.
@@ -417,7 +421,7 @@ def _named_values(tensor: Tensor, point: Mapping[Any, Any]) -> dict[Any, Any]:
     return values
 
 
-def _number(tensor: Tensor, index: Index, element: Element, values: Mapping[Any, Any]) -> complex:
+def _number(tensor: Tensor, index: Index, element: Element, values: Point) -> complex:
     """Value of one component, with an error that names it where it is not finite."""
     try:
         number = element.evaluate(values)

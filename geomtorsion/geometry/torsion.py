@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from geomtorsion.exact import Element
 from geomtorsion.geometry.components import total
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.from_arrays import tensor_from_array
 from geomtorsion.geometry.symmetry import Index, alternating, antisymmetric, symmetric
-from geomtorsion.geometry.tensor import Tensor
+from geomtorsion.geometry.tensor import Scalar, Tensor
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.connection import Connection
@@ -154,7 +154,7 @@ class Torsion:
         tensor = Tensor(frame, "ddd", rule, symmetric(3), "f", "torsion force")
         return tensor.raised(2)
 
-    def force(self, velocity: Sequence[Any] | Tensor) -> Tensor:
+    def force(self, velocity: Sequence[Scalar] | Tensor) -> Tensor:
         """Force per unit mass that bends an autoparallel away from the geodesic.
 
         Equation

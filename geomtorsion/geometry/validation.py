@@ -43,11 +43,11 @@ class Opened:
 
 
 def opened(
-    coordinates: Any,
+    coordinates: object,
     n: int,
     entries: Matrix,
-    parameters: Iterable[Any] | None,
-    domain: Any,
+    parameters: Iterable[sp.Symbol | str] | None,
+    domain: object,
     complex_: bool,
     branches: Mapping[sp.Expr, sp.Expr] | None,
 ) -> Opened:
@@ -77,7 +77,7 @@ def opened(
 REFUSALS = {"metric": MetricError, "signature": SignatureError}
 
 
-def matrix_entries(values: Any, name: str) -> tuple[int, Matrix]:
+def matrix_entries(values: object, name: str) -> tuple[int, Matrix]:
     """Size and non-zero entries of a square matrix given as nested lists or a sympy matrix."""
     refusal = REFUSALS.get(name, CoframeError)
     needed = "{subject}: rows of entries were needed, but {value} came. Give nested lists."
@@ -101,12 +101,12 @@ def matrix_entries(values: Any, name: str) -> tuple[int, Matrix]:
     }
 
 
-def _is_plain_zero(value: Any) -> bool:
+def _is_plain_zero(value: object) -> bool:
     """Whether an entry is the number zero; what it is otherwise is found out on reading."""
     return isinstance(value, int | float | sp.Expr) and value == 0
 
 
-def coordinate_symbols(coordinates: Any, n: int, free: Iterable[sp.Symbol]) -> tuple:
+def coordinate_symbols(coordinates: object, n: int, free: Iterable[sp.Symbol]) -> tuple:
     """Coordinates as distinct symbols, as many as the matrix has columns.
 
     Names given as text become the symbol of that name that occurs in the entries.
@@ -130,7 +130,7 @@ def coordinate_symbols(coordinates: Any, n: int, free: Iterable[sp.Symbol]) -> t
 
 
 def named_symbols(
-    names: Any, known: Mapping[str, sp.Symbol] | None = None, what: str = "coordinate"
+    names: object, known: Mapping[str, sp.Symbol] | None = None, what: str = "coordinate"
 ) -> list[sp.Symbol]:
     """Symbols from symbols or names, a text holding several; a known name is its symbol."""
     given = names.replace(",", " ").split() if isinstance(names, str) else names
@@ -158,7 +158,9 @@ def check_twin(symbol: sp.Symbol, by_name: dict[str, sp.Symbol]) -> None:
 
 
 def parameter_symbols(
-    parameters: Iterable[Any] | None, coordinates: Sequence[sp.Symbol], free: Iterable[sp.Symbol]
+    parameters: Iterable[sp.Symbol | str] | None,
+    coordinates: Sequence[sp.Symbol],
+    free: Iterable[sp.Symbol],
 ) -> tuple[sp.Symbol, ...]:
     """Parameters: those given, then the remaining free symbols by name."""
     free = set(free)
@@ -183,7 +185,7 @@ def free_symbols(values: Iterable[Any]) -> set[sp.Symbol]:
     return found
 
 
-def signs_or_rows(signature: Any) -> list[Any]:
+def signs_or_rows(signature: object) -> list[Any]:
     """A signature as a list, of signs or of rows of a matrix."""
     message = (
         "{subject}: signs or a matrix were needed, but {value} came. "
@@ -192,7 +194,7 @@ def signs_or_rows(signature: Any) -> list[Any]:
     return checks.entries(signature, "signature", SignatureError, message=message)
 
 
-def signature_entries(signature: Any, n: int) -> Matrix:
+def signature_entries(signature: object, n: int) -> Matrix:
     """Non-zero entries of eta from None, a tuple of signs or a constant symmetric matrix."""
     if signature is None:
         return {(i, i): sp.S.One for i in range(n)}
@@ -263,7 +265,7 @@ def _relation(coefficients: dict[int, Element]) -> str:
     return f"Row {last} equals {terms} (rows counted from 0)."
 
 
-def read_signature(field: Field, signature: Any, n: int) -> dict[tuple[int, int], Element]:
+def read_signature(field: Field, signature: object, n: int) -> dict[tuple[int, int], Element]:
     """Exact elements of eta; an error if it is degenerate."""
     eta = read_matrix(field, signature_entries(signature, n), "signature")
     if determinant(field, eta, n).is_zero:
@@ -285,7 +287,7 @@ def check_symmetric(entries: dict[tuple[int, int], Element], n: int) -> None:
             )
 
 
-def read_more(field: Field, entries: Sequence[tuple[str, Any]]) -> list[Element]:
+def read_more(field: Field, entries: Sequence[tuple[str, object]]) -> list[Element]:
     """Exact elements of pairs (where, expression or element); new symbols are declared."""
     for entry in checks.entries(entries, "entries"):
         if not isinstance(entry, tuple) or len(entry) != 2:

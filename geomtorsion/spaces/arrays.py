@@ -13,10 +13,13 @@ from geomtorsion.errors import FileFormatError
 from geomtorsion.spaces.symbols import Vocabulary
 
 # Three digits are more than any frame has coordinates; a longer number would fill the memory.
+# Lists of lists, as deep as the array has indices.
+Nested = list[Any]
+
 _INDEX = re.compile(r"\s*[0-9]{1,3}\s*(,\s*[0-9]{1,3}\s*){0,9}")
 
 
-def dimension_of(file: str, key: str, value: Any) -> int:
+def dimension_of(file: str, key: str, value: object) -> int:
     """Number of rows of a nested list, or one more than the largest index of a sparse table."""
     if isinstance(value, list):
         return len(value)
@@ -28,7 +31,7 @@ def dimension_of(file: str, key: str, value: Any) -> int:
     )
 
 
-def array(words: Vocabulary, key: str, value: Any, rank: int, dimension: int) -> list[Any]:
+def array(words: Vocabulary, key: str, value: object, rank: int, dimension: int) -> Nested:
     """Nested lists of expressions with rank levels, each with dimension entries.
 
     A sparse table names the entries that do not vanish by their indices, counted from 0:
@@ -46,7 +49,7 @@ def array(words: Vocabulary, key: str, value: Any, rank: int, dimension: int) ->
     return _nested(words, key, value, (), rank, dimension)
 
 
-def antisymmetric_array(words: Vocabulary, key: str, value: Any, dimension: int) -> list[Any]:
+def antisymmetric_array(words: Vocabulary, key: str, value: object, dimension: int) -> Nested:
     """Like `array` with three indices; a sparse table may name one order of the first two."""
     if not isinstance(value, dict):
         return array(words, key, value, 3, dimension)
@@ -57,8 +60,8 @@ def antisymmetric_array(words: Vocabulary, key: str, value: Any, dimension: int)
 
 
 def _nested(
-    words: Vocabulary, key: str, value: Any, index: tuple[int, ...], rank: int, dimension: int
-) -> Any:
+    words: Vocabulary, key: str, value: object, index: tuple[int, ...], rank: int, dimension: int
+) -> Nested | sympy.Expr:
     """One level of nested lists."""
     place = f"{key}[{', '.join(map(str, index))}]" if index else key
     if len(index) == rank:
@@ -73,10 +76,10 @@ def _nested(
 
 
 def _sparse(
-    words: Vocabulary, key: str, table: Mapping[str, Any], rank: int, dimension: int
-) -> dict[tuple[int, ...], Any]:
+    words: Vocabulary, key: str, table: Mapping[str, object], rank: int, dimension: int
+) -> dict[tuple[int, ...], sympy.Expr]:
     """Entries of a table, by index."""
-    entries: dict[tuple[int, ...], Any] = {}
+    entries: dict[tuple[int, ...], sympy.Expr] = {}
     for text, value in table.items():
         index = _index(words.file, key, text)
         if len(index) != rank or max(index) >= dimension:
@@ -93,8 +96,8 @@ def _sparse(
 
 
 def _dense(
-    entries: Mapping[tuple[int, ...], Any], index: tuple[int, ...], rank: int, dimension: int
-) -> Any:
+    entries: Mapping[tuple[int, ...], sympy.Expr], index: tuple[int, ...], rank: int, dimension: int
+) -> Nested | sympy.Expr:
     """Nested lists from entries by index."""
     if len(index) == rank:
         return entries.get(index, sympy.Integer(0))

@@ -100,7 +100,7 @@ def read_file(path: str | PathLike[str]) -> Space:
     )
 
 
-def _check_keys(file: str, data: Mapping[str, Any]) -> None:
+def _check_keys(file: str, data: Mapping[str, object]) -> None:
     """Refuse unknown keys, and those that slipped under a table."""
     for key in data:
         if key not in KEYS:
@@ -118,7 +118,7 @@ def _check_keys(file: str, data: Mapping[str, Any]) -> None:
                 )
 
 
-def _only(file: str, data: Mapping[str, Any], keys: tuple[str, ...], *, required: bool) -> str:
+def _only(file: str, data: Mapping[str, object], keys: tuple[str, ...], *, required: bool) -> str:
     """The one key of several that is present; empty if none is, and none is needed."""
     present = [key for key in keys if key in data]
     if len(present) == 1 or not (present or required):
@@ -128,7 +128,7 @@ def _only(file: str, data: Mapping[str, Any], keys: tuple[str, ...], *, required
     raise FileFormatError(f"{file}: {needed} {', '.join(keys)} was needed, but {came}.")
 
 
-def _text(file: str, data: Mapping[str, Any], key: str) -> str:
+def _text(file: str, data: Mapping[str, object], key: str) -> str:
     value = data.get(key, "")
     if not isinstance(value, str) or isinstance(value, Decimal):
         raise FileFormatError(
@@ -137,7 +137,7 @@ def _text(file: str, data: Mapping[str, Any], key: str) -> str:
     return value
 
 
-def _frame(words: Vocabulary, data: Mapping[str, Any], shape: str, name: str) -> Frame:
+def _frame(words: Vocabulary, data: Mapping[str, object], shape: str, name: str) -> Frame:
     """The frame in whichever of the four ways it is given."""
     file, n = words.file, len(words.coordinates)
     signature = _signature(words, data)
@@ -160,14 +160,14 @@ def _frame(words: Vocabulary, data: Mapping[str, Any], shape: str, name: str) ->
     return maker(words.coordinates, entries, signature, complex=is_complex, **known)
 
 
-def _without(file: str, data: Mapping[str, Any], shape: str, *keys: str) -> None:
+def _without(file: str, data: Mapping[str, object], shape: str, *keys: str) -> None:
     """Refuse keys that mean nothing beside this kind of frame."""
     for key in keys:
         if data.get(key):
             raise FileFormatError(f"{file}: {key} means nothing beside {shape}. Remove it.")
 
 
-def _signature(words: Vocabulary, data: Mapping[str, Any]) -> Any:
+def _signature(words: Vocabulary, data: Mapping[str, object]) -> Any:
     """Signs, a matrix, or nothing."""
     value = data.get("signature")
     if value is None:
@@ -182,7 +182,7 @@ def _signature(words: Vocabulary, data: Mapping[str, Any]) -> Any:
     )
 
 
-def _connection(words: Vocabulary, data: Mapping[str, Any], frame: Frame) -> Connection | None:
+def _connection(words: Vocabulary, data: Mapping[str, object], frame: Frame) -> Connection | None:
     """The space's own connection, if the file gives one."""
     key = _only(words.file, data, CONNECTION_KEYS, required=False)
     if not key:

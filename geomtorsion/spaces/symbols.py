@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import sympy
 
@@ -31,14 +30,14 @@ class Vocabulary:
     file: str
     coordinates: tuple[sympy.Symbol, ...]
     parameters: tuple[sympy.Symbol, ...]
-    functions: Mapping[str, Any]
+    functions: Mapping[str, sympy.Expr]
 
     @property
     def symbols(self) -> dict[str, sympy.Symbol]:
         """Name -> symbol."""
         return {symbol.name: symbol for symbol in (*self.coordinates, *self.parameters)}
 
-    def expression(self, value: Any, place: str) -> Any:
+    def expression(self, value: object, place: str) -> sympy.Expr:
         """An entry of the file as a sympy expression: an integer, or text.
 
         Raises
@@ -58,9 +57,9 @@ class Vocabulary:
             f'{_kind(value)} came. Write for instance "r*sin(theta)".'
         )
 
-    def relations(self, value: Any, place: str) -> list[Any]:
+    def relations(self, value: object, place: str) -> list[sympy.Rel]:
         """Inequalities such as "0 < theta < pi" as sympy relations."""
-        found: list[Any] = []
+        found: list[sympy.Rel] = []
         for number, text in enumerate(texts(self.file, value, place)):
             first, *rest = _COMPARISON.split(text)
             if not rest:
@@ -76,7 +75,7 @@ class Vocabulary:
         return found
 
 
-def vocabulary(file: str, data: Mapping[str, Any], dimension: int) -> Vocabulary:
+def vocabulary(file: str, data: Mapping[str, object], dimension: int) -> Vocabulary:
     """Symbols and functions from the keys coordinates, parameters and functions.
 
     Raises
@@ -99,7 +98,7 @@ def vocabulary(file: str, data: Mapping[str, Any], dimension: int) -> Vocabulary
         for name, given in table.items()
     )
     symbols = {symbol.name: symbol for symbol in (*coordinates, *parameters)}
-    functions: dict[str, Any] = {}
+    functions: dict[str, sympy.Expr] = {}
     for name, given in _table(file, data, "functions").items():
         arguments = texts(file, given, f"functions.{name}")
         for argument in arguments:
@@ -109,7 +108,7 @@ def vocabulary(file: str, data: Mapping[str, Any], dimension: int) -> Vocabulary
                     f"{file}: functions.{name}: its argument {shown(argument)} is neither a "
                     f"coordinate nor a declared parameter. {near}Declared are {', '.join(symbols)}."
                 )
-        function: Any = sympy.Function(_name(file, name, "functions"))
+        function = sympy.Function(_name(file, name, "functions"))
         functions[name] = function(*(symbols[argument] for argument in arguments))
     declared = [*names, *table, *functions]
     for name in declared:
@@ -121,7 +120,7 @@ def vocabulary(file: str, data: Mapping[str, Any], dimension: int) -> Vocabulary
     return Vocabulary(file, coordinates, parameters, functions)
 
 
-def texts(file: str, value: Any, place: str) -> list[str]:
+def texts(file: str, value: object, place: str) -> list[str]:
     """A list of texts; a single text counts as a list of one."""
     items = [value] if isinstance(value, str) else value
     if not isinstance(items, list) or not all(isinstance(item, str) for item in items):
@@ -141,7 +140,7 @@ def _name(file: str, name: str, place: str) -> str:
     return name
 
 
-def _assumptions(file: str, name: str, given: Any) -> dict[str, bool]:
+def _assumptions(file: str, name: str, given: object) -> dict[str, bool]:
     """Assumptions of a parameter; real unless complex is among them."""
     words = [word for text in texts(file, given, f"parameters.{name}") for word in text.split()]
     for word in words:
@@ -154,7 +153,7 @@ def _assumptions(file: str, name: str, given: Any) -> dict[str, bool]:
     return assumptions if "complex" in words else assumptions | {"real": True}
 
 
-def _table(file: str, data: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+def _table(file: str, data: Mapping[str, object], key: str) -> Mapping[str, object]:
     value = data.get(key, {})
     if key == "parameters" and isinstance(value, list):
         return dict.fromkeys(texts(file, value, key), "real")
@@ -167,7 +166,7 @@ def _table(file: str, data: Mapping[str, Any], key: str) -> Mapping[str, Any]:
     return value
 
 
-def _kind(value: Any) -> str:
+def _kind(value: object) -> str:
     """What a value of a TOML file is, in words."""
     names: Sequence[tuple[type, str]] = (
         (bool, "true or false"), (str, "text"), (int, "an integer"), (list, "a list"),
