@@ -13,7 +13,8 @@ import argparse
 import numpy as np
 
 import geomtorsion as gt
-from geomtorsion.motion import autoparallel, distance_apart, geodesic, solve
+from geomtorsion.curves import autoparallel, distance_apart, geodesic
+from geomtorsion.ode import solve
 
 
 def main(arguments: list[str] | None = None) -> None:

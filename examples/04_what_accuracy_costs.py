@@ -11,7 +11,7 @@ import argparse
 
 import geomtorsion as gt
 from geomtorsion.accuracy import accuracy_cost
-from geomtorsion.motion import autoparallel
+from geomtorsion.curves import autoparallel
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -12,8 +12,9 @@ import argparse
 import numpy as np
 
 import geomtorsion as gt
+from geomtorsion.curves import autoparallel, geodesic
 from geomtorsion.errors import ChartEdgeError
-from geomtorsion.motion import autoparallel, geodesic, solve
+from geomtorsion.ode import solve
 
 
 def main(arguments: list[str] | None = None) -> None:

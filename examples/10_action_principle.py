@@ -60,7 +60,7 @@ def main(arguments: list[str] | None = None) -> None:
     # Solve both with the attitude: the right motion keeps its angular momentum in space.
     start = [0.3, 1.0, 0.2, *options.spin]
     solved = {
-        name: gt.solve(gt.flow(equations, start), options.time, accuracy=1e-9)
+        name: gt.solve(gt.ODE.of(equations, start), options.time, accuracy=1e-9)
         for name, equations in (("right", right), ("naive", naive))
     }
     space = right.invariants["space momentum 1"]
@@ -85,7 +85,7 @@ def main(arguments: list[str] | None = None) -> None:
     print(f"\nChaplygin's sleigh:\n{blade}")
     m, a, j, spin = 2.0, 0.5, 1.5, 3.0
     slide = gt.solve(
-        gt.flow(blade, {"x": 0, "y": 0, "heading": 0, "u1": 0, "u3": spin},
+        gt.ODE.of(blade, {"x": 0, "y": 0, "heading": 0, "u1": 0, "u3": spin},
                 parameters={"m": m, "a": a, "J": j}),
         options.time,
         accuracy=1e-9,

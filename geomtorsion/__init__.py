@@ -1,6 +1,6 @@
 """Give it any tetrad; get its geometry, its motions and its defects: exactly and fast."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from geomtorsion import errors, spaces
 from geomtorsion.errors import GeomtorsionError
@@ -23,6 +23,95 @@ from geomtorsion.geometry import (
     levi_civita,
 )
 
+if TYPE_CHECKING:
+    # For editors and checkers of types, which do not ask for names one by one.
+    from geomtorsion.accuracy import (
+        CostRow,
+        CostTable,
+        accuracy_cost,
+    )
+    from geomtorsion.action import (
+        EquationsOfMotion,
+        Variation,
+        conserved_quantities,
+        equations_of_motion,
+        variation,
+    )
+    from geomtorsion.codegen import (
+        numpy_function,
+    )
+    from geomtorsion.curves import (
+        Atlas,
+        Chart,
+        CurveProblem,
+        LogMap,
+        TransitionMap,
+        autoparallel,
+        distance_apart,
+        exponential_map,
+        geodesic,
+        geodesic_deviation,
+        holonomy,
+        log_map,
+        parallel_transport,
+    )
+    from geomtorsion.loops import (
+        AffineMap,
+        BurgersMap,
+        BurgersVector,
+        Defect,
+        Development,
+        DislocationNetwork,
+        EdgeList,
+        EnclosedDefect,
+        ExactBurgersVector,
+        Loop,
+        Network,
+        NodeRule,
+        Reaction,
+        SampledFrame,
+        burgers_map,
+        burgers_vector,
+        burgers_vectors,
+        develop,
+        develop_path,
+        develop_period,
+        dispiration,
+        enclosed_defects,
+        exact_burgers_vector,
+        find_defects,
+        parallel_dislocations,
+        parallel_edges,
+        parallel_screws,
+    )
+    from geomtorsion.ode import (
+        ODE,
+        At,
+        Engine,
+        Ensemble,
+        RungeKutta,
+        SavedSolution,
+        Solution,
+        Stiff,
+        Taylor,
+        When,
+        solve,
+        solve_many,
+    )
+    from geomtorsion.rigid import (
+        FreeTop,
+        free_top,
+    )
+    from geomtorsion.scenes import (
+        Body,
+        Scene,
+        SceneCost,
+        SceneResult,
+        State,
+        StateSelection,
+        effects,
+    )
+
 # Imported when first asked for, so that geometry alone starts as fast as sympy does.
 _LATER = {
     "codegen": ("numpy_function",),
@@ -30,12 +119,16 @@ _LATER = {
         "EquationsOfMotion", "Variation", "conserved_quantities", "equations_of_motion",
         "variation",
     ),
-    "motion": (
-        "Atlas", "Bundle", "Change", "Chart", "Connecting", "Engine", "Flow", "FlowBundle",
-        "FlowSolution", "FreeTop", "Problem", "RungeKutta", "Solution", "Stiff", "Taylor",
-        "autoparallel", "connecting", "distance_apart", "exponential_map", "flow", "free_top",
-        "geodesic", "geodesic_deviation", "holonomy", "parallel_transport", "solve", "solve_many",
+    "ode": (
+        "At", "Ensemble", "Engine", "ODE", "RungeKutta", "SavedSolution", "Solution", "Stiff",
+        "Taylor", "When", "solve", "solve_many",
     ),
+    "curves": (
+        "Atlas", "Chart", "CurveProblem", "LogMap", "TransitionMap", "autoparallel",
+        "distance_apart", "exponential_map", "geodesic", "geodesic_deviation", "holonomy",
+        "log_map", "parallel_transport",
+    ),
+    "rigid": ("FreeTop", "free_top"),
     "loops": (
         "AffineMap", "BurgersMap", "BurgersVector", "Defect", "Development", "DislocationNetwork",
         "EdgeList", "EnclosedDefect", "ExactBurgersVector", "Loop", "Network", "NodeRule",
@@ -54,19 +147,19 @@ _PACKAGES = ("exercises", "pictures", "scenes")
 _HOME = {name: package for package, names in _LATER.items() for name in names}
 
 __all__ = [
+    "ODE",
     "AffineMap",
+    "At",
     "Atlas",
     "Body",
-    "Bundle",
     "BurgersMap",
     "BurgersVector",
-    "Change",
     "Chart",
-    "Connecting",
     "Connection",
     "CostRow",
     "CostTable",
     "Curvature",
+    "CurveProblem",
     "Defect",
     "DependencyGraph",
     "Development",
@@ -74,22 +167,21 @@ __all__ = [
     "EdgeList",
     "EnclosedDefect",
     "Engine",
+    "Ensemble",
     "EquationsOfMotion",
     "ExactBurgersVector",
-    "Flow",
-    "FlowBundle",
-    "FlowSolution",
     "Frame",
     "FreeTop",
     "GeomtorsionError",
     "IdentityCheck",
+    "LogMap",
     "Loop",
     "Network",
     "NodeRule",
-    "Problem",
     "Reaction",
     "RungeKutta",
     "SampledFrame",
+    "SavedSolution",
     "Scene",
     "SceneCost",
     "SceneResult",
@@ -100,7 +192,9 @@ __all__ = [
     "Taylor",
     "Tensor",
     "Torsion",
+    "TransitionMap",
     "Variation",
+    "When",
     "accuracy_cost",
     "autoparallel",
     "blend",
@@ -108,7 +202,6 @@ __all__ = [
     "burgers_vector",
     "burgers_vectors",
     "cartan",
-    "connecting",
     "conserved_quantities",
     "contract",
     "develop",
@@ -124,7 +217,6 @@ __all__ = [
     "exercises",
     "exponential_map",
     "find_defects",
-    "flow",
     "free_top",
     "from_coefficients",
     "from_contortion",
@@ -134,6 +226,7 @@ __all__ = [
     "holonomy",
     "identities",
     "levi_civita",
+    "log_map",
     "numpy_function",
     "parallel_dislocations",
     "parallel_edges",

@@ -23,7 +23,7 @@ CIRCLE = gt.Loop.circle([0, 0], 1)
 ROUND = gt.Loop.circle([0, 0, 0], 1)
 VECTOR = gt.Tensor(PLANE, "u", {(0,): PLANE.read([("x", X)])[0]})
 CURVE = gt.geodesic(PLANE, [0, 0], [1, 1])
-ODE = gt.flow({"x": "v", "v": "-k*x"}, [1, 0], parameters={"k": 1})
+ODE = gt.ODE.of({"x": "v", "v": "-k*x"}, [1, 0], parameters={"k": 1})
 SOLVED = gt.solve(CURVE, 0.5, 1e-6, gt.RungeKutta())
 RUN = gt.solve(ODE, 0.5, 1e-6, gt.RungeKutta())
 BODY = scenes.Body(moments=(1, 2, 3))
@@ -100,7 +100,7 @@ def public_functions() -> list[Case]:
             parameters={}, accuracy=1e-6, engine=QUICK,
         ),
         _public(
-            "connecting", connection=RIEMANN, start=[0, 0], end=[0.5, 0.25], guess=[0.5, 0.25],
+            "log_map", connection=RIEMANN, start=[0, 0], end=[0.5, 0.25], guess=[0.5, 0.25],
             parameters={}, accuracy=1e-6, engine=QUICK,
         ),
         _public("distance_apart", one=SOLVED, two=SOLVED, chart=None),
@@ -277,16 +277,20 @@ def public_methods() -> list[Case]:
         _of("SampledFrame.plaquettes", GRID.plaquettes, plane=(0, 1)),
         _of("SampledFrame.burgers", GRID.burgers, loop=gt.Loop.circle([4, 4], 1)),
         _of("Solution.at", SOLVED.at, time=0.25),
-        _of("Solution.column", SOLVED.column, name="x"),
+        _of("Solution[]", lambda name: SOLVED[name], name="x"),
+        _of("Solution.event_times", SOLVED.event_times, term="x - 1/2", direction=0),
         _of("Solution.in_chart", SOLVED.in_chart, name="bent"),
-        _of("Problem.moved", CURVE.moved, start=[0, 0], velocity=[1, 0], frame_velocity=None),
-        _of("Problem.with_charts", lambda name: CURVE.with_charts(*[name]), name="bent"),
-        _of("Flow.moved", ODE.moved, start=[1, 0], parameters={"k": 2}, switches=None),
-        _of("FlowSolution.at", RUN.at, time=0.25),
-        _of("FlowSolution.zeros", RUN.zeros, term="x - 1/2", direction=0),
-        _of("FlowSolution[]", lambda name: RUN[name], name="x"),
         _of(
-            "solve_many of a flow", gt.solve_many, problem=ODE, starts=[[1, 0], [2, 0]], t=0.5,
+            "CurveProblem.with_start", CURVE.with_start, start=[0, 0], velocity=[1, 0],
+            frame_velocity=None,
+        ),
+        _of("CurveProblem.with_charts", lambda name: CURVE.with_charts(*[name]), name="bent"),
+        _of("ODE.with_start", ODE.with_start, start=[1, 0], parameters={"k": 2}, events=None),
+        _of("Solution of an ODE.at", RUN.at, time=0.25),
+        _of("Solution of an ODE.event_times", RUN.event_times, term="x - 1/2", direction=0),
+        _of("Solution of an ODE[]", lambda name: RUN[name], name="x"),
+        _of(
+            "solve_many of an ODE", gt.solve_many, problem=ODE, starts=[[1, 0], [2, 0]], t=0.5,
             accuracy=1e-6, engine=QUICK, check=1,
         ),
         _of("FreeTop.omega", gt.free_top((1, 2, 3), (1, 2, 3)).omega, times=[0, 1]),
@@ -415,8 +419,8 @@ def other_cases() -> list[Case]:
 # Results: what the package makes itself from what was checked. Nobody reads them from outside,
 # except from files, whose readers are tested.
 RESULTS = frozenset(
-    "BurgersMap BurgersVector Connecting CostRow CostTable Development EnclosedDefect "
-    "EquationsOfMotion ExactBurgersVector FlowBundle FlowSolution Bundle IdentityCheck NodeRule "
-    "SceneCost StateSelection SceneResult Solution Variation Atlas Chart Change Problem Flow "
-    "DislocationNetwork Engine".split()
+    "BurgersMap BurgersVector LogMap CostRow CostTable Development EnclosedDefect "
+    "EquationsOfMotion ExactBurgersVector Ensemble SavedSolution IdentityCheck NodeRule "
+    "SceneCost StateSelection SceneResult Solution Variation Atlas Chart TransitionMap "
+    "CurveProblem DislocationNetwork Engine".split()
 )

@@ -377,8 +377,8 @@ def test_no_array_file_is_run(kind, tmp_path):
     """NPZ: objects, text and the payload in the place of every array, and in the metadata."""
     path = tmp_path / "saved.npz"
     saved = {
-        "solution": (canary_cases.SOLVED.save, _recorded),
-        "flow": (canary_cases.RUN.save, gt.FlowSolution.load),
+        "solution": (canary_cases.SOLVED.save, gt.SavedSolution.load),
+        "flow": (canary_cases.RUN.save, gt.SavedSolution.load),
         "scene": (canary_cases.RESULT.save, scenes.SceneResult.load),
         "grid": (canary_cases.GRID.save, gt.SampledFrame.read),
     }
@@ -395,13 +395,6 @@ def test_no_array_file_is_run(kind, tmp_path):
             error, seen = WATCH.during(lambda: read(path))
             assert not seen, name
             assert error is None or isinstance(error, GeomtorsionError), f"{name}: {error!r}"
-
-
-def _recorded(path):
-    """A saved solution of a curve, read without its problem."""
-    from geomtorsion.motion import Recorded
-
-    return Recorded.load(path)
 
 
 # -- commands -------------------------------------------------------------------------------------

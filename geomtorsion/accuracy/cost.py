@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from geomtorsion.accuracy.truth import Truth, truth_of
+import numpy as np
+
+from geomtorsion.accuracy.truth import States, Truth, truth_of
+from geomtorsion.curves import CurveProblem
 from geomtorsion.errors import AccuracyError, GeomtorsionError
-from geomtorsion.motion import Engine, Problem, RungeKutta, Solution, Taylor, solve
-from geomtorsion.motion.engines.taylor import is_available
-from geomtorsion.motion.solving import checked_accuracy
+from geomtorsion.ode import ODE, Engine, RungeKutta, Solution, Taylor, solve
+from geomtorsion.ode.asked import checked_accuracy, checked_times
+from geomtorsion.ode.engines.taylor import is_available
 
 ACCURACIES = (1e-3, 1e-6, 1e-9, 1e-12)
 # Each solution is repeated for at least this long, in seconds, and the fastest counts.
-WATCHED = 0.02
+LONG_ENOUGH = 0.02
 
 
 @dataclass(frozen=True)
@@ -23,7 +26,7 @@ class CostRow:
     """One engine at one accuracy.
 
     asked: accuracy asked for; achieved: error against the truth; estimated: what `solve` said.
-    seconds: integration of the answer, and of what runs side by side with it;
+    seconds: integration of the answer;
     total_seconds: `solve` as a whole, error estimate included.
     compile_seconds: the first time, if anything was compiled.
     note: why there is no answer, or nothing.
@@ -122,23 +125,30 @@ def _time(seconds: float) -> str:
 
 
 def accuracy_cost(
-    problem: Problem,
-    t: float = 10.0,
+    problem: CurveProblem | ODE,
+    t: float | np.ndarray = 10.0,
     engines: Sequence[Engine] | None = None,
     accuracies: Sequence[float] = ACCURACIES,
+    *,
+    exact: States | None = None,
+    progress: Callable[[float], object] = lambda _: None,
 ) -> CostTable:
     """Measure what each accuracy costs with each engine.
 
     Parameters
     ----------
     problem
-        a motion.
+        a curve, or any first-order equations.
     t
-        how far to follow it.
+        how far to follow it, or times.
     engines
         Taylor() (if installed) and RungeKutta() if not given.
     accuracies
         what to ask `solve` for.
+    exact
+        function of times that gives the true states, where a closed form is known.
+    progress
+        called with the part that is done, from 0 to 1.
 
     Returns
     -------
@@ -152,7 +162,7 @@ def accuracy_cost(
 
     Examples
     --------
-    >>> from geomtorsion.motion import RungeKutta, geodesic
+    >>> from geomtorsion.curves import geodesic
     >>> from geomtorsion.spaces import load
     >>> p = geodesic(load("so3").frame, frame_velocity=[1, 2, 3], metric=[1, 2, 3])
     >>> table = accuracy_cost(p, 1.0, engines=[RungeKutta()], accuracies=[1e-6])
@@ -163,24 +173,31 @@ def accuracy_cost(
     if not asked:
         raise AccuracyError("no accuracy was given; give some, such as [1e-6, 1e-9].")
     solvers = list(engines or ([Taylor()] if is_available() else []) + [RungeKutta()])
-    truth = truth_of(problem, float(t))
-    rows = [_row(problem, float(t), solver, x, truth) for solver in solvers for x in asked]
-    return CostTable(str(problem), float(t), truth.name, tuple(rows))
+    times, grid = checked_times(t)
+    truth = truth_of(problem, grid, exact)
+    rows: list[CostRow] = []
+    for solver in solvers:
+        for accuracy in asked:
+            rows.append(_row(problem, times, solver, accuracy, truth))
+            progress(len(rows) / (len(solvers) * len(asked)))
+    return CostTable(str(problem), float(times[-1]), truth.name, tuple(rows))
 
 
-def _row(problem: Problem, t: float, engine: Engine, accuracy: float, truth: Truth) -> CostRow:
+def _row(
+    problem: CurveProblem | ODE, times: np.ndarray, engine: Engine, accuracy: float, truth: Truth
+) -> CostRow:
     """Solve, repeat for the clock, measure the error."""
     try:
-        first = solve(problem, t, accuracy, engine)
+        first = solve(problem, times, accuracy, engine)
     except GeomtorsionError as error:
         note = str(error).split(". ")[0]
         return CostRow(engine.name, accuracy, None, None, None, None, 0.0, 0, 0, note)
     best: Solution = first
     total = float("inf")
     began = time.perf_counter()
-    while total == float("inf") or time.perf_counter() - began < WATCHED:
+    while total == float("inf") or time.perf_counter() - began < LONG_ENOUGH:
         start = time.perf_counter()
-        found = solve(problem, t, accuracy, engine)
+        found = solve(problem, times, accuracy, engine)
         total = min(total, time.perf_counter() - start)
         if found.cost.run_seconds < best.cost.run_seconds:
             best = found

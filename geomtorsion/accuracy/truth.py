@@ -1,80 +1,68 @@
-"""Truth: what an error is measured against, a closed form or many more digits."""
+"""Truth: what errors are measured against, a closed form or many more digits."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from geomtorsion.motion.closed import closed_form
-from geomtorsion.motion.compare import difference
-from geomtorsion.motion.engines import RungeKutta, Taylor
-from geomtorsion.motion.engines.taylor import is_available
-from geomtorsion.motion.journey import travel
-from geomtorsion.motion.solving import SAMPLES
+import numpy as np
 
-if TYPE_CHECKING:
-    from geomtorsion.motion import Problem, Solution
+from geomtorsion.curves import CurveProblem
+from geomtorsion.curves.linear import closed_form
+from geomtorsion.ode import ODE, Engine, RungeKutta, Solution, Taylor
+from geomtorsion.ode.engines import Run
+from geomtorsion.ode.engines.taylor import is_available
+from geomtorsion.ode.error_estimate import difference
+from geomtorsion.ode.trajectory import Segment, Stage, Trajectory, integrate
 
-# Far below anything that double precision can show.
-QUADRUPLE_TOLERANCE = 1e-28
+# Far below anything that double precision can show, and what scipy can reach.
+QUADRUPLE_TOLERANCE, FINEST_DOUBLE = 1e-28, 2.3e-14
+# Function of times that gives exact states, one row for each time.
+States = Callable[[np.ndarray], Any]
 
 
 @dataclass(frozen=True)
 class Truth:
     """The best that is known about a motion.
 
-    name: what it is; error: largest error of a solution over the same times, relative to the
-    size of each block, as `solve` measures it.
+    name: what it is; trajectory: states at the times at which solutions are asked for.
     """
 
     name: str
-    error: Callable[[Solution], float]
+    problem: CurveProblem | ODE
+    trajectory: Trajectory
+
+    def error(self, solution: Solution) -> float:
+        """Largest error of a solution, each group of states against its own size."""
+        return difference(self.problem, solution.trajectory, self.trajectory)
 
 
-def truth_of(problem: Problem, t: float) -> Truth:
-    """A closed form if there is one, else quadruple precision, else the finest Runge-Kutta."""
-    import numpy as np
+def truth_of(problem: CurveProblem | ODE, grid: np.ndarray, exact: States | None = None) -> Truth:
+    """A closed form if there is one, else quadruple precision, else the finest Runge-Kutta.
 
-    grid = np.linspace(0.0, t, SAMPLES)
-    known = closed_form(problem)
-    if known is not None:
-        chart, states = known
-        exact = states(grid)
-        return Truth("the closed form", lambda solution: _against(solution, chart, exact))
-    engine, tolerance, name = RungeKutta(), 2.3e-14, "the finest Runge-Kutta solution"
+    grid: times from 0 on; exact: the closed form, where the problem does not know it itself.
+    """
+    known = closed_form(problem) if exact is None and isinstance(problem, CurveProblem) else None
+    if exact is not None or known is not None:
+        label, states = known if known is not None else ("", exact)
+        assert states is not None
+        return Truth("the closed form", problem, _tabulated(problem, grid, label, states))
+    engine: Engine = RungeKutta()
+    tolerance, name = FINEST_DOUBLE, "the finest Runge-Kutta solution"
     if is_available():
         engine, tolerance, name = Taylor(113), QUADRUPLE_TOLERANCE, "quadruple precision"
-    journey = travel(problem, engine, tolerance, grid * problem.speed)
-    return Truth(name, lambda solution: difference(solution.journey, journey)[0])
+    stage = problem.first_stage(engine.precision, 0.0)
+    return Truth(name, problem, integrate(stage, grid * problem.time_unit, tolerance, engine))
 
 
-def _against(solution: Solution, chart: str, exact: Any) -> float:
-    """Largest relative difference to exact states."""
-    import numpy as np
-
-    (segment,) = solution.journey.segments
-    assert segment.chart == chart
-    states = segment.states
-    gaps = np.array(
-        [
-            [float(abs(_number(x) - y)) for x, y in zip(row, line, strict=True)]
-            for row, line in zip(states, exact, strict=True)
-        ]
-    )
-    worst = 0.0
-    for block in segment.equations.system.blocks:
-        index = slice(block[0], block[-1] + 1)
-        size, gap = float(np.abs(states[:, index]).max()), float(gaps[:, index].max())
-        worst = max(worst, gap / size if size else gap)
-    return worst
-
-
-def _number(value: Any) -> Any:
-    """A state as mpmath number, all its digits kept."""
-    import mpmath
-
-    if isinstance(value, float):
-        return mpmath.mpf(value)
-    with mpmath.workprec(160):
-        return mpmath.mpf(str(value))
+def _tabulated(
+    problem: CurveProblem | ODE, grid: np.ndarray, label: str, states: States
+) -> Trajectory:
+    """A trajectory of exact states."""
+    stage: Stage = problem.first_stage(53, 0.0)
+    assert stage.label == label
+    rows = np.array([list(row) for row in states(grid)])
+    times = grid * problem.time_unit
+    run = Run(times, rows, float(times[-1]), rows[-1], "done", 0, 0, 0.0, 0.0)
+    return Trajectory(RungeKutta(), 0.0, (Segment(stage, run, 0, len(grid), rows),), "done")

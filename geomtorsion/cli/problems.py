@@ -7,8 +7,9 @@ from typing import Any, SupportsFloat
 
 from geomtorsion.checks import shown
 from geomtorsion.cli.values import named_numbers, number, numbers
+from geomtorsion.curves import CurveProblem
 from geomtorsion.errors import UnknownNameError
-from geomtorsion.motion import Engine, Problem, RungeKutta, Stiff, Taylor
+from geomtorsion.ode import Engine, RungeKutta, Stiff, Taylor
 
 ENGINES = {"taylor": Taylor, "rungekutta": RungeKutta, "stiff": Stiff}
 
@@ -43,7 +44,9 @@ def start_options(
     }
 
 
-def start_lines(problem: Problem, chosen: Sequence[str], last: float | None = None) -> list[str]:
+def start_lines(
+    problem: CurveProblem, chosen: Sequence[str], last: float | None = None
+) -> list[str]:
     """Start, velocity, parameters and duration, with a word where they were chosen."""
     names = problem.coordinates
     facts = {

@@ -12,7 +12,7 @@ from geomtorsion.errors import LimitError, NetworkError
 from geomtorsion.loops.arcs import shown
 from geomtorsion.loops.forms import Forms, forms
 from geomtorsion.loops.integrals import DISAGREE
-from geomtorsion.loops.quadrature import LEVELS, PIECE, ROUNDING, gauss_rule, ray_rule, refined
+from geomtorsion.loops.quadrature import LEVELS, ROUNDING, gauss_rule, ray_rule, refined
 
 if TYPE_CHECKING:
     from geomtorsion.loops.network import Network
@@ -155,14 +155,9 @@ def _fluxes(net: Network, faces: list[Face]) -> dict[frozenset[Hashable], tuple[
     spans = [(c[0], c[k], c[k + 1]) for c in corners for k in range(1, len(c) - 1)]
     if not spans:
         return {}
-    triangles = np.array(spans).transpose(1, 2, 0)
-    compiled = forms(net.frame, net.parameters)
-    # As many as fit in the cache, with some 16 points each.
-    blocks = [
-        _triangles(compiled, triangles[:, :, start : start + PIECE // 16])
-        for start in range(0, len(spans), PIECE // 16)
-    ]
-    values, errors = (np.concatenate(parts, axis=-1) for parts in zip(*blocks, strict=True))
+    values, errors = _triangles(
+        forms(net.frame, net.parameters), np.array(spans).transpose(1, 2, 0)
+    )
     totals = np.stack([np.bincount(owner, row, len(faces)) for row in values], axis=1)
     bounds = np.bincount(owner, errors, len(faces))
     return {
@@ -184,6 +179,9 @@ def _triangles(forms: Forms, corners: np.ndarray) -> tuple[np.ndarray, np.ndarra
     m, k = forms.pairs
     area = (first[m] * second[k] - first[k] * second[m])[form.columns]
 
+    def evaluate(levels: tuple[int, ...], which: np.ndarray) -> list[np.ndarray]:
+        return [flux(level, which) for level in levels]
+
     def flux(level: int, which: np.ndarray) -> np.ndarray:
         (s, w), (t, u) = ray_rule(2 * level + 4), gauss_rule(2 * level + 4)
         one = s[:, None] * np.ones_like(t)
@@ -195,8 +193,7 @@ def _triangles(forms: Forms, corners: np.ndarray) -> tuple[np.ndarray, np.ndarra
         return form.gather @ (values @ np.outer(w, u).ravel() * area[:, which])
 
     with np.errstate(all="ignore"):
-        begun = [flux(level, np.arange(count)) for level in (0, 1)]
-        found = refined(begun, flux, DISAGREE * ROUNDING, np.zeros(count), LEVELS)
+        found = refined(evaluate, count, DISAGREE * ROUNDING, np.zeros(count), LEVELS)
     bad = ~np.isfinite(found.values).all(axis=0)
     values = np.where(bad, 0.0, found.values)
     return values, np.where(bad, np.inf, found.truncation) + ROUNDING * np.abs(values).max(axis=0)

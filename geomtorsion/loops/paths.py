@@ -13,10 +13,11 @@ from geomtorsion.errors import LoopError
 from geomtorsion.loops.affine_form import AffineForm
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import SAME_POINT, Parameters, Part, Segment, shown
+from geomtorsion.loops.collocation import collocation, increments
 from geomtorsion.loops.cone import line_rate
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.planes import number, vector
-from geomtorsion.loops.transport import STAGES, collocation, increments, transported
+from geomtorsion.loops.transport import STAGES, transported
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Connection

@@ -138,15 +138,18 @@ def trapezoid(
     """The trapezoid rule on a closed smooth arc: spectral, compared with fewer points."""
     counts = [equidistant(arc.waves, level) for level in range(LEVELS)]
 
-    def mean(level: int, _: np.ndarray | None = None) -> np.ndarray:
+    def mean(level: int) -> np.ndarray:
         total = np.zeros(1)
         for start in range(0, counts[level], PIECE):
             s = places(counts[level], level, start, PIECE)
             total = total + integrand(*arc.shape(s)).sum(axis=1)
         return total[:, None] / counts[level]
 
+    def means(levels: tuple[int, ...], _: np.ndarray) -> list[np.ndarray]:
+        return [mean(level) for level in levels]
+
     levels = max(2, sum(count <= most for count in counts))
-    found = refined([mean(0), mean(1)], mean, accuracy, np.array([floor]), levels)
+    found = refined(means, 1, accuracy, np.array([floor]), levels)
     points = sum(counts[: found.intervals + 1])
     rule = f"trapezoid, {counts[found.intervals]} points"
     done = bool(found.converged[0])
@@ -164,8 +167,8 @@ def places(count: int, level: int, start: int = 0, most: int = MOST_POINTS) -> n
 
 
 def refined(
-    first: Sequence[np.ndarray],
-    evaluate: Callable[[int, np.ndarray], np.ndarray],
+    evaluate: Callable[[tuple[int, ...], np.ndarray], Sequence[np.ndarray]],
+    count: int,
     accuracy: float,
     floor: np.ndarray,
     levels: int,
@@ -174,16 +177,17 @@ def refined(
 
     Parameters
     ----------
-    first
-        Values of the first two levels, shape (m, k) each.
     evaluate
-        From a level and the numbers of the integrals that need it, to their values.
+        From levels and the numbers of the integrals that need them, to values of shape (m, k) for
+        each level. The first two are asked for in one call.
+    count
+        How many integrals there are.
     floor
-        Truncation below which each is good enough anyway, shape (k,).
+        Truncation below which each is good enough anyway, shape (count,); it is looked at after
+        the first level, which may fill it.
     """
-    before, better = first
-    count = better.shape[1]
     todo = np.arange(count)
+    before, better = evaluate((0, 1), todo)
     values = np.empty_like(better)
     truncation, converged = np.empty(count), np.empty(count, dtype=bool)
     level = 1
@@ -196,7 +200,7 @@ def refined(
         if level >= levels or good.all():
             break
         before, todo = better[:, ~good], todo[~good]
-        better = evaluate(level, todo)
+        (better,) = evaluate((level,), todo)
     truncation[np.isnan(truncation)] = np.inf
     return Integrals(values, truncation, converged, 0, level - 1)
 

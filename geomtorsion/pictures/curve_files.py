@@ -24,7 +24,7 @@ from geomtorsion.pictures.style import can_draw, save
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from geomtorsion.motion import Solution
+    from geomtorsion.ode import Solution
     from geomtorsion.pictures.pair import Pair
 
 Draw = Callable[["Pair"], "Figure"]
@@ -35,7 +35,7 @@ def curve_pictures(pair: Pair) -> dict[str, tuple[Draw, str]]:
 
     Examples
     --------
-    >>> from geomtorsion.motion import RungeKutta
+    >>> from geomtorsion.ode import RungeKutta
     >>> from geomtorsion.pictures.pair_solving import solve_pair
     >>> from geomtorsion.spaces import load
     >>> list(curve_pictures(solve_pair(load("so3"), engine=RungeKutta())))
@@ -67,7 +67,7 @@ def write_curves(
     --------
     >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
-    >>> from geomtorsion.motion import RungeKutta
+    >>> from geomtorsion.ode import RungeKutta
     >>> from geomtorsion.pictures.pair_solving import solve_pair
     >>> from geomtorsion.spaces import load
     >>> pair = solve_pair(load("s2"), engine=RungeKutta(), samples=5)
@@ -128,7 +128,7 @@ def _facts(pair: Pair, name: str, solution: Solution) -> Data:
         "law": solution.problem.law.text,
         "equations": solution.problem.text,
         "engine": solution.engine,
-        "why": solution.why,
+        "why": solution.reason,
         "charts": list(solution.charts),
         "error": solution.error,
         "drift": {key: float(value) for key, value in solution.drift.items()},

@@ -10,12 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import sympy as sp
 
+from geomtorsion.curves import CurveProblem, distance_apart
 from geomtorsion.errors import ChartEdgeError
-from geomtorsion.motion import (
-    Problem,
-    Solution,
-    distance_apart,
-)
+from geomtorsion.ode import Solution
 from geomtorsion.spaces.embeddings import Embedding, embedding_of
 
 if TYPE_CHECKING:
@@ -47,7 +44,7 @@ class Pair:
         return {"autoparallel": self.straight, "geodesic": self.shortest}
 
     @property
-    def problem(self) -> Problem:
+    def problem(self) -> CurveProblem:
         """The problem of the autoparallel; start and parameters are those of both."""
         return self.straight.problem
 

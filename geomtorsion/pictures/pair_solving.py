@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from sympy import Derivative
 
+from geomtorsion.curves import CurveProblem, autoparallel, geodesic
 from geomtorsion.errors import AccuracyError, ChartEdgeError, StartError
 from geomtorsion.geometry import cartan
-from geomtorsion.motion import Engine, Problem, Solution, autoparallel, geodesic, solve
+from geomtorsion.ode import Engine, Solution, solve
 from geomtorsion.pictures.pair import Pair
 from geomtorsion.spaces.first_motions import first_motion
 
@@ -56,7 +57,7 @@ def solve_pair(
 
     Examples
     --------
-    >>> from geomtorsion.motion import RungeKutta
+    >>> from geomtorsion.ode import RungeKutta
     >>> from geomtorsion.spaces import load
     >>> pair = solve_pair(load("flat_polar"), [1, 0], [0, 1], t=1, engine=RungeKutta(), samples=3)
     >>> pair.distance.round(6).tolist()
@@ -88,7 +89,7 @@ def pair_problems(
     t: float | None = None,
     parameters: Mapping[str, float] | None = None,
     moments: Sequence[float] | None = None,
-) -> tuple[dict[str, Problem], tuple[str, ...], float]:
+) -> tuple[dict[str, CurveProblem], tuple[str, ...], float]:
     """Both problems by name, what was chosen because it was not given, and the last time.
 
     Examples
@@ -145,7 +146,7 @@ def _times(t: float, samples: int) -> np.ndarray:
 
 def _solved(
     name: str,
-    problem: Problem,
+    problem: CurveProblem,
     times: np.ndarray,
     accuracy: float,
     engine: Engine | None,

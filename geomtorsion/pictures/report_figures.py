@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from geomtorsion.errors import GeomtorsionError, StartError
 from geomtorsion.loops import BurgersVector, Loop, burgers_vector
-from geomtorsion.motion import RungeKutta
+from geomtorsion.ode import RungeKutta
 from geomtorsion.pictures.curve_files import Draw, curve_pictures
 from geomtorsion.pictures.loops import draw_closure
 from geomtorsion.pictures.pair import Pair

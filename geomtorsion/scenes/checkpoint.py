@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geomtorsion.errors import CheckpointError
-from geomtorsion.motion import Engine, RungeKutta, Stiff, Taylor
-from geomtorsion.motion.engines.protocol import Run
-from geomtorsion.motion.flows.checkpoint import LEGS, Checkpoint, fingerprint
-from geomtorsion.motion.flows.travel import cut_legs, travel
-from geomtorsion.motion.solution import Cost
-from geomtorsion.motion.solving import checked_times
+from geomtorsion.ode import Engine, RungeKutta, Stiff, Taylor
+from geomtorsion.ode.asked import checked_times
+from geomtorsion.ode.checkpoint import PARTS, Checkpoint, fingerprint, part_name
+from geomtorsion.ode.engines.protocol import Run
+from geomtorsion.ode.solution import Cost
+from geomtorsion.ode.trajectory import Stage, integrate
 from geomtorsion.scenes.result import SceneResult, result_of
 from geomtorsion.scenes.to_ode import observed
 
@@ -56,34 +55,31 @@ def partial_result(scene: Scene, path: str | Path, engine: Engine | None = None)
     if not Path(path).exists():
         raise CheckpointError(f"{path}: there is no such checkpoint. Run the scene with it first.")
     saved = Checkpoint(path, fingerprint(ode, times, scene.accuracy, engine))
-    found: dict[tuple[str, str, str], int] = {}
-    for leg in saved.metadata["legs"]:
-        name, tolerance, _, moved = leg.rsplit(" ", 3)
-        found[name, tolerance, moved] = found.get((name, tolerance, moved), 0) + 1
+    found: dict[tuple[str, float, float], int] = {}
+    for part in saved.parts:
+        name, tolerance, perturbation, _ = part.rsplit(" ", 3)
+        key = name, float(tolerance), float(perturbation)
+        found[key] = found.get(key, 0) + 1
     if not found:
         raise CheckpointError(f"{path}: nothing was computed yet. Run the scene again.")
-    # Runs from a start that is moved only show how rounding grows.
-    name, tolerance, moved = max(found, key=lambda key: (float(key[2]) == 0, found[key]))
+    # Runs from a perturbed start only show how rounding grows.
+    name, tolerance, perturbation = max(found, key=lambda key: (key[2] == 0, found[key]))
     solver = engine if engine is not None and engine.name == name else _engine(name)
 
-    def leg_run(
-        leg: tuple[int, float],
-        _: Engine,
-        start: Sequence[float],
-        __: Sequence[float],
-        at: np.ndarray,
-        ___: float,
-    ) -> Run:
-        """A leg from the file; where it has none, the end."""
-        run = saved.known(f"{name} {tolerance} {leg[0]} {moved}", solver, at)
+    def from_file(k: int, stage: Stage, at: np.ndarray) -> Run:
+        """A part from the file; where it has none, the end."""
+        run = saved.known(part_name(solver, tolerance, perturbation, k), solver, at)
         if run is not None:
             return run
-        none = np.zeros((0, len(start)))
-        return Run(at[:0], none, float(at[0]), start, "interrupted", 0, 0, 0.0, 0.0)
+        none = np.zeros((0, len(stage.start)))
+        return Run(at[:0], none, float(at[0]), stage.start, "interrupted", 0, 0, 0.0, 0.0)
 
-    legs = cut_legs(ode, float(grid[-1]), LEGS)
-    trip = travel(ode, solver, float(tolerance), grid, legs, leg_run)
-    states = np.asarray(trip.states).astype(float)
+    end = float(grid[-1])
+    cuts = [end * k / PARTS for k in range(1, PARTS)]
+    stage = ode.first_stage(solver.precision, perturbation)
+    kept = integrate(stage, grid, tolerance, solver, cuts=cuts, runner=from_file)
+    rows = [ode.rows(segment, segment.states, "") for segment in kept.segments]
+    states = np.concatenate(rows).astype(float)
     # The start is in the grid even where it was not asked for.
     states = states[len(grid) - len(times) :]
     reached = times[: len(states)]
@@ -93,7 +89,7 @@ def partial_result(scene: Scene, path: str | Path, engine: Engine | None = None)
         values=observed(ode, scene.selection, reached, states),
         error=math.inf,
         drift={},
-        cost=Cost(trip.steps, trip.evaluations, 0.0, trip.run_seconds, 0.0),
+        cost=Cost(kept.steps, kept.evaluations, 0.0, kept.run_seconds, 0.0),
         engine=name,
         reason="kept from a run that was stopped",
         outcome="interrupted",

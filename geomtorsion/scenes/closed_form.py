@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion.errors import AccuracyError, TimeError
-from geomtorsion.motion import FreeTop, free_top, solve
-from geomtorsion.rigid import attitude
+from geomtorsion.ode import solve
+from geomtorsion.rigid import FreeTop, attitude, free_top
 from geomtorsion.scenes.context import OMEGA, POSITION, QUATERNION, VELOCITY, VERTICAL
 from geomtorsion.scenes.to_ode import parameters_of, start_of
 
@@ -160,7 +160,7 @@ def _checked(form: ClosedForm, last: float) -> tuple[float, float]:
 def _difference(scene: Scene, ours: np.ndarray, theirs: np.ndarray) -> float:
     """Largest difference of states, each group of states against its own size."""
     worst = 0.0
-    for group in scene.ode.system.blocks:
+    for group in scene.ode.system.groups:
         places = list(group)
         size = np.abs(theirs[:, places]).max()
         gap = np.abs(ours[:, places] - theirs[:, places]).max()

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import mpmath
 import sympy as sp
 
+from geomtorsion.codegen import graph
 from geomtorsion.errors import GeomtorsionError
-from geomtorsion.motion.flows.tape import BITS, Tape
 from geomtorsion.scenes.assembly import WORK, Assembly, by_quaternion
 from geomtorsion.scenes.context import ATTITUDE, QUATERNION, TIME, VERTICAL
 
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from geomtorsion.scenes.selection import StateSelection
 
 # A rate that is this far below its terms counts as zero: with fractions it is zero exactly, with
-# roots and functions there are 120 digits, of which half are more than enough.
-NOTHING = 1e-60
+# roots and functions there are 120 digits (400 bits), of which half are more than enough.
+NOTHING, BITS = 1e-60, 400
 
 
 def invariants(
@@ -89,16 +89,16 @@ def is_constant(made: Assembly, quantity: sp.Expr) -> bool:
     if not terms:
         return True
     names = sorted({symbol.name for term in terms for symbol in term.free_symbols})
-    tape = Tape(tuple(names), tuple(terms))
+    made_of = graph(names, terms, factor=False)
     chance = Random(20)
     try:
         # One place could be a zero of the rate by accident, three are none.
         for _ in range(3):
             place = _place(made, chance)
             here = [place.get(name, _number(chance)) for name in names]
-            if not all(map(math.isfinite, tape.floats([float(x) for x in here]))):
+            if not all(map(math.isfinite, made_of.numpy()(*[float(x) for x in here]).tolist())):
                 return False  # More digits of exp(exp(exp(...))) would take for ever.
-            values = tape.exactly(here)
+            values = made_of.exactly(here, BITS)
             with mpmath.workprec(BITS):
                 total = abs(sum(values[1:], values[0]))
                 if total > NOTHING * max(abs(value) for value in values):

@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from geomtorsion.errors import GeomtorsionError, SceneError
-from geomtorsion.motion import solve
+from geomtorsion.ode import solve
 from geomtorsion.scenes.assembly import assemble
 from geomtorsion.scenes.observables import observable
 
 if TYPE_CHECKING:
-    from geomtorsion.motion import Engine
+    from geomtorsion.ode import Engine
     from geomtorsion.scenes.scene import Scene
 
 

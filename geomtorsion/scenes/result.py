@@ -16,18 +16,18 @@ from geomtorsion import files
 from geomtorsion.checks import did_you_mean
 from geomtorsion.errors import FileFormatError, SceneError, UnknownNameError
 from geomtorsion.files import TEXT_FORM, ArrayForm
-from geomtorsion.motion import solve
-from geomtorsion.motion.solution import Cost
-from geomtorsion.motion.tables import pandas_table
+from geomtorsion.ode import solve
+from geomtorsion.ode.solution import Cost
+from geomtorsion.ode.tables import pandas_table
 from geomtorsion.scenes.plotting import plot
-from geomtorsion.scenes.to_ode import invariant_changes, observed
+from geomtorsion.scenes.to_ode import observed
 
 if TYPE_CHECKING:
     import pandas
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
 
-    from geomtorsion.motion import FlowSolution
+    from geomtorsion.ode import Solution
     from geomtorsion.scenes.closed_form import ClosedForm
     from geomtorsion.scenes.scene import Scene
     from geomtorsion.scenes.selection import StateSelection
@@ -96,7 +96,7 @@ class SceneResult:
     outcome: str
     selection: StateSelection | str
     closed_form: str | None = None
-    solved: FlowSolution | None = None
+    solved: Solution | None = None
     form: ClosedForm | None = None
 
     @property
@@ -159,10 +159,10 @@ class SceneResult:
             states = np.asarray(self.solved.states, dtype=float)
         else:
             return {}
-        return invariant_changes(self.scene.ode, self.times, states)
+        return self.scene.ode.changes(self.times, states)
 
     @cached_property
-    def solution(self) -> FlowSolution:
+    def solution(self) -> Solution:
         """The solution of the equations: single states, dense output, zeros.
 
         It is integrated now where the closed form was used.

@@ -11,7 +11,7 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import SceneError
-from geomtorsion.motion.solving import checked_accuracy, checked_times
+from geomtorsion.ode.asked import checked_accuracy, checked_times
 from geomtorsion.scenes.assembly import Assembly, assemble
 from geomtorsion.scenes.body import Body
 from geomtorsion.scenes.context import Number
@@ -30,8 +30,7 @@ from geomtorsion.scenes.to_ode import ode_of, parameters_of, pruned_rates, start
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from geomtorsion.motion import Engine
-    from geomtorsion.motion.flows import Flow
+    from geomtorsion.ode import ODE, Engine
 
 
 @dataclass(frozen=True)
@@ -140,7 +139,7 @@ class Scene:
         return StateSelection(self.title or self.name, self.assembly, quantities, titles)
 
     @cached_property
-    def ode(self) -> Flow:
+    def ode(self) -> ODE:
         """The equations that are solved, with start, parameters and invariants."""
         return ode_of(self)
 

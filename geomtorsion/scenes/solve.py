@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion.errors import StuckError
-from geomtorsion.motion import solve
-from geomtorsion.motion.solution import Cost
+from geomtorsion.ode import solve
+from geomtorsion.ode.solution import Cost
 from geomtorsion.scenes.closed_form import NAME, ClosedForm, checked_states, closed_form
 from geomtorsion.scenes.result import SceneResult, result_of
-from geomtorsion.scenes.to_ode import invariant_changes, observed
+from geomtorsion.scenes.to_ode import observed
 
 if TYPE_CHECKING:
-    from geomtorsion.motion import Engine, FlowSolution
+    from geomtorsion.ode import Engine, Solution
     from geomtorsion.scenes.scene import Scene
 
 
@@ -46,7 +46,7 @@ def solve_scene(
     return of_solution(scene, solved)
 
 
-def of_solution(scene: Scene, solved: FlowSolution) -> SceneResult:
+def of_solution(scene: Scene, solved: Solution) -> SceneResult:
     """The result of a scene from the solution of its equations."""
     states = np.asarray(solved.states, dtype=float)
     return result_of(
@@ -57,7 +57,7 @@ def of_solution(scene: Scene, solved: FlowSolution) -> SceneResult:
         drift=dict(solved.drift),
         cost=solved.cost,
         engine=solved.engine,
-        reason=solved.why,
+        reason=solved.reason,
         outcome=solved.outcome,
         solved=solved,
     )
@@ -69,7 +69,7 @@ def _in_closed_form(scene: Scene, form: ClosedForm) -> SceneResult | None:
     found = checked_states(form, times)
     if found is None:
         return None
-    changes = invariant_changes(scene.ode, times, found.states)
+    changes = scene.ode.changes(times, found.states)
     return result_of(
         scene,
         times=times,

@@ -14,8 +14,8 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import AccuracyError, SceneError, StartError, StuckError
-from geomtorsion.motion import solve_many
-from geomtorsion.motion.tables import pandas_table
+from geomtorsion.ode import solve_many
+from geomtorsion.ode.tables import pandas_table
 from geomtorsion.pictures.scene_sweep import sweep_picture
 from geomtorsion.pictures.style import STYLE, number, save
 from geomtorsion.scenes.closed_form import closed_form
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     import pandas
     from matplotlib.figure import Figure
 
-    from geomtorsion.motion import Engine
+    from geomtorsion.ode import Engine
     from geomtorsion.scenes.scene import Scene
     from geomtorsion.scenes.state import State
 
@@ -330,7 +330,7 @@ def _solve_group(
 ) -> None:
     """Solve motions of equal equations, in the way that suits them, and measure them."""
     first = members[0].scene or scene
-    if first.ode.law.stop is not None or np.ndim(first.t):
+    if first.ode.rates.stop is not None or np.ndim(first.t):
         _one_by_one(scene, members, engine, found)
     elif engine is None and closed_form(first) is not None:
         _in_closed_form(scene, members, found)
@@ -357,7 +357,8 @@ def _in_batches(
         some = members[begin : begin + room]
         starts = {name: np.array([float(m.start[name]) for m in some]) for name in ode.states}
         starts |= {
-            name: np.array([float(m.parameters[name]) for m in some]) for name in ode.law.parameters
+            name: np.array([float(m.parameters[name]) for m in some])
+            for name in ode.rates.parameters
         }
         solved = solve_many(ode, starts, times, scene.accuracy, engine, progress=False)
         found.error = max(found.error, solved.error)

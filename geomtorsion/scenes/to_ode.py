@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +10,7 @@ import sympy as sp
 
 from geomtorsion.checks import expression as expression_of
 from geomtorsion.errors import SceneError, StartError
-from geomtorsion.motion.flows import flow, reading
+from geomtorsion.ode import ODE, At, When
 from geomtorsion.rigid import attitude
 from geomtorsion.scenes.assembly import by_quaternion
 from geomtorsion.scenes.conserved import invariants
@@ -25,7 +25,6 @@ from geomtorsion.scenes.context import (
 )
 
 if TYPE_CHECKING:
-    from geomtorsion.motion.flows import Flow
     from geomtorsion.scenes.scene import Scene
     from geomtorsion.scenes.selection import StateSelection
     from geomtorsion.scenes.state import State
@@ -58,7 +57,7 @@ def attitude_states(selection: StateSelection) -> dict[sp.Symbol, sp.Expr]:
     return by_quaternion() if selection.uses_quaternion else {}
 
 
-def ode_of(scene: Scene) -> Flow:
+def ode_of(scene: Scene) -> ODE:
     """The equations of a scene: one compiled integrator serves all scenes with equal equations."""
     selection = scene.selection
     chosen = attitude_states(selection)
@@ -76,15 +75,20 @@ def ode_of(scene: Scene) -> Flow:
     stops = [part.stop for part in parts if part.stop is not None]
     if len(stops) > 1:
         raise SceneError("two effects stop the motion. Keep one of them.")
-    return flow(
+    events: list[At | When] = []
+    for part in parts:
+        # Times are numbers of any kind; `ODE.of` checks them.
+        events += [At(time, changes) for time, changes in part.switches]  # type: ignore[arg-type]
+    if stops:
+        events.append(When(made.constrained(stops[0]).xreplace(chosen)))
+    return ODE.of(
         pruned_rates(selection),
         start_of(selection, scene.start),
         parameters=parameters_of(selection, scene.start),
         invariants=invariants(selection, scene.correct_assembly, chosen),
         outputs=outputs,
-        switches=[switch for part in parts for switch in part.switches],
-        stop=made.constrained(stops[0]).xreplace(chosen) if stops else None,
-        unit=unit,
+        events=events,
+        normalized=unit,
         name=scene.title or scene.name,
     )
 
@@ -165,10 +169,10 @@ def _check_constrained(
 
 
 def observed(
-    ode: Flow, selection: StateSelection, times: np.ndarray, states: np.ndarray
+    ode: ODE, selection: StateSelection, times: np.ndarray, states: np.ndarray
 ) -> dict[str, np.ndarray]:
     """What is watched, by name, of states of shape (m, size) at these times."""
-    found = reading.outputs(ode, times, states)
+    found = ode.read_outputs(times, states)
     values = {}
     for item in selection.watch:
         value = found[f"watch {item.name}"]
@@ -176,29 +180,3 @@ def observed(
             value = item.finish(value)
         values[item.name] = value if item.labels or value.ndim == 1 else value[:, 0]
     return values
-
-
-def invariant_changes(ode: Flow, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
-    """Change of each invariant since the start (since the last switch), relative to its terms."""
-    shapes: Sequence[tuple[str, int]] = ode.shapes(ode.invariants)
-    if not shapes or not len(times):
-        return {}
-    # Times need not begin with the start, changes do.
-    before = int(times[0] != 0 and not any(at == 0 for at, _ in ode.switches))
-    when = np.concatenate(([0.0] * before, times))
-    start = np.array([[float(x) for x in ode.start]] * before).reshape(before, ode.size)
-    values = reading.arguments(ode, when, np.concatenate((start, states)))
-    skip = sum(max(parts, 1) for _, parts in ode.shapes(ode.outputs))
-    rows = [np.broadcast_to(x, len(when)) for x in ode.tape.arrays(values)[skip:]]
-    sizes = [np.broadcast_to(x, len(when)) for x in ode.tape.sizes(values)[skip:]]
-    interval = np.searchsorted([at for at, _ in ode.switches], when, "right")
-    first = np.searchsorted(interval, interval)
-    place, table = 0, {}
-    for name, parts in shapes:
-        count = max(parts, 1)
-        total = np.array(rows[place : place + count])
-        size = float(np.abs(np.array(sizes[place : place + count])).max())
-        change = np.abs(total - total[:, first]).max(axis=0)[before:]
-        table[name] = change / size if size else change
-        place += count
-    return table

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import sympy as sp
 
+from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap
 from geomtorsion.geometry import Frame
-from geomtorsion.motion.charts import Atlas, Change, Chart
 
 # Motions leave a compass when the sine of the colatitude falls below this.
 MARGIN = 0.25
@@ -34,8 +34,8 @@ def sphere(frame: Frame) -> Atlas:
         "s2_x": lambda: Chart.of(turned, edge=sp.sin(other[0]), margin=MARGIN, keeps_frame=False),
     }
     maps = (
-        Change("s2", "s2_x", (theta, phi), there, angles=(1,)),
-        Change("s2_x", "s2", other, back, angles=(1,)),
+        TransitionMap("s2", "s2_x", (theta, phi), there, angles=(1,)),
+        TransitionMap("s2_x", "s2", other, back, angles=(1,)),
     )
     return Atlas("s2", makers, lambda: maps)
 
@@ -74,8 +74,8 @@ def cartesian(frame: Frame) -> Atlas:
         home: lambda: Chart.of(frame, edge=edge(*q), margin=NEAR),
     }
     maps = (
-        Change(home, "cartesian", q, there(*q)),
-        Change("cartesian", home, plain, back, angles=angles),
+        TransitionMap(home, "cartesian", q, there(*q)),
+        TransitionMap("cartesian", home, plain, back, angles=angles),
     )
     return Atlas(home, makers, lambda: maps)
 

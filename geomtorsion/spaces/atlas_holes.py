@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import sympy as sp
 
+from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap
 from geomtorsion.geometry import Frame
-from geomtorsion.motion.charts import Atlas, Change, Chart
 from geomtorsion.spaces.atlas_curvilinear import spherical
 
 # Ingoing coordinates are left for Cartesian ones where the sine of the colatitude is below this.
@@ -53,8 +53,10 @@ def schwarzschild(frame: Frame) -> Atlas:
         "kerr_schild": far,
     }
     maps = (
-        Change("schwarzschild", "kerr_schild", (t, r, theta, phi), there, (mass,), (), outside),
-        Change("kerr_schild", "schwarzschild", inner, back, (mass,), (3,), beyond),
+        TransitionMap(
+            "schwarzschild", "kerr_schild", (t, r, theta, phi), there, (mass,), (), outside
+        ),
+        TransitionMap("kerr_schild", "schwarzschild", inner, back, (mass,), (3,), beyond),
     )
     return Atlas("schwarzschild", makers, lambda: maps)
 
@@ -110,8 +112,8 @@ def kerr(frame: Frame) -> Atlas:
         "kerr_schild": everywhere,
     }
     maps = (
-        Change("kerr", "ingoing", frame.coordinates, there, (mass, a), (), samples[0]),
-        Change("ingoing", "kerr", inner, back, (mass, a), (3,), samples[1]),
+        TransitionMap("kerr", "ingoing", frame.coordinates, there, (mass, a), (), samples[0]),
+        TransitionMap("ingoing", "kerr", inner, back, (mass, a), (3,), samples[1]),
         around,
         inwards,
     )
@@ -120,7 +122,7 @@ def kerr(frame: Frame) -> Atlas:
 
 def _kerr_schild(
     mass: sp.Symbol, a: sp.Symbol, ingoing: tuple[sp.Symbol, ...]
-) -> tuple[Callable[[], Chart], Change, Change]:
+) -> tuple[Callable[[], Chart], TransitionMap, TransitionMap]:
     """g = eta + 2 H l l in T = v - r and x + i y = (r + i a) sin(theta) exp(i phi_in).
 
     It ends nowhere but on the ring r = 0. The maps lead from ingoing coordinates and back.
@@ -158,6 +160,6 @@ def _kerr_schild(
     there = dict(zip(ingoing, (0, 5, 1, 1), strict=True)) | numbers
     return (
         everywhere,
-        Change("ingoing", "kerr_schild", ingoing, out, (a,), (), there),
-        Change("kerr_schild", "ingoing", cartesian, back, (a,), (3,), here),
+        TransitionMap("ingoing", "kerr_schild", ingoing, out, (a,), (), there),
+        TransitionMap("kerr_schild", "ingoing", cartesian, back, (a,), (3,), here),
     )

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 
 import sympy as sp
 
+from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap
 from geomtorsion.geometry import Frame
-from geomtorsion.motion.charts import Atlas, Change, Chart
 
 # Motions leave a chart of angles when the sine in its determinant falls below this.
 MARGIN = 0.25
@@ -96,7 +96,7 @@ EULER: dict[str, tuple[str, tuple[int, int, int], Callable[[sp.Expr], sp.Expr]]]
 
 def _euler_changes(
     name: str, coordinates: Sequence[sp.Symbol], places: Sequence[sp.Symbol] = ()
-) -> tuple[Change, ...]:
+) -> tuple[TransitionMap, ...]:
     """Between one set of angles and the quaternion."""
     axes, order, _ = EULER[name]
     own, hub = (*coordinates, *places), (*QUATERNION, *places)
@@ -106,8 +106,8 @@ def _euler_changes(
     for place, angle in zip(order, angles, strict=True):
         back[place] = angle
     return (
-        Change(name, "quaternion", own, there),
-        Change("quaternion", name, hub, (*back, *places), angles=(0, 1, 2)),
+        TransitionMap(name, "quaternion", own, there),
+        TransitionMap("quaternion", name, hub, (*back, *places), angles=(0, 1, 2)),
     )
 
 
@@ -132,7 +132,7 @@ def rotations(frame: Frame) -> Atlas:
     if places or home == "so3_right":
         return Atlas(home, makers, lambda: _euler_changes(home, frame.coordinates[:3], places))
 
-    def changes() -> tuple[Change, ...]:
+    def changes() -> tuple[TransitionMap, ...]:
         there = load(second).frame.coordinates
         return (*_euler_changes(home, frame.coordinates), *_euler_changes(second, there))
 

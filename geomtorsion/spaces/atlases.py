@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from geomtorsion.curves.atlas import Atlas, single
 from geomtorsion.geometry import Frame
-from geomtorsion.motion.charts import Atlas, single
 from geomtorsion.spaces.atlas_curvilinear import cartesian, sphere
 from geomtorsion.spaces.atlas_holes import kerr, schwarzschild
 from geomtorsion.spaces.atlas_rotations import EULER, rotations
@@ -17,7 +17,7 @@ def attach(space: Space) -> Space:
 
     Examples
     --------
-    >>> from geomtorsion.motion.charts import atlas_of
+    >>> from geomtorsion.curves.atlas import atlas_of
     >>> from geomtorsion.spaces.so3 import space
     >>> atlas_of(attach(space("so3", "")).frame).names
     ('quaternion', 'so3', 'so3_xyz')

@@ -6,10 +6,11 @@ import sys
 import pytest
 
 from geomtorsion.accuracy import accuracy_cost
+from geomtorsion.curves import autoparallel, geodesic
 from geomtorsion.errors import AccuracyError, MissingExtraError
 from geomtorsion.geometry import cartan
-from geomtorsion.motion import RungeKutta, autoparallel, geodesic
-from geomtorsion.motion.engines.taylor import is_available
+from geomtorsion.ode import RungeKutta
+from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.spaces import load
 
 SO3 = load("so3").frame

@@ -151,12 +151,12 @@ def test_relations_over_the_rationals():
 
 
 def test_flow_gets_the_invariants():
-    """gt.flow takes the equations as they are, and gt.solve measures how well they are kept."""
+    """gt.ODE.of takes the equations as they are, and gt.solve measures how well they are kept."""
     frame = spaces.load("so3").frame
     found = gt.equations_of_motion(frame, SPIN - sp.Symbol("w") * sp.cos(frame.coordinates[1]))
     start = {"phi1": 0, "phi2": 1, "phi3": 0, "u1": 0.1, "u2": 0, "u3": 5}
     values = {"I1": 1, "I2": 2, "I3": 3, "w": 0.5}
-    solution = gt.solve(gt.flow(found, start, parameters=values), 3.0, accuracy=1e-10)
+    solution = gt.solve(gt.ODE.of(found, start, parameters=values), 3.0, accuracy=1e-10)
     assert set(solution.drift) == {"energy", "momentum of phi3"}
     assert max(solution.drift.values()) < 1e-9
     assert solution.error < 1e-10

@@ -44,7 +44,7 @@ def pushes(draw, frame):
 @QUIET
 @given(data=st.data(), principle=st.sampled_from(["closed_in_coordinates", "closed_in_image"]))
 def test_quasi_velocities_and_coordinates_agree(data, principle):
-    """Boltzmann-Hamel equals Euler-Lagrange exactly, with forces, for both right principles."""
+    """Boltzmann-Geodesic equals Euler-Lagrange exactly, with forces, for both right principles."""
     frame, lagrangian = data.draw(cases())
     forces = pushes(data.draw, frame)
     found = gt.equations_of_motion(frame, lagrangian, forces, principle)

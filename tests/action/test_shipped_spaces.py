@@ -4,7 +4,7 @@ import pytest
 import sympy as sp
 
 import geomtorsion as gt
-from geomtorsion.motion.laws import Hamel
+from geomtorsion.curves.laws import Geodesic
 
 NAMES = [name for name in gt.spaces.names() if not gt.spaces.load(name).frame.complex]
 
@@ -24,7 +24,7 @@ def test_geodesics_and_autoparallels(name):
     shortest = gt.equations_of_motion(frame, energy)
     assert shortest.agrees is True
     assert [symbol.name for symbol in shortest.velocities] == [symbol.name for symbol in u]
-    law = Hamel().rates(frame, [symbol.name for symbol in u])
+    law = Geodesic().rates(frame, [symbol.name for symbol in u])
     assert law is not None
     own = shortest.hamel.bundle.frame
     assert shortest.hamel.accelerations is not None

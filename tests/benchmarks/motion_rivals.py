@@ -11,8 +11,9 @@ import numpy as np
 import sympy as sp
 from scipy.integrate import solve_ivp
 
-from geomtorsion.motion import Problem, Taylor
-from geomtorsion.motion.journey import travel
+from geomtorsion.curves import CurveProblem
+from geomtorsion.ode import Taylor
+from geomtorsion.ode.trajectory import integrate
 from tests.benchmarks.motions import SAMPLES, Case, exact
 
 
@@ -75,7 +76,7 @@ def _error(states: Any, truth: Any, blocks: Sequence[slice] = (slice(None),)) ->
 
 def scipy_on_christoffel(case: Case, accuracy: float, limit: float = 20.0) -> float | None:
     """CPU seconds of scipy's DOP853 on lambdified Christoffel symbols; None if out of reach."""
-    if case.connection is None or not isinstance(case.problem, Problem):
+    if case.connection is None or not isinstance(case.problem, CurveProblem):
         return None
     frame = case.problem.frame
     n = frame.dimension
@@ -91,10 +92,11 @@ def scipy_on_christoffel(case: Case, accuracy: float, limit: float = 20.0) -> fl
         ([float(x) for x in case.problem.start or ()], np.asarray(case.problem.velocity))
     )
     grid = np.linspace(0, case.t, SAMPLES)
-    journey = travel(case.problem, Taylor(64), 1e-18, grid * case.problem.speed)
-    truth = np.concatenate([s.states for s in journey.segments])[:, :n].astype(float)
-    if journey.segments[0].chart != case.problem.atlas.home:
-        from geomtorsion.motion import solve
+    stage = case.problem.first_stage(64, 0.0)
+    trajectory = integrate(stage, grid * case.problem.time_unit, 1e-18, Taylor(64))
+    truth = np.concatenate([s.states for s in trajectory.segments])[:, :n].astype(float)
+    if trajectory.segments[0].label != case.problem.atlas.home:
+        from geomtorsion.ode import solve
 
         truth = solve(case.problem.with_charts(case.problem.atlas.home), grid, 1e-12).coordinates
 

@@ -11,8 +11,9 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion.accuracy.truth import truth_of
+from geomtorsion.curves import CurveProblem, autoparallel, geodesic
 from geomtorsion.geometry import Frame, cartan, levi_civita
-from geomtorsion.motion import Flow, Problem, autoparallel, flow, geodesic
+from geomtorsion.ode import ODE
 from geomtorsion.spaces import load
 
 MOMENTS = (1.1, 2.2, 3.3)
@@ -34,7 +35,7 @@ class Case:
     """
 
     name: str
-    problem: Problem | Flow
+    problem: CurveProblem | ODE
     t: float
     by_hand: Callable[[Any], tuple[list[Any], list[float], list[float]]]
     connection: Any = None
@@ -102,7 +103,7 @@ def kerr_orbit(hy: Any) -> tuple[list[Any], list[float], list[float]]:
     return rates, start, values
 
 
-def carter(problem: Problem, velocity: Any) -> tuple[list[float], list[float]]:
+def carter(problem: CurveProblem, velocity: Any) -> tuple[list[float], list[float]]:
     """Start and constants of Carter's equations, from frame velocities at the problem's start."""
     assert problem.start is not None
     t0, r0, theta, phi0 = (float(q) for q in problem.start)
@@ -144,7 +145,7 @@ def heavy_top(hy: Any) -> tuple[list[Any], list[float], list[float]]:
     return rates, [*SPIN, *UPRIGHT], [(a - c) / a, WEIGHT / a]
 
 
-def heavy_flow() -> Flow:
+def heavy_flow() -> ODE:
     """The same as a flow: I u' = I u x u + w n x e3 with Ix = Iy, n' = n x u."""
     names = ("x", "y", "z", "n1", "n2", "n3")
     rates = {
@@ -158,7 +159,7 @@ def heavy_flow() -> Flow:
     start = dict(zip(names, (*SPIN, *UPRIGHT), strict=True))
     across, _, along = LAGRANGE
     numbers = {"A": across, "C": along, "w": WEIGHT}
-    return flow(rates, start, parameters=numbers, name="heavy top")
+    return ODE.of(rates, start, parameters=numbers, name="heavy top")
 
 
 def _angle_rates(hy: Any, f1: Any, f2: Any, x: Any, y: Any, z: Any, f3: Any) -> list[Any]:
@@ -177,7 +178,7 @@ def _quaternion() -> list[float]:
     return [q[3], q[0], q[1], q[2]]
 
 
-def kerr() -> Problem:
+def kerr() -> CurveProblem:
     """A bound orbit off the equator, r from 7.5 to 10.8; some two hundred steps to t = 1500."""
     return geodesic(
         load("kerr").frame,
@@ -237,7 +238,7 @@ def exact(rates: Any, start: Any, values: Any, grid: Any) -> Any:
 
 def true_error(case: Case, solution: Any) -> float:
     """Error of one of our solutions against closed form or quadruple precision."""
-    if isinstance(case.problem, Problem):
+    if isinstance(case.problem, CurveProblem):
         return truth_of(case.problem, case.t).error(solution)
     rates, start, values = case.by_hand(import_module("heyoka"))
     truth = exact(rates, start, values, np.linspace(0, case.t, SAMPLES))

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from geomtorsion.accuracy.truth import truth_of
+from geomtorsion.curves import autoparallel, geodesic
 from geomtorsion.errors import ChartEdgeError
 from geomtorsion.geometry import blend, cartan, levi_civita
-from geomtorsion.motion import RungeKutta, Taylor, autoparallel, geodesic, solve
+from geomtorsion.ode import RungeKutta, Taylor, solve
 from geomtorsion.spaces import load
 
 pytest.importorskip("heyoka")

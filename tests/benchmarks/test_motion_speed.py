@@ -12,12 +12,11 @@ from functools import partial
 import numpy as np
 import pytest
 
-from geomtorsion.motion import Problem, RungeKutta, Taylor, geodesic, solve, solve_many
-from geomtorsion.motion.engines.store import kept
-from geomtorsion.motion.flows.travel import legs_of
-from geomtorsion.motion.flows.travel import travel as flow_travel
-from geomtorsion.motion.journey import travel
-from geomtorsion.motion.many import run_lanes
+from geomtorsion.curves import geodesic
+from geomtorsion.ode import RungeKutta, Taylor, solve, solve_many
+from geomtorsion.ode.engines.compiled import kept
+from geomtorsion.ode.members import run_members
+from geomtorsion.ode.trajectory import integrate
 from geomtorsion.spaces import load
 from tests.benchmarks.motion_rivals import (
     best_times,
@@ -101,13 +100,9 @@ def test_against_rivals(case, capsys):
 
 def _alone(case, engine, sol):
     """The answer by itself, at the tolerance that was found."""
-    if isinstance(case.problem, Problem):
-        return travel(
-            case.problem, engine, sol.journey.tolerance, np.asarray(sol.times) * case.problem.speed
-        )
-    return flow_travel(
-        case.problem, engine, sol.trip.tolerance, sol.times, legs_of(case.problem, case.t)
-    )
+    stage = case.problem.first_stage(engine.precision, 0.0)
+    times = np.asarray(sol.times) * case.problem.time_unit
+    return integrate(stage, times, sol.trajectory.tolerance, engine)
 
 
 @pytest.mark.parametrize("accuracy", ACCURACIES)
@@ -121,9 +116,9 @@ def test_batch(accuracy, with_attitude, capsys):
     assert many.error <= accuracy
     rate, hand = 0.0, 0.0
     for _ in range(4):
-        rate = max(rate, _lanes(Taylor(), many))
+        rate = max(rate, _members(Taylor(), many))
         hand = max(hand, _by_hand(spins, many.tolerance, with_attitude))
-    stacked = _lanes(RungeKutta(), many)
+    stacked = _members(RungeKutta(), many)
     with capsys.disabled():
         print(
             f"\n{accuracy:.0e} {'attitude' if with_attitude else 'rates'}: {rate:.3g} per second, "
@@ -146,7 +141,7 @@ def test_batch_of_orbits(accuracy, capsys):
     rates, _, _ = kerr_orbit(hy)
     rate, hand = 0.0, 0.0
     for _ in range(3):
-        rate = max(rate, _lanes(Taylor(), many, 1500.0))
+        rate = max(rate, _members(Taylor(), many, 1500.0))
         hand = max(hand, _batches(rates, columns, pars, 4, many.tolerance, 1500.0))
     with capsys.disabled():
         print(
@@ -155,10 +150,10 @@ def test_batch_of_orbits(accuracy, capsys):
         )
 
 
-def _lanes(engine, many, end=10.0):
+def _members(engine, many, end=10.0):
     """Trajectories per CPU second of our batches at a tolerance, without the error estimate."""
     began = time.process_time()
-    run_lanes(engine, many.lanes, np.array([0.0, end]), many.tolerance, None)
+    run_members(many.members, np.array([0.0, end]), many.tolerance, engine, None)
     return len(many) / (time.process_time() - began)
 
 

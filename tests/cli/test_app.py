@@ -66,5 +66,11 @@ def test_a_command_loads_what_it_needs():
     found = loaded("exercises")
     assert "geomtorsion.exercises.registry" in found
     assert not any(name.startswith("geomtorsion.exercises.frames") for name in found)
-    assert not found & {"scipy", "heyoka", "geomtorsion.motion", "geomtorsion.loops"}
+    assert not found & {
+        "scipy",
+        "heyoka",
+        "geomtorsion.ode",
+        "geomtorsion.curves",
+        "geomtorsion.loops",
+    }
     assert "geomtorsion.cli.commands.geometry" not in found

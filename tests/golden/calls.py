@@ -17,10 +17,9 @@ import geomtorsion as gt
 from geomtorsion.cli.app import app
 
 # Exported names: a renamed one is renamed here.
-ode = gt.flow
-log_map = gt.connecting
+log_map = gt.log_map
 develop_period = gt.develop_period
-SWITCHES, STOP, UNIT = "switches", "stop", "unit"
+ode = gt.ODE.of
 
 # What is computed exactly and then evaluated may differ by the roundings of its writing.
 EXACT = 1e-13
@@ -109,7 +108,10 @@ def pushed() -> Any:
     """An oscillator with friction, pushed from 1/3 to 1/2 and stopped dead at 2."""
     switches = [(1 / 3, {"a": 3}), (0.5, {"a": 0}), (2, {"v": 0})]
     return ode(
-        {"x": "v", "v": "-x - v/10 + a"}, [1, 0], parameters={"a": 0}, **{SWITCHES: switches}
+        {"x": "v", "v": "-x - v/10 + a"},
+        [1, 0],
+        parameters={"a": 0},
+        events=[gt.At(*each) for each in switches],
     )
 
 
@@ -126,7 +128,7 @@ def turning() -> Any:
     }
     numbers = dict(zip("ABC", MOMENTS, strict=True))
     unit = [("q0", "q1", "q2", "q3")]
-    return ode(rates, [*SPIN, 1, 0, 0, 0], parameters=numbers, **{UNIT: unit})
+    return ode(rates, [*SPIN, 1, 0, 0, 0], parameters=numbers, normalized=unit)
 
 
 def heavy_top(**more: Any) -> gt.Scene:
@@ -147,7 +149,7 @@ def scene(name: str, t: float) -> dict[str, Any]:
 
 def carried(solution: Any) -> Any:
     """Vectors carried along a curve, at its end."""
-    return solution.passengers[-1]
+    return solution.transported[-1]
 
 
 def top_action(**more: Any) -> Any:
@@ -320,8 +322,8 @@ FLOWS: dict[str, tuple[float, Call]] = {
     "switches and a jump": (SOLVED, lambda: gt.solve(pushed(), [0.4, 1, 2, 4]).states),
     "stop": (
         SOLVED,
-        lambda: [gt.solve(stone(**{STOP: "z"}), 5.0).times[-1],
-                 states(gt.solve(stone(**{STOP: "z"}), 5.0))[1]]),
+        lambda: [gt.solve(stone(events=[gt.When("z")]), 5.0).times[-1],
+                 states(gt.solve(stone(events=[gt.When("z")]), 5.0))[1]]),
     "attitude of unit length": (SOLVED, lambda: states(gt.solve(turning(), 20.0))),
     "outputs": (
         SOLVED, lambda: gt.solve(stone(outputs={"energy": "v**2/2 + g*z"}), 1.0)["energy"][-1]),

@@ -5,12 +5,13 @@ import pytest
 import sympy as sp
 
 from geomtorsion.accuracy.truth import truth_of
+from geomtorsion.curves import autoparallel, geodesic
 from geomtorsion.errors import AccuracyError
 from geomtorsion.geometry import Frame, cartan, from_coefficients
-from geomtorsion.motion import RungeKutta, Stiff, autoparallel, geodesic, solve
-from geomtorsion.motion.engines.taylor import is_available
+from geomtorsion.ode import RungeKutta, solve
+from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.spaces import load
-from tests.motion.engines import every_engine, needs_heyoka
+from tests.ode.engines import every_engine, needs_heyoka
 
 SO3 = load("so3").frame
 TOP = [1.0, 2.0, 3.0]
@@ -24,7 +25,7 @@ def test_gimbal_lock(nearest, engine):
     start = [nearest, 0.5, 0.2]
     problem = autoparallel(cartan(SO3), start, frame_velocity=[0.0, -1.0, 0.0])
     sol = solve(problem, 1.0, 1e-11, engine)
-    closed = truth_of(problem, 1.0)
+    closed = truth_of(problem, sol.times)
     assert closed.name == "the closed form"
     assert closed.error(sol) < 1e-11
     assert np.sin(sol.coordinates[:, 1]).min() > -1e-12
@@ -82,7 +83,7 @@ def test_photon_sphere(engine):
         causal="null",
     )
     sol = solve(problem, 20.0, 1e-9, engine)
-    assert truth_of(problem, 20.0).error(sol) <= min(1e-9, 10 * sol.error)
+    assert truth_of(problem, sol.times).error(sol) <= min(1e-9, 10 * sol.error)
     assert max(sol.drift.values()) < 1e-9
 
 
@@ -94,8 +95,8 @@ def test_stiff_problem():
     bent = from_coefficients(frame, [[[0, 0], [k / 2, 0]], [[k / 2, 0], [0, 0]]])
     problem = autoparallel(bent, [1.0, 0.5], frame_velocity=[1.0, 1.0], parameters={"k": 1e6})
     sol = solve(problem, [0.5, 1.0], 1e-6)
-    assert sol.engine == Stiff().name
-    assert "stiff" in sol.why
+    assert sol.engine.startswith("Stiff")
+    assert "stiff" in sol.reason
     assert sol.coordinates[-1] == pytest.approx([1.0 + 1e-6, 1.5], rel=1e-6)
     assert abs(sol.frame_velocity[-1, 0]) < 1e-6
 
@@ -136,7 +137,7 @@ def test_ill_conditioned_coframe(engine):
     sol = solve(problem, 5.0, 1e-10, engine)
     s = np.sqrt((1e10 + 5.0) ** 2 + (0.5 * 5.0) ** 2)
     assert sol.coordinates[-1, 0] == pytest.approx(s / 1e10, rel=1e-9)
-    assert truth_of(problem, 5.0).error(sol) <= 1e-10
+    assert truth_of(problem, sol.times).error(sol) <= 1e-10
     assert is_available() or sol.engine == "RungeKutta"
 
 
@@ -159,7 +160,7 @@ def test_near_the_unstable_axis(start, near, accuracy):
     answer is moved on the way, by a unit in the last place.
     """
     problem = geodesic(SO3, start, frame_velocity=[near, 1.0, 0.0], metric=TOP)
-    truth = truth_of(problem, 60.0)
+    truth = truth_of(problem, np.linspace(0, 60.0, 65))
     sol = solve(problem, 60.0, accuracy)
     error = truth.error(sol)
     assert error <= accuracy

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import geomtorsion as gt
-from geomtorsion.motion import flow, solve
-from tests.motion.engines import every_engine
+from geomtorsion.ode import ODE, When, solve
+from tests.ode.engines import every_engine
 
 MASS, ARM, G = 1.0, 0.1, 9.81
 
@@ -43,7 +43,9 @@ def test_through_gimbal_lock(engine):
         quarter = float(mpmath.ellipk(k2) / mpmath.sqrt(mpmath.mpf(MASS) * G * ARM))
     assert result.solved is not None
     # The pole is passed at speed: n1 changes its sign there.
-    crossed = result.solved.zeros("n1" if "n1" in result.solved.flow.states else "q1*q3 - q0*q2")
+    crossed = result.solved.event_times(
+        "n1" if "n1" in result.solved.problem.states else "q1*q3 - q0*q2"
+    )
     assert crossed[0] == pytest.approx(quarter, rel=1e-8)
     speed = np.sqrt(2 * rate * (np.cos(theta) - np.cos(result["nutation"])))
     assert np.abs(np.linalg.norm(result["omega"], axis=1) - speed).max() < 1e-8
@@ -66,7 +68,7 @@ def test_sleeping_top_at_its_limit(engine, excess):
     result = scene.run(engine=engine)
     truth = by_long_numbers(moments, (tilt, 0.0, spin), 4)
     assert np.abs(result["omega"][-1] - truth[:3]).max() < 1e-10 * spin
-    if result.solved is not None and "n1" in result.solved.flow.states:
+    if result.solved is not None and "n1" in result.solved.problem.states:
         found = [result.solved[name][-1] for name in ("n1", "n2")]
         assert np.abs(np.array(found) - truth[3:5]).max() < 1e-9
     # Two frequencies have met: the tilt grows with the time, where it would oscillate.
@@ -131,15 +133,14 @@ def test_grazing(engine, depth):
     """A ball thrown so that it just touches a ceiling; ended there, or passing a hair below it."""
     height, g = 5.0, 10
     # z = height + depth - g (t - 1)^2 / 2: through the ceiling at 1 - sqrt(2 depth / g).
-    ball = flow(
+    ball = ODE.of(
         {"z": "v", "v": "-g"}, {"z": height + depth - g / 2, "v": g}, parameters={"g": g},
-        stop=f"{height} - z",
-    )  # fmt: skip
+        events=[When(f"{height} - z")])  # fmt: skip
     end = solve(ball, 3.0, 1e-9, engine)
     assert end.outcome == "stopped"
     rise = float(Fraction(height + depth - g / 2) - Fraction(height) + Fraction(g) / 2)
     assert end.times[-1] == pytest.approx(1 - np.sqrt(2 * rise / g), abs=2e-9)
-    below = ball.moved(start={"z": height - depth - g / 2})
+    below = ball.with_start(start={"z": height - depth - g / 2})
     assert solve(below, 3.0, 1e-9, engine).outcome == "done"
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geomtorsion.motion import RungeKutta
+from geomtorsion.ode import RungeKutta
 from geomtorsion.pictures.curve_files import curve_pictures
 from geomtorsion.pictures.curves import caption, continued
 from geomtorsion.pictures.pair_solving import solve_pair

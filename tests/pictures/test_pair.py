@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from geomtorsion.curves import autoparallel, distance_apart, geodesic
 from geomtorsion.errors import AccuracyError, ShapeError, StartError
 from geomtorsion.geometry import cartan
-from geomtorsion.motion import RungeKutta, autoparallel, distance_apart, geodesic, solve
+from geomtorsion.ode import RungeKutta, solve
 from geomtorsion.pictures.curve_files import metadata
 from geomtorsion.pictures.error_over_time import drift_over_time, error_over_time
 from geomtorsion.pictures.pair import Pair

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geomtorsion.errors import CheckpointError
-from geomtorsion.motion import RungeKutta
+from geomtorsion.ode import RungeKutta
 from geomtorsion.scenes import load
 from geomtorsion.scenes.checkpoint import partial_result
 

@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from geomtorsion.motion.free_top_attitude import rotated
+from geomtorsion.rigid.attitude import rotated
 from geomtorsion.scenes import Body, Scene, State, effects
 
 E = effects

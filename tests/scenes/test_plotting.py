@@ -93,7 +93,7 @@ def test_pictures_are_not_large(tmp_path):
 
 def test_accuracy_costs_what_it_costs():
     """Against the closed form and against quadruple precision; estimates hold."""
-    from geomtorsion.motion import RungeKutta
+    from geomtorsion.ode import RungeKutta
 
     for name, truth in (("free_symmetric_top", "closed form"), ("lagrange_wave", "")):
         table = scene_accuracy(load(name).with_values(t=0.5), [RungeKutta()], [1e-4, 1e-9])

@@ -197,9 +197,9 @@ def test_switches_of_what_is_left_out():
     """A thrust through the centre of mass does not break up the time of the rotation."""
     push = E.Thrust((0, 0, 5), start=0.1, end=0.2)
     scene = Scene(BODY, (push,), START, ["omega"], t=1)
-    assert scene.ode.switches == ()
+    assert scene.ode.events == ()
     assert scene.run().closed_form
-    assert len(scene.with_values(watch=["velocity"]).ode.switches) == 2
+    assert len(scene.with_values(watch=["velocity"]).ode.events) == 2
 
 
 def test_names_that_are_taken():

@@ -7,7 +7,7 @@ import pytest
 from scipy.special import ellipkm1
 
 from geomtorsion.errors import SceneError, StartError, StuckError, UnknownNameError
-from geomtorsion.motion import RungeKutta
+from geomtorsion.ode import RungeKutta
 from geomtorsion.scenes import Body, Scene, State, effects, load
 from geomtorsion.scenes.metrics import SweepRun, measures
 

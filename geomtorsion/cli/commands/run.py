@@ -27,7 +27,7 @@ from geomtorsion.cli.scene_sources import open_scene
 from geomtorsion.cli.tables import right_aligned, some_rows
 from geomtorsion.cli.terminal import bar, working
 from geomtorsion.errors import CheckpointError, StuckError
-from geomtorsion.motion import Engine
+from geomtorsion.ode import Engine
 from geomtorsion.pictures.style import can_draw
 from geomtorsion.scenes import Scene, SceneResult
 from geomtorsion.scenes.checkpoint import partial_result

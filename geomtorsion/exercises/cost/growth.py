@@ -5,9 +5,10 @@ from random import Random
 
 import sympy as sp
 
+from geomtorsion.curves import geodesic, geodesic_deviation
 from geomtorsion.exercises.authoring import Mistake, Question, Variant, steps, tex
 from geomtorsion.geometry import Frame
-from geomtorsion.motion import geodesic, geodesic_deviation, solve
+from geomtorsion.ode import solve
 
 SURFACES = {
     "hyperbolic": ("the hyperbolic plane", sp.sinh),
@@ -34,7 +35,7 @@ def make(draw: Random, seed: int) -> Variant:
     def deviation(offset: float = 1.0) -> float:
         line = geodesic(frame, [begin, 0.0], frame_velocity=[1.0, 0.0])
         found = solve(geodesic_deviation(line, [0.0, offset]), [last], 1e-8)
-        return float(found.passengers[-1, 1])
+        return float(found.transported[-1, 1])
 
     def factor(f=length) -> float:
         return deviation() * float(f(sp.Float(begin + last)) / f(sp.Float(begin)))

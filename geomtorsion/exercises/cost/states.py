@@ -2,9 +2,9 @@
 
 from random import Random
 
+from geomtorsion.curves import CurveProblem, autoparallel, geodesic
 from geomtorsion.exercises.authoring import Mistake, Question, Variant, steps
 from geomtorsion.geometry import cartan
-from geomtorsion.motion import Problem, autoparallel, geodesic
 from geomtorsion.spaces import load
 
 START = (0.3, 1.0, 0.2, 0.0, 0.0, 0.0)
@@ -26,7 +26,7 @@ def make(draw: Random, seed: int) -> Variant:
     rates = "velocities in the body (of turning and of flying)" if flying else "angular velocity"
     place = "attitude and place are" if flying else "the attitude is"
 
-    def ask(name: str, prompt: str, right: Problem, chart: str | None, *wrong) -> Question:
+    def ask(name: str, prompt: str, right: CurveProblem, chart: str | None, *wrong) -> Question:
         return Question(
             name=name,
             kind="number",
@@ -85,6 +85,6 @@ def make(draw: Random, seed: int) -> Variant:
     )
 
 
-def states(problem: Problem, chart: str | None) -> int:
+def states(problem: CurveProblem, chart: str | None) -> int:
     """How many states the equations of a problem have, in a chart."""
     return len(problem.equations(chart).system.states)

@@ -7,9 +7,10 @@ from random import Random
 import sympy as sp
 
 from geomtorsion.action import equations_of_motion
+from geomtorsion.curves import autoparallel, geodesic
 from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, scaled, steps
 from geomtorsion.geometry import cartan
-from geomtorsion.motion import autoparallel, geodesic, solve
+from geomtorsion.ode import solve
 from geomtorsion.spaces import load
 
 PRINCIPLES = {

@@ -4,9 +4,10 @@ from functools import cache
 from math import cos, pi, radians, sin
 from random import Random
 
+from geomtorsion.curves import CurveProblem, autoparallel, geodesic
 from geomtorsion.exercises.authoring import Mistake, Question, Variant, steps
 from geomtorsion.geometry import cartan
-from geomtorsion.motion import Problem, autoparallel, geodesic, solve
+from geomtorsion.ode import solve
 from geomtorsion.spaces import load
 
 ACCURACY = 1e-8
@@ -24,7 +25,7 @@ def make(draw: Random, seed: int) -> Variant:
     steered, great = autoparallel(cartan(frame), **given), geodesic(frame, **given)
 
     @cache
-    def longitude(problem: Problem) -> float:
+    def longitude(problem: CurveProblem) -> float:
         return float(solve(problem, [last], ACCURACY).coordinates[-1, 1])
 
     def gap() -> float:

@@ -3,9 +3,10 @@
 from functools import cache
 from random import Random
 
+from geomtorsion.curves import CurveProblem, autoparallel, geodesic
 from geomtorsion.exercises.authoring import Mistake, Question, Variant, steps
 from geomtorsion.geometry import cartan
-from geomtorsion.motion import Problem, autoparallel, geodesic, solve
+from geomtorsion.ode import solve
 from geomtorsion.spaces import load
 
 ACCURACY = 1e-8
@@ -43,13 +44,13 @@ def make(draw: Random, seed: int) -> Variant:
 
 
 def _number(
-    name: str, prompt: str, unit: str, k: int, last: float, straight: Problem, short: Problem,
-    mistaken: Problem,
+    name: str, prompt: str, unit: str, k: int, last: float,
+    straight: CurveProblem, short: CurveProblem, mistaken: CurveProblem,
 ) -> Question:  # fmt: skip
     """One coordinate at the end, on the line asked for and on those that it is taken for."""
 
     @cache
-    def at_end(problem: Problem) -> float:
+    def at_end(problem: CurveProblem) -> float:
         return float(solve(problem, [last], ACCURACY).coordinates[-1, k])
 
     return Question(

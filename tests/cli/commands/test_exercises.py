@@ -31,7 +31,13 @@ def test_the_list_solves_nothing():
     loaded = set(done.stdout.split())
     assert "geomtorsion.exercises.registry" in loaded
     assert not any(name.startswith("geomtorsion.exercises.frames") for name in loaded)
-    assert not loaded & {"scipy", "heyoka", "geomtorsion.motion", "geomtorsion.loops"}
+    assert not loaded & {
+        "scipy",
+        "heyoka",
+        "geomtorsion.ode",
+        "geomtorsion.curves",
+        "geomtorsion.loops",
+    }
 
 
 @pytest.mark.parametrize("number", ["1.2", "6.6", "7.2"])

@@ -1,0 +1,29 @@
+"""Curves: geodesics, autoparallels and what is carried along them, over an atlas."""
+
+from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap
+from geomtorsion.curves.constructors import (
+    autoparallel,
+    geodesic,
+    geodesic_deviation,
+    parallel_transport,
+)
+from geomtorsion.curves.distance import distance_apart
+from geomtorsion.curves.exponential import exponential_map, holonomy
+from geomtorsion.curves.log_map import LogMap, log_map
+from geomtorsion.curves.problem import CurveProblem
+
+__all__ = [
+    "Atlas",
+    "Chart",
+    "CurveProblem",
+    "LogMap",
+    "TransitionMap",
+    "autoparallel",
+    "distance_apart",
+    "exponential_map",
+    "geodesic",
+    "geodesic_deviation",
+    "holonomy",
+    "log_map",
+    "parallel_transport",
+]

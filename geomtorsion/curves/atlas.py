@@ -1,0 +1,277 @@
+"""Charts: several sets of coordinates for one space, and the exact maps between them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import mpmath
+import numpy as np
+import sympy as sp
+
+from geomtorsion.codegen import Graph, graph, numpy_function
+from geomtorsion.curves.matrix import ElementMatrix
+from geomtorsion.errors import UnknownNameError
+from geomtorsion.exact import Element, Field
+from geomtorsion.exact.tower import Tower
+from geomtorsion.ode.numbers import Real, mpf
+
+if TYPE_CHECKING:
+    from geomtorsion.geometry import Frame
+
+Rows = tuple[tuple[tuple[int, Element], ...], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Chart:
+    """Coordinates in which a motion can be followed.
+
+    name: by which an atlas knows it.
+    coordinates: symbols; more than the dimension of the space in a redundant chart.
+    legs: for each coordinate the pairs (i, E[mu, i]) that do not vanish: q'^mu = E[mu, i] u^i.
+    frame: the frame written in these coordinates; None for a redundant chart.
+    keeps_frame: whether its legs are the same fields as those of the home chart.
+    edge: an element that vanishes where the chart ends; None if it does not end.
+    margin: below this value of |edge| the solver moves over to another chart.
+    kept: an element that equals one everywhere (redundant charts).
+    """
+
+    name: str
+    coordinates: tuple[sp.Symbol, ...]
+    legs: Rows
+    frame: Frame | None = None
+    keeps_frame: bool = True
+    edge: Element | None = None
+    margin: float = 0.0
+    kept: Element | None = None
+
+    @property
+    def field(self) -> Tower:
+        """The field of its elements."""
+        if self.frame is not None:
+            return self.frame.field
+        return next(value for row in self.legs for _, value in row).field
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the coordinates."""
+        return tuple(symbol.name for symbol in self.coordinates)
+
+    @cached_property
+    def frame_vectors(self) -> ElementMatrix:
+        """E[mu, i], shape (coordinates, dimension)."""
+        entries = {(mu, i): x for mu, row in enumerate(self.legs) for i, x in row}
+        n = 1 + max((i for _, i in entries), default=0)
+        if self.frame is not None:
+            n = self.frame.dimension
+        return ElementMatrix(entries, (len(self.coordinates), n))
+
+    @cached_property
+    def coframe(self) -> ElementMatrix:
+        """e[i, mu], shape (n, n), of a chart that has a frame."""
+        assert self.frame is not None
+        n = self.frame.dimension
+        return ElementMatrix(self.frame.coframe.components.nonzero, (n, n))
+
+    @cached_property
+    def edge_graph(self) -> Graph | None:
+        """The edge over its own symbols."""
+        if self.edge is None:
+            return None
+        names = sorted(symbol.name for symbol in self.edge.symbols)
+        return graph(names, [self.edge], factor=False)
+
+    def distance(self, point: Mapping[str, float]) -> float:
+        """The edge at a point in units of its margin; infinite where there is none."""
+        if self.edge_graph is None or not self.margin:
+            return float("inf")
+        values = [point[name] for name in self.edge_graph.arguments]
+        return float(self.edge_graph.numpy()(*values)[0]) / self.margin
+
+    @classmethod
+    def of(
+        cls,
+        frame: Frame,
+        name: str = "",
+        *,
+        edge: Any = None,
+        margin: float = 0.0,
+        keeps_frame: bool = True,
+    ) -> Chart:
+        """The chart of a frame.
+
+        Examples
+        --------
+        >>> from geomtorsion.spaces import load
+        >>> Chart.of(load("s2").frame).names
+        ('theta', 'phi')
+        """
+        rows = frame.legs.components.rows
+        element = None if edge is None else frame.field.read(edge, "edge of the chart")
+        name = name or frame.name or "home"
+        return cls(name, frame.coordinates, rows, frame, keeps_frame, element, margin)
+
+    @classmethod
+    def redundant(
+        cls,
+        name: str,
+        coordinates: Sequence[sp.Symbol],
+        legs: Sequence[Sequence[Any]],
+        kept: Any = None,
+        parameters: Sequence[sp.Symbol] = (),
+    ) -> Chart:
+        """A chart with more coordinates than dimensions, such as a unit quaternion.
+
+        legs: E[mu, i], one row per coordinate; kept: an expression that stays equal to one.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> x, y = sp.symbols("x y")
+        >>> Chart.redundant("circle", [x, y], [[-y], [x]], kept=x**2 + y**2).names
+        ('x', 'y')
+        """
+        field = Field((*coordinates, *parameters))
+        rows = tuple(
+            tuple((i, field.read(x, f"legs[{mu}, {i}]")) for i, x in enumerate(row) if x != 0)
+            for mu, row in enumerate(legs)
+        )
+        constant = None if kept is None else field.read(kept, "kept")
+        return cls(name, tuple(coordinates), rows, kept=constant)
+
+
+@dataclass(frozen=True, eq=False)
+class TransitionMap:
+    """An exact map from one chart into another.
+
+    source, target: names of charts.
+    coordinates: symbols of the source.
+    expressions: the coordinates of the target, in symbols of the source and parameters.
+    angles: indices of target coordinates that count modulo 2 pi.
+    sample: values of symbols where the map is defined, to choose branches of roots and logs.
+    """
+
+    source: str
+    target: str
+    coordinates: tuple[sp.Symbol, ...]
+    expressions: tuple[Any, ...]
+    parameters: tuple[sp.Symbol, ...] = ()
+    angles: tuple[int, ...] = ()
+    sample: Mapping[sp.Symbol, Any] | None = None
+
+    @cached_property
+    def elements(self) -> list[Element]:
+        """The map, read exactly."""
+        field = Field((*self.coordinates, *self.parameters), sample=self.sample)
+        where = f"change from {self.source} to {self.target}"
+        return field.read_all([(f"{where}[{k}]", x) for k, x in enumerate(self.expressions)])
+
+    @cached_property
+    def _function(self) -> Callable[..., Any]:
+        return numpy_function(self.elements, (*self.coordinates, *self.parameters), check=False)
+
+    @cached_property
+    def slopes(self) -> ElementMatrix:
+        """d target / d source, shape (target coordinates, source coordinates)."""
+        entries = {
+            (k, j): slope
+            for k, x in enumerate(self.elements)
+            for j, symbol in enumerate(self.coordinates)
+            if not (slope := x.diff(symbol)).is_zero
+        }
+        return ElementMatrix(entries, (len(self.elements), len(self.coordinates)))
+
+    def __call__(self, coordinates: Any, parameters: Mapping[str, Real]) -> np.ndarray:
+        """Target coordinates of points with shape (size, ...)."""
+        return self._function(*coordinates, *(float(parameters[p.name]) for p in self.parameters))
+
+    def precisely(
+        self, values: Sequence[Real], parameters: Mapping[str, Real], bits: int
+    ) -> list[mpmath.mpf]:
+        """Target coordinates of one point as mpmath numbers."""
+        names = [symbol.name for symbol in self.coordinates]
+        point = {name: mpf(x, bits) for name, x in zip(names, values, strict=True)}
+        point |= {p.name: mpf(parameters[p.name], bits) for p in self.parameters}
+        return [element.evaluate(point, max(bits, 54)) for element in self.elements]
+
+
+@dataclass(frozen=True, eq=False)
+class Atlas:
+    """Charts of one space and the maps between them, made when they are first asked for.
+
+    home: name of the chart of the frame that the user works with.
+    makers: name -> function without arguments that makes the chart.
+    changes: function without arguments that makes the maps.
+    order: charts by preference; the first in which a law can be stated is used to start.
+    """
+
+    home: str
+    makers: Mapping[str, Callable[[], Chart]]
+    changes: Callable[[], tuple[TransitionMap, ...]]
+    order: tuple[str, ...] = ()
+
+    @cached_property
+    def _charts(self) -> dict[str, Chart]:
+        return {}
+
+    @cached_property
+    def _table(self) -> dict[tuple[str, str], TransitionMap]:
+        return {(change.source, change.target): change for change in self.changes()}
+
+    def chart(self, name: str) -> Chart:
+        """The chart of a name.
+
+        Raises
+        ------
+        UnknownNameError
+            The atlas has no such chart.
+        """
+        if name not in self.makers:
+            raise UnknownNameError(
+                f"{name!r} is no chart of this space. There are {', '.join(self.makers)}."
+            )
+        if name not in self._charts:
+            self._charts[name] = self.makers[name]()
+        return self._charts[name]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all charts, in order of preference."""
+        return self.order or tuple(self.makers)
+
+    def only(self, *names: str) -> Atlas:
+        """The same space with these charts alone."""
+        for name in names:
+            if name not in self.makers:
+                self.chart(name)
+        return Atlas(self.home, self.makers, self.changes, tuple(names))
+
+    def route(self, source: str, target: str) -> list[TransitionMap]:
+        """The maps that lead from one chart to another, in order."""
+        if source == target:
+            return []
+        paths: list[list[TransitionMap]] = [[]]
+        seen = {source}
+        while paths:
+            path = paths.pop(0)
+            place = path[-1].target if path else source
+            for (start, end), change in self._table.items():
+                if start == place and end not in seen:
+                    if end == target:
+                        return [*path, change]
+                    seen.add(end)
+                    paths.append([*path, change])
+        raise UnknownNameError(f"no map leads from chart {source!r} to chart {target!r}.")
+
+
+def single(frame: Frame) -> Atlas:
+    """The atlas of a frame that has one chart only."""
+    name = frame.name or "home"
+    return Atlas(name, {name: lambda: Chart.of(frame, name)}, tuple)
+
+
+def atlas_of(frame: Frame) -> Atlas:
+    """The atlas that came with a frame, or its one chart."""
+    return frame.derived("atlas", lambda: single(frame))

@@ -1,0 +1,278 @@
+"""Constructors: the curves one can ask for, each by its maker."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.curves.atlas import Atlas, atlas_of
+from geomtorsion.curves.laws import Autoparallel, CartanAutoparallel, Geodesic, Law, inverted
+from geomtorsion.curves.problem import CurveProblem
+from geomtorsion.curves.start import (
+    check_causal,
+    checked_numbers,
+    checked_parameters,
+    checked_start,
+    frame_velocities,
+)
+from geomtorsion.curves.transported import Deviation, TransportedVectors
+from geomtorsion.errors import MetricError, ShapeError, StartError
+from geomtorsion.geometry import levi_civita
+from geomtorsion.ode.numbers import Numbers, exact
+
+if TYPE_CHECKING:
+    from geomtorsion.geometry import Connection, Frame
+
+
+def autoparallel(
+    connection: Connection,
+    start: Numbers | None = None,
+    velocity: Numbers | None = None,
+    *,
+    frame_velocity: Numbers | None = None,
+    parameters: Mapping[Any, Any] | None = None,
+    causal: str | None = None,
+    atlas: Atlas | None = None,
+) -> CurveProblem:
+    """A straightest line: the velocity is carried parallel along itself.
+
+    Equation
+    --------
+    q''^m + Gamma_ab^m q'^a q'^b = 0, solved as q'^mu = E_i^mu u^i, u'^k = -omega_ij^k u^i u^j
+
+    Parameters
+    ----------
+    connection
+        any connection; for the Cartan connection u is constant.
+    start
+        q^mu, shape (n,); None on a Lie group where only u is wanted.
+    velocity, frame_velocity
+        q'^mu, or u^i = e^i_mu q'^mu, shape (n,): exactly one of them.
+    parameters
+        values of the parameters of the frame, by name.
+    causal
+        "timelike", "null" or "spacelike", if that is to be checked.
+    atlas
+        charts of the space; those that came with the frame if not given.
+
+    Raises
+    ------
+    StartError
+        the start is singular, not finite, or incomplete.
+    ShapeError
+        a list has not one number per coordinate.
+
+    Examples
+    --------
+    >>> from geomtorsion.geometry import cartan
+    >>> from geomtorsion.spaces import load
+    >>> p = autoparallel(cartan(load("flat_polar").frame), [1.0, 0.0], [1.0, 0.5])
+    >>> print(p.text)
+    r' = (1)*u1
+    phi' = (1/r)*u2
+    u1' = 0
+    u2' = 0
+    """
+    law: Law = Autoparallel(connection)
+    if connection.kind == "cartan":
+        law = CartanAutoparallel()
+    elif connection.kind == "levi-civita":
+        law = Geodesic()
+    frame = connection.frame
+    return _posed(
+        "autoparallel", frame, law, start, velocity, frame_velocity, parameters, causal, atlas
+    )
+
+
+def geodesic(
+    space: Frame | Connection,
+    start: Numbers | None = None,
+    velocity: Numbers | None = None,
+    *,
+    frame_velocity: Numbers | None = None,
+    metric: Any = None,
+    parameters: Mapping[Any, Any] | None = None,
+    causal: str | None = None,
+    atlas: Atlas | None = None,
+) -> CurveProblem:
+    """A shortest line: of the metric of the frame, or of a kinetic metric G_ij e^i e^j.
+
+    Equation
+    --------
+    G_kl u'^l = C_kj^i u^j G_im u^m                 [FizievKleinert1994], eq. (1), (2) without force
+
+    Parameters
+    ----------
+    space
+        the frame; of a connection only its frame is used.
+    start, velocity, frame_velocity, parameters, causal, atlas
+        as in `autoparallel`.
+    metric
+        kinetic metric in the frame, constant: n moments I_i, or a symmetric n x n matrix;
+        None takes eta.
+
+    Raises
+    ------
+    MetricError
+        the kinetic metric is not symmetric or not regular.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> top = geodesic(load("so3").frame, frame_velocity=[1, 2, 3], metric=[1, 2, 3])
+    >>> print(top.text)
+    u1' = (-1)*u2*u3
+    u2' = (1)*u1*u3
+    u3' = (-1/3)*u1*u2
+    """
+    frame: Any = getattr(space, "frame", space)
+    law = Geodesic(None if metric is None else kinetic_metric(metric, frame.dimension))
+    return _posed(
+        "geodesic", frame, law, start, velocity, frame_velocity, parameters, causal, atlas
+    )
+
+
+def parallel_transport(
+    problem: CurveProblem, vectors: Any, connection: Connection | None = None
+) -> CurveProblem:
+    """The same motion with vectors carried parallel along it.
+
+    Equation
+    --------
+    w'^k = - omega_ij^k u^i w^j, all indices in the frame
+
+    Parameters
+    ----------
+    problem
+        the motion along which to carry.
+    vectors
+        frame components w^k at the start: shape (n,) or (number, n).
+    connection
+        what parallel means; the Levi-Civita connection of the frame if not given.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> p = geodesic(load("s2").frame, [1.0, 0.0], [0.0, 1.0], parameters={"R": 1})
+    >>> parallel_transport(p, [1, 0]).carried.start
+    (1, 0)
+    """
+    if problem.start is None:
+        raise StartError("parallel transport needs a curve with coordinates; give it a start.")
+    n = problem.frame.dimension
+    rows = vectors.tolist() if isinstance(vectors, np.ndarray) else vectors
+    if not isinstance(rows, list | tuple):
+        raise ShapeError(f"vector: a list of numbers was needed, {checks.shown(vectors)} came.")
+    nested = bool(rows) and isinstance(rows[0], list | tuple | np.ndarray)
+    found = tuple(checked_numbers(row, n, "vector") for row in (rows if nested else [rows]))
+    carrier = connection or levi_civita(problem.frame)
+    if carrier.frame is not problem.frame:
+        raise ShapeError("the connection belongs to another frame. Build it over this one.")
+    return problem.carry(TransportedVectors(carrier, found))
+
+
+def geodesic_deviation(
+    problem: CurveProblem, offset: Numbers, rate: Numbers | None = None
+) -> CurveProblem:
+    """The same motion with the deviation to a neighbouring one.
+
+    Parameters
+    ----------
+    problem
+        an autoparallel or geodesic.
+    offset
+        xi^mu at the start, coordinates.
+    rate
+        change of the frame velocities u^i at the start; zero if not given.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> p = geodesic(load("s2").frame, [1.0, 0.0], [0.0, 1.0], parameters={"R": 1})
+    >>> geodesic_deviation(p, [0, 0], [1, 0]).carried.names()
+    ('offset1', 'offset2', 'turn1', 'turn2')
+    """
+    n = problem.frame.dimension
+    if problem.start is None:
+        raise StartError("a deviation needs coordinates; give the problem a start.")
+    deviation = Deviation(
+        checked_numbers(offset, n, "offset"),
+        checked_numbers([0] * n if rate is None else rate, n, "rate"),
+    )
+    return problem.carry(deviation)
+
+
+def kinetic_metric(metric: Any, n: int) -> tuple[tuple[Fraction, ...], ...]:
+    """Moments or a matrix as exact numbers; symmetric and regular."""
+    rows: Any = metric.tolist() if isinstance(metric, np.ndarray) else metric
+    if not isinstance(rows, list | tuple):
+        raise ShapeError(
+            f"metric: moments or a matrix of numbers were needed, {checks.shown(metric)} came."
+        )
+    if not any(isinstance(row, list | tuple | np.ndarray) for row in rows):
+        moments = checked_numbers(rows, n, "metric (moments)")
+        rows = [[x if i == j else 0 for j in range(n)] for i, x in enumerate(moments)]
+    if len(rows) != n:
+        raise ShapeError(f"metric: {n} rows were needed, {len(rows)} came.")
+    table = []
+    for i, row in enumerate(rows):
+        numbers = [exact(x) for x in checked_numbers(row, n, f"metric[{i}]")]
+        if None in numbers:
+            raise MetricError(f"metric[{i}] = {row}: give numbers, fractions or floats.")
+        table.append(tuple(Fraction(x) for x in numbers if x is not None))
+    for i in range(n):
+        for j in range(i):
+            if table[i][j] != table[j][i]:
+                raise MetricError(
+                    f"the kinetic metric is not symmetric: [{i}, {j}] is {table[i][j]}, "
+                    f"[{j}, {i}] is {table[j][i]}. Make them equal."
+                )
+    try:
+        inverted(table)
+    except ZeroDivisionError:
+        raise MetricError(
+            "the kinetic metric is singular. Give moments that do not vanish."
+        ) from None
+    return tuple(table)
+
+
+def _posed(
+    name: str,
+    frame: Frame,
+    law: Law,
+    start: Any,
+    velocity: Any,
+    frame_velocity: Any,
+    parameters: Any,
+    causal: str | None,
+    atlas: Atlas | None,
+) -> CurveProblem:
+    """A problem from checked input."""
+    if frame.complex:
+        raise StartError(
+            f"{frame.name or 'the frame'} is complex (a null tetrad); motions need a real frame."
+        )
+    # A law may bring parameters of its own into the field (a blend, a spin connection).
+    law.rates(frame, [f"u{k}" for k in range(frame.dimension)])
+    numbers = checked_parameters(frame, parameters)
+    place = None if start is None else checked_start(frame, start, numbers)
+    speeds, given = frame_velocities(frame, place, velocity, frame_velocity, numbers)
+    check_causal(frame, speeds, causal)
+    written: dict[str, Any] = {} if atlas else frame.derived(law_key(law), dict)
+    problem = CurveProblem(
+        name, frame, law, place, speeds, numbers, atlas or atlas_of(frame), None, given, written
+    )
+    problem.check_parameters()
+    return problem
+
+
+def law_key(law: Law) -> str:
+    """What two laws share exactly when they have the same equations."""
+    if isinstance(law, Autoparallel):
+        # The law holds its connection, so that this number stays its own.
+        return f"equations of {id(law.connection)}"
+    return f"equations of {law}"

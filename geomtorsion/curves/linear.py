@@ -1,0 +1,69 @@
+"""Linear: curves whose equations are linear are exponentials of a constant matrix."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+import mpmath
+import numpy as np
+
+from geomtorsion.codegen import graph
+from geomtorsion.curves.equations import derivative
+from geomtorsion.ode.numbers import Real, mpf
+
+if TYPE_CHECKING:
+    from geomtorsion.curves.problem import CurveProblem
+
+BITS = 160
+
+
+def closed_form(
+    problem: CurveProblem,
+) -> tuple[str, Callable[[Sequence[float] | np.ndarray], list[list[mpmath.mpf]]]] | None:
+    """Chart and function of times that gives exact states in it; None if none is known.
+
+    Known: linear equations with constant coefficients. These are the one-parameter subgroups of
+    the rotations in quaternions, straight lines in Cartesian coordinates, and velocities alone.
+
+    Examples
+    --------
+    >>> from math import cos
+    >>> from geomtorsion.geometry import cartan
+    >>> from geomtorsion.curves import autoparallel
+    >>> from geomtorsion.spaces import load
+    >>> p = autoparallel(cartan(load("so3").frame), [0, 1, 0], frame_velocity=[0, 1, 0])
+    >>> chart, states = closed_form(p)
+    >>> chart, round(float(states([0.5])[0][0]), 9) == round(cos(0.75), 9)
+    ('quaternion', True)
+    """
+    stage = problem.first_stage(BITS, 0.0)
+    equations = problem.equations(stage.label)
+    slopes = [derivative(rate, name) for rate in equations.rates for name in equations.states]
+    if any(derivative(slope, name) for slope in slopes for name in equations.states):
+        return None
+    arguments = (*equations.states, *equations.parameters)
+    n = len(equations.states)
+    values: list[Real] = [0] * n + [mpf(x, BITS) for x in stage.parameters]
+    entries = graph(arguments, slopes, factor=False).exactly(values, BITS)
+    offset = graph(arguments, equations.rates, factor=False).exactly(values, BITS)
+    with mpmath.workprec(BITS):
+        # One more row carries the constant part of the rates.
+        matrix = mpmath.zeros(n + 1, n + 1)
+        for k in range(n):
+            for j in range(n):
+                matrix[k, j] = mpf(entries[k * n + j], BITS)
+            matrix[k, n] = mpf(offset[k], BITS)
+        start = mpmath.matrix([*(mpf(x, BITS) for x in stage.start), 1])
+
+    def states(times: Sequence[float] | np.ndarray) -> list[list[mpmath.mpf]]:
+        """States at times of the problem, as mpmath numbers, one list per time."""
+        with mpmath.workprec(BITS):
+            found = []
+            for t in times:
+                scaled = matrix * (mpf(t, BITS) * mpf(problem.time_unit, BITS))
+                end = mpmath.expm(scaled, method="taylor") * start
+                found.append([end[k] for k in range(n)])
+        return found
+
+    return stage.label, states

@@ -1,0 +1,445 @@
+"""CurveProblem: a law of motion in a space, with a start, followed from chart to chart."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import sympy as sp
+
+from geomtorsion.codegen import graph
+from geomtorsion.curves import readout, transition
+from geomtorsion.curves.atlas import Atlas
+from geomtorsion.curves.equations import Equations, written
+from geomtorsion.curves.laws import Law
+from geomtorsion.curves.member_starts import laid_out, start_lists
+from geomtorsion.curves.start import checked_start, frame_velocities
+from geomtorsion.curves.transition import MovingPoint
+from geomtorsion.curves.transported import Carried, carrying
+from geomtorsion.errors import ChartEdgeError, StartError
+from geomtorsion.ode.members import Members, Rows
+from geomtorsion.ode.moment import Moment
+from geomtorsion.ode.numbers import Numbers, Real, floats, perturbed
+from geomtorsion.ode.terms import expression, symbol_table
+from geomtorsion.ode.trajectory import Event, Segment, Stage, State, Trajectory
+
+if TYPE_CHECKING:
+    from geomtorsion.geometry import Frame
+
+
+@dataclass(frozen=True, eq=False)
+class CurveProblem:
+    """A curve to be solved for: law, frame, start; made by `geodesic`, `autoparallel`, ...
+
+    name: what the curve is called.
+    frame: its coordinates and frame vectors are those in which start and answer are given.
+    law: how the frame velocities change.
+    start: coordinates q^mu at t = 0; None where only velocities are asked for.
+    frame_velocity: u^i = e^i_mu q'^mu at t = 0.
+    parameters: name -> number.
+    atlas: charts of the space.
+    carried: what is carried along: transported vectors or a deviation.
+    coordinate_velocity: q'^mu at t = 0 where that was given; more digits of u^i come from it.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> from geomtorsion.geometry import cartan
+    >>> from geomtorsion.curves import autoparallel
+    >>> so3 = load("so3").frame
+    >>> print(autoparallel(cartan(so3), [0.3, 1.0, 0.2], frame_velocity=[1, 0, 0]))
+    autoparallel on so3: q'^mu = E_i^mu u^i, u'^k = 0
+    """
+
+    name: str
+    frame: Frame
+    law: Law
+    start: tuple[Real, ...] | None
+    frame_velocity: tuple[Real, ...]
+    parameters: Mapping[str, Real]
+    atlas: Atlas
+    carried: Carried | None = None
+    coordinate_velocity: tuple[Real, ...] | None = None
+    _written: dict[str, Equations] = field(default_factory=dict, repr=False)
+    _stages: dict[tuple[int, float], Stage] = field(default_factory=dict, repr=False)
+
+    # -- what is to be solved --------------------------------------------------------------------
+
+    def equations(self, chart: str | None = None) -> Equations:
+        """The equations in a chart (the home chart if none is named), worked out once."""
+        name = "" if self.start is None else chart or self.atlas.home
+        if name not in self._written:
+            place = self.atlas.chart(name) if name else None
+            plain = written(self.frame, self.law, place)
+            self._written[name] = carrying(plain, self.carried) if self.carried else plain
+        return self._written[name]
+
+    @cached_property
+    def charts(self) -> tuple[str, ...]:
+        """Names of the charts in which this motion can be followed, by preference."""
+        if self.start is None:
+            return ("",)
+        found = []
+        for name in self.atlas.names:
+            if name != self.atlas.home and self.carried and not self.carried.any_chart:
+                continue
+            chart = self.atlas.chart(name)
+            if name == self.atlas.home or not self.law.needs_frame or chart.keeps_frame:
+                found.append(name)
+        return tuple(found) or (self.atlas.home,)
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of the coordinates."""
+        return tuple(symbol.name for symbol in self.frame.coordinates)
+
+    @property
+    def time_unit(self) -> float:
+        """A power of two near the largest frame velocity: time is measured in its inverse."""
+        return self._time_unit
+
+    @cached_property
+    def _time_unit(self) -> float:
+        size = max((abs(float(u)) for u in self.frame_velocity), default=0.0)
+        return 2.0 ** round(math.log2(size)) if size else 1.0
+
+    @cached_property
+    def velocity(self) -> np.ndarray:
+        """Coordinate velocities q'^mu at the start."""
+        if self.start is None:
+            raise StartError("this problem has no coordinates; give it a start")
+        chart = self.atlas.chart(self.atlas.home)
+        column = np.array([[float(u)] for u in self.frame_velocity])
+        return chart.frame_vectors.applied(self.floats(), column)[:, 0]
+
+    def floats(self) -> dict[str, float]:
+        """Coordinates at the start and parameters, by name, as floats."""
+        values = {name: float(value) for name, value in self.parameters.items()}
+        if self.start is not None:
+            values |= {n: float(x) for n, x in zip(self.coordinates, self.start, strict=True)}
+        return values
+
+    # -- variants --------------------------------------------------------------------------------
+
+    def with_start(
+        self,
+        start: Numbers | None = None,
+        velocity: Numbers | None = None,
+        frame_velocity: Numbers | None = None,
+    ) -> CurveProblem:
+        """The same law from another start; nothing is compiled anew.
+
+        Examples
+        --------
+        >>> from geomtorsion.spaces import load
+        >>> from geomtorsion.curves import geodesic
+        >>> p = geodesic(load("s2").frame, [1.0, 0.0], [0.0, 1.0], parameters={"R": 1})
+        >>> p.with_start(velocity=[1.0, 0.0]).frame_velocity
+        (1.0, 0.0)
+        """
+        place = self.start if start is None else checked_start(self.frame, start, self.parameters)
+        if velocity is None and frame_velocity is None:
+            return replace(self, start=place, coordinate_velocity=None, _stages={})
+        speeds, given = frame_velocities(
+            self.frame, place, velocity, frame_velocity, self.parameters
+        )
+        return replace(
+            self, start=place, frame_velocity=speeds, coordinate_velocity=given, _stages={}
+        )
+
+    def carry(self, carried: Carried) -> CurveProblem:
+        """The same motion with something carried along."""
+        return replace(self, carried=carried, _written={}, _stages={})
+
+    def with_charts(self, *names: str) -> CurveProblem:
+        """The same motion, followed in these charts only, in this order of preference."""
+        return replace(self, atlas=self.atlas.only(*names), _written={}, _stages={})
+
+    # -- showing ---------------------------------------------------------------------------------
+
+    @property
+    def text(self) -> str:
+        """The equations of motion, written out line by line."""
+        equations = self.equations()
+        lines = []
+        for name, rate in zip(equations.states, equations.rates, strict=True):
+            terms = " + ".join("*".join([f"({c.sympy})", *names]) for c, names in rate)
+            lines.append(f"{name}' = {terms or '0'}")
+        if not equations.moves:
+            lines += [f"{name}' = 0" for name in equations.velocities]
+        return "\n".join(lines)
+
+    @property
+    def latex(self) -> str:
+        """The equations of motion in LaTeX."""
+        equations = self.equations()
+        lines = []
+        for name, rate in zip(equations.states, equations.rates, strict=True):
+            total = sp.Add(*(sp.Mul(c.sympy, *(sp.Symbol(n) for n in names)) for c, names in rate))
+            lines.append(f"\\dot{{{sp.latex(sp.Symbol(name))}}} &= {sp.latex(total)}")
+        if not equations.moves:
+            lines += [f"\\dot{{{sp.latex(sp.Symbol(n))}}} &= 0" for n in equations.velocities]
+        return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"
+
+    def _repr_latex_(self) -> str:
+        return f"$${self.latex}$$"
+
+    def __str__(self) -> str:
+        where = f" on {self.frame.name}" if self.frame.name else ""
+        if self.start is None:
+            return f"{self.name}{where}: {self.law.text}"
+        return f"{self.name}{where}: q'^mu = E_i^mu u^i, {self.law.text}"
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    def check_parameters(self) -> None:
+        """Refuse to start without a value for each parameter that occurs."""
+        equations = self.equations(self.charts[0])
+        needed = [
+            name
+            for name in equations.parameters
+            if name not in equations.velocities and name not in equations.constants
+        ]
+        missing = [name for name in needed if name not in self.parameters]
+        if missing:
+            example = ", ".join(f"{name!r}: 1.0" for name in missing)
+            raise StartError(
+                f"{', '.join(missing)} has no value. Give parameters={{{example}}}, for example."
+            )
+
+    # -- for the solver --------------------------------------------------------------------------
+
+    def check_start(self) -> None:
+        """Nothing: the start was checked when the problem was made."""
+
+    def first_stage(self, precision: int, perturbation: float) -> Stage:
+        """The motion from its start on; perturbation: the part by which this is changed."""
+        key = precision, perturbation
+        if key not in self._stages:
+            label, point = transition.beginning(self, precision)
+            self._stages[key] = self._stage(label, point, 0.0, precision, perturbation)
+        return self._stages[key]
+
+    def _stage(
+        self, label: str, point: MovingPoint, begin: float, precision: int, perturbation: float
+    ) -> Stage:
+        """The motion in one chart from a time on, and what comes where the chart ends."""
+        equations = self.equations(label)
+        moving = point.velocities if equations.moves else []
+        states: Sequence[Real] | np.ndarray = [*point.coordinates, *moving, *point.carried]
+        if perturbation:
+            states = perturbed(states, perturbation, precision, all_of_them=True)
+        numbers: Sequence[Real] | np.ndarray = self._numbers(equations, point.velocities)
+        if precision == 53:
+            states, numbers = (np.array(floats(row)) for row in (states, numbers))
+        several = len(self.charts) > 1
+        system = equations.system if several else equations.system.to_the_end
+        follow = self._follower(label, point.velocities, precision) if several else None
+        chart = equations.chart
+        reason = "no other chart of the space reaches further"
+        if chart is not None and chart.edge is not None:
+            reason = f"{chart.edge.sympy} = 0"
+        event = Event(None, follow, "stuck", reason)
+        groups = equations.groups
+        stage = Stage(label, system, states, numbers, begin, (event,), groups=groups)
+        return self._reduced(stage, equations, several) if precision == 53 else stage
+
+    def _reduced(self, stage: Stage, equations: Equations, several: bool) -> Stage:
+        """The same stage by a smaller system, where that loses no digits."""
+        smaller = equations.reduction
+        if smaller is None:
+            return stage
+        rows = [np.asarray(x)[None, :] for x in (stage.start, stage.parameters)]
+        start, numbers, kept = smaller.reduced(*rows)
+        if not kept[0]:
+            return stage
+        system = smaller.system if several else smaller.system.to_the_end
+        return replace(
+            stage,
+            system=system,
+            start=start[0],
+            parameters=numbers[0],
+            lift=lambda states: smaller.lifted(states[None], numbers)[0],
+            full_start=rows[0][0],
+        )
+
+    def _follower(
+        self, label: str, velocities: Sequence[Real], precision: int
+    ) -> Callable[[float, State], Stage | None]:
+        """What comes after a chart: the motion in the next one."""
+
+        def follow(time: float, state: State) -> Stage | None:
+            point = self._taken_apart(label, state, velocities)
+            target = transition.best_chart(self, label, point, precision)
+            if target is None:
+                return None
+            there = transition.moved(self, label, target, point, precision)
+            return self._stage(target, there, time, precision, 0.0)
+
+        return follow
+
+    def _taken_apart(self, label: str, state: State, velocities: Sequence[Real]) -> MovingPoint:
+        """Coordinates, velocities and what is carried, out of a vector of states."""
+        equations, values = self.equations(label), list(state)
+        width, n = equations.width, len(velocities)
+        if equations.moves:
+            return MovingPoint(values[:width], values[width : width + n], values[width + n :])
+        return MovingPoint(values[:width], list(velocities), values[width:])
+
+    def _numbers(self, equations: Equations, velocities: Sequence[Real]) -> list[Real]:
+        """Values of the parameters of a system, in its order."""
+        table: dict[str, Real] = dict(self.parameters) | dict(equations.constants)
+        if not equations.moves:
+            table |= dict(zip(equations.velocities, velocities, strict=True))
+        return [table[name] for name in equations.parameters]
+
+    def stages_to_probe(self, end: float) -> list[tuple[Stage, float]]:
+        """The first stage, unless it is linear by its very form."""
+        equations = self.equations(self.charts[0])
+        if not equations.moves and not equations.carried:
+            return []
+        return [(self.first_stage(53, 0.0), abs(end))]
+
+    def rows(self, segment: Segment, states: np.ndarray, label: str) -> np.ndarray:
+        """States of a segment in another chart, angles as the maps give them."""
+        if segment.label == label:
+            return states
+        velocities = self._own_velocities(segment)
+        found = []
+        for row in states:
+            point = self._taken_apart(segment.label, row, velocities)
+            there = transition.moved(self, segment.label, label, point, 53)
+            moving = there.velocities if self.equations(label).moves else []
+            found.append([*there.coordinates, *moving, *there.carried])
+        return np.array(found)
+
+    def _own_velocities(self, segment: Segment) -> list[Real]:
+        """u^i of a segment where they are constant (in units of the time), else zeros."""
+        equations = self.equations(segment.label)
+        if equations.moves:
+            return [0.0] * len(equations.velocities)
+        table = dict(zip(equations.parameters, segment.stage.parameters, strict=True))
+        return [table[name] for name in equations.velocities]
+
+    def stuck_error(self, trajectory: Trajectory) -> ChartEdgeError:
+        """Where a motion ended, why, and what can be done."""
+        segment = trajectory.segments[-1]
+        label = segment.label
+        names = self.atlas.chart(label).names if label else self.equations("").velocities
+        last = floats(segment.last)[: len(names)]
+        pairs = zip(names, last, strict=True)
+        place = ", ".join(f"{name} = {x:.6g}" for name, x in pairs if math.isfinite(x))
+        advice = "The space has one chart only; give an atlas with another, or stop earlier."
+        if len(self.charts) > 1:
+            advice = "No other chart of the space reaches further; stop earlier."
+        elif len(self.atlas.makers) > 1 and self.law.needs_frame:
+            advice = "The law is about this very frame, which ends here; stop earlier."
+        elif self.carried is not None and not self.carried.any_chart:
+            advice = "What is carried along is given in this frame, which ends here; stop earlier."
+        elif len(self.atlas.makers) > 1:
+            advice = f"Allow another chart of {', '.join(self.atlas.makers)}, or stop earlier."
+        return ChartEdgeError(
+            f"the motion stops at t = {trajectory.reached / self.time_unit:.6g}, at {place}: "
+            f"chart {label!r} ends there ({trajectory.reason}). {advice} What was computed is in "
+            "the error's `solution`."
+        )
+
+    # -- reading a solution ----------------------------------------------------------------------
+
+    def moment(
+        self,
+        times: np.ndarray,
+        pieces: Sequence[tuple[Segment, np.ndarray]],
+        shape: tuple[int, ...],
+        bits: int,
+    ) -> Moment:
+        """Coordinates, velocities and what is carried, in the home chart."""
+        return readout.moment(self, times, pieces, shape, bits)
+
+    def in_chart(self, trajectory: Trajectory, name: str) -> np.ndarray:
+        """Coordinates of all samples in a chart."""
+        self.atlas.chart(name)
+        return readout.in_chart(self, trajectory, name)
+
+    def invariant_changes(self, trajectory: Trajectory) -> dict[str, np.ndarray]:
+        """Relative change of each invariant at each sample, counted anew in each chart."""
+        return readout.invariant_changes(self, trajectory)
+
+    def term(self, term: object) -> Callable[[Moment], np.ndarray]:
+        """A function of moments for a coordinate, a velocity or an expression over these."""
+        equations = self.equations(self.charts[0])
+        names = (*(self.coordinates if self.start is not None else ()), *equations.velocities)
+        names = (*names, *equations.carried)
+        every = tuple(dict.fromkeys((*names, *self.parameters, "t")))
+        read = expression(term, "event_times", symbol_table(every), smooth=False)
+        made = graph(every, [read], factor=False).numpy()
+        numbers = {name: float(value) for name, value in self.parameters.items()}
+
+        def values(moment: Moment) -> np.ndarray:
+            given = {"t": moment.time} | numbers | {name: moment[name] for name in names}
+            return made(*(given[name] for name in every))[0]
+
+        return values
+
+    def breaks(self) -> tuple[float, ...]:
+        """No times: nothing jumps."""
+        return ()
+
+    def columns(self, moment: Moment) -> dict[str, np.ndarray]:
+        """Named columns for tables: t, coordinates, coordinate and frame velocities."""
+        table = {"t": moment.time}
+        names = self.coordinates if self.start is not None else ()
+        table |= {name: moment[name] for name in names}
+        table |= {f"{x}'": moment.velocity[..., k] for k, x in enumerate(names)}
+        equations = self.equations(self.charts[0])
+        return table | {x: moment[x] for x in (*equations.velocities, *equations.carried)}
+
+    def described(self) -> dict[str, Any]:
+        """Law, space, start and numbers as plain text, for files."""
+        return {
+            "name": self.name,
+            "law": self.law.text,
+            "space": self.frame.name,
+            "equations": self.text,
+            "coordinates": list(self.coordinates),
+            "parameters": {name: _number(value) for name, value in self.parameters.items()},
+            "start": None if self.start is None else [_number(x) for x in self.start],
+            "frame_velocity": [_number(x) for x in self.frame_velocity],
+            "carried": [_number(x) for x in self.carried.start] if self.carried else [],
+            "charts": list(self.charts),
+        }
+
+    # -- many starts -----------------------------------------------------------------------------
+
+    def members(
+        self, starts: object, velocities: object = None, frame_velocities: object = None
+    ) -> Members:
+        """Members of an ensemble, from lists of numbers; see `solve_many`."""
+        place, speed = start_lists(self, starts, velocities, frame_velocities)
+        return laid_out(self, place, speed)
+
+    def member(self, members: Members, k: int) -> CurveProblem:
+        """One member as a problem of its own."""
+        place = members.varied.get("start")
+        return replace(
+            self,
+            start=None if place is None else tuple(place[k].tolist()),
+            frame_velocity=tuple(members.varied["frame_velocity"][k].tolist()),
+            coordinate_velocity=None,
+            _stages={},
+        )
+
+    def read_members(
+        self, members: Members, rows: Rows, times: np.ndarray
+    ) -> dict[str, np.ndarray]:
+        """Coordinates and frame velocities, shapes (number, m, n), and each by its name."""
+        return readout.read_members(self, members, rows, times)
+
+
+def _number(value: Real) -> str:
+    return value.hex() if isinstance(value, float) else str(value)

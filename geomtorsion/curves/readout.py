@@ -1,0 +1,254 @@
+"""Readout: coordinates, velocities and invariants off the states of a solved curve."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import mpmath
+import numpy as np
+
+from geomtorsion.curves import transition
+from geomtorsion.curves.transition import MovingPoint
+from geomtorsion.curves.transported import speed_powers
+from geomtorsion.errors import ChartEdgeError
+from geomtorsion.ode.members import Members, Rows
+from geomtorsion.ode.moment import Moment
+from geomtorsion.ode.trajectory import Segment, Trajectory
+
+if TYPE_CHECKING:
+    from geomtorsion.curves.problem import CurveProblem
+
+# Bits in which whole turns are taken off angles of any number of digits.
+TURN_BITS = 1000
+
+
+def moment(
+    problem: CurveProblem,
+    times: np.ndarray,
+    pieces: Sequence[tuple[Segment, np.ndarray]],
+    shape: tuple[int, ...],
+    bits: int,
+) -> Moment:
+    """Everything at the times of some pieces, in the home chart and frame."""
+    parts = [_at_home(problem, segment, states, bits) for segment, states in pieces]
+    q, v, u, w = (np.concatenate(values) for values in zip(*parts, strict=True))
+    whole = {"coordinates": q, "velocity": v, "frame_velocity": u, "transported": w}
+    values: dict[str, np.ndarray] = {}
+    equations = problem.equations(problem.charts[0])
+    for names, columns in (
+        (problem.coordinates if q.shape[1] else (), q),
+        (equations.velocities, u),
+        (equations.carried, w),
+    ):
+        values |= {name: columns[:, k].reshape(shape) for k, name in enumerate(names)}
+    values |= {name: x.reshape((*shape, x.shape[1])) for name, x in whole.items()}
+    return Moment(times.reshape(shape), values, whole=tuple(whole))
+
+
+def _at_home(
+    problem: CurveProblem, segment: Segment, states: np.ndarray, bits: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """(q, q', u, carried) of one segment in the home chart and frame."""
+    equations, n = problem.equations(segment.label), problem.frame.dimension
+    width, unit = equations.width, problem.time_unit
+    u, carried = _velocities(problem, segment, states)
+    if equations.moves:
+        carried = states[:, width + n :].copy()
+    for k, power in enumerate(speed_powers(problem.carried)):
+        if power:
+            carried[:, k] = _multiplied(carried[:, k], unit)
+    if not width:
+        empty = np.empty((len(states), 0))
+        return empty, empty, u, carried
+    target = problem.atlas.home
+    q = states[:, :width]
+    if segment.label != target:
+        q, u = converted(problem, segment.label, target, q, u, bits)
+    return q, coordinate_velocities(problem, q, u), u, carried
+
+
+def _velocities(
+    problem: CurveProblem, segment: Segment, states: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """u^i of a segment in its own frame, and the states behind the coordinates."""
+    equations, n = problem.equations(segment.label), problem.frame.dimension
+    width, unit = equations.width, problem.time_unit
+    if equations.moves:
+        return _multiplied(states[:, width : width + n], unit), states[:, width + n :]
+    table = dict(zip(equations.parameters, segment.stage.parameters, strict=True))
+    values = np.array([float(table[name]) for name in equations.velocities])
+    return np.tile(values * unit, (len(states), 1)), states[:, width:].copy()
+
+
+def converted(
+    problem: CurveProblem, source: str, target: str, q: np.ndarray, u: np.ndarray, bits: int = 53
+) -> tuple[np.ndarray, np.ndarray]:
+    """Coordinates and frame velocities of many points in another chart.
+
+    Above 53 bits the coordinates are mpmath numbers where the charts share the frame.
+    """
+    if bits > 53 and transition.same_frame(problem, source, target):
+        rows = q
+        for change in problem.atlas.route(source, target):
+            rows = [change.precisely(row, problem.parameters, bits) for row in rows]
+        return _turned(problem, source, target, np.array(rows, dtype=object)), u
+    q, u = np.asarray(q, dtype=float), np.asarray(u, dtype=float)
+    if not transition.same_frame(problem, source, target):
+        points = [
+            transition.moved(problem, source, target, MovingPoint(list(a), list(b), []), 53)
+            for a, b in zip(q, u, strict=True)
+        ]
+        there = np.array([point.coordinates for point in points], dtype=float)
+        turned = np.array([point.velocities for point in points], dtype=float)
+    else:
+        there, turned = q.T, u
+        for change in problem.atlas.route(source, target):
+            there = change(there, problem.parameters)
+        there = np.asarray(there).T
+    if not np.isfinite(there).all():
+        bad = int(np.argmin(np.isfinite(there).all(axis=1)))
+        place = ", ".join(f"{x:.6g}" for x in q[bad])
+        raise ChartEdgeError(
+            f"the motion passes ({place}) of chart {source!r}, where chart {target!r} does not "
+            f"reach. Use solution.in_chart({source!r})."
+        )
+    return _turned(problem, source, target, there), turned
+
+
+def _turned(problem: CurveProblem, source: str, target: str, q: np.ndarray) -> np.ndarray:
+    """Angles of the home chart shifted to within half a turn of the start."""
+    route = problem.atlas.route(source, target)
+    if target != problem.atlas.home or problem.start is None or not route:
+        return q
+    q = q.copy()
+    for k in route[-1].angles:
+        centre = float(problem.start[k])
+        turns = np.round((q[:, k].astype(float) - centre) / (2 * np.pi))
+        if q.dtype != object:
+            q[:, k] -= 2 * np.pi * turns
+            continue
+        with mpmath.workprec(TURN_BITS):
+            q[:, k] = [
+                x - 2 * mpmath.pi * int(turn) for x, turn in zip(q[:, k], turns, strict=True)
+            ]
+    return q
+
+
+def _multiplied(values: np.ndarray, factor: float) -> np.ndarray:
+    """Values of any precision times a power of two, at their own precision."""
+    if factor == 1.0:
+        return values.copy()
+    if values.dtype.type in (np.float64, np.longdouble):
+        return values * factor
+    return values * np.full(values.shape, values.dtype.type(factor), dtype=values.dtype)
+
+
+def coordinate_velocities(problem: CurveProblem, q: np.ndarray, u: np.ndarray) -> np.ndarray:
+    """q'^mu = E_i^mu u^i at many points of the home chart."""
+    chart = problem.atlas.chart(problem.atlas.home)
+    place = dict(zip(chart.names, np.asarray(q, float).T, strict=True))
+    numbers = {key: float(value) for key, value in problem.parameters.items()}
+    return chart.frame_vectors.applied(place | numbers, np.asarray(u, float).T).T
+
+
+def in_chart(problem: CurveProblem, trajectory: Trajectory, name: str) -> np.ndarray:
+    """Coordinates of all samples in a chart."""
+    found = []
+    for segment in trajectory.segments:
+        if segment.count:
+            states = segment.states
+            q = states[:, : problem.equations(segment.label).width]
+            if segment.label != name:
+                u, _ = _velocities(problem, segment, states)
+                q, _ = converted(problem, segment.label, name, q, u)
+            found.append(q)
+    return np.concatenate(found)
+
+
+def invariant_changes(problem: CurveProblem, trajectory: Trajectory) -> dict[str, np.ndarray]:
+    """Relative change of each invariant at each sample, counted anew in each chart."""
+    pieces: dict[str, list[np.ndarray]] = {}
+    done = 0
+    for segment in trajectory.segments:
+        if not segment.count:
+            continue
+        for name, change in _changes_of_segment(problem, segment).items():
+            before = pieces.setdefault(name, [])
+            missing = done - sum(map(len, before))
+            if missing:
+                before.append(np.full(missing, np.nan))
+            before.append(change)
+        done += segment.count
+    joined = {name: np.concatenate(parts) for name, parts in pieces.items()}
+    return {
+        name: np.pad(x, (0, done - len(x)), constant_values=np.nan) for name, x in joined.items()
+    }
+
+
+def _changes_of_segment(problem: CurveProblem, segment: Segment) -> dict[str, np.ndarray]:
+    """Relative change of each invariant since a segment began."""
+    equations = problem.equations(segment.label)
+    states = np.asarray(segment.states).astype(float)
+    states = np.concatenate((segment.stage.first[None, :], states))
+    numbers = problem_numbers(problem, segment)
+    sizes = dict(zip(equations.parameters, np.abs(numbers), strict=True))
+    sizes |= dict(zip(equations.states, np.abs(states).max(axis=0), strict=True))
+    if equations.moves:
+        # All velocities have the size of the largest, so that a vanishing momentum has one.
+        first, n = equations.width, len(equations.velocities)
+        largest = float(np.abs(states[:, first : first + n]).max())
+        sizes |= dict.fromkeys(equations.velocities, largest)
+    found = {}
+    for name, products in equations.invariants.items():
+        total, terms = equations.invariant_graphs[name]
+        values = np.broadcast_to(total.numpy()(*states.T, *numbers)[0], len(states))
+        weights = [np.prod([sizes[x] for x in factors]) for _, factors in products]
+        parts = np.abs(terms.numpy()(*states.T, *numbers))
+        size = float(np.max(sum(w * part for w, part in zip(weights, parts, strict=True))))
+        change = np.abs(values - values[0])[1:]
+        found[name] = change / size if size else change
+    return found
+
+
+def problem_numbers(problem: CurveProblem, segment: Segment) -> Sequence[float]:
+    """Values of the parameters of the equations of a segment."""
+    parameters = problem.equations(segment.label).parameters
+    if segment.stage.lift is None:
+        return [float(x) for x in segment.stage.parameters]
+    return [float(problem.parameters[name]) for name in parameters]
+
+
+def read_members(
+    problem: CurveProblem, members: Members, rows: Rows, times: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Coordinates and frame velocities of an ensemble, and each by its name."""
+    equations, n = problem.equations(members.label), problem.frame.dimension
+    width, number, m = equations.width, len(members), len(times)
+    q, u = np.full((number, m, n if width else 0), np.nan), np.full((number, m, n), np.nan)
+    done = rows.finished.copy()
+    done[list(rows.trajectories)] = False
+    states = rows.states[done, -m:]
+    if equations.moves:
+        u[done] = states[..., width : width + n] * members.units[done, None, None]
+    else:
+        u[done] = members.varied["own_velocity"][done, None, :]
+    if width:
+        there, turned = states[..., :width].reshape(-1, width), u[done].reshape(-1, n)
+        home = problem.atlas.home
+        if members.label != home:
+            there, turned = converted(problem, members.label, home, there, turned)
+        q[done], u[done] = there.reshape(-1, m, n), turned.reshape(-1, m, n)
+    for k, trajectory in rows.trajectories.items():
+        single = problem.member(members, k)
+        pieces = [(x, x.states) for x in trajectory.segments if x.count]
+        try:
+            grid = np.concatenate([x.times for x, _ in pieces])
+            found = moment(single, grid, pieces, grid.shape, 53)
+        except ChartEdgeError:
+            continue
+        q[k], u[k] = found.coordinates[-m:], found.frame_velocity[-m:]
+    table = {"coordinates": q, "frame_velocity": u}
+    if width:
+        table |= {name: q[..., k] for k, name in enumerate(problem.coordinates)}
+    return table | {name: u[..., k] for k, name in enumerate(equations.velocities)}

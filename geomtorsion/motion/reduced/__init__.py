@@ -1,1 +1,0 @@
-"""Geodesics with momenta of cyclic coordinates as constants: smaller systems for engines."""

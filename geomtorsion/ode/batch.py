@@ -1,0 +1,263 @@
+"""Batch: many motions of equal equations at once, by one instruction or one stacked system."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from geomtorsion.ode.engines import Engine, Taylor
+from geomtorsion.ode.engines.scipy_run import FLOOR, error_scales
+from geomtorsion.ode.engines.taylor import heyoka
+from geomtorsion.ode.system import System
+
+# Called with the number of members that are done.
+Show: TypeAlias = Callable[[int], None] | None
+# Systems of at most so many states take two registers at a time.
+FEW = 4
+# After so many steps one looks which members still get anywhere: by this part of their time.
+MOST_STEPS, STANDSTILL = 20_000, 1e-9
+# States in one stacked Runge-Kutta system: larger ones leave the cache and set BLAS threads off.
+STACKED = 6144
+# Seconds between two reports of progress.
+OFTEN = 0.2
+
+
+@dataclass(frozen=True, eq=False)
+class BatchRun:
+    """What the members of a batch came to.
+
+    states: shape (number, times, size); not a number where a member is not finished.
+    finished: shape (number,), which came to the end without meeting the guard.
+    """
+
+    states: np.ndarray
+    finished: np.ndarray
+    interrupted: bool = False
+    compile_seconds: float = 0.0
+
+
+def run_batch(
+    engine: Engine,
+    system: System,
+    states: np.ndarray,
+    parameters: np.ndarray,
+    units: np.ndarray,
+    pace: np.ndarray,
+    times: np.ndarray,
+    tolerance: float,
+    show: Show = None,
+) -> BatchRun:
+    """All members through times that begin at 0.
+
+    Parameters
+    ----------
+    states, parameters
+        shapes (number, size) and (number, parameters).
+    units
+        by which the times of each member are multiplied, shape (number,).
+    pace
+        how fast members move, shape (number,): the like are put together, as those that share
+        an instruction wait for the slowest.
+    """
+    number, size = states.shape
+    result = np.full((number, len(times), size), np.nan)
+    finished = np.zeros(number, dtype=bool)
+    crossed = np.zeros(number, dtype=bool)
+    compiling, interrupted = 0.0, False
+    try:
+        if isinstance(engine, Taylor):
+            width = int(heyoka().recommended_simd_size()) * (2 if size <= FEW else 1)
+            kept, compiling = engine.compiled(system, tolerance, width=width)
+            with kept.lock:
+                calls = _calls(states, parameters, units, pace, times, width)
+                watched = crossed if system.guard is not None else None
+                _by_heyoka(kept.integrator, calls, result, finished, watched, show)
+        else:
+            share = max(1, STACKED // size)
+            for first in range(0, number, share):
+                part = slice(first, min(first + share, number))
+                _stacked(system, states, parameters, units, times, tolerance, part, result, crossed)
+                finished[part] = np.isfinite(result[part]).all(axis=(1, 2))
+                if show is not None:
+                    show(part.stop)
+    except KeyboardInterrupt:
+        interrupted = True
+    if system.guard is not None:
+        with np.errstate(all="ignore"):
+            guard = system.guard_along(np.moveaxis(result, 2, 0), parameters.T[:, :, None])
+        crossed |= finished & (np.broadcast_to(guard, result.shape[:2]) < 0).any(axis=1)
+    finished &= ~crossed
+    result[~finished] = np.nan
+    return BatchRun(result, finished, interrupted, compiling)
+
+
+@dataclass(frozen=True, eq=False)
+class _Calls:
+    """Members in calls of the integrator.
+
+    index: shape (calls * width,); all others are blocks with the members last.
+    """
+
+    index: np.ndarray
+    starts: np.ndarray
+    states: np.ndarray
+    parameters: np.ndarray
+    times: np.ndarray
+
+
+def _calls(
+    states: np.ndarray,
+    parameters: np.ndarray,
+    units: np.ndarray,
+    pace: np.ndarray,
+    times: np.ndarray,
+    width: int,
+) -> _Calls:
+    """Members of like pace together, the last call filled up with the last member."""
+    number = len(states)
+    order = np.argsort(pace, kind="stable")
+    count = -(-number // width)
+    index = order[np.minimum(np.arange(count * width), number - 1)]
+    blocks = [_blocks(array[index], width) for array in (states, parameters)]
+    scaled = np.multiply.outer(times, units[index]).reshape(len(times), count, width)
+    return _Calls(index, states, blocks[0], blocks[1], scaled)
+
+
+def _blocks(array: np.ndarray, width: int) -> np.ndarray:
+    """Rows of members as one contiguous block per call, members last."""
+    blocks = array.reshape(len(array) // width, width, array.shape[1])
+    return np.ascontiguousarray(blocks.swapaxes(1, 2))
+
+
+def _by_heyoka(
+    integrator: Any,
+    calls: _Calls,
+    result: np.ndarray,
+    finished: np.ndarray,
+    crossed: np.ndarray | None,
+    show: Show,
+) -> None:
+    """Fill in states of members that come to the end, and which those are."""
+    index, (count, size, width) = calls.index, calls.states.shape
+    own, pars, until = integrator.state, integrator.pars, integrator.propagate_until
+    ends, clocks = calls.times[-1], np.zeros((count, width))
+    several = len(calls.times) > 2
+    found = np.full((count, len(calls.times) if several else 1, size, width), np.nan)
+    last, done = time.perf_counter(), 0
+    # Members whose guard has fallen in this call; heyoka keeps a copy of its own.
+    hits = integrator.nt_events[0].callback.members if crossed is not None else set()
+    # Beyond a guard steps may become as small as they like; without one, motions just go on.
+    most = MOST_STEPS if crossed is not None else 0
+    try:
+        for k in range(count):
+            own[:] = calls.states[k]
+            if calls.parameters.shape[1]:
+                pars[:] = calls.parameters[k][: len(pars)]
+            integrator.set_time(0.0)
+            if several:
+                block = np.ascontiguousarray(calls.times[:, k])
+                rows = integrator.propagate_grid(block, max_steps=most)[1]
+                found[k, : len(rows)] = rows
+            else:
+                until(ends[k], max_steps=most)
+                if most and (integrator.time != ends[k]).any():
+                    _go_on(integrator, ends[k], hits, most)
+                found[k, 0] = own
+            clocks[k] = integrator.time
+            if hits and crossed is not None:
+                crossed[index[k * width + np.array(sorted(hits))]] = True
+                hits.clear()
+            done = k + 1
+            if show is not None and time.perf_counter() - last > OFTEN:
+                last = time.perf_counter()
+                show(min(done * width, len(result)))
+    finally:
+        # Also after Ctrl-C: what is done is kept.
+        arrived = (clocks == ends) & np.isfinite(found).all(axis=(1, 2))
+        arrived[done:] = False
+        good = arrived.reshape(-1)
+        rows = found.transpose(0, 3, 1, 2).reshape(count * width, found.shape[1], -1)
+        finished[index[good]] = True
+        if several:
+            result[index[good]] = rows[good]
+        else:
+            result[index[good], 0] = calls.starts[index[good]]
+            result[index[good], -1] = rows[good, 0]
+
+
+def _go_on(integrator: Any, ends: np.ndarray, crossed: set[int], most: int) -> None:
+    """Go on until all members have arrived, have met the guard or get no further.
+
+    most: steps between two looks.
+    """
+    moved = np.full(len(ends), True)
+    while True:
+        waiting = [
+            member
+            for member, result in enumerate(integrator.propagate_res)
+            if result[0] == type(result[0]).step_limit and member not in crossed
+        ]
+        if not moved[waiting].any():
+            return
+        before = integrator.time.copy()
+        integrator.propagate_until(ends, max_steps=most)
+        moved = np.abs(integrator.time - before) > STANDSTILL * np.abs(ends)
+
+
+def _stacked(
+    system: System,
+    states: np.ndarray,
+    parameters: np.ndarray,
+    units: np.ndarray,
+    times: np.ndarray,
+    tolerance: float,
+    part: slice,
+    result: np.ndarray,
+    crossed: np.ndarray,
+) -> None:
+    """Some members as one system of scipy's DOP853; time in units of the fastest."""
+    y0 = states[part].T
+    size, count = y0.shape
+    top = float(units[part].max())
+    slow = units[part] / top
+    numbers = list(parameters[part].T)
+    function = system.array_function
+
+    def rates(_: float, y: np.ndarray) -> np.ndarray:
+        return (function(*y.reshape(size, count), *numbers) * slow).ravel()
+
+    def look(_: float, y: np.ndarray) -> float:
+        # scipy calls this after each step; it never sees an event.
+        guard = system.guard_along(y.reshape(size, count), numbers)
+        crossed[part] |= np.broadcast_to(guard, count) < 0
+        return 1.0
+
+    with np.errstate(all="ignore"):
+        first = rates(0.0, y0.ravel()).reshape(size, count)
+        if not np.isfinite(first).all():
+            return
+        duration = float(times[-1]) * top
+        scales = error_scales(system, y0, first, duration)
+        used = max(tolerance, FLOOR)
+        options: dict[str, Any] = {"rtol": used, "atol": (used * scales).ravel()}
+        if tolerance < FLOOR:
+            # scipy takes no smaller tolerance: the steps are shortened instead.
+            trial = solve_ivp(rates, (0.0, duration), y0.ravel(), "DOP853", **options)
+            steps = max(len(trial.t) - 1, 1)
+            options["max_step"] = abs(duration) / steps * (tolerance / FLOOR) ** 0.125
+        found = solve_ivp(
+            rates,
+            (0.0, duration),
+            y0.ravel(),
+            "DOP853",
+            t_eval=times * top,
+            events=look if system.guard is not None else None,
+            **options,
+        )
+    if found.status == 0 and np.isfinite(found.y).all():
+        result[part] = found.y.reshape(size, count, len(times)).transpose(1, 2, 0)

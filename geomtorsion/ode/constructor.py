@@ -1,0 +1,273 @@
+"""Constructor: equations from what users give, checked once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+import sympy as sp
+
+from geomtorsion import checks
+from geomtorsion.errors import ExpressionError, ShapeError, StartError, TimeError, UnknownNameError
+from geomtorsion.ode.events import At, When
+from geomtorsion.ode.numbers import Numbers, Real
+from geomtorsion.ode.rates import Rates, default_groups
+from geomtorsion.ode.terms import expression, number, symbol_table
+
+if TYPE_CHECKING:
+    from geomtorsion.ode.problem import ODE, Terms
+
+# A start that should have length one may miss it by this much, and is then made so.
+NEARLY_UNIT = 1e-6
+Given = tuple[
+    Rates, tuple[Real, ...], "dict[str, Real]", "dict[str, Terms]", "dict[str, Terms]",
+    tuple[At, ...],
+]  # fmt: skip
+
+
+def read(
+    rates: object,
+    start: Mapping[str, object] | Numbers,
+    parameters: Mapping[str, object] | None,
+    invariants: Mapping[str, object] | None,
+    outputs: Mapping[str, object] | None,
+    time: str,
+    events: Iterable[At | When],
+    norm_groups: Sequence[Sequence[str]] | None,
+    normalized: Sequence[Sequence[str]],
+) -> Given:
+    """Rates, start, parameters, invariants, outputs and timed events; see `ODE.of`."""
+    given = rates
+    if not isinstance(rates, Mapping):
+        rates = getattr(given, "rates", None)
+        if not isinstance(rates, Mapping):
+            raise ExpressionError(
+                "rates: a mapping from states to expressions was needed, "
+                f"{checks.shown(given)} came."
+            )
+        known = getattr(given, "invariants", None)
+        if invariants is None and isinstance(known, Mapping):
+            invariants = known
+    if not rates:
+        raise ExpressionError("rates: at least one state was needed, none came.")
+    states = tuple(rates)
+    numbers = {key: number(value, key) for key, value in (parameters or {}).items()}
+    symbols = symbol_table((*states, *numbers, time))
+    expressions = {key: expression(x, f"rate of {key}", symbols) for key, x in rates.items()}
+    listed = list(events)
+    stop = _stop([event for event in listed if isinstance(event, When)], symbols)
+    read_outputs = _read_terms(outputs or {}, "output", symbols)
+    for key in read_outputs:
+        if key in symbols:
+            raise ExpressionError(f"output {key} has the name of a state, parameter or the time.")
+    groups = _group_list(states, norm_groups, normalized)
+    return (
+        Rates(expressions, tuple(numbers), time, stop, groups),
+        start_numbers(states, start),
+        numbers,
+        _read_terms(invariants or {}, "invariant", symbols),
+        read_outputs,
+        timed_events((*states, *numbers), [x for x in listed if not isinstance(x, When)]),
+    )
+
+
+def _stop(found: list[When], symbols: Mapping[str, sp.Symbol]) -> sp.Expr | None:
+    """The expression at whose fall the motion ends."""
+    if len(found) > 1:
+        raise ExpressionError(
+            f"events: one When(...) was needed at most, {len(found)} came. Keep one of them."
+        )
+    return expression(found[0].falls, "stop", symbols) if found else None
+
+
+def term(problem: ODE, entry: object) -> sp.Expr:
+    """One output, or an expression over states, parameters and time."""
+    if isinstance(entry, str) and entry in problem.outputs:
+        known = problem.outputs[entry]
+        if isinstance(known, tuple):
+            raise UnknownNameError(
+                f"{entry} has {len(known)} components; give an expression of one number."
+            )
+        return known
+    return expression(entry, "event_times", symbol_table(problem.rates.names), smooth=False)
+
+
+def _read_terms(
+    terms: Mapping[str, object], what: str, symbols: Mapping[str, sp.Symbol]
+) -> dict[str, Terms]:
+    """Expressions, or tuples of them."""
+    found: dict[str, Terms] = {}
+    for key, value in terms.items():
+        where = f"{what} {key}"
+        if isinstance(value, list | tuple):
+            parts = [
+                expression(x, f"{where}[{k}]", symbols, smooth=False) for k, x in enumerate(value)
+            ]
+            found[key] = tuple(parts)
+        else:
+            found[key] = expression(value, where, symbols, smooth=False)
+    return found
+
+
+def start_numbers(
+    states: Sequence[str], start: object, known: Sequence[Real] | None = None
+) -> tuple[Real, ...]:
+    """A number for each state; those of a mapping may change some of the known ones only."""
+    if isinstance(start, Mapping):
+        for name in start:
+            if name not in states:
+                raise UnknownNameError(f"start: {name} is no state. {_hint(name, states)}")
+        table = dict(zip(states, known, strict=True)) if known is not None else {}
+        table |= {name: number(value, f"start of {name}") for name, value in start.items()}
+        missing = [name for name in states if name not in table]
+        if missing:
+            raise StartError(f"start: {', '.join(missing)} has no number; give one for each state.")
+        return tuple(table[name] for name in states)
+    try:
+        values = list(start)  # type: ignore[call-overload]  # what is none is refused below
+    except TypeError:
+        raise StartError(
+            f"start = {checks.shown(start)}: a mapping or a list of numbers was needed."
+        ) from None
+    if len(values) != len(states):
+        raise ShapeError(
+            f"start: {len(states)} numbers were needed ({', '.join(states)}), {len(values)} came."
+        )
+    pairs = zip(states, values, strict=True)
+    return tuple(number(value, f"start of {name}") for name, value in pairs)
+
+
+def parameter_numbers(names: Sequence[str], parameters: Mapping[str, object]) -> dict[str, Real]:
+    """Numbers for some of the parameters."""
+    for name in parameters:
+        if name not in names:
+            raise UnknownNameError(f"{name} is no parameter. {_hint(name, names)}")
+    return {name: number(value, name) for name, value in parameters.items()}
+
+
+def timed_events(names: Sequence[str], events: Iterable[object]) -> tuple[At, ...]:
+    """Changes in order of time, those of one time put together."""
+    table: dict[float, dict[str, Real]] = {}
+    for entry in events:
+        if not isinstance(entry, At) or not isinstance(entry.changes, Mapping):
+            raise TimeError(
+                f"event {checks.shown(entry)}: At(time, {{name: value}}) or When(expression) was "
+                "needed."
+            )
+        at = checks.real(entry.time)
+        if at is None:
+            raise TimeError(f"event {checks.shown(entry)}: At(time, {{name: value}}) was needed.")
+        if not (math.isfinite(at) and at >= 0):
+            raise TimeError(f"event at t = {at}: a time from the start at 0 on was needed.")
+        for name in entry.changes:
+            if name not in names:
+                raise UnknownNameError(
+                    f"event at t = {at:.6g}: {name} is no parameter and no state. "
+                    + _hint(name, names)
+                )
+        new = {x: number(value, f"{x} at t = {at:.6g}") for x, value in entry.changes.items()}
+        table.setdefault(at, {}).update(new)
+    return tuple(At(at, changes) for at, changes in sorted(table.items(), key=lambda x: x[0]))
+
+
+def _group_list(
+    states: Sequence[str],
+    norm_groups: Sequence[Sequence[str]] | None,
+    normalized: Sequence[Sequence[str]],
+) -> tuple[tuple[str, ...], ...]:
+    """Every state in one group; those of length one make a group of their own."""
+    groups = [tuple(group) for group in (*normalized, *(norm_groups or ()))]
+    seen: set[str] = set()
+    found = []
+    for group in groups:
+        for name in group:
+            if name not in states:
+                raise UnknownNameError(f"norm group: {name} is no state. {_hint(name, states)}")
+        fresh = tuple(name for name in group if name not in seen)
+        if len(set(group)) != len(group):
+            raise StartError(f"norm group {group}: a state is named twice.")
+        seen |= set(fresh)
+        found += [fresh] if fresh else []
+    rest = [name for name in states if name not in seen]
+    return (*found, *default_groups(rest))
+
+
+def check_lengths(
+    states: Sequence[str], start: Sequence[Real], normalized: Sequence[Sequence[str]]
+) -> None:
+    """Refuse a start whose length is not one where it should be."""
+    for names in normalized:
+        length = math.hypot(*(float(start[states.index(name)]) for name in names))
+        if abs(length - 1) > NEARLY_UNIT:
+            raise StartError(
+                f"{', '.join(names)} should have length 1 together; the start has {length:.9g}. "
+                "Divide them by that."
+            )
+
+
+def start_columns(problem: ODE, starts: object) -> tuple[np.ndarray, dict[str, Real | np.ndarray]]:
+    """States of members (number, size), and parameters: name -> array (number,) or number."""
+    parameters: dict[str, Real | np.ndarray] = dict(problem.parameters)
+    names = (*problem.states, *problem.rates.parameters)
+    if not isinstance(starts, Mapping):
+        states = _array("starts", starts)
+        if states.ndim != 2 or states.shape[1] != problem.size or not len(states):
+            raise ShapeError(
+                f"starts: shape (number, {problem.size}) was needed, {states.shape} came."
+            )
+        _check_many_lengths(problem, states)
+        return states, parameters
+    arrays = {}
+    for name, values in starts.items():
+        if name not in names:
+            raise UnknownNameError(
+                f"starts: {name} is no state and no parameter. {_hint(name, names)}"
+            )
+        arrays[name] = _array(f"starts of {name}", values)
+    lengths = {name: array.shape for name, array in arrays.items() if array.ndim}
+    if len(set(lengths.values())) != 1 or len(next(iter(lengths.values()))) != 1:
+        raise ShapeError(f"starts: lists of one common length were needed, {lengths} came.")
+    (number_of,) = next(iter(lengths.values()))
+    if not number_of:
+        raise StartError("starts: the lists are empty; give one number for each motion.")
+    states = np.tile([float(x) for x in problem.start], (number_of, 1))
+    for name, array in arrays.items():
+        if name in problem.states:
+            states[:, problem.states.index(name)] = array
+        else:
+            parameters[name] = np.array(array)
+    _check_many_lengths(problem, states)
+    return states, parameters
+
+
+def _check_many_lengths(problem: ODE, states: np.ndarray) -> None:
+    """Refuse starts whose length is not one where it should be."""
+    for names in problem.normalized:
+        places = [problem.states.index(name) for name in names]
+        lengths = np.sqrt((states[:, places] ** 2).sum(axis=1))
+        if (np.abs(lengths - 1) > NEARLY_UNIT).any():
+            k = int(np.argmax(np.abs(lengths - 1)))
+            raise StartError(
+                f"starts[{k}]: {', '.join(names)} should have length 1 together, not "
+                f"{lengths[k]:.9g}. Divide them by that."
+            )
+
+
+def _array(what: str, values: object) -> np.ndarray:
+    """Finite numbers."""
+    return checks.array(
+        values,
+        what,
+        StartError,
+        shape_error=ShapeError,
+        message="{subject}: numbers were needed, {value} came.",
+        infinite="{subject}: a number is not finite.",
+    )
+
+
+def _hint(name: str, known: Sequence[str]) -> str:
+    near = checks.near_names(name, known)
+    listed = f"There are {', '.join(known)}." if known else "There are none."
+    return f"Did you mean {near}? {listed}" if near else listed

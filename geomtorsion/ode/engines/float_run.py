@@ -1,0 +1,143 @@
+"""float_run: one integration by generated steps on plain floats, samples and guard included."""
+
+from __future__ import annotations
+
+import math
+import time
+from bisect import bisect_right
+from collections.abc import Callable, Sequence
+from functools import partial
+
+import numpy as np
+from scipy.optimize import brentq
+
+from geomtorsion.ode.engines.dop853 import STAGES, step_of
+from geomtorsion.ode.engines.protocol import Dense, Run
+from geomtorsion.ode.engines.scipy_run import error_scales
+from geomtorsion.ode.engines.stepper import Polynomial, Steps
+from geomtorsion.ode.numbers import Real, floats
+from geomtorsion.ode.system import System
+
+# Smaller differences than this are told from rounding by no step.
+LEAST = 1e-15
+
+
+def float_run(
+    most: int,
+    system: System,
+    start: Sequence[Real] | np.ndarray,
+    parameters: Sequence[Real] | np.ndarray,
+    times: np.ndarray,
+    tolerance: float,
+    dense: bool,
+) -> Run:
+    """See `Engine.run`; the same method as scipy's DOP853, several times as fast."""
+    began = time.perf_counter()
+    y0, values = floats(start), floats(parameters)
+    times = np.asarray(times, dtype=float)
+    first, last = float(times[0]), float(times[-1])
+    first_rates = np.asarray(system.scalar_rates(values)(first, np.array(y0)), dtype=float)
+    step_of(system)
+    ready = time.perf_counter()
+    if first == last or not np.isfinite(first_rates).all():
+        outcome = "done" if first == last else "stuck"
+        reason = "" if first == last else "the rates are no numbers at the start"
+        here = np.array(y0)
+        return Run(
+            times[:1], here[None, :], first, here, outcome, 0, 1, ready - began, 0.0, None, reason
+        )
+    scales = error_scales(system, np.array(y0), first_rates, last - first).tolist()
+
+    def steps(longest: float) -> Steps:
+        used = max(tolerance, LEAST)
+        return Steps(system, values, y0, (first, last), used, scales, longest, most)
+
+    longest = math.inf
+    if tolerance < LEAST:
+        # Dense output is of order 7: shorter steps help it where the tolerance no longer can.
+        trial = steps(math.inf)
+        while trial.time != last and trial.advance() is not None:
+            pass
+        if not trial.stuck:
+            longest = abs(last - first) / (trial.count + 1) * (tolerance / LEAST) ** 0.125
+    walk = steps(longest)
+    guard = None if system.guard is None else partial(_guard, system, values)
+    samples = np.empty((len(times), len(y0)))
+    samples[0] = y0
+    order = (times * walk.sign).tolist()
+    pieces, done, outcome = [], 1, "done"
+    reached, where = last, None
+    inside = guard is None or guard(walk.state) >= 0
+    while walk.time != last:
+        piece = walk.advance()
+        if piece is None:
+            outcome, reached, where = "stuck", walk.time, np.array(walk.state)
+            break
+        if dense:
+            pieces.append(piece)
+        end = walk.time
+        if guard is not None:
+            value = guard(walk.state)
+            if inside and value < 0:
+                outcome, end = "edge", _crossing(guard, piece, walk.time)
+                reached, where = end, piece(np.array([end]))[0]
+            inside = value >= 0
+        count = bisect_right(order, walk.sign * end, done)
+        if count > done:
+            samples[done:count] = piece(times[done:count])
+            if order[count - 1] == walk.sign * walk.time:
+                samples[count - 1] = walk.state
+            done = count
+        if outcome == "edge":
+            break
+    if where is None:
+        where = samples[-1].copy()
+    ended = time.perf_counter()
+    return Run(
+        times[:done],
+        samples[:done],
+        reached,
+        where,
+        outcome,
+        walk.count,
+        STAGES * walk.tried,
+        ready - began,
+        ended - ready,
+        _joined(pieces) if dense else None,
+        walk.stuck,
+    )
+
+
+def _guard(system: System, values: Sequence[float], state: Sequence[float]) -> float:
+    """The guard at a state."""
+    return system.guard_at(state, values)
+
+
+def _crossing(guard: Callable[[Sequence[float]], float], piece: Polynomial, after: float) -> float:
+    """The time within a step at which the guard falls through zero."""
+
+    def value(t: float) -> float:
+        return guard(piece(np.array([t]))[0].tolist())
+
+    if value(piece.t) <= 0 or value(after) >= 0:
+        return after
+    tiny = 4 * np.finfo(float).eps
+    # Typed as the pair that it gives where a report is asked for, too.
+    return float(brentq(value, piece.t, after, xtol=tiny, rtol=tiny))  # type: ignore[arg-type]
+
+
+def _joined(pieces: list[Polynomial]) -> Dense:
+    """Dense output of all steps."""
+    begins = np.array([piece.t for piece in pieces])
+    sign = 1.0 if pieces[0].h > 0 else -1.0
+
+    def values(t: np.ndarray) -> np.ndarray:
+        flat = np.atleast_1d(np.asarray(t, dtype=float))
+        place = np.clip(np.searchsorted(sign * begins, sign * flat, "right") - 1, 0, None)
+        found = np.empty((len(flat), pieces[0].width))
+        for k in np.unique(place).tolist():
+            index = place == k
+            found[index] = pieces[k](flat[index])
+        return found
+
+    return values

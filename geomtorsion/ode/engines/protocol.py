@@ -1,0 +1,87 @@
+"""Protocol: what every engine offers, and what one run of it returns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol, TypeAlias
+
+import numpy as np
+
+from geomtorsion.ode.numbers import Real
+from geomtorsion.ode.system import System
+
+# Function of times that gives states, shape (m, size).
+Dense: TypeAlias = Callable[[np.ndarray], np.ndarray]
+
+
+# Frozen, it would take a microsecond to make, which short runs would notice.
+@dataclass(eq=False, slots=True)
+class Run:
+    """What one integration gave, complete or not.
+
+    times, states: where it was asked for and reached; shapes (m,) and (m, size).
+    reached, last: time and state at which it ended.
+    outcome: "done", "edge" (the guard fell through zero) or "stuck" (steps became too small, or
+        there was no number).
+    steps, evaluations: counted; for Taylor series an evaluation is one order of one step.
+    compile_seconds, run_seconds: what it cost.
+    dense: states at any times; None if not asked for.
+    reason: why it is stuck.
+    """
+
+    times: np.ndarray
+    states: np.ndarray
+    reached: float
+    last: Sequence[Real] | np.ndarray
+    outcome: str
+    steps: int
+    evaluations: int
+    compile_seconds: float
+    run_seconds: float
+    dense: Dense | None = None
+    reason: str = ""
+
+
+class Engine(Protocol):
+    """Integrates a system over given times, to a local tolerance."""
+
+    @property
+    def name(self) -> str:
+        """How it is called in tables."""
+        ...
+
+    @property
+    def precision(self) -> int:
+        """Bits of the mantissa it works with."""
+        ...
+
+    @property
+    def finds_every_root(self) -> bool:
+        """Whether it sees a guard that falls and rises again within one step."""
+        ...
+
+    def first(self, accuracy: float) -> float:
+        """The tolerance with which to try for an accuracy of the result."""
+        ...
+
+    def rung(self, tolerance: float) -> float:
+        """The largest tolerance of its ladder that is no larger, so that few are compiled."""
+        ...
+
+    def finer(self, tolerance: float) -> float | None:
+        """The next tolerance of its ladder, a hundred times finer; None where there is none."""
+        ...
+
+    def run(
+        self,
+        system: System,
+        start: Sequence[Real] | np.ndarray,
+        parameters: Sequence[Real] | np.ndarray,
+        times: np.ndarray,
+        tolerance: float,
+        *,
+        dense: bool = False,
+    ) -> Run:
+        """Integrate from times[0] through all times (monotone)."""
+        ...

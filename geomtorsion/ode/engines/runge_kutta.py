@@ -1,0 +1,137 @@
+"""RungeKutta and Stiff: DOP853, Radau and LSODA on generated code."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from geomtorsion.ode.engines.float_run import float_run
+from geomtorsion.ode.engines.protocol import Run
+from geomtorsion.ode.engines.scipy_run import scipy_run
+from geomtorsion.ode.engines.stepper import LARGEST
+from geomtorsion.ode.numbers import Real
+from geomtorsion.ode.system import System
+
+# The first tolerance is this part of the accuracy; each next one this part of the last.
+MARGIN, RUNG = 0.1, 0.01
+
+
+@dataclass(frozen=True)
+class RungeKutta:
+    """Explicit Runge-Kutta of order 8 (DOP853) on generated code; needs no extra.
+
+    Systems of few states step on plain floats, larger ones in scipy.
+
+    max_evaluations: after so many evaluations of the rates the run is given up.
+
+    Examples
+    --------
+    >>> RungeKutta().name
+    'RungeKutta'
+    """
+
+    max_evaluations: int = 20_000_000
+
+    name = "RungeKutta"
+    precision = 53
+    finds_every_root = False
+    # Below scipy's own floor of 2.3e-14 the steps are shortened instead.
+    finest = 1e-17
+
+    def first(self, accuracy: float) -> float:
+        """See `Engine.first`."""
+        return _first(accuracy, self.finest)
+
+    def rung(self, tolerance: float) -> float:
+        """See `Engine.rung`."""
+        return max(_rung(tolerance), self.finest)
+
+    def finer(self, tolerance: float) -> float | None:
+        """See `Engine.finer`."""
+        return _finer(tolerance, self.finest)
+
+    def run(
+        self,
+        system: System,
+        start: Sequence[Real] | np.ndarray,
+        parameters: Sequence[Real] | np.ndarray,
+        times: np.ndarray,
+        tolerance: float,
+        *,
+        dense: bool = False,
+    ) -> Run:
+        """See `Engine.run`."""
+        most = self.max_evaluations
+        if system.size <= LARGEST:
+            return float_run(most, system, start, parameters, times, tolerance, dense)
+        return scipy_run("DOP853", most, system, start, parameters, times, tolerance, dense)
+
+
+@dataclass(frozen=True)
+class Stiff:
+    """Implicit solvers (scipy Radau or LSODA) with the exact Jacobian.
+
+    method: "Radau" or "LSODA".
+    max_evaluations: after so many evaluations of the rates the run is given up.
+
+    Examples
+    --------
+    >>> Stiff().name
+    'Stiff(Radau)'
+    """
+
+    method: str = "Radau"
+    max_evaluations: int = 5_000_000
+
+    precision = 53
+    finds_every_root = False
+    finest = 3e-13
+
+    @property
+    def name(self) -> str:
+        """How it is called in tables."""
+        return f"Stiff({self.method})"
+
+    def first(self, accuracy: float) -> float:
+        """See `Engine.first`."""
+        return _first(accuracy, self.finest)
+
+    def rung(self, tolerance: float) -> float:
+        """See `Engine.rung`."""
+        return max(_rung(tolerance), self.finest)
+
+    def finer(self, tolerance: float) -> float | None:
+        """See `Engine.finer`."""
+        return _finer(tolerance, self.finest)
+
+    def run(
+        self,
+        system: System,
+        start: Sequence[Real] | np.ndarray,
+        parameters: Sequence[Real] | np.ndarray,
+        times: np.ndarray,
+        tolerance: float,
+        *,
+        dense: bool = False,
+    ) -> Run:
+        """See `Engine.run`."""
+        most = self.max_evaluations
+        return scipy_run(self.method, most, system, start, parameters, times, tolerance, dense)
+
+
+def _first(accuracy: float, finest: float) -> float:
+    """A part of the accuracy."""
+    return max(_rung(min(accuracy * MARGIN, 1e-3)), 3 * finest)
+
+
+def _rung(tolerance: float) -> float:
+    """Four tolerances in each power of ten."""
+    return 10.0 ** (math.floor(4 * math.log10(tolerance) + 1e-9) / 4)
+
+
+def _finer(tolerance: float, finest: float) -> float | None:
+    """A hundredth of a tolerance, down to the finest."""
+    return None if tolerance <= finest * 1.01 else max(tolerance * RUNG, finest)

@@ -1,0 +1,187 @@
+"""Stepper: the steps of DOP853 as generated code on plain floats, for systems of few states.
+
+The method, its error estimate and its step control are those of scipy's DOP853 (E. Hairer,
+S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 1993, II.5 and II.10); scipy
+spends four fifths of its time on arrays of a few numbers each.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from geomtorsion.errors import LimitError
+from geomtorsion.ode.engines.dop853 import STAGES, rows_of, step_of
+from geomtorsion.ode.system import NO_VALUE, System
+
+# Larger systems are faster on arrays.
+LARGEST = 24
+SAFETY, SHORTEST, LONGEST = 0.9, 0.2, 10.0
+# So many times are worked out one by one.
+FEW_TIMES = 4
+# Steps between looks at whether time still moves.
+STALL = 2000
+
+
+class Polynomial:
+    """Dense output of one step, of order 7; three more stages are worked out on first use.
+
+    rows: makes the coefficients of a step.
+    parts: the length of the step, states and rates before and after, all stages.
+    """
+
+    def __init__(self, rows: Callable[..., Any], t: float, h: float, parts: Any) -> None:
+        self.t, self.h = t, h
+        self._make, self._parts = rows, parts
+
+    @property
+    def width(self) -> int:
+        """Number of states."""
+        return len(self._parts[0])
+
+    @cached_property
+    def _rows(self) -> Any:
+        try:
+            return self._make(self.h, self._parts)
+        except NO_VALUE:
+            return [[float("nan")] * self.width] * 7
+
+    def __call__(self, times: Any) -> Any:
+        """States at times within the step, shape (m, n)."""
+        if len(times) <= FEW_TIMES:
+            return np.array([self._at(t) for t in times.tolist()])
+        x = ((np.asarray(times) - self.t) / self.h)[:, None]
+        total = np.zeros((len(x), self.width))
+        for k, row in enumerate(self._rows[::-1]):
+            total = (total + row) * (x if k % 2 == 0 else 1 - x)
+        return total + self._parts[0]
+
+    def _at(self, time: float) -> list[float]:
+        """The same at one time."""
+        x = (time - self.t) / self.h
+        u = 1 - x
+        return [
+            y + x * (a + u * (b + x * (c + u * (d + x * (e + u * (f + x * g))))))
+            for y, a, b, c, d, e, f, g in zip(self._parts[0], *self._rows, strict=True)
+        ]
+
+
+class Steps:
+    """Steps from a start on, each accepted by its error.
+
+    time, state, rates: where it is; count, tried: steps accepted and tried; stuck: why it ended.
+    """
+
+    def __init__(
+        self,
+        system: System,
+        values: Sequence[float],
+        y0: Sequence[float],
+        span: tuple[float, float],
+        tolerance: float,
+        scales: Sequence[float],
+        longest: float,
+        most: int,
+    ) -> None:
+        self.values: tuple[float, ...] = tuple(values)
+        self.state: tuple[float, ...] = tuple(y0)
+        self.time, self.end = span
+        self.duration = abs(self.end - self.time)
+        self.sign = 1.0 if self.end >= self.time else -1.0
+        self.tolerance, self.floors = tolerance, tuple(tolerance * x for x in scales)
+        self.longest, self.most = longest, most
+        self._function = system.scalar_function
+        self._step, self._rows = step_of(system), rows_of(system)
+        self.rates = tuple(self._function(*self.state, *self.values))
+        self.count = self.tried = 0
+        self.stuck = ""
+        self._mark = self.time
+        self._size = self._first()
+
+    def inner(self, *state: float) -> Any:
+        """The rates at a state; no numbers where there are none."""
+        try:
+            return self._function(*state, *self.values)
+        except NO_VALUE:
+            return [float("nan")] * len(state)
+
+    def _coefficients(self, h: float, parts: Any) -> Any:
+        y, rates, new, new_rates, stages = parts
+        return self._rows(self._function, h, *y, *rates, *new, *new_rates, *stages, *self.values)
+
+    def _first(self) -> float:
+        """The length of the first step, by Hairer's rule (II.4)."""
+        n = len(self.state)
+        scale = [t + self.tolerance * abs(y) for t, y in zip(self.floors, self.state, strict=True)]
+
+        def norm(vector: Any) -> float:
+            return math.hypot(*(x / s for x, s in zip(vector, scale, strict=True))) / math.sqrt(n)
+
+        here, slope = norm(self.state), norm(self.rates)
+        guess = 1e-6 if here < 1e-5 or slope < 1e-5 else 0.01 * here / slope
+        guess = min(guess, self.duration)
+        there = [y + self.sign * guess * k for y, k in zip(self.state, self.rates, strict=True)]
+        bend = norm([a - b for a, b in zip(self.inner(*there), self.rates, strict=True)]) / guess
+        largest = max(slope, bend)
+        second = (0.01 / largest) ** 0.125 if largest > 1e-15 else max(1e-6, guess * 1e-3)
+        return min(100 * guess, second, self.duration, self.longest)
+
+    def advance(self) -> Polynomial | None:
+        """One accepted step; None where none is: see `stuck`."""
+        rejected = False
+        while True:
+            size = min(self._size, self.longest)
+            if size < 10 * math.ulp(self.time) or not size > 0:
+                self.stuck = "the steps became too small"
+                return None
+            after = self.time + self.sign * size
+            if self.sign * (after - self.end) >= 0:
+                after = self.end
+            # What the clock advances by, to the last bit.
+            h = after - self.time
+            size = abs(h)
+            self.tried += 1
+            if self.tried % STALL == 0 and self._stalls():
+                return None
+            try:
+                fifth, third, new, rates, stages = self._step(
+                    self._function, h, self.tolerance, *self.floors,
+                    *self.state, *self.rates, *self.values,
+                )  # fmt: skip
+            except NO_VALUE:
+                fifth = third = float("nan")
+                new = rates = stages = ()
+            error = 0.0
+            if fifth or third:
+                error = size * fifth / math.sqrt((fifth + 0.01 * third) * len(self.state))
+            if error < 1:
+                break
+            # An error that is no number shortens the step as far as it goes.
+            shorter = SAFETY * error**-0.125 if error < float("inf") else SHORTEST
+            self._size = size * max(SHORTEST, shorter)
+            rejected = True
+        wider = min(LONGEST, SAFETY * error**-0.125) if error else LONGEST
+        self._size = size * (min(1.0, wider) if rejected else wider)
+        parts = (self.state, self.rates, new, rates, stages)
+        piece = Polynomial(self._coefficients, self.time, h, parts)
+        self.time, self.state, self.rates = after, new, rates
+        self.count += 1
+        return piece
+
+    def _stalls(self) -> bool:
+        """Whether time stands still; too many steps are an error."""
+        if self.tried * STAGES > self.most:
+            raise LimitError(
+                f"more than {self.most} evaluations of the rates were needed by "
+                f"t = {self.time:.6g}. Ask for less accuracy or time, use engine=Stiff(), or "
+                "raise max_evaluations."
+            )
+        if abs(self.time - self._mark) < 1e-6 * self.duration:
+            self.stuck = "time stands still"
+            return True
+        self._mark = self.time
+        return False

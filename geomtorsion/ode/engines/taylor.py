@@ -1,0 +1,267 @@
+"""Taylor: adaptive Taylor series, compiled by heyoka; any precision."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import mpmath
+import numpy as np
+
+from geomtorsion.errors import LimitError
+from geomtorsion.ode.engines.compiled import (
+    Compiled,
+    compiled,
+    heyoka,
+    is_available,
+    order_of,
+    tolerance_of,
+)
+from geomtorsion.ode.engines.protocol import Dense, Run
+from geomtorsion.ode.numbers import Real, mpf
+from geomtorsion.ode.system import System
+
+__all__ = ["Taylor", "heyoka", "is_available"]
+
+# Steps between two looks at whether a run gets anywhere: by this part of its time at least.
+STEPS_AT_ONCE, STANDSTILL = 2_000, 1e-8
+# Below this order steps are no longer in proportion to what the series leave out.
+LOWEST_ORDER = 6
+NO_VALUE = "the series has no finite value"
+
+
+@dataclass(frozen=True)
+class Taylor:
+    """Adaptive Taylor series by heyoka (extra `fast`).
+
+    precision: bits of the mantissa: 53 (double), 64 (long double), 113 (quadruple) or more.
+    max_steps: after so many steps a run is given up.
+
+    Examples
+    --------
+    >>> Taylor(precision=113).name
+    'Taylor(113)'
+    """
+
+    precision: int = 53
+    max_steps: int = 5_000_000
+
+    finds_every_root = True
+
+    @property
+    def name(self) -> str:
+        """How it is called in tables."""
+        return "Taylor" if self.precision == 53 else f"Taylor({self.precision})"
+
+    @property
+    def finest(self) -> float:
+        """A tolerance at which only rounding is left."""
+        return 2.0 ** -(self.precision + 6)
+
+    def first(self, accuracy: float) -> float:
+        """See `Engine.first`: the error of a motion is near the tolerance of its series."""
+        return tolerance_of(max(order_of(max(accuracy, self.finest)), LOWEST_ORDER))
+
+    def rung(self, tolerance: float) -> float:
+        """See `Engine.rung`: one rung for each order of the series."""
+        return tolerance_of(order_of(max(tolerance, self.finest)))
+
+    def finer(self, tolerance: float) -> float | None:
+        """See `Engine.finer`: two orders more, each worth a factor e^2."""
+        order, last = order_of(tolerance), order_of(self.finest)
+        return tolerance_of(min(order + 2, last)) if order < last else None
+
+    def number(self, value: Real) -> Any:  # of heyoka's own types
+        """A number in the type of this precision, correctly rounded."""
+        if self.precision == 53:
+            return float(value)
+        if type(value).__name__ in ("longdouble", "real128", "real"):
+            text = str(value)
+        else:
+            digits = int(self.precision * 0.302) + 6
+            text = str(mpmath.nstr(mpf(value, self.precision + 20), digits))
+        if self.precision == 64:
+            return np.longdouble(text)
+        hy = heyoka()
+        return hy.real128(text) if self.precision == 113 else hy.real(text, self.precision)
+
+    def array(self, values: Sequence[Real] | np.ndarray) -> np.ndarray:
+        """Numbers in the type of this precision."""
+        if self.precision == 53:
+            if isinstance(values, np.ndarray) and values.dtype == np.float64:
+                return values
+            return np.array([float(value) for value in values])
+        kind = type(self.number(0.0))
+        return np.array([self.number(value) for value in values], dtype=kind)
+
+    def compiled(
+        self, system: System, tolerance: float, *, width: int = 0, optimised: bool | None = None
+    ) -> tuple[Compiled, float]:
+        """The compiled integrator of a system, kept or made now; the seconds that it took."""
+        order = order_of(tolerance)
+        return compiled(system, order, self.precision, width, optimised, self.number)
+
+    def run(
+        self,
+        system: System,
+        start: Sequence[Real] | np.ndarray,
+        parameters: Sequence[Real] | np.ndarray,
+        times: np.ndarray,
+        tolerance: float,
+        *,
+        dense: bool = False,
+    ) -> Run:
+        """See `Engine.run`."""
+        kept, compiling = self.compiled(system, tolerance)
+        # Nobody else may use the integrator meanwhile.
+        with kept.lock:
+            began = time.perf_counter()
+            integrator, record = kept.integrator, None
+            grid, start = self.array(times), self.array(start)
+            numbers = self.array(parameters) if system.parameters else None
+            _place(integrator, grid[0], start, numbers)
+            if dense:
+                # The steps are the same with and without the grid, so this comes first.
+                record = _Record(integrator, grid[0])
+                integrator.propagate_until(grid[-1], callback=record, write_tc=True)
+                _place(integrator, grid[0], start, numbers)
+            states, outcome, steps, reason = self._propagated(integrator, grid)
+            if outcome == "stuck":
+                place = _last_regular(integrator, grid[0], start, grid[-1], steps)
+                integrator.time, integrator.state[:] = place
+                lasted = abs(float(place[0] - grid[0]))
+                states = states[np.abs((grid[: len(states)] - grid[0]).astype(float)) <= lasted]
+            return Run(
+                grid[: len(states)],
+                states,
+                integrator.time,
+                integrator.state.copy(),
+                outcome,
+                steps,
+                steps * (integrator.order + 1),
+                compiling,
+                time.perf_counter() - began,
+                None if record is None else record.dense(),
+                reason,
+            )
+
+    def _propagated(self, integrator: Any, grid: np.ndarray) -> tuple[np.ndarray, str, int, str]:
+        """States on the grid, outcome, steps and reason; ends a run that gets nowhere."""
+        if grid[0] == grid[-1]:
+            return integrator.state.copy()[None, :], "done", 0, ""
+        at_once = STEPS_AT_ONCE if self.precision <= 64 else STEPS_AT_ONCE // 4
+        rows: list[np.ndarray] = []
+        done, steps, before = 0, 0, grid[0]
+        rest = grid
+        while True:
+            out = integrator.propagate_grid(rest, max_steps=at_once)
+            code = str(getattr(out[0], "name", "event"))
+            steps += out[3]
+            new = out[5][1:] if done else out[5]
+            rows.append(new)
+            done += len(new)
+            if code == "time_limit":
+                return (rows[0] if len(rows) == 1 else np.concatenate(rows)), "done", steps, ""
+            if code != "step_limit":
+                states = np.concatenate(rows)
+                if code == "err_nf_state":
+                    good = np.isfinite(states.astype(float)).all(axis=1)
+                    keep = len(states) if good.all() else int(np.argmin(good))
+                    return states[:keep], "stuck", steps, NO_VALUE
+                return states, "edge", steps, ""
+            moved = abs(float(integrator.time - before))
+            if moved < STANDSTILL * abs(float(grid[-1] - grid[0])):
+                return np.concatenate(rows), "stuck", steps, "the steps became too small"
+            if steps > self.max_steps:
+                raise LimitError(
+                    f"more than {self.max_steps} steps were needed by t = {integrator.time:.6g}. "
+                    "Ask for less accuracy or time, use engine=Stiff(), or raise max_steps."
+                )
+            before = integrator.time
+            rest = np.concatenate(([before], grid[done:]))
+
+
+def _place(integrator: Any, at: Any, state: np.ndarray, numbers: np.ndarray | None) -> None:
+    """Set an integrator to a time and a state."""
+    integrator.time = at
+    integrator.state[:] = state
+    if numbers is not None:
+        # heyoka has no room for the last parameters where these do not occur.
+        integrator.pars[:] = numbers[: len(integrator.pars)]
+    if integrator.with_events:
+        integrator.reset_cooldowns()
+
+
+class _Record:
+    """Callback that keeps the Taylor coefficients of every step."""
+
+    def __init__(self, integrator: Any, start: Any) -> None:
+        self.times = [start]
+        self.coefficients: list[np.ndarray] = []
+        self.kind = integrator.state.dtype
+
+    def __call__(self, integrator: Any) -> bool:
+        """Keep one step; True goes on."""
+        self.coefficients.append(integrator.tc.copy())
+        self.times.append(integrator.time)
+        return True
+
+    def dense(self) -> Dense:
+        """Function of times, by the polynomial of the step in which each lies."""
+        times = np.array(self.times, dtype=type(self.times[0]))
+        table = np.array(self.coefficients, dtype=self.kind)
+        sign = 1.0 if times[-1] >= times[0] else -1.0
+        order = sign * times.astype(float)
+
+        def values(t: np.ndarray) -> np.ndarray:
+            t = np.asarray(t, dtype=times.dtype)
+            place = np.searchsorted(order, sign * t.astype(float), "right") - 1
+            place = np.clip(place, 0, len(table) - 1)
+            h = (t - times[place])[..., None]
+            rows = table[place]
+            result = rows[..., -1]
+            for k in range(rows.shape[-1] - 2, -1, -1):
+                result = result * h + rows[..., k]
+            return result
+
+        return values
+
+
+# Steps before the end of a run that failed which are tried backwards.
+LOOKED_AT = 100_000
+# A step that leads back to within this part of where it came from was a good one; the way back
+# may take so many steps.
+CLOSE, WAY_BACK = 1e-6, 100
+
+
+def _last_regular(
+    integrator: Any, begin: Any, start: np.ndarray, end: Any, steps: int
+) -> tuple[Any, np.ndarray]:
+    """Time and state before the first step that cannot be taken back.
+
+    A step over a singularity may give finite numbers, from which the series goes on for a while
+    before it fails; but the way back over the singularity does not lead to where it came from.
+    steps: how many were taken in all.
+    """
+    trail = deque([(begin, start)], maxlen=LOOKED_AT)
+
+    def keep(at: Any) -> bool:
+        trail.append((at.time, at.state.copy()))
+        return True
+
+    _place(integrator, begin, start, None)
+    integrator.propagate_until(end, callback=keep, max_steps=steps)
+    good = trail.popleft()
+    for at, state in trail:
+        if not (np.isfinite(float(at)) and np.isfinite(state.astype(float)).all()):
+            break
+        _place(integrator, at, state, None)
+        integrator.propagate_until(good[0], max_steps=WAY_BACK)
+        gap = np.abs((integrator.state - good[1]).astype(float)).max()
+        if not gap <= CLOSE * np.abs(good[1].astype(float)).max():
+            break
+        good = at, state
+    return good

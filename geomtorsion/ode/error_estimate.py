@@ -1,0 +1,289 @@
+"""Error estimate: one rule for everything that moves.
+
+The answer is compared with one run two orders finer, which starts a rounding away. Twice the
+largest difference is the error: the finer run shows what the steps of the answer leave out, and
+the other start shows how rounding grows along this very motion. Where a motion goes by fits and
+starts, the finer run is put a rounding aside there, too: both runs would share what is lost at a
+near miss. An error close to what was asked is confirmed by a second finer run.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from geomtorsion.ode.engines.protocol import Engine
+from geomtorsion.ode.trajectory import Segment, Trajectory
+
+# The error is so many times the difference: the finer run has an error of its own.
+SAFETY = 2.0
+# The finer run starts so many units in the last place away, as roundings add up on the way.
+ROUNDINGS = 2.0
+# The next tolerance aims at this part of the accuracy, for errors do not follow it to the letter
+# and one more pair of runs costs more than a finer one.
+AIM = 0.1
+# An error that is less than so many times below what was asked is confirmed by a second finer run,
+# perturbed the other way: two roundings may agree by chance.
+CLOSE = 4.0
+# A motion goes by fits and starts if this part of its way lies between two of its samples, of
+# which there are so many at least.
+PEAK, FEWEST_SAMPLES = 0.15, 16
+# States that differ by more than this part of their size may be nothing but rounding: they are
+# where they are no larger than so many roundings of the terms of their rates.
+UNALIKE, NOISE = 0.01, 100.0
+
+
+class Comparable(Protocol):
+    """What knows how to read states of a motion for comparison."""
+
+    def rows(self, segment: Segment, states: np.ndarray, label: str) -> np.ndarray:
+        """States of a segment in the coordinates of a label, shape (m, size)."""
+        ...
+
+
+class Verified(NamedTuple):
+    """An answer, the finer run it was compared with, the error, and all runs that were made.
+
+    error: relative to the size of each group of states; infinite where nothing could be compared.
+    """
+
+    answer: Trajectory
+    reference: Trajectory
+    error: float
+    runs: tuple[Trajectory, ...]
+
+
+def verified(
+    problem: Comparable,
+    engine: Engine,
+    accuracy: float,
+    run: Callable[[float, float, float | None], Trajectory],
+) -> Verified:
+    """The first answer of an engine's ladder of tolerances whose error is small enough.
+
+    Or the best one, where none is. run: (tolerance, part by which states are perturbed, time at
+    which they are, besides the start) -> a trajectory.
+    """
+    perturbation = ROUNDINGS * 2.0 ** (1 - engine.precision)
+    runs: list[Trajectory] = []
+    best: Verified | None = None
+    tolerance: float | None = engine.first(accuracy)
+    while tolerance is not None and (finer := engine.finer(tolerance)) is not None:
+        answer = run(tolerance, 0.0, None)
+        least, at = SAFETY * rounding(engine, answer.steps), busiest_time(answer)
+        reference = run(finer, perturbation, at)
+        runs += [answer, reference]
+        error = max(SAFETY * difference(problem, answer, reference), least)
+        if accuracy / CLOSE < error <= accuracy:
+            other = run(finer, -perturbation, at)
+            runs.append(other)
+            error = max(error, SAFETY * difference(problem, answer, other))
+        if best is None or error < best.error:
+            best = Verified(answer, reference, error, ())
+        if error <= accuracy or answer.outcome == "stuck":
+            break
+        tolerance = next_tolerance(engine, tolerance, accuracy / error)
+    assert best is not None
+    return best._replace(runs=tuple(runs))
+
+
+def next_tolerance(engine: Engine, tolerance: float, missing: float) -> float | None:
+    """The tolerance after one whose error was too large; None where there is none.
+
+    missing: by how much the error has to shrink. Errors shrink about in proportion to the
+    tolerance; the next one is to leave AIM of what is allowed, and is finer by one step of the
+    ladder at least.
+    """
+    finer = engine.finer(tolerance)
+    if finer is None or not missing > 0:
+        return finer
+    wanted = engine.rung(min(tolerance * missing * AIM, finer))
+    # What cannot be compared with a finer run is no answer.
+    return wanted if engine.finer(wanted) is not None else finer
+
+
+def busiest_time(one: Trajectory) -> float | None:
+    """The first sample at which most of a motion has just happened; None where it goes evenly.
+
+    Near an equilibrium, where motions linger, a small change of the state would change nothing.
+    """
+    best, found = PEAK, None
+    for segment in one.segments:
+        states = np.asarray(segment.states)
+        if len(states) < FEWEST_SAMPLES:
+            continue
+        steps = np.abs(states[1:] - states[:-1]).astype(float)
+        for group in segment.stage.groups:
+            changes = np.add.reduce(steps[:, group[0] : group[-1] + 1], 1)
+            largest, total = float(changes.max()), float(np.add.reduce(changes))
+            if total > 0 and largest > best * total:
+                best = largest / total
+                found = float(segment.times[int((changes >= 0.5 * largest).argmax()) + 1])
+    last = one.reached
+    return None if found is None or found == last else found
+
+
+def rounding(engine: Engine, steps: int) -> float:
+    """The error that no estimate goes below: one rounding a step, adding up at random."""
+    return 2.0**-engine.precision * math.sqrt(max(steps, 1))
+
+
+def difference(problem: Comparable, one: Trajectory, two: Trajectory) -> float:
+    """Largest difference of two trajectories, each group of states against its own size.
+
+    Over all samples that both reached, in the coordinates in which the first was followed.
+    Infinite where there is no such sample, where a difference is no number, or where only one of
+    them was stopped; where both were, their last states and times are compared, too.
+    """
+    count = min(one.count, two.count)
+    stopped = one.outcome == two.outcome == "stopped"
+    if one.outcome != two.outcome and "stopped" in (one.outcome, two.outcome):
+        return math.inf
+    if not count and not stopped:
+        return math.inf
+    worst = 0.0
+    if stopped:
+        gap = abs(float(one.segments[-1].run.reached - two.segments[-1].run.reached))
+        worst = gap / abs(one.reached) if gap else 0.0
+    for pair in _pairs(problem, one, two, stopped):
+        worst = max(worst, pair.largest(one))
+    return worst
+
+
+def difference_over_samples(problem: Comparable, one: Trajectory, two: Trajectory) -> np.ndarray:
+    """The same at each sample of the first, shape (m,); not a number where the second ended."""
+    found = np.full(one.count, np.nan)
+    for pair in _pairs(problem, one, two, False):
+        found[pair.places] = pair.at_samples(one)
+    return found
+
+
+class _Pair(NamedTuple):
+    """Samples of two trajectories in one set of coordinates.
+
+    places: which samples; first, second: rows of states; sizes: of each state in the first.
+    segments: those of the first in which these samples lie.
+    """
+
+    places: np.ndarray
+    first: np.ndarray
+    second: np.ndarray
+    sizes: np.ndarray
+    segments: list[Segment]
+
+    def largest(self, one: Trajectory) -> float:
+        """Largest difference, each group of states against its own size."""
+        gaps = np.maximum.reduce(np.abs(self.first - self.second)).astype(float)
+        if not np.isfinite(gaps).all():
+            return math.inf
+        worst, rows, sizes = 0.0, gaps.tolist(), self.sizes.tolist()
+        for group in self.groups:
+            gap = max([rows[k] for k in group], default=0.0)
+            if gap > 0:
+                extent = max([sizes[k] for k in group])
+                part = gap / extent if extent > 0 else math.inf
+                if part > worst and not self.is_noise(group, part, extent, one):
+                    worst = part
+        return worst
+
+    def at_samples(self, one: Trajectory) -> np.ndarray:
+        """The difference at each sample."""
+        gaps = np.abs(self.first - self.second).astype(float)
+        worst = np.zeros(len(gaps))
+        for group in self.groups:
+            if not group:
+                continue
+            gap, extent = gaps[:, group].max(axis=1), float(self.sizes[group].max())
+            if gap.max() > 0 and not self.is_noise(group, gap.max() / extent, extent, one):
+                worst = np.maximum(worst, gap / extent)
+        return worst
+
+    @property
+    def groups(self) -> list[list[int]]:
+        """Indices of states that are measured together."""
+        size = self.first.shape[1]
+        return [[k for k in group if k < size] for group in self.segments[0].stage.groups]
+
+    def is_noise(self, group: list[int], part: float, extent: float, one: Trajectory) -> bool:
+        """Whether states are no larger than what rounding their rates makes of zero."""
+        if part <= UNALIKE:
+            return False
+        largest = 0.0
+        for segment in self.segments:
+            stage = segment.stage
+            if stage.lift is not None or not segment.count:
+                return False
+            columns = np.asarray(segment.run.states).astype(float).T
+            terms = stage.system.rates.sizes(*columns, *[float(x) for x in stage.parameters])
+            largest = max(largest, float(np.max(np.asarray(terms)[group])))
+        return extent <= NOISE * 2.0**-one.engine.precision * largest * abs(one.reached)
+
+
+def _pairs(problem: Comparable, one: Trajectory, two: Trajectory, stopped: bool) -> Iterator[_Pair]:
+    """Samples that both reached, one pair of arrays for each set of coordinates of the first."""
+    others = _samples(two, stopped)
+    for label in dict.fromkeys(one.labels):
+        places, first, second, segments = [], [], [], []
+        for place, segment, states in _samples(one, stopped):
+            if segment.label != label:
+                continue
+            rows = problem.rows(segment, states, label)
+            there = _matched(problem, place, len(rows), others, label)
+            if there is None:
+                # The other trajectory ended earlier.
+                continue
+            places.append(np.arange(place, place + len(there)))
+            first.append(rows[: len(there)])
+            second.append(there)
+            segments.append(segment)
+        if not first:
+            continue
+        joined = [x[0] if len(x) == 1 else np.concatenate(x) for x in (places, first, second)]
+        sizes = np.maximum.reduce(np.abs(joined[1])).astype(float)
+        for segment in segments:
+            sizes = np.maximum(sizes, np.abs(segment.stage.first[: len(sizes)]))
+        yield _Pair(joined[0], joined[1], _alike(joined[1], joined[2]), sizes, segments)
+
+
+def _samples(one: Trajectory, stopped: bool) -> list[tuple[int, Segment, np.ndarray]]:
+    """Number of the first sample, segment and states of each segment; the end counts if stopped."""
+    found, place = [], 0
+    for segment in one.segments:
+        found.append((place, segment, segment.states))
+        place += segment.count
+    if stopped:
+        # After all samples, wherever these end in the other trajectory.
+        found.append((-1, one.segments[-1], one.segments[-1].last[None, :]))
+    return found
+
+
+def _matched(
+    problem: Comparable,
+    place: int,
+    count: int,
+    others: list[tuple[int, Segment, np.ndarray]],
+    label: str,
+) -> np.ndarray | None:
+    """States of the other trajectory at so many samples from a place on, as many as there are."""
+    found = []
+    for begin, segment, states in others:
+        if place < 0 or begin < 0:
+            part = states if place == begin else states[:0]
+        else:
+            part = states[max(place - begin, 0) : max(place + count - begin, 0)]
+        if len(part):
+            found.append(problem.rows(segment, part, label))
+    if not found:
+        return None
+    return found[0] if len(found) == 1 else np.concatenate(found)
+
+
+def _alike(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """The second array in the kind of the first, where NumPy cannot mix the two."""
+    if first.dtype == second.dtype or first.dtype != np.longdouble or second.dtype == np.float64:
+        return second
+    rows = [[np.longdouble(str(x)) for x in row] for row in second]
+    return np.array(rows, dtype=np.longdouble)

@@ -1,0 +1,278 @@
+"""Files: solved motions written to NPZ files, and read from them again."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from geomtorsion.errors import FileFormatError, GeomtorsionError, StartError
+from geomtorsion.files import TEXT_FORM, ArrayForm, conforming, read_json_text, read_npz, text_of
+from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
+from geomtorsion.ode.events import At, When
+from geomtorsion.ode.moment import Moment, unknown
+from geomtorsion.ode.numbers import Real
+from geomtorsion.ode.problem import ODE
+from geomtorsion.ode.solution import Cost, Solution
+from geomtorsion.ode.trajectory import integrate
+
+FORMAT = 2
+_FORMS = {
+    "metadata": TEXT_FORM,
+    # A file of another version may lack them, and is to be named as such.
+    "grid": ArrayForm(("grid",), "f", optional=True),
+    "times": ArrayForm(("m",), "f", optional=True),
+    "value *": ArrayForm(None, "f"),
+}
+_METADATA = {
+    "format": int,
+    "kind": str,
+    "problem": {},
+    "accuracy": float,
+    "error": float,
+    "engine": str,
+    "reason": str,
+    "outcome": str,
+    "cost": {},
+    "drift": {str: float},
+    "whole": [str],
+    "made": {"engine": str, "tolerance": str, "unit": float},
+}
+_BAD = "{path}: this is no solution saved by Solution.save ({reason}). Save the solution again."
+
+
+@dataclass(frozen=True, eq=False)
+class SavedSolution(Mapping[str, np.ndarray]):
+    """A solution as it was saved: arrays by name, and what was known about it.
+
+    times: shape (m,); moment: everything at the times (see `Moment`).
+    metadata: problem, accuracy, error, engine, reason, outcome, cost, drift.
+    problem: the equations, where they are not those of a curve in a space; else None.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from geomtorsion.ode import solve
+    >>> file = Path(tempfile.mkdtemp(), "decay.npz")
+    >>> solve(ODE.of({"x": "-x"}, [1]), 1.0).save(file)
+    >>> saved = SavedSolution.load(file)
+    >>> saved.error < 1e-10, round(float(saved["x"][-1]), 9)
+    (True, 0.367879441)
+    """
+
+    times: np.ndarray
+    moment: Moment
+    metadata: Mapping[str, Any]
+    grid: np.ndarray
+    problem: ODE | None = None
+
+    @property
+    def error(self) -> float:
+        """Error estimate of the solution that was saved."""
+        return float(self.metadata["error"])
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name in self.moment.values:
+            return self.moment[name]
+        raise KeyError(unknown(name, list(self.moment)))
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.moment)
+
+    def __len__(self) -> int:
+        return len(self.moment)
+
+    @cached_property
+    def solution(self) -> Solution:
+        """The same integration again, equal to the bit on the same machine.
+
+        Raises
+        ------
+        StartError
+            it was a curve in a space, of which the file holds arrays only.
+        """
+        if self.problem is None:
+            raise StartError(
+                "a saved curve holds what it was at its times only. Solve the problem again to "
+                "know what lies between."
+            )
+        made = self.metadata["made"]
+        engine = _engine(made["engine"])
+        stage = self.problem.first_stage(engine.precision, 0.0)
+        again = integrate(stage, self.grid, float.fromhex(made["tolerance"]), engine)
+        known = self.metadata
+        cost = Cost.of(again, [again])
+        return Solution(
+            self.problem, self.times, known["accuracy"], known["error"], known["engine"],
+            known["reason"], cost, again,
+        )  # fmt: skip
+
+    def at(self, time: Any) -> Moment:
+        """Everything at any time up to the last: it is integrated again on first use.
+
+        Raises
+        ------
+        StartError
+            it was a curve in a space, of which the file holds arrays only.
+        """
+        return self.solution.at(time)
+
+    @classmethod
+    def load(cls, path: str | Path) -> SavedSolution:
+        """Read what `Solution.save` wrote; nothing in the file is run.
+
+        Raises
+        ------
+        FileFormatError
+            the file is missing, or was not written by `Solution.save`.
+        """
+        arrays = read_npz(path, _FORMS, message=_BAD)
+        name = Path(path).name
+        found = read_json_text(text_of(arrays["metadata"]), name)
+        if isinstance(found, dict) and found.get("format", FORMAT) != FORMAT:
+            raise FileFormatError(
+                f"{path}: format {found['format']} was found, {FORMAT} is known. "
+                "Use the version of geomtorsion that wrote it."
+            )
+        metadata = conforming(found, _METADATA, name)
+        missing = [key for key in ("grid", "times") if key not in arrays]
+        if missing:
+            raise FileFormatError(_BAD.format(path=path, reason=f"{missing[0]} is missing"))
+        values = {
+            key.removeprefix("value "): value
+            for key, value in arrays.items()
+            if key.startswith("value ")
+        }
+        moment = Moment(arrays["times"], values, tuple(metadata["whole"]))
+        problem = None
+        if metadata["kind"] == "ode":
+            try:
+                problem = _problem(metadata["problem"])
+            except (GeomtorsionError, KeyError, TypeError, ValueError, AttributeError) as error:
+                raise FileFormatError(_BAD.format(path=path, reason=error)) from None
+        return cls(arrays["times"], moment, metadata, arrays["grid"], problem)
+
+
+def save(solution: Solution, path: str | Path) -> None:
+    """Write arrays (as doubles) and metadata."""
+    problem, moment, trajectory = solution.problem, solution.moment, solution.trajectory
+    metadata = {
+        "format": FORMAT,
+        "kind": "ode" if isinstance(problem, ODE) else "curve",
+        "problem": problem.described(),
+        "accuracy": solution.accuracy,
+        "error": solution.error,
+        "engine": solution.engine,
+        "reason": solution.reason,
+        "outcome": solution.outcome,
+        "cost": {name: float(value) for name, value in vars(solution.cost).items()},
+        "drift": {name: float(value) for name, value in solution.drift.items()},
+        "whole": list(moment.whole),
+        "made": {
+            "engine": _engine_text(trajectory.engine),
+            "tolerance": trajectory.tolerance.hex(),
+            "unit": problem.time_unit,
+        },
+    }
+    plain = {f"value {x}": np.asarray(y).astype(float) for x, y in moment.values.items()}
+    grid = solution.times.astype(float)
+    if grid[0] != 0:
+        grid = np.concatenate(([0.0], grid))
+    # Any array may be named as it likes; the type takes one name for an option.
+    np.savez_compressed(
+        path,
+        metadata=np.array(json.dumps(metadata)),
+        times=solution.times.astype(float),
+        grid=grid,
+        **plain,  # type: ignore[arg-type]
+    )
+
+
+def described(problem: ODE) -> dict[str, Any]:
+    """Equations as plain text, and numbers as text."""
+    events = [[event.time, _numbers(event.changes)] for event in problem.events]
+    return {
+        "rates": {name: _text(rate) for name, rate in problem.rates.expressions.items()},
+        "start": [_number(x) for x in problem.start],
+        "parameters": _numbers(problem.parameters),
+        "invariants": {name: _texts(term) for name, term in problem.invariants.items()},
+        "outputs": {name: _texts(term) for name, term in problem.outputs.items()},
+        "time": problem.rates.time,
+        "events": events,
+        "stop": None if problem.rates.stop is None else _text(problem.rates.stop),
+        "norm_groups": [list(group) for group in problem.rates.norm_groups],
+        "normalized": [list(group) for group in problem.normalized],
+        "name": problem.name,
+    }
+
+
+def _problem(data: Mapping[str, Any]) -> ODE:
+    """The equations that were described; nothing in the text is run."""
+    events: list[At | When] = [
+        At(at, {name: _value(x) for name, x in changes.items()}) for at, changes in data["events"]
+    ]
+    if data["stop"] is not None:
+        events.append(When(str(data["stop"])))
+    return ODE.of(
+        data["rates"],
+        [_value(x) for x in data["start"]],
+        parameters={name: _value(x) for name, x in data["parameters"].items()},
+        invariants=data["invariants"],
+        outputs=data["outputs"],
+        time=data["time"],
+        events=events,
+        norm_groups=data["norm_groups"],
+        normalized=data["normalized"],
+        name=str(data["name"]),
+    )
+
+
+def _engine(text: str) -> Engine:
+    """The engine of a word, as far as it decides what is computed."""
+    name, _, rest = text.partition(":")
+    if name == "Taylor":
+        return Taylor(int(rest))
+    return Stiff(rest) if name == "Stiff" else RungeKutta()
+
+
+def _engine_text(engine: Engine) -> str:
+    """An engine in a word."""
+    if isinstance(engine, Taylor):
+        return f"Taylor:{engine.precision}"
+    return f"Stiff:{engine.method}" if isinstance(engine, Stiff) else "RungeKutta:"
+
+
+def _text(term: sp.Expr) -> str:
+    """An expression with its floats as the fractions that they are."""
+    return str(term.xreplace({number: sp.Rational(number) for number in term.atoms(sp.Float)}))
+
+
+def _texts(term: sp.Expr | tuple[sp.Expr, ...]) -> str | list[str]:
+    return [_text(part) for part in term] if isinstance(term, tuple) else _text(term)
+
+
+def _numbers(table: Mapping[str, Real]) -> dict[str, str]:
+    return {name: _number(x) for name, x in table.items()}
+
+
+def _number(value: Real) -> str:
+    return f"f{value.hex()}" if isinstance(value, float) else str(value)
+
+
+def _value(text: Any) -> Any:
+    """A number from its text: a float, a fraction or an expression such as sqrt(2)."""
+    if not isinstance(text, str):
+        raise FileFormatError(f"{text!r}: a number as text was needed.")
+    if text.startswith("f"):
+        return float.fromhex(text[1:])
+    try:
+        return Fraction(text)
+    except ValueError:
+        return text

@@ -1,0 +1,71 @@
+"""Moment: where a motion is at one time, or at several."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from geomtorsion.checks import near_names
+from geomtorsion.errors import UnknownNameError
+
+
+@dataclass(frozen=True, eq=False)
+class Moment(Mapping[str, np.ndarray]):
+    """Everything that is known of a motion at some times, by name.
+
+    time: as asked, shape (...).
+    values: name -> array; one number of a motion has shape (...), a vector (..., number).
+    whole: names that are vectors of things which have names of their own.
+
+    Of a curve: "coordinates" q^mu, "velocity" q'^mu, "frame_velocity" u^i, "transported" (what is
+    carried along), and each of these by its own name. Of other equations: "states" and outputs.
+    """
+
+    time: np.ndarray
+    values: Mapping[str, np.ndarray]  # type: ignore[assignment]  # a field, not the method
+    whole: tuple[str, ...] = ()
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name in self.values:
+            return self.values[name]
+        raise UnknownNameError(unknown(name, [x for x in self.values if x not in self.whole]))
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(x for x in self.values if x not in self.whole)
+
+    def __len__(self) -> int:
+        return len(self.values) - len(self.whole)
+
+    @property
+    def states(self) -> np.ndarray:
+        """All states, shape (..., size)."""
+        return self["states"]
+
+    @property
+    def coordinates(self) -> np.ndarray:
+        """q^mu in the chart of the problem, shape (..., n)."""
+        return self["coordinates"]
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """q'^mu in the chart of the problem, shape (..., n)."""
+        return self["velocity"]
+
+    @property
+    def frame_velocity(self) -> np.ndarray:
+        """u^i = e^i_mu q'^mu, shape (..., n)."""
+        return self["frame_velocity"]
+
+    @property
+    def transported(self) -> np.ndarray:
+        """Transported vectors (frame) or deviation (offset, rate), shape (..., number)."""
+        return self["transported"]
+
+
+def unknown(name: str, known: list[str]) -> str:
+    """The message that nothing has this name."""
+    near = near_names(name, known)
+    hint = f"Did you mean {near}? " if near else ""
+    return f"{name!r} is not known of this motion. {hint}There are {', '.join(known)}."

@@ -1,0 +1,88 @@
+"""Numbers: exact values and values at any precision from what users give."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+import mpmath
+import numpy as np
+import sympy as sp
+
+# A finite real number as it came: a float, a fraction, an exact sympy number, a longer float.
+Real: TypeAlias = float | Fraction | sp.Expr | mpmath.mpf
+# What users give for coordinates, velocities and states.
+Numbers: TypeAlias = Sequence[Real] | np.ndarray
+
+
+def exact(value: Any) -> Fraction | None:
+    """A number as a fraction where it is one (floats are), else None.
+
+    Examples
+    --------
+    >>> exact(0.5), exact(sp.sqrt(2)) is None
+    (Fraction(1, 2), True)
+    """
+    if isinstance(value, int | float | Fraction):
+        return Fraction(value)
+    if isinstance(value, sp.Rational):
+        return Fraction(int(value.p), int(value.q))
+    if isinstance(value, np.generic):
+        return Fraction(value.item()) if value.dtype.kind in "fiu" else None
+    return None
+
+
+def mpf(value: Any, precision: int) -> mpmath.mpf:
+    """A number as mpmath number of so many bits."""
+    with mpmath.workprec(precision):
+        # Longer floats say all their digits in their text.
+        if type(value).__name__ in ("longdouble", "real128", "real"):
+            return mpmath.mpf(str(value))
+        known = exact(value)
+        if known is not None:
+            return mpmath.mpf(known.numerator) / known.denominator
+        if isinstance(value, sp.Expr):
+            return mpmath.mpmathify(value.evalf(int(precision * 0.302) + 5))
+        return +mpmath.mpmathify(value)
+
+
+def floats(values: Iterable[Real]) -> list[float]:
+    """Numbers as floats."""
+    return [float(value) for value in values]
+
+
+def perturbed(values: Sequence[Real], part: float, precision: int, *, all_of_them: bool) -> list:
+    """Numbers changed by a relative part, up and down in turn; zeros stay.
+
+    all_of_them: False leaves alone what a float of this precision holds without rounding.
+
+    Examples
+    --------
+    >>> perturbed([1.0, 2.0], 2.0**-10, 53, all_of_them=True)
+    [1.0009765625, 1.998046875]
+    """
+    found: list[Real] = []
+    for k, value in enumerate(values):
+        if not all_of_them and _is_held(value, precision):
+            found.append(value)
+            continue
+        change = -part if k % 2 else part
+        if precision == 53:
+            found.append(float(value) * (1 + change))
+            continue
+        bits = 2 * precision
+        with mpmath.workprec(bits):
+            found.append(mpf(value, bits) * (1 + mpmath.mpf(change)))
+    return found
+
+
+def _is_held(value: Real, precision: int) -> bool:
+    """Whether a number is a float of this precision without rounding."""
+    if precision >= 53 and isinstance(value, float | int):
+        return True
+    known = exact(value)
+    if known is None:
+        return False
+    p, q = abs(known.numerator), known.denominator
+    return q & (q - 1) == 0 and (p // (p & -p) if p else 0).bit_length() <= precision

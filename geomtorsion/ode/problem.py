@@ -1,0 +1,638 @@
+"""ODE: first-order equations with a start, events, and what is to be known about them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+from typing import Any, TypeAlias
+
+import mpmath
+import numpy as np
+import sympy as sp
+
+from geomtorsion.codegen import Graph, graph
+from geomtorsion.errors import ExpressionError, StartError, StuckError
+from geomtorsion.ode import constructor
+from geomtorsion.ode.events import At, When
+from geomtorsion.ode.members import Members, Rows
+from geomtorsion.ode.moment import Moment
+from geomtorsion.ode.numbers import Numbers, Real, mpf, perturbed
+from geomtorsion.ode.rates import CLOCK, Rates
+from geomtorsion.ode.system import System
+from geomtorsion.ode.trajectory import Event, Segment, Stage, State, Trajectory
+
+# An output is one expression, or several that make a vector.
+Terms: TypeAlias = sp.Expr | tuple[sp.Expr, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class ODE:
+    """First-order equations x' = f(x, parameters, t) with a start; made by `ODE.of`.
+
+    rates: the equations.
+    start: numbers in the order of the states, at t = 0.
+    parameters: name -> number, as they are at t = 0.
+    invariants, outputs: name -> expression, or expressions that make a vector.
+    events: changes at given times, in order of time.
+    normalized: groups of states that have length one together.
+    name: what it is called.
+
+    Examples
+    --------
+    >>> from geomtorsion.ode import ODE, solve
+    >>> swing = ODE.of({"x": "v", "v": "-k*x"}, {"x": 1, "v": 0}, parameters={"k": 4},
+    ...                invariants={"energy": "v**2/2 + k*x**2/2"})
+    >>> print(swing)
+    ODE of x, v
+    >>> solution = solve(swing, 1.0)
+    >>> round(float(solution["x"][-1]), 9)
+    -0.416146837
+    """
+
+    rates: Rates
+    start: tuple[Real, ...]
+    parameters: Mapping[str, Real]
+    invariants: Mapping[str, Terms]
+    outputs: Mapping[str, Terms]
+    events: tuple[At, ...] = ()
+    normalized: tuple[tuple[str, ...], ...] = ()
+    name: str = ""
+    _stages: dict[tuple[int, float], Stage] = field(default_factory=dict, repr=False)
+
+    # Trajectories count time as users do.
+    time_unit = 1.0
+    label = ""
+
+    @classmethod
+    def of(
+        cls,
+        rates: object,
+        start: Mapping[str, object] | Numbers,
+        *,
+        parameters: Mapping[str, object] | None = None,
+        invariants: Mapping[str, object] | None = None,
+        outputs: Mapping[str, object] | None = None,
+        time: str = "t",
+        events: Iterable[At | When] = (),
+        norm_groups: Sequence[Sequence[str]] | None = None,
+        normalized: Sequence[Sequence[str]] = (),
+        name: str = "",
+    ) -> ODE:
+        """Equations from what users give, checked once.
+
+        Parameters
+        ----------
+        rates
+            state -> expression (text, sympy, exact element or number) over states, parameters
+            and the time; or an object with such `rates`, and `invariants` if it knows some.
+        start
+            state -> number at t = 0, or numbers in the order of the rates.
+        parameters
+            name -> number; other numbers later need no new compilation.
+        invariants
+            name -> expression (or expressions) that should not change; a solution gives their
+            drift.
+        outputs
+            name -> expression, or expressions that make a vector; they are read off a solution.
+        time
+            the name of the time in all these.
+        events
+            `At(time, {name: value})`: from exactly this time on a parameter has a new value, or a
+            state starts from a new one. `When(expression)`: where it falls through zero the
+            motion ends; at most one of these.
+        norm_groups
+            groups of states whose errors are measured against their common size; by default
+            those whose names differ in a number or in x, y, z at the end.
+        normalized
+            groups of states of length one together, such as a quaternion: their length is kept.
+        name
+            what it is called.
+
+        Raises
+        ------
+        ExpressionError
+            an expression cannot be read, or contains a name that is not known.
+        StartError, ShapeError, UnknownNameError
+            numbers are missing, too many or not finite, or names are unknown.
+        TimeError
+            an event has no time, or one before the start.
+
+        Examples
+        --------
+        >>> top = ODE.of(
+        ...     {"Omega1": "-Omega2*Omega3", "Omega2": "Omega1*Omega3", "Omega3": 0},
+        ...     [1, 0, 2],
+        ...     invariants={"energy": "Omega1**2 + Omega2**2 + Omega3**2"},
+        ... )
+        >>> print(top.text)
+        Omega1' = -Omega2*Omega3
+        Omega2' = Omega1*Omega3
+        Omega3' = 0
+        """
+        try:
+            given = constructor.read(
+                rates, start, parameters, invariants, outputs, time, events, norm_groups, normalized
+            )
+            made = cls(*given, tuple(tuple(group) for group in normalized), name)
+            made.check_lengths()
+            # Made now, so that what cannot be compiled is reported here.
+            _ = made.system
+        except RecursionError:
+            raise ExpressionError(
+                "rates: an expression that is not nested too deeply to be read was needed; one of "
+                "these is. Write it in fewer storeys."
+            ) from None
+        return made
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states."""
+        return self.rates.states
+
+    @cached_property
+    def size(self) -> int:
+        """Number of states."""
+        return len(self.rates.states)
+
+    @property
+    def system(self) -> System:
+        """What engines integrate: the states, and a clock where the time stands in the rates."""
+        return self.rates.system
+
+    # -- variants --------------------------------------------------------------------------------
+
+    def with_start(
+        self,
+        start: Mapping[str, object] | Numbers | None = None,
+        parameters: Mapping[str, object] | None = None,
+        events: Iterable[At] | None = None,
+    ) -> ODE:
+        """The same equations from another start or with other numbers; nothing is compiled anew.
+
+        Parameters
+        ----------
+        start
+            name -> number for the states that change, or all numbers in order.
+        parameters
+            name -> number for the parameters that change.
+        events
+            all changes at given times anew.
+
+        Examples
+        --------
+        >>> fall = ODE.of({"z": "v", "v": "-g"}, [0, 1], parameters={"g": 9.81})
+        >>> fall.with_start(start={"v": 5}, parameters={"g": 1.6}).start
+        (0, 5)
+        """
+        new_start, numbers, timed = self.start, dict(self.parameters), self.events
+        if start is not None:
+            new_start = constructor.start_numbers(self.states, start, self.start)
+        if parameters is not None:
+            numbers |= constructor.parameter_numbers(self.rates.parameters, parameters)
+        if events is not None:
+            timed = constructor.timed_events((*self.states, *self.rates.parameters), events)
+        made = replace(self, start=new_start, parameters=numbers, events=timed, _stages={})
+        made.check_lengths()
+        return made
+
+    def check_lengths(self) -> None:
+        """Refuse a start whose length is not one where it should be."""
+        constructor.check_lengths(self.states, self.start, self.normalized)
+
+    # -- showing ---------------------------------------------------------------------------------
+
+    @property
+    def text(self) -> str:
+        """The equations, line by line."""
+        return "\n".join(f"{name}' = {rate}" for name, rate in self.rates.expressions.items())
+
+    @property
+    def latex(self) -> str:
+        """The equations in LaTeX."""
+        lines = [
+            f"\\dot{{{sp.latex(sp.Symbol(name))}}} &= {sp.latex(rate)}"
+            for name, rate in self.rates.expressions.items()
+        ]
+        return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"
+
+    def _repr_latex_(self) -> str:
+        return f"$${self.latex}$$"
+
+    def __str__(self) -> str:
+        return f"{self.name or 'ODE'} of {', '.join(self.states)}"
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    # -- for the solver --------------------------------------------------------------------------
+
+    def check_start(self) -> None:
+        """Refuse a start at which the motion has ended already."""
+        room = self._room(0.0, self.start, self.parameters)
+        if not room >= 0:
+            raise StartError(
+                f"stop = {self.rates.stop} is {room:.6g} at the start already. Start where it is "
+                "above zero; the motion ends where it falls through it."
+            )
+
+    def _room(self, time: float, states: State, parameters: Mapping[str, Real]) -> float:
+        """How far the motion is from where it stops; below zero it is there."""
+        stop = self.rates.stop_graph
+        if stop is None:
+            return math.inf
+        values = [*states, *(parameters[name] for name in self.rates.parameters), time]
+        return float(stop.numpy()(*[float(x) for x in values])[0])
+
+    def first_stage(self, precision: int, perturbation: float) -> Stage:
+        """The motion from t = 0 on; perturbation: the part by which its numbers are changed."""
+        key = precision, perturbation
+        if key not in self._stages:
+            # A change at t = 0 comes before anything else.
+            now = [event for event in self.events if event.time == 0]
+            later = tuple(event for event in self.events if event.time != 0)
+            parameters, start = dict(self.parameters), list(self.start)
+            for event in now:
+                parameters |= self._parameter_changes(event)
+                start = self._jumped(start, event)
+            if perturbation:
+                start = perturbed(start, perturbation, precision, all_of_them=True)
+            self._stages[key] = self._stage(0.0, start, parameters, later, precision, perturbation)
+        return self._stages[key]
+
+    def _stage(
+        self,
+        begin: float,
+        start: list[Real],
+        parameters: Mapping[str, Real],
+        later: tuple[At, ...],
+        precision: int,
+        perturbation: float,
+    ) -> Stage:
+        """The stage from a time on, with the event that ends it."""
+        for places in self._unit_places:
+            _normalize(start, places, precision)
+        numbers: Sequence[Real] | np.ndarray = self.run_numbers(parameters)
+        if perturbation:
+            numbers = perturbed(numbers, perturbation, precision, all_of_them=False)
+        states: Sequence[Real] | np.ndarray = start
+        if self.rates.has_clock:
+            states = [*start, begin / CLOCK]
+        if precision == 53:
+            states, numbers = (np.array([float(x) for x in row]) for row in (states, numbers))
+        events = [] if self.rates.stop is None else [Event(None)]
+        if later:
+            follow = self._follower(parameters, later, precision, perturbation)
+            events.append(Event(later[0].time, follow))
+        groups = self.system.groups[:-1] if self.rates.has_clock else self.system.groups
+        kept = partial(self._normalized, precision=precision) if self._unit_places else None
+        return Stage(
+            "", self.system, states, numbers, begin, tuple(events), groups=groups, kept=kept
+        )
+
+    def _normalized(self, state: State, precision: int) -> State:
+        """A state of the system with those of length one made so."""
+        values = list(state)
+        for places in self._unit_places:
+            _normalize(values, places, precision)
+        return np.array(values, dtype=float) if precision == 53 else values
+
+    def _follower(
+        self,
+        parameters: Mapping[str, Real],
+        later: tuple[At, ...],
+        precision: int,
+        perturbation: float,
+    ) -> Callable[[float, State], Stage | None]:
+        """What comes after the next event."""
+        event, rest = later[0], later[1:]
+        changed = dict(parameters) | self._parameter_changes(event)
+
+        def follow(_: float, state: State) -> Stage | None:
+            start = self._jumped(list(state[: self.size]), event)
+            if self._room(event.time, start, changed) < 0:
+                return None
+            return self._stage(event.time, start, changed, rest, precision, perturbation)
+
+        return follow
+
+    def _parameter_changes(self, event: At) -> dict[str, Real]:
+        return {name: x for name, x in event.changes.items() if name in self.rates.parameters}
+
+    def _jumped(self, states: list[Real], event: At) -> list[Real]:
+        for name, value in event.changes.items():
+            if name in self.states:
+                states[self.states.index(name)] = value
+        return states
+
+    @cached_property
+    def _unit_places(self) -> tuple[list[int], ...]:
+        return tuple([self.states.index(name) for name in group] for group in self.normalized)
+
+    def run_numbers(self, parameters: Mapping[str, Real]) -> list[Real]:
+        """The run-time numbers of the system for values of the parameters."""
+        return list(self.rates.numbers.exactly([parameters[x] for x in self.rates.parameters]))
+
+    def rows(self, segment: Segment, states: np.ndarray, label: str) -> np.ndarray:
+        """States of a segment, those of length one made so."""
+        return self.unit_rows(states[:, : self.size])
+
+    def unit_rows(self, states: np.ndarray) -> np.ndarray:
+        """Rows of states with those of length one made so, in double precision."""
+        if not self._unit_places or not len(states) or states.dtype != np.float64:
+            return states
+        states = states.copy()
+        for places in self._unit_places:
+            part = states[:, places]
+            with np.errstate(all="ignore"):
+                states[:, places] = part / np.sqrt((part * part).sum(axis=1))[:, None]
+        return states
+
+    def stages_to_probe(self, end: float) -> list[tuple[Stage, float]]:
+        """Stages at the start with the parameters of each later time, and how long they last."""
+        cuts = [event.time for event in self.events if 0 < event.time < end]
+        found, parameters = [], dict(self.parameters)
+        bounds = [0.0, *cuts, end]
+        for k, begin in enumerate(bounds[:-1]):
+            changes: dict[str, Real] = {}
+            for event in self.events:
+                if event.time == begin:
+                    changes |= self._parameter_changes(event)
+            if k == 0 or changes:
+                parameters |= changes
+                stage = self._stage(begin, list(self.start), parameters, (), 53, 0.0)
+                found.append((stage, abs(bounds[k + 1] - begin)))
+        return found
+
+    # -- reading a solution ----------------------------------------------------------------------
+
+    def moment(
+        self,
+        times: np.ndarray,
+        pieces: Sequence[tuple[Segment, np.ndarray]],
+        shape: tuple[int, ...],
+        bits: int,
+    ) -> Moment:
+        """States and outputs at the times of some pieces, in the shape that was asked for."""
+        parts = [self.rows(segment, states, "") for segment, states in pieces]
+        states = np.concatenate(parts) if parts else np.empty((0, self.size))
+        values: dict[str, np.ndarray] = {
+            name: states[:, k].reshape(shape) for k, name in enumerate(self.states)
+        }
+        for name, value in self.read_outputs(times, states).items():
+            values[name] = value.reshape((*shape, *value.shape[1:]))
+        values["states"] = states.reshape((*shape, self.size))
+        return Moment(times.reshape(shape), values, whole=("states",))
+
+    def arguments(self, times: np.ndarray, states: np.ndarray) -> list:
+        """Values of states, parameters as they are at the times, and times."""
+        values: list = list(states.T)
+        for name in self.rates.parameters:
+            column: float | np.ndarray = float(self.parameters[name])
+            for event in self.events:
+                if name in event.changes and len(times):
+                    after = times >= event.time
+                    if after.any():
+                        column = np.where(after, float(event.changes[name]), column)
+            values.append(column)
+        return [*values, times]
+
+    @cached_property
+    def term_graphs(self) -> tuple[Graph, Graph]:
+        """Outputs and invariants over states, parameters and time."""
+        first, second = (
+            graph(self.rates.names, flat(terms), factor=False)
+            for terms in (self.outputs, self.invariants)
+        )
+        return first, second
+
+    def read_outputs(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
+        """Each output at the times, shape (m,) or (m, k)."""
+        if not self.outputs:
+            return {}
+        found = self.term_graphs[0].numpy()(*self.arguments(times, states))
+        return {
+            name: rows.T if several else rows[0]
+            for name, rows, several in _cut(self.outputs, found, len(times))
+        }
+
+    def invariant_changes(self, trajectory: Trajectory) -> dict[str, np.ndarray]:
+        """Change of each invariant at the samples of a trajectory; see `changes`."""
+        if not self.invariants:
+            return {}
+        pairs = [(one.times, self.rows(one, one.states, "")) for one in trajectory.segments]
+        times, states = (np.concatenate([pair[k] for pair in pairs]) for k in range(2))
+        return self.changes(times.astype(float), np.asarray(states).astype(float))
+
+    def changes(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
+        """Change of each invariant since the start, shape (m,), relative to the size of its terms.
+
+        After an event it is counted anew: a push may change what nothing else does.
+        """
+        if not self.invariants or not len(times):
+            return {}
+        # Times need not begin with the start, changes do.
+        moments = [event.time for event in self.events]
+        before = int(times[0] != 0 and 0 not in moments)
+        at = np.concatenate(([0.0] * before, times))
+        start = np.array([[float(x) for x in self.start]] * before).reshape(before, self.size)
+        asked = self.arguments(at, np.concatenate((start, states[:, : self.size])))
+        values, sizes = (
+            np.asarray(x) for x in (
+                self.term_graphs[1].numpy()(*asked), self.term_graphs[1].sizes(*asked)
+            )
+        )  # fmt: skip
+        interval = np.searchsorted(moments, at, "right")
+        first = np.searchsorted(interval, interval)
+        scales = {name: rows for name, rows, _ in _cut(self.invariants, sizes, len(at))}
+        table = {}
+        for name, rows, _ in _cut(self.invariants, values, len(at)):
+            size = float(np.abs(scales[name]).max())
+            change = np.abs(rows - rows[:, first]).max(axis=0)[before:]
+            table[name] = change / size if size else change
+        return table
+
+    def term(self, term: object) -> Callable[[Moment], np.ndarray]:
+        """A function of moments for an output, or an expression over what may occur."""
+        read = constructor.term(self, term)
+        made = graph(self.rates.names, [read], factor=False).numpy()
+
+        def values(moment: Moment) -> np.ndarray:
+            return made(*self.arguments(moment.time, moment["states"]))[0]
+
+        return values
+
+    def breaks(self) -> tuple[float, ...]:
+        """Times at which something may jump."""
+        return tuple(event.time for event in self.events)
+
+    def described(self) -> dict[str, Any]:
+        """The equations as plain text, and numbers as text, for files."""
+        # The file format knows equations, not the other way round.
+        from geomtorsion.ode.files import described
+
+        return described(self)
+
+    def columns(self, moment: Moment) -> dict[str, np.ndarray]:
+        """Named columns for tables."""
+        table = {self.rates.time: moment.time}
+        for name in (*self.states, *self.outputs):
+            value = moment[name]
+            if value.ndim == 1:
+                table[name] = value
+            else:
+                table |= {f"{name}[{k}]": value[:, k] for k in range(value.shape[1])}
+        return table
+
+    def stuck_error(self, trajectory: Trajectory) -> StuckError:
+        """Where a motion got stuck, why, and what can be done."""
+        segment = trajectory.segments[-1]
+        last = np.array([float(x) for x in segment.last])[: self.size]
+        reached = float(trajectory.reached)
+        pairs = zip(self.states, last.tolist(), strict=True)
+        place = ", ".join(f"{name} = {x:.6g}" for name, x in pairs if math.isfinite(x))
+        found = self.rates.rate_graph.numpy()(*self.arguments(np.array([reached]), last[None, :]))
+        rates = zip(self.states, np.asarray(found)[:, 0].tolist(), strict=True)
+        bad = [f"{name}' = {x:.3g}" for name, x in rates if not math.isfinite(x)]
+        why = f"{trajectory.reason}; {', '.join(bad)}" if bad else trajectory.reason
+        return StuckError(
+            f"the motion cannot go on at t = {reached:.6g}, at {place}: {why}. Stop "
+            "earlier, or give When(...) for where it ends. What was computed is in the error's "
+            "`solution`."
+        )
+
+    # -- many starts -----------------------------------------------------------------------------
+
+    def members(
+        self, starts: object, velocities: object = None, frame_velocities: object = None
+    ) -> Members:
+        """Members of an ensemble, from lists of numbers; see `solve_many`."""
+        if velocities is not None or frame_velocities is not None:
+            raise StartError("velocities: an ODE has states only; give all of them in starts.")
+        if self.rates.stop is not None:
+            raise StartError(
+                "equations with When(...) end at times of their own; solve them one by one, or "
+                "leave it out and use event_times."
+            )
+        states, parameters = constructor.start_columns(self, starts)
+        return self._members(0.0, self.unit_rows(states), parameters, self.events)
+
+    def _members(
+        self,
+        begin: float,
+        states: np.ndarray,
+        parameters: Mapping[str, Real | np.ndarray],
+        later: tuple[At, ...],
+    ) -> Members:
+        """Members from a time on, up to the next event."""
+        table = dict(parameters)
+        while later and later[0].time == begin:
+            table |= self._parameter_changes(later[0])
+            states = states.copy()
+            for name, value in later[0].changes.items():
+                if name in self.states:
+                    states[:, self.states.index(name)] = float(value)
+            later = later[1:]
+        states = self.unit_rows(states)
+        number = len(states)
+        start = states
+        if self.rates.has_clock:
+            start = np.concatenate((states, np.full((number, 1), begin / CLOCK)), axis=1)
+
+        def follow(last: np.ndarray) -> Members:
+            return self._members(later[0].time, last[:, : self.size], table, later)
+
+        groups = self.system.groups[:-1] if self.rates.has_clock else self.system.groups
+        return Members(
+            self.system,
+            groups,
+            start,
+            self._number_columns(table, number),
+            np.ones(number),
+            np.abs(start).sum(axis=1),
+            begin,
+            later[0].time if later else None,
+            follow if later else None,
+            varied={k: x for k, x in table.items() if isinstance(x, np.ndarray)},
+        )
+
+    def _number_columns(self, table: Mapping[str, Real | np.ndarray], number: int) -> np.ndarray:
+        """The run-time numbers of the system for each member, shape (number, parameters)."""
+        values = [table[name] for name in self.rates.parameters]
+        if not any(isinstance(value, np.ndarray) for value in values):
+            exact = self.rates.numbers.exactly(values)
+            return np.tile(np.array([float(x) for x in exact], dtype=float), (number, 1))
+        columns = [x if isinstance(x, np.ndarray) else float(x) for x in values]
+        found = self.rates.numbers.numpy()(*columns)
+        return np.array([np.broadcast_to(x, number) for x in found], dtype=float).T
+
+    def member(self, members: Members, k: int) -> ODE:
+        """One member as a problem of its own."""
+        table = dict(self.parameters) | {
+            name: float(value[k]) for name, value in members.varied.items()
+        }
+        start = tuple(members.states[k, : self.size].tolist())
+        return replace(self, start=start, parameters=table, _stages={})
+
+    def read_members(
+        self, members: Members, rows: Rows, times: np.ndarray
+    ) -> dict[str, np.ndarray]:
+        """States and outputs by name, shapes (number, m) or (number, m, k)."""
+        number, m = len(members), len(times)
+        states = rows.states[:, -m:, : self.size]
+        flat_states = states.reshape(number * m, self.size)
+        with np.errstate(all="ignore"):
+            flat_states = self.unit_rows(flat_states)
+        states = flat_states.reshape(number, m, self.size)
+        found = {name: states[..., k] for k, name in enumerate(self.states)} | {"states": states}
+        if not self.outputs:
+            return found
+        at = np.tile(times, number)
+        asked: list = list(flat_states.T)
+        for name in self.rates.parameters:
+            value = members.varied.get(name)
+            column: Any = float(self.parameters[name]) if value is None else np.repeat(value, m)
+            for event in self.events:
+                if name in event.changes:
+                    column = np.where(at >= event.time, float(event.changes[name]), column)
+            asked.append(column)
+        values = self.term_graphs[0].numpy()(*asked, at)
+        for name, lines, several in _cut(self.outputs, values, number * m):
+            found[name] = lines.T.reshape(number, m, -1) if several else lines[0].reshape(number, m)
+        return found
+
+
+def flat(terms: Mapping[str, Terms]) -> list[sp.Expr]:
+    """All expressions in a row."""
+    return [x for term in terms.values() for x in (term if isinstance(term, tuple) else (term,))]
+
+
+def _cut(
+    terms: Mapping[str, Terms], found: np.ndarray, count: int
+) -> Iterable[tuple[str, np.ndarray, bool]]:
+    """For each term its rows of values, and whether it is a vector."""
+    place = 0
+    for name, term in terms.items():
+        parts = len(term) if isinstance(term, tuple) else 1
+        rows = [np.broadcast_to(x, count) for x in found[place : place + parts]]
+        yield name, np.array(rows), isinstance(term, tuple)
+        place += parts
+
+
+def _normalize(state: list[Real], places: Sequence[int], precision: int) -> None:
+    """Bring some of the states to length one, to rounding at any precision."""
+    values = [state[k] for k in places]
+    scaled: list[Real]
+    if precision == 53:
+        numbers = [float(value) for value in values]
+        length = math.hypot(*numbers)
+        scaled = [value / length for value in numbers]
+    else:
+        bits = precision + 20
+        with mpmath.workprec(bits):
+            exact_values = [mpf(value, bits) for value in values]
+            size = mpmath.sqrt(sum(value * value for value in exact_values))
+            scaled = [value / size for value in exact_values]
+    for place, value in zip(places, scaled, strict=True):
+        state[place] = value

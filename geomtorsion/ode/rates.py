@@ -1,0 +1,209 @@
+"""Rates: first-order equations as users give them, and the system that engines integrate."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import sympy as sp
+
+from geomtorsion.codegen import Graph, graph
+from geomtorsion.errors import ExpressionError
+from geomtorsion.ode.system import System
+
+# Equations that are kept with their graphs; each is some kilobytes.
+KEPT = 256
+# The clock counts in such units of time: its number stays far below all others, and engines that
+# measure errors against the largest state do not lose the small ones in it.
+CLOCK = 2**40
+# Less than any rounding: heyoka misses all roots after one at the very start of a step.
+TINY = sp.Rational(1, 10**300)
+# Fractions p/q with no larger p, and a power of two up to this as q, are compiled in, for they are
+# held exactly. All other numbers are given at run time: a perturbed run shows what rounding them
+# does, and one compiled integrator serves all of them.
+SMALL = 64
+# Names that go with the components of one vector.
+_AXES = ("x", "y", "z")
+_KINKED = ("Abs", "sign", "Max", "Min", "floor", "ceiling")
+
+
+@dataclass(frozen=True, eq=False)
+class Rates:
+    """Rates of named states, compiled once for all starts and all values of the parameters.
+
+    expressions: state -> sympy expression over states, parameters and time.
+    parameters: names of the numbers that may be chosen for each run.
+    time: the symbol that stands for the time.
+    stop: expression at whose fall through zero the motion ends, or None.
+    norm_groups: groups of states whose errors are measured against their common size.
+    """
+
+    expressions: Mapping[str, sp.Expr]
+    parameters: tuple[str, ...]
+    time: str
+    stop: sp.Expr | None
+    norm_groups: tuple[tuple[str, ...], ...]
+
+    @cached_property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states."""
+        return tuple(self.expressions)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Everything that may occur in an expression: states, parameters, time."""
+        return (*self.states, *self.parameters, self.time)
+
+    @cached_property
+    def has_clock(self) -> bool:
+        """Whether the time stands in the equations, and is carried as one more state."""
+        terms = [*self.expressions.values(), *([] if self.stop is None else [self.stop])]
+        return any(symbol.name == self.time for term in terms for symbol in term.free_symbols)
+
+    @cached_property
+    def _folding(self) -> tuple[_Folding, tuple[sp.Expr, ...], sp.Expr | None]:
+        names = (*self.states, self.time)
+        folding = _Folding(sp.Symbol(name, real=True) for name in names)
+        time = sp.Symbol(self.time, real=True)
+        ticks = {time: CLOCK * time}
+        rates = tuple(folding.folded(x.xreplace(ticks)) for x in self.expressions.values())
+        stop = None if self.stop is None else folding.folded(self.stop.xreplace(ticks))
+        return folding, rates, stop
+
+    @cached_property
+    def system(self) -> System:
+        """The equations for an engine; equal ones share it."""
+        _, rates, stop = self._folding
+        index = {name: k for k, name in enumerate(self.states)}
+        groups = tuple(tuple(index[name] for name in group) for group in self.norm_groups)
+        return _system(self.states, rates, stop, groups, self.time if self.has_clock else "")
+
+    @cached_property
+    def numbers(self) -> Graph:
+        """The run-time numbers of the system, from the parameters."""
+        folding, _, _ = self._folding
+        known = {symbol.name: value for value, symbol in folding.names.items()}
+        wanted = [known.get(name, sp.Symbol(name, real=True)) for name in self.system.parameters]
+        return graph(self.parameters, wanted, factor=False)
+
+    @cached_property
+    def stop_graph(self) -> Graph | None:
+        """The stop over states, parameters and time."""
+        return None if self.stop is None else graph(self.names, [self.stop], factor=False)
+
+    @cached_property
+    def rate_graph(self) -> Graph:
+        """The rates over states, parameters and time."""
+        return graph(self.names, list(self.expressions.values()), factor=False)
+
+
+@lru_cache(maxsize=KEPT)
+def _system(
+    states: tuple[str, ...],
+    rates: tuple[sp.Expr, ...],
+    stop: sp.Expr | None,
+    groups: tuple[tuple[int, ...], ...],
+    clock: str,
+) -> System:
+    """The equations, with a clock as last state where one is named."""
+    names = (*states, clock) if clock else states
+    terms = (*rates, *((sp.Rational(1, CLOCK),) if clock else ()))
+    every = (*terms, *(() if stop is None else (stop,)))
+    free = {symbol.name for term in every for symbol in term.free_symbols}
+    others = tuple(sorted(free - set(names)))
+    where = [*(f"rate of {name}" for name in names), *(["stop"] if stop is not None else [])]
+    _check_smooth(every, where)
+    if clock:
+        groups = (*groups, (len(states),))
+    arguments = (*names, *others)
+    guard = None if stop is None else graph(arguments, [stop + TINY], others)
+    made = graph(arguments, list(terms), others)
+    return System(names, others, made, groups, guard, None, (clock, CLOCK) if clock else None)
+
+
+def _check_smooth(terms: Sequence[sp.Expr], where: Sequence[str]) -> None:
+    """Refuse what has kinks or jumps."""
+    for term, place in zip(terms, where, strict=True):
+        for part in sp.preorder_traversal(term):
+            if type(part).__name__ in _KINKED:
+                raise ExpressionError(
+                    f"{place}: {part} is not smooth. Write the expression of one side (and stop or "
+                    "switch where it ends), or a smooth one such as sqrt(x**2 + s**2) for Abs(x)."
+                )
+
+
+def default_groups(states: Sequence[str]) -> tuple[tuple[str, ...], ...]:
+    """States that share a stem, as q0 ... q3, or x, y, z behind one, as vx, vy, vz.
+
+    Examples
+    --------
+    >>> default_groups(["q0", "q1", "x", "y", "vx", "vy", "m"])
+    (('q0', 'q1'), ('x', 'y'), ('vx', 'vy'), ('m',))
+    """
+    groups: dict[str, list[str]] = {}
+    for name in states:
+        stem = re.sub(r"_?\d+$", "", name)
+        if stem == name and name.endswith(_AXES):
+            stem = name[:-1] + " axes"
+        groups.setdefault(stem, []).append(name)
+    return tuple(tuple(group) for group in groups.values())
+
+
+class _Folding:
+    """Puts everything that depends on parameters alone into numbers given at run time.
+
+    What is left depends on the states; small fractions stay. The numbers are worked out exactly
+    and rounded once.
+    """
+
+    def __init__(self, states: Iterable[sp.Symbol]) -> None:
+        self.states = frozenset(states)
+        self.names: dict[sp.Expr, sp.Symbol] = {}
+        self._free: dict[sp.Basic, bool] = {}
+        self._done: dict[sp.Expr, sp.Expr] = {}
+
+    def folded(self, expr: sp.Expr) -> sp.Expr:
+        """The expression with its numbers named."""
+        found = self._done.get(expr)
+        if found is None:
+            found = self._done[expr] = self._fold(expr)
+        return found
+
+    def _is_free(self, expr: sp.Basic) -> bool:
+        """Whether no state occurs; each part is looked at once."""
+        found = self._free.get(expr)
+        if found is None:
+            inside = all(self._is_free(arg) for arg in expr.args)
+            found = self._free[expr] = inside and expr not in self.states
+        return found
+
+    def _fold(self, expr: sp.Expr) -> sp.Expr:
+        if self._is_free(expr):
+            return self._number(expr)
+        if isinstance(expr, sp.Symbol):
+            return expr
+        if isinstance(expr, sp.Add | sp.Mul):
+            free = [arg for arg in expr.args if self._is_free(arg)]
+            bound = [self.folded(arg) for arg in expr.args if not self._is_free(arg)]
+            if free:
+                bound.append(self._number(expr.func(*free)))
+            return expr.func(*bound)
+        if isinstance(expr, sp.Pow):
+            exponent = expr.exp
+            if isinstance(exponent, sp.Float):
+                exponent = sp.Rational(exponent)
+            if exponent.is_Rational and abs(exponent.p) <= SMALL and exponent.q <= SMALL:
+                return self.folded(expr.base) ** exponent
+        return expr.func(*(self.folded(arg) for arg in expr.args))
+
+    def _number(self, expr: sp.Expr) -> sp.Expr:
+        value = sp.Rational(expr) if isinstance(expr, sp.Float) else expr
+        held = value.is_Rational and value.q <= SMALL and value.q & (value.q - 1) == 0
+        if held and abs(value.p) <= SMALL:
+            return value
+        if value not in self.names:
+            # With a blank in it no user can have given this name.
+            self.names[value] = sp.Symbol(f"number {len(self.names) + 1}", real=True)
+        return self.names[value]

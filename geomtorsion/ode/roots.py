@@ -1,0 +1,95 @@
+"""Roots: all crossings of zero of a smooth function of time, given by its values."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+import numpy as np
+
+# Halvings until a double is found.
+HALVINGS = 60
+# Two crossings may hide where a parabola through three places comes this near to zero.
+NEAR = 0.3
+# Golden sections until the lowest place between three is found.
+SECTIONS = 80
+
+Values: TypeAlias = Callable[[np.ndarray], np.ndarray]
+
+
+def crossings(
+    function: Values, times: np.ndarray, values: np.ndarray, direction: int = 0
+) -> np.ndarray:
+    """Times, in order, at which a function crosses zero.
+
+    Parameters
+    ----------
+    function
+        of an array of times.
+    times, values
+        places close enough to see each crossing, or the valley of each close pair of them.
+    direction
+        1: upwards only, in the order of the times; -1: downwards only.
+    """
+    times, values = times[values != 0], values[values != 0]
+    times, values = _with_valleys(function, times, values)
+    signs = np.sign(values)
+    place = np.flatnonzero(signs[:-1] != signs[1:])
+    if direction:
+        place = place[signs[place + 1] == direction]
+    return _bisected(function, times[place], times[place + 1], signs[place])
+
+
+def _with_valleys(
+    function: Values, times: np.ndarray, values: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """With a place beyond zero in each valley that reaches through it between two places."""
+    if len(values) < 3:
+        return times, values
+    signs, sizes = np.sign(values), np.abs(values)
+    left, middle, right = sizes[:-2], sizes[1:-1], sizes[2:]
+    bend = left - 2 * middle + right
+    with np.errstate(all="ignore"):
+        reach = middle - (right - left) ** 2 / (8 * bend)
+    valley = (signs[:-2] == signs[1:-1]) & (signs[2:] == signs[1:-1]) & (bend > 0)
+    valley &= (middle <= left) & (middle <= right) & (reach < NEAR * middle)
+    place = np.flatnonzero(valley) + 1
+    if not len(place):
+        return times, values
+    sign, low, high = signs[place], times[place - 1], times[place + 1]
+    through, found = np.zeros(len(place)), np.zeros(len(place), dtype=bool)
+    golden = (np.sqrt(5) - 1) / 2
+    for _ in range(SECTIONS):
+        first, second = high - golden * (high - low), low + golden * (high - low)
+        one, two = sign * function(first), sign * function(second)
+        for at, value in ((first, one), (second, two)):
+            through = np.where(~found & (value < 0), at, through)
+            found |= value < 0
+        if found.all():
+            break
+        lower = one <= two
+        high, low = np.where(lower, second, high), np.where(lower, low, first)
+    return _inserted(times, values, place[found], through[found], -sign[found])
+
+
+def _inserted(
+    times: np.ndarray, values: np.ndarray, place: np.ndarray, extra: np.ndarray, signs: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Places added in the order of the times."""
+    forward = times[-1] >= times[0]
+    before = extra < times[place] if forward else extra > times[place]
+    where = np.where(before, place, place + 1)
+    return np.insert(times, where, extra), np.insert(values, where, signs)
+
+
+def _bisected(function: Values, low: np.ndarray, high: np.ndarray, sign: np.ndarray) -> np.ndarray:
+    """The crossings between pairs of times, all at once."""
+    if not len(low):
+        return low
+    for _ in range(HALVINGS):
+        middle = low + (high - low) / 2
+        if ((middle == low) | (middle == high)).all():
+            break
+        before = np.sign(function(middle)) == sign
+        low, high = np.where(before, middle, low), np.where(before, high, middle)
+    return high

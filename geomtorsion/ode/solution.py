@@ -1,0 +1,408 @@
+"""Solution: a motion that was solved, with its error, its cost and everything read off it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from geomtorsion.errors import TimeError
+from geomtorsion.ode import dense_error, event_times
+from geomtorsion.ode.moment import Moment
+from geomtorsion.ode.tables import pandas_table
+from geomtorsion.ode.trajectory import Segment, Stage, Trajectory
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from geomtorsion.errors import GeomtorsionError
+
+# Doubles hold numbers to this part; solutions to a finer accuracy keep their longer numbers.
+DOUBLE = 2.0**-53
+
+
+class Problem(Protocol):
+    """What can be solved: a curve in a space, or first-order equations of any kind."""
+
+    @property
+    def time_unit(self) -> float:
+        """Trajectories count time in units of 1/time_unit."""
+        ...
+
+    def check_start(self) -> None:
+        """Refuse a start from which nothing moves on."""
+        ...
+
+    def first_stage(self, precision: int, perturbation: float) -> Stage:
+        """The equations with their start; perturbation: the part by which this is changed."""
+        ...
+
+    def stages_to_probe(self, end: float) -> Sequence[tuple[Stage, float]]:
+        """Stages that may be stiff, and how long each lasts."""
+        ...
+
+    def rows(self, segment: Segment, states: np.ndarray, label: str) -> np.ndarray:
+        """States of a segment in the coordinates of a label."""
+        ...
+
+    def moment(
+        self,
+        times: np.ndarray,
+        pieces: Sequence[tuple[Segment, np.ndarray]],
+        shape: tuple[int, ...],
+        bits: int,
+    ) -> Moment:
+        """Everything at the times of some pieces."""
+        ...
+
+    def invariant_changes(self, trajectory: Trajectory) -> Mapping[str, np.ndarray]:
+        """Relative change of each invariant at the samples of a trajectory."""
+        ...
+
+    def term(self, term: object) -> Callable[[Moment], np.ndarray]:
+        """A function of moments for a name or an expression."""
+        ...
+
+    def breaks(self) -> tuple[float, ...]:
+        """Times at which something may jump."""
+        ...
+
+    def columns(self, moment: Moment) -> Mapping[str, np.ndarray]:
+        """Named columns for tables."""
+        ...
+
+    def described(self) -> dict[str, Any]:
+        """The problem as plain text and numbers, for files."""
+        ...
+
+    def stuck_error(self, trajectory: Trajectory) -> GeomtorsionError:
+        """The error that says where a motion cannot go on, and what can be done."""
+        ...
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a solution cost.
+
+    steps, evaluations: of the answer, without the run that gave the error estimate.
+    compile_seconds: compilation, of all runs; zero where everything was kept from before.
+    run_seconds: integration of the answer.
+    check_seconds: integration of everything else: finer runs, answers that were not good enough.
+    """
+
+    steps: int
+    evaluations: int
+    compile_seconds: float
+    run_seconds: float
+    check_seconds: float
+
+    @classmethod
+    def of(cls, answer: Trajectory, runs: Sequence[Trajectory]) -> Cost:
+        """The cost of an answer among all runs that were made."""
+        running = answer.run_seconds
+        return cls(
+            answer.steps,
+            answer.evaluations,
+            sum([run.compile_seconds for run in runs]),
+            running,
+            sum([run.run_seconds for run in runs]) - running,
+        )
+
+    def __str__(self) -> str:
+        return (
+            f"{self.steps} steps, {self.evaluations} evaluations, "
+            f"compiled in {self.compile_seconds:.3g} s, ran in {self.run_seconds:.3g} s, "
+            f"checked in {self.check_seconds:.3g} s"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """A solved motion: of a curve in a space, of a scene, of any first-order equations.
+
+    problem: what was solved.
+    times: shape (m,), as asked for, or 65 of them up to the time asked for; where the motion was
+        stopped they end there.
+    accuracy: what was asked for, relative to the size of the solution.
+    error: estimate of the largest error at `times`, each group of states (coordinates,
+        velocities, ...) against its own largest size. What `at` gives between the times is not
+        part of it: see `error_between`.
+    engine, reason: what solved it, and why that was chosen.
+    cost: steps, evaluations, seconds.
+    trajectory: the integration; reference: the finer one with which it was compared.
+
+    Numbers are floats unless an accuracy finer than 1e-16 was asked for; then they are of the
+    type of the engine.
+
+    Examples
+    --------
+    >>> from geomtorsion.ode import ODE, RungeKutta, solve
+    >>> fall = ODE.of({"z": "v", "v": "-g"}, {"z": 20, "v": 0}, parameters={"g": 10})
+    >>> solution = solve(fall, 2.0, accuracy=1e-9, engine=RungeKutta())
+    >>> solution.error < 1e-9, round(float(solution.at(1.0)["z"]), 9)
+    (True, 15.0)
+    """
+
+    problem: Any  # a Problem; users know which one they posed
+    times: np.ndarray
+    accuracy: float
+    error: float
+    engine: str
+    reason: str
+    cost: Cost
+    trajectory: Trajectory
+    reference: Trajectory | None = None
+
+    @property
+    def outcome(self) -> str:
+        """ "done"; "stopped" by an event that ends the motion; "stuck" where it cannot go on."""
+        return self.trajectory.outcome
+
+    @property
+    def complete(self) -> bool:
+        """Whether the motion was followed to its end: the last time, or where it stops."""
+        return self.outcome in ("done", "stopped")
+
+    # -- at the times ----------------------------------------------------------------------------
+
+    @cached_property
+    def moment(self) -> Moment:
+        """Everything at the times."""
+        segments = self.trajectory.segments
+        skip = self.trajectory.count - len(self.times)
+        ended = self.outcome == "stopped"
+        pieces = []
+        # The start is a sample even where nobody asked for it; where the motion was stopped may
+        # be none.
+        first = max(skip + (1 if self._ends_between else 0), 0)
+        for segment in segments:
+            states = segment.states[first:] if first else segment.states
+            first = max(first - segment.count, 0)
+            if len(states):
+                pieces.append((segment, states))
+        if ended and self._ends_between:
+            pieces.append((segments[-1], np.asarray(segments[-1].last)[None, :]))
+        return self._read(self.times, pieces, self.times.shape)
+
+    @cached_property
+    def _ends_between(self) -> bool:
+        """Whether the motion was stopped between two of the times asked for."""
+        if self.outcome != "stopped":
+            return False
+        last = next((x for x in reversed(self.trajectory.segments) if x.count), None)
+        return last is None or float(last.times[-1]) != self.trajectory.reached
+
+    def _read(
+        self,
+        times: np.ndarray,
+        pieces: Sequence[tuple[Segment, np.ndarray]],
+        shape: tuple[int, ...],
+    ) -> Moment:
+        bits = self.trajectory.engine.precision
+        if self.accuracy >= DOUBLE and bits > 53:
+            pieces, bits = [(one, np.asarray(x).astype(float)) for one, x in pieces], 53
+        return self.problem.moment(times, pieces, shape, bits)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """A state, coordinate, velocity or output by name, shape (m,) or (m, k).
+
+        Raises
+        ------
+        UnknownNameError
+            nothing has this name.
+        """
+        return self.moment[name]
+
+    @property
+    def states(self) -> np.ndarray:
+        """All states of first-order equations, shape (m, size)."""
+        return self.moment.states
+
+    @property
+    def coordinates(self) -> np.ndarray:
+        """q^mu of a curve in the chart of its problem, shape (m, n).
+
+        Angles lie within half a turn of the start where the motion was followed in another chart.
+
+        Raises
+        ------
+        ChartEdgeError
+            the motion went where this chart does not reach; use `in_chart`.
+        """
+        return self.moment.coordinates
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """q'^mu of a curve in the chart of its problem, shape (m, n)."""
+        return self.moment.velocity
+
+    @property
+    def frame_velocity(self) -> np.ndarray:
+        """u^i = e^i_mu q'^mu of a curve, shape (m, n)."""
+        return self.moment.frame_velocity
+
+    @property
+    def transported(self) -> np.ndarray:
+        """Transported vectors (frame) or deviation (offset, rate), shape (m, number)."""
+        return self.moment.transported
+
+    @property
+    def charts(self) -> tuple[str, ...]:
+        """Names of the charts through which a curve was followed, in order."""
+        return self.trajectory.labels
+
+    def in_chart(self, name: str) -> np.ndarray:
+        """Coordinates of a curve in another chart, shape (m, number of coordinates there).
+
+        Raises
+        ------
+        UnknownNameError
+            there is no such chart.
+        ChartEdgeError
+            the motion went where that chart does not reach.
+        """
+        skip = self.trajectory.count - len(self.times)
+        return self.problem.in_chart(self.trajectory, name)[skip:]
+
+    # -- between the times -----------------------------------------------------------------------
+
+    def at(self, time: Any) -> Moment:
+        """Everything at any time up to the last; arrays of times are welcome.
+
+        Between the times of the solution states are interpolated by the engine. `error` is about
+        the times alone; `error_between` covers these, too. Series (Taylor) are as good in
+        between; RungeKutta and Stiff interpolate to a lower order than they step, and may be
+        worse.
+
+        Raises
+        ------
+        TimeError
+            a time lies outside of what was solved.
+        """
+        asked = np.asarray(time, dtype=float)
+        flat = np.atleast_1d(asked).ravel()
+        unit = self.problem.time_unit
+        last = self.trajectory.reached / unit
+        low, high = min(0.0, last), max(0.0, last)
+        edge = 1e-15 * abs(last)
+        bad = ~(np.isfinite(flat) & (flat >= low - edge) & (flat <= high + edge))
+        if bad.any():
+            raise TimeError(
+                f"t = {flat[bad][0]:.6g} lies outside of the solution, which runs from 0 to "
+                f"{last:.6g}. Solve to a later time, or ask within."
+            )
+        found = self.trajectory.at(flat * unit)
+        order = np.argsort(np.concatenate([index for _, _, index in found]), kind="stable")
+        pieces = [(segment, states) for segment, states, _ in found]
+        if len(found) > 1:
+            moment = self._read(flat[np.argsort(order)], pieces, flat.shape)
+            values = {name: moment.values[name][order] for name in moment.values}
+            shaped = {name: x.reshape((*asked.shape, *x.shape[1:])) for name, x in values.items()}
+            return Moment(asked, shaped, moment.whole)
+        return self._read(flat, pieces, asked.shape)
+
+    def event_times(self, term: object, direction: int = 0) -> np.ndarray:
+        """All times at which a term crosses zero, in order.
+
+        Crossings by a jump do not count, nor a zero at the very beginning or end.
+
+        Parameters
+        ----------
+        term
+            the name of something that `at` gives, or an expression over such names, parameters
+            and the time.
+        direction
+            1: only upwards; -1: only downwards; 0: both.
+
+        Raises
+        ------
+        ExpressionError, UnknownNameError
+            the term cannot be read, is no single number, or has no finite value somewhere.
+
+        Examples
+        --------
+        >>> from geomtorsion.ode import ODE, solve
+        >>> swing = solve(ODE.of({"x": "v", "v": "-x"}, [1, 0]), 10.0)
+        >>> swing.event_times("x").round(6).tolist()
+        [1.570796, 4.712389, 7.853982]
+        """
+        return event_times.event_times(self, term, direction)
+
+    # -- how good it is --------------------------------------------------------------------------
+
+    @cached_property
+    def invariant_changes(self) -> Mapping[str, np.ndarray]:
+        """For each known invariant its change at each time, relative to the size of its terms.
+
+        Not a number where it has no value, as on the edge of a chart.
+        """
+        return self.problem.invariant_changes(self.trajectory)
+
+    @cached_property
+    def drift(self) -> Mapping[str, float]:
+        """For each known invariant its largest change, relative to the size of its terms.
+
+        Across an event at a given time it is counted anew: a push may change what nothing else
+        does.
+        """
+        return {
+            name: float(np.nanmax(change)) if np.isfinite(change).any() else float("nan")
+            for name, change in self.invariant_changes.items()
+        }
+
+    @cached_property
+    def error_between(self) -> float:
+        """Estimate of the largest error of `at`, between the times, too; relative as `error` is.
+
+        Worked out on first use, from dense output of the solution and of the run with which it
+        was compared, at about a hundred places: it costs as much as the solution did.
+        """
+        return dense_error.error_between(self)
+
+    def __str__(self) -> str:
+        ended = {"stopped": ", where it stops", "stuck": f", stuck: {self.trajectory.reason}"}
+        last = float(self.times[-1]) if len(self.times) else 0.0
+        reach = f"to t = {last:.6g}{ended.get(self.outcome, '')}, {len(self.times)} times"
+        lines = [
+            str(self.problem),
+            f"{reach}, by {self.engine} ({self.reason})",
+            f"error below {self.error:.2g} (asked: {self.accuracy:.2g}); {self.cost}",
+        ]
+        drifts = ", ".join(f"{name} {value:.1e}" for name, value in self.drift.items())
+        return "\n".join([*lines, f"drift: {drifts}"] if drifts else lines)
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    # -- taking it elsewhere ---------------------------------------------------------------------
+
+    def to_pandas(self) -> Any:  # pandas is no dependency
+        """A pandas table: times, and everything that has a name.
+
+        Raises
+        ------
+        MissingExtraError
+            pandas is not installed.
+        """
+        return pandas_table(self.problem.columns(self.moment))
+
+    def save(self, path: str | Path) -> None:
+        """Write an NPZ file with arrays (as doubles) and metadata; `SavedSolution.load` reads it.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> from geomtorsion.ode import ODE, SavedSolution, solve
+        >>> file = Path(tempfile.mkdtemp(), "decay.npz")
+        >>> solve(ODE.of({"x": "-x"}, [1]), 1.0).save(file)
+        >>> round(float(SavedSolution.load(file).at(0.5)["x"]), 9)
+        0.60653066
+        """
+        # The file format knows solutions, not the other way round.
+        from geomtorsion.ode.files import save
+
+        save(self, path)

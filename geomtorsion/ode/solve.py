@@ -1,0 +1,223 @@
+"""Solve: a motion to the accuracy asked for, or an error that says what can be had."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import TypeAlias, cast
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.errors import AccuracyError, StartError
+from geomtorsion.ode.asked import checked_accuracy, checked_engine, checked_times
+from geomtorsion.ode.checkpoint import PARTS, Checkpoint, Recorder, fingerprint
+from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
+from geomtorsion.ode.engines.taylor import is_available
+from geomtorsion.ode.error_estimate import Verified, verified
+from geomtorsion.ode.solution import Cost, Problem, Solution
+from geomtorsion.ode.trajectory import Stage, Trajectory, integrate
+
+Progress: TypeAlias = Callable[[float], object]
+# A motion whose fastest decay times its duration exceeds this is left to an implicit engine.
+STIFF = 3e4
+
+
+def solve(
+    problem: Problem,
+    t: object,
+    accuracy: float = 1e-10,
+    engine: Engine | None = None,
+    checkpoint: str | Path | None = None,
+    progress: Progress | None = None,
+    *,
+    overwrite: bool = False,
+) -> Solution:
+    """Solve a motion so that the result, not each step, is as accurate as asked.
+
+    Each answer comes with its error: it is compared with a run two orders finer that starts a
+    rounding away (see `error_estimate`). The tolerance goes down until the error is below the
+    accuracy.
+
+    Parameters
+    ----------
+    problem
+        from `autoparallel`, `geodesic`, ...; or any first-order equations, from `ODE.of`.
+    t
+        last time, or increasing (or decreasing) times from 0 on; the motion starts at t = 0.
+    accuracy
+        largest error, relative to the size of the solution (see `Solution.error`).
+    engine
+        Taylor(), RungeKutta() or Stiff(); None chooses and says why.
+    checkpoint
+        a file into which the run is written as it goes; a later call with the same problem,
+        times, accuracy and engine goes on from there, to the same result.
+    progress
+        called with the part that is done, from 0 to 1.
+    overwrite
+        whether to begin anew where the file is the checkpoint of another run.
+
+    Raises
+    ------
+    AccuracyError
+        accuracy <= 0, or not to be had with this engine.
+    TimeError
+        times are empty, repeated, unsorted, not finite or on both sides of 0.
+    ChartEdgeError, StuckError
+        the motion ran out of its last chart, or cannot go on; the error carries what was computed.
+    CheckpointError
+        the file is the checkpoint of another run.
+
+    Examples
+    --------
+    >>> from geomtorsion.ode import ODE, RungeKutta
+    >>> solution = solve(ODE.of({"x": "-x"}, [1]), 1.0, accuracy=1e-8, engine=RungeKutta())
+    >>> round(float(solution["x"][-1]), 8)
+    0.36787944
+    """
+    checked_engine(engine)
+    if not callable(getattr(problem, "first_stage", None)):
+        raise StartError(
+            "solve: a problem (autoparallel, geodesic, ...) or an ODE was needed, "
+            f"{checks.shown(problem)} came."
+        )
+    accuracy = checked_accuracy(accuracy)
+    times, grid = checked_times(t)
+    problem.check_start()
+    unit = problem.time_unit
+    # What nobody may write to need not be copied.
+    scaled = grid if unit == 1.0 and not grid.flags.writeable else grid * unit
+    if checkpoint is None and progress is None:
+        return _solved(problem, times, scaled, accuracy, engine, None)
+    kept = None
+    if checkpoint is not None:
+        key = fingerprint(problem, times, accuracy, engine)
+        kept = Checkpoint(checkpoint, key, overwrite=overwrite)
+    recorder = Recorder(kept, progress)
+    try:
+        solution = _solved(problem, times, scaled, accuracy, engine, recorder)
+    finally:
+        if kept is not None:
+            kept.write()
+    recorder.report(1.0)
+    return solution
+
+
+def _solved(
+    problem: Problem,
+    times: np.ndarray,
+    grid: np.ndarray,
+    accuracy: float,
+    engine: Engine | None,
+    recorder: Recorder | None,
+) -> Solution:
+    """The answer of the first engine that is good enough."""
+    runs: list[Trajectory] = []
+    best = math.inf
+    end = float(grid[-1])
+    cuts = [] if recorder is None else [end * k / PARTS for k in range(1, PARTS)]
+    for candidate, reason in engines(problem, end, accuracy, engine):
+
+        def run(
+            tolerance: float, part: float, at: float | None, candidate: Engine = candidate
+        ) -> Trajectory:
+            stage = problem.first_stage(candidate.precision, part)
+            return integrate(
+                stage,
+                grid,
+                tolerance,
+                candidate,
+                cuts=cuts,
+                perturbed_at=None if at is None else (at, part),
+                runner=recorder and recorder.runner(candidate, tolerance, part),
+            )
+
+        found = verified(problem, candidate, accuracy, run)
+        runs += found.runs
+        best = min(best, found.error)
+        if found.error <= accuracy or found.answer.outcome == "stuck":
+            solution = _solution(problem, times, grid, accuracy, reason, found, runs)
+            if not solution.complete:
+                error = problem.stuck_error(solution.trajectory)
+                error.solution = solution  # type: ignore[attr-defined]  # both errors have it
+                raise error
+            return solution
+    names = dict.fromkeys(run.engine.name for run in runs)
+    raise AccuracyError(
+        f"accuracy {accuracy:.3g} was asked for; {', then '.join(names) or 'no engine at hand'} "
+        f"gets to {best:.2g}. " + _remedy(engine)
+    )
+
+
+def _solution(
+    problem: Problem,
+    times: np.ndarray,
+    grid: np.ndarray,
+    accuracy: float,
+    reason: str,
+    found: Verified,
+    runs: Sequence[Trajectory],
+) -> Solution:
+    """The answer with what is known about it."""
+    answer = found.answer
+    if answer.outcome != "done":
+        skip = len(grid) - len(times)
+        times = times[: max(answer.count - skip, 0)]
+        reached = answer.reached / problem.time_unit
+        if answer.outcome == "stopped" and (not len(times) or times[-1] != reached):
+            times = np.concatenate((times, [reached]))
+    name = answer.engine.name
+    cost = Cost.of(answer, runs)
+    return Solution(
+        problem, times, accuracy, found.error, name, reason, cost, answer, found.reference
+    )
+
+
+def engines(
+    problem: Problem, end: float, accuracy: float, engine: Engine | None
+) -> Iterator[tuple[Engine, str]]:
+    """Engines in the order in which to try them, each with the reason."""
+    if engine is not None:
+        yield engine, "as asked"
+        return
+    if any(_is_stiff(stage, lasts) for stage, lasts in problem.stages_to_probe(end)):
+        # Of higher order than Radau, and as good between its steps as at them.
+        yield Stiff("LSODA"), "the equations are stiff at the start"
+        yield Stiff(), "the equations are stiff at the start"
+    if not is_available():
+        if accuracy > 1e-13:
+            yield RungeKutta(), "heyoka is not installed"
+        return
+    if accuracy > 4e-16:
+        yield Taylor(), "heyoka is installed: the fastest"
+    if accuracy > 4e-19:
+        yield Taylor(64), "double precision does not give this accuracy"
+    yield Taylor(113), "long double precision does not give this accuracy"
+    yield Taylor(300), "quadruple precision does not give this accuracy"
+
+
+def _is_stiff(stage: Stage, lasts: float) -> bool:
+    """Whether some direction decays much faster than the stage lasts; False if unknown."""
+    if not lasts:
+        return False
+    # The size of the matrix and its decay rates follow from the stage: they are worked out once.
+    table = cast("dict[str, float]", stage.__dict__)
+    if "decay" not in table:
+        matrix = stage.system.jacobian(*(_floats(x) for x in (stage.start, stage.parameters)))
+        table["norm"] = float(np.abs(matrix).sum(axis=1).max())
+        table["decay"] = 0.0
+        if math.isfinite(table["norm"]) and table["norm"] * lasts > STIFF:
+            table["decay"] = float(-np.linalg.eigvals(matrix).real.min())
+    return table["decay"] * lasts > STIFF
+
+
+def _floats(values: Sequence[object] | np.ndarray) -> list[float]:
+    return [float(value) for value in values]  # type: ignore[arg-type]  # numbers of any kind
+
+
+def _remedy(engine: Engine | None) -> str:
+    """What to do where an accuracy is not reached."""
+    if engine is None and not is_available():
+        return "Install heyoka (geomtorsion[fast]) for more digits, or ask for fewer."
+    return "Ask for less, for a shorter time, or use Taylor(precision=113) or more."

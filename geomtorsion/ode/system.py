@@ -1,0 +1,114 @@
+"""System: first-order equations y' = f(y) with a guard, ready for every engine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from geomtorsion.codegen import Graph
+
+# What a scalar function raises where it has no value.
+NO_VALUE = (ZeroDivisionError, ValueError, OverflowError)
+ScalarRates = Callable[[float, np.ndarray], Sequence[float]]
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """Rates of named states; the values of the parameters come with each run.
+
+    states: names of the unknowns, in order.
+    parameters: names of everything else that occurs.
+    rates: graph over states, then parameters, with one output for each state.
+    groups: indices of states whose errors are measured against their common size (coordinates;
+        velocities; a quaternion); each state is in one of them.
+    guard: graph over the same arguments with one output; where it falls through zero a run ends.
+    end: the guard of the very end of a chart, where `guard` is that of its margin.
+    clock: (state, unit) where a state is the time in such units; an engine may put its own time
+        in the place of that state, which rounds at every step.
+    """
+
+    states: tuple[str, ...]
+    parameters: tuple[str, ...]
+    rates: Graph
+    groups: tuple[tuple[int, ...], ...]
+    guard: Graph | None = None
+    end: Graph | None = None
+    clock: tuple[str, int] | None = None
+
+    @property
+    def size(self) -> int:
+        """Number of states."""
+        return len(self.states)
+
+    @cached_property
+    def key(self) -> tuple[str, str | None, int | None]:
+        """What two systems share exactly when one compiled integrator serves both."""
+        clock = None if self.clock is None else self.states.index(self.clock[0])
+        return self.rates.key, None if self.guard is None else self.guard.key, clock
+
+    @cached_property
+    def scalar_function(self) -> Callable[..., tuple[float, ...]]:
+        """f(*states, *parameters) on plain floats; raises one of NO_VALUE."""
+        return self.rates.python()
+
+    @cached_property
+    def array_function(self) -> Callable[..., np.ndarray]:
+        """f(*states, *parameters) on arrays, shape (size, ...)."""
+        return self.rates.numpy()
+
+    def scalar_rates(self, values: Sequence[float]) -> ScalarRates:
+        """f(t, y) for one motion, on plain floats; not a number where there is no value."""
+        inner = self.scalar_function
+        bad = [float("nan")] * self.size
+
+        def rates(_: float, y: np.ndarray) -> Sequence[float]:
+            try:
+                return inner(*y.tolist(), *values)
+            except NO_VALUE:
+                return bad
+
+        return rates
+
+    @cached_property
+    def _jacobian(self) -> Callable[..., tuple[float, ...]]:
+        return self.rates.derivative(self.states).python()
+
+    def jacobian(self, state: Sequence[float], values: Sequence[float]) -> np.ndarray:
+        """df_i/dy_j, shape (size, size); not a number where there is no value."""
+        n = self.size
+        try:
+            return np.array(self._jacobian(*state, *values)).reshape(n, n)
+        except NO_VALUE:
+            return np.full((n, n), np.nan)
+
+    @cached_property
+    def _scalar_guard(self) -> Callable[..., tuple[float, ...]] | None:
+        return None if self.guard is None else self.guard.python()
+
+    def guard_at(self, state: Sequence[float], values: Sequence[float]) -> float:
+        """The guard at one state; below zero where it has no value, for there the motion ends."""
+        inner = self._scalar_guard
+        if inner is None:
+            return float("inf")
+        try:
+            return inner(*state, *values)[0]
+        except NO_VALUE:
+            return -1.0
+
+    def guard_along(self, states: np.ndarray, values: Sequence[float] | np.ndarray) -> np.ndarray:
+        """The guard on arrays of states, shape (size, ...)."""
+        assert self.guard is not None
+        return self.guard.numpy()(*states, *values)[0]
+
+    @cached_property
+    def unguarded(self) -> System:
+        """The same equations with nothing to watch."""
+        return self if self.guard is None else replace(self, guard=None, end=None)
+
+    @cached_property
+    def to_the_end(self) -> System:
+        """The same equations, watched up to where the chart ends and not to its margin."""
+        return self if self.end is None else replace(self, guard=self.end, end=None)

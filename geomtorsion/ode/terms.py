@@ -1,0 +1,122 @@
+"""Terms: what users give as rates and outputs, as sympy expressions over known names."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from fractions import Fraction
+from typing import Any
+
+import sympy as sp
+
+from geomtorsion import checks
+from geomtorsion.errors import ExpressionError, StartError
+from geomtorsion.exact import parse_expression
+from geomtorsion.exact.element import Element
+from geomtorsion.ode.numbers import Real
+
+# What may stand in outputs, but not in rates.
+_KINKED = {name: getattr(sp, name) for name in ("Abs", "sign", "Max", "Min", "floor", "ceiling")}
+_KINKED["abs"] = sp.Abs
+_DECIMAL = re.compile(r"(?<![\w.])(\d+\.\d*|\.\d+|\d+(?=[eE][+-]?\d))(?:[eE]([+-]?\d+))?(?![\w.])")
+
+
+def symbol_table(names: Iterable[str]) -> dict[str, sp.Symbol]:
+    """A real symbol for every name.
+
+    Raises
+    ------
+    ExpressionError
+        a name occurs twice, or is none.
+    """
+    table: dict[str, sp.Symbol] = {}
+    for name in names:
+        if not isinstance(name, str) or not name.isidentifier():
+            raise ExpressionError(
+                f"{checks.shown(name)} is no name; letters, digits and _ make one."
+            )
+        if name in table:
+            raise ExpressionError(f"{name} is named twice: states, parameters and time differ.")
+        table[name] = sp.Symbol(name, real=True)
+    return table
+
+
+def expression(
+    entry: object, where: str, symbols: Mapping[str, sp.Symbol], *, smooth: bool = True
+) -> sp.Expr:
+    """Text, a sympy expression, an exact element or a number, over the known symbols.
+
+    smooth: whether Abs, sign, Max, Min, floor and ceiling are refused in text.
+
+    Raises
+    ------
+    ExpressionError
+        it is none of these, not finite, or contains a name that is not known.
+    """
+    if isinstance(entry, str):
+        text = _DECIMAL.sub(_as_fraction, entry)
+        return parse_expression(text, symbols, {} if smooth else _KINKED, where=where)
+    if isinstance(entry, Element):
+        entry = entry.sympy
+    if isinstance(entry, sp.Expr):
+        return _renamed(entry, where, symbols)
+    known = checks.fraction(entry)
+    if known is None:
+        raise ExpressionError(
+            f"{where}: {checks.shown(entry)} is no expression and no finite number; give text, "
+            "sympy or a number."
+        )
+    return sp.Rational(known.numerator, known.denominator)
+
+
+def _as_fraction(found: re.Match[str]) -> str:
+    """A decimal number as the fraction that it is."""
+    digits, exponent = found.group(1), int(found.group(2) or 0)
+    whole, _, part = digits.partition(".")
+    exponent -= len(part)
+    if abs(exponent) > 400:
+        return found.group(0)
+    number = (whole + part).lstrip("0") or "0"
+    return f"({number}*10**{exponent})" if exponent >= 0 else f"({number}/10**{-exponent})"
+
+
+def _renamed(entry: sp.Expr, where: str, symbols: Mapping[str, sp.Symbol]) -> sp.Expr:
+    """The expression over our own symbols, by name."""
+    if entry.has(sp.nan, sp.zoo, sp.oo, -sp.oo):
+        raise ExpressionError(f"{where}: {entry} is not finite.")
+    table = {}
+    for symbol in entry.free_symbols:
+        name = getattr(symbol, "name", str(symbol))
+        if name not in symbols:
+            near = checks.near_names(name, symbols)
+            hint = f"Did you mean {near}? " if near else ""
+            raise ExpressionError(
+                f"{where}: {name} is no state, no parameter and not the time. {hint}"
+                f"Known are {', '.join(symbols)}; give parameters={{{name!r}: ...}} for a number."
+            )
+        if symbols[name] != symbol:
+            table[symbol] = symbols[name]
+    return entry.xreplace(table) if table else entry
+
+
+def number(value: Any, what: str) -> Real:
+    """A finite real number, kept exact where it is.
+
+    Raises
+    ------
+    StartError
+        it is none.
+    """
+    if isinstance(value, str):
+        value = expression(value, what, {})
+    if isinstance(value, Element):
+        value = value.sympy
+    if isinstance(value, sp.Rational):
+        value = Fraction(int(value.p), int(value.q))
+    return checks.exact_number(
+        value,
+        what,
+        StartError,
+        message="{subject} = {value} is no number; give a finite real number.",
+        infinite="{subject} = {value} is not finite; give a finite real number.",
+    )

@@ -1,0 +1,361 @@
+"""Trajectory: one integration, stage by stage, across events."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+
+from geomtorsion.ode.engines.protocol import Dense, Engine, Run
+from geomtorsion.ode.numbers import Real, perturbed
+from geomtorsion.ode.roots import crossings
+from geomtorsion.ode.system import System
+
+State: TypeAlias = Sequence[Real] | np.ndarray
+# A motion that meets more events than this goes round in circles on the edge of a chart.
+MOST_STAGES = 10_000
+# One that cannot go on in two stages in a row, and gets no further by this part of the time that
+# has passed, cannot go on at all.
+STANDSTILL = 1e-9
+# Places looked at in each step for a guard that falls and rises again, and at least in a run.
+PER_STEP, FEWEST = 8, 64
+
+
+@dataclass(frozen=True, eq=False)
+class Event:
+    """What ends a stage, and what comes after it.
+
+    when: a time; None: where the guard of the system falls through zero (or, if `then` knows a
+        way on, where the engine cannot go on).
+    then: (time, state) -> the next stage, or None where the motion ends; None: it ends here.
+    outcome, reason: how the motion ends where nothing comes after.
+    """
+
+    when: float | None
+    then: Callable[[float, State], Stage | None] | None = None
+    outcome: str = "stopped"
+    reason: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """Equations with the state at which they begin, valid up to one of their events.
+
+    label: name of the coordinates of the states; "" where there is one set only.
+    system: the equations.
+    start, parameters: numbers in the order of the states and parameters of the system; arrays in
+        double precision.
+    begin: the time at which it begins.
+    events: at most one at a time, and at most one of the guard.
+    lift: rows of states of the system -> rows of states of the problem; None: they are the same.
+    groups: indices of states of the problem that are measured together.
+    full_start: the state of the problem at the beginning, where there is a lift.
+    kept: a state where the stage is cut -> the same with what rounding and steps took from it put
+        right, such as a length of one; None: nothing is.
+    """
+
+    label: str
+    system: System
+    start: State
+    parameters: State
+    begin: float = 0.0
+    events: tuple[Event, ...] = ()
+    lift: Callable[[np.ndarray], np.ndarray] | None = None
+    groups: tuple[tuple[int, ...], ...] = ()
+    full_start: np.ndarray | None = None
+    kept: Callable[[State], State] | None = None
+
+    def full(self, states: np.ndarray) -> np.ndarray:
+        """Rows of states of the problem for rows of states of the system."""
+        return states if self.lift is None else self.lift(states)
+
+    @cached_property
+    def first(self) -> np.ndarray:
+        """The state of the problem at the beginning, as floats."""
+        if self.full_start is not None:
+            return self.full_start
+        return np.array([float(x) for x in self.start])
+
+    @cached_property
+    def timed(self) -> Event | None:
+        """The event at a time."""
+        return next((event for event in self.events if event.when is not None), None)
+
+    @cached_property
+    def boundary(self) -> Event | None:
+        """The event of the guard."""
+        return next((event for event in self.events if event.when is None), None)
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """What was computed in one stage.
+
+    head: 1 where its first sample is its beginning, which nobody asked for, else 0.
+    count: number of samples that were asked for.
+    samples: states of the problem at these, where they are not those of the run.
+    """
+
+    stage: Stage
+    run: Run
+    head: int
+    count: int
+    samples: np.ndarray | None = None
+
+    @property
+    def label(self) -> str:
+        """Name of the coordinates."""
+        return self.stage.label
+
+    @property
+    def times(self) -> np.ndarray:
+        """Times of the samples."""
+        return self.run.times[self.head : self.head + self.count]
+
+    def resampled(self, times: np.ndarray, states: np.ndarray) -> Segment:
+        """The segment with other samples, of states of the problem."""
+        return Segment(self.stage, replace(self.run, times=times), 0, len(times), states)
+
+    @cached_property
+    def states(self) -> np.ndarray:
+        """States of the problem at the samples, shape (count, size)."""
+        if self.samples is not None:
+            return self.samples
+        return self.stage.full(self.run.states[self.head : self.head + self.count])
+
+    @cached_property
+    def last(self) -> np.ndarray:
+        """State of the problem where the segment ends."""
+        return self.stage.full(np.asarray(self.run.last)[None, :])[0]
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Segments in order, in the time of the stages.
+
+    outcome: "done"; "stopped" by an event that ends the motion; "stuck" where it cannot go on;
+        "interrupted" where what is known of it ends.
+    reason: why it is stuck.
+    """
+
+    engine: Engine
+    tolerance: float
+    segments: tuple[Segment, ...]
+    outcome: str
+    reason: str = ""
+    _dense: dict[int, Dense] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def count(self) -> int:
+        """Number of samples reached."""
+        return sum([segment.count for segment in self.segments])
+
+    @property
+    def steps(self) -> int:
+        """Steps of all segments."""
+        return sum([segment.run.steps for segment in self.segments])
+
+    @property
+    def evaluations(self) -> int:
+        """Evaluations of all segments."""
+        return sum([segment.run.evaluations for segment in self.segments])
+
+    @property
+    def compile_seconds(self) -> float:
+        """Time spent on compilation."""
+        return sum([segment.run.compile_seconds for segment in self.segments])
+
+    @property
+    def run_seconds(self) -> float:
+        """Time spent on integration."""
+        return sum([segment.run.run_seconds for segment in self.segments])
+
+    @property
+    def reached(self) -> float:
+        """The last time."""
+        return float(self.segments[-1].run.reached)
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Labels of the segments, in order."""
+        return tuple([segment.label for segment in self.segments])
+
+    def at(self, times: np.ndarray) -> list[tuple[Segment, np.ndarray, np.ndarray]]:
+        """For each segment the states at those times that lie in it, and their places."""
+        sign = -1.0 if self.reached < 0 else 1.0
+        begins = [sign * float(segment.stage.begin) for segment in self.segments]
+        place = np.clip(np.searchsorted(begins, sign * times, "right") - 1, 0, None)
+        found = []
+        for k in np.unique(place).tolist():
+            index = np.flatnonzero(place == k)
+            states = np.asarray(self._dense_output(k)(times[index]))
+            found.append((self.segments[k], self.segments[k].stage.full(states), index))
+        return found
+
+    def _dense_output(self, k: int) -> Dense:
+        """States of one segment at any times: the same integration again, keeping every step."""
+        if k not in self._dense:
+            stage, run = self.segments[k].stage, self.segments[k].run
+            ends = np.array([float(stage.begin), float(run.reached)])
+            if ends[0] == ends[1]:
+                last = np.asarray(run.last)
+                self._dense[k] = lambda t: np.broadcast_to(last, (len(t), len(last)))
+            else:
+                again = self.engine.run(
+                    stage.system.unguarded,
+                    stage.start,
+                    stage.parameters,
+                    ends,
+                    self.tolerance,
+                    dense=True,
+                )
+                assert again.dense is not None
+                self._dense[k] = again.dense
+        return self._dense[k]
+
+
+Runner: TypeAlias = Callable[[int, Stage, np.ndarray], Run]
+
+
+def integrate(
+    stage: Stage,
+    times: np.ndarray,
+    tolerance: float,
+    engine: Engine,
+    *,
+    cuts: Sequence[float] = (),
+    perturbed_at: tuple[float, float] | None = None,
+    runner: Runner | None = None,
+) -> Trajectory:
+    """Follow a motion from its first stage through times, from event to event.
+
+    Parameters
+    ----------
+    times
+        monotone, from the beginning of the stage on, shape (m,).
+    tolerance
+        local tolerance for the engine.
+    cuts
+        times at which a stage is ended and goes on, so that its parts can be kept in a file.
+    perturbed_at
+        a time, and the relative part by which the states are changed there.
+    runner
+        (number, stage, times) -> its run, in the place of the engine.
+    """
+    segments: list[Segment] = []
+    end = float(times[-1])
+    sign = -1.0 if end < 0 else 1.0
+    done, idle, waiting = 0, 0, list(cuts)
+    if perturbed_at is not None:
+        waiting = sorted({*cuts, perturbed_at[0]}, key=lambda at: sign * at)
+    while True:
+        begin = float(stage.begin)
+        while waiting and sign * waiting[0] <= sign * begin:
+            waiting.pop(0)
+        stop = _next_break(stage, waiting, sign, end)
+        asked, head, count = _samples(times, done, stage.begin, stop, sign)
+        if runner is None:
+            run = run_stage(stage, asked, tolerance, engine)
+        else:
+            run = runner(len(segments), stage, asked)
+        count = max(min(len(run.times) - head, count), 0)
+        done += count
+        segments.append(Segment(stage, run, head, count))
+        event: Event | None = None
+        if run.outcome == "done":
+            if stop is None:
+                return Trajectory(engine, tolerance, tuple(segments), "done")
+            event = stage.timed
+            if event is None or event.when != stop:
+                last = run.last if stage.kept is None else stage.kept(run.last)
+                if perturbed_at is not None and stop == perturbed_at[0]:
+                    last = _perturbed(last, perturbed_at[1], engine.precision)
+                stage = replace(stage, start=last, begin=stop)
+                continue
+        else:
+            event = stage.boundary
+            lasts = run.outcome == "stuck"
+            if event is None or (lasts and event.then is None):
+                return Trajectory(engine, tolerance, tuple(segments), run.outcome, run.reason)
+            moved = abs(float(run.reached) - begin) > STANDSTILL * abs(float(run.reached))
+            idle = idle + 1 if lasts and not moved else 0
+        after = None
+        if idle < 2 and len(segments) <= MOST_STAGES and event.then is not None:
+            after = event.then(run.reached, segments[-1].last)
+        if after is None:
+            reason = run.reason or event.reason
+            return Trajectory(engine, tolerance, tuple(segments), event.outcome, reason)
+        stage = after
+
+
+def _perturbed(state: State, part: float, precision: int) -> State:
+    """A state on the way, changed by a relative part."""
+    found = perturbed(list(state), part, precision, all_of_them=True)
+    return np.array(found) if precision == 53 else found
+
+
+def _next_break(stage: Stage, cuts: Sequence[float], sign: float, end: float) -> float | None:
+    """The next time before the end at which a run has to be ended."""
+    timed = stage.timed
+    found = [] if timed is None or timed.when is None else [timed.when]
+    found += cuts[:1]
+    before = [at for at in found if sign * at < sign * end]
+    return min(before, key=lambda at: sign * at) if before else None
+
+
+def _samples(
+    times: np.ndarray, done: int, begin: float, stop: float | None, sign: float
+) -> tuple[np.ndarray, int, int]:
+    """Times for an engine, whether the first is not asked for (0 or 1), and how many are."""
+    if stop is None:
+        inside = times if done == 0 else times[done:]
+    else:
+        last = int(np.searchsorted(sign * times, sign * stop, "left"))
+        inside = times[done:last]
+    head = 0 if len(inside) and inside[0] == begin else 1
+    asked = np.concatenate(([begin], inside)) if head else inside
+    if stop is not None and asked[-1] != stop:
+        asked = np.concatenate((asked, [stop]))
+    return asked, head, len(inside)
+
+
+def run_stage(stage: Stage, times: np.ndarray, tolerance: float, engine: Engine) -> Run:
+    """The run of one stage, ended where its guard falls through zero."""
+    system, start, numbers = stage.system, stage.start, stage.parameters
+    final = stage.boundary is not None and stage.boundary.then is None
+    if system.guard is None or not final or engine.finds_every_root:
+        return engine.run(system, start, numbers, times, tolerance)
+    run = engine.run(system, start, numbers, times, tolerance, dense=True)
+    return run if run.dense is None else _ended_earlier(system, run, times, numbers)
+
+
+def _ended_earlier(system: System, run: Run, times: np.ndarray, numbers: State) -> Run:
+    """A run, cut where the guard fell through zero and rose again within one step."""
+    values, dense = [float(x) for x in numbers], run.dense
+    assert dense is not None
+
+    def room(at: np.ndarray) -> np.ndarray:
+        return np.broadcast_to(system.guard_along(dense(at).T, values), len(at))
+
+    begin, end = float(times[0]), float(run.reached)
+    looked = close_times(begin, end, run)
+    # The last place is where the engine itself has found the end.
+    found = crossings(room, looked[:-1], room(looked[:-1]), -1)
+    if not len(found):
+        return replace(run, dense=None)
+    sign = 1.0 if end >= begin else -1.0
+    keep = sign * np.asarray(run.times) < sign * found[0]
+    last = dense(found[:1])[0]
+    return replace(
+        run, times=run.times[keep], states=run.states[keep], reached=float(found[0]), last=last,
+        outcome="edge", reason="", dense=None,
+    )  # fmt: skip
+
+
+def close_times(begin: float, end: float, run: Run) -> np.ndarray:
+    """Times close enough to see what a run did between its steps."""
+    count = max(PER_STEP * run.steps, run.evaluations, FEWEST, 4 * len(run.times))
+    return np.linspace(begin, end, int(count) + 1)

@@ -1,0 +1,289 @@
+"""Free top: rates and attitude of a force-free rigid body at any time, without stepping."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import flint
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from geomtorsion import checks
+from geomtorsion.errors import ShapeError, StartError, TimeError
+from geomtorsion.rigid.attitude import product, rotated
+from geomtorsion.rigid.double_double import DoubleDouble, reduced, turns
+from geomtorsion.rigid.free_top_attitude import tilted
+from geomtorsion.rigid.free_top_constants import Constants, constants, is_steady
+from geomtorsion.rigid.free_top_functions import functions
+
+UNIT = 1e-9  # a start attitude further from unit length than this is refused
+FULL = 4 * math.pi  # quaternions come back after two turns
+WIDE = 1e75  # products of four moments or rates between 1/WIDE and WIDE are doubles
+FLIPS = 2.0**51  # beyond so many half periods doubles no longer tell them apart
+
+
+@dataclass(frozen=True)
+class FreeTop:
+    """A rigid body without moments, in closed form; make one with `free_top`.
+
+    moments: principal moments of inertia, shape (3,); mass times length squared.
+    omega0: body-fixed angular velocity at t = 0, shape (3,); radians per time.
+    quaternion0: attitude at t = 0, body to space, scalar part first, shape (4,).
+    """
+
+    moments: tuple[float, float, float]
+    omega0: tuple[float, float, float]
+    quaternion0: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
+
+    @cached_property
+    def constants(self) -> Constants | None:
+        """Modulus, period, precession; None where the rates are constant."""
+        exact = [tuple(Fraction(x) for x in each) for each in (self.moments, self.omega0)]
+        return None if is_steady(exact[0], exact[1]) else constants(self.moments, self.omega0)
+
+    @property
+    def kind(self) -> str:
+        """rest, spherical, steady, symmetric, asymmetric or separatrix.
+
+        Examples
+        --------
+        >>> free_top((1, 2, 3), (0, 1, 0)).kind, free_top((1, 2, 3), (1e-12, 1, 0)).kind
+        ('steady', 'asymmetric')
+        """
+        if not any(self.omega0):
+            return "rest"
+        if len(set(self.moments)) == 1:
+            return "spherical"
+        if self.constants is None:
+            return "steady"
+        if len(set(self.moments)) == 2:
+            return "symmetric"
+        return "separatrix" if self.constants.complement2 == 0 else "asymmetric"
+
+    @property
+    def energy(self) -> float:
+        """Kinetic energy T = (1/2) I_i Omega_i^2."""
+        return math.fsum(i * w * w for i, w in zip(self.moments, self.omega0, strict=True)) / 2
+
+    @property
+    def momentum(self) -> NDArray[Any]:
+        """Angular momentum in space, constant, shape (3,)."""
+        body = np.array(self.moments) * np.array(self.omega0)
+        return rotated(np.array(self.quaternion0), body)
+
+    @property
+    def period(self) -> float:
+        """After this time the rates come back; infinite on the separatrix, nan if constant.
+
+        Examples
+        --------
+        >>> round(free_top((1, 2, 3), (1, 1, 1)).period, 6)
+        6.422703
+        """
+        return math.nan if self.constants is None else 2 * self.constants.half.high
+
+    @property
+    def flip_time(self) -> float:
+        """Time between two changes of sign of the rate about the middle axis: half a period.
+
+        Infinite on the separatrix, nan for constant rates. See `first_flip` for when it begins.
+        """
+        return math.nan if self.constants is None else self.constants.half.high
+
+    @property
+    def first_flip(self) -> float:
+        """First time t > 0 at which the rate about the middle axis changes sign.
+
+        nan if it never does.
+
+        Examples
+        --------
+        A racket thrown 1e-12 off its middle axis:
+
+        >>> racket = free_top((1, 2, 3), (1e-12, 1, 0))
+        >>> round(racket.first_flip, 6), round(racket.flip_time, 6)
+        (50.259465, 100.518929)
+        """
+        top = self.constants
+        if top is None:
+            return math.nan
+        if top.offset.high < 0:
+            return -top.offset.high
+        later = (top.half.high - top.offset.high) + (top.half.low - top.offset.low)
+        return later if math.isfinite(later) else math.nan
+
+    def omega(self, times: ArrayLike) -> NDArray[Any]:
+        """Body-fixed angular velocity; times of any shape, one more axis of length 3 out.
+
+        Equation
+        --------
+        Omega_a = A_a dn u, Omega_b = A_b sn u, Omega_c = A_c cn u      [Jacobi1849]
+
+        Examples
+        --------
+        >>> top = free_top((1, 2, 3), (1, 1, 1))
+        >>> bool(abs(top.omega(top.period) - 1).max() < 1e-15)
+        True
+        """
+        t = self._checked(times)
+        if self.constants is None:
+            return np.broadcast_to(np.array(self.omega0), (*t.shape, 3)).copy()
+        return self._rates(t, self.constants)[0]
+
+    def quaternion(self, times: ArrayLike) -> NDArray[Any]:
+        """Attitude, body to space, scalar part first, continuous in time; shape (..., 4).
+
+        Equation
+        --------
+        Two turns, about L by the precession of axis c (an integral of the third kind, written
+        as the argument of theta1), and in the body by atan2(Omega_b I_b, Omega_a I_a)
+        [LandauLifshitz1] section 37
+
+        Raises
+        ------
+        TimeError
+            A time is not finite, or so late that doubles cannot tell one flip from the next.
+
+        Examples
+        --------
+        >>> top = free_top((1, 1, 2), (0, 0, 3))
+        >>> top.quaternion([0.0, 1.0]).round(12).tolist() == [
+        ...     [1, 0, 0, 0], [round(math.cos(1.5), 12), 0, 0, round(math.sin(1.5), 12)]]
+        True
+        """
+        return self._at(times)[1]
+
+    def states(self, times: ArrayLike) -> NDArray[Any]:
+        """Rates, then attitude: shape (..., 7), as Omega1..3, q0..q3."""
+        return np.concatenate(self._at(times), axis=-1)
+
+    def _at(self, times: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Rates and attitude."""
+        t = self._checked(times)
+        top = self.constants
+        if top is None:
+            omega = np.broadcast_to(np.array(self.omega0), (*t.shape, 3)).copy()
+            return omega, product(np.array(self.quaternion0), self._uniform(t))
+        omega, precession = self._rates(t, top)
+        turned = tilted(omega * np.array(self.moments), precession, top)
+        return omega, product(self._space, turned)
+
+    @cached_property
+    def _space(self) -> NDArray[Any]:
+        """Quaternion that takes the axes along L to those of space."""
+        top = self.constants
+        assert top is not None
+        omega, precession = self._rates(np.zeros(1), top)
+        begin = tilted(omega * np.array(self.moments), precession, top)[0]
+        return product(np.array(self.quaternion0), begin * np.array([1.0, -1.0, -1.0, -1.0]))
+
+    def _uniform(self, t: NDArray[Any]) -> NDArray[Any]:
+        """The turn of constant rates."""
+        with flint.ctx.workprec(140):
+            speed = sum((flint.arb(w) ** 2 for w in self.omega0), flint.arb(0)).sqrt()
+            axis = [float(w / speed) if any(self.omega0) else 0.0 for w in self.omega0]
+            half = FULL / 2 * turns(t, DoubleDouble.of(speed / (4 * flint.arb.pi())))
+        return np.stack([np.cos(half), *(np.sin(half) * x for x in axis)], axis=-1)
+
+    def _checked(self, times: ArrayLike) -> NDArray[Any]:
+        """Times as an array of finite numbers, early enough to be told apart."""
+        t = np.asarray(times, dtype=float)
+        if not np.isfinite(t).all():
+            raise TimeError("a time of a free top is not finite. Give finite times.")
+        top = self.constants
+        if top is not None and t.size and np.abs(t).max() > FLIPS * top.half.high:
+            raise TimeError(
+                f"times up to {FLIPS * top.half.high:.3g} were needed (the rates come back "
+                f"every {self.period:.6g}), {np.abs(t).max():.3g} came: so late, a double "
+                "does not say where in its period the top is."
+            )
+        return t
+
+    def _rates(self, t: NDArray[Any], top: Constants) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Body-fixed rates, and the angle of precession about L."""
+        count, left = reduced(t, top.offset, top.half)
+        # Where in its half period the top began is left out: attitudes count from t = 0.
+        steady = turns(t, top.slope) + turns(count, top.jump)
+        sn, cn, dn, phase = functions(top.rate * left, top)
+        sign = 1 - 2 * np.mod(count, 2)
+        a, b, c = top.axes
+        omega = np.empty((*t.shape, 3))
+        size_a, size_b, size_c = top.amplitudes
+        omega[..., a] = size_a * dn
+        omega[..., b] = size_b * sign * sn
+        omega[..., c] = size_c * sign * cn
+        return omega, FULL * steady - top.side * phase
+
+
+def free_top(moments: object, omega: object, quaternion: object = (1.0, 0.0, 0.0, 0.0)) -> FreeTop:
+    """The free top with these principal moments that starts with these rates.
+
+    Equation
+    --------
+    I_i Omega_i' + eps_ijk Omega_j I_k Omega_k = 0, q' = (1/2) q (0, Omega)
+
+    Parameters
+    ----------
+    moments
+        Principal moments of inertia, shape (3,), any order, positive.
+    omega
+        Body-fixed angular velocity at t = 0, shape (3,), radians per time.
+    quaternion
+        Attitude at t = 0, body to space, scalar part first, shape (4,), of unit length.
+
+    Returns
+    -------
+    FreeTop, with `.omega(t)`, `.quaternion(t)`, `.period`, `.flip_time`, `.kind`, `.energy`,
+    `.momentum`. Errors stay at rounding next to the separatrix, for moments that nearly agree,
+    and at any time: no error builds up, for nothing is stepped.
+
+    Raises
+    ------
+    StartError
+        A moment is not positive, a number is not finite or huge, or the quaternion not of length 1.
+    ShapeError
+        A list has not the right length.
+
+    Examples
+    --------
+    >>> top = free_top((1, 2, 3), (1e-3, 1, 1e-3))
+    >>> top.kind, round(top.flip_time, 6)
+    ('asymmetric', 27.530841)
+    """
+    sizes = _numbers(moments, 3, "moments")
+    rates = _numbers(omega, 3, "omega")
+    start = _numbers(quaternion, 4, "quaternion")
+    for k, size in enumerate(sizes):
+        if size <= 0:
+            raise StartError(f"moments[{k}] = {size} is not positive. Give positive moments.")
+    if not all(1 / WIDE <= x <= WIDE for x in (*sizes, max(map(abs, rates)) or 1.0)):
+        raise StartError(f"moments or rates are beyond {WIDE:g} or its inverse. Use other units.")
+    length = math.hypot(*start)
+    if not abs(length - 1) <= UNIT:
+        raise StartError(
+            f"the quaternion {start} has length {length:.9g}; an attitude has length 1. "
+            "Divide it by its length."
+        )
+    (a, b, c), (u, v, w) = sizes, rates
+    q, x, y, z = (part / length for part in start)
+    return FreeTop((a, b, c), (u, v, w), (q, x, y, z))
+
+
+def _numbers(values: object, wanted: int, what: str) -> tuple[float, ...]:
+    """So many finite real numbers."""
+    found = checks.numbers(
+        values,
+        wanted,
+        what,
+        StartError,
+        shape_error=ShapeError,
+        listed=f"{{subject}}: a list of {wanted} numbers was needed, {{value}} came.",
+        counted=f"{{subject}}: {wanted} numbers were needed, {{came}} came.",
+        message="{subject} = {value} is no real number.",
+        infinite="{subject} = {value} is not finite. Give finite numbers.",
+    )
+    return tuple(float(x) for x in found)

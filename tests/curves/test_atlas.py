@@ -1,0 +1,208 @@
+"""Charts: motions go on where coordinates end, and nothing is lost at the change."""
+
+import numpy as np
+import pytest
+
+from geomtorsion.curves import autoparallel, geodesic
+from geomtorsion.curves.atlas import atlas_of
+from geomtorsion.errors import ChartEdgeError, UnknownNameError
+from geomtorsion.geometry import cartan
+from geomtorsion.ode import solve
+from geomtorsion.spaces import load
+from geomtorsion.spaces.atlases import ATLASES
+from tests.ode.engines import every_engine
+
+PARAMETERS = {"s2": {"R": 2.0}, "schwarzschild": {"M": 1.0}, "kerr": {"M": 1.0, "a": 0.6}}
+POINTS = {
+    "s2": [1.0, 0.5],
+    "flat_polar": [1.2, 0.3],
+    "flat_cylindrical": [1.2, 0.3, 0.4],
+    "flat_spherical": [1.2, 0.7, 0.4],
+    "schwarzschild": [0.3, 6.0, 1.1, 0.4],
+    "kerr": [0.3, 6.0, 1.1, 0.4],
+    "r3xso3": [0.3, 1.0, 0.2, 1.0, 2.0, 3.0],
+}
+
+
+def changes():
+    """Every shipped space with every further chart that it has."""
+    found = []
+    for name in ATLASES:
+        atlas = atlas_of(load(name).frame)
+        found += [(name, other) for other in atlas.names if other != atlas.home]
+    return found
+
+
+def test_there_are_as_many_charts_as_stated():
+    """Six sets of angles, four of them with a second set; s2, flat spaces, black holes."""
+    assert len(changes()) == 17
+
+
+@pytest.mark.parametrize(("name", "other"), changes())
+def test_changes_keep_the_frame(name, other):
+    """There and back is the identity; the frame vectors are equal, or turned by an isometry."""
+    frame = load(name).frame
+    atlas = atlas_of(frame)
+    problem = geodesic(
+        frame,
+        POINTS.get(name, [0.3, 1.0, 0.2]),
+        frame_velocity=[1] * frame.dimension,
+        parameters=PARAMETERS.get(name, {}),
+    )
+    numbers = PARAMETERS.get(name, {})
+    home, q = atlas.chart(atlas.home), np.array(problem.start)
+    there, slopes = q, np.eye(len(q))
+    for change in atlas.route(atlas.home, other):
+        names = atlas.chart(change.source).names
+        here = dict(zip(names, map(float, there), strict=True)) | numbers
+        slopes = change.slopes.at(here) @ slopes
+        there = change(there, numbers)
+    back = there
+    for change in atlas.route(other, atlas.home):
+        back = change(back, numbers)
+    assert back == pytest.approx(q, abs=1e-13)
+    chart = atlas.chart(other)
+    pushed = slopes @ home.frame_vectors.at(
+        dict(zip(home.names, q.tolist(), strict=True)) | numbers
+    )
+    point = dict(zip(chart.names, map(float, there), strict=True)) | numbers
+    if chart.keeps_frame:
+        assert pushed == pytest.approx(chart.frame_vectors.at(point), abs=1e-14)
+    else:
+        assert chart.frame is not None
+        turn = chart.coframe.at(point) @ pushed
+        eta = np.array(frame.eta.to_sympy().tolist(), dtype=float)
+        assert turn.T @ eta @ turn == pytest.approx(eta, abs=1e-13)
+
+
+@every_engine
+def test_two_sets_of_angles_against_the_quaternion(engine):
+    """so3: hopping between zyz and xyz angles loses nothing against the quaternion."""
+    problem = geodesic(
+        load("so3").frame, [0.3, 1.0, 0.2], frame_velocity=[0.9, 1.3, -0.4], metric=[1.0, 2.0, 3.0]
+    )
+    hub = solve(problem, 20.0, 1e-11, engine)
+    hops = solve(problem.with_charts("so3", "so3_xyz"), 20.0, 1e-11, engine)
+    assert hub.charts == ("quaternion",)
+    assert len(hops.charts) >= 3
+    assert set(hops.charts) == {"so3", "so3_xyz"}
+    one, two = hub.in_chart("quaternion"), hops.in_chart("quaternion")
+    # A quaternion and its negative are the same rotation.
+    gap = np.minimum(np.abs(one - two).max(axis=1), np.abs(one + two).max(axis=1))
+    assert gap.max() < 5e-11
+
+
+@every_engine
+def test_through_the_pole_of_the_sphere(engine):
+    """s2: a meridian goes over the pole, around and back to where it began."""
+    problem = geodesic(load("s2").frame, [1.0, 0.5], [-1.0, 0.0], parameters={"R": 1})
+    sol = solve(problem, [0.5, 1.0 + 0.7, 2 * np.pi], 1e-11, engine)
+    assert set(sol.charts) == {"s2", "s2_x"}
+    assert sol.coordinates[0] == pytest.approx([0.5, 0.5], abs=1e-10)
+    assert sol.coordinates[1, 0] == pytest.approx(0.7, abs=1e-10)
+    assert abs(sol.coordinates[1, 1] - 0.5) == pytest.approx(np.pi, abs=1e-10)
+    assert sol.coordinates[2] == pytest.approx([1.0, 0.5], abs=1e-10)
+
+
+@every_engine
+def test_through_the_origin(engine):
+    """Polar and spherical frames: a straight line through r = 0."""
+    polar = geodesic(load("flat_polar").frame, [1.0, 0.4], [-1.0, 0.0])
+    end = solve(polar, [3.0], 1e-11, engine).coordinates[-1]
+    assert end[0] == pytest.approx(2.0, abs=1e-10)
+    assert abs(end[1] - 0.4) == pytest.approx(np.pi, abs=1e-10)
+    ball = geodesic(load("flat_spherical").frame, [1.0, 0.8, 0.4], [-1.0, 0.0, 0.0])
+    end = solve(ball, [3.0], 1e-11, engine).coordinates[-1]
+    assert end[:2] == pytest.approx([2.0, np.pi - 0.8], abs=1e-10)
+
+
+@every_engine
+@pytest.mark.parametrize("name", ["schwarzschild", "kerr"])
+def test_through_the_horizon(name, engine):
+    """Falling in from rest at infinity: smooth across r_+, energy and norm kept."""
+    numbers = {"M": 1.0} if name == "schwarzschild" else {"M": 1.0, "a": 0.5}
+    frame = load(name).frame
+    f = 1 - 2 / 8.0
+    start, velocity = [0.0, 8.0, 1.2, 0.3], [1 / f, -np.sqrt(2 / 8.0), 0.0, 0.0]
+    if name == "schwarzschild":
+        problem = geodesic(frame, start, velocity, parameters=numbers, causal="timelike")
+    else:
+        problem = geodesic(
+            frame, start, frame_velocity=[1.25, -0.75, 0, 0], parameters=numbers, causal="timelike"
+        )
+    sol = solve(problem, 9.8 if name == "schwarzschild" else 8.6, 1e-9, engine)
+    inside = sol.charts[-1]
+    assert inside in ("kerr_schild", "ingoing")
+    with pytest.raises(ChartEdgeError, match="does not reach"):
+        sol.coordinates  # noqa: B018  (reading it is what is tested)
+    radii = sol.in_chart(inside)
+    r = np.linalg.norm(radii[:, 1:], axis=1) if inside == "kerr_schild" else radii[:, 1]
+    assert r[-1] < 1.8
+    if name == "schwarzschild":
+        # From rest at infinity: r^(3/2) falls linearly in proper time.
+        expected = (8**1.5 - 1.5 * np.sqrt(2.0) * sol.times) ** (2 / 3)
+        assert r == pytest.approx(expected, rel=1e-7)
+    assert max(sol.drift.values()) < 1e-8
+
+
+def test_laws_about_the_frame_stay_with_it():
+    """Loxodromes are about the compass: the turned compass is no chart for them."""
+    problem = autoparallel(
+        cartan(load("s2").frame), [1.0, 0.0], frame_velocity=[0, 1], parameters={"R": 1}
+    )
+    assert problem.charts == ("s2",)
+    assert geodesic(load("s2").frame, [1, 0], [0, 1], parameters={"R": 1}).charts == ("s2", "s2_x")
+
+
+def test_unknown_charts():
+    """The message lists the charts that there are."""
+    problem = geodesic(load("s2").frame, [1, 0], [0, 1], parameters={"R": 1})
+    with pytest.raises(UnknownNameError, match="s2_x"):
+        problem.with_charts("mercator")
+    with pytest.raises(UnknownNameError, match="s2_x"):
+        solve(problem, 1.0).in_chart("mercator")
+
+
+def carter(q, rates, numbers):
+    """Carter's constant in Boyer-Lindquist coordinates, from q and q'; and energy, momentum."""
+    (_, r, theta, _), (mass, a) = q.T, (numbers["M"], numbers["a"])
+    sigma, delta = r**2 + a**2 * np.cos(theta) ** 2, r**2 - 2 * mass * r + a**2
+    s2 = np.sin(theta) ** 2
+    t, radial, polar, azimuth = rates.T
+    clock, turn = t - a * s2 * azimuth, (r**2 + a**2) * azimuth - a * t
+    energy = (delta * clock + a * s2 * turn) / sigma
+    momentum = s2 * (delta * a * clock + (r**2 + a**2) * turn) / sigma
+    square = (-delta * clock**2 + s2 * turn**2) / sigma + sigma * (radial**2 / delta + polar**2)
+    own = (sigma * polar) ** 2 - np.cos(theta) ** 2 * a**2 * (energy**2 + square)
+    return energy, momentum, own + np.cos(theta) ** 2 * momentum**2 / np.maximum(s2, 1e-300)
+
+
+@every_engine
+@pytest.mark.parametrize("end", [115.0, pytest.param(240.0, marks=pytest.mark.slow)])
+def test_polar_orbit_of_kerr(engine, end):
+    """No angular momentum: the orbit runs through both poles of the axis, again and again."""
+    numbers = {"M": 1.0, "a": 0.6}
+    frame = load("kerr").frame
+    # In Carter's tetrad u3 = 0 at the equator and L = 0: u3 = -a u0 sqrt(Delta) / (r^2 + a^2).
+    r, a = 8.0, 0.6
+    tilt = a * np.sqrt(r**2 - 2 * r + a**2) / (r**2 + a**2)
+    polar = 0.48
+    u0 = np.sqrt((1 + polar**2) / (1 - tilt**2))
+    problem = geodesic(
+        frame,
+        [0.0, r, np.pi / 2, 0.0],
+        frame_velocity=[u0, 0.0, polar, -tilt * u0],
+        parameters=numbers,
+        causal="timelike",
+    )
+    # Samples off the axis, where Boyer-Lindquist angles have values.
+    count = round(end / 6)
+    sol = solve(problem, np.linspace(1.0, end, count), 1e-9, engine)
+    assert sol.charts == ("kerr", "kerr_schild")
+    assert max(sol.drift.values()) < 1e-8
+    height = sol.in_chart("kerr_schild")[:, 3]
+    assert (np.diff(np.sign(height)) != 0).sum() >= (2 if end > 200 else 1)
+    energy, momentum, constant = carter(sol.coordinates, sol.velocity, numbers)
+    assert np.abs(momentum).max() < 1e-7
+    assert energy == pytest.approx(np.full(count, energy[0]), rel=1e-7)
+    assert constant == pytest.approx(np.full(count, constant[0]), rel=1e-6)

@@ -1,0 +1,155 @@
+"""Solution and Problem: files, tables, text."""
+
+import sys
+
+import numpy as np
+import pytest
+
+from geomtorsion.curves import autoparallel, geodesic
+from geomtorsion.curves.atlas import atlas_of
+from geomtorsion.errors import FileFormatError, MissingExtraError
+from geomtorsion.geometry import cartan
+from geomtorsion.ode import RungeKutta, SavedSolution, Taylor, solve
+from geomtorsion.ode.engines import taylor
+from geomtorsion.spaces import load
+from tests.ode.engines import every_engine
+
+SO3 = load("so3").frame
+PROBLEM = autoparallel(cartan(SO3), [0.3, 1.0, 0.2], [0.1, 0.5, -0.2])
+
+
+def test_saved_and_read(tmp_path):
+    """Arrays come back bit by bit, metadata as text and numbers."""
+    sol = solve(PROBLEM, 3.0, engine=RungeKutta())
+    sol.save(tmp_path / "motion.npz")
+    back = SavedSolution.load(tmp_path / "motion.npz")
+    assert (back["coordinates"] == sol.coordinates).all()
+    assert (back["frame_velocity"] == sol.frame_velocity).all()
+    assert (back["velocity"] == sol.velocity).all()
+    assert back.error == sol.error
+    assert back.metadata["problem"]["space"] == "so3"
+    assert back.metadata["problem"]["coordinates"] == ["phi1", "phi2", "phi3"]
+
+
+def test_files_that_are_none(tmp_path):
+    """Missing, truncated and foreign files are told by name."""
+    path = tmp_path / "motion.npz"
+    with pytest.raises(FileFormatError, match=r"motion\.npz"):
+        SavedSolution.load(path)
+    path.write_bytes(b"PK\x03\x04 nothing")
+    with pytest.raises(FileFormatError, match="no solution saved"):
+        SavedSolution.load(path)
+    np.savez(path, times=np.zeros(3))
+    with pytest.raises(FileFormatError, match="no solution saved"):
+        SavedSolution.load(path)
+
+
+def test_pandas(monkeypatch):
+    """A table where pandas is there; else an error that says how to get it."""
+    sol = solve(PROBLEM, 1.0, engine=RungeKutta())
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(MissingExtraError, match="pip install pandas"):
+        sol.to_pandas()
+
+    class Pandas:
+        DataFrame = dict
+
+    monkeypatch.setitem(sys.modules, "pandas", Pandas())
+    assert list(sol.to_pandas()) == [
+        "t", "phi1", "phi2", "phi3", "phi1'", "phi2'", "phi3'", "u1", "u2", "u3",
+    ]  # fmt: skip
+
+
+def test_without_heyoka(monkeypatch):
+    """engine=None goes on with Runge-Kutta; Taylor by name says what to install."""
+    monkeypatch.setitem(sys.modules, "heyoka", None)
+    with pytest.raises(MissingExtraError, match=r"geomtorsion\[fast\]"):
+        solve(PROBLEM, 1.5, 1.7e-9, engine=Taylor())
+    monkeypatch.setattr(sys.modules["geomtorsion.ode.solve"], "is_available", lambda: False)
+    sol = solve(PROBLEM, 1.0, 1e-9)
+    assert sol.engine == "RungeKutta"
+    assert "heyoka is not installed" in sol.reason
+    assert taylor.heyoka is not None
+
+
+def test_equations_in_words():
+    """Text and LaTeX show every state once."""
+    text = PROBLEM.text
+    assert text.count("=") == 6
+    assert "u3' = 0" in text
+    assert PROBLEM.latex.count(r"\dot") == 6
+    top = geodesic(SO3, frame_velocity=[1, 2, 3], metric=[[2, 1, 0], [1, 3, 0], [0, 0, 4]])
+    assert top.text.count("'") == 3
+
+
+def test_velocity_of_the_start():
+    """Coordinate velocity from frame velocity and back."""
+    assert PROBLEM.velocity == pytest.approx([0.1, 0.5, -0.2], abs=1e-15)
+
+
+def test_velocities_alone():
+    """On a group the velocities need no coordinates."""
+    top = geodesic(SO3, frame_velocity=[1.0, 0.1, 0.2], metric=[1, 2, 3])
+    sol = solve(top, 10.0, 1e-10, RungeKutta())
+    assert sol.coordinates.shape == (65, 0)
+    both = solve(
+        geodesic(SO3, [0.3, 1, 0.2], frame_velocity=[1.0, 0.1, 0.2], metric=[1, 2, 3]), 10.0, 1e-10
+    )
+    assert sol.frame_velocity == pytest.approx(both.frame_velocity, abs=1e-9)
+    assert set(sol.drift) == {"energy", "angular momentum squared"}
+
+
+def test_full_kinetic_metric():
+    """A metric with off-diagonal entries is the diagonal one in turned axes."""
+    turn = np.array([[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, 1.0]])
+    moments = turn @ np.diag([1.0, 2.0, 3.0]) @ turn.T
+    moments = (moments + moments.T) / 2
+    u = np.array([0.3, 0.8, 0.5])
+    turned = solve(geodesic(SO3, frame_velocity=turn @ u, metric=moments), 8.0, 1e-10)
+    plain = solve(geodesic(SO3, frame_velocity=u, metric=[1, 2, 3]), 8.0, 1e-10)
+    assert turned.frame_velocity == pytest.approx(plain.frame_velocity @ turn.T, abs=1e-8)
+
+
+@every_engine
+@pytest.mark.parametrize("charts", [(), ("so3", "so3_xyz")], ids=["quaternion", "angles"])
+@pytest.mark.parametrize("accuracy", [1e-5, 1e-9])
+def test_error_between_the_times(engine, charts, accuracy):
+    """Few times, far apart: the error of dense output at others is covered, and not by much."""
+    from geomtorsion.curves.linear import closed_form
+
+    problem = autoparallel(
+        cartan(load("so3").frame), [0.3, 1.0, 0.2], frame_velocity=[0.1, 1.3, 0.2]
+    )
+    known = closed_form(problem)
+    assert known is not None
+    _, exact = known
+    own = problem.with_charts(*charts) if charts else problem
+    sol = solve(own, [10.0, 20.0], accuracy, engine)
+    assert len(sol.charts) > 1 or not charts
+    assert sol.error_between >= sol.error
+    times = np.random.default_rng(5).uniform(0, 20, 60)
+    moment = sol.at(times)
+    there = atlas_of(problem.frame).route("so3", "quaternion")[0]
+    found = np.asarray(there(moment.coordinates.T, {})).T
+    states = np.array(exact(times), dtype=float)
+    gap = np.minimum(np.abs(found - states).max(axis=1), np.abs(found + states).max(axis=1)).max()
+    assert gap <= 10 * sol.error_between
+    # Angles are worse than the attitude near the edge of their chart.
+    assert sol.error_between <= 300 * max(gap, 1e-14)
+
+
+def test_dense_output_may_be_worse_than_the_times():
+    """One time, at the end of a step: Runge-Kutta is worse in between, and says by how much."""
+    from geomtorsion.curves.linear import closed_form
+
+    problem = autoparallel(
+        cartan(load("so3").frame), [0.3, 1.0, 0.2], frame_velocity=[0.1, 1.3, 0.2]
+    )
+    sol = solve(problem, [6.0], 1e-9, RungeKutta())
+    known = closed_form(problem)
+    assert known is not None
+    times = np.linspace(0.05, 5.95, 60)
+    ((_, states, _),) = sol.trajectory.at(times * problem.time_unit)
+    gap = np.abs(states - np.array(known[1](times), dtype=float)).max()
+    assert gap > 1.5 * sol.error
+    assert 0.5 * gap < sol.error_between < 20 * gap

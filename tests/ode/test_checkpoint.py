@@ -1,0 +1,159 @@
+"""Checkpoints: an interrupted run ends bitwise like one that was not."""
+
+import json
+import os
+import subprocess
+import sys
+import textwrap
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import CheckpointError
+from geomtorsion.ode import ODE, At, RungeKutta, Stiff, Taylor, solve
+from geomtorsion.ode.checkpoint import PARTS
+from tests.ode.engines import every_engine, needs_heyoka
+
+
+def top(**more):
+    """A free top with a push on the way."""
+    rates = {"w1": "-w2*w3/2", "w2": "w1*w3", "w3": "-w1*w2/3"}
+    return ODE.of(rates, [1, 0.1, 2.0], **more, events=[At(3.3, {"w1": 1.5})])
+
+
+def interrupted_after(calls):
+    """A progress that presses Ctrl-C."""
+    left = [calls]
+
+    def progress(part):
+        assert 0 < part <= 1
+        left[0] -= 1
+        if left[0] == 0:
+            raise KeyboardInterrupt
+
+    return progress
+
+
+def same(one, two):
+    """Whether two solutions are equal to the last bit."""
+    return (
+        (one.states == two.states).all()
+        and one.error == two.error
+        and one.engine == two.engine
+        and one.cost.steps == two.cost.steps
+    )
+
+
+@every_engine
+@pytest.mark.parametrize("calls", [1, 40, PARTS + 9])
+def test_interrupted_and_resumed(engine, calls, tmp_path):
+    """Ctrl-C comes through; what was finished is in the file and is not computed again."""
+    whole = solve(top(), 10.0, 1e-8, engine, checkpoint=tmp_path / "whole.npz")
+    with pytest.raises(KeyboardInterrupt):
+        solve(top(), 10.0, 1e-8, engine, checkpoint=tmp_path / "part.npz",
+              progress=interrupted_after(calls))  # fmt: skip
+    with np.load(tmp_path / "part.npz") as data:
+        assert len(json.loads(str(data["metadata"]))["parts"]) == calls
+    resumed = solve(top(), 10.0, 1e-8, engine, checkpoint=tmp_path / "part.npz")
+    assert same(whole, resumed)
+    assert not [name for name in os.listdir(tmp_path) if name.endswith(".part")]
+
+
+@needs_heyoka
+@pytest.mark.parametrize("engine", [Taylor(64), Taylor(113), Stiff("LSODA")])
+def test_every_kind_of_number(engine, tmp_path):
+    """Numbers longer than doubles come back as they were."""
+    path = tmp_path / "long.npz"
+    whole = solve(top(), 4.0, 1e-8, engine, checkpoint=tmp_path / "whole.npz")
+    with pytest.raises(KeyboardInterrupt):
+        solve(top(), 4.0, 1e-8, engine, checkpoint=path, progress=interrupted_after(50))
+    assert same(whole, solve(top(), 4.0, 1e-8, engine, checkpoint=path))
+
+
+def test_finished_runs_are_read(tmp_path):
+    """Nothing is integrated a second time, and progress ends at one."""
+    path = tmp_path / "deep" / "done.npz"
+    whole = solve(top(), 5.0, 1e-8, RungeKutta(), checkpoint=path)
+    seen: list[float] = []
+    # One evaluation would be too many.
+    again = solve(top(), 5.0, 1e-8, RungeKutta(), checkpoint=path, progress=seen.append)
+    assert same(whole, again)
+    assert again.cost == whole.cost
+    assert seen[-1] == 1.0
+    assert (np.diff(seen) >= 0).all()
+
+
+def test_history_does_not_matter(tmp_path):
+    """What was solved before in this process changes nothing."""
+    first = solve(top(), 8.0, 1e-8, checkpoint=tmp_path / "one.npz")
+    for accuracy in (1e-5, 1e-12):
+        solve(top(), 8.0, accuracy)
+    assert same(first, solve(top(), 8.0, 1e-8, checkpoint=tmp_path / "two.npz"))
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"t": 6.0},
+        {"accuracy": 1e-9},
+        {"problem": top().with_start(start={"w1": 1.1})},
+        {"problem": top().with_start(events=[At(3.3, {"w1": 1.6})])},
+        {"engine": Stiff()},
+    ],
+)
+def test_other_runs_are_refused(other, tmp_path):
+    """Another ODE, time, accuracy or engine is no continuation, unless it is to be overwritten."""
+    path = tmp_path / "run.npz"
+    call = {"problem": top(), "t": 5.0, "accuracy": 1e-7, "engine": RungeKutta()}
+    solve(**call, checkpoint=path)
+    with pytest.raises(CheckpointError, match="checkpoint of another run"):
+        solve(**(call | other), checkpoint=path)
+    solve(**(call | other), checkpoint=path, overwrite=True)
+    solve(**(call | other), checkpoint=path)
+
+
+def test_other_files_are_refused(tmp_path):
+    """What is no checkpoint is left alone."""
+    path = tmp_path / "notes.npz"
+    path.write_text("not yours")
+    with pytest.raises(CheckpointError, match="no checkpoint"):
+        solve(top(), 1.0, engine=RungeKutta(), checkpoint=path)
+    assert path.read_text() == "not yours"
+    np.savez(tmp_path / "array.npz", metadata=np.array("[1]"))
+    with pytest.raises(CheckpointError, match="no checkpoint"):
+        solve(top(), 1.0, engine=RungeKutta(), checkpoint=tmp_path / "array.npz")
+
+
+def test_killed(tmp_path):
+    """A run that is killed without warning leaves a whole file, from which it goes on."""
+    script = textwrap.dedent(
+        """
+        import os, signal, sys
+        from geomtorsion.ode import RungeKutta, solve
+        from tests.ode.test_checkpoint import top
+        count = [0]
+        def progress(part):
+            count[0] += 1
+            if count[0] == 75:
+                os.kill(os.getpid(), signal.SIGKILL)
+        solve(top(), 20.0, 1e-10, RungeKutta(), checkpoint=sys.argv[1], progress=progress)
+        """
+    )
+    path = tmp_path / "killed.npz"
+    done = subprocess.run([sys.executable, "-c", script, str(path)], check=False, timeout=120)
+    assert done.returncode < 0
+    with np.load(path) as data:
+        kept = len(json.loads(str(data["metadata"]))["parts"])
+    assert 0 < kept <= 75
+    resumed = solve(top(), 20.0, 1e-10, RungeKutta(), checkpoint=path)
+    whole = solve(top(), 20.0, 1e-10, RungeKutta(), checkpoint=tmp_path / "whole.npz")
+    assert same(whole, resumed)
+
+
+def test_between_the_times(tmp_path):
+    """Dense output and files go along with the parts."""
+    sol = solve(top(), 10.0, 1e-9, RungeKutta(), checkpoint=tmp_path / "run.npz")
+    plain = solve(top(), 10.0, 1e-9, RungeKutta())
+    at = np.linspace(0, 10, 37)
+    assert sol.at(at).states == pytest.approx(plain.at(at).states, abs=1e-7)
+    assert sol.event_times("w1") == pytest.approx(plain.event_times("w1"), abs=1e-7)

@@ -1,0 +1,146 @@
+"""solve_many on first-order equations: the numbers of one by one, starts and parameters."""
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import AccuracyError, ShapeError, StartError, TimeError, UnknownNameError
+from geomtorsion.ode import ODE, At, RungeKutta, Stiff, When, solve, solve_many
+from tests.ode.engines import every_engine, needs_heyoka
+
+
+def driven(**more):
+    """A driven decay and a turn, with events, a clock and a unit pair."""
+    return ODE.of(
+        {"x": "-k*x + a*cos(t)", "q0": "-w*q1/2", "q1": "w*q0/2"},
+        [1, 1, 0],
+        parameters={"k": 1.0, "a": 0.0, "w": 3},
+        outputs={"pair": ["x", "k*x"], "mixed": "k*x + t*a"},
+        normalized=[("q0", "q1")],
+        **more,
+        events=[At(1.25, {"a": 2.0}), At(2, {"x": 5})],
+    )
+
+
+@every_engine
+def test_same_as_one_by_one(engine):
+    """States and outputs at all times, across events."""
+    times = [0.5, 1.25, 2.0, 3.0]
+    starts = {"k": np.array([0.5, 1, 2]), "x": [1, 2, 3]}
+    many = solve_many(driven(), starts, times, 1e-10, engine)
+    assert len(many) == 3
+    assert many.finished.all()
+    assert many.error <= 1e-10
+    for row, (k, x) in enumerate(zip(starts["k"], starts["x"], strict=True)):
+        one = driven().with_start(start={"x": x}, parameters={"k": float(k)})
+        alone = solve(one, times, 1e-12)
+        assert many.states[row] == pytest.approx(alone.states, abs=2e-9)
+        assert many["pair"][row] == pytest.approx(alone["pair"], abs=2e-9)
+        assert many["mixed"][row] == pytest.approx(alone["mixed"], abs=2e-9)
+    assert np.abs((many.states[..., 1:] ** 2).sum(axis=-1) - 1).max() < 5e-16
+    assert "3 of 3 motions" in str(many)
+
+
+@every_engine
+def test_arrays_of_states(engine):
+    """All states in order; only the end where one time is asked for; backwards too."""
+    swing = ODE.of({"x": "v", "v": "-x"}, [1, 0])
+    angles = np.linspace(0, 6, 20)
+    starts = np.array([np.cos(angles), -np.sin(angles)]).T
+    for end in (2.0, -2.0):
+        many = solve_many(swing, starts, end, 1e-10, engine)
+        assert many.states.shape == (20, 1, 2)
+        assert many["x"][:, 0] == pytest.approx(np.cos(angles + end), abs=1e-9)
+
+
+def test_parameters_alone():
+    """Derived numbers are worked out for each motion."""
+    rates = {"a": "(I2 - I3)/I1*b*c", "b": "(I3 - I1)/I2*a*c", "c": "(I1 - I2)/I3*a*b"}
+    body = ODE.of(rates, [1, 0.1, 2], parameters={"I1": 1, "I2": 2, "I3": 3})
+    third = np.array([2.5, 3.0, 4.0])
+    many = solve_many(body, {"I3": third}, 3.0, 1e-11)
+    for row, value in enumerate(third):
+        alone = solve(body.with_start(parameters={"I3": float(value)}), [3.0], 1e-12)
+        assert many.states[row, -1] == pytest.approx(alone.states[-1], abs=1e-10)
+
+
+@every_engine
+def test_some_do_not_arrive(engine):
+    """A motion that runs away is told from those that arrive; the others are not touched."""
+    away = ODE.of({"x": "x**2/(1 + t)"}, [1], events=[At(0.5, {})])
+    many = solve_many(away, {"x": [0.1, 20.0, 0.2]}, 1.0, 1e-9, engine)
+    assert many.finished.tolist() == [True, False, True]
+    assert np.isnan(many.states[1]).all()
+    # 1/x falls by log(1 + t).
+    exact = [1 / (1 / x - np.log(2)) for x in (0.1, 0.2)]
+    assert many["x"][[0, 2], -1] == pytest.approx(exact, rel=1e-8)
+
+
+@every_engine
+def test_long_rates(engine):
+    """Rates that are not read exactly go through batches as well."""
+    root = ODE.of({"x": "-x/sqrt(1 + x**2) + a*cos(t)"}, [1], parameters={"a": 0.5})
+    many = solve_many(root, {"a": [0.1, 0.2, 0.9], "x": [1, 2, 3]}, 3.0, 1e-10, engine)
+    for row, (a, x) in enumerate([(0.1, 1), (0.2, 2), (0.9, 3)]):
+        alone = solve(root.with_start(start=[x], parameters={"a": a}), [3.0], 1e-12)
+        assert many["x"][row, -1] == pytest.approx(alone["x"][-1], abs=1e-9)
+
+
+def test_bad_input():
+    """Lists that do not fit, names that are unknown, engines that cannot."""
+    swing = ODE.of({"x": "v", "v": "-k*x"}, [1, 0], parameters={"k": 1})
+    with pytest.raises(ShapeError, match=r"shape \(number, 2\)"):
+        solve_many(swing, [[1, 2, 3]], 1.0)
+    with pytest.raises(ShapeError, match="one common length"):
+        solve_many(swing, {"x": [1, 2], "k": [1, 2, 3]}, 1.0)
+    with pytest.raises(UnknownNameError, match="kk is no state .* Did you mean k"):
+        solve_many(swing, {"kk": [1]}, 1.0)
+    with pytest.raises(StartError, match="not finite"):
+        solve_many(swing, {"x": [1, float("inf")]}, 1.0)
+    with pytest.raises(TimeError, match="t was not given"):
+        solve_many(swing, {"x": [1.0]})
+    with pytest.raises(StartError, match="length 1 together"):
+        solve_many(driven(), {"q0": [1.0, 2.0]}, 1.0)
+    with pytest.raises(StartError, match=r"equations with When\(\.\.\.\)"):
+        solve_many(ODE.of({"x": -1}, [1], events=[When("x")]), {"x": [1.0]}, 1.0)
+    with pytest.raises(StartError, match="states only"):
+        solve_many(swing, {"x": [1.0]}, 1.0, velocities=[[1.0]])  # type: ignore[call-overload]
+    with pytest.raises(AccuracyError, match="batches run"):
+        solve_many(swing, {"x": [1.0]}, 1.0, engine=Stiff())
+    with pytest.raises(AccuracyError, match="gets to"):
+        solve_many(swing, {"x": [1.0]}, 50.0, 1e-17, engine=RungeKutta())
+
+
+@needs_heyoka
+@every_engine
+def test_each_member_has_its_own_error(engine):
+    """Pendulums, one of them beside the separatrix: each error is honest; who fails is named."""
+    swing = ODE.of({"x": "v", "v": "-sin(x)"}, [1.0, 0.0])
+    heights = np.array([0.3, 1.0, 2.0, np.pi - 1e-6, 2.5])
+    many = solve_many(swing, {"x": heights}, 25.0, 1e-7, engine)
+    assert many.finished.all()
+    assert many.errors.shape == (5,)
+    assert (many.errors <= 1e-7).all()
+    assert many.error == many.errors.max()
+    assert many.checked == 5
+    true = []
+    for row, height in enumerate(heights):
+        exact = solve(swing.with_start(start={"x": float(height)}), [25.0], 1e-18).states[-1]
+        exact = exact.astype(float)
+        size = np.maximum(np.abs(exact), [height, 0.0])
+        true.append(float((np.abs(many.states[row, -1] - exact) / size).max()))
+        assert true[-1] <= 1e-7
+        assert many.errors[row] >= 0.5 * true[-1] or true[-1] < 1e-12
+    with pytest.raises(AccuracyError, match=r"That is so for member 3\."):
+        solve_many(swing, {"x": heights}, 40.0, 1e-7, engine)
+    assert solve_many(swing, {"x": np.delete(heights, 3)}, 40.0, 1e-7, engine).error <= 1e-7
+
+
+@every_engine
+def test_only_some_members_are_verified(engine):
+    """The errors of the others are not a number, and are no part of `error`."""
+    swing = ODE.of({"x": "v", "v": "-sin(x)"}, [1.0, 0.0])
+    many = solve_many(swing, {"x": np.linspace(0.1, 2, 9)}, 10.0, 1e-8, engine, check=3)
+    assert np.isfinite(many.errors).tolist() == [True, *[False] * 3, True, *[False] * 3, True]
+    assert many.checked == 3
+    assert many.error == np.nanmax(many.errors)
+    assert many.finished.all()

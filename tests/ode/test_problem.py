@@ -1,0 +1,199 @@
+"""ODE.of: what is accepted, how it is read, and what compiles anew."""
+
+from fractions import Fraction
+from types import SimpleNamespace
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+
+from geomtorsion.codegen import graph
+from geomtorsion.errors import (
+    ExpressionError,
+    ShapeError,
+    StartError,
+    TimeError,
+    UnknownNameError,
+)
+from geomtorsion.exact import Field
+from geomtorsion.ode import ODE, At, RungeKutta, solve
+from geomtorsion.ode.rates import default_groups
+
+
+def swing(**more):
+    """x'' = -k x."""
+    options: dict[str, Any] = {
+        "parameters": {"k": 4},
+        "invariants": {"energy": "v**2 + k*x**2"},
+    } | more
+    return ODE.of({"x": "v", "v": "-k*x"}, {"x": 1, "v": 0}, **options)
+
+
+def test_what_is_accepted():
+    """Text, sympy, exact elements and numbers are the same rates; starts by name or in order."""
+    x, v, k = sp.symbols("x v k")
+    element = Field([x, v, k]).read(-k * x)
+    same = [
+        ODE.of({"x": "v", "v": "-k*x"}, [1, 0], parameters={"k": 4}),
+        ODE.of({"x": v, "v": -k * x}, {"v": 0, "x": 1}, parameters={"k": 4}),
+        ODE.of({"x": v, "v": element}, np.array([1.0, 0.0]), parameters={"k": 4.0}),
+    ]
+    assert len({made.system for made in same}) == 1
+    assert all(made.text == "x' = v\nv' = -k*x" for made in same)
+    assert same[0].size == 2
+    assert same[0].states == ("x", "v")
+    assert "\\dot{v} &= - k x" in same[0].latex
+    still = solve(ODE.of({"x": 0, "y": 1.5}, [1, 2]), 2.0, engine=RungeKutta())
+    assert still.states[-1] == pytest.approx([1, 5], abs=1e-12)
+
+
+def test_anything_with_rates():
+    """An object with rates and invariants, as equations of motion are, makes an ODE."""
+
+    found = SimpleNamespace(rates={"x": "v", "v": "-x"}, invariants={"energy": "x**2 + v**2"})
+    sol = solve(ODE.of(found, [1, 0]), 1.0, engine=RungeKutta())
+    assert set(sol.drift) == {"energy"}
+    assert sol["x"][-1] == pytest.approx(np.cos(1.0), abs=1e-10)
+
+
+def test_decimals_are_exact():
+    """0.1 in text is one tenth; in Python it is the float that it is."""
+    text, number = ODE.of({"x": "0.1*x - 2.5e-3"}, [1]), ODE.of({"x": 0.1 * sp.Symbol("x")}, [1])
+    assert str(text.rates.expressions["x"]) == "x/10 - 1/400"
+    assert sorted(text.rates.numbers.exactly([])) == [Fraction(-1, 400), Fraction(1, 10)]
+    assert number.rates.numbers.exactly([]) == [Fraction(0.1)]
+
+
+def test_numbers_are_worked_out_before_the_run():
+    """What depends on parameters alone is one number, exact until it is rounded once."""
+    moments = {"I1": 1, "I2": 1, "I3": 1 + 1e-12}
+    top = ODE.of(
+        {"a": "(I2 - I3)/I1*b*c", "b": "(I3 - I1)/I2*a*c", "c": "(I1 - I2)/I3*a*b"},
+        [1, 0, 1],
+        parameters=moments,
+    )
+    numbers = top.run_numbers(top.parameters)
+    assert len(numbers) == 3
+    assert float(numbers[0]) == -(Fraction(1 + 1e-12) - 1)
+    source = top.system.rates.python_source()
+    assert "a3" in source
+    assert "/" not in source
+
+
+def test_equal_rates_share_one_system():
+    """Other starts, parameters and decimals compile nothing; small integers are compiled in."""
+    one = ODE.of({"x": "-9.81*x"}, [1])
+    assert one.system is ODE.of({"x": "-1.62*x"}, [2]).system
+    assert one.system is one.with_start(start=[3]).system
+    assert one.system is not ODE.of({"x": "-2*x"}, [1]).system
+    first = swing()
+    moved = first.with_start(start={"v": 3}, parameters={"k": 9.5})
+    assert moved.start == (1, 3)
+    assert moved.parameters == {"k": 9.5}
+    assert first.parameters == {"k": 4}
+    assert moved.system is first.system
+
+
+def test_numbers_put_back_give_the_value():
+    """Rates with their numbers worked out before have the values of the expressions as given."""
+    x, y, a, b = sp.symbols("x y a b", real=True)
+    terms = [
+        a * (b * x + 7 * y) / (a - b) + sp.sin(a * x) + x**a,
+        sp.sqrt(x**2 + a**2) + sp.Rational(9, 1000) * x + sp.Float("0.3") * b * y,
+        x**2.0 * y,
+    ]
+    point = {x: 0.7, y: -1.3, a: 2.1, b: 0.4}
+    made = ODE.of(
+        dict(zip(("x", "y", "z"), terms, strict=True)),
+        [0.7, -1.3, 0],
+        parameters={"a": 2.1, "b": 0.4},
+    )
+    system = made.system
+    assert not {"a", "b"} & set(system.parameters)
+    found = system.scalar_function(0.7, -1.3, 0, *map(float, made.run_numbers(made.parameters)))
+    for value, term in zip(found, terms, strict=True):
+        assert value == pytest.approx(float(term.evalf(subs=point)), rel=1e-14)
+    assert "**2.0" not in system.rates.python_source()
+
+
+def test_groups_of_states():
+    """Numbers at the end, or axes, go together; what is left can be grouped by name."""
+    assert default_groups(["Omega1", "Omega2", "m", "x", "z", "vx", "vz"]) == (
+        ("Omega1", "Omega2"), ("m",), ("x", "z"), ("vx", "vz"),
+    )  # fmt: skip
+    made = ODE.of(
+        dict.fromkeys("abcd", 0), [1, 0, 0, 0], normalized=["ab"], norm_groups=[("c", "d")]
+    )
+    assert made.rates.norm_groups == (("a", "b"), ("c", "d"))
+
+
+def test_graphs_on_every_kind_of_number():
+    """The same code on arrays, fractions and long numbers; sizes add up all terms."""
+    x = sp.Symbol("x")
+    terms = (x - x**3 / 3, sp.sin(x), sp.Max(x, 2), 1 / sp.sqrt(x), sp.Abs(-x), sp.cot(x))
+    made = graph(("x",), terms, factor=False)
+    values = made.numpy()(np.array([0.5, 3.0]))
+    for value, term in zip(values, terms, strict=True):
+        exact = [float(term.subs(x, at)) for at in (0.5, 3)]
+        assert np.broadcast_to(value, 2) == pytest.approx(exact, rel=1e-14)
+    long = made.exactly([Fraction(1, 2)])
+    with mpmath.workdps(50):
+        assert abs(long[1] - mpmath.sin(mpmath.mpf(1) / 2)) < mpmath.mpf(10) ** -50
+    cubic = graph(("x",), (x - x**3 / 3,), factor=False)
+    assert cubic.sizes(2.0) == [pytest.approx(2 + 8 / 3)]
+    assert cubic.exactly([2]) == [Fraction(-2, 3)]
+
+
+BAD_RATES = {
+    "kk is neither": {"x": "-kk*x"},
+    "Did you mean k": {"x": -sp.Symbol("kk") * sp.Symbol("x")},
+    "Abs": {"x": "sqrt(x**2)"},
+    "not finite|no finite": {"x": float("nan")},
+    "no expression": {"x": None},
+    "expressions are not code": {"x": "__import__('os').system('true')"},
+    "no name": {"x y": 0},
+    "at least one state": {},
+    "named twice": {"k": 0},
+}
+
+
+@pytest.mark.parametrize("message", BAD_RATES)
+def test_bad_rates(message):
+    """Rates that cannot be read are named."""
+    rates = BAD_RATES[message]
+    with pytest.raises(ExpressionError, match=message):
+        ODE.of(rates, [1] * len(rates), parameters={"k": 1})
+
+
+def test_bad_numbers():
+    """Starts, parameters, events and lengths that make no sense."""
+    with pytest.raises(ShapeError, match="2 numbers were needed"):
+        ODE.of({"x": 0, "y": 0}, [1])
+    with pytest.raises(StartError, match="y has no number"):
+        ODE.of({"x": 0, "y": 0}, {"x": 1})
+    with pytest.raises(UnknownNameError, match="z is no state"):
+        ODE.of({"x": 0}, {"x": 1, "z": 2})
+    with pytest.raises(StartError, match="start of x = nan is not finite"):
+        ODE.of({"x": 0}, [float("nan")])
+    with pytest.raises(StartError, match=r"k = \[1\] is no number"):
+        swing(parameters={"k": [1]})
+    with pytest.raises(UnknownNameError, match="kk is no parameter. Did you mean k"):
+        swing().with_start(parameters={"kk": 1})
+    with pytest.raises(TimeError, match="event at t = -1"):
+        swing(events=[At(-1, {"k": 2})])
+    with pytest.raises(UnknownNameError, match="w is no parameter and no state"):
+        swing(events=[At(1, {"w": 2})])
+    with pytest.raises(TimeError, match="was needed"):
+        swing(events=[1.0])
+    with pytest.raises(StartError, match="should have length 1"):
+        ODE.of({"a": 0, "b": 0}, [1, 1], normalized=["ab"])
+    with pytest.raises(UnknownNameError, match="z is no state"):
+        ODE.of({"a": 0, "b": 0}, [1, 1], normalized=["az"])
+    with pytest.raises(ExpressionError, match="output x has the name of"):
+        swing(outputs={"x": "v"})
+    with pytest.raises(ExpressionError, match="a mapping from states"):
+        ODE.of(3, [1])
+    with pytest.raises(StartError, match="a problem .* or an ODE was needed"):
+        solve(3, 1.0)  # type: ignore[call-overload]

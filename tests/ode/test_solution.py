@@ -1,0 +1,339 @@
+"""Solutions of first-order equations: accuracy, outputs, drift, event times, files, tables."""
+
+from fractions import Fraction
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+
+from geomtorsion.errors import (
+    AccuracyError,
+    ExpressionError,
+    FileFormatError,
+    StuckError,
+    TimeError,
+    UnknownNameError,
+)
+from geomtorsion.ode import ODE, At, RungeKutta, SavedSolution, Stiff, Taylor, solve
+from geomtorsion.ode.engines.taylor import is_available
+from geomtorsion.ode.numbers import perturbed
+from tests.ode.engines import every_engine, needs_heyoka
+
+QUATERNION = {
+    "q0": "-(q1*w1 + q2*w2 + q3*w3)/2",
+    "q1": "(q0*w1 + q2*w3 - q3*w2)/2",
+    "q2": "(q0*w2 + q3*w1 - q1*w3)/2",
+    "q3": "(q0*w3 + q1*w2 - q2*w1)/2",
+}
+
+
+def swing(**more):
+    """x'' = -k x with k = 4: x = cos 2t."""
+    options: dict[str, Any] = {
+        "parameters": {"k": 4},
+        "invariants": {"energy": "v**2/2 + k*x**2/2"},
+        "outputs": {"place": ["x", "v/2"], "angle": "atan2(v/2, x)", "far": "Abs(x) + t"},
+    }
+    return ODE.of({"x": "v", "v": "-k*x"}, {"x": 1, "v": 0}, **(options | more))
+
+
+@every_engine
+@pytest.mark.parametrize("accuracy", [1e-5, 1e-8, 1e-11])
+def test_error_and_its_estimate(engine, accuracy):
+    """The true error is below the accuracy; the estimate is between a tenth and 100 times it."""
+    sol = solve(swing(), 10.0, accuracy, engine)
+    exact = np.array([np.cos(2 * sol.times), -2 * np.sin(2 * sol.times)]).T
+    # Each state is a group of its own.
+    true = float((np.abs(sol.states - exact).max(axis=0) / np.abs(exact).max(axis=0)).max())
+    assert len(sol.times) == 65
+    assert true <= accuracy
+    assert sol.error <= accuracy
+    assert sol.error >= 0.1 * true or true < 1e-15
+    assert sol.error <= 100 * true or true < 1e-14
+
+
+@every_engine
+def test_time_in_the_rates(engine):
+    """x' = cos(t) x, from a clock that nobody sees; forwards and backwards."""
+    driven = ODE.of({"x": "cos(t)*x"}, [1])
+    assert driven.states == ("x",)
+    for end in (5.0, -5.0):
+        sol = solve(driven, end, 1e-11, engine)
+        assert sol.states.shape == (65, 1)
+        assert sol["x"] == pytest.approx(np.exp(np.sin(sol.times)), rel=1e-10)
+        assert sol.at(end / 3)["x"] == pytest.approx(np.exp(np.sin(end / 3)), rel=1e-9)
+    renamed = ODE.of({"t": "s"}, [0], time="s")
+    assert solve(renamed, 2.0, engine=engine)["t"][-1] == pytest.approx(2.0, abs=1e-12)
+
+
+@every_engine
+def test_outputs_and_moments(engine):
+    """Outputs at the times and in between: one number, a vector, with the time, with kinks."""
+    sol = solve(swing(), [0.5, 1.0, 4.0], 1e-11, engine)
+    assert sol.times.tolist() == [0.5, 1.0, 4.0]
+    assert sol["place"].shape == (3, 2)
+    assert sol["angle"] == pytest.approx(np.arctan2(-np.sin(2 * sol.times), np.cos(2 * sol.times)))
+    assert sol["far"] == pytest.approx(np.abs(np.cos(2 * sol.times)) + sol.times)
+    moment = sol.at(np.array([[0.1, 3.9], [1.0, 2.0]]))
+    assert set(moment) == {"x", "v", "place", "angle", "far"}
+    assert len(moment) == 5
+    assert moment["place"].shape == (2, 2, 2)
+    assert moment["place"][0, 1] == pytest.approx([np.cos(7.8), -np.sin(7.8)], abs=1e-9)
+    assert float(sol.at(1.0)["x"]) == pytest.approx(np.cos(2), abs=1e-9)
+    with pytest.raises(UnknownNameError, match="Did you mean place"):
+        sol["plce"]
+    with pytest.raises(UnknownNameError, match="'y' is not known of this motion"):
+        moment["y"]
+    with pytest.raises(TimeError, match="runs from 0 to 4"):
+        sol.at(4.5)
+
+
+@every_engine
+def test_drift(engine):
+    """Invariants keep to the accuracy; what is none is seen to change."""
+    sol = solve(swing(invariants={"energy": "v**2 + k*x**2", "no": ["x", "v"]}), 9.0, 1e-10, engine)
+    assert sol.drift["energy"] < 1e-9
+    assert 0.5 < sol.drift["no"] <= 2
+    # The size is that of the terms: a difference that vanishes is no cause for alarm.
+    tiny = solve(swing(invariants={"zero": "v**2 + 4*x**2 - 4"}), 9.0, 1e-10, engine)
+    assert tiny.drift["zero"] < 1e-9
+
+
+@every_engine
+def test_unit_states(engine):
+    """A quaternion has length one to rounding, at the samples and between them."""
+    turn = ODE.of(
+        QUATERNION,
+        [1, 1e-9, 0, 0],
+        parameters={"w1": 0.3, "w2": -1.1, "w3": 2.2},
+        normalized=[("q0", "q1", "q2", "q3")],
+    )
+    sol = solve(turn, 200.0, 1e-8, engine)
+    assert np.abs((sol.states**2).sum(axis=1) - 1).max() < 5e-16
+    between = sol.at(np.linspace(0, 200, 333)).states
+    assert np.abs((between**2).sum(axis=1) - 1).max() < 5e-16
+    rate = np.sqrt(0.3**2 + 1.1**2 + 2.2**2)
+    assert sol["q3"] == pytest.approx(2.2 / rate * np.sin(rate * sol.times / 2), abs=2e-8)
+
+
+@every_engine
+def test_event_times(engine):
+    """Crossings of a state, an output, an expression; upwards only; pairs that lie close."""
+    sol = solve(swing(outputs={"gap": "x - 1 + 1e-9"}), 9.0, 1e-11, engine)
+    expected = (np.arange(6) + 0.5) * np.pi / 2
+    assert sol.event_times("x") == pytest.approx(expected[expected < 9], abs=2e-9)
+    assert sol.event_times("v", 1) == pytest.approx(
+        [np.pi / 2, 3 * np.pi / 2, 5 * np.pi / 2], abs=2e-9
+    )
+    assert sol.event_times("x - cos(2*t) + t - 1/3") == pytest.approx([1 / 3], abs=2e-9)
+    assert len(sol.event_times("x - 2")) == 0
+    # cos 2t > 1 - 1e-9 for |t| < 2.2e-5 about each half turn.
+    width = np.sqrt(2e-9) / 2
+    pairs = [width, *(k * np.pi + s * width for k in (1, 2) for s in (-1, 1))]
+    if isinstance(engine, Taylor):
+        assert sol.event_times("gap") == pytest.approx(pairs, abs=1e-6)
+    with pytest.raises(ExpressionError, match="nope"):
+        sol.event_times("nope")
+    with pytest.raises(ExpressionError, match="no finite value at t = 0"):
+        sol.event_times("1/t")
+    with pytest.raises(UnknownNameError, match="2 components"):
+        solve(swing(), 1.0, engine=engine).event_times("place")
+
+
+def test_event_times_backwards_and_across_events():
+    """Times come in the order of the motion; a jump through zero is no crossing."""
+    back = solve(swing(), -4.0, 1e-11, RungeKutta())
+    assert back.event_times("x") == pytest.approx(
+        [-np.pi / 4, -3 * np.pi / 4, -5 * np.pi / 4], abs=1e-8
+    )
+    jump = ODE.of({"x": 1}, [-1], events=[At(0.5, {"x": 3}), At(2, {"x": -1})])
+    assert solve(jump, 4.0, 1e-10, RungeKutta()).event_times("x") == pytest.approx([3.0], abs=1e-9)
+
+
+@every_engine
+def test_save_and_load(engine, tmp_path):
+    """A loaded solution has the same numbers, and goes on to give what lies between."""
+    made = swing(events=[At(1.5, {"k": 0.1}), At(2, {"v": -1})], name="swing")
+    made = made.with_start(start={"x": 0.1 + 0.2, "v": Fraction(1, 3)})
+    sol = solve(made, 3.0, 1e-9, engine)
+    sol.save(tmp_path / "swing.npz")
+    again = SavedSolution.load(tmp_path / "swing.npz")
+    assert (again.solution.states == sol.states).all()
+    assert (again["place"] == sol["place"]).all()
+    assert again.solution.drift == sol.drift
+    assert again.problem.start == made.start
+    assert again.problem.events == made.events
+    assert again.solution.error == sol.error
+    assert again.solution.reason == sol.reason
+    assert again.solution.cost.steps == sol.cost.steps
+    assert (again.at([0.2, 1.7, 2.9]).states == sol.at([0.2, 1.7, 2.9]).states).all()
+    assert (again.solution.event_times("x") == sol.event_times("x")).all()
+    assert solve(again.problem, 3.0, 1e-9, engine).states == pytest.approx(sol.states, abs=1e-9)
+
+
+def test_files_of_others(tmp_path):
+    """What is no saved solution is refused."""
+    with pytest.raises(FileFormatError, match="no solution saved"):
+        SavedSolution.load(tmp_path / "none.npz")
+    np.savez(tmp_path / "other.npz", a=np.zeros(3))
+    with pytest.raises(FileFormatError, match="no solution saved"):
+        SavedSolution.load(tmp_path / "other.npz")
+    (tmp_path / "text.npz").write_text("no archive")
+    with pytest.raises(FileFormatError, match="no solution saved"):
+        SavedSolution.load(tmp_path / "text.npz")
+    np.savez(tmp_path / "old.npz", metadata=np.array('{"format": 99}'))
+    with pytest.raises(FileFormatError, match="format 99 was found"):
+        SavedSolution.load(tmp_path / "old.npz")
+
+
+def test_table():
+    """A pandas table with components of vectors by number."""
+    pandas = pytest.importorskip("pandas")
+    table = solve(swing(), 1.0, engine=RungeKutta()).to_pandas()
+    assert isinstance(table, pandas.DataFrame)
+    assert list(table) == ["t", "x", "v", "place[0]", "place[1]", "angle", "far"]
+    assert len(table) == 65
+
+
+@every_engine
+def test_where_it_cannot_go_on(engine):
+    """x' = x^2 ends at t = 1: an error that says so and carries what there is."""
+    with pytest.raises(StuckError, match=r"cannot go on at t = (1|0\.99)") as caught:
+        solve(ODE.of({"x": "x**2"}, [1]), 2.0, 1e-8, engine)
+    partial = caught.value.solution
+    assert not partial.complete
+    assert partial.outcome == "stuck"
+    inside = partial.times < 0.95
+    assert partial["x"][inside] == pytest.approx(1 / (1 - partial.times[inside]), rel=1e-6)
+
+
+@every_engine
+@pytest.mark.parametrize(("rate", "start", "says"), [("log(x)", -1, "nan"), ("1/x", 0, "inf")])
+def test_where_it_cannot_begin(engine, rate, start, says):
+    """A rate without a value at the start is named; there is nothing that could have drifted."""
+    begun = ODE.of({"x": rate, "y": "x"}, [start, 1], invariants={"far": "x**2"})
+    with pytest.raises(StuckError, match=f"cannot go on at t = 0.*; x' = {says}") as caught:
+        solve(begun, 2.0, 1e-8, engine)
+    assert len(caught.value.solution.times) <= 1
+    assert caught.value.solution.drift.get("far", 0) == 0
+
+
+def test_stiff_is_noticed():
+    """Damping a million times faster than the motion goes to an implicit engine."""
+    k = 1e6
+    slow = ODE.of({"x": "-k*(x - cos(t))"}, [0], parameters={"k": k})
+    sol = solve(slow, 1.0, 1e-9)
+    g = sol.times
+    exact = (k * k * np.cos(g) + k * np.sin(g)) / (k * k + 1) - np.exp(-k * g) * k * k / (k * k + 1)
+    assert sol.engine.startswith("Stiff")
+    assert "stiff" in sol.reason
+    assert np.abs(sol["x"] - exact).max() < 1e-9
+    assert sol.cost.evaluations < 5000
+    assert not solve(slow.with_start(parameters={"k": 3}), 1.0).engine.startswith("Stiff")
+    later = slow.with_start(parameters={"k": 3}, events=[At(0.5, {"k": 1e6})])
+    assert solve(later, 1.0, 1e-8).engine.startswith("Stiff")
+
+
+@needs_heyoka
+def test_more_digits_than_doubles_have():
+    """Accuracies that doubles do not have are reached, against mpmath."""
+    sol = solve(swing(), [1.0, 3.0], 1e-25)
+    assert sol.error <= 1e-25
+    with mpmath.workdps(34):
+        found = mpmath.mpf(str(sol.states[-1, 0]))
+        assert abs(found - mpmath.cos(6)) < mpmath.mpf(10) ** -25
+
+
+def test_asking_too_much_says_so():
+    """An engine that does not get there says how far it gets."""
+    with pytest.raises(AccuracyError, match="RungeKutta gets to"):
+        solve(swing(), 50.0, 1e-17, RungeKutta())
+    with pytest.raises(AccuracyError, match="positive"):
+        solve(swing(), 1.0, 0)
+    with pytest.raises(TimeError, match="repeated"):
+        solve(swing(), [1.0, 1.0])
+
+
+def test_choice_of_engine():
+    """Taylor where it is installed, Runge-Kutta elsewhere; what is asked for is taken."""
+    assert solve(swing(), 1.0).engine == ("Taylor" if is_available() else "RungeKutta")
+    assert solve(swing(), 1.0, 1e-7, Stiff()).reason == "as asked"
+
+
+def test_zero_time():
+    """At t = 0 nothing is integrated."""
+    sol = solve(swing(), 0.0)
+    assert sol.states.tolist() == [[1.0, 0.0]]
+    assert sol.at(0.0)["x"] == 1.0
+
+
+@needs_heyoka
+def test_states_that_are_rounding_only():
+    """A state that vanishes but for rounding does not stop a solve; a small one is not one."""
+    cancels = "sqrt(1 + x**2)*(sin(x)*cos(y) + cos(x)*sin(y) - sin(x + y))"
+    idle = ODE.of({"zero": cancels, "x": "-x", "y": "1/7"}, [0, 1, 1])
+    sol = solve(idle, 5.0, 1e-9)
+    assert np.abs(sol["zero"]).max() < 1e-14
+    assert sol["x"][-1] == pytest.approx(np.exp(-5.0), rel=1e-6)
+    small = solve(ODE.of({"a": "1e-12*cos(t)", "b": "1"}, [0, 1]), 5.0, 1e-9)
+    assert small["a"] == pytest.approx(1e-12 * np.sin(small.times), abs=2e-21)
+
+
+@needs_heyoka
+def test_time_far_beyond_the_states():
+    """Times of ten thousand and states of one: double precision does, and its error is known."""
+    driven = ODE.of({"x": "v", "v": "-x + cos(t/3)"}, [1, 0])
+    sol = solve(driven, 1e4, 1e-9, Taylor())
+    exact = 9 / 8 * np.cos(sol.times / 3) - np.cos(sol.times) / 8
+    assert np.abs(sol["x"] - exact).max() < 1e-9
+
+
+def test_references_start_a_rounding_away():
+    """Answers start where they should, references two units in the last place away; zeros stay."""
+    made = ODE.of({"x": "v/3", "v": "-2*x", "z": "1"}, [1.0, 0.7, 0], parameters={})
+    sol = solve(made, 3.0, 1e-9, RungeKutta())
+    assert sol.reference is not None
+    first, second = (x.segments[0].stage for x in (sol.trajectory, sol.reference))
+    assert first.start.tolist() == [1.0, 0.7, 0.0]
+    ratios = second.start[:2] / first.start[:2] - 1
+    assert np.abs(ratios) == pytest.approx(2 * 2.0**-52, rel=0.6)
+    assert ratios[0] * ratios[1] < 0
+    assert second.start[2] == 0
+    # 1/3 is rounded and perturbed, -2 is exact and compiled in.
+    assert first.parameters.tolist() == [1 / 3]
+    assert second.parameters != first.parameters
+
+
+def test_perturbed_numbers():
+    """Only what an engine rounds is changed, at any precision."""
+    held, rounded = [0.5, 3, Fraction(1, 4)], [Fraction(1, 3), sp.sqrt(2)]
+    for precision in (53, 113):
+        part = 2.0 ** (1 - precision)
+        assert perturbed(held, part, precision, all_of_them=False) == held
+        found = perturbed(rounded, part, precision, all_of_them=False)
+        with mpmath.workprec(300):
+            known = (mpmath.mpf(1) / 3, mpmath.sqrt(2))
+            for value, exact, sign in zip(found, known, (1, -1), strict=True):
+                change = mpmath.mpf(value) / exact - 1
+                # In doubles the change is rounded itself.
+                assert change / (sign * part) == pytest.approx(
+                    1, abs=1 if precision == 53 else 1e-6
+                )
+            one, zero = perturbed([1, 0], part, precision, all_of_them=True)
+            assert mpmath.mpf(one) - 1 == part
+            assert zero == 0
+
+
+def test_length_is_kept_at_every_cut(tmp_path):
+    """Every part begins at length one, however coarse the steps."""
+    turn = ODE.of(QUATERNION, [1, 0, 0, 0], parameters={"w1": 1, "w2": 2, "w3": 3},
+                normalized=[("q0", "q1", "q2", "q3")])  # fmt: skip
+    sol = solve(turn, 60.0, 1e-4, RungeKutta(), checkpoint=tmp_path / "turn.npz")
+    segments = sol.trajectory.segments
+    lengths = [np.linalg.norm([float(x) for x in one.stage.start]) for one in segments]
+    assert len(lengths) == 64
+    assert np.abs(np.array(lengths) - 1).max() < 5e-16
+    plain = np.linalg.norm(segments[-1].run.last)
+    assert abs(plain - 1) > 1e-14

@@ -1,0 +1,237 @@
+"""solve: the accuracy of the result, engines, times, and what is known about a solution."""
+
+import numpy as np
+import pytest
+
+from geomtorsion.accuracy.truth import truth_of
+from geomtorsion.curves import autoparallel, distance_apart, geodesic
+from geomtorsion.errors import AccuracyError, ChartEdgeError, TimeError, UnknownNameError
+from geomtorsion.geometry import cartan, levi_civita
+from geomtorsion.geometry.connections import blend
+from geomtorsion.ode import RungeKutta, Stiff, Taylor, solve
+from geomtorsion.ode.engines.taylor import is_available
+from geomtorsion.spaces import load
+from tests.ode.engines import every_engine, needs_heyoka
+
+
+def problems():
+    """One of each kind: group, kinetic metric, sphere, black hole, torsion between."""
+    so3, kerr, polar = load("so3").frame, load("kerr").frame, load("flat_polar").frame
+    half = blend(levi_civita(polar), cartan(polar))
+    return {
+        "so3": autoparallel(cartan(so3), [0.3, 1.0, 0.2], [0.1, 0.5, -0.2]),
+        "top": geodesic(so3, [0.3, 1.0, 0.2], [0.1, 0.5, -0.2], metric=[1.1, 2.2, 3.3]),
+        "angles": geodesic(so3, [0.3, 1.0, 0.2], [0.1, 0.5, -0.2]).with_charts("so3"),
+        "kerr": geodesic(
+            kerr,
+            [0, 8.0, 1.4, 0],
+            frame_velocity=[1.2, 0.05, 0.2, 0.6],
+            parameters={"M": 1, "a": 0.6},
+        ),
+        "blend": autoparallel(half, [1.0, 0.2], frame_velocity=[0.3, 0.8]),
+    }
+
+
+@every_engine
+@pytest.mark.parametrize("name", problems())
+@pytest.mark.parametrize("accuracy", [1e-6, 1e-9, 1e-12])
+def test_error_and_its_estimate(engine, name, accuracy):
+    """The true error is below the accuracy; the estimate is between 0.1 and 100 times it."""
+    problem = problems()[name]
+    sol = solve(problem, 20.0, accuracy, engine)
+    true = truth_of(problem, sol.times).error(sol)
+    # Without quadruple precision the truth itself is known to about 1e-13.
+    floor = 1e-15 if is_available() else 3e-13
+    assert true <= accuracy
+    assert sol.error <= accuracy
+    assert sol.error >= 0.1 * true or true < floor
+    assert sol.error <= 100 * true or sol.error < 1e-15 or true < floor
+
+
+@every_engine
+def test_drift_is_no_larger_than_the_error(engine):
+    """Known invariants are named and stay."""
+    sol = solve(problems()["kerr"], 50.0, 1e-10, engine)
+    assert set(sol.drift) == {"norm", "momentum of t", "momentum of phi"}
+    assert max(sol.drift.values()) < 1e-10
+    top = solve(problems()["top"], 50.0, 1e-10, engine)
+    assert set(top.drift) == {"energy", "angular momentum squared", "unit"}
+    assert max(top.drift.values()) < 1e-9
+
+
+@needs_heyoka
+@pytest.mark.parametrize(("accuracy", "engine"), [(1e-16, "Taylor(64)"), (1e-25, "Taylor(113)")])
+def test_more_digits_than_doubles_have(accuracy, engine):
+    """What doubles cannot give moves to long double and quadruple precision."""
+    sol = solve(problems()["top"], 5.0, accuracy)
+    assert sol.error <= accuracy
+    assert sol.engine == engine or accuracy == 1e-16
+
+
+@needs_heyoka
+def test_quadruple_agrees_with_mpmath():
+    """25 digits of a rotation about one axis against mpmath's own sine."""
+    import mpmath
+
+    problem = autoparallel(cartan(load("so3").frame), [0, 1, 0], frame_velocity=[0, 1, 0])
+    sol = solve(problem, [0.5], 1e-25)
+    with mpmath.workdps(34):
+        exact = mpmath.sin(mpmath.mpf(3) / 4)
+        found = mpmath.mpf(str(sol.in_chart("quaternion")[-1][2]))
+        assert abs(found - exact) < mpmath.mpf(10) ** -25
+
+
+def test_asking_too_much_says_so():
+    """Runge-Kutta alone cannot give 1e-16."""
+    with pytest.raises(AccuracyError, match="RungeKutta gets to"):
+        solve(problems()["top"], 20.0, 1e-16, RungeKutta())
+    with pytest.raises(AccuracyError, match="positive"):
+        solve(problems()["top"], 1.0, 0.0)
+    with pytest.raises(AccuracyError, match="positive"):
+        solve(problems()["top"], 1.0, float("nan"))
+
+
+@every_engine
+def test_times(engine):
+    """Times come back as asked, from 0 on, forwards or backwards; dense output in between."""
+    problem = problems()["so3"]
+    times = [0.5, 1.0, 7.0]
+    sol = solve(problem, times, 1e-10, engine)
+    assert sol.times.tolist() == times
+    assert sol.coordinates.shape == sol.velocity.shape == sol.frame_velocity.shape == (3, 3)
+    again = solve(problem, 7.0, 1e-10, engine)
+    moment = again.at(np.array([7.0, 0.5, 1.0]))
+    assert moment.coordinates == pytest.approx(sol.coordinates[[2, 0, 1]], abs=1e-9)
+    back = solve(problem, -3.0, 1e-10, engine)
+    there = problem.with_start(start=back.coordinates[-1], frame_velocity=back.frame_velocity[-1])
+    home = solve(there, 3.0, 1e-10, engine).coordinates[-1]
+    assert home == pytest.approx(np.array(problem.start), abs=1e-9)
+    assert solve(problem, 0.0, engine=engine).coordinates == pytest.approx(
+        np.array([[0.3, 1.0, 0.2]])
+    )
+
+
+@pytest.mark.parametrize(
+    ("t", "message"),
+    [
+        ([1.0, 1.0], "repeated"),
+        ([2.0, 1.0], "not sorted"),
+        ([-1.0, 1.0], "apart"),
+        ([1.0, float("nan")], "finite"),
+        (float("inf"), "finite"),
+        ([], "shape"),
+        ("soon", "number"),
+    ],
+)
+def test_bad_times(t, message):
+    """Each is named with its remedy."""
+    with pytest.raises(TimeError, match=message):
+        solve(problems()["so3"], t)
+
+
+def test_times_outside():
+    """Dense output ends where the solution ends."""
+    sol = solve(problems()["so3"], 1.0)
+    with pytest.raises(TimeError, match="runs from 0 to 1"):
+        sol.at(1.5)
+    with pytest.raises(TimeError, match="runs from 0 to 1"):
+        sol.at(-0.1)
+
+
+@every_engine
+def test_distance_apart(engine):
+    """On r3xso3 screws and flights part like t squared; on so3 they do not part."""
+    frame = load("r3xso3").frame
+    start, velocity = [0.3, 1.0, 0.2, 0, 0, 0], [0.1, 0.5, -0.2, 1.0, 0, 0]
+    screw = solve(autoparallel(cartan(frame), start, velocity), 1.0, engine=engine)
+    flight = solve(geodesic(frame, start, velocity), 1.0, engine=engine)
+    gaps = distance_apart(screw, flight)
+    assert gaps[0] == 0
+    assert gaps[32] / gaps[16] == pytest.approx(4, rel=0.1)
+    with pytest.raises(TimeError, match="same time"):
+        distance_apart(flight, solve(geodesic(frame, start, velocity), 0.5, engine=engine))
+
+
+@every_engine
+def test_single_chart_stops_cleanly(engine):
+    """A loxodrome ends at the pole: place, reason and what was computed."""
+    problem = autoparallel(
+        cartan(load("s2").frame), [1.0, 0.0], frame_velocity=[-1, 0.5], parameters={"R": 1}
+    )
+    with pytest.raises(ChartEdgeError, match=r"stops at t = 1.*theta = ") as caught:
+        solve(problem, 2.0, 1e-8, engine)
+    sol = caught.value.solution
+    assert not sol.complete
+    assert 0.9 < sol.times[-1] <= 1.0
+    assert sol.coordinates[-1, 0] == pytest.approx(1 - sol.times[-1], abs=1e-7)
+
+
+def test_stiff_engine_agrees():
+    """Radau with the exact Jacobian gives the same motion."""
+    problem = problems()["blend"]
+    one = solve(problem, 3.0, 1e-7, Stiff()).coordinates
+    assert one == pytest.approx(solve(problem, 3.0, 1e-10).coordinates, abs=1e-6)
+    two = solve(problem, 3.0, 1e-6, Stiff("LSODA")).coordinates
+    assert two == pytest.approx(one, abs=1e-5)
+
+
+def test_why_is_said():
+    """The result says what was chosen and why."""
+    sol = solve(problems()["so3"], 1.0)
+    assert ("heyoka is" in sol.reason) == (sol.engine in ("Taylor", "RungeKutta"))
+    assert solve(problems()["so3"], 1.0, engine=RungeKutta()).reason == "as asked"
+    assert "error below" in str(sol)
+
+
+def test_columns():
+    """Coordinates and velocities by name."""
+    sol = solve(problems()["so3"], 1.0)
+    assert sol["phi2"][0] == pytest.approx(1.0)
+    assert sol["u1"][0] == pytest.approx(sol.frame_velocity[0, 0])
+    with pytest.raises(UnknownNameError, match="phi9"):
+        sol["phi9"]
+
+
+@needs_heyoka
+def test_kept_integrators_are_compiled_once():
+    """The second solve compiles nothing, and neither does another start."""
+    problem = problems()["top"]
+    solve(problem, 5.0, 1e-9, Taylor())
+    again = solve(problem.with_start(frame_velocity=[1, 0.2, 0.1]), 5.0, 1e-9, Taylor())
+    assert again.cost.compile_seconds == 0
+
+
+@needs_heyoka
+def test_all_digits_reach_the_user():
+    """Coordinates, velocities and dense output keep 30 digits, also through the quaternion."""
+    import mpmath
+
+    problem = geodesic(load("so3").frame, [0.3, 1.0, 0.2], frame_velocity=[0, 0.75, 0.5])
+    sol = solve(problem, [1.0, 2.0], 1e-28)
+    again = solve(problem, 2.0, 1e-26, Taylor(160))
+    with mpmath.workprec(200):
+        one, two = sol.coordinates[-1], again.at(2.0).coordinates
+        assert all(abs(x - y) < mpmath.mpf(10) ** -26 for x, y in zip(one, two, strict=True))
+    top = problems()["top"]
+    fine, finer = solve(top, 2.0, 1e-25), solve(top, 2.0, 1e-30, Taylor(140))
+    with mpmath.workprec(200):
+        for t in (0.3, 2.0):
+            one, two = fine.at(t).frame_velocity, finer.at(t).frame_velocity
+            for x, y in zip(one, two, strict=True):
+                assert abs(mpmath.mpf(str(x)) - mpmath.mpf(str(y))) < mpmath.mpf(10) ** -24
+
+
+@needs_heyoka
+def test_changes_of_charts_keep_all_digits():
+    """s2 over the pole and back home with 25 digits."""
+    import mpmath
+
+    problem = geodesic(load("s2").frame, [1.0, 0.5], [-1.0, 0.25], parameters={"R": 1})
+    sol = solve(problem, 3.0, 1e-25, Taylor(113))
+    other = solve(problem.with_charts("s2_x", "s2"), 3.0, 1e-25, Taylor(160))
+    assert set(sol.charts) == set(other.charts) == {"s2", "s2_x"}
+    one, two = sol.trajectory.segments[-1], other.trajectory.segments[-1]
+    assert one.label == two.label
+    with mpmath.workprec(200):
+        for x, y in zip(one.states[-1], two.states[-1], strict=True):
+            assert abs(mpmath.mpf(str(x)) - mpmath.mpf(str(y))) < mpmath.mpf(10) ** -24

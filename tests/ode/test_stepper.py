@@ -1,0 +1,119 @@
+"""stepper: the generated DOP853 takes the steps of scipy's, and ends where it does."""
+
+import math
+
+import numpy as np
+import pytest
+
+from geomtorsion.curves import geodesic
+from geomtorsion.errors import LimitError
+from geomtorsion.geometry import levi_civita
+from geomtorsion.ode import ODE, RungeKutta
+from geomtorsion.ode.engines.float_run import float_run
+from geomtorsion.ode.engines.scipy_run import scipy_run
+from geomtorsion.spaces import load
+
+MOST = 10**7
+
+
+def posed(name):
+    """A system with its start and the values of its parameters."""
+    if name == "top":
+        problem = geodesic(
+            load("so3").frame, [0.3, 1.0, 0.2], frame_velocity=[0.9, 0.4, 0.7], metric=[1.1, 2.2, 3]
+        )
+    elif name == "angles":
+        problem = geodesic(
+            load("so3").frame, [0.3, 1.0, 0.2], frame_velocity=[0.9, 0.4, 0.7], metric=[1.1, 2.2, 3]
+        ).with_charts("so3")
+    else:
+        problem = geodesic(
+            levi_civita(load("kerr").frame),
+            [0, 8.0, 1.4, 0],
+            frame_velocity=[1.2, 0.05, 0.2, 0.6],
+            parameters={"M": 1, "a": 0.6},
+        )
+    stage = problem.first_stage(53, 0.0)
+    return problem.equations(stage.label).system, stage.start, stage.parameters
+
+
+@pytest.mark.parametrize("name", ["top", "angles", "kerr"])
+@pytest.mark.parametrize("tolerance", [1e-5, 1e-9, 1e-13])
+@pytest.mark.parametrize("t", [20.0, -20.0])
+def test_the_steps_are_those_of_scipy(name, tolerance, t):
+    """As many steps and evaluations, up to rounding the same states, samples between steps too."""
+    system, start, values = posed(name)
+    times = np.linspace(0.0, t, 33)
+    one = float_run(MOST, system.unguarded, start, values, times, tolerance, False)
+    two = scipy_run("DOP853", MOST, system.unguarded, start, values, times, tolerance, False)
+    assert one.outcome == two.outcome == "done"
+    # scipy counts evaluations: those of the first step and of dense output besides.
+    assert 12 * one.steps <= one.evaluations <= two.evaluations
+    assert two.evaluations <= one.evaluations + 3 * 33 + 4
+    assert one.states == pytest.approx(two.states, rel=1e-9, abs=1e-11)
+    assert one.last == pytest.approx(one.states[-1], rel=1e-15)
+
+
+def test_edges_stop_where_scipy_stops():
+    """The time at which an edge is crossed, to rounding."""
+    system, start, values = posed("angles")
+    times = np.linspace(0.0, 40.0, 9)
+    one = float_run(MOST, system, start, values, times, 1e-10, False)
+    two = scipy_run("DOP853", MOST, system, start, values, times, 1e-10, False)
+    assert one.outcome == two.outcome == "edge"
+    assert one.reached == pytest.approx(two.reached, abs=1e-12)
+    assert one.last == pytest.approx(two.last, abs=1e-11)
+    assert len(one.times) == len(two.times)
+
+
+@pytest.mark.parametrize("t", [3.0, -3.0])
+def test_dense_output(t):
+    """Between samples to order 7, forwards and backwards, against the exponential."""
+    system = ODE.of({"x": "-x", "y": "2*y"}, [1, 1]).system
+    times = np.array([0.0, t])
+    run = float_run(MOST, system, [1.0, 1.0], [], times, 1e-12, True)
+    assert run.dense is not None
+    between = np.linspace(0.0, t, 101)
+    exact = np.stack([np.exp(-between), np.exp(2 * between)], axis=1)
+    assert run.dense(between) == pytest.approx(exact, rel=1e-9, abs=1e-11)
+
+
+def test_errors_fall_with_the_eighth_power():
+    """Without error control, by steps of a fixed length: an order claimed is an order measured."""
+    system = ODE.of({"x": "y", "y": "-x"}, [1, 0]).system
+    from geomtorsion.ode.engines.stepper import Steps
+
+    errors = []
+    for count in (4, 8, 16):
+        walk = Steps(system, [], [1.0, 0.0], (0.0, 8.0), 10.0, [1.0, 1.0], 8 / count, MOST)
+        while walk.time != 8.0:
+            # Every step is as long as it may be.
+            walk._size = 8 / count
+            assert walk.advance() is not None
+        errors.append(math.hypot(walk.state[0] - math.cos(8), walk.state[1] + math.sin(8)))
+    assert math.log2(errors[0] / errors[1]) == pytest.approx(8, abs=1.0)
+    assert math.log2(errors[1] / errors[2]) == pytest.approx(8, abs=0.6)
+
+
+def test_where_rates_end():
+    """A singularity on the way is told apart, with the place; too many steps are an error."""
+    blowing = ODE.of({"x": "x**2"}, [1]).system
+    run = float_run(MOST, blowing, [1.0], [], np.array([0.0, 0.5, 2.0]), 1e-9, False)
+    assert run.outcome == "stuck"
+    assert run.reached == pytest.approx(1.0, abs=1e-6)
+    assert run.times.tolist() == [0.0, 0.5]
+    assert run.states[1, 0] == pytest.approx(2.0, rel=1e-7)
+    fast = ODE.of({"x": "1000*y", "y": "-1000*x"}, [1, 0])
+    with pytest.raises(LimitError, match="more than 30000 evaluations"):
+        float_run(
+            30_000, fast.system, [1.0, 0.0], fast.run_numbers({}), np.array([0.0, 1e3]), 1e-9, False
+        )
+
+
+def test_large_systems_are_left_to_scipy():
+    """Thirty oscillators in a row; the answer is the same."""
+    names = [f"x{k}" for k in range(30)]
+    rates = {name: f"-{k + 1}*{name}/30" for k, name in enumerate(names)}
+    row = ODE.of(rates, [1] * 30)
+    run = RungeKutta().run(row.system, [1.0] * 30, row.run_numbers({}), np.array([0.0, 1.0]), 1e-10)
+    assert run.states[-1] == pytest.approx(np.exp(-(np.arange(30) + 1) / 30), rel=1e-9)
