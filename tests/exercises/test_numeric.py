@@ -1,0 +1,46 @@
+"""Numeric: values at points, in floats and in many digits."""
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+
+from geomtorsion.exercises.answers import expression
+from geomtorsion.exercises.domain import Domain
+from geomtorsion.exercises.numeric import at_point, at_points
+from geomtorsion.exercises.question import (
+    Question,
+)
+
+x, y = sp.symbols("x y", real=True)
+
+
+def question(kind="expression", **more) -> Question:
+    """A question whose answer is x."""
+    return Question("q", kind, "?", lambda: more.pop("right", x), Domain((x, y)), **more)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["sin(x)*exp(y)/(2 + cos(x))", "sqrt(2 + x)", "atan2(x, y)", "acot(x)", "sec(x)*csc(y)",
+     "log(3 + x, 2)", "asinh(x) + acosh(2 + y) + atanh(y/3)", "sech(x)*csch(y)", "pi*E*coth(x)",
+     "x^(1/3)"],
+)  # fmt: skip
+def test_values_agree_with_sympy(text):
+    """Floats at many points and many digits at one, against sympy's own evaluation."""
+    expr = expression(question(), text, "q")
+    point = {x: sp.Rational(3, 7), y: sp.Rational(5, 9)}
+    exact = complex(expr.subs(point).evalf(40))
+    arrays = {symbol: np.array([float(value)]) for symbol, value in point.items()}
+    assert complex(at_points(expr, arrays)[0]) == pytest.approx(exact, rel=1e-13)
+    many = at_point(expr, point)
+    assert many is not None
+    want = mpmath.mpmathify(expr.subs(point).evalf(60))
+    assert abs(many - want) < mpmath.mpf(10) ** -55 * (1 + abs(want))
+
+
+def test_no_value_is_none():
+    """Poles and numbers beyond all size have no value; neither takes time or memory."""
+    assert at_point(1 / (x - y), {x: sp.Integer(1), y: sp.Integer(1)}) is None
+    assert at_point(sp.exp(sp.exp(sp.exp(x))), {x: sp.Integer(30)}) is None
+    assert np.isnan(np.real(at_points(1 / x - 1 / x**2, {x: np.array([0.0])}))).all()
