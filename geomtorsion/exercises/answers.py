@@ -49,6 +49,7 @@ def expression(question: Question, given: object, where: str) -> sympy.Expr:
             f"{where}: {len(given):,} characters; the limit is {ANSWER.characters:,}. "
             "Write it shorter."
         )
+    # Decimals become fractions first: the parser of exact expressions refuses them.
     text = plain_name(rational(given))
     check_constants(text, question.domain.names, where, ANSWER)
     try:
@@ -216,6 +217,7 @@ def _listed(text: str, where: str) -> list[object]:
     stack: list[list] = [[]]
     word, depth = "", 0
     for sign in text:
+        # No tensor here has more indices; deeper lists are written to exhaust the reader.
         if sign == "[":
             if len(stack) > 6:
                 raise LimitError(f"{where}: more than 6 lists inside one another. Flatten it.")

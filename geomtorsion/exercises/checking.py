@@ -94,6 +94,7 @@ def _check_number(question: Question, value: Value) -> QuestionVerdict:
     away = deviation(question, value, question.solution)
     if away <= 1:
         return _right(question)
+    # A recognised mistake goes before "rounded too early": it says more.
     found = [m for m in question.mistakes if deviation(question, value, m.value) <= 1]
     said = _diagnosed(question, found)
     if said is not None:

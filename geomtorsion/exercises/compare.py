@@ -52,6 +52,7 @@ def compare(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> str:
     ['partly', 'equal']
     """
     one, two = expression(one), expression(two)
+    # Nearly all right answers are written like the solution, or become so when they are read.
     if one == two:
         return EQUAL
     near, largest = _near(domain, one, two)

@@ -51,6 +51,7 @@ def equations(question: Question, given: object, where: str) -> dict[Index, symp
             f"{where}: {len(unknowns)} equations were needed, for {', '.join(question.unknowns)}, "
             f"but {len(residuals)} came."
         )
+    # Solved rates need no elimination, which multiplies out.
     explicit = _explicit(residuals, unknowns)
     return explicit or _solved(wide.domain, residuals, unknowns, where)
 

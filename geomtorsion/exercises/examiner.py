@@ -9,6 +9,7 @@ from geomtorsion.exercises.registry import load
 from geomtorsion.exercises.verdict import QuestionVerdict, Verdict
 from geomtorsion.exercises.worker_pool import EXCEEDED, STARTING, Json, WorkerPool
 
+# Far more than a right answer takes.
 SECONDS = 10.0
 
 

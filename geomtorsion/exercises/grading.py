@@ -116,6 +116,7 @@ def grade(
     FileFormatError
         The folder holds no TOML file, or the output cannot be written.
     """
+    # Sorted: the same folder gives the same table on every system.
     files = sorted(path for path in Path(folder).iterdir() if path.suffix == ".toml")
     if not files:
         raise FileFormatError(
@@ -138,6 +139,7 @@ def grade(
                 kept += old is not None
                 mark = old or _mark(path, read[path], found, seed, examiner, fingerprint).row(found)
                 rows.append(mark)
+                # Written after each student, so that an interruption costs at most one.
                 if old is None:
                     _write(table, rows, found)
         finally:

@@ -81,6 +81,7 @@ def check_weight(expr: sympy.Expr, where: str, largest: int = MOST.terms) -> Non
         raise LimitError(
             f"{where}: it contains more than {MOST.roots} different roots. Write it shorter."
         )
+    # Counted, not expanded: expanding is what has to be avoided.
     above, below = _weight(expr, {})
     if above * below > largest:
         raise LimitError(

@@ -139,6 +139,7 @@ def _value(
     known: dict[sympy.Expr, Number],
 ) -> Number:
     """The value of an expression; equal parts are computed once."""
+    # Answers repeat their parts; without this, nested ones take a time that doubles with depth.
     if expr in known:
         return known[expr]
     if expr.is_Symbol:

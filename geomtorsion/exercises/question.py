@@ -182,6 +182,7 @@ def scaled(value: object, factor: sympy.Expr | float) -> Value:
 def permuted(value: Value, shape: tuple[int, ...]) -> Iterator[Value]:
     """The components with their indices in every other order."""
     rank = len(shape)
+    # Indices of different ranges cannot be exchanged.
     if rank < 2 or len(set(shape)) > 1:
         return
     for order in permutations(range(rank)):

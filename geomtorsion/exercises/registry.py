@@ -117,6 +117,7 @@ def load(number: str, seed: int = 0) -> Exercise:
     )
 
 
+# A class has a few variants of each exercise; solving one anew costs time.
 @lru_cache(maxsize=512)
 def _loaded(number: str, module: str, title: str, level: str, seed: int) -> Exercise:
     """An exercise, kept: what was computed for one student serves the next."""

@@ -274,6 +274,7 @@ def main(function: str) -> None:
     limit_memory()
     threading.Thread(target=_end_with_parent, daemon=True).start()
     replies = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    # A library that prints would otherwise write into the middle of a reply.
     os.dup2(2, 1)
     requests = os.fdopen(os.dup(0), encoding="utf-8")
     module, _, name = function.partition(":")

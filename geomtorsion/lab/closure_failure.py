@@ -58,6 +58,7 @@ def closure_failure(
     b = burgers_vector(frame, loop, ACCURACY, parameters=values)
     expected = density(frame, b, first, second)
     names = [greek_name(symbol.name) for symbol in frame.coordinates]
+    # Enough points for a smooth curve at 520 pixels, few enough to send with each move of a slider.
     drawn = hodograph(b, 160)
     return {
         "pictures": [_path(drawn, names, first, second), _image(drawn, b)],

@@ -222,4 +222,5 @@ def exercises() -> str:
 
 def _nameless(html: str) -> str:
     """The same without the names of its parts, for pages on which it stands several times."""
+    # An id may stand once on a page.
     return re.sub(r' id="[a-z-]+"', "", html)

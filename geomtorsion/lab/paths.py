@@ -53,6 +53,7 @@ def paths(
         space_of(space),
         frame_velocity=[float(x) for x in velocity],
         t=float(t),
+        # JSON has whole numbers where a slider stands on one; the solver wants floats.
         moments=None if moments is None else [float(x) for x in moments],
         accuracy=PAGE.accuracy,
         samples=PAGE.samples,

@@ -188,6 +188,7 @@ def _read(
 
 def _cards(frame: Frame, show: Sequence[str]) -> str:
     """Everything asked for, by section."""
+    # Sections are made of spaces; a typed frame becomes one without story or source.
     space = Space("your tetrad", "your tetrad", "", "", frame)
     chosen = chosen_quantities(space, [name for name in OFFERED if name in show] or USUAL)
     parts = []

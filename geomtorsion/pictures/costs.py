@@ -100,6 +100,7 @@ def work_precision_picture(table: Table) -> Figure:
         axes.plot(asked, total, linestyle="", marker="|", color=stroke.color, alpha=0.6)
     axes.set_xscale("log")
     axes.set_yscale("log")
+    # Better is further right, as in work-precision diagrams of the field.
     axes.invert_xaxis()
     axes.set_xlabel(f"error, relative, against {table.truth}")
     axes.set_ylabel("time in ms")

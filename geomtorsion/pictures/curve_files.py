@@ -82,6 +82,7 @@ def write_curves(
             progress(f"drawing {name}")
             figures[f"{name}.{form}"] = draw(pair)
     facts = metadata(pair) | {"table": "curve.csv", "pictures": list(figures)}
+    # From here on nothing can fail but the disk.
     directory.mkdir(parents=True, exist_ok=True)
     written = [directory / "curve.csv", directory / "curve.json"]
     with written[0].open("w", encoding="utf-8", newline="") as file:

@@ -118,6 +118,7 @@ class _Reader:
     def argument(self) -> Node:
         """A group in braces, or the one thing that follows: of a number its first digit."""
         token = self.peek()
+        # \tfrac12 means one half, as in LaTeX.
         if token[:1].isdigit() and len(token) > 1:
             self.tokens[self.place : self.place + 1] = [token[0], token[1:]]
         return self.one()
@@ -169,6 +170,7 @@ class _Reader:
 
     def verbatim(self) -> str:
         """The text in braces as it stands."""
+        # Words keep their blanks, which the reader skips elsewhere.
         if self.next() != "{":
             raise self.error("a brace was needed")
         found = ""

@@ -125,6 +125,7 @@ class _Printer(LatexPrinter):
         name = type(expr).__name__
         if isinstance(expr, AppliedUndef):
             return rf"{latex_name(name)}\left({inner}\right){power}"
+        # In physics log is that of base ten to many readers; ln is no question.
         name = {"log": "ln"}.get(name, re.sub("^a(?=sin|cos|tan)", "arc", name))
         head = rf"\{name}" if name in _NAMED else rf"\operatorname{{{name}}}"
         simple = len(expr.args) == 1 and (expr.args[0].is_Symbol or expr.args[0].is_Integer)
@@ -139,6 +140,7 @@ class _Printer(LatexPrinter):
         name = latex_name(function.func.__name__)
         inner = ", ".join(self._print(argument) for argument in function.args)
         count = int(expr.derivative_count)
+        # Primes would not say by which of several arguments.
         if len(function.args) > 1:
             by = " ".join(self._print(v) for v, n in expr.variable_count for _ in range(int(n)))
             name = rf"\partial_{{{by}}} {name}"

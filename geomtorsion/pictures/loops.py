@@ -71,6 +71,7 @@ def _axes(figure: Figure, place: int, points: np.ndarray) -> Axes:
         axes.set_box_aspect(None, zoom=0.82)
         return axes
     axes = figure.add_subplot(place)
+    # A circle has to look like one: only so is the gap seen in its true size.
     axes.set_aspect("equal", adjustable="datalim")
     quiet(axes)
     return axes

@@ -159,6 +159,7 @@ def _places(
     """Where the nodes are drawn."""
     import networkx as nx
 
+    # A layout is made up only where no node has a place: half of each would mislead.
     given = positions or dict(net.graph.nodes(data="position"))
     if all(place is None for place in given.values()):
         layout = nx.kamada_kawai_layout(nx.Graph(net.graph))

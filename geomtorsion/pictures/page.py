@@ -162,6 +162,7 @@ def _branches(space: Space) -> str:
 
 def _prose(text: str) -> str:
     """A sentence as HTML, with Greek letters for their names and indices and powers in place."""
+    # Escaped first: what is put in afterwards is our own markup.
     lowered = re.sub(r"\b(\w)_(\w+)", r"\1<sub>\2</sub>", escape(greek_words(text)))
     return re.sub(r"\^(-?\w+)", r"<sup>\1</sup>", lowered)
 

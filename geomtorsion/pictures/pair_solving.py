@@ -18,6 +18,7 @@ from geomtorsion.spaces.first_motions import first_motion
 if TYPE_CHECKING:
     from geomtorsion.spaces.space import Space
 
+# Smooth to the eye at the width of a page, and a table that can still be read.
 SAMPLES = 401
 ACCURACY = 1e-10
 
@@ -99,6 +100,7 @@ def pair_problems(
     >>> list(problems), chosen, last
     (['autoparallel', 'geodesic'], ('start', 'velocity', 'parameters'), 3.0)
     """
+    # What is missing is chosen by the space itself, so that every space shows something.
     refuse_unknown_functions(space)
     first = first_motion(space.frame)
     given = {"start": start, "velocity": velocity or frame_velocity, "t": t}

@@ -93,6 +93,7 @@ def chosen_quantities(
         else:
             tensor = space.frame.quantity(entry.name)
         quantity = Quantity(entry, _in_basis(tensor, basis))
+        # Computed now, so that progress hears of each quantity before the time that it takes.
         _ = quantity.independent
         found.append(quantity)
     return found

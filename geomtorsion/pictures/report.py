@@ -51,6 +51,7 @@ def write_report(
         title: [{"name": v.name, "holds": v.holds, "detail": v.detail} for v in found]
         for title, found in checked.items()
     }
+    # From here on nothing can fail but the disk.
     target = Path(directory)
     target.mkdir(parents=True, exist_ok=True)
     (target / "geometry.json").write_text(json.dumps(data, indent=2) + "\n", "utf-8")

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 # Enough for the eye; `geomtorsion curve` gives more.
 ACCURACY = 1e-8
+# Large enough for a gap that is seen, small enough to stay within a chart.
 RADIUS = 0.25
 NO_PICTURES = (
     '<p class="note">Pictures need matplotlib: <code>pip install geomtorsion[plots]</code>.</p>'

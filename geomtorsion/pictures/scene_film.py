@@ -114,6 +114,7 @@ def write_film(
     axes: Axes3D = figure.add_axes((0.0, 0.02, 1.0, 0.9), projection="3d")
     scene = _Stage(axes, turn, positions, np.asarray(sides, dtype=float))
     label = figure.text(0.5, 0.955, "", ha="center", fontsize=11)
+    # Written aside and moved into place: a film that is interrupted leaves no broken file.
     partial = path.with_name(f".{path.name}{path.suffix}")
     try:
         with writer.saving(figure, str(partial), dpi=100):

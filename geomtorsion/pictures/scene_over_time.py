@@ -101,6 +101,7 @@ def _panel(
     change = float(np.ptp(finite)) if finite.size else 0.0
     if flat.shape[1] == 1 and change <= STILL * size:
         value = float(finite[0])
+        # An axis fitted to rounding would show it as large waves.
         half = 0.5 * abs(value) or 1.0
         axes.set_ylim(value - half, value + half)
         axes.text(

@@ -59,6 +59,7 @@ def sweep_picture(
         quiet(axes)
     else:
         (name, first), (other, second) = varied
+        # cividis reads the same with every colour vision and in grey.
         mesh = axes.pcolormesh(first, second, values.T, cmap="cividis", shading="nearest")
         figure.colorbar(mesh, ax=axes, label=measured[0])
         _scaled(axes.set_xscale, np.asarray(first, dtype=float))

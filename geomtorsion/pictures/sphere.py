@@ -28,6 +28,7 @@ def globe(axes: Axes3D, radius: float, facing: np.ndarray, elevation: float = 22
     for theta in np.arange(1, STYLE.parallels + 1) * np.pi / (STYLE.parallels + 1):
         ring = [np.sin(theta) * np.cos(turn), np.sin(theta) * np.sin(turn)]
         _ring(axes, radius * np.array([*ring, np.full_like(turn, np.cos(theta))]).T, viewer)
+    # The edge of the ball as it is seen: a circle square to the line of sight.
     across = np.cross(viewer, [0, 0, 1])
     across /= np.linalg.norm(across)
     edge = np.outer(np.cos(turn), across) + np.outer(np.sin(turn), np.cross(viewer, across))

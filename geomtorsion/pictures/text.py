@@ -20,6 +20,7 @@ GREEK: dict[str, str] = dict(zip(_LETTERS, "αβγδεζηθικλμνξοπρσ
 GREEK |= {name.capitalize(): letter.upper() for name, letter in GREEK.items()}
 GREEK |= {"varphi": "φ", "vartheta": "ϑ", "ell": "ℓ"}
 _NAME = re.compile(r"([A-Za-z]+?)_?([0-9]*)")
+# Nobody counts four primes.
 MOST_PRIMES = 3
 
 
@@ -110,6 +111,7 @@ class _Printer(StrPrinter):
     def _as_ordered_terms(self, expr: sympy.Add, order: object = None) -> list[sympy.Expr]:
         return ordered_terms(expr)
 
+    # sympy writes r**(-2); a person writes 1/r^2.
     def _print_Pow(self, expr: sympy.Expr, rational: bool = False) -> str:
         base, exponent = expr.args
         if exponent.is_Integer and exponent < -1:

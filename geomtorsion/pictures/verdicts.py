@@ -71,6 +71,7 @@ def verdicts(
 
 
 def _of_identity(identity: IdentityCheck, *, own: bool) -> Verdict:
+    # A connection with nonmetricity is no mistake: metricity is a property there.
     required = not (own and identity.name in PROPERTIES)
     detail = f"{identity.checked} component{'s' * (identity.checked != 1)}"
     if identity.worst is not None:
