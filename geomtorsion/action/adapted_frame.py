@@ -92,6 +92,7 @@ def _reframed(frame: Frame, coframe: Mapping[tuple[int, int], Element]) -> Frame
     """Another coframe over the same coordinates, in the same field."""
     entries = {index: value for index, value in coframe.items() if not value.is_zero}
     opened = Opened(frame.coordinates, frame.parameters, frame.domain, frame.complex, frame.field)
+    # A frame of its own field would not know the symbols of the velocities.
     adapted: Frame = object.__new__(Frame)
     adapted.fill(opened, frame.name, {"coframe": entries, "eta": dict(frame.given["eta"])})
     return adapted
@@ -137,6 +138,7 @@ def _pivots(bundle: TangentBundle, rows: Sequence[Row], names: Sequence[str]) ->
                 f"{name} follows from the constraints before it, or contradicts them. Leave it "
                 "out: each constraint must take away one velocity."
             )
+        # A pivot that may vanish would end the adapted frame where the given one goes on.
         place = min(reduced, key=lambda i: (_rank(bundle, reduced[i]), -i))
         scale = reduced[place].inverse()
         done.append((place, {i: value * scale for i, value in reduced.items()}))

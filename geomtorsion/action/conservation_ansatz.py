@@ -88,6 +88,7 @@ def momenta(hamel: Hamel, frame: Frame, base: Frame) -> Iterator[Candidate]:
         yield _along(hamel, f"body momentum {i + 1}", {i: exact.one})
     for number, row in enumerate(killing_ansatz.right_invariant(frame) or (), 1):
         components = exact.read_all([("field", value) for value in row])
+        # The fields are found in the frame that was given; the momenta are those of the other.
         if adapted is not base:
             components = _turned(components, base, adapted)
         yield _along(hamel, f"space momentum {number}", dict(enumerate(components)))

@@ -61,6 +61,7 @@ class Hamel:
         """A_kj^i u^j p_i for each k."""
         field = self.bundle.field
         terms: list[list] = [[] for _ in range(self.bundle.dimension)]
+        # Sums over all velocities: a fixed one may still drive the others.
         for (k, j, i), value in self.coefficients.items():
             terms[k].append((1, value, self.velocities[j], self.momenta[i]))
         return tuple(field.sum(row) for row in terms)

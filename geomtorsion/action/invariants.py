@@ -37,6 +37,7 @@ class _Found:
             return False
         known = list(self.kept.values())
         if squares:
+            # L.L of a body is no news where each component of L is kept.
             inside = set(self.hamel.bundle.frame.coordinates)
             known += [x * x for x in known if not x.symbols & inside]
         if not (
@@ -75,6 +76,7 @@ def conserved(hamel: Hamel, frame: Frame, base: Frame) -> dict[str, sp.Expr]:
         found.add(one)
     rest = [one for one in conservation_ansatz.momenta(hamel, frame, base) if not found.add(one)]
     _combine(found, rest, "momentum")
+    # On a group the fields are known; elsewhere a few functions are tried, which costs seconds.
     if killing_ansatz.right_invariant(frame) is None:
         _combine(found, conservation_ansatz.ansatz(hamel), "killing")
     for one in conservation_ansatz.casimirs(hamel):

@@ -66,6 +66,7 @@ class Components:
             if value is not None and sign < 0:
                 value = -value
         elif "independent" in self.__dict__:
+            # All representatives are known by now: what is missing vanishes.
             value = self.independent.get(index)
         else:
             value = self._rule(index)
@@ -78,6 +79,7 @@ class Components:
     def independent(self) -> dict[Index, Element]:
         """The non-vanishing components at representative indices."""
         if self._bulk is not None:
+            # What was asked for before is not computed again.
             found = {i: v for i, v in self._known.items() if v is not None and self._is_own(i)}
             found.update((i, v) for i, v in self._bulk().items() if not v.is_zero)
             self._known.update(found)
@@ -145,6 +147,7 @@ class Components:
 
 def total(field: Field, terms: list) -> Element | None:
     """Sum of products, or None if there is nothing to add."""
+    # A single element needs no new common denominator.
     if len(terms) == 1 and len(terms[0]) == 2 and terms[0][0] == 1:
         return terms[0][1]
     return field.sum(terms) if terms else None
@@ -224,6 +227,7 @@ def _matches(
     factors: tuple[Components, ...], groups: tuple[str, ...]
 ) -> Iterator[tuple[dict[str, int], tuple[Element, ...]]]:
     """All products of non-vanishing components whose letters agree, with the letters' values."""
+    # The second factor is sorted by its shared letters: zeros are then never met.
     shared = sorted(set(groups[0]) & set(groups[-1])) if len(groups) == 2 else []
     table: dict[Index, list[tuple[dict[str, int], tuple[Element, ...]]]] = defaultdict(list)
     if len(groups) == 2:

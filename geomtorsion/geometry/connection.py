@@ -60,6 +60,7 @@ class Connection:
     @cached_property
     def torsion(self) -> Torsion:
         """Torsion and its parts."""
+        # A torsion is made of a connection, so that the two files import each other.
         from geomtorsion.geometry.torsion import Torsion
 
         return Torsion(self)
@@ -67,6 +68,7 @@ class Connection:
     @cached_property
     def curvature(self) -> Curvature:
         """Curvature and its traces."""
+        # A curvature is made of a connection, so that the two files import each other.
         from geomtorsion.geometry.curvature import Curvature
 
         return Curvature(self)
@@ -142,6 +144,7 @@ class Connection:
         def rule(index: Index) -> Element | None:
             a, b, j = index
             pairs = [(coefficients((a, b, m)), leg) for m, leg in forms.rows[j]]
+            # One sum for all: the field brings its terms over one denominator only once.
             terms: list = [(1, value, leg) for value, leg in pairs if value is not None]
             change = derivative((a, j, b))
             if change is not None:

@@ -1,4 +1,4 @@
-"""Connections: the makers of connections over a frame."""
+"""Connections: how they are made over a frame."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Makers: frames from legs, from a metric, from structure constants."""
+"""Constructors: frames from legs, from a metric, from structure constants."""
 
 from __future__ import annotations
 

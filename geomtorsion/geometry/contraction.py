@@ -56,6 +56,7 @@ def contract(letters: str, *tensors: Tensor) -> Tensor:
     field = frame.field
     current, current_letters = tensors[0].components, groups[0]
     for position in range(1, len(groups)):
+        # Letters that nobody needs later are summed at once: the arrays stay small.
         later = set("".join(groups[position + 1 :])) | set(wanted)
         merged = _free(current_letters + groups[position], later)
         if position == len(groups) - 1:

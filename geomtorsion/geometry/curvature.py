@@ -91,6 +91,7 @@ class Curvature:
 
         def rule(index: Index) -> Element | None:
             j, i = index
+            # The lower Riemann tensor has all its symmetries, so that fewer components are needed.
             if not riemannian:
                 parts = [mixed((m, j, i, m)) for m in range(n)]
                 return total(frame.field, [(1, x) for x in parts if x is not None])

@@ -220,12 +220,14 @@ class Frame:
         >>> frame.quantity("scalar_curvature")[()]
         2
         """
+        # The table of quantities is made of frames, so that the two files import each other.
         from geomtorsion.geometry.quantities import quantity
 
         return quantity(self, name)
 
     def plan(self, name: str) -> DependencyGraph:
         """What would be computed for a named quantity, in order, and what is left out."""
+        # See quantity.
         from geomtorsion.geometry.quantities import DependencyGraph
 
         return DependencyGraph(self, name)

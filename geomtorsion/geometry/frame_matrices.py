@@ -1,4 +1,4 @@
-"""Bases: the matrices between coordinates and frame, each by its cheaper route."""
+"""Frame matrices: from coordinates to the frame and back, each by its cheaper route."""
 
 from __future__ import annotations
 
@@ -108,6 +108,7 @@ def parallel_rows(frame: Frame) -> ParallelRows:
         n, rows, squares = frame.dimension, frame.given["rows"], frame.given["squares"]
         lowered = {(i, a): value * squares[i, i] for (i, a), value in rows.items()}
         duals = _raised(frame, Components.known(2, n, lowered))
+        # d_a(f r) / f = d_a r + (d_a f / f) r, and d_a f / f is half that of q = f**2: no root.
         halves = [squares[i, i].inverse() * HALF for i in range(n)]
 
         def rule(index: Index) -> Element | None:
@@ -194,6 +195,7 @@ def volume(frame: Frame) -> Element:
     """det e * sqrt|det eta|; real for a null tetrad, whose determinant is imaginary."""
     eta = determinant(frame.field, frame.given["eta"], frame.dimension)
     det = frame.determinant.element()
+    # The legs of a null tetrad come in conjugate pairs, which makes the determinant imaginary.
     if frame.complex and det.conjugate() == -det:
         det = det * frame.field.imaginary
     size = eta if eta.sympy.is_positive else -eta

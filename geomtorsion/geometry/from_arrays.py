@@ -1,4 +1,4 @@
-"""Nested: tensors from nested lists of expressions."""
+"""From arrays: tensors from nested lists and arrays of expressions."""
 
 from __future__ import annotations
 

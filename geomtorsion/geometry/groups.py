@@ -110,6 +110,7 @@ def exponential(matrix: sp.Matrix, x: sp.Symbol) -> sp.Matrix:
         result += _projector(semisimple, factor, factors, variable) * _block(
             semisimple, factor, variable, x
         )
+    # The series of a nilpotent matrix ends after at most n terms.
     series, k = sp.eye(n), 1
     while True:
         power = (power * nilpotent / k).applyfunc(sp.cancel)
@@ -131,6 +132,7 @@ def _value(polynomial: sp.Poly, matrix: sp.Matrix) -> sp.Matrix:
 
 def _semisimple(matrix: sp.Matrix, factors: list[sp.Poly], z: sp.Symbol) -> sp.Matrix:
     """The semisimple part: Newton's iteration for the root of the square-free polynomial."""
+    # Each step doubles the power of the nilpotent part that is right: it ends, and is exact.
     radical = sp.Poly(1, z, domain=factors[0].domain)
     for factor in factors:
         radical = radical * factor
@@ -170,6 +172,7 @@ def _block(matrix: sp.Matrix, factor: sp.Poly, z: sp.Symbol, x: sp.Symbol) -> sp
     middle = sp.cancel(-coefficients[1] / 2)
     discriminant = sp.cancel(middle**2 - coefficients[2])
     rest = matrix - middle * one
+    # Where the sign of the discriminant is open, cosh and sinh hold for either.
     if discriminant.is_negative:
         rate = sp.sqrt(-discriminant)
         even, odd = sp.cos(rate * x), sp.sin(rate * x) / rate

@@ -40,6 +40,7 @@ def _minors(
     field: Field, entries: Entries, rows: Sequence[int], columns: Sequence[int]
 ) -> dict[int, Element]:
     """Minors of all given rows, by the bit mask of their columns (Laplace, row by row)."""
+    # Minors of the first rows are shared by all that follow: 2^n products, not n!.
     minors = {0: field.one}
     for row in rows:
         collected: dict[int, list] = defaultdict(list)
@@ -93,6 +94,7 @@ def inverse(field: Field, entries: Entries, n: int) -> dict[tuple[int, int], Ele
             for mask, minor in _minors(field, entries, others, columns).items():
                 c = (everything ^ mask).bit_length() - 1
                 cofactors[row, columns[c]] = -minor if (r + c) % 2 else minor
+        # The determinant along the first row costs nothing more: its cofactors are there.
         first = rows[0]
         det = field.sum(
             [

@@ -1,4 +1,4 @@
-"""Squares: an orthonormal coframe of a metric by completing squares (Lagrange, LDL)."""
+"""Orthonormalize: an orthonormal coframe of a metric by completing squares (Lagrange, LDL)."""
 
 from __future__ import annotations
 
@@ -69,6 +69,7 @@ def _direction(field: Field, rest: Entries, n: int) -> tuple[int, ...] | None:
     diagonal = [i for i in range(n) if (i, i) in rest]
     if diagonal:
         return (min(diagonal, key=lambda i: (len(_row(rest, i, n)), i)),)
+    # Of a null metric no coordinate vector has length; the sum of two that are not orthogonal has.
     return min(rest, default=None)
 
 
@@ -103,6 +104,7 @@ def _signs(
         )
     usable: list[dict[int, int]] = []
     for number, point in enumerate(points):
+        # A metric whose signs differ within its domain shows it at the first few points.
         if number > 60 or (usable and signature is None):
             break
         signs = _signs_at(forms, point)
@@ -135,6 +137,7 @@ def _signs_at(forms: dict[int, tuple[Element, Row]], point: Point) -> dict[int, 
             value = complex(square.evaluate(with_functions(square, point)))
         except ArithmeticError:
             return None
+        # So near a zero or a pole the sign of a double is rounding.
         if value.imag or not 1e-14 < abs(value.real) < 1e14:
             return None
         signs[place] = 1 if value.real > 0 else -1

@@ -224,6 +224,7 @@ class DependencyGraph:
     @cached_property
     def graph(self) -> nx.DiGraph:
         """Ancestors of the quantity, edges from what is needed to what needs it."""
+        # networkx is slow to load, and few who import geomtorsion need it.
         import networkx as nx
 
         graph = nx.DiGraph()
@@ -240,6 +241,7 @@ class DependencyGraph:
     @cached_property
     def steps(self) -> tuple[Step, ...]:
         """The computation in order, each step after those it needs."""
+        # See graph.
         import networkx as nx
 
         places = {name: place for place, name in enumerate(QUANTITIES)}

@@ -51,6 +51,7 @@ def first_kind(frame: Frame) -> Components:
 
         def rule(index: Index) -> Element | None:
             a, b, c = index
+            # Two of the three terms cancel where the last index is one of the first.
             if a == c:
                 value = derivative((b, a, a))
                 return None if value is None else value * HALF
@@ -109,6 +110,7 @@ def riemann(frame: Frame) -> Tensor:
 
         def rule(index: Index) -> Element | None:
             m, n_, l, k = index  # noqa: E741  (the letters of the formula)
+            # The cyclic identity gives the third of the components with four different indices.
             if m < l < k < n_:
                 one, two = (
                     tensor.components.get((m, l, n_, k)),

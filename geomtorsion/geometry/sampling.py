@@ -63,6 +63,7 @@ def candidate_points(
         return
     several = [relation for relation in relations if len(relation.free_symbols) > 1]
     for number in range(TRIES):
+        # Domains far from the origin are reached by wider and wider ranges.
         stretch = 1 + number // 40
         point = {}
         for k, symbol in enumerate(symbols):
@@ -85,6 +86,7 @@ def regular_point(frame: Frame) -> Point:
             frame.coframe.at(values)
         except ArithmeticError:
             continue
+        # A determinant so small or so large may be rounding; the next point is as good.
         if 1e-12 < size < 1e12:
             return point
     raise CoordinateError(

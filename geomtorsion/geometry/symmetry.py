@@ -101,6 +101,7 @@ def orbits(rank: int, dimension: int, symmetry: Symmetry) -> Orbits:
         sign_of_orbit = 1
         for order, sign in elements:
             image = tuple([index[k] for k in order])
+            # A component that is its own negative vanishes.
             if images.setdefault(image, sign) != sign:
                 sign_of_orbit = 0
         for image, sign in images.items():

@@ -84,6 +84,7 @@ class Tensor:
         if isinstance(self.source, Mapping):
             named = [(f"{self.symbol}{list(i)}", value) for i, value in self.source.items()]
             values = dict(zip(self.source, self.frame.read(named), strict=True))
+            # A component may be given at any index of its orbit; it is kept at one of them.
             probe = Components.known(rank, dimension, {}, symmetry)
             placed: dict[Index, Element] = {}
             for index, value in values.items():
@@ -268,6 +269,7 @@ class Tensor:
 
     def __matmul__(self, other: Tensor) -> Tensor:
         """Sum over the last index of self and the first of other."""
+        # A contraction gives a tensor, so that the two files import each other.
         from geomtorsion.geometry.contraction import contract
 
         if not self.slots or not other.slots:
@@ -387,12 +389,14 @@ def _equal(first: Tensor, second: Tensor) -> bool:
 
 def _evaluated(tensor: Tensor, point: Point) -> np.ndarray:
     """Array of a tensor's components at a point (see Tensor.at)."""
+    # numpy takes 0.09 s to load, which exact work does not need.
     import numpy as np
 
     values = _named_values(tensor, point)
     independent = tensor.components.independent
     n, rank = tensor.frame.dimension, len(tensor.slots)
     result = np.zeros((n,) * rank, dtype=complex if tensor.frame.complex else float)
+    # Components that are equal up to sign are evaluated once.
     numbers = {i: _number(tensor, i, v, values) for i, v in independent.items()}
     for index in tensor.components.support:
         sign, representative = tensor.components.representative(index)

@@ -1,4 +1,4 @@
-"""Intake: what a frame is made from, checked once at the door."""
+"""Validation: what a frame is made from, checked once."""
 
 from __future__ import annotations
 

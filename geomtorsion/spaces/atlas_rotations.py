@@ -8,6 +8,7 @@ import sympy as sp
 
 from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap
 from geomtorsion.geometry import Frame
+from geomtorsion.spaces.registry import load
 
 # Motions leave a chart of angles when the sine in its determinant falls below this.
 MARGIN = 0.25
@@ -113,8 +114,6 @@ def _euler_changes(
 
 def rotations(frame: Frame) -> Atlas:
     """Home angles, a second set of angles whose edge lies elsewhere, and the quaternion."""
-    from geomtorsion.spaces.registry import load
-
     home = frame.name
     second = "so3" if home == "so3_xyz" else "so3_xyz"
     _, _, edge = EULER[home]

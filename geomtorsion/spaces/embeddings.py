@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 import sympy as sp
 
 from geomtorsion.checks import expression
@@ -16,6 +17,7 @@ from geomtorsion.exact import Field
 from geomtorsion.geometry import Frame
 from geomtorsion.spaces.atlas_curvilinear import spherical
 from geomtorsion.spaces.atlas_rotations import EULER, from_angles, rotation
+from geomtorsion.spaces.registry import load
 
 Symbols = tuple[sp.Symbol, ...]
 
@@ -56,8 +58,6 @@ class Embedding:
         return self._many(self._attitude, coordinates, parameters).reshape(-1, 3, 3)
 
     def _many(self, function: Callable[..., Any], points: Any, parameters: Mapping) -> Any:
-        import numpy as np
-
         columns = np.asarray(points, dtype=float).T
         return function(*columns, *(float(parameters[p.name]) for p in self.parameters)).T
 
@@ -87,8 +87,6 @@ def embedding_of(frame: Frame) -> Embedding | None:
     >>> embedding_of(load("heisenberg").frame) is None
     True
     """
-    from geomtorsion.spaces.registry import load
-
     maker = EMBEDDINGS.get(frame.name or "")
     if maker is None:
         return None

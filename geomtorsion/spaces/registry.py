@@ -112,6 +112,7 @@ def load(name: str) -> Space:
     """
     for known, module, title in SPACES:
         if isinstance(name, str) and known == name:
+            # Atlases bring the package of motions, which `import geomtorsion` does not need.
             from geomtorsion.spaces.atlases import attach
 
             return attach(import_module(f"geomtorsion.spaces.{module}").space(name, title))
