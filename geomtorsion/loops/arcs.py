@@ -12,6 +12,7 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion import checks
+from geomtorsion.codegen import graph
 from geomtorsion.errors import LoopError
 
 Vector = tuple[float, ...]
@@ -167,20 +168,20 @@ class Curve:
     def shape(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Offsets and their derivatives by s."""
         low, width = float(self.start), float(self.end - self.start)
-        values = np.empty((2, len(self.expressions), len(s)))
-        for k, value in enumerate(self._function(low + width * s)):
-            values.reshape(-1, len(s))[k] = value
+        values = self._function(low + width * s).reshape(2, len(self.expressions), len(s))
         return values[0], values[1] * width
 
     @cached_property
-    def _function(self) -> Callable[[np.ndarray], Sequence[np.ndarray | float]]:
+    def _function(self) -> Callable[[np.ndarray], np.ndarray]:
         """Offsets and derivatives as a NumPy function.
 
-        Not through `numpy_function`: a field has one basis for all angles, and cos(1000 s) next to
-        cos(s) would become a polynomial of degree 1000 that no floating point can sum.
+        The graph is made of the expressions, not of elements: a field has one basis for all
+        angles, and cos(1000 s) next to cos(s) would become a polynomial of degree 1000 that no
+        floating point can sum.
         """
         derivatives = [expression.diff(self.parameter) for expression in self.expressions]
-        return sp.lambdify(self.parameter, [*self.expressions, *derivatives], "numpy", cse=True)
+        outputs = [*self.expressions, *derivatives]
+        return graph([self.parameter.name], outputs, factor=False).numpy()
 
     def exact(self, s: sp.Symbol) -> tuple[sp.Expr, ...]:
         """The offsets as exact expressions in s."""
