@@ -66,7 +66,8 @@ def solved() -> Any:
 
 def swing(**more: Any) -> Any:
     """An oscillator."""
-    return ode({"x": "v", "v": "-k*x"}, [1, 0], **({"parameters": {"k": 1}} | more))
+    options: dict[str, Any] = {"parameters": {"k": 1}} | more
+    return ode({"x": "v", "v": "-k*x"}, [1, 0], **options)
 
 
 def lines(*rows: Any, **more: Any) -> Any:
