@@ -12,8 +12,7 @@ import sympy as sp
 from scipy.integrate import solve_ivp
 
 from geomtorsion.curves import CurveProblem
-from geomtorsion.ode import Taylor
-from geomtorsion.ode.trajectory import integrate
+from geomtorsion.ode import Taylor, solve
 from tests.benchmarks.motions import SAMPLES, Case, exact
 
 
@@ -92,13 +91,8 @@ def scipy_on_christoffel(case: Case, accuracy: float, limit: float = 20.0) -> fl
         ([float(x) for x in case.problem.start or ()], np.asarray(case.problem.velocity))
     )
     grid = np.linspace(0, case.t, SAMPLES)
-    stage = case.problem.first_stage(64, 0.0)
-    trajectory = integrate(stage, grid * case.problem.time_unit, 1e-18, Taylor(64))
-    truth = np.concatenate([s.states for s in trajectory.segments])[:, :n].astype(float)
-    if trajectory.segments[0].label != case.problem.atlas.home:
-        from geomtorsion.ode import solve
-
-        truth = solve(case.problem.with_charts(case.problem.atlas.home), grid, 1e-12).coordinates
+    home = case.problem.with_charts(case.problem.atlas.home)
+    truth = solve(home, grid, 1e-14, Taylor(64)).coordinates.astype(float)
 
     def rates(_: float, y: Any) -> Any:
         return np.concatenate((y[n:], function(*y)))
