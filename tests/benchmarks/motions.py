@@ -156,7 +156,7 @@ def heavy_ode() -> ODE:
         "n2": "n3*x - n1*z",
         "n3": "n1*y - n2*x",
     }
-    start = dict(zip(names, (*SPIN, *UPRIGHT), strict=True))
+    start: dict[str, float] = dict(zip(names, (*SPIN, *UPRIGHT), strict=True))
     across, _, along = LAGRANGE
     numbers = {"A": across, "C": along, "w": WEIGHT}
     return ODE.of(rates, start, parameters=numbers, name="heavy top")
