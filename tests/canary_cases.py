@@ -113,13 +113,16 @@ def public_functions() -> list[Case]:
             engine=QUICK, velocities=None, frame_velocities=[[1, 0], [1, 0]], check=1,
             progress=None,
         ),
-        _public(
-            "flow", rates={"x": "v", "v": "-k*x"}, start=[1, 0], parameters={"k": 1},
+        _of(
+            "ODE", gt.ODE.of, rates={"x": "v", "v": "-k*x"}, start=[1, 0], parameters={"k": 1},
             invariants={"energy": "v**2 + k*x**2"}, outputs={"twice": "2*x"}, time="t",
-            switches=[(0.25, {"k": 2})], stop="x + 2", blocks=[["x", "v"]], unit=[], name="spring",
+            events=[gt.At(0.25, {"k": 2}), gt.When("x + 2")], norm_groups=[["x", "v"]],
+            normalized=[], name="spring",
         ),
+        _of("At", _switched, time=0.25, changes={"k": 2}),
+        _of("When", _stopped, falls="x + 2"),
         _public(
-            "Taylor", precision=53, optimised=None, max_steps=1000
+            "Taylor", precision=53, max_steps=1000
         ),
         _public("RungeKutta", max_evaluations=10**5),
         _public("Stiff", method="Radau", max_evaluations=10**5),
@@ -303,8 +306,8 @@ def public_methods() -> list[Case]:
             keeps_frame=True,
         ),
         _of(
-            "Change", gt.Change, source="a", target="b", coordinates=(X, Y), expressions=(X, Y),
-            parameters=(), angles=(), sample={X: 1, Y: 1},
+            "TransitionMap", gt.TransitionMap, source="a", target="b", coordinates=(X, Y),
+            expressions=(X, Y), parameters=(), angles=(), sample={X: 1, Y: 1},
         ),
         _of(
             "Chart.redundant", gt.Chart.redundant, name="b", coordinates=[X, Y],
@@ -316,6 +319,16 @@ def public_methods() -> list[Case]:
 def _contracted(letters: Any) -> Any:
     """A contraction of two tensors."""
     return gt.contract(letters, PLANE.metric, VECTOR)
+
+
+def _switched(time: Any, changes: Any) -> Any:
+    """An equation whose parameters change at a time."""
+    return gt.ODE.of({"x": "-k*x"}, [1], parameters={"k": 1}, events=[gt.At(time, changes)])
+
+
+def _stopped(falls: Any) -> Any:
+    """An equation that ends where an expression falls through zero."""
+    return gt.ODE.of({"x": "-x"}, [1], events=[gt.When(falls)])
 
 
 def _metric_at(a: Any, b: Any) -> Any:
@@ -419,8 +432,8 @@ def other_cases() -> list[Case]:
 # Results: what the package makes itself from what was checked. Nobody reads them from outside,
 # except from files, whose readers are tested.
 RESULTS = frozenset(
-    "BurgersMap BurgersVector LogMap CostRow CostTable Development EnclosedDefect "
-    "EquationsOfMotion ExactBurgersVector Ensemble SavedSolution IdentityCheck NodeRule "
-    "SceneCost StateSelection SceneResult Solution Variation Atlas Chart TransitionMap "
-    "CurveProblem DislocationNetwork Engine".split()
+    "BurgersMap BurgersVector CostRow CostTable Development EnclosedDefect Ensemble "
+    "EquationsOfMotion ExactBurgersVector IdentityCheck LogMap NodeRule SavedSolution SceneCost "
+    "SceneResult Solution StateSelection Variation Atlas Chart CurveProblem DislocationNetwork "
+    "Engine".split()
 )

@@ -189,8 +189,9 @@ def test_everything_public_is_tried():
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
-def test_no_argument_is_run(case):
+def test_no_argument_is_run(case, tmp_path, monkeypatch):
     """The payload in every argument, bare and nested: no side effect, and no error of sympy's."""
+    monkeypatch.chdir(tmp_path)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         error, seen = WATCH.during(lambda: case.call(**case.arguments))
@@ -198,6 +199,9 @@ def test_no_argument_is_run(case):
         assert not seen
         for label, arguments in poisoned(case):
             error, seen = WATCH.during(lambda given=arguments: case.call(**given))
+            if "(checkpoint=" in label:
+                # A file of this name is what was asked for.
+                seen = [event for event in seen if "opened for writing" not in event]
             assert not seen, f"{label}: {seen}"
             assert not isinstance(error, sp.SympifyError | SyntaxError), f"{label}: {error!r}"
             if case.name.partition(".")[0].partition(" ")[0] in CHECKED:
