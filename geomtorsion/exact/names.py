@@ -7,9 +7,6 @@ from typing import Any
 
 import sympy
 
-# Those who import it from here are being moved to checks, one by one.
-from geomtorsion.checks import near_names as near_names
-
 _ONE = (1,)
 _CIRCLE = "sin cos tan cot sec csc asin acos atan acot"
 _HYPERBOLA = "sinh cosh tanh coth sech csch asinh acosh atanh exp"
