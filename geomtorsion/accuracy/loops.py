@@ -252,7 +252,6 @@ def _fixed(
     weights: np.ndarray,
 ) -> tuple[Any, int, None]:
     """A rule with fixed nodes and weights on every side."""
-
     compiled = forms(frame, parameters)
     total = np.zeros(frame.dimension)
     for part in loop.parts:
@@ -268,20 +267,17 @@ def _fixed(
 
 def _equal(count: int) -> tuple[np.ndarray, np.ndarray]:
     """The trapezoid rule on a closed curve."""
-
     return np.arange(count) / count, np.full(count, 1 / count)
 
 
 def _gauss(count: int) -> tuple[np.ndarray, np.ndarray]:
     """Gauss and Legendre on (0, 1)."""
-
     x, w = np.polynomial.legendre.leggauss(count)
     return (1 + x) / 2, w / 2
 
 
 def _clenshaw_curtis(count: int) -> tuple[np.ndarray, np.ndarray]:
     """Clenshaw and Curtis on (0, 1), ends included."""
-
     k = np.arange(count)
     angles = np.pi * k / (count - 1)
     moments = np.where(k % 2, 0.0, 2.0 / (1.0 - np.where(k % 2, 0, k) ** 2))

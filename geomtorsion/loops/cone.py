@@ -10,11 +10,16 @@ from geomtorsion.errors import LoopError, SingularPointError
 from geomtorsion.loops.affine_form import AffineForm
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Part, Segment
-from geomtorsion.loops.collocation import collocation, inner_turns
 from geomtorsion.loops.forms import perturbed
 from geomtorsion.loops.integrals import probes
 from geomtorsion.loops.quadrature import ROUNDING, ray_rule
-from geomtorsion.loops.transport import Integrand, Transported, transported
+from geomtorsion.loops.transport import (
+    Integrand,
+    Transported,
+    collocation,
+    inner_turns,
+    transported,
+)
 
 # Gauss points along the rays: pairs that are compared, the next if they disagree.
 LEVELS = ((6, 10), (10, 16), (16, 26))
@@ -33,7 +38,6 @@ def around_cone(form: AffineForm, part: Part, accuracy: float) -> Transported | 
     so that nothing cancels, however small the loop.
 
     """
-
     if part.size * part.size < SMALLEST_AREA:
         return None
     try:

@@ -277,7 +277,6 @@ def charge(
     >>> charge(cartan(frame), axis, loop, {"b": 0.5}).burgers.round(12).tolist()
     [0.0, 0.0, 0.5]
     """
-
     if defect.across is None:
         raise LoopError(f"{defect}: it is no line; no loop winds round it.")
     n = connection.frame.dimension

@@ -13,8 +13,6 @@ from geomtorsion.loops.result import BurgersVector
 
 # Smaller loops are drawn at this size: their deviation from the linear image scales as its square.
 LEAST_SIZE = float(np.finfo(float).eps ** (1 / 3))
-# A gap below a tenth of this share of the picture is magnified to it.
-SHOWN = 0.25
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,8 +33,11 @@ class Hodograph:
     magnified: float
 
 
-def hodograph(b: BurgersVector, points: int = 360) -> Hodograph:
-    """The image of a loop in the frame, with its gap enlarged where it could not be seen."""
+def hodograph(b: BurgersVector, points: int = 360, shown: float = 0.25) -> Hodograph:
+    """The image of a loop in the frame, with its gap enlarged where it could not be seen.
+
+    shown: a gap below a tenth of this share of the picture is magnified to it.
+    """
     loop, compiled = b.loop, forms(b.frame, b.parameters)
     stretches = list(loop.arcs())
     each = max(2, points // len(stretches))
@@ -69,8 +70,8 @@ def hodograph(b: BurgersVector, points: int = 360) -> Hodograph:
     extent = float(np.ptp(straight + curved, axis=1).max()) or 1.0
     gap = float(np.abs(b.reduced).max()) * (b.size if b.power == 2 else 1.0)
     magnified = 1.0
-    if 0 < gap < SHOWN / 10 * extent and not b.vanishes:
-        magnified = float(10.0 ** np.floor(np.log10(SHOWN * extent / gap) + 0.5))
+    if 0 < gap < shown / 10 * extent and not b.vanishes:
+        magnified = float(10.0 ** np.floor(np.log10(shown * extent / gap) + 0.5))
     plain = 1e-3 <= loop.size <= 1e3
     size = loop.size if plain else 1.0
     unit = "" if plain else f"{loop.size:.3g}"

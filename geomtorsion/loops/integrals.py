@@ -10,7 +10,7 @@ import numpy as np
 
 from geomtorsion.errors import SingularPointError
 from geomtorsion.loops.arcs import Arc, Part, at_arcs, shown
-from geomtorsion.loops.chains import ClosedCurve, Shape, pairs_of
+from geomtorsion.loops.chains import Chain, ClosedCurve, Shape, pairs_of
 from geomtorsion.loops.forms import Form, Forms, perturbed
 from geomtorsion.loops.quadrature import (
     MOST_AT_ONCE,
@@ -124,6 +124,58 @@ class Places:
         return self.shares[a] * self.shares[b]
 
 
+@dataclass(frozen=True, eq=False)
+class _Copies:
+    """A form over copies of one shape.
+
+    tensor: its components along the coordinates (or pairs) of the shape, shape (n, c * entries).
+    measures: lengths (or areas) of these at every place, shape (c, k); None: all of them are 1.
+    """
+
+    form: Form
+    places: Places
+    tensor: np.ndarray
+    measures: np.ndarray | None
+
+    def over(
+        self, chains: Sequence[Chain], which: np.ndarray, probed: slice | None = None
+    ) -> tuple[list[np.ndarray], np.ndarray]:
+        """The integrals over each chain at some places, shape (n, k) each.
+
+        And what rounding does to the first of them, shape (k,), from those of its nodes that are
+        probed. All is evaluated in one call: for one loop the calls take longer than the numbers.
+        """
+        offsets = np.concatenate([chain.points for chain in chains], axis=1)
+        at = self.places.chosen(which).points(offsets)
+        n, count, nodes = at.shape
+        points = at.reshape(n, -1)
+        if probed is not None:
+            moved = perturbed(at[:, :, probed], self.places.centres[:, :, None])
+            points = np.concatenate([points, moved.reshape(n, -1)], axis=1)
+        found = self.form.values(points)
+        values = found[:, : count * nodes].reshape(-1, count, nodes)
+        noise = np.zeros(count)
+        if probed is not None:
+            here = values[:, :, probed]
+            there = found[:, count * nodes :].reshape(here.shape)
+            errors = (np.abs(there - here) + ROUNDING * np.abs(here)).mean(axis=2)
+            spread = errors[:, :, None] * np.abs(chains[0].weights).sum(axis=1)
+            noise = self._projected(np.abs(self.tensor), spread, which).max(axis=0)
+        sums, start = [], 0
+        for chain in chains:
+            end = start + chain.points.shape[1]
+            each = values[:, :, start:end] @ chain.weights.T
+            sums.append(self._projected(self.tensor, each, which))
+            start = end
+        return sums, noise
+
+    def _projected(self, tensor: np.ndarray, sums: np.ndarray, which: np.ndarray) -> np.ndarray:
+        """From sums over the nodes, shape (entries, k, c), to frame components, shape (n, k)."""
+        if self.measures is not None:
+            sums = sums * self.measures[:, which].T
+        return tensor @ sums.transpose(2, 0, 1).reshape(tensor.shape[1], -1)
+
+
 def by_levels(
     forms: Forms, shape: Shape, places: Places, accuracy: float, degree: int
 ) -> Route | None:
@@ -134,54 +186,32 @@ def by_levels(
     levels = shape.levels[degree - 1]
     form = forms.coframe if degree == 1 else forms.curl
     count = len(places.sizes)
-    zeros = np.zeros(count)
     if form is None:
-        values, converged = np.zeros((len(places.centres), count)), np.ones(count, dtype=bool)
-        return Route(values, 2, zeros, zeros, converged, "torsion vanishes identically", 0)
+        values, zeros = np.zeros((len(places.centres), count)), np.zeros(count)
+        every = np.ones(count, dtype=bool)
+        return Route(values, 2, zeros, zeros, every, "torsion vanishes identically", 0)
     if levels < 2:
         return None
+    tensor = places.projection(form, forms.pairs if degree == 2 else None)
+    copies = _Copies(form, places, tensor.reshape(len(tensor), -1), places.measures(degree))
     chain_of = shape.rim if degree == 1 else shape.inside
-    projection = places.projection(form, forms.pairs if degree == 2 else None)
-    projection = projection.reshape(len(projection), -1)
-    measures = places.measures(degree)
-    rounding, points, rule = zeros, 0, ""
+    chains = [chain_of(0), chain_of(1)]
+    nodes = [x.points.shape[1] for x in chains]
+    probed = slice(0, nodes[0], EVERY)
+    points = count * (sum(nodes) + -(-nodes[0] // EVERY))
 
-    def projected(tensor: np.ndarray, sums: np.ndarray, which: np.ndarray) -> np.ndarray:
-        """From sums over the nodes, shape (entries, k, c), to frame components, shape (n, k)."""
-        if measures is not None:
-            sums = sums * measures[:, which].T
-        return tensor @ sums.transpose(2, 0, 1).reshape(tensor.shape[1], -1)
-
-    def evaluate(levels: tuple[int, ...], which: np.ndarray) -> list[np.ndarray]:
-        nonlocal points, rule
-        chains = [chain_of(level) for level in levels]
-        at = places.chosen(which).points(np.concatenate([x.points for x in chains], axis=1))
-        shape, flat = at.shape[1:], at.reshape(len(at), -1)
-        first = levels[0] == 0
-        probed = slice(0, chains[0].points.shape[1], EVERY)
-        if first:
-            few = perturbed(at[:, :, probed], places.centres[:, :, None]).reshape(len(at), -1)
-            flat = np.concatenate([flat, few], axis=1)
-        values = form.values(flat)
-        points, rule = points + flat.shape[1], chains[-1].rule
-        nodes = values[:, : shape[0] * shape[1]].reshape(-1, *shape)
-        if first:
-            here = nodes[:, :, probed]
-            moved = values[:, shape[0] * shape[1] :].reshape(here.shape)
-            noise = (np.abs(moved - here) + ROUNDING * np.abs(here)).mean(axis=2)
-            spread = noise[:, :, None] * np.abs(chains[0].weights).sum(axis=1)
-            rounding[:] = projected(np.abs(projection), spread, which).max(axis=0)
-        results, start = [], 0
-        for chain in chains:
-            end = start + chain.points.shape[1]
-            sums = nodes[:, :, start:end] @ chain.weights.T
-            results.append(projected(projection, sums, which))
-            start = end
-        return results
+    def evaluate(level: int, which: np.ndarray) -> np.ndarray:
+        nonlocal points
+        chains.append(chain_of(level))
+        points += len(which) * chains[-1].points.shape[1]
+        return copies.over(chains[-1:], which)[0][0]
 
     with np.errstate(all="ignore"):
-        found = refined(evaluate, count, accuracy / 2, rounding, levels)
-    return Route(found.values, degree, found.truncation, rounding, found.converged, rule, points)
+        first, rounding = copies.over(chains, np.arange(count), probed)
+        found = refined(first, evaluate, accuracy / 2, rounding, levels)
+    return Route(
+        found.values, degree, found.truncation, rounding, found.converged, chains[-1].rule, points
+    )
 
 
 def line_route(

@@ -153,8 +153,6 @@ def number_of(text: str, where: str) -> float | sp.Expr:
     raise FileFormatError(f"{where}: a real number was needed, but {text!r} came.")
 
 
-# Bytes: a million circles are no more.
-LARGEST_FILE = 50_000_000
 TOP_KEYS = ("loops", "parameters", "accuracy")
 
 
@@ -190,7 +188,8 @@ def read_loops(frame: Frame, path: str | Path) -> LoopFile:
     """
     path = Path(path)
     reader = loops_from_csv if path.suffix.lower() == ".csv" else loops_from_json
-    return reader(frame, read_text(path, LARGEST_FILE), path.name)
+    # A million circles take no more bytes.
+    return reader(frame, read_text(path, largest=50_000_000), path.name)
 
 
 def loops_from_json(frame: Frame, text: str, where: str = "loops") -> LoopFile:

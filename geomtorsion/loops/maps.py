@@ -38,7 +38,7 @@ class BurgersMap:
 
     frame: what they belong to.
     plane: the two directions of the plane, shape (2, n).
-    centres: q^mu, shape (n, *shape); shape: that of the survey, as (rows, columns) of a grid.
+    centres: q^mu, shape (n, *shape); shape: that of the map, as (rows, columns) of a grid.
     areas: signed area of each loop in the coordinates of the plane, shape (*shape).
     vectors: b^i in the frame, shape (n, *shape); NaN where a loop was not done or is singular.
     density: b^i per area, shape (n, *shape): it does not underflow.
@@ -125,7 +125,6 @@ def burgers_vectors(
     >>> found.vectors[2] / found.areas
     array([2., 2.])
     """
-
     places = _array(centres, "centres", 2)
     radii = np.broadcast_to(_array(radius, "radius"), places.shape[:1])
     if not (radii > 0).all():
@@ -179,7 +178,6 @@ def burgers_map(
     >>> found.areas.shape, found.enclosed.sum(), abs(found.total).round(9)
     ((11, 11), np.int64(1), array([0., 0., 3.]))
     """
-
     if not hasattr(edges, "__len__") or isinstance(edges, str) or len(edges) != 2:
         raise LoopError("edges: two arrays were needed, one for each direction of the plane.")
     lines = [_array(side, f"edges[{k}]", 1) for k, side in enumerate(edges)]
@@ -196,8 +194,8 @@ def burgers_map(
 
 
 @dataclass(frozen=True, eq=False)
-class _Survey:
-    """What all loops of a map share.
+class _Family:
+    """What all loops of a map have in common.
 
     frame, accuracy, parameters, plane: as the user gave them.
     shape: of every loop; area: of the shape itself.
@@ -237,10 +235,10 @@ class _Survey:
             ~agree & np.isfinite(line.error) & np.isfinite(flux.error),
         )
         largest = np.abs(value).max(axis=0)
-        unsure = ~(error <= self.accuracy * largest) & ~(largest <= error)
-        unsure |= ~np.isfinite(flux.error) | self._near_poles(places)
+        unsettled = ~(error <= self.accuracy * largest) & ~(largest <= error)
+        unsettled |= ~np.isfinite(flux.error) | self._near_poles(places)
         points = line.points + flux.points
-        for k in np.flatnonzero(unsure):
+        for k in np.flatnonzero(unsettled):
             points += self._alone(result, int(k), centres[:, k], axes[:, k])
         return result, points
 
@@ -325,7 +323,7 @@ def _map(
     planes.check_accuracy(accuracy, 1e-14)
     columns = tuple(np.flatnonzero(plane.any(axis=0)).tolist())
     compiled = forms(frame, parameters, columns)
-    survey = _Survey(frame, shape, area, plane, accuracy, parameters, compiled)
+    family = _Family(frame, shape, area, plane, accuracy, parameters, compiled)
     grid, n = centres.shape[1:], frame.dimension
     places, sizes = centres.reshape(n, -1), axes.reshape(2, -1)
     count = sizes.shape[1]
@@ -338,7 +336,7 @@ def _map(
         with counted(f"{count} loops", count) as advance:
             for first in range(0, count, TOGETHER):
                 chosen = slice(first, first + TOGETHER)
-                block, more = survey.measured(places[:, chosen], sizes[:, chosen])
+                block, more = family.measured(places[:, chosen], sizes[:, chosen])
                 found.fill(chosen, block)
                 done, points = min(count, first + TOGETHER), points + more
                 advance(block.errors.size)

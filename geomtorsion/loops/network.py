@@ -62,7 +62,6 @@ def edge_list(graph: nx.Graph | EdgeList, position: str, dimension: int) -> Edge
     NetworkError
         There are no edges, a node has no usable position, or an edge no length.
     """
-
     if isinstance(graph, EdgeList):
         positions = np.asarray(graph.positions, dtype=float)
         pairs = np.asarray(graph.pairs)

@@ -12,7 +12,7 @@ from geomtorsion.errors import LimitError, NetworkError
 from geomtorsion.loops.arcs import shown
 from geomtorsion.loops.forms import Forms, forms
 from geomtorsion.loops.integrals import DISAGREE
-from geomtorsion.loops.quadrature import LEVELS, ROUNDING, gauss_rule, ray_rule, refined
+from geomtorsion.loops.quadrature import LEVELS, PIECE, ROUNDING, gauss_rule, ray_rule, refined
 
 if TYPE_CHECKING:
     from geomtorsion.loops.network import Network
@@ -96,7 +96,6 @@ def node_rule(net: Network, cells: Sequence[Sequence[Sequence[Hashable]]] | None
 
 def tetrahedra(net: Network) -> list[tuple[Face, ...]]:
     """All sets of four nodes that are joined pairwise, with faces turned outwards."""
-
     neighbours: dict[int, set[int]] = {}
     for a, b in net.edges.pairs.tolist():
         neighbours.setdefault(a, set()).add(b)
@@ -155,9 +154,14 @@ def _fluxes(net: Network, faces: list[Face]) -> dict[frozenset[Hashable], tuple[
     spans = [(c[0], c[k], c[k + 1]) for c in corners for k in range(1, len(c) - 1)]
     if not spans:
         return {}
-    values, errors = _triangles(
-        forms(net.frame, net.parameters), np.array(spans).transpose(1, 2, 0)
-    )
+    triangles = np.array(spans).transpose(1, 2, 0)
+    compiled = forms(net.frame, net.parameters)
+    # As many as fit in the cache, with some 16 points each.
+    blocks = [
+        _triangles(compiled, triangles[:, :, start : start + PIECE // 16])
+        for start in range(0, len(spans), PIECE // 16)
+    ]
+    values, errors = (np.concatenate(parts, axis=-1) for parts in zip(*blocks, strict=True))
     totals = np.stack([np.bincount(owner, row, len(faces)) for row in values], axis=1)
     bounds = np.bincount(owner, errors, len(faces))
     return {
@@ -179,9 +183,6 @@ def _triangles(forms: Forms, corners: np.ndarray) -> tuple[np.ndarray, np.ndarra
     m, k = forms.pairs
     area = (first[m] * second[k] - first[k] * second[m])[form.columns]
 
-    def evaluate(levels: tuple[int, ...], which: np.ndarray) -> list[np.ndarray]:
-        return [flux(level, which) for level in levels]
-
     def flux(level: int, which: np.ndarray) -> np.ndarray:
         (s, w), (t, u) = ray_rule(2 * level + 4), gauss_rule(2 * level + 4)
         one = s[:, None] * np.ones_like(t)
@@ -193,7 +194,8 @@ def _triangles(forms: Forms, corners: np.ndarray) -> tuple[np.ndarray, np.ndarra
         return form.gather @ (values @ np.outer(w, u).ravel() * area[:, which])
 
     with np.errstate(all="ignore"):
-        found = refined(evaluate, count, DISAGREE * ROUNDING, np.zeros(count), LEVELS)
+        begun = [flux(level, np.arange(count)) for level in (0, 1)]
+        found = refined(begun, flux, DISAGREE * ROUNDING, np.zeros(count), LEVELS)
     bad = ~np.isfinite(found.values).all(axis=0)
     values = np.where(bad, 0.0, found.values)
     return values, np.where(bad, np.inf, found.truncation) + ROUNDING * np.abs(values).max(axis=0)

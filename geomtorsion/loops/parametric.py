@@ -213,7 +213,6 @@ def _check_length(arc: Curve) -> None:
 
 def _highest(arc: Curve, samples: int) -> int | None:
     """The highest frequency that these samples show, None if they resolve none."""
-
     _, slopes = arc.shape(np.arange(samples) / samples)
     spectrum = np.abs(np.fft.rfft(slopes, axis=1)).max(axis=0)
     present = np.flatnonzero(spectrum > NOISE * spectrum.max())

@@ -13,11 +13,10 @@ from geomtorsion.errors import LoopError
 from geomtorsion.loops.affine_form import AffineForm
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import SAME_POINT, Parameters, Part, Segment, shown
-from geomtorsion.loops.collocation import collocation, increments
 from geomtorsion.loops.cone import line_rate
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.planes import number, vector
-from geomtorsion.loops.transport import STAGES, transported
+from geomtorsion.loops.transport import STAGES, collocation, increments, transported
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Connection
@@ -110,7 +109,6 @@ def develop_period(
     >>> round(math.degrees(turn.angle), 9), turn.burgers.round(9).tolist()
     (60.0, [-1.0, -1.732050808, 0.0])
     """
-
     frame = connection.frame
     names = {symbol.name: k for k, symbol in enumerate(frame.coordinates)}
     lengths: dict[int, float] = {}
@@ -175,7 +173,6 @@ def developed_path(
     >>> path.places.shape, path.legs[-1].round(3).tolist()
     ((2, 41), [[0.973, 0.233], [-0.233, 0.973]])
     """
-
     n = connection.frame.dimension
     if loop.dimension != n:
         raise LoopError(f"the loop has {loop.dimension} coordinates, the frame {n}.")

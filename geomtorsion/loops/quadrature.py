@@ -138,18 +138,15 @@ def trapezoid(
     """The trapezoid rule on a closed smooth arc: spectral, compared with fewer points."""
     counts = [equidistant(arc.waves, level) for level in range(LEVELS)]
 
-    def mean(level: int) -> np.ndarray:
+    def mean(level: int, _: np.ndarray | None = None) -> np.ndarray:
         total = np.zeros(1)
         for start in range(0, counts[level], PIECE):
             s = places(counts[level], level, start, PIECE)
             total = total + integrand(*arc.shape(s)).sum(axis=1)
         return total[:, None] / counts[level]
 
-    def means(levels: tuple[int, ...], _: np.ndarray) -> list[np.ndarray]:
-        return [mean(level) for level in levels]
-
     levels = max(2, sum(count <= most for count in counts))
-    found = refined(means, 1, accuracy, np.array([floor]), levels)
+    found = refined([mean(0), mean(1)], mean, accuracy, np.array([floor]), levels)
     points = sum(counts[: found.intervals + 1])
     rule = f"trapezoid, {counts[found.intervals]} points"
     done = bool(found.converged[0])
@@ -167,8 +164,8 @@ def places(count: int, level: int, start: int = 0, most: int = MOST_POINTS) -> n
 
 
 def refined(
-    evaluate: Callable[[tuple[int, ...], np.ndarray], Sequence[np.ndarray]],
-    count: int,
+    first: Sequence[np.ndarray],
+    evaluate: Callable[[int, np.ndarray], np.ndarray],
     accuracy: float,
     floor: np.ndarray,
     levels: int,
@@ -177,17 +174,16 @@ def refined(
 
     Parameters
     ----------
+    first
+        Values of the first two levels, shape (m, k) each.
     evaluate
-        From levels and the numbers of the integrals that need them, to values of shape (m, k) for
-        each level. The first two are asked for in one call.
-    count
-        How many integrals there are.
+        From a level and the numbers of the integrals that need it, to their values.
     floor
-        Truncation below which each is good enough anyway, shape (count,); it is looked at after
-        the first level, which may fill it.
+        Truncation below which each is good enough anyway, shape (k,).
     """
+    before, better = first
+    count = better.shape[1]
     todo = np.arange(count)
-    before, better = evaluate((0, 1), todo)
     values = np.empty_like(better)
     truncation, converged = np.empty(count), np.empty(count, dtype=bool)
     level = 1
@@ -200,7 +196,7 @@ def refined(
         if level >= levels or good.all():
             break
         before, todo = better[:, ~good], todo[~good]
-        (better,) = evaluate((level,), todo)
+        better = evaluate(level, todo)
     truncation[np.isnan(truncation)] = np.inf
     return Integrals(values, truncation, converged, 0, level - 1)
 
@@ -364,8 +360,8 @@ def halved(
             break
         narrow = width[bad].min() < NARROWEST
         if narrow or points + 2 * len(rule.nodes) * int(bad.sum()) > most:
-            hopeless = np.where(bad, np.where(finite, errors, np.inf), -np.inf)
-            place = int(np.argmax(hopeless))
+            unsettled = np.where(bad, np.where(finite, errors, np.inf), -np.inf)
+            place = int(np.argmax(unsettled))
             worst = (int(owner[place]), float(low[place] + width[place] / 2))
             break
         halves = np.repeat(width[bad] / 2, 2)

@@ -289,9 +289,8 @@ class SampledFrame:
         return f"SampledFrame({sizes} nodes, {self.rows} rows, order {self.order})"
 
 
-# Gauss points on each stretch, and stretches per cell that a loop crosses.
+# Gauss points on each stretch: enough for the highest order of interpolation.
 GAUSS = max(ORDERS) // 2 + 2
-PER_CELL = 2
 # A loop may leave the grid by this share of a step: rounding of its own coordinates.
 SLACK = 1e-9
 
@@ -354,7 +353,8 @@ def _stretches(grid: SampledFrame, part: Part, arc: Arc) -> int:
     count = max(65, 16 * arc.waves + 1)
     points, _ = part.points(arc, np.linspace(0, 1, count))
     steps = np.abs(np.diff(points, axis=1)) / np.abs(np.array(grid.steps))[:, None]
-    return max(4, math.ceil(PER_CELL * float(steps.sum(axis=1).max())), 4 * arc.waves)
+    # Two for each cell that it crosses: one alone may hold the kink between two cells.
+    return max(4, math.ceil(2 * float(steps.sum(axis=1).max())), 4 * arc.waves)
 
 
 def _points(

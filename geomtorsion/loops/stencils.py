@@ -83,7 +83,6 @@ def interpolated(values: np.ndarray, places: np.ndarray, order: int) -> np.ndarr
     order
         Nodes of each stencil; the error is of this order in the spacing.
     """
-
     shape = values.shape[1:]
     index, weights = [], []
     for axis, points in enumerate(shape):

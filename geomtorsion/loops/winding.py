@@ -39,7 +39,6 @@ def turns_round(
     >>> turns_round(loop.parts, [0, 0, 0], np.eye(3)[:2], "axis")
     1
     """
-
     total = 0
     for part in parts:
         offset = across @ ((np.array(part.centre) - np.array(place)) / part.size)

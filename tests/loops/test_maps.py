@@ -1,4 +1,4 @@
-"""Surveys: many loops in one call agree with one at a time, and keep what is done."""
+"""Maps: many loops in one call agree with one at a time, and keep what is done."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -132,7 +132,7 @@ def test_an_interruption_keeps_what_is_done(so3: Frame, monkeypatch: pytest.Monk
     assert np.isfinite(found.total).all()
 
 
-def test_bad_surveys(so3: Frame) -> None:
+def test_bad_maps(so3: Frame) -> None:
     """Shapes, numbers and parameters are checked at the door."""
     for make, message in (
         (lambda: burgers_vectors(so3, [[0, 1, 0]], 0), "circle 0 has radius 0"),
