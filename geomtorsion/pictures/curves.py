@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion.errors import LimitError
-from geomtorsion.pictures.error_over_time import drift_over_time, error_over_time
+from geomtorsion.pictures.error_over_time import error_over_time
 from geomtorsion.pictures.sphere import curve_on, globe, numbered, space_axes, towards
 from geomtorsion.pictures.style import (
     FLAT,
@@ -309,7 +309,7 @@ def quality_picture(pair: Pair) -> Figure:
     drifts = [
         (f"{curve}: {greek_words(name)}", solution.times, values)
         for curve, solution in pair.curves.items()
-        for name, values in drift_over_time(solution).items()
+        for name, values in solution.invariant_changes.items()
     ]
     figure = new_figure(9.4, 4.6)
     left: Axes = figure.add_subplot(1, 2, 1)

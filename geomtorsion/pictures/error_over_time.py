@@ -1,4 +1,4 @@
-"""error over time: how error estimate and invariants change along a solved motion."""
+"""error over time: how the error estimate grows along a solved motion."""
 
 from __future__ import annotations
 
@@ -30,21 +30,3 @@ def error_over_time(solution: Solution) -> np.ndarray | None:
         return None
     found = difference_over_samples(solution.problem, solution.trajectory, solution.reference)
     return SAFETY * found[len(found) - len(solution.times) :]
-
-
-def drift_over_time(solution: Solution) -> dict[str, np.ndarray]:
-    """Change of each known invariant at each time, relative to the size of its terms.
-
-    The largest value of each is the one in `Solution.drift`.
-
-    Examples
-    --------
-    >>> from geomtorsion.curves import geodesic
-    >>> from geomtorsion.ode import RungeKutta, solve
-    >>> from geomtorsion.spaces import load
-    >>> p = geodesic(load("s2").frame, [1.0, 0.0], [0.0, 1.0], parameters={"R": 1})
-    >>> sol = solve(p, 1.0, engine=RungeKutta()).drift
-    >>> sorted(sol)
-    ['momentum of phi', 'norm']
-    """
-    return dict(solution.invariant_changes)

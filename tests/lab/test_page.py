@@ -47,9 +47,10 @@ def too_wide(page: Any) -> list[Any]:
 
 def test_tabs_load_and_fit_a_phone(lab: Watched):
     """Each tab shows itself, asks for nothing but the server, and needs no more than 400 pixels."""
+    page = lab.page
     for name in TABS:
-        lab.page.set_viewport_size({"width": 1200, "height": 900})
-        page = lab.tab(name)
+        page.set_viewport_size({"width": 1200, "height": 900})
+        lab.tab(name)
         page.wait_for_selector(READY[name])
         page.set_viewport_size({"width": 400, "height": 800})
         assert too_wide(page) == [], name

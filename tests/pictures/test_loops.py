@@ -1,5 +1,7 @@
 """Pictures of loops: the image that does not close, the map, and the costs."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -54,7 +56,9 @@ def test_a_gap_too_small_to_see_is_enlarged(radius: float) -> None:
 def test_axes_say_what_they_show() -> None:
     """Two panels; coordinates with their centre and unit, legs by number; three axes if needed."""
     figure = draw_closure(burgers_vector(load("so3").frame, Loop.circle([0.3, 1, 0.2], 1e-6)))
-    left, right = figure.axes
+    left = figure.axes[0]
+    # matplotlib's types know of two dimensions only.
+    right: Any = figure.axes[1]
     assert left.get_xlabel() == r"$(\phi_{1} - 0.3)$ / 1e-06"
     assert right.name == "3d"
     assert right.get_zlabel() == "$X^2$ / 1e-06"

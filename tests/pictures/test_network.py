@@ -1,5 +1,7 @@
 """Pictures of developments and networks: what is drawn is what was computed."""
 
+from collections.abc import Hashable
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -82,7 +84,7 @@ def test_dislocations_show_sense_strength_and_violations(tmp_path):
     from geomtorsion.pictures.network import draw_dislocations
 
     lines = [("a", "j", (1, 0, 0)), ("b", "j", (0, 1, 0)), ("j", "c", (1, 2, 0))]
-    places = {"a": (0, 1), "b": (0, -1), "j": (1, 0), "c": (2, 0)}
+    places: dict[Hashable, tuple[int, int]] = {"a": (0, 1), "b": (0, -1), "j": (1, 0), "c": (2, 0)}
     broken = DislocationNetwork.of_lines(lines, "abc", places)
     figure = draw_dislocations(broken)
     said = texts(figure)

@@ -8,7 +8,7 @@ from geomtorsion.errors import AccuracyError, ShapeError, StartError
 from geomtorsion.geometry import cartan
 from geomtorsion.ode import RungeKutta, solve
 from geomtorsion.pictures.curve_files import metadata
-from geomtorsion.pictures.error_over_time import drift_over_time, error_over_time
+from geomtorsion.pictures.error_over_time import error_over_time
 from geomtorsion.pictures.pair import Pair
 from geomtorsion.pictures.pair_solving import solve_pair
 from geomtorsion.spaces import load
@@ -59,7 +59,7 @@ def test_errors_and_drifts_over_time_have_the_known_maxima(sphere):
         assert errors is not None
         assert errors.shape == sphere.times.shape
         assert errors.max() == pytest.approx(solution.error, rel=1e-12)
-        drifts = drift_over_time(solution)
+        drifts = solution.invariant_changes
         assert {name: values.max() for name, values in drifts.items()} == pytest.approx(
             dict(solution.drift)
         )
@@ -71,7 +71,7 @@ def test_drift_over_several_charts():
     over_pole = solve_pair(space, [1.5, 1e-3], [-1.0, 0.0], parameters={"R": 1}, t=2, samples=21)
     solution = over_pole.shortest
     assert len(solution.charts) > 1
-    for values in drift_over_time(solution).values():
+    for values in solution.invariant_changes.values():
         assert values.shape == (21,)
 
 
