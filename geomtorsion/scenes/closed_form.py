@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geomtorsion.accuracy.truth import truth_of
 from geomtorsion.errors import AccuracyError, TimeError
 from geomtorsion.ode import solve
 from geomtorsion.rigid import FreeTop, attitude, free_top
@@ -150,20 +151,8 @@ def _checked(form: ClosedForm, last: float) -> tuple[float, float]:
         except AccuracyError:
             continue
         compiled += solved.cost.compile_seconds
-        gap = _difference(scene, form.states(times), np.asarray(solved.states, dtype=float))
+        gap = truth_of(scene.ode, times, form.states).error(solved)
         error = gap + solved.error + ROUNDING
         if error <= scene.accuracy:
             return error, compiled
     return math.inf, compiled
-
-
-def _difference(scene: Scene, ours: np.ndarray, theirs: np.ndarray) -> float:
-    """Largest difference of states, each group of states against its own size."""
-    worst = 0.0
-    for group in scene.ode.system.groups:
-        places = list(group)
-        size = np.abs(theirs[:, places]).max()
-        gap = np.abs(ours[:, places] - theirs[:, places]).max()
-        part = float(gap / size) if size else float(gap)
-        worst = max(worst, part) if math.isfinite(part) else math.inf
-    return worst

@@ -19,9 +19,10 @@ from geomtorsion.scenes.context import ATTITUDE, QUATERNION, TIME, VERTICAL
 if TYPE_CHECKING:
     from geomtorsion.scenes.selection import StateSelection
 
-# A rate that is this far below its terms counts as zero: with fractions it is zero exactly, with
-# roots and functions there are 120 digits (400 bits), of which half are more than enough.
-NOTHING, BITS = 1e-60, 400
+# With fractions a rate is zero exactly; with roots and functions so many bits are worked out, and a
+# rate that is below its terms by half of them counts as zero.
+BITS = 400
+NOTHING = 0.5 ** (BITS // 2)
 
 
 def invariants(
@@ -35,16 +36,16 @@ def invariants(
     correct: the equations by which a quantity is to be conserved.
     chosen: elements of R -> expressions in the states that are solved for.
     """
-    made = selection.assembly
+    assembly = selection.assembly
     here = {*selection.symbols, *selection.constants, TIME}
     if selection.uses_quaternion:
         here |= set(ATTITUDE)
-    parameters = {sp.Symbol(name) for name in made.values}
+    parameters = {sp.Symbol(name) for name in assembly.values}
     switched = {
-        name for part in made.parts.values() for _, values in part.switches for name in values
+        name for part in assembly.parts.values() for _, values in part.switches for name in values
     }
     found: dict[str, sp.Expr | list[sp.Expr]] = {}
-    for name, parts in _candidates(made).items():
+    for name, parts in _candidates(assembly).items():
         # Where the energy is kept, the balance says nothing more.
         if name == "energy_balance" and "energy" in found:
             continue
@@ -58,14 +59,14 @@ def invariants(
     return found
 
 
-def _candidates(made: Assembly) -> dict[str, tuple[sp.Expr, ...]]:
+def _candidates(assembly: Assembly) -> dict[str, tuple[sp.Expr, ...]]:
     """What may be conserved, most telling first; momenta that are kept are no states at all."""
-    energy = made.kinetic_energy + made.potential_energy
-    momentum = made.angular_momentum
+    energy = assembly.kinetic_energy + assembly.potential_energy
+    momentum = assembly.angular_momentum
     return {
         "energy": (energy,),
-        "energy_balance": (energy - made.constrained(WORK),),
-        "rotational_energy": (made.rotational_energy,),
+        "energy_balance": (energy - assembly.constrained(WORK),),
+        "rotational_energy": (assembly.rotational_energy,),
         "angular_momentum_space": tuple(ATTITUDE * momentum),
         "angular_momentum_squared": (momentum.dot(momentum),),
         "vertical_angular_momentum": (sp.Matrix(VERTICAL).dot(momentum),),
@@ -73,7 +74,7 @@ def _candidates(made: Assembly) -> dict[str, tuple[sp.Expr, ...]]:
     }
 
 
-def is_constant(made: Assembly, quantity: sp.Expr) -> bool:
+def is_constant(assembly: Assembly, quantity: sp.Expr) -> bool:
     """Whether the rate of a quantity vanishes at random states; False where it has no value.
 
     Examples
@@ -84,7 +85,7 @@ def is_constant(made: Assembly, quantity: sp.Expr) -> bool:
     >>> is_constant(free, free.kinetic_energy), is_constant(free, free.context.Omega[0])
     (True, False)
     """
-    terms = [sp.diff(quantity, s) * made.rate_of(s) for s in quantity.free_symbols]
+    terms = [sp.diff(quantity, s) * assembly.rate_of(s) for s in quantity.free_symbols]
     terms = [term for term in terms if term != 0]
     if not terms:
         return True
@@ -94,7 +95,7 @@ def is_constant(made: Assembly, quantity: sp.Expr) -> bool:
     try:
         # One place could be a zero of the rate by accident, three are none.
         for _ in range(3):
-            place = _place(made, chance)
+            place = _place(assembly, chance)
             here = [place.get(name, _number(chance)) for name in names]
             if not all(map(math.isfinite, made_of.numpy()(*[float(x) for x in here]).tolist())):
                 return False  # More digits of exp(exp(exp(...))) would take for ever.
@@ -109,10 +110,10 @@ def is_constant(made: Assembly, quantity: sp.Expr) -> bool:
     return True
 
 
-def _place(made: Assembly, chance: Random) -> dict[str, sp.Expr]:
+def _place(assembly: Assembly, chance: Random) -> dict[str, sp.Expr]:
     """Parameters as they are (but for those that switches change), and a rotation for R."""
-    moving = {symbol.name for symbol in made.context.switched}
-    place: dict[str, sp.Expr] = {k: v for k, v in made.values.items() if k not in moving}
+    moving = {symbol.name for symbol in assembly.context.switched}
+    place: dict[str, sp.Expr] = {k: v for k, v in assembly.values.items() if k not in moving}
     q: Sequence[int] = [chance.randint(1, 9) for _ in QUATERNION]
     numbers = dict(zip(QUATERNION, q, strict=True))
     size = sum(x * x for x in q)

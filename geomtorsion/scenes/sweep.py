@@ -302,9 +302,9 @@ def _groups(scene: Scene, changes: Sequence[Mapping[str, Values]]) -> dict[Hasha
         else:
             other = scene.with_values(varied)
             member = _Member(place, varied, *other.numbers, other)
-            made = other.assembly
-            switches = str([part.switches for part in made.parts.values()])
-            key = (tuple(member.parameters), tuple(made.rates.items()), switches)
+            assembly = other.assembly
+            switches = str([part.switches for part in assembly.parts.values()])
+            key = (tuple(member.parameters), tuple(assembly.rates.items()), switches)
         groups.setdefault(key, []).append(member)
     return groups
 

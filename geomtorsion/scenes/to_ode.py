@@ -38,16 +38,18 @@ ROUNDED = 1e-9
 
 def pruned_rates(selection: StateSelection) -> dict[str, sp.Expr]:
     """State -> rate, of the states that are needed and in the attitude states that were chosen."""
-    made, rates = selection.assembly, {}
-    turning = dict(zip(QUATERNION, attitude.quaternion_rates(QUATERNION, made.omega), strict=True))
+    assembly, rates = selection.assembly, {}
+    turning = dict(
+        zip(QUATERNION, attitude.quaternion_rates(QUATERNION, assembly.omega), strict=True)
+    )
     chosen = attitude_states(selection)
     for symbol in selection.symbols:
         if symbol in turning:
             rate = turning[symbol]
         elif symbol in VERTICAL:
-            rate = made.turning(symbol)
+            rate = assembly.turning(symbol)
         else:
-            rate = made.rates[symbol]
+            rate = assembly.rates[symbol]
         rates[symbol.name] = rate.xreplace(chosen)
     return rates
 
@@ -61,17 +63,17 @@ def ode_of(scene: Scene) -> ODE:
     """The equations of a scene: one compiled integrator serves all scenes with equal equations."""
     selection = scene.selection
     chosen = attitude_states(selection)
-    made = selection.assembly
+    assembly = selection.assembly
     unit = [
         tuple(s.name for s in group)
         for group in (QUATERNION, VERTICAL)
         if group[0] in selection.symbols
     ]
     outputs = {
-        f"watch {item.name}": [expression_of(x).xreplace(chosen) for x in item.made_of(made)]
+        f"watch {item.name}": [expression_of(x).xreplace(chosen) for x in item.made_of(assembly)]
         for item in selection.watch
     }
-    parts = [part for key, part in made.parts.items() if key in selection.effects]
+    parts = [part for key, part in assembly.parts.items() if key in selection.effects]
     stops = [part.stop for part in parts if part.stop is not None]
     if len(stops) > 1:
         raise SceneError("two effects stop the motion. Keep one of them.")
@@ -80,7 +82,7 @@ def ode_of(scene: Scene) -> ODE:
         # Times are numbers of any kind; `ODE.of` checks them.
         events += [At(time, changes) for time, changes in part.switches]  # type: ignore[arg-type]
     if stops:
-        events.append(When(made.constrained(stops[0]).xreplace(chosen)))
+        events.append(When(assembly.constrained(stops[0]).xreplace(chosen)))
     return ODE.of(
         pruned_rates(selection),
         start_of(selection, scene.start),
@@ -109,8 +111,8 @@ def start_of(selection: StateSelection, start: State) -> dict[str, Number]:
     SceneError
         the start contradicts a constraint.
     """
-    made = selection.assembly
-    table: dict[sp.Symbol, Number] = {sp.Symbol(name): x for name, x in made.start.items()}
+    assembly = selection.assembly
+    table: dict[sp.Symbol, Number] = {sp.Symbol(name): x for name, x in assembly.start.items()}
     if any(s in selection.symbols for s in OMEGA) and start.omega is None:
         raise StartError(
             "the start has no angular velocity, which is needed. "
@@ -144,15 +146,15 @@ def _check_constrained(
     selection: StateSelection, start: State, table: Mapping[sp.Symbol, Number]
 ) -> None:
     """Refuse a start that a constraint does not allow."""
-    made = selection.assembly
+    assembly = selection.assembly
     for name, symbols in (("omega", OMEGA), ("velocity", VELOCITY), ("position", POSITION)):
         given = getattr(start, name)
-        if given is None or not any(s in made.substitutions for s in symbols):
+        if given is None or not any(s in assembly.substitutions for s in symbols):
             continue
-        values = dict(made.values) | {s.name: v for s, v in table.items()}
+        values = dict(assembly.values) | {s.name: v for s, v in table.items()}
         allowed = []
         for symbol in symbols:
-            tie = made.substitutions.get(symbol, symbol)
+            tie = assembly.substitutions.get(symbol, symbol)
             if any(s.name not in values for s in tie.free_symbols):
                 return
             allowed.append(float(tie.subs({s: values[s.name] for s in tie.free_symbols})))
