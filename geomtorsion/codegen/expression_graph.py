@@ -17,7 +17,7 @@ from geomtorsion.codegen.emission import Emitter
 from geomtorsion.codegen.evaluation import EXACT_BITS, exact_values
 from geomtorsion.codegen.factoring import factor as pull_out
 from geomtorsion.codegen.heyoka_code import Expression, Number, heyoka_expressions
-from geomtorsion.codegen.python_code import compiled, python_source
+from geomtorsion.codegen.python_code import Body, compiled, python_body, python_source
 from geomtorsion.codegen.reading import Output, Reader
 from geomtorsion.codegen.steps import Signed, Step
 from geomtorsion.codegen.term_sizes import term_sizes
@@ -111,8 +111,16 @@ class Graph:
         return hash((self.arguments, self.key))
 
     @cached_property
+    def python_body(self) -> Body:
+        """Statements over a0, a1, ..., and the code of each output after them.
+
+        For code that has more to do than to return the outputs; see `python_source`.
+        """
+        return python_body(self.steps, self.outputs)
+
+    @cached_property
     def _source(self) -> str:
-        return python_source(len(self.arguments), self.steps, self.outputs)
+        return python_source(len(self.arguments), self.python_body)
 
     def python_source(self) -> str:
         """Source of `values(a0, a1, ...)`, which returns a tuple.

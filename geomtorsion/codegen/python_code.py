@@ -26,15 +26,23 @@ class Binding(IntEnum):
     WHOLE = 2
 
 
-def python_source(
-    arguments: int, steps: Sequence[Step], outputs: Sequence[Signed], name: str = "values"
-) -> str:
-    """Source of a function of a0, a1, ... that returns the outputs in a tuple."""
+# Statements, and the code of each output after them.
+Body = tuple[tuple[str, ...], tuple[str, ...]]
+
+
+def python_body(steps: Sequence[Step], outputs: Sequence[Signed]) -> Body:
+    """The code of outputs over a0, a1, ..."""
     writer = _Writer(steps, outputs)
-    results = [writer.signed(sign, place) for sign, place in outputs]
-    header = f"def {name}({', '.join(f'a{k}' for k in range(arguments))}):"
+    results = tuple(writer.signed(sign, place) for sign, place in outputs)
+    return tuple(writer.lines), results
+
+
+def python_source(arguments: int, body: Body) -> str:
+    """Source of a function `values` of a0, a1, ... that returns the outputs in a tuple."""
+    lines, results = body
+    header = f"def values({', '.join(f'a{k}' for k in range(arguments))}):"
     ending = f"return ({', '.join(results)}{',' * bool(results)})"
-    return "\n    ".join([header, *writer.lines, ending])
+    return "\n    ".join([header, *lines, ending])
 
 
 class _Writer:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.codegen import rational
 from geomtorsion.curves.atlas import Atlas, atlas_of
 from geomtorsion.curves.laws import Autoparallel, CartanAutoparallel, Geodesic, Law, inverted
 from geomtorsion.curves.problem import CurveProblem
@@ -22,7 +23,7 @@ from geomtorsion.curves.start import (
 from geomtorsion.curves.transported import Deviation, TransportedVectors
 from geomtorsion.errors import MetricError, ShapeError, StartError
 from geomtorsion.geometry import levi_civita
-from geomtorsion.ode.numbers import Numbers, exact
+from geomtorsion.ode.numbers import Numbers
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Connection, Frame
@@ -220,7 +221,7 @@ def kinetic_metric(metric: Any, n: int) -> tuple[tuple[Fraction, ...], ...]:
         raise ShapeError(f"metric: {n} rows were needed, {len(rows)} came.")
     table = []
     for i, row in enumerate(rows):
-        numbers = [exact(x) for x in checked_numbers(row, n, f"metric[{i}]")]
+        numbers = [rational(x) for x in checked_numbers(row, n, f"metric[{i}]")]
         if None in numbers:
             raise MetricError(f"metric[{i}] = {row}: give numbers, fractions or floats.")
         table.append(tuple(Fraction(x) for x in numbers if x is not None))

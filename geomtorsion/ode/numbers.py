@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import mpmath
 import numpy as np
 import sympy as sp
+
+from geomtorsion.codegen import exact_number, rational
 
 # A finite real number as it came: a float, a fraction, an exact sympy number, a longer float.
 Real: TypeAlias = float | Fraction | sp.Expr | mpmath.mpf
@@ -16,35 +18,13 @@ Real: TypeAlias = float | Fraction | sp.Expr | mpmath.mpf
 Numbers: TypeAlias = Sequence[Real] | np.ndarray
 
 
-def exact(value: Any) -> Fraction | None:
-    """A number as a fraction where it is one (floats are), else None.
-
-    Examples
-    --------
-    >>> exact(0.5), exact(sp.sqrt(2)) is None
-    (Fraction(1, 2), True)
-    """
-    if isinstance(value, int | float | Fraction):
-        return Fraction(value)
-    if isinstance(value, sp.Rational):
-        return Fraction(int(value.p), int(value.q))
-    if isinstance(value, np.generic):
-        return Fraction(value.item()) if value.dtype.kind in "fiu" else None
-    return None
-
-
-def mpf(value: Any, precision: int) -> mpmath.mpf:
+def mpf(value: Real, precision: int) -> mpmath.mpf:
     """A number as mpmath number of so many bits."""
-    with mpmath.workprec(precision):
-        # Longer floats say all their digits in their text.
-        if type(value).__name__ in ("longdouble", "real128", "real"):
-            return mpmath.mpf(str(value))
-        known = exact(value)
-        if known is not None:
-            return mpmath.mpf(known.numerator) / known.denominator
-        if isinstance(value, sp.Expr):
-            return mpmath.mpmathify(value.evalf(int(precision * 0.302) + 5))
-        return +mpmath.mpmathify(value)
+    found = exact_number(value, precision)
+    if isinstance(found, Fraction):
+        with mpmath.workprec(precision):
+            return mpmath.mpf(found.numerator) / found.denominator
+    return found
 
 
 def floats(values: Iterable[Real]) -> list[float]:
@@ -81,7 +61,7 @@ def _is_held(value: Real, precision: int) -> bool:
     """Whether a number is a float of this precision without rounding."""
     if precision >= 53 and isinstance(value, float | int):
         return True
-    known = exact(value)
+    known = rational(value)
     if known is None:
         return False
     p, q = abs(known.numerator), known.denominator

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import ast
-import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -11,7 +9,7 @@ from typing import Any
 
 from scipy.integrate import DOP853
 
-from geomtorsion.codegen import compiled
+from geomtorsion.codegen import Graph, compiled
 from geomtorsion.ode.system import System
 
 STAGES = 12
@@ -24,7 +22,7 @@ def step_of(system: System) -> Callable[..., Any]:
 
     It returns error measures of orders five and three, new states, new rates, all stages.
     """
-    return _made("step", system.size, len(system.parameters), system.rates.python_source())
+    return _made("step", system.size, system.rates)
 
 
 def rows_of(system: System) -> Callable[..., Any]:
@@ -32,31 +30,24 @@ def rows_of(system: System) -> Callable[..., Any]:
 
     It returns seven rows of coefficients, three more stages being worked out.
     """
-    return _made("rows", system.size, len(system.parameters), system.rates.python_source())
+    return _made("rows", system.size, system.rates)
 
 
 @lru_cache(maxsize=128)
-def _made(name: str, n: int, parameters: int, source: str) -> Callable[..., Any]:
-    """A function of the writer; equal sources give the same one."""
-    writer = _writer(n, parameters, source)
+def _made(name: str, n: int, rates: Graph) -> Callable[..., Any]:
+    """A function of the writer; equal rates give the same one."""
+    writer = _writer(n, rates)
     code = "\n    ".join(writer.step() if name == "step" else writer.rows())
     return compiled(code, "floats", name)
 
 
-def _writer(n: int, parameters: int, source: str) -> _Writer:
-    """The writer for rates of a source."""
-    values = tuple(f"a{n + i}" for i in range(parameters))
-    if len(source) > LONGEST_SOURCE:
+def _writer(n: int, rates: Graph) -> _Writer:
+    """The writer for rates of n states."""
+    values = tuple(f"a{k}" for k in range(n, len(rates.arguments)))
+    if len(rates.python_source()) > LONGEST_SOURCE:
         return _Writer(n, values, tuple(range(n)), (), ())
-    (function,) = ast.parse(source).body
-    assert isinstance(function, ast.FunctionDef)
-    *body, last = function.body
-    assert isinstance(last, ast.Return)
-    assert isinstance(last.value, ast.Tuple)
-    lines = tuple(ast.unparse(statement) for statement in body)
-    results = tuple(ast.unparse(one) for one in last.value.elts)
-    asked = {int(k) for k in re.findall(r"\ba(\d+)\b", "\n".join((*lines, *results)))}
-    return _Writer(n, values, tuple(i for i in range(n) if i in asked), lines, results)
+    asked = {step.detail for step in rates.steps if step.kind == "argument"}
+    return _Writer(n, values, tuple(k for k in range(n) if k in asked), *rates.python_body)
 
 
 @dataclass(frozen=True)
