@@ -181,10 +181,10 @@ def _chosen(
 
 def _total(loop: Loop, routes: Sequence[Route], power: int) -> tuple[np.ndarray, float]:
     """Sum over the parts of a loop and its error, in units of size**power."""
-    total, error = np.zeros(1), 0.0
+    total, error, size = np.zeros(1), 0.0, loop.size
     for part, route in zip(loop.parts, routes, strict=True):
-        share = part.size / loop.size
-        scale = share**route.power * loop.size ** (route.power - power)
+        share = part.size / size
+        scale = share**route.power * size ** (route.power - power)
         total = total + part.times * scale * route.values[:, 0]
         error += abs(part.times) * scale * float(route.error[0])
     return total, error
@@ -196,13 +196,14 @@ def _check(
     """Both routes over the whole loop, side by side."""
     line, line_error = _total(loop, [line for line, _ in pairs], 1)
     fluxes = [flux for _, flux in pairs if flux is not None]
-    line, line_error = line * loop.size, line_error * loop.size
+    size = loop.size
+    line, line_error = line * size, line_error * size
     rules = ", ".join(dict.fromkeys(route.rule for route, _ in pairs))
     if len(fluxes) < len(pairs):
         text = f"line ({rules}); no flux to compare with: the torsion is not smooth inside"
         return Check(line, line_error, None, None, None, text)
     flux, flux_error = _total(loop, fluxes, 1)
-    flux, flux_error = flux * loop.size, flux_error * loop.size
+    flux, flux_error = flux * size, flux_error * size
     agrees = all(verdict is True for verdict in verdicts)
     others = ", ".join(dict.fromkeys(route.rule for route in fluxes))
     word = "agree to" if agrees else "DISAGREE: a defect is enclosed; they differ by"

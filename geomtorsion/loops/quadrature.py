@@ -283,10 +283,10 @@ def kronrod(
 
 
 def intervals(
-    arcs: Sequence[Arc], cuts: Sequence[tuple[int, float]] = ()
+    arcs: Sequence[Arc], cuts: Sequence[tuple[int, float]] = (), each: float = 0.5
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The first intervals on arcs: owner, start and width, each of shape (p,)."""
-    counts = np.array([1 + arc.waves // 2 for arc in arcs])
+    """The first intervals on arcs, so many for each wave: owner, start and width, shape (p,)."""
+    counts = np.array([1 + int(each * arc.waves) for arc in arcs])
     owner = np.repeat(np.arange(len(arcs)), counts)
     low = (np.arange(len(owner)) - (np.cumsum(counts) - counts)[owner]) / counts[owner]
     return cut(owner, low, cuts)

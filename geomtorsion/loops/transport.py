@@ -66,7 +66,7 @@ def transported(
     LoopError
         It does not converge near some point of the path; the message names it.
     """
-    owner, low, width = intervals(arcs, cuts)
+    owner, low, width = intervals(arcs, cuts, each=1)
     waiting = _measured(arcs, integrand, owner, low, width)
     points = len(owner) * STAGES
     done: list[_Stretches] = []
