@@ -8,6 +8,7 @@ import sympy as sp
 
 from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap
 from geomtorsion.geometry import Frame
+from geomtorsion.rigid.attitude import hamilton_product, rotation_rows
 from geomtorsion.spaces.registry import load
 
 # Motions leave a chart of angles when the sine in its determinant falls below this.
@@ -17,36 +18,19 @@ QUATERNION = sp.symbols("Q0 Q1 Q2 Q3", real=True)
 AXES = {"x": 1, "y": 2, "z": 3}
 
 
-def product(p: Sequence[sp.Expr], q: Sequence[sp.Expr]) -> list[sp.Expr]:
-    """Product of two quaternions."""
-    return [
-        p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
-        p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
-        p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1],
-        p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0],
-    ]
-
-
 def from_angles(axes: str, angles: Sequence[sp.Expr]) -> list[sp.Expr]:
     """Unit quaternion of R_axis1(angle1) R_axis2(angle2) R_axis3(angle3)."""
     result: list[sp.Expr] = [sp.S.One, sp.S.Zero, sp.S.Zero, sp.S.Zero]
     for axis, angle in zip(axes, angles, strict=True):
         turn = [sp.cos(angle / 2), sp.S.Zero, sp.S.Zero, sp.S.Zero]
         turn[AXES[axis]] = sp.sin(angle / 2)
-        result = product(result, turn)
+        result = hamilton_product(result, turn)
     return result
 
 
 def rotation(q: Sequence[sp.Expr]) -> sp.Matrix:
     """Rotation matrix of a quaternion, times its length squared."""
-    a, b, c, d = q
-    return sp.Matrix(
-        [
-            [a**2 + b**2 - c**2 - d**2, 2 * (b * c - a * d), 2 * (b * d + a * c)],
-            [2 * (b * c + a * d), a**2 - b**2 + c**2 - d**2, 2 * (c * d - a * b)],
-            [2 * (b * d - a * c), 2 * (c * d + a * b), a**2 - b**2 - c**2 + d**2],
-        ]
-    )
+    return sp.Matrix(rotation_rows(q))
 
 
 def _length(one: sp.Expr, two: sp.Expr) -> sp.Expr:
@@ -73,7 +57,8 @@ def quaternion_chart(space_fixed: bool = False, places: Sequence[sp.Symbol] = ()
     rows: list[list[sp.Expr]] = []
     for k in range(3):
         unit = [sp.Integer(j == k + 1) for j in range(4)]
-        column = product(unit, QUATERNION) if space_fixed else product(QUATERNION, unit)
+        factors = (unit, QUATERNION) if space_fixed else (QUATERNION, unit)
+        column = hamilton_product(*factors)
         rows.append([x / 2 for x in column])
     legs = [[rows[k][mu] for k in range(3)] for mu in range(4)]
     kept = sum(x**2 for x in QUATERNION)

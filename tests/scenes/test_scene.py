@@ -1,7 +1,5 @@
 """Scene: dotted paths, several effects of a kind, costs, and results that travel."""
 
-from importlib import import_module
-
 import numpy as np
 import pytest
 
@@ -192,14 +190,6 @@ def test_what_each_effect_costs():
     assert rows[2].states > 0
 
 
-def test_solution_of_a_closed_form():
-    """States one by one, and zeros, from an integration made when it is asked for."""
-    scene = gt.Scene(gt.Body(moments=(1, 2, 3)), (), gt.State(omega=(0.1, 1, 0.1)), ["omega"], t=9)
-    result = scene.run()
-    assert result.solved is None
-    assert np.abs(result.solution["Omega2"] - result["omega"][:, 1]).max() < 1e-10
-
-
 def test_progress_and_checkpoint(tmp_path):
     """Both go through to the integrator."""
     seen = []
@@ -278,46 +268,6 @@ def test_a_force_without_a_value_at_the_start():
         scene.run()
 
 
-def test_free_bodies_without_more_digits(monkeypatch):
-    """Next to an unstable axis Runge and Kutta check the closed form as far as they can."""
-    module = import_module("geomtorsion.ode.solve")  # the function of this name hides it
-    monkeypatch.setattr(module, "is_available", lambda: False)
-    scene = gt.scenes.load("dzhanibekov").with_values(accuracy=1e-11)
-    result = scene.run()
-    assert result.closed_form
-    assert result.error <= 1e-11
-    monkeypatch.undo()
-    assert np.abs(result["omega"] - scene.run()["omega"]).max() < 1e-13
-
-
-@pytest.mark.parametrize(
-    ("moments", "omega"),
-    [
-        ((1, 2, 2.5), (1e-300, 2e-300, 0)),
-        ((1e300,) * 3, (1e10, 2, 3)),
-        ((1, 2, 2.5), (1e200, 1, 0)),
-    ],
-)
-def test_numbers_whose_squares_are_no_doubles(moments, omega):
-    """Refused, with a remedy; never rates that are no numbers with an error of rounding."""
-    scene = gt.Scene(gt.Body(moments=moments), [], gt.State(omega=omega), ["omega"], t=10)
-    with pytest.raises(gt.errors.StartError, match="Use other units"):
-        scene.run()
-
-
-def test_a_closed_form_without_values_is_not_believed(monkeypatch):
-    """Not a number is no small difference."""
-    from geomtorsion.scenes.closed_form import ClosedForm
-
-    scene = gt.Scene(gt.Body(moments=(1, 2, 2.5)), [], gt.State(omega=(1, 2, 3)), ["omega"], t=3)
-    right = scene.run()
-    states = ClosedForm.states
-    monkeypatch.setattr(ClosedForm, "states", lambda form, t: states(form, t) * np.nan)
-    found = scene.run()
-    assert found.closed_form is None
-    assert np.abs(found["omega"] - right["omega"]).max() < 1e-9
-
-
 @pytest.mark.parametrize("engine", ["taylor", 3, gt.RungeKutta])
 def test_engines_that_are_none(engine):
     """A name is no engine, nor is a class."""
@@ -335,10 +285,3 @@ def test_replacing_what_is_given_in_one_way():
     again = scene.with_values({"start.euler": (0, 0.1, 0), "body.moments": (1, 1, 1)})
     assert again.start.quaternion is None
     assert again.body.inertia is None
-
-
-def test_estimates_of_closed_forms_are_close():
-    """However little is asked for, the check of a closed form is accurate to 1e-9."""
-    result = gt.scenes.load("dzhanibekov").with_values(accuracy=1e-3).run()
-    assert result.closed_form
-    assert result.error < 3e-9

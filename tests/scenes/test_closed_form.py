@@ -1,0 +1,134 @@
+"""Closed form of free bodies: against the integrator, and refused where it cannot be checked."""
+
+from importlib import import_module
+
+import numpy as np
+import pytest
+
+import geomtorsion as gt
+from geomtorsion.scenes import effects as E
+from geomtorsion.scenes.closed_form import ClosedForm
+
+SKEW = np.array([[0.12, 0.01, -0.015], [0.01, 0.16, 0.02], [-0.015, 0.02, 0.2]])
+
+
+@pytest.mark.parametrize(
+    "moments", [(1, 2, 3), (2, 2, 1), (1, 1, 1)], ids=["asymmetric", "symmetric", "spherical"]
+)
+def test_closed_form_and_integrator_agree(moments):
+    """The free body: elliptic functions and series give one answer for all that is watched."""
+    names = ["omega", "quaternion", "angular_momentum_space", "axis", "nutation", "position"]
+    start = gt.State(omega=(0.3, 1, 0.2), euler=(0.3, 0.5, 2), velocity=(1, 0, 2))
+    scene = gt.Scene(gt.Body(moments=moments), (), start, names, t=30, accuracy=1e-11)
+    closed, stepped = scene.run(), scene.run(engine=gt.Taylor())
+    assert closed.closed_form == "free top (Jacobi elliptic functions)"
+    assert stepped.closed_form is None
+    for name in names:
+        assert np.abs(closed[name] - stepped[name]).max() < 1e-10 * np.abs(stepped[name]).max()
+    assert max(closed.drift.values()) < 5e-15
+    between = closed.at([0.1, 12.34])
+    assert np.abs(between["axis"] - stepped.at([0.1, 12.34])["axis"]).max() < 1e-10
+    assert closed.at(0.1)["nutation"].shape == ()
+
+
+def test_closed_form_in_any_axes():
+    """A body whose principal axes are not the body axes, watched through the vertical alone."""
+    start = gt.State(omega=(0.3, 1, 0.2), euler=(0.3, 0.5, 2))
+    scene = gt.Scene(gt.Body(1, inertia=SKEW), (), start, ["omega", "vertical"], t=20)
+    closed, stepped = scene.run(), scene.run(engine=gt.RungeKutta())
+    assert closed.closed_form
+    assert np.abs(closed["omega"] - stepped["omega"]).max() < 2e-10
+    assert np.abs(closed["vertical"] - stepped["vertical"]).max() < 2e-10
+
+
+def test_closed_form_is_not_taken_for_what_it_is_not():
+    """Damping, a pivot with weight, falling bodies that are watched: all are integrated."""
+    start = gt.State(omega=(0.3, 1, 0.2), euler=(0.3, 0.5, 2))
+    body = gt.Body(moments=(1, 2, 3))
+    for effects, watch in (
+        ([E.AngularDamping(0.1)], "omega"),
+        ([E.Gravity(), E.Pivot([0, 0, 1])], "omega"),
+        ([E.Gravity()], "position"),
+        ([E.Naive()], "omega"),
+    ):
+        assert gt.Scene(body, effects, start, [watch], t=1).run().closed_form is None
+    falling = gt.Scene(body, [E.Gravity()], start, ["omega"], t=1).run()
+    assert falling.closed_form
+
+
+@pytest.mark.parametrize("push", [1e-3, 1e-8, 1e-12])
+def test_next_to_the_unstable_axis(push):
+    """Where doubles lose ten digits, the closed form serves all the same, and says how well."""
+    start = gt.State(omega=(push, 1, 0), quaternion=(1, 0, 0, 0))
+    scene = gt.Scene(gt.Body(moments=(1, 2, 3)), (), start, ["omega", "matrix"], t=80)
+    result = scene.run()
+    assert result.closed_form
+    assert result.error < 1e-10
+    long = gt.solve(scene.ode, scene.times, 1e-17, gt.Taylor(113))
+    states = np.asarray(long.states, dtype=float)
+    assert np.abs(result["omega"] - states[:, :3]).max() < 1e-14
+
+
+def test_a_closed_form_that_fails_its_check_is_not_used(monkeypatch):
+    """One part in 10^7 off: the integrator answers, and the answer is right."""
+    start = gt.State(omega=(0.3, 1, 0.2))
+    scene = gt.Scene(gt.Body(moments=(1, 2, 3)), (), start, ["omega"], t=5)
+    right, states = scene.run(), ClosedForm.states
+    assert right.closed_form
+    monkeypatch.setattr(ClosedForm, "states", lambda self, t: states(self, t) * (1 + 1e-7))
+    other = scene.run()
+    assert other.closed_form is None
+    assert np.abs(other["omega"] - right["omega"]).max() < 1e-9
+
+
+def test_solution_of_a_closed_form():
+    """States one by one, and zeros, from an integration made when it is asked for."""
+    scene = gt.Scene(gt.Body(moments=(1, 2, 3)), (), gt.State(omega=(0.1, 1, 0.1)), ["omega"], t=9)
+    result = scene.run()
+    assert result.solved is None
+    assert np.abs(result.solution["Omega2"] - result["omega"][:, 1]).max() < 1e-10
+
+
+def test_free_bodies_without_more_digits(monkeypatch):
+    """Next to an unstable axis Runge and Kutta check the closed form as far as they can."""
+    module = import_module("geomtorsion.ode.solve")  # the function of this name hides it
+    monkeypatch.setattr(module, "is_available", lambda: False)
+    scene = gt.scenes.load("dzhanibekov").with_values(accuracy=1e-11)
+    result = scene.run()
+    assert result.closed_form
+    assert result.error <= 1e-11
+    monkeypatch.undo()
+    assert np.abs(result["omega"] - scene.run()["omega"]).max() < 1e-13
+
+
+@pytest.mark.parametrize(
+    ("moments", "omega"),
+    [
+        ((1, 2, 2.5), (1e-300, 2e-300, 0)),
+        ((1e300,) * 3, (1e10, 2, 3)),
+        ((1, 2, 2.5), (1e200, 1, 0)),
+    ],
+)
+def test_numbers_whose_squares_are_no_doubles(moments, omega):
+    """Refused, with a remedy; never rates that are no numbers with an error of rounding."""
+    scene = gt.Scene(gt.Body(moments=moments), [], gt.State(omega=omega), ["omega"], t=10)
+    with pytest.raises(gt.errors.StartError, match="Use other units"):
+        scene.run()
+
+
+def test_a_closed_form_without_values_is_not_believed(monkeypatch):
+    """Not a number is no small difference."""
+    scene = gt.Scene(gt.Body(moments=(1, 2, 2.5)), [], gt.State(omega=(1, 2, 3)), ["omega"], t=3)
+    right = scene.run()
+    states = ClosedForm.states
+    monkeypatch.setattr(ClosedForm, "states", lambda form, t: states(form, t) * np.nan)
+    found = scene.run()
+    assert found.closed_form is None
+    assert np.abs(found["omega"] - right["omega"]).max() < 1e-9
+
+
+def test_estimates_of_closed_forms_are_close():
+    """However little is asked for, the check of a closed form is accurate to 1e-9."""
+    result = gt.scenes.load("dzhanibekov").with_values(accuracy=1e-3).run()
+    assert result.closed_form
+    assert result.error < 3e-9
