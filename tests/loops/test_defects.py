@@ -193,7 +193,7 @@ def test_bad_lines_are_refused():
 
 
 def test_declared_lines_are_looked_for_even_where_both_routes_agree():
-    """A smooth frame with a line that the user knows of: turns are told, a hit is an error."""
+    """A smooth frame with a line that the user knows of: turns are counted, a hit is an error."""
     core = cartan(spaces.load("screw_core").frame)
     values, axis = {"b": 1, "c": 1}, Defect((0, 0, 0), (0, 1), "core")
     turn = develop(core, Loop.circle([0, 0, 0], 2), parameters=values, defects=[axis])

@@ -133,7 +133,7 @@ def test_an_interruption_keeps_what_is_done(so3: Frame, monkeypatch: pytest.Monk
 
 
 def test_bad_maps(so3: Frame) -> None:
-    """Shapes, numbers and parameters are checked at the door."""
+    """Shapes, numbers and parameters are checked before anything is computed."""
     for make, message in (
         (lambda: burgers_vectors(so3, [[0, 1, 0]], 0), "circle 0 has radius 0"),
         (lambda: burgers_vectors(so3, [[0, 1]], 1), "centres have 2 coordinates"),
