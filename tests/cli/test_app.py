@@ -58,7 +58,9 @@ def test_help_loads_no_command():
     """The list of commands is shown without any of them, and without what they need."""
     found = loaded("--help")
     assert not {name for name in found if name.startswith("geomtorsion.cli.commands")}
-    assert not found & {f"geomtorsion.{part}" for part in ("motion", "loops", "scenes", "pictures")}
+    assert not found & {
+        f"geomtorsion.{part}" for part in ("ode", "curves", "loops", "scenes", "pictures")
+    }
 
 
 def test_a_command_loads_what_it_needs():

@@ -1,8 +1,6 @@
 """exercises: the list, an exercise, hints, checks, sheets and marks from the command line."""
 
 import csv
-import subprocess
-import sys
 
 import pytest
 
@@ -19,25 +17,6 @@ def test_the_list():
         assert title in text
     assert "(project)" in text
     assert "geomtorsion exercises show 3.2 --seed 7" in run("exercises", "--help").stdout
-
-
-def test_the_list_solves_nothing():
-    """Listing imports no exercise, no frame, no engine."""
-    code = (
-        "import sys; from typer.testing import CliRunner; from geomtorsion.cli.app import app; "
-        "CliRunner().invoke(app, ['exercises']); print(*sys.modules)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    loaded = set(done.stdout.split())
-    assert "geomtorsion.exercises.registry" in loaded
-    assert not any(name.startswith("geomtorsion.exercises.frames") for name in loaded)
-    assert not loaded & {
-        "scipy",
-        "heyoka",
-        "geomtorsion.ode",
-        "geomtorsion.curves",
-        "geomtorsion.loops",
-    }
 
 
 @pytest.mark.parametrize("number", ["1.2", "6.6", "7.2"])
