@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -22,11 +22,8 @@ from geomtorsion.curves.start import (
 )
 from geomtorsion.curves.transported import Deviation, TransportedVectors
 from geomtorsion.errors import MetricError, ShapeError, StartError
-from geomtorsion.geometry import levi_civita
+from geomtorsion.geometry import Connection, Frame, levi_civita
 from geomtorsion.ode.numbers import Numbers
-
-if TYPE_CHECKING:
-    from geomtorsion.geometry import Connection, Frame
 
 
 def autoparallel(
@@ -78,6 +75,7 @@ def autoparallel(
     u1' = 0
     u2' = 0
     """
+    checks.instance(connection, Connection, "connection")
     law: Law = Autoparallel(connection)
     if connection.kind == "cartan":
         law = CartanAutoparallel()
@@ -130,7 +128,8 @@ def geodesic(
     u2' = (1)*u1*u3
     u3' = (-1/3)*u1*u2
     """
-    frame: Any = getattr(space, "frame", space)
+    frame = space.frame if isinstance(space, Connection) else space
+    checks.instance(frame, Frame, "space")
     law = Geodesic(None if metric is None else kinetic_metric(metric, frame.dimension))
     return _posed(
         "geodesic", frame, law, start, velocity, frame_velocity, parameters, causal, atlas
@@ -162,6 +161,9 @@ def parallel_transport(
     >>> parallel_transport(p, [1, 0]).carried.start
     (1, 0)
     """
+    checks.instance(problem, CurveProblem, "problem")
+    if connection is not None:
+        checks.instance(connection, Connection, "connection")
     if problem.start is None:
         raise StartError("parallel transport needs a curve with coordinates; give it a start.")
     n = problem.frame.dimension
@@ -197,7 +199,7 @@ def geodesic_deviation(
     >>> geodesic_deviation(p, [0, 0], [1, 0]).carried.names()
     ('offset1', 'offset2', 'turn1', 'turn2')
     """
-    n = problem.frame.dimension
+    n = checks.instance(problem, CurveProblem, "problem").frame.dimension
     if problem.start is None:
         raise StartError("a deviation needs coordinates; give the problem a start.")
     deviation = Deviation(

@@ -7,14 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from geomtorsion import checks
 from geomtorsion.curves.constructors import autoparallel, parallel_transport
 from geomtorsion.curves.path_transport import transport_along
 from geomtorsion.curves.problem import CurveProblem
+from geomtorsion.errors import ShapeError, TimeError
+from geomtorsion.geometry import Connection
 from geomtorsion.ode.numbers import Numbers
 from geomtorsion.ode.solve import solve
 
 if TYPE_CHECKING:
-    from geomtorsion.geometry import Connection
     from geomtorsion.ode.engines import Engine
 
 
@@ -90,9 +92,13 @@ def holonomy(
     >>> holonomy(sphere, circle, parameters={"R": 1}).round(6).tolist()
     [[-1.0, 0.0], [-0.0, -1.0]]
     """
-    n = connection.frame.dimension
+    n = checks.instance(connection, Connection, "connection").frame.dimension
+    end = checks.number(t, "t", TimeError)
     unit = np.eye(n).tolist()
     if isinstance(path, CurveProblem):
         carried = parallel_transport(path, unit, connection)
-        return solve(carried, [t], accuracy, engine).transported[-1].reshape(n, n).T
-    return transport_along(connection, list(path), t, parameters or {}, accuracy, engine)
+        return solve(carried, [end], accuracy, engine).transported[-1].reshape(n, n).T
+    needed = "{subject}: a curve or a list of expressions was needed, but {value} came."
+    expressions = checks.entries(path, "path", ShapeError, message=needed)
+    given = checks.table(parameters, "parameters")
+    return transport_along(connection, expressions, end, given, accuracy, engine)

@@ -4,25 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import sympy as sp
 
+from geomtorsion import checks
 from geomtorsion.curves.constructors import autoparallel
 from geomtorsion.curves.problem import CurveProblem
 from geomtorsion.curves.readout import converted
 from geomtorsion.curves.start import checked_numbers, checked_start
 from geomtorsion.errors import ChartEdgeError, EndpointError, GeomtorsionError
+from geomtorsion.geometry import Connection
+from geomtorsion.ode.asked import checked_accuracy, checked_engine
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.numbers import Numbers
 from geomtorsion.ode.solution import Solution
 from geomtorsion.ode.solve import solve
 from geomtorsion.ode.trajectory import integrate
-
-if TYPE_CHECKING:
-    from geomtorsion.geometry import Connection
 
 # Newton steps until a shot has hit or is given up.
 SHOTS = 40
@@ -88,8 +88,10 @@ def log_map(
     >>> log_map(plane, [1, 0], [1, 0.5]).vector.round(6).tolist()
     [-0.122417, 0.479426]
     """
-    frame = connection.frame
+    frame = checks.instance(connection, Connection, "connection").frame
     n = frame.dimension
+    accuracy = checked_accuracy(accuracy)
+    checked_engine(engine)
     problem = autoparallel(connection, start, frame_velocity=[0] * n, parameters=parameters)
     target = np.array([float(x) for x in checked_start(frame, end, problem.parameters)])
     solver = engine or (Taylor() if is_available() else RungeKutta())

@@ -39,7 +39,7 @@ def checked_parameters(frame: Frame, parameters: Mapping[Any, Any] | None) -> di
     """Parameters by name, each one known to the frame and finite."""
     known = {symbol.name for symbol in frame.field.symbols} - {s.name for s in frame.coordinates}
     found: dict[str, Real] = {}
-    for key, value in (parameters or {}).items():
+    for key, value in checks.table(parameters, "parameters").items():
         name = getattr(key, "name", key)
         if name not in known:
             listed = ", ".join(sorted(known)) or "none"

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal, overload
+from typing import Literal, overload
 
 import numpy as np
 
+from geomtorsion import checks
 from geomtorsion.errors import LoopError
+from geomtorsion.geometry import Frame
 from geomtorsion.loops.arcs import Parameters, Part
 from geomtorsion.loops.exact_integral import ExactBurgersVector, exact_burgers_vector
 from geomtorsion.loops.forms import forms
@@ -17,9 +19,6 @@ from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.planes import check_accuracy
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.result import BurgersVector, Check
-
-if TYPE_CHECKING:
-    from geomtorsion.geometry import Frame
 
 
 @overload
@@ -98,6 +97,8 @@ def burgers_vector(
     >>> b.vector, b.route, b.check.agrees
     (array([0.00000000e+00, 0.00000000e+00, 6.28318531e-18]), 'flux', True)
     """
+    checks.instance(frame, Frame, "frame")
+    checks.instance(loop, Loop, "loop")
     if loop.dimension != frame.dimension:
         raise LoopError(
             f"the loop has {loop.dimension} coordinates, the frame {frame.dimension}: "

@@ -5,11 +5,12 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geomtorsion import checks
 from geomtorsion.errors import LoopError
+from geomtorsion.geometry import Connection
 from geomtorsion.loops.affine_form import AffineForm
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Parameters, Part
@@ -22,9 +23,6 @@ from geomtorsion.loops.planes import check_accuracy
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.loops.transport import Transported, transported
-
-if TYPE_CHECKING:
-    from geomtorsion.geometry import Connection
 
 
 def along_line(form: AffineForm, part: Part, accuracy: float) -> Transported:
@@ -226,7 +224,8 @@ def develop(
     >>> round(turn.angle, 12), turn.check.agrees     # the area (cos 1 - cos 1.5) / 4
     (0.11739127605, True)
     """
-    frame = connection.frame
+    frame = checks.instance(connection, Connection, "connection").frame
+    checks.instance(loop, Loop, "loop")
     if loop.dimension != frame.dimension:
         raise LoopError(
             f"the loop has {loop.dimension} coordinates, the frame {frame.dimension}: "

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import mpmath
 import numpy as np
@@ -14,14 +13,12 @@ import sympy as sp
 from geomtorsion import checks
 from geomtorsion.checks import expression as expression_of
 from geomtorsion.errors import LoopError, MissingValueError, UndecidedError
+from geomtorsion.geometry import Frame
 from geomtorsion.loops.arcs import Arc, Curve, Ellipse, Parameters, Part, exact_number
 from geomtorsion.loops.closed_forms import OutOfTimeError, deadline, definite
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.poles import refuse_poles
-
-if TYPE_CHECKING:
-    from geomtorsion.geometry import Frame
 
 # The closed form is compared with a numerical integral to this many digits.
 DIGITS = np.finfo(float).precision
@@ -96,6 +93,8 @@ def exact_burgers_vector(frame: Frame, loop: Loop, seconds: float = 20.0) -> Exa
     (0, 0, pi*R**2)
     """
     start = time.perf_counter()
+    checks.instance(frame, Frame, "frame")
+    checks.instance(loop, Loop, "loop")
     if loop.dimension != frame.dimension:
         raise LoopError(
             f"the loop has {loop.dimension} coordinates, the frame {frame.dimension}: "

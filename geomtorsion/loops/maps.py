@@ -5,12 +5,12 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import GeomtorsionError, LoopError
+from geomtorsion.geometry import Frame
 from geomtorsion.loops import planes
 from geomtorsion.loops.arcs import Ellipse, Parameters, Plane, Point
 from geomtorsion.loops.burgers import burgers_vector
@@ -20,9 +20,6 @@ from geomtorsion.loops.integrals import Places, agreement, by_levels
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.progress import counted
 from geomtorsion.loops.quadrature import PIECE
-
-if TYPE_CHECKING:
-    from geomtorsion.geometry import Frame
 
 # Loops that are treated together: so many that the points of each need a few pieces.
 TOGETHER = PIECE // 32
@@ -125,6 +122,7 @@ def burgers_vectors(
     >>> found.vectors[2] / found.areas
     array([2., 2.])
     """
+    checks.instance(frame, Frame, "frame")
     places = _array(centres, "centres", 2)
     radii = np.broadcast_to(_array(radius, "radius"), places.shape[:1])
     if not (radii > 0).all():
@@ -178,7 +176,9 @@ def burgers_map(
     >>> found.areas.shape, found.enclosed.sum(), abs(found.total).round(9)
     ((11, 11), np.int64(1), array([0., 0., 3.]))
     """
-    if not hasattr(edges, "__len__") or isinstance(edges, str) or len(edges) != 2:
+    checks.instance(frame, Frame, "frame")
+    is_array = isinstance(edges, np.ndarray) and edges.ndim > 0
+    if not (is_array or isinstance(edges, list | tuple)) or len(edges) != 2:
         raise LoopError("edges: two arrays were needed, one for each direction of the plane.")
     lines = [_array(side, f"edges[{k}]", 1) for k, side in enumerate(edges)]
     for k, side in enumerate(lines):

@@ -54,9 +54,11 @@ def vector(values: Any, where: str, dimension: int | None = None) -> tuple[float
 
 def check_accuracy(accuracy: float, least: float = float(np.finfo(float).resolution)) -> None:
     """Refuse a relative accuracy that no double has, or that is none."""
-    if not least <= accuracy < 1:
+    size = checks.real(accuracy)
+    if size is None or not least <= size < 1:
         raise LoopError(
-            f"accuracy: a relative error from {least} to below 1 was needed, but {accuracy!r} came."
+            f"accuracy: a relative error from {least} to below 1 was needed, but "
+            f"{checks.shown(accuracy)} came."
         )
 
 
