@@ -38,8 +38,6 @@ BARRED_MODULES = frozenset({"pickle", "marshal", "shelve", "dill", "cloudpickle"
 ALLOWED: dict[tuple[str, str], str] = {
     ("codegen/python_code.py", "exec"): "the one place where code of our own is compiled",
     ("codegen/python_code.py", "compile"): "the one place where code of our own is compiled",
-    ("exact/compile.py", "exec"): "code of our own, until all of it is written by codegen",
-    ("exact/compile.py", "compile"): "code of our own, until all of it is written by codegen",
     ("loops/arcs.py", "lambdify"): "of expressions that were read, with functions of a list",
     ("loops/exact_integral.py", "lambdify"): "of expressions made from exact elements",
     ("accuracy/loops.py", "lambdify"): "of expressions made from exact elements",
