@@ -38,7 +38,6 @@ BARRED_MODULES = frozenset({"pickle", "marshal", "shelve", "dill", "cloudpickle"
 ALLOWED: dict[tuple[str, str], str] = {
     ("codegen/python_code.py", "exec"): "the one place where code of our own is compiled",
     ("codegen/python_code.py", "compile"): "the one place where code of our own is compiled",
-    ("loops/arcs.py", "lambdify"): "of expressions that were read, with functions of a list",
     ("loops/exact_integral.py", "lambdify"): "of expressions made from exact elements",
     ("accuracy/loops.py", "lambdify"): "of expressions made from exact elements",
     ("exact/unsupported.py", "nsimplify"): "of a Float of sympy, never of text",
