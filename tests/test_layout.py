@@ -58,11 +58,11 @@ LONG: dict[str, str] = {
 LONGEST = 500
 # What is to come down: each is lowered as soon as less has been reached.
 CEILINGS = {
-    "files in rings": 56,
-    "inner imports without a reason": 18,
-    "percent of Any": 4.0,
-    "tuned constants": 206,
-    "tests of no module": 36,
+    "files in rings": 55,
+    "inner imports without a reason": 17,
+    "percent of Any": 3.6,
+    "tuned constants": 200,
+    "tests of no module": 34,
 }
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")
 
