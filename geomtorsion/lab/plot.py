@@ -6,10 +6,9 @@ Not matplotlib: the page draws anew while a slider moves, and the extra `lab` ne
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from html import escape
-from typing import Any
 
 from geomtorsion.pictures.style import number
 
@@ -75,32 +74,32 @@ class Plot:
     equal: bool = False
     log: str = ""
     falling: bool = False
-    parts: list[tuple[str, Any]] = field(default_factory=list)
+    parts: list[Callable[[Axes], str]] = field(default_factory=list)
+    legend: dict[str, Look] = field(default_factory=dict)
     points: list[Point] = field(default_factory=list)
 
     def line(self, points: Sequence[Point], look: Look, label: str = "") -> Plot:
-        """A curve; its label goes into the legend."""
-        return self._with("line", (list(points), look, label), points)
+        """A curve; its label goes into the legend, once."""
+        if label:
+            self.legend.setdefault(label, look)
+        return self._with(lambda axes: polyline([axes.place(one) for one in points], look), points)
 
     def mark(self, point: Point, look: Look, kind: str = "", text: str = "") -> Plot:
         """A mark, with a text next to it."""
-        return self._with("mark", (point, look, kind or look.mark, text), [point])
+        return self._with(lambda axes: axes.mark(point, look, kind or look.mark, text), [point])
 
     def arrow(self, start: Point, end: Point, look: Look, text: str = "") -> Plot:
         """An arrow, with a text next to its middle."""
-        return self._with("arrow", (start, end, look, text), [start, end])
+        return self._with(lambda axes: axes.arrow(start, end, look, text), [start, end])
 
     def sense(self, points: Sequence[Point], look: Look) -> Plot:
         """An arrow head on a curve, a sixth of the way along it."""
-        place = len(points) // 6
-        return self._with("sense", (points[place], points[place + 1], look), [])
+        one, two = points[len(points) // 6], points[len(points) // 6 + 1]
+        return self._with(lambda axes: head(axes.place(one), axes.place(two), look.color, 13), [])
 
-    def level(self, height: float, look: Look, label: str = "") -> Plot:
-        """A straight line across."""
-        return self._with("level", (height, look, label), [])
-
-    def _with(self, kind: str, what: Any, points: Sequence[Point]) -> Plot:
-        self.parts.append((kind, what))
+    def _with(self, part: Callable[[Axes], str], points: Sequence[Point]) -> Plot:
+        # Drawn later: the range of the axes is known when all parts are.
+        self.parts.append(part)
         self.points += [self._scaled(point) for point in points]
         return self
 
@@ -138,7 +137,7 @@ class Axes:
             centre, half = (low + high) / 2, (high - low) / 2
             half = half or abs(centre) * 0.1 or 1.0
             spans.append((centre, half * 1.08))
-        foot = LAYOUT.entry * len(_legend(plot))
+        foot = LAYOUT.entry * len(plot.legend)
         if plot.equal:
             room = (
                 plot.width - LAYOUT.left - LAYOUT.right,
@@ -167,7 +166,7 @@ class Axes:
     def svg(self) -> str:
         """The whole picture."""
         plot = self.plot
-        drawn = "".join(self._part(kind, what) for kind, what in plot.parts)
+        drawn = "".join(part(self) for part in plot.parts)
         return (
             f'<svg class="plot" viewBox="0 0 {plot.width:g} {plot.height:g}" role="img" '
             f'aria-label="{escape(plot.title)}" xmlns="http://www.w3.org/2000/svg" '
@@ -177,30 +176,15 @@ class Axes:
             f"{self._grid()}{drawn}{self._key()}</svg>"
         )
 
-    def _part(self, kind: str, what: Any) -> str:
-        if kind == "line":
-            points, look, _ = what
-            return polyline([self.place(point) for point in points], look)
-        if kind == "mark":
-            point, look, mark, text = what
-            x, y = self.place(point)
-            # Near the right edge the text stands on the other side.
-            side, anchor = (-9, "end") if x > 0.85 * self.plot.width else (9, "start")
-            label = words(x + side, y - 7, text, anchor, 13, look.color) if text else ""
-            return marker((x, y), mark, look.color) + label
-        if kind == "arrow":
-            return self._arrow(*what)
-        if kind == "sense":
-            start, end, look = what
-            return head(self.place(start), self.place(end), look.color, 13)
-        height, look, _ = what
-        level = self.place((self._first(), height))[1]
-        return polyline([(LAYOUT.left, level), (self.plot.width - LAYOUT.right, level)], look)
+    def mark(self, point: Point, look: Look, kind: str, text: str) -> str:
+        """A mark and its text, which stands on the other side near the right edge."""
+        x, y = self.place(point)
+        side, anchor = (-9, "end") if x > 0.85 * self.plot.width else (9, "start")
+        label = words(x + side, y - 7, text, anchor, 13, look.color) if text else ""
+        return marker((x, y), kind, look.color) + label
 
-    def _first(self) -> float:
-        return 10 ** self.low[0] if "x" in self.plot.log else self.low[0]
-
-    def _arrow(self, start: Point, end: Point, look: Look, text: str) -> str:
+    def arrow(self, start: Point, end: Point, look: Look, text: str) -> str:
+        """An arrow and its text; nothing where it would be shorter than two pixels."""
         one, two = self.place(start), self.place(end)
         if math.dist(one, two) < 2:
             return ""
@@ -241,7 +225,7 @@ class Axes:
         """The legend, below the plot."""
         parts = []
         top = self.plot.height - self.foot + 6
-        for row, (look, label) in enumerate(_legend(self.plot)):
+        for row, (label, look) in enumerate(self.plot.legend.items()):
             y = top + LAYOUT.entry * row
             parts.append(polyline([(LAYOUT.left, y), (LAYOUT.left + 48, y)], look))
             if look.mark:
@@ -282,15 +266,6 @@ def _power(exponent: int) -> str:
 def _rule(start: Point, end: Point) -> str:
     (a, b), (c, d) = start, end
     return f'<path d="M{a:.1f} {b:.1f}L{c:.1f} {d:.1f}" stroke="{PALE}"/>'
-
-
-def _legend(plot: Plot) -> list[tuple[Look, str]]:
-    """Looks and labels, each label once."""
-    found: dict[str, Look] = {}
-    for kind, what in plot.parts:
-        if kind in ("line", "level") and what[2]:
-            found.setdefault(what[2], what[1])
-    return [(look, label) for label, look in found.items()]
 
 
 def polyline(points: Sequence[Point], look: Look) -> str:
