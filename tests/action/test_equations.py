@@ -91,11 +91,11 @@ def test_closed_in_coordinates_gives_geodesics(name):
 
 
 def same_rates(equations, problem):
-    """Whether the rates are those of a problem of motion/, exactly."""
-    system = problem.equations().system
+    """Whether the rates are those of a problem of curves/, exactly."""
+    written = problem.equations()
     letters = {s.name: s for s in (*equations.frame.coordinates, *equations.velocities)}
     compared = 0
-    for name, products in zip(system.states, system.rates, strict=True):
+    for name, products in zip(written.states, written.rates, strict=True):
         rate = sum(c.sympy * sp.prod([letters[n] for n in names]) for c, names in products)
         assert sp.simplify(rate - equations.rates[name]) == 0, name
         compared += 1
