@@ -80,7 +80,9 @@ def verified(
         if accuracy / CLOSE < error <= accuracy:
             other = run(finer, -perturbation, at)
             runs.append(other)
-            error = max(error, SAFETY * difference(problem, answer, other))
+            second = SAFETY * difference(problem, answer, other)
+            if second > error:
+                reference, error = other, second
         if best is None or error < best.error:
             best = Verified(answer, reference, error, ())
         if error <= accuracy or answer.outcome == "stuck":
