@@ -33,7 +33,9 @@ def floats(values: Iterable[Real]) -> list[float]:
 
 
 def perturbed(values: Sequence[Real], part: float, precision: int, *, all_of_them: bool) -> list:
-    """Numbers changed by a relative part, up and down in turn; zeros stay.
+    """Numbers changed by a relative part; zeros stay.
+
+    Up and down in turn, or (for a part below zero) in pairs: another direction altogether.
 
     all_of_them: False leaves alone what a float of this precision holds without rounding.
 
@@ -47,7 +49,8 @@ def perturbed(values: Sequence[Real], part: float, precision: int, *, all_of_the
         if not all_of_them and _is_held(value, precision):
             found.append(value)
             continue
-        change = -part if k % 2 else part
+        down = k % 2 if part > 0 else k // 2 % 2
+        change = -abs(part) if down else abs(part)
         if precision == 53:
             found.append(float(value) * (1 + change))
             continue
