@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
 
 
+# Longer rates (values in a graph) belong to frames whose inverse metric is too long to work with.
+LONGEST = 100
+
+
 @dataclass(frozen=True, eq=False)
 class Equations:
     """A law in a chart: coordinates first, then velocities (unless constant), then what is carried.
@@ -72,6 +76,8 @@ class Equations:
     def reduction(self) -> CyclicReduction | None:
         """A smaller system in the place of this one, where a step of it costs less."""
         if self.momenta is None or not self.momenta.cyclic:
+            return None
+        if len(self.system.rates.steps) > LONGEST:
             return None
         found = CyclicReduction(self, self.momenta)
         return found if found.pays else None

@@ -91,13 +91,8 @@ def test_closed_in_coordinates_gives_geodesics(name):
 
 
 def same_rates(equations, problem):
-<<<<<<< HEAD
     """Whether the rates are those of a problem of curves/, exactly."""
     written = problem.equations()
-=======
-    """Whether the rates are those of a curve, exactly."""
-    system = problem.equations()
->>>>>>> 27ea7b8 (Say in README and changelog what solves motions now)
     letters = {s.name: s for s in (*equations.frame.coordinates, *equations.velocities)}
     compared = 0
     for name, products in zip(written.states, written.rates, strict=True):

@@ -21,9 +21,9 @@ from geomtorsion.ode.system import System
 
 # Compiled integrators that are kept; each is some hundred kilobytes.
 KEPT = 128
-# Equations of more values (times the order of the series) are not optimised: that would take ten
-# times as long, and runs are rarely long enough to win it back.
-LARGE = 6000
+# Equations of more values (times the order of the series) are first compiled without optimisation:
+# that takes a tenth of the time, and half the speed is enough for a short run.
+LARGE = 600
 # Equations of more values than this are not unrolled.
 LONGEST_UNROLLED = 400
 # Guards are watched at this part of their value: heyoka counts events among the states by whose
@@ -38,6 +38,7 @@ class Compiled:
     """A compiled integrator; `lock` is held while it runs, for threads share it."""
 
     integrator: Any
+    optimised: bool
     lock: Any = field(default_factory=RLock)
 
 
@@ -106,8 +107,8 @@ def compiled(
             _kept.move_to_end(key)
             return found, 0.0
     if optimised is None:
-        optimised = bool(width) or len(system.rates.steps) * order < LARGE
-    made = Compiled(_integrator(system, order, precision, width, optimised, number))
+        optimised = bool(width) or precision > 64 or len(system.rates.steps) * order < LARGE
+    made = Compiled(_integrator(system, order, precision, width, optimised, number), optimised)
     with _kept_lock:
         _kept[key] = made
         while len(_kept) > KEPT:

@@ -28,6 +28,8 @@ __all__ = ["Taylor", "heyoka", "is_available"]
 
 # Steps between two looks at whether a run gets anywhere: by this part of its time at least.
 STEPS_AT_ONCE, STANDSTILL = 2_000, 1e-8
+# A run of more steps than this is worth optimised code.
+LONG = 64
 # Below this order steps are no longer in proportion to what the series leave out.
 LOWEST_ORDER = 6
 NO_VALUE = "the series has no finite value"
@@ -116,6 +118,26 @@ class Taylor:
     ) -> Run:
         """See `Engine.run`."""
         kept, compiling = self.compiled(system, tolerance)
+        found = self._run(kept, system, start, parameters, times, dense)
+        if found is None:
+            # So long a run is worth optimised code.
+            kept, more = self.compiled(system, tolerance, optimised=True)
+            compiling += more
+            found = self._run(kept, system, start, parameters, times, dense)
+            assert found is not None
+        found.compile_seconds = compiling
+        return found
+
+    def _run(
+        self,
+        kept: Compiled,
+        system: System,
+        start: Sequence[Real] | np.ndarray,
+        parameters: Sequence[Real] | np.ndarray,
+        times: np.ndarray,
+        dense: bool,
+    ) -> Run | None:
+        """The run by one integrator; None where it is long and the code is not optimised."""
         # Nobody else may use the integrator meanwhile.
         with kept.lock:
             began = time.perf_counter()
@@ -123,36 +145,47 @@ class Taylor:
             grid, start = self.array(times), self.array(start)
             numbers = self.array(parameters) if system.parameters else None
             _place(integrator, grid[0], start, numbers)
-            if dense:
-                # The steps are the same with and without the grid, so this comes first.
-                record = _Record(integrator, grid[0])
-                integrator.propagate_until(grid[-1], callback=record, write_tc=True)
-                _place(integrator, grid[0], start, numbers)
-            states, outcome, steps, reason = self._propagated(integrator, grid)
+            propagated = self._propagated(integrator, grid, kept.optimised)
+            if propagated is None:
+                return None
+            states, outcome, steps, reason = propagated
             if outcome == "stuck":
                 place = _last_regular(integrator, grid[0], start, grid[-1], steps)
                 integrator.time, integrator.state[:] = place
                 lasted = abs(float(place[0] - grid[0]))
                 states = states[np.abs((grid[: len(states)] - grid[0]).astype(float)) <= lasted]
+            reached, last = integrator.time, integrator.state.copy()
+            if dense:
+                # The steps are the same with and without the grid.
+                _place(integrator, grid[0], start, numbers)
+                record = _Record(integrator, grid[0])
+                integrator.propagate_until(reached, callback=record, write_tc=True)
             return Run(
                 grid[: len(states)],
                 states,
-                integrator.time,
-                integrator.state.copy(),
+                reached,
+                last,
                 outcome,
                 steps,
                 steps * (integrator.order + 1),
-                compiling,
+                0.0,
                 time.perf_counter() - began,
                 None if record is None else record.dense(),
                 reason,
             )
 
-    def _propagated(self, integrator: Any, grid: np.ndarray) -> tuple[np.ndarray, str, int, str]:
-        """States on the grid, outcome, steps and reason; ends a run that gets nowhere."""
+    def _propagated(
+        self, integrator: Any, grid: np.ndarray, optimised: bool
+    ) -> tuple[np.ndarray, str, int, str] | None:
+        """States on the grid, outcome, steps and reason; ends a run that gets nowhere.
+
+        None where a run is long and the code is not optimised.
+        """
         if grid[0] == grid[-1]:
             return integrator.state.copy()[None, :], "done", 0, ""
         at_once = STEPS_AT_ONCE if self.precision <= 64 else STEPS_AT_ONCE // 4
+        if not optimised:
+            at_once = LONG
         rows: list[np.ndarray] = []
         done, steps, before = 0, 0, grid[0]
         rest = grid
@@ -172,6 +205,8 @@ class Taylor:
                     keep = len(states) if good.all() else int(np.argmin(good))
                     return states[:keep], "stuck", steps, NO_VALUE
                 return states, "edge", steps, ""
+            if not optimised:
+                return None
             moved = abs(float(integrator.time - before))
             if moved < STANDSTILL * abs(float(grid[-1] - grid[0])):
                 return np.concatenate(rows), "stuck", steps, "the steps became too small"
