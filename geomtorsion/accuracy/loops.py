@@ -18,6 +18,7 @@ from geomtorsion.loops.arcs import exact_number
 from geomtorsion.loops.exact_integral import pieces, pulled_back
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.integrals import flux_at, line_at
+from geomtorsion.precision import working_digits
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
@@ -160,7 +161,7 @@ def reference(
     total = [mpmath.mpf(0)] * frame.dimension
     # A loop of size 1e-12 cancels 24 digits.
     digits = DIGITS + int(2 * max(0, -mpmath.log10(loop.size)))
-    with mpmath.workdps(digits):
+    with working_digits(digits):
         for times, piece in pieces(loop):
             _, t, low, high = piece
             bounds = [mpmath.mpmathify(x.subs(table).evalf(digits + 10)) for x in (low, high)]

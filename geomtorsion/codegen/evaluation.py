@@ -10,6 +10,7 @@ import mpmath
 
 from geomtorsion.codegen.functions import FUNCTIONS
 from geomtorsion.codegen.steps import Signed, Step
+from geomtorsion.precision import working_precision
 
 # Bits of numbers that are no fractions: no engine calculates with more.
 EXACT_BITS = 400
@@ -21,7 +22,7 @@ def exact_values(
     steps: Sequence[Step], outputs: Sequence[Signed], arguments: Sequence[Any], bits: int
 ) -> list[Exact]:
     """Outputs as fractions where they are rational, else as mpmath's numbers of so many bits."""
-    with mpmath.workprec(bits):
+    with working_precision(bits):
         given = [exact_number(value, bits) for value in arguments]
         made: list[Exact] = []
         for step in steps:
@@ -92,7 +93,7 @@ def exact_number(value: Any, bits: int) -> Exact:
     >>> exact_number(0.5, 100), mpmath.nstr(exact_number(sympy.pi, 100), 25)
     (Fraction(1, 2), '3.141592653589793238462643')
     """
-    with mpmath.workprec(bits):
+    with working_precision(bits):
         # numpy's long floats give their digits as text alone; so do heyoka's.
         if type(value).__name__ in ("longdouble", "real128", "real"):
             return mpmath.mpf(str(value))

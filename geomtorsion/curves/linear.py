@@ -11,6 +11,7 @@ import numpy as np
 from geomtorsion.codegen import graph
 from geomtorsion.curves.equations import derivative
 from geomtorsion.ode.numbers import Real, mpf
+from geomtorsion.precision import working_precision
 
 if TYPE_CHECKING:
     from geomtorsion.curves.problem import CurveProblem
@@ -47,7 +48,7 @@ def closed_form(
     values: list[Real] = [0] * n + [mpf(x, BITS) for x in stage.parameters]
     entries = graph(arguments, slopes, factor=False).exactly(values, BITS)
     offset = graph(arguments, equations.rates, factor=False).exactly(values, BITS)
-    with mpmath.workprec(BITS):
+    with working_precision(BITS):
         # One more row carries the constant part of the rates.
         matrix = mpmath.zeros(n + 1, n + 1)
         for k in range(n):
@@ -58,7 +59,7 @@ def closed_form(
 
     def states(times: Sequence[float] | np.ndarray) -> list[list[mpmath.mpf]]:
         """States at times of the problem, as mpmath numbers, one list per time."""
-        with mpmath.workprec(BITS):
+        with working_precision(BITS):
             found = []
             for t in times:
                 scaled = matrix * (mpf(t, BITS) * mpf(problem.time_unit, BITS))

@@ -179,7 +179,7 @@ class _Shooter:
 
     def end(self, vector: np.ndarray) -> np.ndarray:
         """Coordinates at t = 1."""
-        member = replace(self.problem, frame_velocity=tuple(vector.tolist()), _stages={})
+        member = replace(self.problem, frame_velocity=tuple(vector.tolist()))
         stage = member.first_stage(self.engine.precision, 0.0)
         times = np.array([0.0, member.time_unit])
         trajectory = integrate(stage, times, self.tolerance, self.engine)

@@ -12,6 +12,7 @@ import numpy as np
 from geomtorsion.codegen import Graph, graph
 from geomtorsion.exact import Element
 from geomtorsion.ode.numbers import Real, mpf
+from geomtorsion.precision import working_precision
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +59,7 @@ class ElementMatrix:
             return self.applied(point, column)[:, 0].tolist()
         numbers = {name: mpf(x, bits) for name, x in point.items()}
         factors = [mpf(x, bits) for x in vector]
-        with mpmath.workprec(bits):
+        with working_precision(bits):
             total: list[Real] = [mpmath.mpf(0)] * self.shape[0]
             for (i, j), element in self.entries.items():
                 total[i] += element.evaluate(numbers, bits) * factors[j]

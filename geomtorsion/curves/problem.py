@@ -65,7 +65,7 @@ class CurveProblem:
     carried: Carried | None = None
     coordinate_velocity: tuple[Real, ...] | None = None
     _written: dict[str, Equations] = field(default_factory=dict, repr=False)
-    _stages: dict[tuple[int, float], Stage] = field(default_factory=dict, repr=False)
+    _stages: dict[tuple[int, float], Stage] = field(default_factory=dict, repr=False, init=False)
 
     # -- what is to be solved --------------------------------------------------------------------
 
@@ -143,21 +143,19 @@ class CurveProblem:
         """
         place = self.start if start is None else checked_start(self.frame, start, self.parameters)
         if velocity is None and frame_velocity is None:
-            return replace(self, start=place, coordinate_velocity=None, _stages={})
+            return replace(self, start=place, coordinate_velocity=None)
         speeds, given = frame_velocities(
             self.frame, place, velocity, frame_velocity, self.parameters
         )
-        return replace(
-            self, start=place, frame_velocity=speeds, coordinate_velocity=given, _stages={}
-        )
+        return replace(self, start=place, frame_velocity=speeds, coordinate_velocity=given)
 
     def carry(self, carried: Carried) -> CurveProblem:
         """The same motion with something carried along."""
-        return replace(self, carried=carried, _written={}, _stages={})
+        return replace(self, carried=carried, _written={})
 
     def with_charts(self, *names: str) -> CurveProblem:
         """The same motion, followed in these charts only, in this order of preference."""
-        return replace(self, atlas=self.atlas.only(*names), _written={}, _stages={})
+        return replace(self, atlas=self.atlas.only(*names), _written={})
 
     # -- showing ---------------------------------------------------------------------------------
 
@@ -431,7 +429,6 @@ class CurveProblem:
             start=None if place is None else tuple(place[k].tolist()),
             frame_velocity=tuple(members.varied["frame_velocity"][k].tolist()),
             coordinate_velocity=None,
-            _stages={},
         )
 
     def read_members(

@@ -15,6 +15,7 @@ from geomtorsion.errors import ChartEdgeError
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.trajectory import Segment, Trajectory
+from geomtorsion.precision import working_precision
 
 if TYPE_CHECKING:
     from geomtorsion.curves.problem import CurveProblem
@@ -128,7 +129,7 @@ def _turned(problem: CurveProblem, source: str, target: str, q: np.ndarray) -> n
         if q.dtype != object:
             q[:, k] -= 2 * np.pi * turns
             continue
-        with mpmath.workprec(TURN_BITS):
+        with working_precision(TURN_BITS):
             q[:, k] = [
                 x - 2 * mpmath.pi * int(turn) for x, turn in zip(q[:, k], turns, strict=True)
             ]

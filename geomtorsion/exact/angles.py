@@ -13,6 +13,7 @@ from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.rational_basis import RationalBasis, single_generator, terms
 from geomtorsion.exact.square_roots import square_root_inside
 from geomtorsion.exact.unknown_functions import opaque
+from geomtorsion.precision import working_precision
 
 if TYPE_CHECKING:
     from geomtorsion.exact.element import Element
@@ -147,7 +148,7 @@ class Angles:
         if prime == 2:
             inside = square_root_inside(field, (whole[0] + 1) * fmpq(1, 2))
             if inside is not None:
-                with mpmath.workprec(200):
+                with working_precision(200):
                     want = mpmath.cos(field.sample.value(angle))
                     have = field.sample.value(inside)
                 cos = inside if mpmath.re(want * have) > 0 else -inside
@@ -163,7 +164,7 @@ class Angles:
             return self._new_part(angle, whole, prime)
         if prime > 2:
             return opaque(field, sympy.cos(angle.sympy), (angle,))
-        with mpmath.workprec(200):
+        with working_precision(200):
             positive = mpmath.re(mpmath.cos(field.sample.value(angle))) > 0
         root = ((whole[0] + 1) * fmpq(1, 2)).sqrt()
         return root if positive else -root

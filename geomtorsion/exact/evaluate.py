@@ -12,6 +12,7 @@ from flint import fmpq
 from geomtorsion.errors import MissingValueError, SingularPointError
 from geomtorsion.exact.form import Sum, form
 from geomtorsion.exact.generators import Generator
+from geomtorsion.precision import working_precision
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -43,7 +44,7 @@ def evaluate(element: Element, point: Mapping[Any, Any], precision: int = 53) ->
             "the point into the domain, or declare the frame complex"
         )
     if precision > 53:
-        with mpmath.workprec(precision):
+        with working_precision(precision):
             return +value
     return complex(value) if isinstance(value, mpmath.mpc) and value.imag else float(value.real)
 
@@ -61,7 +62,7 @@ def settled_value(compute: Callable[[], mpmath.mpf], precision: int, largest: in
     # An expanded numerator may cancel to any depth, which one run cannot see: two that agree can.
     bits, before = precision + _GUARD, None
     while True:
-        with mpmath.workprec(bits):
+        with working_precision(bits):
             try:
                 value = compute()
             except (SingularPointError, ZeroDivisionError):

@@ -11,6 +11,7 @@ import sympy
 from geomtorsion.checks import expression
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.exact.evaluate import LARGEST_BITS, settled_value, values
+from geomtorsion.precision import working_precision
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -75,7 +76,7 @@ class GenericPoint:
         except (GeomtorsionError, ArithmeticError, ValueError):
             return True
         real, imaginary = mpmath.re(value), mpmath.im(value)
-        with mpmath.workprec(BITS):
+        with working_precision(BITS):
             negligible = mpmath.ldexp(max(abs(real), abs(imaginary)), -BITS // 2)
             return bool(real > 0 if abs(real) > negligible else imaginary > 0)
 

@@ -13,6 +13,7 @@ from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.generators import Branch
 from geomtorsion.exact.integers import prime_factors
 from geomtorsion.exact.square_roots import square_root_inside, without_odd_roots
+from geomtorsion.precision import working_precision
 
 if TYPE_CHECKING:
     from geomtorsion.exact.element import Element
@@ -103,7 +104,7 @@ def _is_decided(field: Tower, tail: Element) -> bool:
 def _matches_principal(field: Tower, value: Element, element: Element) -> bool:
     """Whether value is the principal root of element at the sample point."""
     try:
-        with mpmath.workprec(200):
+        with working_precision(200):
             want = mpmath.sqrt(field.sample.value(element))
             have = field.sample.value(value)
             return bool(abs(have - want) <= abs(have + want))

@@ -10,6 +10,7 @@ import numpy as np
 import sympy
 
 from geomtorsion.errors import ExpressionError
+from geomtorsion.precision import working_digits
 
 # A complex array or a number of mpmath: one code computes with both.
 Number = Any
@@ -68,7 +69,7 @@ def at_point(
     >>> mpmath.nstr(at_point(sympy.exp(x) - 1, {x: sympy.Rational(1, 2)}), 20)
     '(0.64872127070012814685 + 0.0j)'
     """
-    with mpmath.workdps(digits):
+    with working_digits(digits):
         values = {
             symbol: mpmath.mpc(mpmath.mpf(int(x.p)) / int(x.q)) for symbol, x in point.items()
         }

@@ -19,6 +19,7 @@ from geomtorsion.loops.closed_forms import OutOfTimeError, deadline, definite
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.poles import refuse_poles
+from geomtorsion.precision import working_digits
 
 # The closed form is compared with a numerical integral to this many digits.
 DIGITS = np.finfo(float).precision
@@ -196,7 +197,7 @@ def _number(f: sp.Expr, piece: Piece, where: Mapping[sp.Symbol, sp.Expr]) -> mpm
     if f == 0:
         return mpmath.mpf(0)
     function = sp.lambdify(t, f.subs(where), "mpmath")
-    with mpmath.workdps(DIGITS + 10):
+    with working_digits(DIGITS + 10):
         bounds = [mpmath.mpmathify(expression_of(x).subs(where).evalf(40)) for x in (low, high)]
         panels = mpmath.linspace(*bounds, 9)
         return mpmath.quad(function, panels)

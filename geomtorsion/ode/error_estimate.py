@@ -129,8 +129,8 @@ def busiest_time(one: Trajectory) -> float | None:
 
 
 def rounding(engine: Engine, steps: int) -> float:
-    """The error that no estimate goes below: one rounding a step, adding up at random."""
-    return 2.0**-engine.precision * math.sqrt(max(steps, 1))
+    """The error that no estimate goes below: a last place a step, adding up at random."""
+    return 2.0 ** (1 - engine.precision) * math.sqrt(max(steps, 1))
 
 
 def difference(problem: Comparable, one: Trajectory, two: Trajectory) -> float:

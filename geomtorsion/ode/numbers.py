@@ -11,6 +11,7 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion.codegen import exact_number, rational
+from geomtorsion.precision import working_precision
 
 # A finite real number as it came: a float, a fraction, an exact sympy number, a longer float.
 Real: TypeAlias = float | Fraction | sp.Expr | mpmath.mpf
@@ -22,7 +23,7 @@ def mpf(value: Real, precision: int) -> mpmath.mpf:
     """A number as mpmath number of so many bits."""
     found = exact_number(value, precision)
     if isinstance(found, Fraction):
-        with mpmath.workprec(precision):
+        with working_precision(precision):
             return mpmath.mpf(found.numerator) / found.denominator
     return found
 
@@ -55,7 +56,7 @@ def perturbed(values: Sequence[Real], part: float, precision: int, *, all_of_the
             found.append(float(value) * (1 + change))
             continue
         bits = 2 * precision
-        with mpmath.workprec(bits):
+        with working_precision(bits):
             found.append(mpf(value, bits) * (1 + mpmath.mpf(change)))
     return found
 

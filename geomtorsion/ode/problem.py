@@ -22,6 +22,7 @@ from geomtorsion.ode.numbers import Numbers, Real, mpf, perturbed
 from geomtorsion.ode.rates import CLOCK, Rates
 from geomtorsion.ode.system import System
 from geomtorsion.ode.trajectory import Event, Segment, Stage, State, Trajectory
+from geomtorsion.precision import working_precision
 
 # An output is one expression, or several that make a vector.
 Terms: TypeAlias = sp.Expr | tuple[sp.Expr, ...]
@@ -59,7 +60,7 @@ class ODE:
     events: tuple[At, ...] = ()
     normalized: tuple[tuple[str, ...], ...] = ()
     name: str = ""
-    _stages: dict[tuple[int, float], Stage] = field(default_factory=dict, repr=False)
+    _stages: dict[tuple[int, float], Stage] = field(default_factory=dict, repr=False, init=False)
 
     # Trajectories count time as users do.
     time_unit = 1.0
@@ -193,7 +194,7 @@ class ODE:
             numbers |= constructor.parameter_numbers(self.rates.parameters, parameters)
         if events is not None:
             timed = constructor.timed_events((*self.states, *self.rates.parameters), events)
-        made = replace(self, start=new_start, parameters=numbers, events=timed, _stages={})
+        made = replace(self, start=new_start, parameters=numbers, events=timed)
         made.check_lengths()
         return made
 
@@ -573,7 +574,7 @@ class ODE:
             name: float(value[k]) for name, value in members.varied.items()
         }
         start = tuple(members.states[k, : self.size].tolist())
-        return replace(self, start=start, parameters=table, _stages={})
+        return replace(self, start=start, parameters=table)
 
     def read_members(
         self, members: Members, rows: Rows, times: np.ndarray
@@ -630,7 +631,7 @@ def _normalize(state: list[Real], places: Sequence[int], precision: int) -> None
         scaled = [value / length for value in numbers]
     else:
         bits = precision + 20
-        with mpmath.workprec(bits):
+        with working_precision(bits):
             exact_values = [mpf(value, bits) for value in values]
             size = mpmath.sqrt(sum(value * value for value in exact_values))
             scaled = [value / size for value in exact_values]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import TypeAlias, cast
+from typing import TypeAlias
 
 import numpy as np
 
@@ -199,21 +199,7 @@ def engines(
 
 def _is_stiff(stage: Stage, lasts: float) -> bool:
     """Whether some direction decays much faster than the stage lasts; False if unknown."""
-    if not lasts:
-        return False
-    # The size of the matrix and its decay rates follow from the stage: they are worked out once.
-    table = cast("dict[str, float]", stage.__dict__)
-    if "decay" not in table:
-        matrix = stage.system.jacobian(*(_floats(x) for x in (stage.start, stage.parameters)))
-        table["norm"] = float(np.abs(matrix).sum(axis=1).max())
-        table["decay"] = 0.0
-        if math.isfinite(table["norm"]) and table["norm"] * lasts > STIFF:
-            table["decay"] = float(-np.linalg.eigvals(matrix).real.min())
-    return table["decay"] * lasts > STIFF
-
-
-def _floats(values: Sequence[object] | np.ndarray) -> list[float]:
-    return [float(value) for value in values]  # type: ignore[arg-type]  # numbers of any kind
+    return stage.rate_norm * lasts > STIFF and stage.decay_rate * lasts > STIFF
 
 
 def _remedy(engine: Engine | None) -> str:

@@ -80,6 +80,24 @@ class Stage:
         return np.array([float(x) for x in self.start])
 
     @cached_property
+    def _jacobian(self) -> np.ndarray:
+        """df/dy at the beginning."""
+        numbers = ([float(x) for x in row] for row in (self.start, self.parameters))
+        return self.system.jacobian(*numbers)
+
+    @cached_property
+    def rate_norm(self) -> float:
+        """A bound of all rates at which neighbours part or approach, at the beginning."""
+        return float(np.abs(self._jacobian).sum(axis=1).max())
+
+    @cached_property
+    def decay_rate(self) -> float:
+        """The largest rate at which a neighbour decays towards this motion, at the beginning."""
+        if not np.isfinite(self._jacobian).all():
+            return 0.0
+        return float(-np.linalg.eigvals(self._jacobian).real.min())
+
+    @cached_property
     def timed(self) -> Event | None:
         """The event at a time."""
         return next((event for event in self.events if event.when is not None), None)
@@ -146,7 +164,7 @@ class Trajectory:
     segments: tuple[Segment, ...]
     outcome: str
     reason: str = ""
-    _dense: dict[int, Dense] = field(default_factory=dict, repr=False)
+    _dense: dict[int, Dense] = field(default_factory=dict, repr=False, init=False)
 
     @cached_property
     def count(self) -> int:

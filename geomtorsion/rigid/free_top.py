@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from geomtorsion import checks
 from geomtorsion.errors import ShapeError, StartError, TimeError
+from geomtorsion.precision import ball_precision
 from geomtorsion.rigid.attitude import product, rotated
 from geomtorsion.rigid.double_double import DoubleDouble, reduced, turns
 from geomtorsion.rigid.free_top_attitude import tilted
@@ -183,7 +184,7 @@ class FreeTop:
 
     def _uniform(self, t: NDArray[Any]) -> NDArray[Any]:
         """The turn of constant rates."""
-        with flint.ctx.workprec(140):
+        with ball_precision(140):
             speed = sum((flint.arb(w) ** 2 for w in self.omega0), flint.arb(0)).sqrt()
             axis = [float(w / speed) if any(self.omega0) else 0.0 for w in self.omega0]
             half = FULL / 2 * turns(t, DoubleDouble.of(speed / (4 * flint.arb.pi())))

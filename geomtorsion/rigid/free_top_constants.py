@@ -9,6 +9,7 @@ from typing import Any
 
 import flint
 
+from geomtorsion.precision import ball_precision
 from geomtorsion.rigid.double_double import DoubleDouble
 
 # Bits of the constants: twice a double, and as many again to spare.
@@ -117,7 +118,7 @@ def constants(moments: tuple[float, ...], omega: tuple[float, ...]) -> Constants
 
     # The third kind loses as many bits as |n| has, twice over.
     bits = BITS + 2 * max(0, (1 - n).numerator.bit_length() - (1 - n).denominator.bit_length())
-    with flint.ctx.workprec(bits):
+    with ball_precision(bits):
         pi = flint.arb.pi()
         momentum = _root(ia**2 * wa**2 + ib**2 * wb**2 + ic**2 * wc**2)
         rate = _root(s * (ia - ib) * p / (ia * ib * ic))

@@ -8,11 +8,11 @@ from fractions import Fraction
 from random import Random
 from typing import TYPE_CHECKING
 
-import mpmath
 import sympy as sp
 
 from geomtorsion.codegen import graph
 from geomtorsion.errors import GeomtorsionError
+from geomtorsion.precision import working_precision
 from geomtorsion.scenes.assembly import WORK, Assembly, by_quaternion
 from geomtorsion.scenes.context import ATTITUDE, QUATERNION, TIME, VERTICAL
 
@@ -100,7 +100,7 @@ def is_constant(assembly: Assembly, quantity: sp.Expr) -> bool:
             if not all(map(math.isfinite, made_of.numpy()(*[float(x) for x in here]).tolist())):
                 return False  # More digits of exp(exp(exp(...))) would take for ever.
             values = made_of.exactly(here, BITS)
-            with mpmath.workprec(BITS):
+            with working_precision(BITS):
                 total = abs(sum(values[1:], values[0]))
                 if total > NOTHING * max(abs(value) for value in values):
                     return False

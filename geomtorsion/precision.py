@@ -1,0 +1,53 @@
+"""Precision: work with more digits, one thread at a time.
+
+The precision of mpmath and of python-flint is a setting of the whole process. Two threads that set
+it by turns would each restore what the other had set, for good.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from threading import RLock
+
+import flint
+import mpmath
+
+_LOCK = RLock()
+
+
+@contextmanager
+def working_precision(bits: int) -> Iterator[None]:
+    """mpmath works with so many bits inside.
+
+    Examples
+    --------
+    >>> with working_precision(200):
+    ...     third = mpmath.mpf(1) / 3
+    >>> third == mpmath.mpf(1) / 3
+    False
+    """
+    with _LOCK, mpmath.workprec(bits):
+        yield
+
+
+@contextmanager
+def working_digits(digits: int) -> Iterator[None]:
+    """mpmath works with so many decimal digits inside."""
+    with _LOCK, mpmath.workdps(digits):
+        yield
+
+
+@contextmanager
+def ball_precision(bits: int) -> Iterator[None]:
+    """python-flint works with so many bits inside.
+
+    Examples
+    --------
+    >>> with ball_precision(140):
+    ...     third = flint.arb(1) / 3
+    >>> float(third.rad()) < 1e-40
+    True
+    """
+    with _LOCK, flint.ctx.workprec(bits):
+        yield
