@@ -25,9 +25,11 @@ def main(arguments: list[str] | None = None) -> None:
     omega, velocity = [0.3, 0.2, 1.0], [1.0, 0.0, 0.2]
     # Coordinates are (phi, x); the legs of the frame are those of the body.
     start = [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]
-    along = {"start": start, "frame_velocity": [*omega, *velocity]}
-    straightest = gt.solve(gt.autoparallel(gt.cartan(frame), **along), options.t, accuracy=1e-11)
-    shortest = gt.solve(gt.geodesic(frame, **along), options.t, accuracy=1e-11)
+    speed = [*omega, *velocity]
+    straight = gt.autoparallel(gt.cartan(frame), start, frame_velocity=speed)
+    straightest = gt.solve(straight, options.t, accuracy=1e-11)
+    short = gt.geodesic(frame, start, frame_velocity=speed)
+    shortest = gt.solve(short, options.t, accuracy=1e-11)
     print(f"straightest: {straightest.engine}, error below {straightest.error:.1e}")
     print(f"shortest:    {shortest.engine}, error below {shortest.error:.1e}")
 

@@ -49,8 +49,9 @@ def main(arguments: list[str] | None = None) -> None:
     shipped = gt.scenes.load("rolling_disc")
     assert scene.with_values(start=shipped.start) == shipped
     if p == 2:
-        assert np.allclose(scene.start.omega, shipped.start.omega, rtol=1e-14, atol=0)
-        assert np.allclose(scene.start.position, shipped.start.position, rtol=1e-14, atol=0)
+        for name in ("omega", "position"):
+            mine, theirs = (getattr(one.start, name) for one in (scene, shipped))
+            assert np.allclose(mine, theirs, rtol=1e-14, atol=0)
 
     result = scene.run()
     print(result)

@@ -1,5 +1,8 @@
 """Graphs to test with: expressions of every kind, and geodesics of shipped spaces."""
 
+# Bad input, arrays for lists, results known to be there: more than types say.
+# pyright: reportArgumentType=false, reportOperatorIssue=false
+
 import sympy as sp
 
 from geomtorsion.codegen import graph

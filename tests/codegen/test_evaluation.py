@@ -1,5 +1,8 @@
 """Evaluation: numbers of every kind become fractions, or numbers of as many bits as asked for."""
 
+# Bad input, arrays for lists, results known to be there: more than types say.
+# pyright: reportArgumentType=false
+
 from fractions import Fraction
 
 import mpmath

@@ -1,5 +1,8 @@
 """Free bodies where it is hard: near a separatrix, nearly round or flat, very long, very fast."""
 
+# Bad input, arrays for lists, results known to be there: more than types say.
+# pyright: reportArgumentType=false
+
 from fractions import Fraction
 
 import mpmath

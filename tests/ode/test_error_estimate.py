@@ -1,5 +1,8 @@
 """Error estimates: between the truth and what was asked, wherever motions are hard to judge."""
 
+# Bad input, arrays for lists, results known to be there: more than types say.
+# pyright: reportArgumentType=false, reportCallIssue=false
+
 from __future__ import annotations
 
 import sys

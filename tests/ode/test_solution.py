@@ -1,5 +1,8 @@
 """Solutions of first-order equations: accuracy, outputs, drift, event times, files, tables."""
 
+# Bad input, arrays for lists, results known to be there: more than types say.
+# pyright: reportArgumentType=false, reportAttributeAccessIssue=false, reportOperatorIssue=false, reportOptionalMemberAccess=false
+
 from fractions import Fraction
 from typing import Any
 

@@ -1,5 +1,8 @@
 """Body: moments of shapes against integrals over their mass, and bodies that cannot be."""
 
+# Bad input, arrays for lists, results known to be there: more than types say.
+# pyright: reportArgumentType=false, reportGeneralTypeIssues=false, reportOptionalSubscript=false
+
 import numpy as np
 import pytest
 from hypothesis import given, settings

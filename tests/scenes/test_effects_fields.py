@@ -1,5 +1,8 @@
 """Effects refuse what makes no sense, naming the field, what came and what to do."""
 
+# Bad input, arrays for lists, results known to be there: more than types say.
+# pyright: reportArgumentType=false
+
 from typing import Any
 
 import pytest

@@ -1,5 +1,8 @@
 """Motions under single effects, against closed forms."""
 
+# Bad input, arrays for lists, results known to be there: more than types say.
+# pyright: reportArgumentType=false
+
 import math
 
 import mpmath

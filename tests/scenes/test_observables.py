@@ -1,5 +1,8 @@
 """Observables: every quantity against brute force, for any axes, free and on a pivot."""
 
+# Bad input, arrays for lists, results known to be there: more than types say.
+# pyright: reportArgumentType=false
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

@@ -1,5 +1,8 @@
 """Scene: dotted paths, several effects of a kind, costs, and results that travel."""
 
+# Bad input, arrays for lists, results known to be there: more than types say.
+# pyright: reportArgumentType=false, reportAttributeAccessIssue=false
+
 import numpy as np
 import pytest
 

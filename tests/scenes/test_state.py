@@ -1,5 +1,8 @@
 """State: one attitude given in three ways, and starts that are none."""
 
+# Bad input, arrays for lists, results known to be there: more than types say.
+# pyright: reportArgumentType=false
+
 from typing import Any
 
 import numpy as np
