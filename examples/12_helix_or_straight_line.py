@@ -9,6 +9,7 @@ geodesics go straight on. The scenes `helix` and `straight_line` are the same tw
 """
 
 import argparse
+from pathlib import Path
 
 import numpy as np
 
@@ -55,8 +56,6 @@ def main(arguments: list[str] | None = None) -> None:
     apart = np.linalg.norm(helix["position"] - line["position"], axis=1)
     print(f"at the end they are {apart[-1]:.4f} m apart")
     if options.picture:
-        from pathlib import Path
-
         from geomtorsion.pictures.scene_path import path_picture
         from geomtorsion.pictures.style import save
 

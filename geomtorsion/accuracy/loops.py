@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -216,8 +217,6 @@ def _quad(
     frame: Frame, loop: Loop, parameters: Mapping[Any, Any] | None, asked: float
 ) -> tuple[Any, int, float]:
     """scipy.integrate.quad on every component of every side."""
-    import warnings
-
     from scipy.integrate import quad
 
     compiled = forms(frame, parameters)

@@ -252,7 +252,7 @@ def equations_of_motion(
     energy, given, kept = read[0], tuple(read[1 : n + 1]), tuple(read[n + 1 :])
     bundle = bundle_over(frame, read)
     hamel = hamel_of(bundle, energy, given, kept, chosen, connection)
-    hamel.matrix  # noqa: B018  a singular kinetic matrix is refused here, not later
+    _ = hamel.matrix  # a singular kinetic matrix is refused here, not later
     lagrange = Lagrange(bundle, energy, given, chosen, connection)
     return EquationsOfMotion(frame, energy, given, kept, principle, hamel, lagrange)
 

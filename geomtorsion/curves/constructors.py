@@ -15,7 +15,6 @@ from geomtorsion.curves.laws import Autoparallel, CartanAutoparallel, Geodesic, 
 from geomtorsion.curves.problem import CurveProblem
 from geomtorsion.curves.start import (
     check_causal,
-    checked_numbers,
     checked_parameters,
     checked_start,
     frame_velocities,
@@ -23,7 +22,7 @@ from geomtorsion.curves.start import (
 from geomtorsion.curves.transported import Deviation, TransportedVectors
 from geomtorsion.errors import MetricError, ShapeError, StartError
 from geomtorsion.geometry import Connection, Frame, levi_civita
-from geomtorsion.ode.numbers import Numbers
+from geomtorsion.ode.numbers import Numbers, checked_numbers
 
 
 def autoparallel(

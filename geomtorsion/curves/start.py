@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.errors import MissingValueError, ShapeError, SingularPointError, StartError
-from geomtorsion.ode.numbers import Real, floats
+from geomtorsion.errors import MissingValueError, SingularPointError, StartError
+from geomtorsion.ode.numbers import Real, checked_numbers, floats
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
@@ -18,21 +18,6 @@ if TYPE_CHECKING:
 CAUSAL = ("timelike", "null", "spacelike")
 # A velocity is null where its norm is this part of its terms, or less.
 NULL = 1e-12
-
-
-def checked_numbers(values: object, wanted: int, what: str) -> tuple[Any, ...]:
-    """So many finite real numbers, kept as they came (fractions and sympy numbers too)."""
-    return checks.numbers(
-        values,
-        wanted,
-        what,
-        StartError,
-        shape_error=ShapeError,
-        listed=f"{{subject}}: a list of {wanted} numbers was needed, {{value}} came.",
-        counted=f"{{subject}}: {wanted} numbers were needed, {{came}} came.",
-        message="{subject} = {value} is no real number.",
-        infinite="{subject} = {value} is not finite. Give finite numbers.",
-    )
 
 
 def checked_parameters(frame: Frame, parameters: Mapping[Any, Any] | None) -> dict[str, Real]:

@@ -129,8 +129,7 @@ class AccessControl:
             await send(message)
 
         async with self._opening:
-            # An ASGI application is typed as awaitable; ours are coroutines, as a task needs.
-            session = asyncio.create_task(self.app(scope, receive, watched))  # type: ignore[arg-type]
+            session = asyncio.ensure_future(self.app(scope, receive, watched))
             waiting = asyncio.create_task(begun.wait())
             both = (session, waiting)
             await asyncio.wait(both, timeout=PAGE.opening, return_when=asyncio.FIRST_COMPLETED)

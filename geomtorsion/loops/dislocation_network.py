@@ -237,8 +237,7 @@ class DislocationNetwork:
     @property
     def junctions(self) -> tuple[Hashable, ...]:
         """Nodes in which three lines or more meet."""
-        # networkx types degree() as a number or a view; without a node it is the view, ...
-        return tuple(node for node, degree in self.graph.degree() if degree > 2)  # type: ignore[misc]
+        return tuple(node for node, degree in self.graph.degree if degree > 2)
 
     def excess(self, node: Hashable) -> Vector:
         """Sum of b of the lines that leave a node minus those that arrive.
@@ -248,8 +247,7 @@ class DislocationNetwork:
         NetworkError
             The node is not in the network, or no line touches it.
         """
-        # ... and with one it is the number; the type takes it for a property.
-        if node not in self.graph or not self.graph.degree(node):  # type: ignore[operator]
+        if node not in self.graph or not self.graph.degree[node]:
             raise NetworkError(f"no line of the network touches node {node!r}.")
         out = [b for _, _, b in self.graph.out_edges(node, data="burgers")]
         into = [tuple(-x for x in b) for _, _, b in self.graph.in_edges(node, data="burgers")]
@@ -259,8 +257,7 @@ class DislocationNetwork:
         """Every inner node at which the Burgers vectors do not sum to zero; none: all is well."""
         found = []
         for node, data in self.graph.nodes(data=True):
-            # As in `excess`: a number, which the type does not say.
-            if data.get("surface") or not self.graph.degree(node):  # type: ignore[operator]
+            if data.get("surface") or not self.graph.degree[node]:
                 continue
             excess = self.excess(node)
             if not vanishes(excess, self._scale, self.tolerance):

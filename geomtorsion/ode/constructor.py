@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 import sympy as sp
@@ -126,7 +126,8 @@ def start_numbers(
             raise StartError(f"start: {', '.join(missing)} has no number; give one for each state.")
         return tuple(table[name] for name in states)
     try:
-        values = list(start)  # type: ignore[call-overload]  # what is none is refused below
+        # What is none is refused below.
+        values = list(cast("Iterable[object]", start))
     except TypeError:
         raise StartError(
             f"start = {checks.shown(start)}: a mapping or a list of numbers was needed."

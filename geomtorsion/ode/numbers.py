@@ -4,19 +4,36 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import mpmath
 import numpy as np
 import sympy as sp
 
+from geomtorsion import checks
 from geomtorsion.codegen import exact_number, rational
+from geomtorsion.errors import ShapeError, StartError
 from geomtorsion.precision import working_precision
 
 # A finite real number as it came: a float, a fraction, an exact sympy number, a longer float.
 Real: TypeAlias = float | Fraction | sp.Expr | mpmath.mpf
 # What users give for coordinates, velocities and states.
 Numbers: TypeAlias = Sequence[Real] | np.ndarray
+
+
+def checked_numbers(values: object, wanted: int, what: str) -> tuple[Any, ...]:
+    """So many finite real numbers, kept as they came (fractions and sympy numbers too)."""
+    return checks.numbers(
+        values,
+        wanted,
+        what,
+        StartError,
+        shape_error=ShapeError,
+        listed=f"{{subject}}: a list of {wanted} numbers was needed, {{value}} came.",
+        counted=f"{{subject}}: {wanted} numbers were needed, {{came}} came.",
+        message="{subject} = {value} is no real number.",
+        infinite="{subject} = {value} is not finite. Give finite numbers.",
+    )
 
 
 def mpf(value: Real, precision: int) -> mpmath.mpf:

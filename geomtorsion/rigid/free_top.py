@@ -12,8 +12,8 @@ import flint
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geomtorsion import checks
-from geomtorsion.errors import ShapeError, StartError, TimeError
+from geomtorsion.errors import StartError, TimeError
+from geomtorsion.ode.numbers import checked_numbers, floats
 from geomtorsion.precision import ball_precision
 from geomtorsion.rigid.attitude import product, rotated
 from geomtorsion.rigid.double_double import DoubleDouble, reduced, turns
@@ -255,9 +255,9 @@ def free_top(moments: object, omega: object, quaternion: object = (1.0, 0.0, 0.0
     >>> top.kind, round(top.flip_time, 6)
     ('asymmetric', 27.530841)
     """
-    sizes = _numbers(moments, 3, "moments")
-    rates = _numbers(omega, 3, "omega")
-    start = _numbers(quaternion, 4, "quaternion")
+    sizes = floats(checked_numbers(moments, 3, "moments"))
+    rates = floats(checked_numbers(omega, 3, "omega"))
+    start = floats(checked_numbers(quaternion, 4, "quaternion"))
     for k, size in enumerate(sizes):
         if size <= 0:
             raise StartError(f"moments[{k}] = {size} is not positive. Give positive moments.")
@@ -272,19 +272,3 @@ def free_top(moments: object, omega: object, quaternion: object = (1.0, 0.0, 0.0
     (a, b, c), (u, v, w) = sizes, rates
     q, x, y, z = (part / length for part in start)
     return FreeTop((a, b, c), (u, v, w), (q, x, y, z))
-
-
-def _numbers(values: object, wanted: int, what: str) -> tuple[float, ...]:
-    """So many finite real numbers."""
-    found = checks.numbers(
-        values,
-        wanted,
-        what,
-        StartError,
-        shape_error=ShapeError,
-        listed=f"{{subject}}: a list of {wanted} numbers was needed, {{value}} came.",
-        counted=f"{{subject}}: {wanted} numbers were needed, {{came}} came.",
-        message="{subject} = {value} is no real number.",
-        infinite="{subject} = {value} is not finite. Give finite numbers.",
-    )
-    return tuple(float(x) for x in found)

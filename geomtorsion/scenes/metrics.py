@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.optimize import brentq, minimize_scalar
 
 from geomtorsion.checks import did_you_mean
 from geomtorsion.errors import SceneError, UnknownNameError
@@ -79,8 +80,6 @@ class SweepRun:
         >>> abs(run.largest("x", sign=-1) + 1) < 1e-12
         True
         """
-        from scipy.optimize import minimize_scalar  # half a second to load, for a few measures
-
         values = sign * self.part(name, part)
         k = int(np.argmax(values))
         best = float(values[k])
@@ -97,8 +96,6 @@ class SweepRun:
 
     def _crossing(self, values: np.ndarray, k: int) -> float:
         """The zero between samples k and k + 1."""
-        from scipy.optimize import brentq  # half a second to load, for a few measures
-
         a, b = float(self.times[k]), float(self.times[k + 1])
         root: Any = brentq(self._between(values, k), 0.0, 1.0, xtol=1e-15, rtol=1e-15)
         return a + float(root) * (b - a)

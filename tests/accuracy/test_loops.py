@@ -1,5 +1,6 @@
 """What accuracy costs on loops: errors are measured, and are those that theory says."""
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -60,8 +61,6 @@ def test_polygons() -> None:
 
 def test_the_reference_has_its_digits() -> None:
     """Fifty of them: against a Bessel function."""
-    import mpmath
-
     found = reference(FRAME, Loop.circle(CENTRE, 0.5))
     with mpmath.workdps(50):
         half, place = mpmath.mpf(1) / 2, mpmath.mpf(3) / 10

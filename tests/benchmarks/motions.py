@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
+from scipy.spatial.transform import Rotation
 
 from geomtorsion.accuracy.truth import truth_of
 from geomtorsion.curves import CurveProblem, autoparallel, geodesic
@@ -172,8 +173,6 @@ def _angle_rates(hy: Any, f1: Any, f2: Any, x: Any, y: Any, z: Any, f3: Any) -> 
 
 
 def _quaternion() -> list[float]:
-    from scipy.spatial.transform import Rotation
-
     q = Rotation.from_euler("ZYZ", ANGLES[::-1]).as_quat()
     return [q[3], q[0], q[1], q[2]]
 

@@ -5,6 +5,7 @@ import warnings
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 from geomtorsion.curves import autoparallel, geodesic, geodesic_deviation
 from geomtorsion.errors import ChartEdgeError
@@ -24,8 +25,6 @@ def fall(theta, phi):
 
 def proper_time(radius):
     """Of the fall from r = 3: int dr / sqrt(E^2 - f(r)), as dr/dtau^2 = E^2 - f."""
-    from scipy.integrate import quad
-
     energy = 1.25**2 / 3
     # r = s^2 takes the root out of the origin.
     return quad(

@@ -5,8 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geomtorsion.curves import geodesic
+from geomtorsion.curves import autoparallel, geodesic
 from geomtorsion.errors import AccuracyError, TimeError
+from geomtorsion.geometry import cartan
 from geomtorsion.ode import RungeKutta, Taylor, batch, solve, solve_many
 from geomtorsion.spaces import load
 from tests.ode.engines import every_engine, needs_heyoka
@@ -67,9 +68,6 @@ def test_starts_and_velocities(engine):
 @every_engine
 def test_what_does_not_arrive_is_told_apart(engine):
     """One loxodrome of three ends at the pole; the others are finished."""
-    from geomtorsion.curves import autoparallel
-    from geomtorsion.geometry import cartan
-
     problem = autoparallel(
         cartan(load("s2").frame), [1.0, 0.0], frame_velocity=[0, 1], parameters={"R": 1}
     )
@@ -172,9 +170,6 @@ def test_charts_are_changed_on_the_way(engine, name, t):
 @every_engine
 def test_an_edge_between_samples_is_seen(engine):
     """A loxodrome into the pole of the only chart is unfinished though its end has coordinates."""
-    from geomtorsion.curves import autoparallel
-    from geomtorsion.geometry import cartan
-
     problem = autoparallel(
         cartan(load("s2").frame), [1.0, 0.0], frame_velocity=[0, 1], parameters={"R": 1}
     )

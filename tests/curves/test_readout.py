@@ -7,6 +7,7 @@ import pytest
 
 from geomtorsion.curves import autoparallel, geodesic
 from geomtorsion.curves.atlas import atlas_of
+from geomtorsion.curves.linear import closed_form
 from geomtorsion.errors import FileFormatError, MissingExtraError
 from geomtorsion.geometry import cartan
 from geomtorsion.ode import RungeKutta, SavedSolution, Taylor, solve
@@ -115,8 +116,6 @@ def test_full_kinetic_metric():
 @pytest.mark.parametrize("accuracy", [1e-5, 1e-9])
 def test_error_between_the_times(engine, charts, accuracy):
     """Few times, far apart: the error of dense output at others is covered, and not by much."""
-    from geomtorsion.curves.linear import closed_form
-
     problem = autoparallel(
         cartan(load("so3").frame), [0.3, 1.0, 0.2], frame_velocity=[0.1, 1.3, 0.2]
     )
@@ -140,8 +139,6 @@ def test_error_between_the_times(engine, charts, accuracy):
 
 def test_dense_output_may_be_worse_than_the_times():
     """One time, at the end of a step: Runge-Kutta is worse in between, and says by how much."""
-    from geomtorsion.curves.linear import closed_form
-
     problem = autoparallel(
         cartan(load("so3").frame), [0.3, 1.0, 0.2], frame_velocity=[0.1, 1.3, 0.2]
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -111,8 +112,6 @@ def test_a_crowd_that_waits_too_long_is_told():
 
 def test_every_task_can_be_found():
     """The list names functions that are there."""
-    from importlib import import_module
-
     assert len(TASKS) > 8
     for task in TASKS.values():
         assert callable(getattr(import_module(task.module), task.function))

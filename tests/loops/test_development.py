@@ -4,6 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
+from scipy.integrate import solve_ivp
 
 import geomtorsion.spaces as spaces
 from geomtorsion.errors import LoopError, MissingValueError
@@ -180,8 +181,6 @@ def test_development_does_not_depend_on_the_parameter(general):
 
 def test_both_routes_agree_with_a_third(so3_half):
     """Line, cone, and scipy's Runge-Kutta on the same equation."""
-    from scipy.integrate import solve_ivp
-
     loop = Loop.circle([0.3, 1.2, 0.2], 0.4, (1, 2))
     form = AffineForm(so3_half)
     (part,) = loop.parts

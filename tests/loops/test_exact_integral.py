@@ -1,5 +1,6 @@
 """Closed forms: Burgers vectors as expressions, and an error where there is none."""
 
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import pytest
@@ -122,7 +123,6 @@ def test_numbers_from_a_closed_form() -> None:
 
 def test_the_deadline_holds_in_threads_too() -> None:
     """Where there is no timer, calls look at the clock."""
-    from concurrent.futures import ThreadPoolExecutor
 
     def count() -> str:
         total = sp.S.Zero

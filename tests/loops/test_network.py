@@ -5,6 +5,7 @@ import itertools
 import networkx as nx
 import numpy as np
 import pytest
+import sympy as sp
 
 import geomtorsion.spaces as spaces
 from geomtorsion.errors import LimitError, MissingValueError, NetworkError
@@ -100,8 +101,6 @@ def test_node_rule_holds_and_shows_the_pierced_faces(screws):
 
 def test_node_rule_sees_a_flux_that_does_not_cancel():
     """Where the flux of torsion out of a cell is not zero, the cell is shown."""
-    import sympy as sp
-
     x, y, z = sp.symbols("x y z", real=True)
     r = sp.sqrt(x**2 + y**2 + z**2)
     # The potential of a monopole: torsion is a radial flux, its string the negative z axis.

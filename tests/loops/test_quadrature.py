@@ -1,5 +1,7 @@
 """Quadrature: rules are exact where they should be, converge as they should, and admit failure."""
 
+from math import gamma
+
 import numpy as np
 import pytest
 
@@ -54,8 +56,6 @@ def test_disk_and_square_are_exact_to_their_degree(level: int) -> None:
 
 def _gamma(p: int, q: int) -> float:
     """Half the integral of cos^p sin^q over a turn, p and q even."""
-    from math import gamma
-
     return gamma((p + 1) / 2) * gamma((q + 1) / 2) / gamma((p + q) / 2 + 1)
 
 

@@ -1,5 +1,6 @@
 """solve: the accuracy of the result, engines, times, and what is known about a solution."""
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -71,8 +72,6 @@ def test_more_digits_than_doubles_have(accuracy, engine):
 @needs_heyoka
 def test_quadruple_agrees_with_mpmath():
     """25 digits of a rotation about one axis against mpmath's own sine."""
-    import mpmath
-
     problem = autoparallel(cartan(load("so3").frame), [0, 1, 0], frame_velocity=[0, 1, 0])
     sol = solve(problem, [0.5], 1e-25)
     with mpmath.workdps(34):
@@ -204,8 +203,6 @@ def test_kept_integrators_are_compiled_once():
 @needs_heyoka
 def test_all_digits_reach_the_user():
     """Coordinates, velocities and dense output keep 30 digits, also through the quaternion."""
-    import mpmath
-
     problem = geodesic(load("so3").frame, [0.3, 1.0, 0.2], frame_velocity=[0, 0.75, 0.5])
     sol = solve(problem, [1.0, 2.0], 1e-28)
     again = solve(problem, 2.0, 1e-26, Taylor(160))
@@ -224,8 +221,6 @@ def test_all_digits_reach_the_user():
 @needs_heyoka
 def test_changes_of_charts_keep_all_digits():
     """s2 over the pole and back home with 25 digits."""
-    import mpmath
-
     problem = geodesic(load("s2").frame, [1.0, 0.5], [-1.0, 0.25], parameters={"R": 1})
     sol = solve(problem, 3.0, 1e-25, Taylor(113))
     other = solve(problem.with_charts("s2_x", "s2"), 3.0, 1e-25, Taylor(160))

@@ -11,6 +11,7 @@ from geomtorsion.geometry import levi_civita
 from geomtorsion.ode import ODE, RungeKutta
 from geomtorsion.ode.engines.float_run import float_run
 from geomtorsion.ode.engines.scipy_run import scipy_run
+from geomtorsion.ode.engines.stepper import Steps
 from geomtorsion.spaces import load
 
 MOST = 10**7
@@ -83,8 +84,6 @@ def test_dense_output(t):
 def test_errors_fall_with_the_eighth_power():
     """Without error control, by steps of a fixed length: an order claimed is an order measured."""
     system = ODE.of({"x": "y", "y": "-x"}, [1, 0]).system
-    from geomtorsion.ode.engines.stepper import Steps
-
     errors = []
     for count in (4, 8, 16):
         walk = Steps(system, [], [1.0, 0.0], (0.0, 8.0), 10.0, [1.0, 1.0], 8 / count, MOST)

@@ -11,7 +11,7 @@ from geomtorsion.pictures.curve_files import metadata
 from geomtorsion.pictures.error_over_time import error_over_time
 from geomtorsion.pictures.pair import Pair
 from geomtorsion.pictures.pair_solving import solve_pair
-from geomtorsion.spaces import load
+from geomtorsion.spaces import load, read_file
 
 ENGINE = RungeKutta()
 
@@ -103,8 +103,6 @@ def test_a_motion_that_stops_is_kept():
 
 def test_the_connection_of_the_space_is_followed(tmp_path):
     """A space with a connection of its own is about that one."""
-    from geomtorsion.spaces import read_file
-
     file = tmp_path / "bent.toml"
     file.write_text(
         'coordinates = ["x", "y"]\ncoframe = [[1, 0], [0, 1]]\nconnection = {"0,0,1" = "1"}\n'

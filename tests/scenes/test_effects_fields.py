@@ -10,6 +10,7 @@ import sympy as sp
 
 from geomtorsion.errors import ExpressionError, SceneError
 from geomtorsion.scenes import Body, effects
+from geomtorsion.scenes.assembly import assemble
 from geomtorsion.scenes.context import Context
 from geomtorsion.scenes.effects.fields import between, read
 
@@ -104,8 +105,6 @@ def test_switches_follow_from_times():
 
 def test_two_springs_have_names_of_their_own():
     """Two of a kind: parameters of the second carry its key."""
-    from geomtorsion.scenes.assembly import assemble
-
     made = assemble(BODY, {"spring": E.Spring(3), "spring2": E.Spring(4)})
     stiff = sorted(name for name in made.values if name.startswith("k"))
     assert len(stiff) == 2

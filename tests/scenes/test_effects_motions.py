@@ -8,6 +8,7 @@ import math
 import mpmath
 import numpy as np
 import pytest
+from scipy.integrate import simpson
 
 from geomtorsion.rigid.attitude import rotated
 from geomtorsion.scenes import Body, Scene, State, effects
@@ -80,8 +81,6 @@ def test_damping_fades_exponentially():
 
 def test_damping_of_a_tumbling_body_balances_its_energy():
     """The integral of -c Omega^2, by Simpson's rule on the reported rates."""
-    from scipy.integrate import simpson
-
     scene = Scene(
         BODY, [E.AngularDamping(0.4)], State(omega=(1, 2, -1)), ["omega", "energy"],
         np.linspace(0, 4, 4001), accuracy=1e-12,

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from geomtorsion.errors import SceneError
+from geomtorsion.ode import RungeKutta
 from geomtorsion.scenes import Body, Scene, SceneResult, State, load
 from geomtorsion.scenes.accuracy_table import scene_accuracy
 from geomtorsion.scenes.plotting import album, finely, plot
@@ -93,8 +94,6 @@ def test_pictures_are_not_large(tmp_path):
 
 def test_accuracy_costs_what_it_costs():
     """Against the closed form and against quadruple precision; estimates hold."""
-    from geomtorsion.ode import RungeKutta
-
     for name, truth in (("free_symmetric_top", "closed form"), ("lagrange_wave", "")):
         table = scene_accuracy(load(name).with_values(t=0.5), [RungeKutta()], [1e-4, 1e-9])
         assert truth in table.truth

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from geomtorsion.spaces import load
+from geomtorsion.geometry import Frame
+from geomtorsion.spaces import load, read_file
 from geomtorsion.spaces.embeddings import EMBEDDINGS, embedding_of
 
 STEP = 1e-6
@@ -59,8 +60,6 @@ def test_isometric_means_isometric(name):
 
 def test_a_name_is_not_enough():
     """A frame that is only called s2 is not drawn on a sphere."""
-    from geomtorsion.geometry import Frame
-
     frame = load("s2").frame
     impostor = Frame(frame.coordinates, [[1, 0], [0, 1]], name="s2")
     assert embedding_of(impostor) is None
@@ -69,8 +68,6 @@ def test_a_name_is_not_enough():
 
 def test_a_file_that_is_the_sphere_is_drawn_as_one(tmp_path):
     """The coframe decides, not where it came from."""
-    from geomtorsion.spaces import read_file
-
     file = tmp_path / "s2.toml"
     file.write_text(
         'name = "s2"\ncoordinates = ["theta", "phi"]\nparameters = {R = "positive"}\n'

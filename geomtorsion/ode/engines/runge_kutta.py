@@ -19,8 +19,33 @@ from geomtorsion.ode.system import System
 MARGIN, RUNG = 0.1, 0.01
 
 
+class _Ladder:
+    """Tolerances of methods in double precision: four in each power of ten, down to the finest."""
+
+    precision = 53
+    finds_every_root = False
+    finest: float
+
+    def first(self, accuracy: float) -> float:
+        """See `Engine.first`: a part of the accuracy."""
+        return max(_rung(min(accuracy * MARGIN, 1e-3)), 3 * self.finest)
+
+    def rung(self, tolerance: float) -> float:
+        """See `Engine.rung`."""
+        return max(_rung(tolerance), self.finest)
+
+    def finer(self, tolerance: float) -> float | None:
+        """See `Engine.finer`."""
+        return None if tolerance <= self.finest * 1.01 else max(tolerance * RUNG, self.finest)
+
+
+def _rung(tolerance: float) -> float:
+    """The power of ten, in quarters, that is no larger."""
+    return 10.0 ** (math.floor(4 * math.log10(tolerance) + 1e-9) / 4)
+
+
 @dataclass(frozen=True)
-class RungeKutta:
+class RungeKutta(_Ladder):
     """Explicit Runge-Kutta of order 8 (DOP853) on generated code; needs no extra.
 
     Systems of few states step on plain floats, larger ones in scipy.
@@ -36,22 +61,8 @@ class RungeKutta:
     max_evaluations: int = 20_000_000
 
     name = "RungeKutta"
-    precision = 53
-    finds_every_root = False
     # Below scipy's own floor of 2.3e-14 the steps are shortened instead.
     finest = 1e-17
-
-    def first(self, accuracy: float) -> float:
-        """See `Engine.first`."""
-        return _first(accuracy, self.finest)
-
-    def rung(self, tolerance: float) -> float:
-        """See `Engine.rung`."""
-        return max(_rung(tolerance), self.finest)
-
-    def finer(self, tolerance: float) -> float | None:
-        """See `Engine.finer`."""
-        return _finer(tolerance, self.finest)
 
     def run(
         self,
@@ -71,7 +82,7 @@ class RungeKutta:
 
 
 @dataclass(frozen=True)
-class Stiff:
+class Stiff(_Ladder):
     """Implicit solvers (scipy Radau or LSODA) with the exact Jacobian.
 
     method: "Radau" or "LSODA".
@@ -86,26 +97,12 @@ class Stiff:
     method: str = "Radau"
     max_evaluations: int = 5_000_000
 
-    precision = 53
-    finds_every_root = False
     finest = 3e-13
 
     @property
     def name(self) -> str:
         """How it is called in tables."""
         return f"Stiff({self.method})"
-
-    def first(self, accuracy: float) -> float:
-        """See `Engine.first`."""
-        return _first(accuracy, self.finest)
-
-    def rung(self, tolerance: float) -> float:
-        """See `Engine.rung`."""
-        return max(_rung(tolerance), self.finest)
-
-    def finer(self, tolerance: float) -> float | None:
-        """See `Engine.finer`."""
-        return _finer(tolerance, self.finest)
 
     def run(
         self,
@@ -120,18 +117,3 @@ class Stiff:
         """See `Engine.run`."""
         most = self.max_evaluations
         return scipy_run(self.method, most, system, start, parameters, times, tolerance, dense)
-
-
-def _first(accuracy: float, finest: float) -> float:
-    """A part of the accuracy."""
-    return max(_rung(min(accuracy * MARGIN, 1e-3)), 3 * finest)
-
-
-def _rung(tolerance: float) -> float:
-    """Four tolerances in each power of ten."""
-    return 10.0 ** (math.floor(4 * math.log10(tolerance) + 1e-9) / 4)
-
-
-def _finer(tolerance: float, finest: float) -> float | None:
-    """A hundredth of a tolerance, down to the finest."""
-    return None if tolerance <= finest * 1.01 else max(tolerance * RUNG, finest)

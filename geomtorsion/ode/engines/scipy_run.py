@@ -38,7 +38,7 @@ def scipy_run(
     if method != "DOP853":
         options["jac"] = lambda _, y: system.jacobian(y.tolist(), values)
     if system.guard is not None:
-        options["events"] = _guard_event(system, values)
+        options["events"] = _GuardEvent(system, values)
     times = np.asarray(times, dtype=float)
     duration = abs(times[-1] - times[0])
 
@@ -155,16 +155,18 @@ def _counted(function: ScalarRates, most: int, duration: float) -> Any:
     return rates
 
 
-def _guard_event(system: System, values: Sequence[float]) -> Any:
+class _GuardEvent:
     """scipy event: the guard falls through zero."""
 
-    def event(_: float, y: np.ndarray) -> float:
-        return float(system.guard_along(y, values))
+    terminal = True
+    direction = -1
 
-    # Functions have room for attributes of their own, which types do not say.
-    event.terminal = True  # type: ignore[attr-defined]
-    event.direction = -1  # type: ignore[attr-defined]
-    return event
+    def __init__(self, system: System, values: Sequence[float]) -> None:
+        self.system = system
+        self.values = values
+
+    def __call__(self, _: float, y: np.ndarray) -> float:
+        return float(self.system.guard_along(y, self.values))
 
 
 def _transposed(solution: Any) -> Dense:
