@@ -9,13 +9,12 @@ from typing import Literal, overload
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.errors import LoopError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops.arcs import Parameters, Part
 from geomtorsion.loops.exact_integral import ExactBurgersVector, exact_burgers_vector
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.integrals import Route, agreement, flux_route, line_route
-from geomtorsion.loops.loop import Loop
+from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.planes import check_accuracy
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.result import BurgersVector, Check
@@ -98,12 +97,7 @@ def burgers_vector(
     (array([0.00000000e+00, 0.00000000e+00, 6.28318531e-18]), 'flux', True)
     """
     checks.instance(frame, Frame, "frame")
-    checks.instance(loop, Loop, "loop")
-    if loop.dimension != frame.dimension:
-        raise LoopError(
-            f"the loop has {loop.dimension} coordinates, the frame {frame.dimension}: "
-            "give a loop in the coordinates of the frame."
-        )
+    check_loop(loop, frame.dimension)
     if exact:
         return exact_burgers_vector(frame, loop)
     check_accuracy(accuracy)

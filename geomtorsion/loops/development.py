@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.errors import LoopError
 from geomtorsion.geometry import Connection
 from geomtorsion.loops.affine_form import AffineForm
 from geomtorsion.loops.affine_map import AffineMap
@@ -18,7 +17,7 @@ from geomtorsion.loops.cone import around_cone, line_rate
 from geomtorsion.loops.defects import Defect, EnclosedDefect, enclosed_defects
 from geomtorsion.loops.forms import perturbed
 from geomtorsion.loops.integrals import DISAGREE, probes
-from geomtorsion.loops.loop import Loop
+from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.planes import check_accuracy
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.quadrature import ROUNDING
@@ -225,12 +224,7 @@ def develop(
     (0.11739127605, True)
     """
     frame = checks.instance(connection, Connection, "connection").frame
-    checks.instance(loop, Loop, "loop")
-    if loop.dimension != frame.dimension:
-        raise LoopError(
-            f"the loop has {loop.dimension} coordinates, the frame {frame.dimension}: "
-            "give a loop in the coordinates of the frame."
-        )
+    check_loop(loop, frame.dimension)
     check_accuracy(accuracy)
     start = time.perf_counter()
     loop = loop.at(parameters or {}) if loop.symbols else loop

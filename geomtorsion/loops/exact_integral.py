@@ -17,7 +17,7 @@ from geomtorsion.geometry import Frame
 from geomtorsion.loops.arcs import Arc, Curve, Ellipse, Parameters, Part, exact_number
 from geomtorsion.loops.closed_forms import OutOfTimeError, deadline, definite
 from geomtorsion.loops.forms import forms
-from geomtorsion.loops.loop import Loop
+from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.precision import working_digits
 
@@ -95,12 +95,7 @@ def exact_burgers_vector(frame: Frame, loop: Loop, seconds: float = 20.0) -> Exa
     """
     start = time.perf_counter()
     checks.instance(frame, Frame, "frame")
-    checks.instance(loop, Loop, "loop")
-    if loop.dimension != frame.dimension:
-        raise LoopError(
-            f"the loop has {loop.dimension} coordinates, the frame {frame.dimension}: "
-            "give a loop in the coordinates of the frame."
-        )
+    check_loop(loop, frame.dimension)
     checks.positive(seconds, "seconds", LoopError)
     total = [sp.S.Zero] * frame.dimension
     where = _sample(frame, loop)

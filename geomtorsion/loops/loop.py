@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
+from geomtorsion import checks
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import constructors, parametric, planes
 from geomtorsion.loops.arcs import SAME_POINT, Arc, Number, Parameters, Part, Plane, Point, shown
@@ -408,3 +409,25 @@ class Loop:
         place = planes.vector(axis, "axis", self.dimension)
         rows = np.array(planes.rows(plane, self.dimension))
         return turns_round(self.parts, place, rows, "axis", LoopError)
+
+
+def check_loop(loop: object, dimension: int) -> None:
+    """Refuse what is no loop in so many coordinates.
+
+    Raises
+    ------
+    ArgumentError
+        It is no loop.
+    LoopError
+        The loop has another dimension than the frame.
+
+    Examples
+    --------
+    >>> check_loop(Loop.circle([0, 0], 1), 2)
+    """
+    found = checks.instance(loop, Loop, "loop")
+    if found.dimension != dimension:
+        raise LoopError(
+            f"the loop has {found.dimension} coordinates, the frame {dimension}: "
+            "give a loop in the coordinates of the frame."
+        )

@@ -14,7 +14,7 @@ from geomtorsion.loops.affine_form import AffineForm
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import SAME_POINT, Parameters, Part, Segment, shown
 from geomtorsion.loops.cone import line_rate
-from geomtorsion.loops.loop import Loop
+from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.planes import number, vector
 from geomtorsion.loops.transport import STAGES, collocation, increments, transported
 
@@ -174,8 +174,7 @@ def developed_path(
     ((2, 41), [[0.973, 0.233], [-0.233, 0.973]])
     """
     n = connection.frame.dimension
-    if loop.dimension != n:
-        raise LoopError(f"the loop has {loop.dimension} coordinates, the frame {n}.")
+    check_loop(loop, n)
     form = AffineForm(connection, parameters)
     nodes, _, _ = collocation(STAGES)
     stretches = list(loop.arcs())
