@@ -16,8 +16,6 @@ def space(name: str, title: str) -> Space:
     square = x**2 + y**2
     scale = b / (2 * pi)
     shared = (KnownAnswer("torsion", {}), KnownAnswer("riemann", {}))
-    # The line x = y = 0 lies outside: the box keeps to one side of it.
-    place = {x: (0, 10), y: (-5, 0)}
     if name == "edge_dislocation":
         f = scale / square
         return Space(
@@ -33,7 +31,8 @@ def space(name: str, title: str) -> Space:
                 (x, y, z),
                 [[1 - f * y, f * x, 0], [0, 1, 0], [0, 0, 1]],
                 parameters=(b,),
-                domain=box(place),
+                # Outside of the circle on which the coframe is singular; it goes through the axis.
+                domain=2 * pi * square > b * y,
                 name=name,
             ),
             known=(
@@ -79,7 +78,7 @@ def space(name: str, title: str) -> Space:
             (x, y, z),
             [[1 + xx, xy, 0], [yx, 1 + yy, 0], [0, 0, 1]],
             parameters=(b, nu),
-            domain=box({**place, nu: (0, Rational(1, 2))}),
+            domain=[square > 0, *box({nu: (0, Rational(1, 2))})],
             name=name,
         ),
         known=(KnownAnswer("determinant", (1 + xx) * (1 + yy) - xy * yx), *shared),

@@ -39,7 +39,11 @@ class FirstMotion:
 
 _RING = (0.0, 10.0, 1.5707963267948966, 0.0)
 
-# Chosen so that the two kinds of curves part visibly, or agree on a long way.
+_TILTED = (0.802, 0.535, 0.267)
+_BESIDE = (4.14, -1.36, -1.07)
+
+# Chosen so that the two kinds of curves part visibly, or agree on a long way; the later ones lie
+# well inside domains that are wider than what one looks at first.
 MOTIONS: dict[str, FirstMotion] = {
     "so3": FirstMotion((0.3, 1.0, 0.2), (0.4, 0.3, 1.0), 5.0),
     "r3xso3": FirstMotion((0.4, 1.0, 0.5, 0.0, 0.0, 0.0), (0.0, 0.6, 2.0, 0.8, 0.2, 0.8), 10.0),
@@ -51,6 +55,21 @@ MOTIONS: dict[str, FirstMotion] = {
     "heisenberg": FirstMotion((0.0, 0.0, 0.0), (1.0, 0.3, 1.0), 9.0),
     "schwarzschild": FirstMotion(_RING, (1.0628, 0.0, 0.0, 0.36), 700.0, {"M": 1.0}),
     "kerr": FirstMotion(_RING, (1.0284, 0.0, 0.0, 0.24), 700.0, {"M": 1.0, "a": 0.9}),
+    "so3_quaternion": FirstMotion((-0.09, 0.23, -0.27), _TILTED, DURATION),
+    "so3_rodrigues": FirstMotion((-0.17, 0.45, -0.54), _TILTED, DURATION),
+    "s7": FirstMotion(
+        (-0.17, 0.45, -0.54, 0.27, -0.37, 0.19, -0.76),
+        (0.612, 0.408, 0.204, 0.408, 0.204, 0.408, 0.204),
+        DURATION,
+    ),
+    "screw_dislocation": FirstMotion((4.14, 2.27, -1.07), _TILTED, DURATION, {"b": 0.48}),
+    "edge_dislocation": FirstMotion(_BESIDE, _TILTED, DURATION, {"b": 0.48}),
+    "edge_dislocation_elastic": FirstMotion(_BESIDE, _TILTED, DURATION, {"b": 0.48, "nu": 0.16}),
+    "wedge_disclination": FirstMotion((1.66, 4.57, -1.07), _TILTED, DURATION, {"alpha": 0.48}),
+    "schwarzschild_isotropic": FirstMotion(
+        (-1.72, 0.63, 0.73, 0.93), (1.25, 0.5, 0.25, 0.5), DURATION, {"M": 0.43}
+    ),
+    "frw": FirstMotion((-0.34, 0.73, 0.73, 4.0), (1.25, 0.5, 0.25, 0.5), DURATION, {"k": -0.37}),
 }
 
 

@@ -1,6 +1,6 @@
 """frw: the expanding universe with scale factor a(t), curved or flat."""
 
-from sympy import Function, Rational, Symbol, cos, pi, sin, sqrt, symbols
+from sympy import Function, Rational, Symbol, cos, oo, pi, sin, sqrt, symbols
 
 from geomtorsion.geometry import Frame
 from geomtorsion.spaces.domain import box
@@ -27,7 +27,7 @@ def _curved(name: str, title: str) -> Space:
         [[1, 0, 0, 0], [0, a / root, 0, 0], [0, 0, a * r, 0], [0, 0, 0, a * r * sin(theta)]],
         signature=(-1, 1, 1, 1),
         parameters=(k,),
-        domain=box({r: (0, 1), theta: (0, pi), phi: (0, 2 * pi), k: (-1, 1)}),
+        domain=[k * r**2 < 1, *box({r: (0, oo), theta: (0, pi), phi: (0, 2 * pi)})],
         name=name,
     )
     half = Rational(1, 2)

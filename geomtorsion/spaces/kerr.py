@@ -26,7 +26,8 @@ def space(name: str, title: str) -> Space:
         ],
         signature=(-1, 1, 1, 1),
         parameters=(mass, a),
-        domain=box({r: (2 * mass, oo), theta: (0, pi), phi: (0, 2 * pi)}),
+        # Outside the outer horizon, r = M + sqrt(M^2 - a^2).
+        domain=[delta > 0, *box({r: (mass, oo), theta: (0, pi), phi: (0, 2 * pi)})],
         name=name,
     )
     drag = -2 * mass * r * a * s**2 / sigma
@@ -80,6 +81,6 @@ def space(name: str, title: str) -> Space:
             ),
         ),
         group="gravity",
-        notes="Signature (-, +, +, +), G = c = 1. The domain r > 2 M lies outside the outer "
-        "horizon for every a; the tetrad itself reaches down to it.",
+        notes="Signature (-, +, +, +), G = c = 1. The domain is the outside of the outer horizon, "
+        "where the tetrad ends.",
     )

@@ -27,7 +27,8 @@ def space(name: str, title: str) -> Space:
         ],
         signature=((0, -1, 0, 0), (-1, 0, 0, 0), (0, 0, 0, 1), (0, 0, 1, 0)),
         parameters=(mass, a),
-        domain=box({r: (2 * mass, oo), theta: (0, pi), phi: (0, 2 * pi)}),
+        # Outside the outer horizon, r = M + sqrt(M^2 - a^2).
+        domain=[delta > 0, *box({r: (mass, oo), theta: (0, pi), phi: (0, 2 * pi)})],
         complex=True,
         name=name,
     )

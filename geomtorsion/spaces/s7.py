@@ -8,7 +8,6 @@ from sympy import Expr, Integer, symbols
 from sympy.combinatorics.permutations import Permutation
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.domain import box
 from geomtorsion.spaces.patterns import alternating, diagonal
 from geomtorsion.spaces.space import KnownAnswer, Space
 
@@ -61,7 +60,7 @@ def space(name: str, title: str) -> Space:
         ]
         for i in UNITS
     ]
-    frame = Frame(x, coframe, domain=box(dict.fromkeys(x, (-1, 1))), name=name)
+    frame = Frame(x, coframe, name=name)
     return Space(
         name,
         title,

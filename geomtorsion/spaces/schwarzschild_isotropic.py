@@ -3,7 +3,6 @@
 from sympy import Symbol, sqrt, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.domain import box
 from geomtorsion.spaces.patterns import antisymmetric, diagonal
 from geomtorsion.spaces.space import KnownAnswer, Space
 
@@ -21,8 +20,8 @@ def space(name: str, title: str) -> Space:
         [[height, 0, 0, 0], [0, width, 0, 0], [0, 0, width, 0], [0, 0, 0, width]],
         signature=(-1, 1, 1, 1),
         parameters=(mass,),
-        # A corner of space outside the horizon s = M/2, away from the centre.
-        domain=box({x: (mass, 10 * mass), y: (0, 10 * mass), z: (0, 10 * mass)}),
+        # Outside the horizon s = M/2.
+        domain=4 * (x**2 + y**2 + z**2) > mass**2,
         name=name,
     )
     torsion = {}

@@ -3,7 +3,6 @@
 from sympy import Symbol, pi, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.domain import box
 from geomtorsion.spaces.patterns import antisymmetric, matrix
 from geomtorsion.spaces.space import KnownAnswer, Space
 
@@ -22,8 +21,7 @@ def space(name: str, title: str) -> Space:
         (x, y, z),
         [[1, 0, 0], [0, 1, 0], [-f * y, f * x, 1]],
         parameters=(b, core) if smooth else (b,),
-        # The line x = y = 0 lies outside: the box keeps to one side of it.
-        domain=None if smooth else box({x: (0, 10), y: (-5, 5)}),
+        domain=None if smooth else x**2 + y**2 > 0,
         name=name,
     )
     metric = matrix(

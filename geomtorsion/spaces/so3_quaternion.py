@@ -3,7 +3,6 @@
 from sympy import Rational, eye, sqrt, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.domain import box
 from geomtorsion.spaces.patterns import alternating, diagonal
 from geomtorsion.spaces.space import KnownAnswer, Space
 
@@ -21,8 +20,7 @@ def space(name: str, title: str) -> Space:
             [2 * (q0 * unit[i, j] + q[i] * q[j] / q0 + turn[i][j]) for j in range(3)]
             for i in range(3)
         ],
-        # A box inside the ball |q| < 1 on which q0 is real.
-        domain=box(dict.fromkeys(q, (-half, half))),
+        domain=q1**2 + q2**2 + q3**2 < 1,
         name=name,
     )
     metric = {(i, j): 4 * (unit[i, j] + q[i] * q[j] / q0**2) for i in range(3) for j in range(3)}

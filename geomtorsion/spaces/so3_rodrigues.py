@@ -3,7 +3,6 @@
 from sympy import Rational, eye, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.domain import box
 from geomtorsion.spaces.patterns import alternating, diagonal
 from geomtorsion.spaces.space import KnownAnswer, Space
 
@@ -18,7 +17,6 @@ def space(name: str, title: str) -> Space:
     frame = Frame(
         g,
         [[2 * (unit[i, j] + turn[i][j]) / (1 + square) for j in range(3)] for i in range(3)],
-        domain=box(dict.fromkeys(g, (-1, 1))),
         name=name,
     )
     metric = {

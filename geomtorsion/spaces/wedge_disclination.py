@@ -21,7 +21,8 @@ def space(name: str, title: str) -> Space:
         (r, phi, z),
         [[c, -alpha * r * s, 0], [s, alpha * r * c, 0], [0, 0, 1]],
         parameters=(alpha,),
-        domain=box({r: (0, oo), phi: (0, 2 * pi)}),
+        # Where the legs do not come back, phi counts the turns: it has no end.
+        domain=box({r: (0, oo)} if closed else {r: (0, oo), phi: (0, 2 * pi)}),
         name=name,
     )
     shared = (

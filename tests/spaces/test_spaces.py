@@ -45,6 +45,51 @@ def test_the_sample_point_is_in_the_domain(name: str) -> None:
     assert abs(complex(size.subs(values).subs(point))) > 1e-12
 
 
+# A point that belongs to the space, one that does not (or None), and parameters.
+REACH = {
+    "so3_rodrigues": ({"g1": 9, "g2": -7, "g3": 4}, None, {}),
+    "s7": (dict.fromkeys([f"x{k}" for k in range(1, 8)], -5), None, {}),
+    "screw_dislocation": ({"x": -3, "y": 40}, {"x": 0, "y": 0}, {}),
+    "edge_dislocation": ({"x": -30, "y": 5}, {"x": 0, "y": sp.Rational(1, 10)}, {"b": 1}),
+    "edge_dislocation_elastic": ({"x": -30, "y": 5}, {"x": 0, "y": 0}, {"nu": sp.Rational(1, 3)}),
+    "wedge_disclination": ({"r": 1, "phi": 50}, {"r": -1, "phi": 50}, {}),
+    "schwarzschild_isotropic": (
+        {"x": -1, "y": 0, "z": 0},
+        {"x": sp.Rational(1, 5), "y": 0, "z": 0},
+        {"M": 1},
+    ),
+    "so3_quaternion": (
+        {"q1": sp.Rational(9, 10), "q2": 0, "q3": 0},
+        {"q1": sp.Rational(9, 10), "q2": sp.Rational(-1, 2), "q3": 0},
+        {},
+    ),
+    "kerr": (
+        {"r": sp.Rational(3, 2), "theta": 1, "phi": 1},
+        {"r": sp.Rational(7, 5), "theta": 1, "phi": 1},
+        {"M": 1, "a": sp.Rational(9, 10)},
+    ),
+    "frw": (
+        {"r": 1, "theta": 1, "phi": 1},
+        {"r": 2, "theta": 1, "phi": 1},
+        {"k": sp.Rational(1, 2)},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REACH)
+def test_the_domain_is_where_the_space_is(name: str) -> None:
+    """It is no box for samples: it holds the regular points on this side of the edge alone."""
+    inside, outside, numbers = REACH[name]
+    frame = load(name).frame
+    by_name = {symbol.name: symbol for symbol in (*frame.coordinates, *frame.parameters)}
+    for place, wanted in ((inside, True), (outside, False)):
+        if place is not None:
+            point = {by_name[key]: value for key, value in {**place, **numbers}.items()}
+            values = [relation.subs(point) for relation in frame.domain]
+            assert all(value in (sp.true, sp.false) for value in values)
+            assert all(values) is wanted
+
+
 @pytest.mark.parametrize("name", names())
 def test_parameters_are_declared_with_assumptions(name: str) -> None:
     """Coordinates and parameters are real, and parameters of the shipped spaces say so."""
