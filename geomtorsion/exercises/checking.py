@@ -5,16 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+import sympy
+
 from geomtorsion.checks import close_names
 from geomtorsion.errors import GeomtorsionError, LimitError
 from geomtorsion.exercises.answers import completed, components, expression
-from geomtorsion.exercises.compare import EQUAL, PARTLY, compare_all, same
-from geomtorsion.exercises.diagnoses import MESSAGES
+from geomtorsion.exercises.compare import EQUAL, PARTLY, compare_all, has_root, same
+from geomtorsion.exercises.diagnoses import MESSAGES, message_of
 from geomtorsion.exercises.equations import equations
 from geomtorsion.exercises.limits import MOST
-from geomtorsion.exercises.numbers import ROUNDED, UnitError, numbers
+from geomtorsion.exercises.numbers import ROUGH, ROUNDED, UnitError, numbers
 from geomtorsion.exercises.question import deviation, scaled
 from geomtorsion.exercises.verdict import QuestionVerdict
+
+ZERO = sympy.S.Zero
 
 if TYPE_CHECKING:
     from geomtorsion.exercises.compare import Index, Value
@@ -99,10 +103,12 @@ def _check_number(question: Question, value: Value) -> QuestionVerdict:
     said = _diagnosed(question, found)
     if said is not None:
         return said
-    if away <= ROUNDED:
+    if away <= min(ROUNDED, ROUGH / question.tolerance):
         return _wrong(question, "rounded", MESSAGES["rounded"])
     if question.shape:
-        return _by_component(question, _agreement(question, value))
+        return _counted_from_zero(question, value) or _by_component(
+            question, _agreement(question, value)
+        )
     return _wrong(question, "", "The number is not right.")
 
 
@@ -134,7 +140,9 @@ def _check_exactly(question: Question, value: Value) -> QuestionVerdict:
         if said is not None:
             return said
     if all(state in (EQUAL, PARTLY) for state in agreement.values()):
-        return _wrong(question, "domain", MESSAGES["domain"])
+        right = question.solution
+        root = any(has_root(value.get(key, ZERO) - right.get(key, ZERO)) for key in agreement)
+        return _wrong(question, "domain", MESSAGES["domain" if root else "branch"])
     return _by_component(question, agreement, value)
 
 
@@ -144,9 +152,16 @@ def _counted_from_zero(question: Question, value: Value) -> QuestionVerdict | No
         return None
     moved = {tuple(k + 1 for k in key): x for key, x in value.items()}
     inside = all(k < n for key in moved for k, n in zip(key, question.shape, strict=True))
-    if inside and same(question.domain, moved, question.solution):
+    if inside and _is_solution(question, moved):
         return _wrong(question, "counted", MESSAGES["counted"])
     return _wrong(question, "counted", "An index is 0: " + MESSAGES["counted"])
+
+
+def _is_solution(question: Question, value: Value) -> bool:
+    """Whether a value is right, as numbers or exactly."""
+    if question.kind == "number":
+        return deviation(question, value, question.solution) <= 1
+    return same(question.domain, value, question.solution)
 
 
 def _by_component(
@@ -163,7 +178,7 @@ def _by_component(
     code = "incomplete"
     shared = _shared(question, wrong, value) if value is not None else ""
     if shared:
-        code, text = shared, f"{text} {MESSAGES[shared]}"
+        code, text = shared, f"{text} {message_of(shared, question.remarks)}"
     return QuestionVerdict(question.name, False, score, text, code, (), question.points)
 
 
@@ -191,7 +206,8 @@ def _diagnosed(question: Question, found: list[Mistake]) -> QuestionVerdict | No
     if not found:
         return None
     codes = list(dict.fromkeys(mistake.code for mistake in found))
-    texts = list(dict.fromkeys(one.message or MESSAGES[one.code] for one in found))[:2]
+    said = (one.message or message_of(one.code, question.remarks) for one in found)
+    texts = list(dict.fromkeys(said))[:2]
     message = " Or: ".join(texts)
     return QuestionVerdict(
         question.name, False, 0.0, message, codes[0], tuple(codes[1:]), question.points

@@ -20,6 +20,11 @@ Index = tuple[int, ...]
 Value = Mapping[Index, Any]
 
 EQUAL, PARTLY, DIFFERENT = "equal", "partly", "different"
+# Functions that are made by turning another one round.
+_INVERSE = (
+    sympy.asin, sympy.acos, sympy.atan, sympy.acot, sympy.atan2, sympy.asinh, sympy.acosh,
+    sympy.atanh, sympy.log,
+)  # fmt: skip
 # Floats closer than this are looked at exactly; it decides nothing by itself.
 NEAR = 1e-7
 # What rounding can do to a float, relative to the largest number on the way, and where that ends.
@@ -59,10 +64,39 @@ def compare(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> str:
     if not any(near):
         return DIFFERENT
     if not all(near):
-        return PARTLY
+        # Without branches two expressions that differ agree at no generic point.
+        return PARTLY if has_root(one - two) or has_inverse(one - two) else DIFFERENT
     if not largest < BEYOND:
         raise LimitError("answer: numbers beyond all size occur on the way. Write it without them.")
     return EQUAL if _is_zero(domain, one, two) else DIFFERENT
+
+
+def has_root(expr: sympy.Expr) -> bool:
+    """Whether a root with a symbol below it occurs, or a size such as |x|.
+
+    Examples
+    --------
+    >>> x = sympy.Symbol("x", real=True)
+    >>> has_root(sympy.sqrt(1 + x)), has_root(sympy.sqrt(2) * x), has_root(sympy.Abs(x))
+    (True, False, True)
+    """
+    return any(
+        isinstance(part, sympy.Abs) or (part.is_Pow and not part.exp.is_integer)
+        for part in sympy.preorder_traversal(expr)
+        if part.free_symbols and not isinstance(part, sympy.exp)
+    )
+
+
+def has_inverse(expr: sympy.Expr) -> bool:
+    """Whether an inverse function of a symbol occurs, which gives one of several values.
+
+    Examples
+    --------
+    >>> x = sympy.Symbol("x", real=True)
+    >>> has_inverse(sympy.acos(x)), has_inverse(sympy.cos(x)), has_inverse(sympy.acos(1) * x)
+    (True, False, False)
+    """
+    return any(part.free_symbols for part in expr.atoms(*_INVERSE))
 
 
 def compare_all(domain: Domain, given: Value, right: Value) -> dict[Index, str]:

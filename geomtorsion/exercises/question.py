@@ -49,11 +49,13 @@ class Question:
     errors: computes the wrong answers that this exercise expects.
     shape: numbers of components, as (3, 3, 3); () for a single one.
     label: what one component is called in messages, such as "Gamma".
+    marks: where each index stands, "_" below and "^" above, in order: "__^" for Gamma_ab^c.
     symmetry: "antisymmetric" or "symmetric" in the first two indices: half may be given.
     unknowns: of equations: what stands before the sign of equality, such as "Omega1'".
     unit, tolerance: of numbers; the tolerance is relative to the largest component.
     options: of choices: key -> text.
     generic: mistakes looked for without being named by the exercise.
+    remarks: code of a generic mistake -> what to add here to what is said of it everywhere.
     points: what a right answer is worth.
     """
 
@@ -65,12 +67,14 @@ class Question:
     errors: Callable[[], Iterable[Mistake]] = _none
     shape: tuple[int, ...] = ()
     label: str = ""
+    marks: str = ""
     symmetry: str = ""
     unknowns: tuple[str, ...] = ()
     unit: str = ""
     tolerance: float = 1e-3
     options: Mapping[str, str] = field(default_factory=dict)
     generic: tuple[str, ...] = ("sign", "factor", "permuted", "counted")
+    remarks: Mapping[str, str] = field(default_factory=dict)
     points: int = 1
 
     @cached_property
@@ -127,9 +131,15 @@ def deviation(question: Question, given: Value, right: Value) -> float:
 def all_mistakes(question: Question) -> tuple[Mistake, ...]:
     """What the exercise expects, then what can happen everywhere; none equals the solution."""
     found: list[Mistake] = []
-    for mistake in (*question.errors(), *_generic(question)):
+    for mistake in question.errors():
         value = normal(mistake.value)
         if _is_other(question, value) and not _repeats(found, mistake.code, value):
+            found.append(Mistake(mistake.code, value, mistake.message))
+    # Where the exercise knows why a value is wrong, nothing more general is said about it.
+    own = tuple(found)
+    for mistake in _generic(question):
+        value = normal(mistake.value)
+        if _is_other(question, value) and not any(_agree(question, value, m.value) for m in own):
             found.append(Mistake(mistake.code, value, mistake.message))
     return tuple(found)
 
@@ -139,6 +149,11 @@ def _is_other(question: Question, value: Value) -> bool:
     if question.kind == "number":
         return deviation(question, value, question.solution) > 1
     return value != question.solution
+
+
+def _agree(question: Question, one: Value, two: Value) -> bool:
+    """Whether two wrong answers are the same one."""
+    return one == two or (question.kind == "number" and deviation(question, one, two) <= 1)
 
 
 def _repeats(found: Iterable[Mistake], code: str, value: Value) -> bool:

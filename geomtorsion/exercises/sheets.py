@@ -10,7 +10,7 @@ from pathlib import Path
 
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.exercises.answers import answer_text
-from geomtorsion.exercises.diagnoses import MESSAGES, TITLES
+from geomtorsion.exercises.diagnoses import TITLES, message_of
 from geomtorsion.exercises.exercise import Exercise
 from geomtorsion.exercises.limits import MOST
 from geomtorsion.exercises.notebook import notebook_of
@@ -139,7 +139,7 @@ def _solution(question: Question) -> str:
     shown = _typeset(question)
     rows = []
     for mistake in question.mistakes[: MOST.mistakes]:
-        text = mistake.message or MESSAGES[mistake.code]
+        text = mistake.message or message_of(mistake.code, question.remarks)
         given = escape(_short(answer_text(question, mistake.value)))
         rows.append(f"<li>{escape(TITLES[mistake.code])}: <code>{given}</code>{html_of(text)}</li>")
     table = (

@@ -49,7 +49,7 @@ def make(draw: Random, seed: int) -> Variant:
                 answer=by_line,
                 errors=lambda: [
                     Mistake(
-                        "factor",
+                        "forgotten",
                         max(ALL_DIGITS - 2 * decades, 0) or 0.5,
                         "Rounding errors are not of size 1 but of the size of the terms, "
                         "$10^{-16}\\rho$; compare that with $\\rho^2$.",

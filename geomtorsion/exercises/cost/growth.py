@@ -62,7 +62,7 @@ def make(draw: Random, seed: int) -> Variant:
                         r"length is $f(r)\,\delta\phi$.",
                     ),
                     *(
-                        Mistake("forgotten", factor(f), f"That would be so on {other}.")
+                        Mistake("another", factor(f), f"That would be so on {other}.")
                         for other, f in SURFACES.values()
                         if other != name
                     ),
@@ -76,7 +76,7 @@ def make(draw: Random, seed: int) -> Variant:
                 prompt="Two such errors, one twice the other, are carried along. What is the "
                 "quotient of their lengths in the end?",
                 answer=lambda: deviation(2.0) / deviation(),
-                errors=lambda: [Mistake("forgotten", 2 * factor(), "Both grow by this factor.")],
+                errors=lambda: [Mistake("another", 2 * factor(), "Both grow by this factor.")],
                 tolerance=1e-3,
                 generic=(),
             ),

@@ -60,7 +60,7 @@ def make(draw: Random, seed: int) -> Variant:
                 whole,
                 name,
                 ("forgotten", alone, None, "The angles have to be followed, too."),
-                ("counted", whole, "quaternion", "So many if the attitude is a quaternion."),
+                ("another", whole, "quaternion", "So many if the attitude is a quaternion."),
             ),
             ask(
                 "quaternion",

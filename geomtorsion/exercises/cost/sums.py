@@ -57,7 +57,7 @@ def make(draw: Random, seed: int) -> Variant:
                 answer=lambda: log2(error(COARSE, True) / error(2 * COARSE, True)),
                 errors=lambda: [
                     Mistake("forgotten", 1, "The midpoint is better than either end."),
-                    Mistake("factor", 4, "That is for Simpson's rule."),
+                    Mistake("another", 4, "That is for Simpson's rule."),
                 ],
                 tolerance=0.05,
                 generic=(),

@@ -2,7 +2,7 @@
 
 from random import Random
 
-from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, steps, tex
+from geomtorsion.exercises.authoring import TORSION, Domain, Mistake, Question, Variant, steps, tex
 from geomtorsion.exercises.families import group
 from geomtorsion.geometry import cartan
 
@@ -45,6 +45,8 @@ def make(draw: Random, seed: int) -> Variant:
                 ],
                 shape=(n, n, n),
                 label="C",
+                marks="__^",
+                remarks=TORSION,
                 symmetry="antisymmetric",
             ),
             Question(
@@ -54,7 +56,7 @@ def make(draw: Random, seed: int) -> Variant:
                 answer=lambda: closed_forms(frame),
                 errors=lambda: [
                     Mistake(
-                        "forgotten",
+                        "another",
                         frame.dimension - closed_forms(frame),
                         "That is how many are not.",
                     )

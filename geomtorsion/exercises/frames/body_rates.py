@@ -58,7 +58,13 @@ def make(draw: Random, seed: int) -> Variant:
                 r"off the angular velocity (gimbal lock): $\det e$.",
                 domain=Domain.of(body),
                 answer=lambda: body.determinant[()],
-                errors=lambda: [Mistake("inverse", 1 / body.determinant[()])],
+                errors=lambda: [
+                    Mistake(
+                        "inverse",
+                        1 / body.determinant[()],
+                        "That is the determinant of the legs.",
+                    )
+                ],
             ),
         ),
         hints=steps(

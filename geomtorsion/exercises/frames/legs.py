@@ -44,6 +44,7 @@ def make(draw: Random, seed: int) -> Variant:
                 ],
                 shape=(n, n),
                 label="E",
+                marks="^_",
             ),
         ),
         hints=steps(

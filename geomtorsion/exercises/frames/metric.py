@@ -55,7 +55,7 @@ def make(draw: Random, seed: int) -> Variant:
                         "That is the determinant of the legs.",
                     ),
                     Mistake(
-                        "forgotten",
+                        "another",
                         frame.determinant[()] ** 2,
                         "That is the determinant of the metric; $\\det e$ is a root of it.",
                     ),

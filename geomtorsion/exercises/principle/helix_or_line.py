@@ -8,7 +8,15 @@ import sympy as sp
 
 from geomtorsion.action import equations_of_motion
 from geomtorsion.curves import autoparallel, geodesic
-from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, scaled, steps
+from geomtorsion.exercises.authoring import (
+    TORSION,
+    Domain,
+    Mistake,
+    Question,
+    Variant,
+    scaled,
+    steps,
+)
 from geomtorsion.geometry import cartan
 from geomtorsion.ode import solve
 from geomtorsion.spaces import load
@@ -68,9 +76,10 @@ def make(draw: Random, seed: int) -> Variant:
                 "axis 1 with moving along axis 2.",
                 domain=Domain(),
                 answer=lambda: torsion()[0, 4, 5],
+                remarks=TORSION,
                 errors=lambda: [
                     Mistake("factor", torsion()[0, 4, 5] / 2, "That is $S$; asked is $2S$."),
-                    Mistake("permuted", torsion()[3, 4, 5], "Does moving alone fail to close?"),
+                    Mistake("another", torsion()[3, 4, 5], "Does moving alone fail to close?"),
                 ],
             ),
             Question(
@@ -91,6 +100,7 @@ def make(draw: Random, seed: int) -> Variant:
                 ],
                 shape=(6,),
                 label="f",
+                remarks=TORSION,
                 points=2,
             ),
             Question(

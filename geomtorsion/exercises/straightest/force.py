@@ -4,7 +4,7 @@ from random import Random
 
 import sympy as sp
 
-from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, steps, tex
+from geomtorsion.exercises.authoring import TORSION, Domain, Mistake, Question, Variant, steps, tex
 from geomtorsion.exercises.families import circles, group
 from geomtorsion.geometry import Frame, cartan
 from geomtorsion.spaces import load
@@ -37,7 +37,11 @@ def make(draw: Random, seed: int) -> Variant:
                         "factor", torsion.force(rates) / 2, "The factor 2 before $S$ is missing."
                     ),
                     Mistake("basis", torsion.force(rates).in_frame()),
-                    Mistake("inverse", torsion.force(rates).lowered()),
+                    Mistake(
+                        "inverse",
+                        torsion.force(rates).lowered(),
+                        "That is $f_c$: its index is still to be raised with the inverse metric.",
+                    ),
                     Mistake(
                         "levi-civita",
                         christoffel_terms(frame, rates),
@@ -46,6 +50,7 @@ def make(draw: Random, seed: int) -> Variant:
                 ],
                 shape=(n,),
                 label="f",
+                remarks=TORSION,
                 points=2,
             ),
             Question(

@@ -3,6 +3,7 @@
 from random import Random
 
 from geomtorsion.exercises.authoring import (
+    CONNECTION,
     Domain,
     Mistake,
     Question,
@@ -52,6 +53,8 @@ def make(draw: Random, seed: int) -> Variant:
                 ],
                 shape=(3, 3, 3),
                 label="Gamma",
+                marks="__^",
+                remarks=CONNECTION,
                 points=2,
             ),
         ),

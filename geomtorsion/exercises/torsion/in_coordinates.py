@@ -2,7 +2,7 @@
 
 from random import Random
 
-from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, steps, tex
+from geomtorsion.exercises.authoring import TORSION, Domain, Mistake, Question, Variant, steps, tex
 from geomtorsion.exercises.families import circles, group
 from geomtorsion.geometry import cartan
 from geomtorsion.spaces import load
@@ -38,6 +38,8 @@ def make(draw: Random, seed: int) -> Variant:
                 ],
                 shape=(n, n, n),
                 label="S",
+                marks="__^",
+                remarks=TORSION,
                 symmetry="antisymmetric",
                 points=2,
             ),
@@ -57,6 +59,7 @@ def make(draw: Random, seed: int) -> Variant:
                 ],
                 shape=(n,),
                 label="v",
+                remarks=TORSION,
             ),
         ),
         hints=steps(

@@ -2,7 +2,7 @@
 
 from random import Random
 
-from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, steps, tex
+from geomtorsion.exercises.authoring import TORSION, Domain, Mistake, Question, Variant, steps, tex
 from geomtorsion.exercises.families import ANGLES, seen_from_space, stretched
 from geomtorsion.geometry import cartan, levi_civita
 from geomtorsion.spaces import load
@@ -43,6 +43,8 @@ def make(draw: Random, seed: int) -> Variant:
                 ],
                 shape=(3, 3, 3),
                 label="2S",
+                marks="__^",
+                remarks=TORSION,
                 symmetry="antisymmetric",
                 points=2,
             ),

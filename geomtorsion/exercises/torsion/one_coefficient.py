@@ -3,6 +3,7 @@
 from random import Random
 
 from geomtorsion.exercises.authoring import (
+    CONNECTION,
     Domain,
     Mistake,
     Question,
@@ -41,10 +42,17 @@ def make(draw: Random, seed: int) -> Variant:
                         reordered(connection.coefficients, (1, 0, 2)),
                         "The derivative index stands last in your answer; here it comes first.",
                     ),
-                    Mistake("inverse", connection.coefficients.lowered(2)),
+                    Mistake(
+                        "inverse",
+                        connection.coefficients.lowered(2),
+                        r"That is $e^i{}_c\,\partial_a e^i{}_b$, with the coframe where its "
+                        "inverse, the legs, should be: all indices are down.",
+                    ),
                 ],
                 shape=(2, 2, 2),
                 label="Gamma",
+                marks="__^",
+                remarks=CONNECTION,
             ),
         ),
         hints=steps(
