@@ -14,7 +14,7 @@ from geomtorsion.exercises.compare import EQUAL, PARTLY, compare_all, has_root, 
 from geomtorsion.exercises.diagnoses import MESSAGES, message_of
 from geomtorsion.exercises.equations import equations
 from geomtorsion.exercises.limits import MOST
-from geomtorsion.exercises.numbers import ROUGH, ROUNDED, UnitError, numbers
+from geomtorsion.exercises.numbers import ROUNDED, UnitError, numbers
 from geomtorsion.exercises.question import deviation, scaled
 from geomtorsion.exercises.verdict import QuestionVerdict
 
@@ -103,7 +103,7 @@ def _check_number(question: Question, value: Value) -> QuestionVerdict:
     said = _diagnosed(question, found)
     if said is not None:
         return said
-    if away <= min(ROUNDED, ROUGH / question.tolerance):
+    if away * question.tolerance <= ROUNDED:
         return _wrong(question, "rounded", MESSAGES["rounded"])
     if question.shape:
         return _counted_from_zero(question, value) or _by_component(

@@ -33,10 +33,8 @@ UNITS: Mapping[str, tuple[str, float]] = MappingProxyType(
     }
 )  # fmt: skip
 _UNIT = re.compile(r"^(.*?(?:[\d.)]|pi|π))\s*([A-Za-z°%]+(?:/s)?|1/s)\s*$", re.DOTALL)
-# A number this close, in tolerances, was rounded rather than wrong.
-ROUNDED = 20
 # Rounding to two digits changes a number by no more than this share: 1.05 is written as 1.1.
-ROUGH = 0.05
+ROUNDED = 0.05
 
 
 class UnitError(ExpressionError):
