@@ -21,9 +21,10 @@ from geomtorsion.curves.start import checked_start, frame_velocities
 from geomtorsion.curves.transition import MovingPoint
 from geomtorsion.curves.transported import Carried, carrying
 from geomtorsion.errors import ChartEdgeError, StartError
+from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment
-from geomtorsion.ode.numbers import Numbers, Real, floats, perturbed
+from geomtorsion.ode.numbers import Numbers, Real, floats, perturbed, precision_of
 from geomtorsion.ode.terms import expression, symbol_table
 from geomtorsion.ode.trajectory import Event, Segment, Stage, State, Trajectory
 
@@ -308,12 +309,13 @@ class CurveProblem:
         if segment.label == label:
             return states
         velocities = self._own_velocities(segment)
+        bits = precision_of(states)
         found = []
         for row in states:
             point = self._taken_apart(segment.label, row, velocities)
-            there = transition.moved(self, segment.label, label, point, 53)
+            there = transition.moved(self, segment.label, label, point, bits)
             moving = there.velocities if self.equations(label).moves else []
-            found.append([*there.coordinates, *moving, *there.carried])
+            found.append(Taylor(bits).array([*there.coordinates, *moving, *there.carried]))
         return np.array(found)
 
     def _own_velocities(self, segment: Segment) -> list[Real]:

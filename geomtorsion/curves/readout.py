@@ -12,8 +12,10 @@ from geomtorsion.curves import transition
 from geomtorsion.curves.transition import MovingPoint
 from geomtorsion.curves.transported import speed_powers
 from geomtorsion.errors import ChartEdgeError
+from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment
+from geomtorsion.ode.numbers import Real, precision_of
 from geomtorsion.ode.trajectory import Segment, Trajectory
 from geomtorsion.precision import working_precision
 
@@ -53,7 +55,7 @@ def _at_home(
     """(q, q', u, carried) of one segment in the home chart and frame."""
     equations, n = problem.equations(segment.label), problem.frame.dimension
     width, unit = equations.width, problem.time_unit
-    u, carried = _velocities(problem, segment, states)
+    u, carried = _velocities(problem, segment, states, bits)
     if equations.moves:
         carried = states[:, width + n :].copy()
     for k, power in enumerate(speed_powers(problem.carried)):
@@ -66,11 +68,11 @@ def _at_home(
     q = states[:, :width]
     if segment.label != target:
         q, u = converted(problem, segment.label, target, q, u, bits)
-    return q, coordinate_velocities(problem, q, u), u, carried
+    return q, coordinate_velocities(problem, q, u, bits), u, carried
 
 
 def _velocities(
-    problem: CurveProblem, segment: Segment, states: np.ndarray
+    problem: CurveProblem, segment: Segment, states: np.ndarray, bits: int = 53
 ) -> tuple[np.ndarray, np.ndarray]:
     """u^i of a segment in its own frame, and the states behind the coordinates."""
     equations, n = problem.equations(segment.label), problem.frame.dimension
@@ -78,8 +80,9 @@ def _velocities(
     if equations.moves:
         return _multiplied(states[:, width : width + n], unit), states[:, width + n :]
     table = dict(zip(equations.parameters, segment.stage.parameters, strict=True))
-    values = np.array([float(table[name]) for name in equations.velocities])
-    return np.tile(values * unit, (len(states), 1)), states[:, width:].copy()
+    values = Taylor(bits).array([table[name] for name in equations.velocities])
+    rows = np.array([values] * len(states), dtype=values.dtype)
+    return _multiplied(rows.reshape(len(states), n), unit), states[:, width:].copy()
 
 
 def converted(
@@ -87,29 +90,26 @@ def converted(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Coordinates and frame velocities of many points in another chart.
 
-    Above 53 bits the coordinates are mpmath numbers where the charts share the frame.
+    Numbers are of the type in which the engine of so many bits calculates.
     """
-    if bits > 53 and transition.same_frame(problem, source, target):
-        rows = q
-        for change in problem.atlas.route(source, target):
-            rows = [change.precisely(row, problem.parameters, bits) for row in rows]
-        return _turned(problem, source, target, np.array(rows, dtype=object)), u
-    q, u = np.asarray(q, dtype=float), np.asarray(u, dtype=float)
-    if not transition.same_frame(problem, source, target):
+    if bits == 53:
+        q, u = np.asarray(q, dtype=float), np.asarray(u, dtype=float)
+    if bits > 53 or not transition.same_frame(problem, source, target):
         points = [
-            transition.moved(problem, source, target, MovingPoint(list(a), list(b), []), 53)
+            transition.moved(problem, source, target, MovingPoint(list(a), list(b), []), bits)
             for a, b in zip(q, u, strict=True)
         ]
-        there = np.array([point.coordinates for point in points], dtype=float)
-        turned = np.array([point.velocities for point in points], dtype=float)
+        there = _long_rows([point.coordinates for point in points], bits)
+        turned = _long_rows([point.velocities for point in points], bits)
     else:
         there, turned = q.T, u
         for change in problem.atlas.route(source, target):
             there = change(there, problem.parameters)
         there = np.asarray(there).T
-    if not np.isfinite(there).all():
-        bad = int(np.argmin(np.isfinite(there).all(axis=1)))
-        place = ", ".join(f"{x:.6g}" for x in q[bad])
+    finite = np.isfinite(there.astype(float))
+    if not finite.all():
+        bad = int(np.argmin(finite.all(axis=1)))
+        place = ", ".join(f"{float(x):.6g}" for x in q[bad])
         raise ChartEdgeError(
             f"the motion passes ({place}) of chart {source!r}, where chart {target!r} does not "
             f"reach. Use solution.in_chart({source!r})."
@@ -126,14 +126,19 @@ def _turned(problem: CurveProblem, source: str, target: str, q: np.ndarray) -> n
     for k in route[-1].angles:
         centre = float(problem.start[k])
         turns = np.round((q[:, k].astype(float) - centre) / (2 * np.pi))
-        if q.dtype != object:
+        bits = precision_of(q)
+        if bits == 53:
             q[:, k] -= 2 * np.pi * turns
             continue
         with working_precision(TURN_BITS):
-            q[:, k] = [
-                x - 2 * mpmath.pi * int(turn) for x, turn in zip(q[:, k], turns, strict=True)
-            ]
+            shifts = [2 * mpmath.pi * int(turn) for turn in turns]
+        q[:, k] -= Taylor(bits).array(shifts)
     return q
+
+
+def _long_rows(rows: Sequence[Sequence[Real]], bits: int) -> np.ndarray:
+    """Rows of numbers in the type in which the engine of so many bits calculates."""
+    return np.array([Taylor(bits).array(row) for row in rows])
 
 
 def _multiplied(values: np.ndarray, factor: float) -> np.ndarray:
@@ -145,9 +150,19 @@ def _multiplied(values: np.ndarray, factor: float) -> np.ndarray:
     return values * np.full(values.shape, values.dtype.type(factor), dtype=values.dtype)
 
 
-def coordinate_velocities(problem: CurveProblem, q: np.ndarray, u: np.ndarray) -> np.ndarray:
+def coordinate_velocities(
+    problem: CurveProblem, q: np.ndarray, u: np.ndarray, bits: int = 53
+) -> np.ndarray:
     """q'^mu = E_i^mu u^i at many points of the home chart."""
     chart = problem.atlas.chart(problem.atlas.home)
+    if bits > 53:
+        found = [
+            chart.frame_vectors.precisely(
+                dict(zip(chart.names, place, strict=True)) | dict(problem.parameters), speeds, bits
+            )
+            for place, speeds in zip(q, u, strict=True)
+        ]
+        return _long_rows(found, bits)
     place = dict(zip(chart.names, np.asarray(q, float).T, strict=True))
     numbers = {key: float(value) for key, value in problem.parameters.items()}
     return chart.frame_vectors.applied(place | numbers, np.asarray(u, float).T).T

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, NamedTuple
 
+import mpmath
 import numpy as np
 import sympy as sp
 
@@ -142,4 +143,7 @@ def _divided(value: Real, unit: float) -> Real:
         return value / sp.Rational(ratio.numerator, ratio.denominator)
     if isinstance(value, Fraction):
         return value / ratio
-    return value / unit
+    if isinstance(value, mpmath.mpf):
+        # A quotient would be rounded to the digits that mpmath has at the moment.
+        return mpmath.ldexp(value, -int(math.log2(unit)))
+    return value / type(value)(unit)

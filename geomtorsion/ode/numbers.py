@@ -45,6 +45,20 @@ def mpf(value: Real, precision: int) -> mpmath.mpf:
     return found
 
 
+def precision_of(values: np.ndarray) -> int:
+    """Bits of the numbers that an engine has put into an array.
+
+    Examples
+    --------
+    >>> precision_of(np.zeros(3))
+    53
+    """
+    kind = values.dtype.type
+    if kind in (np.float64, np.longdouble):
+        return np.finfo(kind).nmant + 1
+    return int(getattr(values.flat[0], "prec", 113)) if values.size else 113
+
+
 def floats(values: Iterable[Real]) -> list[float]:
     """Numbers as floats."""
     return [float(value) for value in values]

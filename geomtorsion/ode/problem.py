@@ -15,6 +15,7 @@ import sympy as sp
 from geomtorsion.codegen import Graph, graph
 from geomtorsion.errors import ExpressionError, StartError, StuckError
 from geomtorsion.ode import constructor
+from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.events import At, When
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment
@@ -24,6 +25,8 @@ from geomtorsion.ode.system import System
 from geomtorsion.ode.trajectory import Event, Segment, Stage, State, Trajectory
 from geomtorsion.precision import working_precision
 
+# Outputs are worked out with so many more bits than they are handed out with.
+GUARD_BITS = 30
 # An output is one expression, or several that make a vector.
 Terms: TypeAlias = sp.Expr | tuple[sp.Expr, ...]
 
@@ -340,8 +343,8 @@ class ODE:
         return self.unit_rows(states[:, : self.size])
 
     def unit_rows(self, states: np.ndarray) -> np.ndarray:
-        """Rows of states with those of length one made so, in double precision."""
-        if not self._unit_places or not len(states) or states.dtype != np.float64:
+        """Rows of states with those of length one made so, at their own precision."""
+        if not self._unit_places or not len(states):
             return states
         states = states.copy()
         for places in self._unit_places:
@@ -381,7 +384,7 @@ class ODE:
         values: dict[str, np.ndarray] = {
             name: states[:, k].reshape(shape) for k, name in enumerate(self.states)
         }
-        for name, value in self.read_outputs(times, states).items():
+        for name, value in self.read_outputs(times, states, bits).items():
             values[name] = value.reshape((*shape, *value.shape[1:]))
         values["states"] = states.reshape((*shape, self.size))
         return Moment(times.reshape(shape), values, whole=("states",))
@@ -408,15 +411,37 @@ class ODE:
         )
         return first, second
 
-    def read_outputs(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
+    def read_outputs(
+        self, times: np.ndarray, states: np.ndarray, bits: int = 53
+    ) -> dict[str, np.ndarray]:
         """Each output at the times, shape (m,) or (m, k)."""
         if not self.outputs:
             return {}
-        found = self.term_graphs[0].numpy()(*self.arguments(times, states))
+        if bits > 53:
+            found = self._long_outputs(times, states, bits)
+        else:
+            found = self.term_graphs[0].numpy()(*self.arguments(times, states))
         return {
             name: rows.T if several else rows[0]
             for name, rows, several in _cut(self.outputs, found, len(times))
         }
+
+    def _long_outputs(self, times: np.ndarray, states: np.ndarray, bits: int) -> np.ndarray:
+        """Outputs in numbers of so many bits, shape (size, m)."""
+        engine, found = Taylor(bits), []
+        for time, row in zip(times.tolist(), states, strict=True):
+            table = dict(self.parameters)
+            for event in self.events:
+                if time >= event.time:
+                    table |= self._parameter_changes(event)
+            values = [*row, *(table[name] for name in self.rates.parameters), time]
+            try:
+                exact = self.term_graphs[0].exactly(values, bits + GUARD_BITS)
+            except ZeroDivisionError:
+                exact = [math.nan] * self.term_graphs[0].size
+            real = [math.nan if isinstance(x, mpmath.mpc) else x for x in exact]
+            found.append(engine.array(real))
+        return np.array(found).T
 
     def invariant_changes(self, trajectory: Trajectory) -> dict[str, np.ndarray]:
         """Change of each invariant at the samples of a trajectory; see `changes`."""

@@ -135,8 +135,10 @@ class Solution:
     cost: steps, evaluations, seconds.
     trajectory: the integration; reference: the finer one with which it was compared.
 
-    Numbers are floats unless an accuracy finer than 1e-16 was asked for; then they are of the
-    type of the engine.
+    Numbers are floats unless an accuracy finer than 1.1e-16 was asked for, which floats do not
+    hold. Then all arrays are of the type of the engine: NumPy's long double, or heyoka's longer
+    numbers, whose arrays know most functions of NumPy. `str` of one of them has all its digits,
+    for mpmath and others; `x.astype(float)` gives floats.
 
     Examples
     --------

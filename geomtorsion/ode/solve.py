@@ -16,7 +16,7 @@ from geomtorsion.ode.checkpoint import PARTS, Checkpoint, Recorder, fingerprint
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.error_estimate import Verified, verified
-from geomtorsion.ode.solution import Cost, Problem, Solution
+from geomtorsion.ode.solution import DOUBLE, Cost, Problem, Solution
 from geomtorsion.ode.trajectory import Stage, Trajectory, integrate
 
 Progress: TypeAlias = Callable[[float], object]
@@ -167,11 +167,13 @@ def _solution(
         reached = answer.reached / problem.time_unit
         if answer.outcome == "stopped" and (not len(times) or times[-1] != reached):
             times = np.concatenate((times, [reached]))
+    error = found.error
+    if accuracy >= DOUBLE and answer.engine.precision > 53:
+        # What is handed out are doubles, however well they are known.
+        error = max(error, DOUBLE)
     name = answer.engine.name
     cost = Cost.of(answer, runs)
-    return Solution(
-        problem, times, accuracy, found.error, name, reason, cost, answer, found.reference
-    )
+    return Solution(problem, times, accuracy, error, name, reason, cost, answer, found.reference)
 
 
 def engines(
@@ -193,7 +195,8 @@ def engines(
         yield Taylor(), "heyoka is installed: the fastest"
     if accuracy > 4e-19:
         yield Taylor(64), "double precision does not give this accuracy"
-    yield Taylor(113), "long double precision does not give this accuracy"
+    if accuracy > 2.0**-108:
+        yield Taylor(113), "long double precision does not give this accuracy"
     yield Taylor(300), "quadruple precision does not give this accuracy"
 
 

@@ -63,7 +63,8 @@ class SceneResult:
     values: watched quantity -> array, shape (m,) or (m, components), or (m, 3, 3).
     labels, units: of each watched quantity.
     accuracy: what was asked for.
-    error: estimate of the largest error of the states at `times`, relative to their size.
+    error: estimate of the largest error of the states at `times`, relative to their size; no
+        smaller than what the doubles in `values` hold, 1.1e-16. More digits are in `solution`.
     drift: invariant -> largest relative change.
     cost: steps, evaluations, seconds.
     engine, reason: what solved it, and why that was chosen.

@@ -10,7 +10,7 @@ import numpy as np
 
 from geomtorsion.errors import StuckError
 from geomtorsion.ode import solve
-from geomtorsion.ode.solution import Cost
+from geomtorsion.ode.solution import DOUBLE, Cost
 from geomtorsion.scenes.closed_form import NAME, ClosedForm, checked_states, closed_form
 from geomtorsion.scenes.result import SceneResult, result_of
 from geomtorsion.scenes.to_ode import observed
@@ -53,7 +53,8 @@ def of_solution(scene: Scene, solved: Solution) -> SceneResult:
         scene,
         times=solved.times,
         values=observed(scene.ode, scene.selection, solved.times, states),
-        error=solved.error,
+        # What was watched is handed out as doubles.
+        error=max(solved.error, DOUBLE),
         drift=dict(solved.drift),
         cost=solved.cost,
         engine=solved.engine,

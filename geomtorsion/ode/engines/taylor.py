@@ -65,7 +65,9 @@ class Taylor:
 
     def first(self, accuracy: float) -> float:
         """See `Engine.first`: the error of a motion is near the tolerance of its series."""
-        return tolerance_of(max(order_of(max(accuracy, self.finest)), LOWEST_ORDER))
+        order = max(order_of(max(accuracy, self.finest)), LOWEST_ORDER)
+        # The finest of all has no finer run with which to compare it.
+        return tolerance_of(min(order, order_of(self.finest) - 1))
 
     def rung(self, tolerance: float) -> float:
         """See `Engine.rung`: one rung for each order of the series."""

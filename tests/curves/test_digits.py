@@ -1,0 +1,115 @@
+"""More digits than doubles have: what is told is what the arrays hold."""
+
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+
+from geomtorsion.curves import geodesic
+from geomtorsion.geometry import Frame
+from geomtorsion.ode import ODE, Taylor, solve
+from tests.ode.engines import needs_heyoka
+
+R, PHI = sp.symbols("r phi", positive=True)
+POLAR = Frame([R, PHI], [[1, 0], [0, R]], name="polar")
+START, VELOCITY = [Fraction(1, 3), Fraction(1, 7)], [Fraction(1, 7), Fraction(2, 11)]
+
+
+def straight(time):
+    """Polar coordinates and velocities of the straight line through START, at any precision."""
+    r, phi, dr, dphi = (mpmath.mpf(x.numerator) / x.denominator for x in (*START, *VELOCITY))
+    turn = mpmath.expj(phi)
+    place, speed = r * turn, (dr + 1j * r * dphi) * turn
+    place += speed * time
+    along = mpmath.conj(place) * speed / abs(place) ** 2
+    velocity = abs(place) * along.real, along.imag
+    frame_velocity = velocity[0], abs(place) * velocity[1]
+    return {
+        "coordinates": (abs(place), mpmath.arg(place)),
+        "velocity": velocity,
+        "frame_velocity": frame_velocity,
+    }
+
+
+def digits(value):
+    """All digits of a number of any engine."""
+    return mpmath.mpf(str(value))
+
+
+@needs_heyoka
+@pytest.mark.parametrize("accuracy", [1e-17, 1e-25, 1e-40, 1e-60])
+def test_a_velocity_of_fractions(accuracy):
+    """Coordinates and both velocities are as good as told, in numbers of one type."""
+    found = solve(geodesic(POLAR, START, VELOCITY), 1.0, accuracy)
+    assert found.error <= accuracy
+    with mpmath.workdps(100):
+        for name, truth in straight(1).items():
+            values = found[name][-1]
+            assert values.dtype == found.coordinates.dtype != np.float64
+            size = max(map(abs, truth))
+            for value, wanted in zip(values, truth, strict=True):
+                assert abs(digits(value) - wanted) <= found.error * 2 * size
+
+
+@needs_heyoka
+def test_no_floats_where_more_was_asked_for_and_no_more_where_not():
+    """Doubles are told to be as good as doubles are; an engine alone asks for no more digits."""
+    found = solve(geodesic(POLAR, START, VELOCITY), 1.0, 1e-15, Taylor(113))
+    assert found.coordinates.dtype == found.velocity.dtype == np.float64
+    assert 2.0**-53 <= found.error <= 1e-15
+    np.testing.assert_allclose(
+        found.coordinates[-1], [float(x) for x in straight(1)["coordinates"]], rtol=4e-16
+    )
+
+
+@needs_heyoka
+@pytest.mark.parametrize("accuracy", [1e-17, 1e-25, 1e-40])
+def test_numpy_functions_work_on_long_numbers(accuracy):
+    """What comes from an engine or from another chart, and what NumPy makes of it."""
+    found = solve(geodesic(POLAR, START, VELOCITY), 1.0, accuracy)
+    r, phi = found["r"], found["phi"]
+    east = (r * np.cos(phi)).astype(float)
+    assert np.ptp(np.diff(east)) < 1e-15
+    assert np.isfinite(r).all()
+    assert (np.sqrt(r * r) - r).astype(float).max() < 1e-17
+
+
+@needs_heyoka
+def test_an_engine_that_has_too_few_bits_says_what_it_has():
+    """An accuracy beyond the bits of an engine is an error of ours."""
+    with pytest.raises(Exception, match=r"Taylor\(113\) gets to") as found:
+        solve(geodesic(POLAR, START, VELOCITY), 1.0, 1e-40, Taylor(113))
+    assert type(found.value).__name__ == "AccuracyError"
+
+
+@needs_heyoka
+def test_outputs_of_equations_have_all_digits():
+    """Outputs and states of length one, against mpmath."""
+    swing = ODE.of(
+        {"x": "v", "v": "-k*x"},
+        {"x": Fraction(1, 3), "v": 0},
+        parameters={"k": 1},
+        outputs={"energy": "(v**2 + k*x**2)/2", "both": ["sin(x)", "x/3"]},
+    )
+    found = solve(swing, 2.0, 1e-30)
+    with mpmath.workdps(60):
+        x = mpmath.cos(2) / 3
+        assert abs(digits(found["x"][-1]) - x) < 1e-30
+        assert abs(digits(found["energy"][-1]) - mpmath.mpf(1) / 18) < 1e-30
+        assert abs(digits(found["both"][-1][0]) - mpmath.sin(x)) < 1e-30
+        assert abs(digits(found["both"][-1][1]) - x / 3) < 1e-30
+
+
+@needs_heyoka
+def test_states_of_length_one_have_all_digits():
+    """A unit vector that turns keeps length one to the last of its digits."""
+    turn = ODE.of(
+        {"a": "-b", "b": "a"}, {"a": Fraction(3, 5), "b": Fraction(4, 5)}, normalized=[["a", "b"]]
+    )
+    found = solve(turn, 1.0, 1e-30)
+    with mpmath.workdps(60):
+        a, b = (digits(found[name][-1]) for name in "ab")
+        assert abs(a**2 + b**2 - 1) < 1e-32
+        assert abs(a - (3 * mpmath.cos(1) - 4 * mpmath.sin(1)) / 5) < 1e-30
