@@ -18,7 +18,7 @@ from geomtorsion.ode import solve_many
 from geomtorsion.ode.tables import pandas_table
 from geomtorsion.pictures.scene_sweep import sweep_picture
 from geomtorsion.pictures.style import STYLE, number, save
-from geomtorsion.scenes.closed_form import closed_form
+from geomtorsion.scenes.closed_form import checked_states, closed_form
 from geomtorsion.scenes.context import Number
 from geomtorsion.scenes.metrics import Measure, SweepRun, Values, measures, only_words, quantities
 from geomtorsion.scenes.observables import FINE
@@ -45,7 +45,9 @@ class SceneSweep:
     title: of the scene.
     varied: path -> values, in the order of the axes; shape (n,), or (n, 3) for whole vectors.
     measured: name -> array with an axis for each path (one axis in all, if they go together).
-    accuracy: asked for; error: largest estimate; engine: what solved it; seconds: in all.
+    accuracy: asked for; engine: what solved it; seconds: in all.
+    errors: estimate of the error of each motion, in the shape of what is measured; nan where it
+        does not reach its end.
     unfinished: (what was varied, why) of each motion that does not reach its end; what is measured
         of it is nan.
     """
@@ -54,10 +56,15 @@ class SceneSweep:
     varied: Mapping[str, np.ndarray]
     measured: Mapping[str, np.ndarray]
     accuracy: float
-    error: float
+    errors: np.ndarray
     engine: str
     seconds: float
     unfinished: tuple[tuple[Mapping[str, Values], str], ...] = ()
+
+    @property
+    def error(self) -> float:
+        """The largest error of all motions."""
+        return float(np.nanmax(self.errors))
 
     def __getitem__(self, name: str) -> np.ndarray:
         """What was varied or measured under this name."""
@@ -219,7 +226,7 @@ def sweep(
         values,
         {name: column.reshape(grid) for name, column in found.columns.items()},
         scene.accuracy,
-        found.error,
+        found.errors.reshape(grid),
         ", ".join(sorted(found.engines)),
         time.perf_counter() - began,
         tuple(unfinished),
@@ -262,7 +269,6 @@ class _Measured:
     readers: Mapping[str, Callable[[SweepRun], float]]
     count: int
     progress: Callable[[float], object]
-    error: float = 0.0
     engines: set[str] = field(default_factory=set)
     unfinished: dict[int, str] = field(default_factory=dict)
     done: int = 0
@@ -270,9 +276,13 @@ class _Measured:
     def __post_init__(self) -> None:
         """A column for each measure."""
         self.columns = {name: np.full(self.count, np.nan) for name in self.readers}
+        self.errors = np.full(self.count, np.nan)
 
-    def measure(self, member: _Member, times: np.ndarray, values: Mapping[str, np.ndarray]) -> None:
+    def measure(
+        self, member: _Member, times: np.ndarray, values: Mapping[str, np.ndarray], error: float
+    ) -> None:
         """Read one motion."""
+        self.errors[member.place] = error
         run = SweepRun(times, values, member.varied)
         for name, reader in self.readers.items():
             self.columns[name][member.place] = reader(run)
@@ -361,7 +371,6 @@ def _in_batches(
             for name in ode.rates.parameters
         }
         solved = solve_many(ode, starts, times, scene.accuracy, engine, progress=False)
-        found.error = max(found.error, solved.error)
         found.engines.add(solved.engine)
         for k, member in enumerate(some):
             if not solved.finished[k]:
@@ -369,22 +378,21 @@ def _in_batches(
                 continue
             own = replace(ode, parameters={**ode.parameters, **member.parameters})
             values = observed(own, scene.selection, times, solved.states[k])
-            found.measure(member, times, values)
+            found.measure(member, times, values, float(solved.errors[k]))
 
 
 def _in_closed_form(scene: Scene, members: list[_Member], found: _Measured) -> None:
-    """Free bodies at all times at once; the first, middle and last are checked."""
-    checked = {0, len(members) // 2, len(members) - 1}
-    for k, member in enumerate(members):
+    """Free bodies at all times at once, each one checked against the integrator."""
+    for member in members:
         own = member.scene or scene.with_values(dict(member.varied))
         form, times = closed_form(own), _sampled(own)
-        if form is None:
+        checked = None if form is None else checked_states(form, times)
+        if checked is None:
             _one_by_one(scene, [member], None, found)
             continue
-        if k in checked:
-            found.error = max(found.error, own.run().error)
         found.engines.add("closed form")
-        found.measure(member, times, observed(own.ode, own.selection, times, form.states(times)))
+        values = observed(own.ode, own.selection, times, checked.states)
+        found.measure(member, times, values, checked.error)
 
 
 def _one_by_one(
@@ -397,6 +405,5 @@ def _one_by_one(
         except StuckError as stuck:
             found.lose(member, str(stuck).partition(". Stop earlier")[0])
             continue
-        found.error = max(found.error, result.error)
         found.engines.add(result.engine)
-        found.measure(member, result.times, result.values)
+        found.measure(member, result.times, result.values, result.error)

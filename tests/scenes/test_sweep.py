@@ -202,3 +202,35 @@ def test_batches_in_parts(monkeypatch):
     monkeypatch.setattr("geomtorsion.scenes.sweep.LARGEST_BATCH", 10_000)
     parts = scene.sweep(varied, "max nutation")
     assert np.abs(whole["max nutation"] - parts["max nutation"]).max() < 2 * scene.accuracy
+
+
+def test_each_motion_of_a_sweep_has_its_own_error():
+    """A top that swings as a pendulum, 301 starts, one of them on the separatrix: omega = 2/cosh t.
+
+    Half the moment of inertia (about the pivot) is the torque of the weight: theta'' = -sin theta.
+    """
+    scene = Scene(
+        Body(moments=(1, 1, 1), mass=1),
+        [effects.Gravity(2), effects.Pivot((0, 0, -1))],
+        State(omega=(1.5, 0, 0), euler=(0, 0, 0)),
+        t=8,
+        watch=("omega",),
+    )
+    sweep = scene.sweep({"start.omega[0]": np.linspace(1.5, 2.5, 301)}, "last omega[0]")
+    assert sweep.errors.shape == (301,)
+    assert sweep.error == sweep.errors.max() <= sweep.accuracy
+    gap = abs(sweep["last omega[0]"][150] - 2 / np.cosh(8)) / 2
+    assert gap <= sweep.errors[150] <= 1e-9
+
+
+def test_each_free_body_of_a_sweep_is_checked():
+    """Closed forms have errors of their own, too, wherever in the sweep they stand."""
+    scene = load("dzhanibekov").with_values(t=60)
+    tilts = [1e-7, 1e-4, 1e-1]
+    sweep = scene.sweep({"start.omega[0]": tilts}, FLIP)
+    assert sweep.engine == "closed form"
+    assert (sweep.errors > 0).all()
+    assert sweep.error == sweep.errors.max() <= sweep.accuracy
+    for tilt, error in zip(tilts, sweep.errors, strict=True):
+        alone = scene.sweep({"start.omega[0]": [tilt]}, FLIP)
+        assert alone.errors.tolist() == [error]
