@@ -25,8 +25,6 @@ from geomtorsion.ode.system import System
 from geomtorsion.ode.trajectory import Event, Segment, Stage, State, Trajectory
 from geomtorsion.precision import working_precision
 
-# Outputs are worked out with so many more bits than they are handed out with.
-GUARD_BITS = 30
 # An output is one expression, or several that make a vector.
 Terms: TypeAlias = sp.Expr | tuple[sp.Expr, ...]
 
@@ -436,7 +434,7 @@ class ODE:
                     table |= self._parameter_changes(event)
             values = [*row, *(table[name] for name in self.rates.parameters), time]
             try:
-                exact = self.term_graphs[0].exactly(values, bits + GUARD_BITS)
+                exact = self.term_graphs[0].exactly(values, 2 * bits)
             except ZeroDivisionError:
                 exact = [math.nan] * self.term_graphs[0].size
             real = [math.nan if isinstance(x, mpmath.mpc) else x for x in exact]
