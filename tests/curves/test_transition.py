@@ -1,4 +1,4 @@
-"""More digits than doubles have: what is told is what the arrays hold."""
+"""Transition: points carried into charts, answers included, with all digits that are told."""
 
 from fractions import Fraction
 
