@@ -8,6 +8,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+import mpmath
 import sympy as sp
 
 from geomtorsion import checks
@@ -162,17 +163,23 @@ class Tensor:
             flat[place] = value
         return sp.ImmutableDenseNDimArray(flat, (n,) * rank)
 
-    def at(self, point: Point) -> np.ndarray:
+    def at(self, point: Point, *, digits: int | None = None) -> np.ndarray:
         """Numbers at one point: array of floats (complex if the frame is), one axis per index.
 
         Parameters
         ----------
         point
             Value of each coordinate and parameter on which the tensor depends; keys are symbols
-            or their names.
+            or their names. A float is what it is in binary: write Fraction(1, 10), not 0.1.
+        digits
+            So many right decimal digits, up to 1000, as numbers of mpmath in an array of objects;
+            None: floats.
 
         Raises
         ------
+        CoordinateError
+            A name that means nothing here, a value that is no finite number, or digits that are
+            no whole number from 1 to 1000.
         MissingValueError
             A symbol has no value.
         SingularPointError
@@ -183,10 +190,13 @@ class Tensor:
         >>> import sympy as sp
         >>> from geomtorsion.geometry import Frame
         >>> r, phi = sp.symbols("r phi", positive=True)
-        >>> Frame([r, phi], [[1, 0], [0, r]]).metric.at({r: 3}).tolist()
+        >>> frame = Frame([r, phi], [[1, 0], [0, r]])
+        >>> frame.metric.at({r: 3}).tolist()
         [[1.0, 0.0], [0.0, 9.0]]
+        >>> print(frame.metric.at({r: sp.sqrt(2)}, digits=30)[1, 1])
+        2.0
         """
-        return _evaluated(self, point)
+        return _evaluated(self, point, digits)
 
     # -- changing indices ----------------------------------------------------------------------
 
@@ -387,21 +397,36 @@ def _equal(first: Tensor, second: Tensor) -> bool:
 # -- numbers -------------------------------------------------------------------------------------
 
 
-def _evaluated(tensor: Tensor, point: Point) -> np.ndarray:
+def _evaluated(tensor: Tensor, point: Point, digits: int | None) -> np.ndarray:
     """Array of a tensor's components at a point (see Tensor.at)."""
     # numpy takes 0.09 s to load, which exact work does not need.
     import numpy as np
 
+    bits = 53
+    if digits is not None:
+        wanted = checks.count(digits, "digits", CoordinateError, 1, 1000)
+        # From 54 on elements are evaluated to numbers of mpmath.
+        bits = max(mpmath.libmp.dps_to_prec(wanted), 54)
     values = _named_values(tensor, point)
     independent = tensor.components.independent
     n, rank = tensor.frame.dimension, len(tensor.slots)
     result = np.zeros((n,) * rank, dtype=complex if tensor.frame.complex else float)
+    if digits is not None:
+        result = np.full((n,) * rank, mpmath.mpf(0), dtype=object)
     # Components that are equal up to sign are evaluated once.
-    numbers = {i: _number(tensor, i, v, values) for i, v in independent.items()}
+    numbers = {i: _number(tensor, i, v, values, bits) for i, v in independent.items()}
     for index in tensor.components.support:
         sign, representative = tensor.components.representative(index)
-        result[index] = sign * numbers[representative]
+        number = numbers[representative]
+        # A product would be rounded to the digits that mpmath has at the moment.
+        result[index] = number if sign > 0 else _opposite(number)
     return result
+
+
+def _opposite(number: complex | mpmath.mpf) -> complex | mpmath.mpf:
+    """Minus a number, with all its digits."""
+    exact = isinstance(number, mpmath.mpf | mpmath.mpc)
+    return mpmath.fneg(number, exact=True) if exact else -number
 
 
 def _named_values(tensor: Tensor, point: Point) -> dict[sp.Expr, Number]:
@@ -425,15 +450,17 @@ def _named_values(tensor: Tensor, point: Point) -> dict[sp.Expr, Number]:
     return values
 
 
-def _number(tensor: Tensor, index: Index, element: Element, values: Point) -> complex:
+def _number(
+    tensor: Tensor, index: Index, element: Element, values: Point, bits: int
+) -> complex | mpmath.mpf:
     """Value of one component, with an error that names it where it is not finite."""
     try:
-        number = element.evaluate(values)
+        number = element.evaluate(values, bits)
     except (ZeroDivisionError, SingularPointError):
         number = float("nan")
     except MissingValueError as error:
         raise MissingValueError(f"{tensor.label}{list(index)}: {error}") from None
-    if abs(complex(number)) < float("inf") and (tensor.frame.complex or number.imag == 0):
+    if mpmath.isfinite(number) and (tensor.frame.complex or number.imag == 0):
         return number
     place = ", ".join(f"{symbol} = {value}" for symbol, value in values.items())
     raise SingularPointError(

@@ -1,5 +1,6 @@
 """Tensor: access, changes of indices, arithmetic, numbers and notation."""
 
+import mpmath
 import numpy as np
 import pytest
 import sympy as sp
@@ -151,6 +152,31 @@ def test_numbers(frame: Frame) -> None:
         metric.at({sp.Symbol("r"): 3})
     with pytest.raises(SingularPointError, match="r = 0"):
         frame.inverse_metric.at({r: 0})
+
+
+@pytest.mark.parametrize("digits", [1, 15, 30, 50, 400])
+def test_numbers_of_many_digits(frame: Frame, digits: int) -> None:
+    """As many right digits as asked for, whatever mpmath works with; signs keep them, too."""
+    point = {r: sp.Rational(1, 3), M: sp.sqrt(2)}
+    torsion = (cartan(frame).torsion.T * M).at(point, digits=digits)
+    with mpmath.workdps(digits + 20):
+        truth = 3 * mpmath.sqrt(2)
+        assert abs(torsion[0, 1, 1] / truth - 1) < mpmath.mpf(10) ** -digits
+        assert torsion[1, 0, 1] == -torsion[0, 1, 1]
+    assert torsion[0, 0, 0] == 0
+    assert mpmath.mp.dps == 15
+
+
+@pytest.mark.parametrize("digits", [0, -3, 2.5, 1001, "50", True])
+def test_digits_are_a_whole_number(frame: Frame, digits: object) -> None:
+    """What counts no digits is refused."""
+    with pytest.raises(CoordinateError, match="digits: a whole number from 1 to 1,000"):
+        frame.metric.at({r: 1}, digits=digits)  # type: ignore[arg-type]
+
+
+def test_a_number_that_floats_do_not_hold_has_digits(frame: Frame) -> None:
+    """Larger than any float, and no infinity."""
+    assert frame.metric.at({r: 10**200}, digits=20)[1, 1] == mpmath.mpf(10) ** 400
 
 
 def test_numbers_of_a_scalar(frame: Frame) -> None:
