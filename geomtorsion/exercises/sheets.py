@@ -19,6 +19,7 @@ from geomtorsion.exercises.prose import html_of
 from geomtorsion.exercises.question import Question
 from geomtorsion.exercises.registry import CHAPTERS, load, names
 from geomtorsion.pictures.latex import latex_name, latex_text
+from geomtorsion.pictures.math_font import FONT_SOURCE
 from geomtorsion.pictures.mathml import mathml
 from geomtorsion.pictures.page import stylesheet
 from geomtorsion.pictures.text import greek_name
@@ -98,7 +99,7 @@ def page_of(title: str, seed: int, cards: Sequence[str]) -> str:
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         '<meta http-equiv="Content-Security-Policy" '
-        "content=\"default-src 'none'; style-src 'unsafe-inline'\">"
+        f"content=\"default-src 'none'; style-src 'unsafe-inline'; {FONT_SOURCE}\">"
         f"<title>{escape(title)}</title><style>{stylesheet()}{_MORE}</style></head>\n<body><header>"
         f'<p class="name">geomtorsion, exercises</p><h1>{escape(title)}</h1>'
         f'<p class="story">{note} Indices are counted from 1; the first lower index of a '

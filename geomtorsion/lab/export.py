@@ -13,11 +13,15 @@ from geomtorsion.lab import views
 from geomtorsion.lab.controls import path_case
 from geomtorsion.lab.space_info import space_info
 from geomtorsion.lab.tasks import task
+from geomtorsion.pictures.math_font import FONT_SOURCE, font_face
 from geomtorsion.pictures.text import greek_name
 
 Progress = Callable[[str], object]
 # The browser is told to load nothing at all.
-POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
+POLICY = (
+    "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; "
+)
+POLICY += FONT_SOURCE
 TETRADS = ("so3", "flat_polar", "s2", "heisenberg", "schwarzschild")
 LOOPS = ("so3", "heisenberg", "s2")
 RADII = (1e-9, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7)
@@ -105,7 +109,7 @@ def _page(title: str, inner: str) -> str:
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
-        f"<title>{escape(title)}</title><style>{views.style()}{_BODY}</style></head>\n"
+        f"<title>{escape(title)}</title><style>{font_face()}{views.style()}{_BODY}</style></head>\n"
         f'<body><main class="lab"><h1>{escape(title)}</h1><nav><a href="index.html">Torsion lab'
         f"</a>{links}</nav>{inner}</main><script>{_SLIDE}</script></body></html>\n"
     )

@@ -15,6 +15,7 @@ from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.lab.access import LOOPBACK, AccessControl
 from geomtorsion.lab.settings import PAGE
 from geomtorsion.lab.tasks import common_runner
+from geomtorsion.pictures.math_font import font_face
 
 # What the tabs begin with; the motions among it are compiled.
 _SO3 = {"space": "so3", "velocity": [0.4, 0.3, 1.0], "t": 5.0}
@@ -88,7 +89,11 @@ def application(address: Address, sessions: int = PAGE.sessions) -> Any:
             "`geomtorsion lab --export DIR` writes pages without it."
         ) from None
     builder = marimo.create_asgi_app(
-        quiet=True, include_code=False, token=address.token, session_ttl=PAGE.reopening
+        quiet=True,
+        include_code=False,
+        token=address.token,
+        session_ttl=PAGE.reopening,
+        html_head=f"<style>{font_face()}</style>",
     )
     page = Path(__file__).with_name("page.py")
     inner: Any = builder.with_app(path="", root=str(page)).build()

@@ -8,7 +8,7 @@ from html import escape
 from geomtorsion.pictures.formula import EMPTY, Node, tree_of
 from geomtorsion.pictures.latex import latex_text
 
-_FENCES = "()[]|"
+_FENCES = "()[]|⟨⟩"
 _PREFIXED = '<mo form="prefix">−</mo>'
 _LEADING = ("=", ",", "(", "[")
 _THIN = '<mspace width="0.17em"/>'

@@ -14,6 +14,7 @@ from sympy.core.relational import Relational
 
 from geomtorsion.pictures.catalogue import SECTIONS
 from geomtorsion.pictures.latex import equation_latex, latex_matrix, latex_name, latex_text
+from geomtorsion.pictures.math_font import FONT_SOURCE, font_face
 from geomtorsion.pictures.mathml import expression_mathml, mathml
 from geomtorsion.pictures.sections import section
 from geomtorsion.pictures.text import greek_words
@@ -33,8 +34,8 @@ _CONVENTIONS = (
 
 @cache
 def stylesheet() -> str:
-    """The look of a report: for phones, projectors and paper, by day and by night."""
-    return Path(__file__).with_name("report.css").read_text("utf-8")
+    """The look of a report, font of formulas included: for phones, projectors and paper."""
+    return font_face() + Path(__file__).with_name("report.css").read_text("utf-8")
 
 
 def page(
@@ -55,7 +56,7 @@ def page(
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         # The page promises to load nothing; the browser holds it to that.
         '<meta http-equiv="Content-Security-Policy" '
-        "content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:\">"
+        f"content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:; {FONT_SOURCE}\">"
         f"<title>{escape(space.name)}: {escape(space.title)}</title>"
         f"<style>{stylesheet()}</style></head>\n<body>{''.join(body)}</body></html>\n"
     )
