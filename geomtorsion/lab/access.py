@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Iterable, MutableMapping
+from collections.abc import Awaitable, Callable, Iterable, Mapping, MutableMapping
 from typing import Any
 from urllib.parse import SplitResult, urlsplit
 
@@ -22,6 +22,20 @@ POLICY = (
     "object-src 'none'; base-uri 'self'; form-action 'self'"
 )
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
+# (method, path) -> what the page uses it for. Nothing else is answered, whatever marimo has: a
+# path that ends with * stands for all that begin so.
+ROUTES: Mapping[tuple[str, str], str] = {
+    ("GET", "/"): "the page itself",
+    ("GET", "/assets/*"): "scripts, styles and fonts of marimo's front end",
+    ("GET", "/favicon.ico"): "the icon of the window",
+    ("GET", "/apple-touch-icon.png"): "the icon on a telephone",
+    ("GET", "/manifest.json"): "the page as it is kept on a telephone",
+    ("GET", "/health"): "whether the server is still there, asked when the page begins",
+    ("GET", "/auth/login"): "where a token is asked for, if there is one",
+    ("POST", "/auth/login"): "the token that was typed",
+    ("POST", "/api/kernel/set_ui_element_value"): "a slider was moved, a text typed",
+    ("WEBSOCKET", "/ws"): "the session: what the cells show",
+}
 # How the message begins that ends the first run of a session, or says that it goes on.
 _BEGUN = ('{"op": "completed-run"', '{"op": "reconnected"')
 _FULL = (
@@ -93,6 +107,8 @@ class AccessControl:
             return 403, "Requests of other pages are not answered."
         if origin == "null" and scope.get("method", "GET") not in ("GET", "HEAD"):
             return 403, "Requests of pages without a name are not answered."
+        if not is_used(scope):
+            return 404, "The page has no use for this."
         length = headers.get("content-length", "0")
         if not length.isdecimal() or len(length) > 12 or int(length) > PAGE.body:
             return 413, f"A request may have {PAGE.body:,} bytes."
@@ -135,6 +151,27 @@ class AccessControl:
             await asyncio.wait(both, timeout=PAGE.opening, return_when=asyncio.FIRST_COMPLETED)
             waiting.cancel()
         await session
+
+
+def is_used(scope: Scope) -> bool:
+    """Whether a request is one of `ROUTES`.
+
+    Examples
+    --------
+    >>> is_used({"type": "http", "method": "GET", "path": "/assets/index.js"})
+    True
+    >>> is_used({"type": "http", "method": "POST", "path": "/api/home/workspace_files"})
+    False
+    """
+    method = "WEBSOCKET" if scope["type"] == "websocket" else scope.get("method", "GET")
+    # What may be read may be asked about.
+    method = "GET" if method == "HEAD" else method
+    path = scope["path"]
+    for allowed, pattern in ROUTES:
+        head = pattern.removesuffix("*")
+        if method == allowed and (path == head or (head != pattern and path.startswith(head))):
+            return True
+    return False
 
 
 def _split(address: str) -> SplitResult:

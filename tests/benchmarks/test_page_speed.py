@@ -10,7 +10,7 @@ import statistics
 
 import pytest
 
-from tests.lab.conftest import (  # noqa: F401 (fixtures)
+from tests.browser import (  # noqa: F401 (fixtures)
     Watched,
     address,
     browser,

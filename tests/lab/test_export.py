@@ -10,7 +10,7 @@ import pytest
 
 from geomtorsion import exercises
 from geomtorsion.lab.export import RADII, write_pages
-from tests.lab.conftest import Watched
+from tests.browser import Watched
 
 
 @pytest.fixture(scope="module")

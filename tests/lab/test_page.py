@@ -10,7 +10,7 @@ import numpy as np
 
 from geomtorsion import Frame, Loop, burgers_vector, exercises, spaces
 from geomtorsion.lab.views import TABS
-from tests.lab.conftest import Watched
+from tests.browser import Watched
 
 # What each tab shows when it is ready.
 READY = {

@@ -14,7 +14,7 @@ from geomtorsion.pictures.formula import LETTERS, SIGNS
 from geomtorsion.pictures.math_font import font_face
 from geomtorsion.pictures.mathml import mathml
 from geomtorsion.pictures.report import write_report
-from tests.lab.conftest import Watched
+from tests.browser import Watched
 
 # The file is loaded with every report; no more than this is worth it.
 MOST_BYTES = 150_000
