@@ -3,6 +3,8 @@
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Arc, Part
 from geomtorsion.loops.burgers import burgers_vector
+from geomtorsion.loops.cochain import ChainSums, Cochain
+from geomtorsion.loops.complexes import Complex
 from geomtorsion.loops.defect_frames import (
     dispiration,
     parallel_dislocations,
@@ -26,7 +28,10 @@ __all__ = [
     "Arc",
     "BurgersMap",
     "BurgersVector",
+    "ChainSums",
     "Check",
+    "Cochain",
+    "Complex",
     "Defect",
     "Development",
     "DislocationNetwork",

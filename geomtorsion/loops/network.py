@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -12,10 +11,12 @@ import numpy as np
 
 from geomtorsion.errors import LimitError, NetworkError
 from geomtorsion.loops.arcs import Parameters, shown
+from geomtorsion.loops.cochain import Cochain, Cycle, CycleBurgers
+from geomtorsion.loops.complexes import Complex
 from geomtorsion.loops.edges import EdgeIntegrals, edge_integrals
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.node_rule import MOST_LISTED, NodeRule, node_rule
-from geomtorsion.loops.spanning_forest import Forest, spanning_forest
+from geomtorsion.loops.spanning_forest import Forest
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -52,6 +53,11 @@ class EdgeList:
     def numbers(self) -> dict[Hashable, int]:
         """Label -> number of the node."""
         return {label: k for k, label in enumerate(self.labels)}
+
+    @cached_property
+    def complex(self) -> Complex:
+        """Nodes and edges without their places."""
+        return Complex.of_edges(self.pairs, len(self.positions), labels=self.labels)
 
 
 def edge_list(graph: nx.Graph | EdgeList, position: str, dimension: int) -> EdgeList:
@@ -130,25 +136,6 @@ def _of_graph(
 # networkx takes minutes for the minimum cycle basis of a graph with more edges.
 MINIMUM_BASIS_EDGES = 200
 
-Cycle = tuple[Hashable, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class CycleBurgers:
-    """What a cycle of a network misses.
-
-    cycle: nodes in order; vector: b^i, shape (n,); error: bound on its largest component.
-    """
-
-    cycle: Cycle
-    vector: np.ndarray
-    error: float
-
-    @property
-    def vanishes(self) -> bool:
-        """Whether the vector is zero within its error."""
-        return bool(abs(self.vector).max() <= self.error)
-
 
 @dataclass(frozen=True, eq=False)
 class Network:
@@ -199,6 +186,12 @@ class Network:
         starts, ends = places[pairs[:, 0]], places[pairs[:, 1]]
         return edge_integrals(self.frame, starts, ends, self.accuracy, parameters=self.parameters)
 
+    @cached_property
+    def cochain(self) -> Cochain:
+        """The integrals as values on the edges: all cycles are sums of these."""
+        found = self.integrals
+        return Cochain(self.edges.complex, found.vectors, found.errors)
+
     def edge(self, start: Hashable, end: Hashable) -> np.ndarray:
         """The integral from one node to a neighbour, shape (n,).
 
@@ -207,27 +200,10 @@ class Network:
         NetworkError
             There is no such edge.
         """
-        number, sign = self._step(start, end)
+        complex = self.edges.complex
+        ends = (np.array([complex.number(node)]) for node in (start, end))
+        (number,), (sign,) = complex.steps(*ends)
         return sign * self.integrals.vectors[number]
-
-    def _step(self, start: Hashable, end: Hashable) -> tuple[int, int]:
-        """Number and sense of an edge."""
-        places = self.edges.numbers
-        if start not in places or end not in places:
-            missing = start if start not in places else end
-            raise NetworkError(f"node {missing!r} is not in the network.")
-        first, second = places[start], places[end]
-        if (first, second) in self._between:
-            return self._between[first, second], 1
-        if (second, first) in self._between:
-            return self._between[second, first], -1
-        raise NetworkError(f"there is no edge between {start!r} and {end!r}.")
-
-    @cached_property
-    def _between(self) -> dict[tuple[int, int], int]:
-        """(first node, second node) -> number of the edge."""
-        pairs = self.edges.pairs.tolist()
-        return {(a, b): k for k, (a, b) in reversed(list(enumerate(pairs)))}
 
     # -- cycles ---------------------------------------------------------------------------------
 
@@ -252,11 +228,10 @@ class Network:
                 f"a cycle of three nodes or more was needed, but {chain} came: a path to and fro "
                 "encloses nothing."
             )
-        steps = [self._step(a, b) for a, b in zip(chain, chain[1:] + chain[:1], strict=True)]
-        rows = np.array([sign * self.integrals.vectors[number] for number, sign in steps])
-        vector = np.array([math.fsum(column) for column in rows.T.tolist()])
-        error = math.fsum(self.integrals.errors[number] for number, _ in steps)
-        return CycleBurgers(tuple(chain), vector, error + 2.0**-53 * float(np.abs(vector).max()))
+        complex = self.edges.complex
+        numbers = np.array([complex.number(node) for node in chain], dtype=np.int64)
+        # Straight edges between the same nodes are all the same: the first will do.
+        return self.cochain.along(tuple(chain), *complex.steps(numbers, np.roll(numbers, -1)))
 
     @cached_property
     def forest(self) -> Forest:
@@ -265,9 +240,7 @@ class Network:
         For large networks this is the answer: `forest.chords` are the edges outside the forest,
         `forest.closure` the Burgers vectors of their fundamental cycles.
         """
-        edges = self.edges
-        found = self.integrals
-        return spanning_forest(len(edges.positions), edges.pairs, found.vectors, found.errors)
+        return self.cochain.forest
 
     @property
     def cycle_count(self) -> int:

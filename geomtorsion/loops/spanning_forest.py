@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 
 @dataclass(frozen=True, eq=False)
 class Forest:
-    """A spanning forest with the sums of edge vectors from each root.
+    """A spanning forest with the sums of edge values from each root.
 
     potential: shape (nodes, n); zero at the roots. error: shape (nodes,).
     parent: the node before each on the way to its root; -1 at roots. depth: edges to the root.
     root: number of the component of each node.
-    chords: numbers of the edges that are not in the forest: one fundamental cycle each.
+    chords: numbers of the edges that are not in the forest: one fundamental cycle each, along the
+        chord and back in the forest.
     closure: what each of these cycles misses, shape (chords, n); closure_error: shape (chords,).
+    images: how often each of these cycles winds round the periods, shape (chords, d); d is 0 where
+        there are none. Only where all are zero is the closure a Burgers vector.
     """
 
     potential: np.ndarray
@@ -27,10 +29,15 @@ class Forest:
     chords: np.ndarray
     closure: np.ndarray
     closure_error: np.ndarray
+    images: np.ndarray
 
 
 def spanning_forest(
-    nodes: int, edges: np.ndarray, vectors: np.ndarray, errors: np.ndarray
+    nodes: int,
+    edges: np.ndarray,
+    values: np.ndarray,
+    errors: np.ndarray | None = None,
+    images: np.ndarray | None = None,
 ) -> Forest:
     """Breadth-first forest of a graph, by scipy.sparse.csgraph, and the closure of its chords.
 
@@ -38,80 +45,120 @@ def spanning_forest(
     ----------
     edges
         Node numbers, shape (edges, 2), each run through from the first to the second.
-    vectors, errors
-        What each edge adds, shape (edges, n), and its error, shape (edges,).
+    values, errors
+        What each edge adds, shape (edges, n), and its error, shape (edges,). Whole numbers stay
+        whole, and their sums are exact.
+    images
+        Periods from the first node to the second, shape (edges, d).
 
     Examples
     --------
     >>> import numpy as np
     >>> triangle = np.array([[0, 1], [1, 2], [2, 0]])
-    >>> found = spanning_forest(3, triangle, np.array([[1.0], [2.0], [4.0]]), np.zeros(3))
+    >>> found = spanning_forest(3, triangle, np.array([[1], [2], [4]]))
     >>> found.chords.tolist(), abs(found.closure).tolist()
-    ([1], [[7.0]])
+    ([1], [[7]])
     """
+    tail, head = edges[:, 0], edges[:, 1]
+    component, order, before = _breadth_first(nodes, tail, head)
+    # From here on nodes are counted in the order of the search: parents then ascend, and what
+    # belongs together lies together in memory.
+    place = np.empty(nodes, dtype=np.int64)
+    place[order] = np.arange(nodes)
+    above = np.where(before < 0, np.arange(nodes), place[before])
+    used, sign = _edges_to(above, place[tail], place[head])
+    zero = used < 0
+    used[zero] = 0
+    images = np.zeros((len(edges), 0), dtype=np.int64) if images is None else images
+    steps = [np.where(zero[:, None], 0, sign[:, None] * x[used]) for x in (values, images)]
+    bounds = np.zeros(nodes) if errors is None else np.where(zero, 0.0, errors[used])
+    levels = np.where(zero, 0, 1)
+    potential, offset, bounds, levels = _climbed(above, [*steps, bounds, levels])
+    rounding = np.zeros(nodes)
+    if values.dtype.kind == "f":
+        size = np.abs(potential).max(axis=1, initial=0.0)
+        rounding = 2.0**-52 * np.log2(levels + 2.0) * size
+    chord = np.ones(len(edges), dtype=bool)
+    chord[used[~zero]] = False
+    chords = np.flatnonzero(chord)
+    start, end = place[tail[chords]], place[head[chords]]
+    error = bounds + rounding
+    own = 0.0 if errors is None else errors[chords]
+    before[before < 0] = -1
+    parent = np.empty(nodes, dtype=np.int64)
+    parent[order] = before
+    return Forest(
+        potential=potential[place],
+        error=error[place],
+        parent=parent,
+        depth=levels[place],
+        root=component,
+        chords=chords,
+        closure=potential[start] + values[chords] - potential[end],
+        closure_error=own + error[start] + error[end],
+        images=offset[start] + images[chords] - offset[end],
+    )
+
+
+def _breadth_first(
+    nodes: int, tail: np.ndarray, head: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Component of each node, all nodes in the order of the search, and the node before each."""
     # 0.26 s, and networks alone need them.
-    from scipy.sparse import coo_array
+    from scipy.sparse import csr_array
     from scipy.sparse.csgraph import breadth_first_order, connected_components
 
-    tail, head = edges.T.astype(np.int64)
-    number = np.arange(1, len(edges) + 1)
-    # Parallel edges: the matrix keeps the first of each, the others become chords.
-    key = np.minimum(tail, head) * nodes + np.maximum(tail, head)
-    _, kept = np.unique(key, return_index=True)
-    kept = kept[tail[kept] != head[kept]]
-    size = (nodes, nodes)
-    table = coo_array((number[kept], (tail[kept], head[kept])), shape=size).tocsr()
-    both = (table + table.T).tocsr()
-    _, component = connected_components(both, directed=False)
+    size = (nodes + 1, nodes + 1)
+    whole = np.int32 if nodes < 2**31 - 1 else np.int64
+
+    def table(rows: np.ndarray, columns: np.ndarray) -> csr_array:
+        return csr_array((np.ones(len(rows)), (rows.astype(whole), columns.astype(whole))), size)
+
+    joined = table(tail, head)
+    _, component = connected_components(joined, directed=False)
+    component = component[:nodes]
     _, roots = np.unique(component, return_index=True)
     # One more node, joined to a root in each component, makes one tree of the forest.
-    joins = coo_array(
-        (np.full(len(roots), len(edges) + 1), (np.full(len(roots), nodes), roots)),
-        shape=(nodes + 1, nodes + 1),
-    )
-    rows, columns = both.nonzero()
-    values = np.asarray(both[rows, columns]).ravel()
-    grown = coo_array((values, (rows, columns)), shape=(nodes + 1, nodes + 1)) + joins
-    _, before = breadth_first_order(grown.tocsr(), nodes, directed=True)
-    parent = before[:nodes].astype(np.int64)
-    parent[parent == nodes] = -1
-    return _summed(nodes, edges, vectors, errors, parent, both, component)
+    more = np.full(len(roots), nodes)
+    both = table(np.concatenate([tail, head, more]), np.concatenate([head, tail, roots]))
+    order, before = breadth_first_order(both, nodes, directed=True)
+    order = order[1:]
+    before = before[order].astype(np.int64)
+    before[before == nodes] = -1
+    return component, order, before
 
 
-def _summed(
-    nodes: int,
-    edges: np.ndarray,
-    vectors: np.ndarray,
-    errors: np.ndarray,
-    parent: np.ndarray,
-    both: Any,
-    component: np.ndarray,
-) -> Forest:
-    """Sums along the forest by pointer doubling, and the closure of the chords."""
-    inner = np.flatnonzero(parent >= 0)
-    used = np.asarray(both[parent[inner], inner]).ravel().astype(np.int64) - 1
-    forward = edges[used, 1] == inner
-    potential = np.zeros((nodes, vectors.shape[1]), dtype=vectors.dtype)
-    potential[inner] = np.where(forward[:, None], vectors[used], -vectors[used])
-    error, depth = np.zeros(nodes), np.zeros(nodes, dtype=np.int64)
-    error[inner], depth[inner] = errors[used], 1
-    above = np.where(parent >= 0, parent, np.arange(nodes))
-    # Each round doubles the length of the path to the root that is summed: log2(depth) rounds.
+def _edges_to(
+    above: np.ndarray, tail: np.ndarray, head: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The edge from the node above to each node, -1 at roots, and its sense; shape (nodes,) each.
+
+    Of parallel edges the first is taken, the others become chords.
+    """
+
+    def first(chosen: np.ndarray, ends: np.ndarray) -> np.ndarray:
+        found = np.full(len(above), len(tail))
+        # Of several assignments the last holds: backwards that of the first edge.
+        mine = np.flatnonzero(chosen)[::-1]
+        found[ends[mine]] = mine
+        return found
+
+    other = tail != head
+    forward = first(other & (above[head] == tail), head)
+    back = first(other & (above[tail] == head), tail)
+    used = np.minimum(forward, back)
+    return np.where(used < len(tail), used, -1), np.where(forward <= back, 1, -1)
+
+
+def _climbed(above: np.ndarray, steps: list[np.ndarray]) -> list[np.ndarray]:
+    """Sums of each array along the way to the root, nodes counted so that parents ascend."""
+    steps = list(steps)
+    # Each round doubles the length of the way that is summed: log2(depth) rounds.
     while True:
         further = above[above]
         if (further == above).all():
-            break
-        potential = potential + potential[above]
-        error, depth = error + error[above], depth + depth[above]
+            return steps
+        for k, step in enumerate(steps):
+            if step.size:
+                steps[k] = step + step[above]
         above = further
-    chord = np.ones(len(edges), dtype=bool)
-    chord[used] = False
-    chords = np.flatnonzero(chord)
-    tail, head = edges[chords].T
-    closure = potential[tail] + vectors[chords] - potential[head]
-    size = np.abs(potential).max(axis=1, initial=0.0)
-    rounding = 2.0**-52 * (np.log2(depth + 2.0)) * size
-    closure_error = errors[chords] + error[tail] + error[head] + rounding[tail] + rounding[head]
-    return Forest(
-        potential, error + rounding, parent, depth, component, chords, closure, closure_error
-    )

@@ -10,7 +10,7 @@ import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from geomtorsion.geometry import Connection, cartan, levi_civita
-from geomtorsion.loops import EdgeList, Loop, Network, SampledFrame, develop
+from geomtorsion.loops import Cochain, EdgeList, Loop, Network, SampledFrame, develop
 from geomtorsion.spaces import load
 
 
@@ -41,6 +41,24 @@ def test_all_cycles_of_a_large_network(benchmark: BenchmarkFixture, edges: int) 
     assert np.abs(windings - windings.round()).max() < 1e-9
     assert windings.round().any()
     assert shortest(benchmark) < 10
+
+
+def test_all_cycles_of_a_million_measured_steps(benchmark: BenchmarkFixture) -> None:
+    """Whole numbers on the edges, without a frame: from arrays to every closure."""
+    net = square_net(1_000_000)
+    steps = np.rint(np.diff(net.positions[net.pairs], axis=1)[:, 0] * 707 / 2).astype(int)
+    steps[1234] += (0, 0, 5)
+
+    def closures() -> Cochain:
+        made = Cochain.of_edges(net.pairs, steps)
+        _ = made.forest
+        return made
+
+    found = benchmark.pedantic(closures, rounds=3)
+    assert found.is_whole
+    assert set(np.unique(found.forest.closure[:, 2]).tolist()) <= {-5, 0, 5}
+    assert found.forest.closure[:, 2].any()
+    assert shortest(benchmark) < 2
 
 
 def shortest(benchmark: BenchmarkFixture) -> float:

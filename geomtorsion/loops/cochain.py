@@ -1,0 +1,519 @@
+"""Cochain: values on nodes, edges, faces or cells of a complex, and their sums."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable, Mapping, Sequence, Sized
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.errors import LimitError, NetworkError
+from geomtorsion.loops.complexes import Complex, listed
+from geomtorsion.loops.spanning_forest import Forest, spanning_forest
+
+if TYPE_CHECKING:
+    import networkx as nx
+    from scipy.sparse import csr_array
+
+NAMES = ("node", "edge", "face", "cell")
+# Sums of whole numbers up to this size are exact in 64 bits.
+LARGEST_WHOLE = 2**62
+Cycle = tuple[Hashable, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class CycleBurgers:
+    """What a cycle of a network misses.
+
+    cycle: nodes in order; vector: b^i, shape (n,); error: bound on its largest component.
+    images: how often the cycle winds round each period, shape (d,). Where it does so
+        at all, the vector is a measured period, and a Burgers vector only less the true one.
+    """
+
+    cycle: Cycle
+    vector: np.ndarray
+    error: float
+    images: tuple[int, ...] = ()
+
+    @property
+    def vanishes(self) -> bool:
+        """Whether the vector is zero within its error."""
+        return bool(abs(self.vector).max() <= self.error)
+
+
+@dataclass(frozen=True, eq=False)
+class ChainSums:
+    """Sums of a cochain over chains.
+
+    vectors: shape (chains, n), whole where the values are; errors: bound on the largest component
+        of each, shape (chains,); images: periods that each chain of edges winds round, (chains, d).
+    """
+
+    vectors: np.ndarray
+    errors: np.ndarray
+    images: np.ndarray
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Cochain:
+    """Values on the edges of a network, such as steps measured from atom to atom.
+
+    Equation
+    --------
+    (d c)(face) = sum of c over its boundary: the Burgers vector of the face, for edges the discrete
+    torsion; d d = 0, exactly: Burgers vectors of the faces of a closed cell sum to zero (Bianchi).
+
+    complex: the nodes, edges, faces and cells.
+    values: one row for each edge, from its first node to its second, shape (edges, n); whole
+        numbers (int64) stay whole, and all their sums are exact.
+    errors: bound on the largest component of each row, shape (edges,); zero if not given.
+    degree: 0 for values on nodes, 1 on edges, 2 on faces, 3 on cells.
+
+    Raises
+    ------
+    NetworkError
+        Shapes do not fit, or a value is no finite real number; the message names it.
+    LimitError
+        Whole numbers so large that their sums may leave 64 bits.
+
+    Examples
+    --------
+    Steps round a dislocation, in units of the lattice: four times three, and one more to close.
+
+    >>> ring = [[0, 1], [1, 2], [2, 3], [3, 0]]
+    >>> steps = Cochain.of_edges(ring, [[3, 0], [0, 3], [-4, 0], [0, -3]])
+    >>> steps.around([0, 1, 2, 3]).vector.tolist()
+    [-1, 0]
+    >>> steps.forest.closure.tolist()        # of a basis of all cycles: here there is but one
+    [[-1, 0]]
+
+    On a complex with faces the coboundary is the torsion in each, and it has none of its own:
+
+    >>> import numpy as np
+    >>> grid = Complex.grid((2, 2, 2))
+    >>> crystal = Cochain(grid, np.arange(12)[:, None] ** 2)
+    >>> torsion = crystal.coboundary()
+    >>> torsion.values.ravel().tolist(), torsion.coboundary().values.tolist()
+    ([16, 16, 35, 35, 8, 8], [[0]])
+    """
+
+    complex: Complex
+    values: np.ndarray
+    errors: np.ndarray | None = None
+    degree: int = 1
+
+    def __post_init__(self) -> None:
+        """Check shapes and numbers once."""
+        checks.instance(self.complex, Complex, "complex", NetworkError)
+        checks.count(self.degree, "degree", NetworkError, 0, len(NAMES) - 1)
+        count, name = self.complex.size(self.degree), NAMES[self.degree]
+        values = _values(self.values, name, count)
+        object.__setattr__(self, "values", values)
+        if self.errors is None:
+            return
+        errors = checks.array(self.errors, "errors", NetworkError, shape=(count,))
+        if (errors < 0).any():
+            k = int(np.argmax(errors < 0))
+            raise NetworkError(f"errors[{k}] = {errors[k]:g}: bounds of zero or more were needed.")
+        object.__setattr__(self, "errors", errors)
+
+    # -- makers -----------------------------------------------------------------------------------
+
+    @classmethod
+    def of_edges(
+        cls,
+        pairs: np.ndarray | Sequence[Sequence[int]],
+        values: np.ndarray | Sequence[Sequence[float]],
+        errors: np.ndarray | Sequence[float] | None = None,
+        *,
+        images: np.ndarray | Sequence[Sequence[int]] | None = None,
+        nodes: int | None = None,
+        labels: Sequence[Hashable] = (),
+    ) -> Cochain:
+        """Measured edge vectors, without any frame.
+
+        Parameters
+        ----------
+        pairs
+            Numbers of the two nodes of each edge, shape (edges, 2).
+        values, errors
+            What lies between the first node and the second, shape (edges, n), and bounds on its
+            largest component, shape (edges,).
+        images
+            How many periods further the second node is meant, shape (edges, d), where the crystal
+            is periodic.
+        nodes, labels
+            How many nodes there are (as many as the pairs name, if not given), and their names.
+
+        Examples
+        --------
+        A chain of two atoms in a period of length 5, where the lattice says 2 + 2:
+
+        >>> steps = Cochain.of_edges([[0, 1], [1, 0]], [[2], [2]], images=[[0], [1]])
+        >>> steps.forest.closure.tolist(), steps.forest.images.tolist()
+        ([[4]], [[1]])
+        """
+        made = Complex.of_edges(pairs, nodes, images, labels)
+        return cls(made, _values(values, NAMES[1], len(made.pairs)), errors)  # type: ignore[arg-type]
+
+    @classmethod
+    def of_graph(
+        cls,
+        graph: nx.DiGraph,
+        value: str = "vector",
+        error: str = "error",
+        image: str = "image",
+    ) -> Cochain:
+        """Edge vectors from the attributes of a directed networkx graph (or multigraph).
+
+        Raises
+        ------
+        NetworkError
+            The graph is not directed, or an edge lacks its value.
+
+        Examples
+        --------
+        >>> import networkx as nx
+        >>> graph = nx.DiGraph()
+        >>> graph.add_weighted_edges_from(
+        ...     [("a", "b", (1, 0)), ("b", "c", (0, 1)), ("c", "a", (-1, 0))], weight="vector"
+        ... )
+        >>> Cochain.of_graph(graph).around("abc").vector.tolist()
+        [0, 1]
+        """
+        if not hasattr(graph, "is_directed") or not graph.is_directed():
+            raise NetworkError(
+                f"a networkx.DiGraph or MultiDiGraph was needed, but {type(graph).__name__} came: "
+                "a step has a sense, from its first node to its second."
+            )
+        labels = list(graph.nodes)
+        numbers = {label: k for k, label in enumerate(labels)}
+        rows = list(graph.edges(data=True))
+        for a, b, data in rows:
+            if value not in data:
+                raise NetworkError(
+                    f"the edge from {a!r} to {b!r} has no {value!r}. Give every edge its vector."
+                )
+        pairs = [(numbers[a], numbers[b]) for a, b, _ in rows]
+        known = [data.get(image) for _, _, data in rows]
+        d = max((len(x) for x in known if isinstance(x, Sized)), default=0)
+        images = [(0,) * d if x is None else x for x in known] if d else None
+        errors = [data.get(error, 0.0) for _, _, data in rows]
+        made = Complex.of_edges(
+            np.array(pairs, dtype=np.int64).reshape(-1, 2), len(labels), images, labels
+        )  # fmt: skip
+        vectors = [data[value] for _, _, data in rows]
+        return cls(made, vectors, errors if any(errors) else None)  # type: ignore[arg-type]
+
+    @classmethod
+    def between(
+        cls,
+        complex: Complex,
+        positions: np.ndarray | Sequence[Sequence[float]],
+        periods: np.ndarray | Sequence[Sequence[float]] | None = None,
+    ) -> Cochain:
+        """Differences of positions along the edges: the cochain that closes round every face.
+
+        Parameters
+        ----------
+        positions
+            Of the nodes, shape (nodes, n).
+        periods
+            What one period adds, shape (d, n); needed where the complex has images.
+
+        Examples
+        --------
+        >>> ring = Complex.grid((3,), periodic=True)
+        >>> Cochain.between(ring, [[0], [4], [5]], [[10]]).values.ravel().tolist()
+        [4, 1, 5]
+        """
+        steps = cls(complex, positions, degree=0).coboundary()  # type: ignore[arg-type]
+        images = complex.images
+        if not images.shape[1]:
+            return steps
+        if periods is None:
+            raise NetworkError(
+                f"periods: what each of {images.shape[1]} periods adds to positions was needed, "
+                "shape (d, n), since the complex has images."
+            )
+        wanted = (images.shape[1], steps.values.shape[1])
+        cell = _values(periods, "period", wanted[0])
+        if cell.shape != wanted:
+            raise NetworkError(f"periods: shape {wanted} was needed, but {cell.shape} came.")
+        return replace(steps, values=steps.values + images @ cell)
+
+    # -- algebra ----------------------------------------------------------------------------------
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether the values are whole numbers, whose sums are exact."""
+        return self.values.dtype.kind == "i"
+
+    @property
+    def bounds(self) -> np.ndarray:
+        """The errors, zero where none were given, shape (edges,)."""
+        return np.zeros(len(self.values)) if self.errors is None else self.errors
+
+    def __add__(self, other: Cochain) -> Cochain:
+        if not isinstance(other, Cochain):
+            return NotImplemented
+        if other.complex is not self.complex or other.degree != self.degree:
+            raise NetworkError("cochains of one complex and one degree were needed to be added.")
+        if other.values.shape != self.values.shape:
+            raise NetworkError(
+                f"cochains of {self.values.shape[1]} and {other.values.shape[1]} components cannot "
+                "be added."
+            )
+        errors = None
+        if self.errors is not None or other.errors is not None:
+            errors = self.bounds + other.bounds
+        return Cochain(self.complex, self.values + other.values, errors, self.degree)
+
+    def __neg__(self) -> Cochain:
+        return replace(self, values=-self.values)
+
+    def __sub__(self, other: Cochain) -> Cochain:
+        return self + (-other) if isinstance(other, Cochain) else NotImplemented
+
+    def mapped(self, matrix: np.ndarray | Sequence[Sequence[float]]) -> Cochain:
+        """The values times a matrix, row by row: from lattice coordinates to lengths, say.
+
+        Parameters
+        ----------
+        matrix
+            Shape (n, m); row k is what a unit of the component k becomes.
+
+        Examples
+        --------
+        >>> steps = Cochain.of_edges([[0, 1]], [[1, 2]])
+        >>> steps.mapped([[0.5, 0.0], [0.0, 0.25]]).values.tolist()
+        [[0.5, 0.5]]
+        """
+        n = self.values.shape[1]
+        table = _values(matrix, "row of the matrix", n)
+        if self.is_whole and table.dtype.kind == "i":
+            _check_sums(float(n * _largest(self.values)) * _largest(table))
+        result, errors = self.values @ table, self.errors
+        if errors is not None:
+            errors = errors * float(np.abs(table).sum(axis=0).max(initial=0.0))
+        if result.dtype.kind == "f":
+            # Each of n terms is rounded, and each partial sum.
+            size = (np.abs(self.values) @ np.abs(table)).max(axis=1, initial=0.0)
+            errors = (0.0 if errors is None else errors) + 2.0**-53 * (n + 1) * size
+        return Cochain(self.complex, result, errors, self.degree)
+
+    def coboundary(self) -> Cochain:
+        """Sums over the boundary of each edge, face or cell: the cochain one degree higher.
+
+        Of steps along edges it is the closure failure of every face, the discrete torsion. The
+        coboundary of a coboundary is zero; of floats to rounding, which the errors contain.
+
+        Raises
+        ------
+        NetworkError
+            The complex has no faces, or no cells.
+        """
+        found = self.over(self.complex.boundary(self.degree))
+        errors = None if self.is_whole and self.errors is None else found.errors
+        return Cochain(self.complex, found.vectors, errors, self.degree + 1)
+
+    def over(self, chains: csr_array | np.ndarray | Mapping[int, int]) -> ChainSums:
+        """Sums over chains: whole multiples of edges (or of faces, or cells).
+
+        Parameters
+        ----------
+        chains
+            {edge: multiple} of one chain, or a matrix (sparse or not) of multiples, shape
+            (chains, edges).
+
+        Examples
+        --------
+        >>> steps = Cochain.of_edges([[0, 1], [1, 2]], [[1.0], [2.0]], [0.125, 0.25])
+        >>> found = steps.over({0: 1, 1: -1})
+        >>> found.vectors.tolist(), found.errors.round(9).tolist()
+        ([[-1.0]], [0.375])
+        """
+        table = self._chains(chains)
+        sizes = abs(table)
+        if self.is_whole:
+            _check_sums(float(sizes.sum(axis=1).max(initial=0)) * _largest(self.values))
+        vectors = np.asarray(table @ self.values)
+        errors = sizes @ self.bounds
+        if not self.is_whole:
+            # Each of k terms is rounded, and each partial sum.
+            terms = np.diff(table.indptr)
+            largest = (sizes @ np.abs(self.values)).max(axis=1, initial=0.0)
+            errors = errors + 2.0**-53 * (terms + 1) * largest
+        images = self.complex.images
+        if self.degree != 1 or not images.shape[1]:
+            return ChainSums(vectors, errors, np.zeros((len(vectors), 0), dtype=np.int64))
+        return ChainSums(vectors, errors, np.asarray(table @ images))
+
+    def _chains(self, chains: csr_array | np.ndarray | Mapping[int, int]) -> csr_array:
+        """Chains as a sparse matrix of whole numbers."""
+        from scipy.sparse import csr_array, issparse  # 0.26 s, and networks alone need it
+
+        count, name = len(self.values), NAMES[self.degree]
+        if isinstance(chains, Mapping):
+            for k in chains:
+                if not isinstance(k, int | np.integer) or not 0 <= k < count:
+                    raise NetworkError(
+                        f"chain: numbers of {name}s from 0 to {count - 1} were needed, but "
+                        f"{checks.shown(k)} came."
+                    )
+            columns = np.array([int(k) for k in chains], dtype=np.int64)
+            signs = np.array(list(chains.values()))
+            if not signs.size:
+                signs = np.zeros(0, dtype=np.int64)
+            if signs.ndim != 1 or signs.dtype.kind not in "iu":
+                raise NetworkError("chain: whole multiples were needed: {edge: 1, other edge: -1}.")
+            return csr_array((signs, (np.zeros_like(columns), columns)), shape=(1, count))
+        table = chains if issparse(chains) else np.atleast_2d(np.asarray(chains))
+        if table.shape[-1] != count or table.dtype.kind not in "iu":
+            raise NetworkError(
+                f"chains: whole numbers of shape (chains, {count}) were needed, but {table.dtype} "
+                f"of shape {table.shape} came."
+            )
+        # A copy, since sums of doubled entries would be made in the matrix that was given.
+        found = csr_array(table, copy=True)
+        found.sum_duplicates()
+        return found
+
+    # -- cycles -----------------------------------------------------------------------------------
+
+    @cached_property
+    def forest(self) -> Forest:
+        """Sums along a spanning forest and the closure of every chord, as arrays.
+
+        `forest.chords` are the edges outside the forest, `forest.closure` what their fundamental
+        cycles miss (a basis of all cycles), `forest.potential` where each node comes to lie.
+
+        Raises
+        ------
+        NetworkError
+            The values are not on edges.
+        """
+        self._on_edges()
+        return spanning_forest(
+            self.complex.nodes, self.complex.pairs, self.values, self.errors, self.complex.images
+        )
+
+    def around(self, cycle: Sequence[Hashable]) -> CycleBurgers:
+        """The closure failure of a cycle of nodes: the signed sum of its edges.
+
+        Raises
+        ------
+        NetworkError
+            Two neighbours are not joined by an edge, or by several of different values.
+        """
+        self._on_edges()
+        nodes, (edges, senses) = self._cycle(cycle)
+        several = self._several
+        for k, edge in enumerate(edges.tolist()):
+            if several[edge]:
+                a, b = nodes[k], nodes[(k + 1) % len(nodes)]
+                raise NetworkError(
+                    f"edges of different values join {a!r} and {b!r}: give the cycle by edges, "
+                    ".over({edge: sense})."
+                )
+        return self.along(tuple(nodes), edges, senses)
+
+    def _cycle(
+        self, cycle: Sequence[Hashable]
+    ) -> tuple[list[Hashable], tuple[np.ndarray, np.ndarray]]:
+        """Nodes of a cycle, and its edges with their senses."""
+        chain = listed(cycle, "cycle")
+        if len(chain) > 1 and chain[0] == chain[-1]:
+            chain.pop()
+        if len(chain) < 2:
+            raise NetworkError(f"a cycle of two nodes or more was needed, but {chain} came.")
+        numbers = np.array([self.complex.number(node) for node in chain], dtype=np.int64)
+        return chain, self.complex.steps(numbers, np.roll(numbers, -1))
+
+    def along(self, cycle: Cycle, edges: np.ndarray, senses: np.ndarray) -> CycleBurgers:
+        """The sum along edges, by number and sense, that are known to form a cycle."""
+        rows = senses[:, None] * self.values[edges]
+        images = tuple((senses @ self.complex.images[edges]).tolist())
+        if self.is_whole:
+            return CycleBurgers(cycle, rows.sum(axis=0), float(self.bounds[edges].sum()), images)
+        vector = np.array([math.fsum(column) for column in rows.T.tolist()])
+        error = math.fsum(self.bounds[edges].tolist())
+        size = float(np.abs(vector).max(initial=0.0))
+        return CycleBurgers(cycle, vector, error + 2.0**-53 * size, images)
+
+    @cached_property
+    def _several(self) -> np.ndarray:
+        """Edges beside which another one of a different value joins the same nodes."""
+        low, high = np.sort(self.complex.pairs, axis=1).T
+        key = low * self.complex.nodes + high
+        sign = np.where(self.complex.pairs[:, 0] == low, 1, -1)
+        _, first, which = np.unique(key, return_index=True, return_inverse=True)
+        differs = np.zeros(len(key), dtype=bool)
+        for table in (self.values, self.complex.images):
+            turned = sign[:, None] * table
+            differs |= (turned != turned[first[which]]).any(axis=1)
+        found = np.zeros(len(first), dtype=bool)
+        found[which[differs]] = True
+        return found[which]
+
+    def _on_edges(self) -> None:
+        """Refuse what has no cycles."""
+        if self.degree != 1:
+            raise NetworkError(
+                f"values on {NAMES[self.degree]}s have no cycles: values on edges were needed."
+            )
+
+    def __repr__(self) -> str:
+        count, n = self.values.shape
+        kind = "whole" if self.is_whole else "float"
+        name = NAMES[self.degree]
+        return f"Cochain({count} {name}{'' if count == 1 else 's'}, {n} {kind} components)"
+
+
+def _values(values: object, name: str, count: int) -> np.ndarray:
+    """Rows of whole numbers or of finite floats."""
+    message = "{subject}: an array of real numbers was needed, but {value} came."
+    found = values if isinstance(values, np.ndarray) else None
+    if found is None or found.dtype.kind not in "iuf":
+        try:
+            found = np.asarray(values)
+        except (TypeError, ValueError):
+            found = np.array(None)
+        if found.dtype.kind not in "iu":
+            found = checks.array(values, "values", NetworkError, message=message)
+    if found.ndim == 1:
+        found = found[:, None]
+    if found.ndim != 2 or len(found) != count:
+        raise NetworkError(
+            f"values: one row for each {name}, shape ({count}, n), was needed, but {found.shape} "
+            "came."
+        )
+    if found.dtype.kind in "iu":
+        _check_sums(_largest(found) * max(count, 1))
+        return found.astype(np.int64, copy=False)
+    bad = np.argwhere(~np.isfinite(found))
+    if len(bad):
+        k, i = bad[0].tolist()
+        raise NetworkError(
+            f"{name} {k}: finite values were needed, but {found[k, i]} came as component {i}. "
+            f"Leave the {name} out."
+        )
+    return found.astype(float, copy=False)
+
+
+def _largest(values: np.ndarray) -> float:
+    """The largest magnitude, as a double: that of the least int64 is no int64."""
+    return float(np.abs(values.astype(float)).max(initial=0.0))
+
+
+def _check_sums(size: float) -> None:
+    """Refuse sums of whole numbers that may leave 64 bits, and would be wrong without a word."""
+    if size >= LARGEST_WHOLE:
+        raise LimitError(
+            f"sums of these whole numbers may come to {size:.2g}, beyond 64 bits. Give larger "
+            "units, or floats."
+        )

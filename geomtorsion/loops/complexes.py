@@ -1,0 +1,440 @@
+"""Complex: nodes, edges, faces and cells, with the boundary of each as whole numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.errors import NetworkError
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Complex:
+    """A cell complex: a graph, and if wanted faces and cells bounded by its edges and faces.
+
+    nodes: how many there are, counted from 0.
+    pairs: first and second node of each edge, shape (edges, 2); several edges may join the same
+        nodes, and an edge may end where it begins (in another image).
+    images: how many periods lie between the two nodes of each edge, shape (edges, d): the second
+        node is meant in the image so many periods further. d = 0: nothing is periodic.
+    faces: sense in which each face runs through each edge, sparse, shape (faces, edges).
+    cells: sense in which each cell has each face, sparse, shape (cells, faces): 1 outwards.
+    labels: what the nodes are called; their numbers if not given.
+
+    Raises
+    ------
+    NetworkError
+        A node is not there, a face is not closed (in the space without periods), or a cell is not.
+
+    Examples
+    --------
+    >>> cube = Complex.grid((2, 2, 2))
+    >>> cube, abs(cube.boundary(1) @ cube.boundary(0)).sum()
+    (Complex(8 nodes, 12 edges, 6 faces, 1 cell), np.int64(0))
+    """
+
+    nodes: int
+    pairs: np.ndarray
+    images: np.ndarray
+    faces: csr_array | None = None
+    cells: csr_array | None = None
+    labels: Sequence[Hashable] = ()
+
+    def __post_init__(self) -> None:
+        """Check that every boundary is closed, exactly."""
+        pairs = whole(self.pairs, "pairs", 2)
+        checks.count(self.nodes, "nodes", NetworkError)
+        object.__setattr__(self, "pairs", pairs)
+        if len(pairs) and (pairs.min() < 0 or pairs.max() >= self.nodes):
+            raise NetworkError(
+                f"edges: node numbers from 0 to {self.nodes - 1} were needed, but "
+                f"{pairs.min()} to {pairs.max()} came."
+            )
+        images = whole(self.images, "images")
+        if len(images) != len(pairs):
+            raise NetworkError(
+                f"images: one row for each of {len(pairs)} edges was needed, but {len(images)} "
+                "came. Give whole periods from the first node of an edge to the second."
+            )
+        object.__setattr__(self, "images", images)
+        # A range of numbers stays one: a list of a million names is made when they are asked for.
+        labels = self.labels if isinstance(self.labels, range) else listed(self.labels, "labels")
+        object.__setattr__(self, "labels", labels)
+        if labels and len(labels) != self.nodes:
+            raise NetworkError(
+                f"labels: one for each of {self.nodes} nodes was needed, but {len(labels)} came."
+            )
+        for table, name in zip(self._up, ("faces", "cells"), strict=True):
+            _check_table(table, name)
+        if self.faces is not None:
+            self._check_closed(1, "face", "edges")
+            if images.size and (self.faces @ images).any():
+                k = int(np.flatnonzero((self.faces @ images).any(axis=1))[0])
+                raise NetworkError(
+                    f"face {k} winds round a period: {(self.faces @ images)[k].tolist()}. A face "
+                    "must close where it began, not in another image."
+                )
+        if self.cells is not None:
+            self._check_closed(2, "cell", "faces")
+
+    def _check_closed(self, degree: int, name: str, sides: str) -> None:
+        """The boundary of a boundary is nothing."""
+        here, below = self.boundary(degree), self.boundary(degree - 1)
+        if here.shape[1] != below.shape[0]:
+            raise NetworkError(
+                f"{name}s: a column for each of {below.shape[0]} {sides} was needed, but "
+                f"{here.shape[1]} came."
+            )
+        rest = here @ below
+        rest.eliminate_zeros()
+        if rest.nnz:
+            k = int(rest.tocoo().coords[0][0])
+            raise NetworkError(
+                f"{name} {k} is not closed: its {sides} {here[[k]].indices.tolist()} have a "
+                "boundary. Give them in order, each with its sense."
+            )
+
+    # -- makers -----------------------------------------------------------------------------------
+
+    @classmethod
+    def of_edges(
+        cls,
+        pairs: np.ndarray | Sequence[Sequence[int]],
+        nodes: int | None = None,
+        images: np.ndarray | Sequence[Sequence[int]] | None = None,
+        labels: Sequence[Hashable] = (),
+    ) -> Complex:
+        """A graph. nodes: as many as the pairs name, if not given."""
+        ends = whole(pairs, "pairs", 2)
+        found = int(ends.max(initial=-1)) + 1
+        count = found if nodes is None else checks.count(nodes, "nodes", NetworkError)
+        offsets = _no_images(ends) if images is None else whole(images, "images")
+        return cls(count, ends, offsets, labels=labels)
+
+    @classmethod
+    def of_simplices(
+        cls, simplices: np.ndarray | Sequence[Sequence[int]], nodes: int | None = None
+    ) -> Complex:
+        """Triangles, shape (k, 3), or tetrahedra, shape (k, 4), with all their edges and faces.
+
+        Faces and cells have the sense of the simplices, as `scipy.spatial.Delaunay` gives them.
+
+        Examples
+        --------
+        >>> Complex.of_simplices([[0, 1, 2, 3]])
+        Complex(4 nodes, 6 edges, 4 faces, 1 cell)
+        """
+        corners = whole(simplices, "simplices")
+        count = corners.shape[1]
+        if count not in (3, 4):
+            raise NetworkError(f"simplices: 3 or 4 corners each were needed, but {count} came.")
+        if (np.diff(np.sort(corners, axis=1), axis=1) == 0).any():
+            raise NetworkError("simplices: the corners of each must differ.")
+        found = int(corners.max(initial=-1)) + 1
+        size = found if nodes is None else checks.count(nodes, "nodes", NetworkError)
+        cells = None
+        if count == 4:
+            corners, cells = _sides(corners)
+        pairs, faces = _sides(corners)
+        return cls(size, pairs, _no_images(pairs), faces, cells)
+
+    @classmethod
+    def grid(cls, shape: Sequence[int], periodic: Sequence[bool] | bool = False) -> Complex:
+        """A grid of nodes in any number of dimensions, all its faces and (from three on) cells.
+
+        Parameters
+        ----------
+        shape
+            Nodes along each axis; node (i, j, ...) has the number that
+            `numpy.ravel_multi_index` gives it.
+        periodic
+            Whether the last node of an axis is joined to the first, one period further on.
+
+        Edges come axis by axis, each in the order of its first node; faces pair by pair of axes,
+        turned from the first axis to the second, and so do cells.
+
+        Examples
+        --------
+        >>> Complex.grid((4, 3), periodic=(True, False))
+        Complex(12 nodes, 20 edges, 8 faces)
+        """
+        axes = enumerate(listed(shape, "shape"))
+        sizes = tuple(checks.count(n, f"shape[{k}]", NetworkError) for k, n in axes)
+        every = isinstance(periodic, bool)
+        around = [periodic] * len(sizes) if every else listed(periodic, "periodic")
+        around = [checks.flag(x, "periodic", NetworkError) for x in around]
+        if len(around) != len(sizes):
+            raise NetworkError(
+                f"periodic: one truth value for each of {len(sizes)} axes was needed, but "
+                f"{len(around)} came."
+            )
+        return _grid(cls, sizes, around)
+
+    def with_faces(self, cycles: Sequence[Sequence[Hashable]] | np.ndarray) -> Complex:
+        """The same graph with faces, each a cycle of nodes in order.
+
+        Raises
+        ------
+        NetworkError
+            Two neighbours are not joined by an edge.
+        """
+        from scipy.sparse import csr_array  # 0.26 s, and complexes with faces alone need it
+
+        rows: list[np.ndarray] = []
+        if isinstance(cycles, np.ndarray):
+            corners = whole(cycles, "cycles")
+            owner = np.repeat(np.arange(len(corners)), corners.shape[1])
+            starts, ends = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
+            count = len(corners)
+        else:
+            named = [
+                listed(cycle, f"cycles[{k}]") for k, cycle in enumerate(listed(cycles, "cycles"))
+            ]
+            rows = [np.array([self.number(x) for x in cycle], dtype=np.int64) for cycle in named]
+            owner = np.repeat(np.arange(len(rows)), [len(row) for row in rows])
+            starts = np.concatenate([np.zeros(0, np.int64), *rows])
+            ends = np.concatenate([np.zeros(0, np.int64), *(np.roll(row, -1) for row in rows)])
+            count = len(rows)
+        edges, senses = self.steps(starts, ends)
+        table = (senses, (owner, edges))
+        faces = csr_array(table, shape=(count, len(self.pairs)))
+        return Complex(self.nodes, self.pairs, self.images, faces, None, self.labels)
+
+    # -- boundaries -------------------------------------------------------------------------------
+
+    def boundary(self, degree: int) -> csr_array:
+        """Boundaries as a matrix of whole numbers: of edges (0), faces (1) and cells (2).
+
+        Rows are what is bounded: the matrix takes values on nodes to their differences along edges,
+        values on edges to their sums round faces, values on faces to their sums over cells.
+        The product of two neighbours is exactly zero.
+
+        Raises
+        ------
+        NetworkError
+            The complex has no faces, or no cells.
+        """
+        if checks.count(degree, "degree", NetworkError, 0, 2) == 0:
+            return self._differences
+        found = self.faces if degree == 1 else self.cells
+        if found is None:
+            name = "faces" if degree == 1 else "cells"
+            raise NetworkError(
+                f"the complex has no {name}. Make one with them: Complex.grid, "
+                "Complex.of_simplices or .with_faces(cycles)."
+            )
+        return found
+
+    @cached_property
+    def _differences(self) -> csr_array:
+        """Second node minus first, shape (edges, nodes)."""
+        from scipy.sparse import csr_array  # as above
+
+        count = len(self.pairs)
+        signs = np.tile(np.array([-1, 1]), count)
+        start = np.arange(0, 2 * count + 1, 2)
+        found = csr_array((signs, self.pairs.flatten(), start), shape=(count, self.nodes))
+        # An edge that ends where it begins, in another image, has both its signs in one place.
+        found.sum_duplicates()
+        return found
+
+    def size(self, degree: int) -> int:
+        """How many nodes (0), edges (1), faces (2) or cells (3) there are."""
+        counts = (self.nodes, len(self.pairs), *(0 if x is None else x.shape[0] for x in self._up))
+        return counts[degree]
+
+    @property
+    def _up(self) -> tuple[csr_array | None, csr_array | None]:
+        """Faces and cells."""
+        return self.faces, self.cells
+
+    # -- nodes and edges --------------------------------------------------------------------------
+
+    @cached_property
+    def _numbers(self) -> dict[Hashable, int]:
+        """Label -> number of the node."""
+        return {label: k for k, label in enumerate(self.labels or range(self.nodes))}
+
+    def number(self, label: Hashable) -> int:
+        """The number of a node.
+
+        Raises
+        ------
+        NetworkError
+            There is no such node.
+        """
+        try:
+            return self._numbers[label]
+        except (KeyError, TypeError):
+            raise NetworkError(f"node {checks.shown(label)} is not in the network.") from None
+
+    def label(self, node: int) -> Hashable:
+        """What a node is called."""
+        return self.labels[node] if self.labels else node
+
+    @cached_property
+    def _table(self) -> tuple[np.ndarray, np.ndarray]:
+        """Keys of the pairs of nodes that edges join, ascending, and the first edge of each."""
+        low, high = self.pairs.min(axis=1), self.pairs.max(axis=1)
+        return np.unique(low * self.nodes + high, return_index=True)
+
+    def steps(self, starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Number and sense of the first edge that joins each start to its end, shape (k,) each.
+
+        Raises
+        ------
+        NetworkError
+            Two of them are not joined by an edge.
+        """
+        keys, first = self._table
+        wanted = np.minimum(starts, ends) * self.nodes + np.maximum(starts, ends)
+        place = np.minimum(np.searchsorted(keys, wanted), max(len(keys) - 1, 0))
+        found = keys[place] == wanted if len(keys) else np.zeros(len(wanted), dtype=bool)
+        if not found.all():
+            k = int(np.argmin(found))
+            a, b = self.label(int(starts[k])), self.label(int(ends[k]))
+            raise NetworkError(f"there is no edge between {a!r} and {b!r}.")
+        edges = first[place]
+        return edges, np.where(self.pairs[edges, 0] == starts, 1, -1)
+
+    def __repr__(self) -> str:
+        names = ("node", "edge", "face", "cell")
+        counts = [(self.size(k), name) for k, name in enumerate(names)]
+        shown = [f"{n} {name}{'' if n == 1 else 's'}" for n, name in counts if n]
+        return f"Complex({', '.join(shown) or 'empty'})"
+
+
+def whole(values: object, subject: str, columns: int | None = None) -> np.ndarray:
+    """An array of whole numbers with two axes, as int64.
+
+    Raises
+    ------
+    NetworkError
+        It is none, or has another number of columns.
+    """
+    try:
+        found = np.asarray(values)
+    except (TypeError, ValueError):
+        found = np.empty(0, dtype=object)
+    if not found.size and found.dtype.kind == "f":
+        found = found.reshape(len(found), columns or 0).astype(np.int64)
+    fits = found.ndim == 2 and columns in (None, found.shape[-1])
+    if not fits or found.dtype.kind not in "iu":
+        wanted = "any" if columns is None else columns
+        raise NetworkError(
+            f"{subject}: whole numbers of shape (any, {wanted}) were needed, but "
+            f"{found.dtype} of shape {found.shape} came."
+        )
+    return found.astype(np.int64, copy=False)
+
+
+def listed(values: object, subject: str) -> list[Any]:
+    """The entries of a list, tuple, array or text."""
+    return (
+        list(values) if isinstance(values, str) else checks.entries(values, subject, NetworkError)
+    )
+
+
+def _check_table(table: Any, subject: str) -> None:
+    """Refuse what is no sparse matrix of whole numbers."""
+    if table is None:
+        return
+    from scipy.sparse import issparse  # as above
+
+    if not (issparse(table) and table.dtype.kind in "iu"):
+        raise NetworkError(
+            f"{subject}: a sparse matrix of whole numbers was needed, but {checks.shown(table)} "
+            "came. .with_faces(cycles) makes one."
+        )
+
+
+def _no_images(pairs: np.ndarray) -> np.ndarray:
+    """No periods at all."""
+    return np.zeros((len(pairs), 0), dtype=np.int64)
+
+
+def _sides(simplices: np.ndarray) -> tuple[np.ndarray, csr_array]:
+    """The sides of simplices, each once, and with which sense each simplex has each side.
+
+    The boundary of (a, b, c, ...) is (b, c, ...) - (a, c, ...) + (a, b, ...) - ...
+    """
+    from scipy.sparse import csr_array  # as above
+
+    count, corners = len(simplices), simplices.shape[1]
+    order = np.argsort(simplices, axis=1)
+    rows = np.take_along_axis(simplices, order, axis=1)
+    odd = _parity(order)
+    every = np.concatenate([np.delete(rows, k, axis=1) for k in range(corners)])
+    sides, which = np.unique(every, axis=0, return_inverse=True)
+    signs = np.concatenate([(-1) ** k * odd for k in range(corners)])
+    owner = np.tile(np.arange(count), corners)
+    return sides, csr_array((signs, (owner, which.ravel())), shape=(count, len(sides)))
+
+
+def _parity(order: np.ndarray) -> np.ndarray:
+    """+1 for even permutations, -1 for odd ones, shape (k,)."""
+    sign = np.ones(len(order), dtype=np.int64)
+    for a, b in combinations(range(order.shape[1]), 2):
+        sign *= np.where(order[:, a] > order[:, b], -1, 1)
+    return sign
+
+
+def _grid(kind: type[Complex], sizes: tuple[int, ...], around: list[bool]) -> Complex:
+    """The complex of a grid; see Complex.grid."""
+    from scipy.sparse import csr_array  # as above
+
+    number = np.arange(int(np.prod(sizes))).reshape(sizes)
+    axes = range(len(sizes))
+
+    def present(along: tuple[int, ...]) -> np.ndarray:
+        """Nodes from which there is a step along all these axes, shape (k,)."""
+        ends = [slice(None if around[k] or k not in along else sizes[k] - 1) for k in axes]
+        return number[tuple(ends)].ravel()
+
+    places: dict[tuple[int, ...], np.ndarray] = {}
+    counts = [0, 0, 0, 0]
+    for degree in (1, 2, 3):
+        for along in combinations(axes, degree):
+            nodes = present(along)
+            table = np.full(number.size, -1)
+            table[nodes] = counts[degree] + np.arange(len(nodes))
+            places[along] = table
+            counts[degree] += len(nodes)
+    shifted = [np.roll(number, -1, axis=k).ravel() for k in axes]
+    pairs, images = [], []
+    for k in axes:
+        start = present((k,))
+        pairs.append(np.stack([start, shifted[k][start]], axis=1))
+        image = np.zeros((len(start), len(sizes)), dtype=np.int64)
+        image[:, k] = shifted[k][start] <= start
+        images.append(image)
+    boundaries: list[csr_array | None] = []
+    for degree in (2, 3):
+        rows, columns, signs = [], [], []
+        for along in combinations(axes, degree):
+            nodes = present(along)
+            owner = places[along][nodes]
+            for m, axis in enumerate(along):
+                rest = tuple(k for k in along if k != axis)
+                for start, sign in ((nodes, -1), (shifted[axis][nodes], 1)):
+                    rows.append(owner)
+                    columns.append(places[rest][start])
+                    signs.append(np.full(len(owner), sign * (-1) ** m))
+        shape = (counts[degree], counts[degree - 1])
+        made = None
+        if rows and shape[0]:
+            every = tuple(np.concatenate(x) for x in (signs, rows, columns))
+            made = csr_array((every[0], (every[1], every[2])), shape=shape)
+        boundaries.append(made)
+    offsets = np.concatenate(images)[:, [k for k in axes if around[k]]]
+    faces, cells = boundaries
+    return kind(number.size, np.concatenate(pairs), offsets, faces, cells)
