@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.errors import LimitError, NetworkError
-from geomtorsion.loops.complexes import Complex, listed
+from geomtorsion.errors import NetworkError
+from geomtorsion.loops.complexes import Complex
+from geomtorsion.loops.rows import check_sums, largest, listed, value_rows
 from geomtorsion.loops.spanning_forest import Forest, spanning_forest
 
 if TYPE_CHECKING:
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
 NAMES = ("node", "edge", "face", "cell")
-# Sums of whole numbers up to this size are exact in 64 bits.
-LARGEST_WHOLE = 2**62
 Cycle = tuple[Hashable, ...]
 
 
@@ -111,7 +110,7 @@ class Cochain:
         checks.instance(self.complex, Complex, "complex", NetworkError)
         checks.count(self.degree, "degree", NetworkError, 0, len(NAMES) - 1)
         count, name = self.complex.size(self.degree), NAMES[self.degree]
-        values = _values(self.values, name, count)
+        values = value_rows(self.values, name, count)
         object.__setattr__(self, "values", values)
         if self.errors is None:
             return
@@ -158,7 +157,7 @@ class Cochain:
         ([[4]], [[1]])
         """
         made = Complex.of_edges(pairs, nodes, images, labels)
-        return cls(made, _values(values, NAMES[1], len(made.pairs)), errors)  # type: ignore[arg-type]
+        return cls(made, value_rows(values, NAMES[1], len(made.pairs)), errors)  # type: ignore[arg-type]
 
     @classmethod
     def of_graph(
@@ -241,7 +240,7 @@ class Cochain:
                 "shape (d, n), since the complex has images."
             )
         wanted = (images.shape[1], steps.values.shape[1])
-        cell = _values(periods, "period", wanted[0])
+        cell = value_rows(periods, "period", wanted[0])
         if cell.shape != wanted:
             raise NetworkError(f"periods: shape {wanted} was needed, but {cell.shape} came.")
         return replace(steps, values=steps.values + images @ cell)
@@ -294,9 +293,9 @@ class Cochain:
         [[0.5, 0.5]]
         """
         n = self.values.shape[1]
-        table = _values(matrix, "row of the matrix", n)
+        table = value_rows(matrix, "row of the matrix", n)
         if self.is_whole and table.dtype.kind == "i":
-            _check_sums(float(n * _largest(self.values)) * _largest(table))
+            check_sums(float(n * largest(self.values)) * largest(table))
         result, errors = self.values @ table, self.errors
         if errors is not None:
             errors = errors * float(np.abs(table).sum(axis=0).max(initial=0.0))
@@ -340,14 +339,14 @@ class Cochain:
         table = self._chains(chains)
         sizes = abs(table)
         if self.is_whole:
-            _check_sums(float(sizes.sum(axis=1).max(initial=0)) * _largest(self.values))
+            check_sums(float(sizes.sum(axis=1).max(initial=0)) * largest(self.values))
         vectors = np.asarray(table @ self.values)
         errors = sizes @ self.bounds
         if not self.is_whole:
             # Each of k terms is rounded, and each partial sum.
             terms = np.diff(table.indptr)
-            largest = (sizes @ np.abs(self.values)).max(axis=1, initial=0.0)
-            errors = errors + 2.0**-53 * (terms + 1) * largest
+            absolute = (sizes @ np.abs(self.values)).max(axis=1, initial=0.0)
+            errors = errors + 2.0**-53 * (terms + 1) * absolute
         images = self.complex.images
         if self.degree != 1 or not images.shape[1]:
             return ChainSums(vectors, errors, np.zeros((len(vectors), 0), dtype=np.int64))
@@ -472,48 +471,3 @@ class Cochain:
         kind = "whole" if self.is_whole else "float"
         name = NAMES[self.degree]
         return f"Cochain({count} {name}{'' if count == 1 else 's'}, {n} {kind} components)"
-
-
-def _values(values: object, name: str, count: int) -> np.ndarray:
-    """Rows of whole numbers or of finite floats."""
-    message = "{subject}: an array of real numbers was needed, but {value} came."
-    found = values if isinstance(values, np.ndarray) else None
-    if found is None or found.dtype.kind not in "iuf":
-        try:
-            found = np.asarray(values)
-        except (TypeError, ValueError):
-            found = np.array(None)
-        if found.dtype.kind not in "iu":
-            found = checks.array(values, "values", NetworkError, message=message)
-    if found.ndim == 1:
-        found = found[:, None]
-    if found.ndim != 2 or len(found) != count:
-        raise NetworkError(
-            f"values: one row for each {name}, shape ({count}, n), was needed, but {found.shape} "
-            "came."
-        )
-    if found.dtype.kind in "iu":
-        _check_sums(_largest(found) * max(count, 1))
-        return found.astype(np.int64, copy=False)
-    bad = np.argwhere(~np.isfinite(found))
-    if len(bad):
-        k, i = bad[0].tolist()
-        raise NetworkError(
-            f"{name} {k}: finite values were needed, but {found[k, i]} came as component {i}. "
-            f"Leave the {name} out."
-        )
-    return found.astype(float, copy=False)
-
-
-def _largest(values: np.ndarray) -> float:
-    """The largest magnitude, as a double: that of the least int64 is no int64."""
-    return float(np.abs(values.astype(float)).max(initial=0.0))
-
-
-def _check_sums(size: float) -> None:
-    """Refuse sums of whole numbers that may leave 64 bits, and would be wrong without a word."""
-    if size >= LARGEST_WHOLE:
-        raise LimitError(
-            f"sums of these whole numbers may come to {size:.2g}, beyond 64 bits. Give larger "
-            "units, or floats."
-        )

@@ -12,6 +12,7 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import NetworkError
+from geomtorsion.loops.rows import listed, whole
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -311,37 +312,6 @@ class Complex:
         counts = [(self.size(k), name) for k, name in enumerate(names)]
         shown = [f"{n} {name}{'' if n == 1 else 's'}" for n, name in counts if n]
         return f"Complex({', '.join(shown) or 'empty'})"
-
-
-def whole(values: object, subject: str, columns: int | None = None) -> np.ndarray:
-    """An array of whole numbers with two axes, as int64.
-
-    Raises
-    ------
-    NetworkError
-        It is none, or has another number of columns.
-    """
-    try:
-        found = np.asarray(values)
-    except (TypeError, ValueError):
-        found = np.empty(0, dtype=object)
-    if not found.size and found.dtype.kind == "f":
-        found = found.reshape(len(found), columns or 0).astype(np.int64)
-    fits = found.ndim == 2 and columns in (None, found.shape[-1])
-    if not fits or found.dtype.kind not in "iu":
-        wanted = "any" if columns is None else columns
-        raise NetworkError(
-            f"{subject}: whole numbers of shape (any, {wanted}) were needed, but "
-            f"{found.dtype} of shape {found.shape} came."
-        )
-    return found.astype(np.int64, copy=False)
-
-
-def listed(values: object, subject: str) -> list[Any]:
-    """The entries of a list, tuple, array or text."""
-    return (
-        list(values) if isinstance(values, str) else checks.entries(values, subject, NetworkError)
-    )
 
 
 def _check_table(table: Any, subject: str) -> None:
