@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import sympy
@@ -11,8 +12,10 @@ import sympy
 from geomtorsion import checks
 from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.exact import parse_expression
+from geomtorsion.exercises.entries import flat, index, kind, table_or_list
 from geomtorsion.exercises.limits import ANSWER, MOST, check_constants
-from geomtorsion.exercises.prompts import advice, plain_name, shown_name
+from geomtorsion.exercises.notation import written_out
+from geomtorsion.exercises.prompts import advice, example, shown_name
 from geomtorsion.pictures.text import expression_text
 
 if TYPE_CHECKING:
@@ -21,8 +24,8 @@ if TYPE_CHECKING:
 
 # Digits of a number that is written.
 DIGITS = 12
-_DECIMAL = re.compile(r"(?<![\w.])([0-9]*)\.([0-9]*)(?:[eE]([+-]?[0-9]{1,3}))?(?![\w.])")
-_POWER_OF_TEN = re.compile(r"(?<![\w.])([0-9]+)[eE]([+-]?[0-9]{1,3})(?![\w.])")
+# What is written by hand grows when all its signs are put in.
+_WRITTEN_OUT = replace(ANSWER, characters=3 * ANSWER.characters)
 
 
 def expression(question: Question, given: object, where: str) -> sympy.Expr:
@@ -41,7 +44,7 @@ def expression(question: Question, given: object, where: str) -> sympy.Expr:
         given = repr(given)
     if not isinstance(given, str):
         raise ExpressionError(
-            f"{where}: an expression in quotes was needed, but {_kind(given)} came. Write for "
+            f"{where}: an expression in quotes was needed, but {kind(given)} came. Write for "
             'instance "sin(x)/2".'
         )
     if len(given) > ANSWER.characters:
@@ -49,42 +52,29 @@ def expression(question: Question, given: object, where: str) -> sympy.Expr:
             f"{where}: {len(given):,} characters; the limit is {ANSWER.characters:,}. "
             "Write it shorter."
         )
-    # Decimals become fractions first: the parser of exact expressions refuses them.
-    text = plain_name(rational(given))
-    check_constants(text, question.domain.names, where, ANSWER)
+    names = question.domain.names
+    text = written_out(without_label(given, names), names, where)
     try:
-        return parse_expression(text, question.domain.names, {}, where=where, limits=ANSWER)
+        check_constants(text, names, where, _WRITTEN_OUT)
+        return parse_expression(text, names, {}, where=where, limits=_WRITTEN_OUT, decimals=True)
     except (ExpressionError, LimitError) as error:
-        raise type(error)(advice(question, str(error))) from None
+        raise type(error)(advice(question, str(error), given)) from None
 
 
-def rational(text: str) -> str:
-    """Text with its decimals as fractions: 0.25 is read as what it says.
+def without_label(text: str, names: Mapping[str, object]) -> str:
+    """A text without what it says it is: "lambda = w" and "= w" are w.
 
     Examples
     --------
-    >>> rational("0.25*x + 1e-3")
-    '(25/100)*x + (1/1000)'
+    >>> without_label("Gamma_12^1 = cot(x)", {"x": None}), without_label("x = 2", {"x": None})
+    ('cot(x)', 'x = 2')
     """
-    return _POWER_OF_TEN.sub(_scaled, _DECIMAL.sub(_fraction, text))
-
-
-def _fraction(match: re.Match[str]) -> str:
-    whole, part, exponent = match[1] or "", match[2] or "", int(match[3] or 0)
-    if not whole + part or len(whole + part) > ANSWER.digits or abs(exponent) > ANSWER.digits:
-        return match[0]
-    return _over(int(whole + part), exponent - len(part))
-
-
-def _scaled(match: re.Match[str]) -> str:
-    exponent = int(match[2])
-    if len(match[1]) > ANSWER.digits or abs(exponent) > ANSWER.digits:
-        return match[0]
-    return _over(int(match[1]), exponent)
-
-
-def _over(digits: int, exponent: int) -> str:
-    return f"({digits}{'0' * exponent})" if exponent >= 0 else f"({digits}/1{'0' * -exponent})"
+    text = re.sub(r"^\s*[=≈≃]\s*", "", text.replace("==", "="))
+    label, sign, value = text.partition("=")
+    head = re.match(r"\s*(\\?[^\W\d]+)", label)
+    is_label = head is not None and not re.search(r"[-+*/]", label) and label.strip() not in names
+    text = value.strip() if sign and is_label and "=" not in value else text
+    return re.sub(r"(?<=[\w)\]}])\s*[.,;]\s*$", "", text)
 
 
 def components(question: Question, given: object, where: str) -> dict[Index, sympy.Expr]:
@@ -102,19 +92,19 @@ def components(question: Question, given: object, where: str) -> dict[Index, sym
         There are more entries than components, or an expression is too large.
     """
     if isinstance(given, str):
-        given = _from_text(given, where)
+        given = table_or_list(question, given, where)
     if isinstance(given, int) and not isinstance(given, bool) and given == 0:
         return {}
     if isinstance(given, Mapping):
         pairs = [(index(question, key, where), value) for key, value in given.items()]
     elif isinstance(given, list):
-        pairs = _flat(given, question.shape, where)
+        pairs = flat(given, question.shape, where)
     elif question.shape in ((), (1,)):
         pairs = [((0,) * len(question.shape), given)]
     else:
         raise ExpressionError(
-            f"{where}: components were needed, but {_kind(given)} came. Write for instance "
-            f'"{_example(question)}", or a list of lists.'
+            f"{where}: components were needed, but {kind(given)} came. Write for instance "
+            f'"{example(question)}", or a list of lists.'
         )
     if len(pairs) > MOST.entries:
         raise LimitError(f"{where}: {len(pairs)} entries; the limit is {MOST.entries}.")
@@ -125,48 +115,6 @@ def components(question: Question, given: object, where: str) -> dict[Index, sym
             raise ExpressionError(f"{name} is given twice. Give it once.")
         found[key] = expression(question, value, name)
     return found
-
-
-def index(question: Question, key: object, where: str) -> Index:
-    """Indices counted from 0, from a text that counts from 1 or names coordinates.
-
-    ``1,2,1``, ``121``, ``Gamma_12^1``, ``Gamma[1, 2, 1]`` and ``phi1,phi2,phi1`` all will do.
-    """
-    text = str(key)[:200]
-    inside = re.sub(r"^\s*[^\W\d_]+(?=[\[({_^])", "", text) if not _names(question, text) else text
-    parts = [part for part in re.split(r"[\s,_^{}\[\]()]+", inside) if part]
-    rank = len(question.shape)
-    if all(part.isdigit() for part in parts) and len("".join(parts)) == rank:
-        parts = list("".join(parts))
-    names = list(question.domain.names)
-    symbols = list(question.domain.symbols)
-    found = []
-    for k, part in enumerate(parts):
-        if part.isdecimal() and len(part) < 4:
-            found.append(int(part) - 1)
-        elif part in names:
-            found.append(symbols.index(question.domain.names[part]))
-        else:
-            raise ExpressionError(
-                f"{where}: {part!r} is no index {k + 1}. Indices are numbers counted from 1, as in "
-                f"{_example(question)}."
-            )
-    if len(found) != rank:
-        raise ExpressionError(
-            f"{where}: {text!r} has {len(found)} indices; needed are {rank}, as in "
-            f"{_example(question)}."
-        )
-    for k, (number, size) in enumerate(zip(found, question.shape, strict=True)):
-        if number >= size or (number < 0 and number != -1):
-            raise ExpressionError(
-                f"{where}: index {k + 1} of {text!r} is {number + 1}, but runs from 1 to {size}."
-            )
-    return tuple(found)
-
-
-def _names(question: Question, text: str) -> bool:
-    """Whether an index names coordinates."""
-    return any(part in question.domain.names for part in re.split(r"[\s,_^{}\[\]()]+", text))
 
 
 def completed(given: Value, symmetry: str) -> dict[Index, Any]:
@@ -182,90 +130,6 @@ def completed(given: Value, symmetry: str) -> dict[Index, Any]:
     for key, value in given.items() if sign else ():
         found.setdefault((key[1], key[0], *key[2:]), sign * value)
     return found
-
-
-def _from_text(text: str, where: str) -> object:
-    """A table or nested lists from a text; a single expression stays text."""
-    if len(text) > MOST.characters:
-        raise LimitError(
-            f"{where}: {len(text):,} characters; the limit is {MOST.characters:,}. "
-            "Write it shorter."
-        )
-    text = text.strip()
-    if text.startswith("["):
-        return _listed(text, where)
-    if "=" not in text:
-        return 0 if text == "0" else text
-    table: dict[str, str] = {}
-    for line in re.split(r"[;\n]", text):
-        if not line.strip():
-            continue
-        key, sign, value = line.partition("=")
-        if not sign or not value.strip():
-            raise ExpressionError(
-                f"{where}: {line.strip()[:60]!r} names no component. Write index = value, one "
-                "after the other, separated by semicolons."
-            )
-        if key.strip() in table:
-            raise ExpressionError(f"{where}: {key.strip()[:60]} is given twice. Give it once.")
-        table[key.strip()] = value.strip()
-    return table
-
-
-def _listed(text: str, where: str) -> list[object]:
-    """Nested lists of expressions from a text in square brackets."""
-    stack: list[list] = [[]]
-    word, depth = "", 0
-    for sign in text:
-        # No tensor here has more indices; deeper lists are written to exhaust the reader.
-        if sign == "[":
-            if len(stack) > 6:
-                raise LimitError(f"{where}: more than 6 lists inside one another. Flatten it.")
-            stack.append([])
-            word = ""
-        elif sign in ",]" and depth == 0:
-            if word.strip():
-                stack[-1].append(word.strip().strip("\"'"))
-            word = ""
-            if sign == "]":
-                if len(stack) < 2:
-                    raise ExpressionError(f"{where}: a bracket ] is closed that was not opened.")
-                done = stack.pop()
-                stack[-1].append(done)
-        else:
-            depth += (sign == "(") - (sign == ")")
-            word += sign
-    if len(stack) != 1 or len(stack[0]) != 1 or word.strip():
-        raise ExpressionError(f"{where}: the brackets [ ] do not pair up. Write [[a, b], [c, d]].")
-    return stack[0][0]
-
-
-def _flat(given: list, shape: tuple[int, ...], where: str) -> list[tuple[Index, object]]:
-    """Pairs (index, entry) of nested lists, which must have the shape of the question."""
-    if not shape or len(given) != shape[0]:
-        needed = " x ".join(map(str, shape)) or "one expression"
-        raise ExpressionError(
-            f"{where}: a list of {len(given)} entries came where the shape is {needed}."
-        )
-    if len(shape) == 1:
-        return [((k,), entry) for k, entry in enumerate(given)]
-    found: list[tuple[Index, object]] = []
-    for k, row in enumerate(given):
-        if not isinstance(row, list):
-            raise ExpressionError(f"{where}[{k + 1}]: a list was needed, but {_kind(row)} came.")
-        found += [((k, *key), x) for key, x in _flat(row, shape[1:], f"{where}[{k + 1}]")]
-    return found
-
-
-def _example(question: Question) -> str:
-    """A component as it may be written."""
-    return ",".join("1" for _ in question.shape) + " = ..."
-
-
-def _kind(value: object) -> str:
-    """What an answer is, in a few words."""
-    names = {bool: "true or false", list: "a list", dict: "a table", type(None): "nothing"}
-    return names.get(type(value), f"{type(value).__name__} {str(value)[:40]}")
 
 
 def answer_text(question: Question, value: Value) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -73,14 +74,35 @@ def _dropped(value: Value) -> Value:
 
 def _chosen(question: Question, given: object) -> str:
     """The key of the option that was meant."""
-    text = str(given).strip().lower()[:200]
+    text = _letters(_SAID.get(given, str(given)) if isinstance(given, bool) else str(given))
+    text = _MEANT.get(text, text)
     for key, option in question.options.items():
-        if text in (key.lower(), option.lower()):
+        if text in (_letters(key), _letters(option)):
             return key
+    # The beginning of one option will do, or of its explanation.
+    begun = [
+        key
+        for key, option in question.options.items()
+        if text and (_letters(key).startswith(text) or _letters(option).startswith(text))
+    ]
+    if len(begun) == 1:
+        return begun[0]
     known = ", ".join(question.options)
-    near = close_names(text, question.options)
+    near = close_names(text, tuple(question.options))
     hint = f" Did you mean {near[0]}?" if near else ""
     raise LookupErrorInAnswer(f"{question.name}: one of {known} was needed.{hint}")
+
+
+def _letters(text: str) -> str:
+    """What tells options apart: letters, digits and single spaces, without capitals."""
+    words = re.sub(r"[^\w≠]+|_", " ", text[:200].lower().replace("≠", " ≠ "))
+    return " ".join(words.split())
+
+
+# Other words for what is offered in many exercises.
+_SAID = {True: "yes", False: "no"}
+_MEANT = {"0": "zero", "vanishes": "zero", "nonzero": "not zero", "non zero": "not zero",
+          "≠ 0": "not zero", "not 0": "not zero", "true": "yes", "false": "no"}  # fmt: skip
 
 
 class LookupErrorInAnswer(GeomtorsionError, ValueError):

@@ -24,7 +24,7 @@ POINTS = 24
 # Points have large denominators: at small fractions two symbols may coincide, and with them two
 # expressions that differ everywhere else.
 FINENESS = 10**12
-_LETTERS = dict(
+LETTERS = dict(
     zip(
         "alpha beta gamma delta epsilon theta lambda mu nu rho sigma tau phi chi psi omega "
         "Gamma Omega Phi Theta".split(),
@@ -62,7 +62,7 @@ class Domain:
         """Name -> symbol; Greek letters may be written as themselves."""
         found = {symbol.name: symbol for symbol in self.symbols}
         for symbol in self.symbols:
-            for word, letter in _LETTERS.items():
+            for word, letter in LETTERS.items():
                 if symbol.name.startswith(word) and not symbol.name[len(word) :].isalpha():
                     found.setdefault(letter + symbol.name[len(word) :], symbol)
         return found

@@ -11,6 +11,7 @@ import sympy
 from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.exercises.answers import expression
 from geomtorsion.exercises.domain import Domain
+from geomtorsion.exercises.entries import split_outside
 from geomtorsion.exercises.limits import MOST, check_weight
 from geomtorsion.exercises.prompts import plain_name, shown_name
 
@@ -69,7 +70,7 @@ def _sides(given: object, where: str) -> list[tuple[object, object]]:
             raise LimitError(
                 f"{where}: more than {MOST.characters:,} characters. Write it shorter."
             )
-        lines = [line for text in texts for line in re.split(r"[;\n]", text) if line.strip()]
+        lines = [line for text in texts for line in _lines(text)]
         pairs = []
         for line in lines:
             left, sign, right = line.partition("=")
@@ -82,6 +83,14 @@ def _sides(given: object, where: str) -> list[tuple[object, object]]:
     if len(pairs) > MOST.equations:
         raise LimitError(f"{where}: {len(pairs)} equations; the limit is {MOST.equations}.")
     return pairs
+
+
+def _lines(text: str) -> list[str]:
+    """Equations with semicolons, line ends, commas or a word between; numbers before them go."""
+    text = text.replace("==", "=").replace("\\\\", ";")
+    parts = re.split(r"[;\n]|\band\b", text)
+    lines = [line for part in parts for line in split_outside(part, ",")]
+    return [re.sub(r"^\s*(?:\(?[0-9][.)]\s)", "", line) for line in lines if line.strip()]
 
 
 def _explicit(

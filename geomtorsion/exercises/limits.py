@@ -25,7 +25,8 @@ ANSWER = Limits(characters=4000, depth=30, exponent=24, digits=80)
 class Most:
     """How much is read, compared and shown.
 
-    characters: of one answer with all its components. entries: of one answer. equations: of one.
+    characters: of one answer with all its components. entries: of one answer.
+    levels: of lists inside one another, more than any tensor here has indices. equations: of one.
     terms: of an answer, multiplied out; equation_terms: of one of several equations, which are
     combined to solve them. roots: different ones. argument: size of a constant that a function is
     taken of; power: to which a constant may be raised, if it is no whole number.
@@ -36,6 +37,7 @@ class Most:
 
     characters: int = 20_000
     entries: int = 500
+    levels: int = 6
     equations: int = 12
     terms: int = 5_000_000
     equation_terms: int = 5000
@@ -160,13 +162,13 @@ def check_constants(text: str, symbols: Collection[str], where: str, limits: Lim
     """
     # What is too deep is refused by the parser proper, which says so.
     with contextlib.suppress(RecursionError, MemoryError):
-        _estimate(parse(Source(text, where), symbols, limits), symbols, where)
+        _estimate(parse(Source(text, where), symbols, limits, decimals=True), symbols, where)
 
 
 def _estimate(node: Node, symbols: Collection[str], where: str) -> complex | None:
     """The value of a part as a float; None for what contains a symbol or has no value."""
     if node.kind == "number":
-        return _computed(complex, int(node.text))
+        return _computed(complex, float(node.text))
     if node.kind == "name":
         return None if node.text in symbols else _CONSTANTS.get(node.text)
     values = [_estimate(part, symbols, where) for part in node.parts]

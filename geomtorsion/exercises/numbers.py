@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 # Unit -> what it measures, and its size.
 UNITS: Mapping[str, tuple[str, float]] = MappingProxyType(
     {
-        "rad": ("angle", 1.0), "mrad": ("angle", 1e-3), "deg": ("angle", pi / 180),
+        "rad": ("angle", 1.0), "radian": ("angle", 1.0), "radians": ("angle", 1.0),
+        "mrad": ("angle", 1e-3), "deg": ("angle", pi / 180),
         "degree": ("angle", pi / 180), "degrees": ("angle", pi / 180), "°": ("angle", pi / 180),
         "turn": ("angle", 2 * pi), "turns": ("angle", 2 * pi),
         "s": ("time", 1.0), "ms": ("time", 1e-3), "min": ("time", 60.0),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from geomtorsion.checks import cut
 from geomtorsion.exercises.question import Question
 
 _NAME = re.compile(r"(\S+) is neither a coordinate nor a declared parameter$", re.MULTILINE)
@@ -85,8 +86,10 @@ def shown_name(text: str) -> str:
     return re.sub(r"(\w+?)_(d{1,2})\b", lambda match: match[1] + "'" * len(match[2]), text)
 
 
-def advice(question: Question, message: str) -> str:
+def advice(question: Question, message: str, given: str = "") -> str:
     """A message of the parser, with advice that fits an answer, in which nothing can be declared.
+
+    given: what was written; it is shown where the message shows something else, as it was read.
 
     Examples
     --------
@@ -100,4 +103,8 @@ def advice(question: Question, message: str) -> str:
     message = _NAME.sub(r"\1 is no name that occurs in this answer", message)
     message = _DECLARE.sub(allowed, message)
     message = _FUNCTION.sub("Write it with sin, cos, tan, exp, log, sqrt and the like.", message)
-    return _SMALLER.sub("Write a smaller one.", message)
+    message = _SMALLER.sub("Write a smaller one.", shown_name(message))
+    lines = message.splitlines()
+    if len(lines) < 2 or not given or cut(given, 80) in lines[1]:
+        return message
+    return f"{message}\nThat is how your answer was read: {cut(given, 80)}"

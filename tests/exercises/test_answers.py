@@ -4,8 +4,9 @@ import pytest
 import sympy as sp
 
 from geomtorsion.errors import ExpressionError, LimitError
-from geomtorsion.exercises.answers import answer_text, components, expression, index, rational
+from geomtorsion.exercises.answers import answer_text, components, expression
 from geomtorsion.exercises.domain import Domain
+from geomtorsion.exercises.entries import index
 from geomtorsion.exercises.equations import equations
 from geomtorsion.exercises.numbers import numbers
 from geomtorsion.exercises.prompts import plain_name
@@ -23,7 +24,7 @@ def question(kind="expression", **more) -> Question:
 
 def test_decimals_are_exact():
     """0.1 is a tenth."""
-    assert rational("0.1 + 2.5e-2*x") == "(1/10) + (25/1000)*x"
+    assert expression(question(), "0.1 + 2.5e-2*x", "q") == sp.Rational(1, 10) + x / 40
     assert expression(question(), "0.1*3 - 0.3", "q") == 0
     assert expression(question(), "x^0.5", "q") == sp.sqrt(x)
     assert plain_name("phi1' + r''") == "phi1_d + r_dd"
