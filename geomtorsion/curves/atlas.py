@@ -12,14 +12,19 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion.codegen import Graph, graph, numpy_function
+from geomtorsion.curves.map_functions import DIGITS, FLOATS, MapFunctions
 from geomtorsion.curves.matrix import ElementMatrix
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.exact import Element, Field
 from geomtorsion.exact.tower import Tower
 from geomtorsion.ode.numbers import Real, mpf
+from geomtorsion.precision import working_precision
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
+
+# (functions, coordinates of the source, parameters by name) -> coordinates of the target
+Written = Callable[[MapFunctions, Sequence[Any], Mapping[str, Any]], Sequence[Any]]
 
 Rows = tuple[tuple[tuple[int, Element], ...], ...]
 
@@ -36,6 +41,7 @@ class Chart:
     edge: an element that vanishes where the chart ends; None if it does not end.
     margin: below this value of |edge| the solver moves over to another chart.
     kept: an element that equals one everywhere (redundant charts).
+    end: where motions end that do not come to the edge, in words.
     """
 
     name: str
@@ -46,6 +52,7 @@ class Chart:
     edge: Element | None = None
     margin: float = 0.0
     kept: Element | None = None
+    end: str = ""
 
     @property
     def field(self) -> Tower:
@@ -99,6 +106,7 @@ class Chart:
         edge: Any = None,
         margin: float = 0.0,
         keeps_frame: bool = True,
+        end: str = "",
     ) -> Chart:
         """The chart of a frame.
 
@@ -111,7 +119,7 @@ class Chart:
         rows = frame.legs.components.rows
         element = None if edge is None else frame.field.read(edge, "edge of the chart")
         name = name or frame.name or "home"
-        return cls(name, frame.coordinates, rows, frame, keeps_frame, element, margin)
+        return cls(name, frame.coordinates, rows, frame, keeps_frame, element, margin, end=end)
 
     @classmethod
     def redundant(
@@ -151,6 +159,7 @@ class TransitionMap:
     expressions: the coordinates of the target, in symbols of the source and parameters.
     angles: indices of target coordinates that count modulo 2 pi.
     sample: values of symbols where the map is defined, to choose branches of roots and logs.
+    written: the same map in a form in which no digits cancel; None: as the expressions say.
     """
 
     source: str
@@ -160,6 +169,7 @@ class TransitionMap:
     parameters: tuple[sp.Symbol, ...] = ()
     angles: tuple[int, ...] = ()
     sample: Mapping[sp.Symbol, Any] | None = None
+    written: Written | None = None
 
     @cached_property
     def elements(self) -> list[Element]:
@@ -185,7 +195,13 @@ class TransitionMap:
 
     def __call__(self, coordinates: Any, parameters: Mapping[str, Real]) -> np.ndarray:
         """Target coordinates of points with shape (size, ...)."""
-        return self._function(*coordinates, *(float(parameters[p.name]) for p in self.parameters))
+        numbers = {p.name: float(parameters[p.name]) for p in self.parameters}
+        if self.written is None:
+            return self._function(*coordinates, *numbers.values())
+        place = [np.asarray(x, dtype=float) for x in coordinates]
+        # Outside of the source chart there are no values; whoever asked looks at what came.
+        with np.errstate(all="ignore"):
+            return np.array(np.broadcast_arrays(*self.written(FLOATS, place, numbers)))
 
     def precisely(
         self, values: Sequence[Real], parameters: Mapping[str, Real], bits: int
@@ -193,7 +209,14 @@ class TransitionMap:
         """Target coordinates of one point as mpmath numbers."""
         names = [symbol.name for symbol in self.coordinates]
         point = {name: mpf(x, bits) for name, x in zip(names, values, strict=True)}
-        point |= {p.name: mpf(parameters[p.name], bits) for p in self.parameters}
+        numbers = {p.name: mpf(parameters[p.name], bits) for p in self.parameters}
+        if self.written is not None:
+            with working_precision(2 * bits):
+                found = self.written(DIGITS, list(point.values()), numbers)
+            if any(isinstance(x, mpmath.mpc) for x in found):
+                raise ArithmeticError(f"no point of chart {self.target!r} corresponds")
+            return [mpf(x, bits) for x in found]
+        point |= numbers
         return [element.evaluate(point, max(bits, 54)) for element in self.elements]
 
 

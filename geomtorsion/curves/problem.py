@@ -330,7 +330,8 @@ class CurveProblem:
         """Where a motion ended, why, and what can be done."""
         segment = trajectory.segments[-1]
         label = segment.label
-        names = self.atlas.chart(label).names if label else self.equations("").velocities
+        chart = self.atlas.chart(label) if label else None
+        names = chart.names if chart else self.equations("").velocities
         last = floats(segment.last)[: len(names)]
         pairs = zip(names, last, strict=True)
         place = ", ".join(f"{name} = {x:.6g}" for name, x in pairs if math.isfinite(x))
@@ -345,8 +346,8 @@ class CurveProblem:
             advice = f"Allow another chart of {', '.join(self.atlas.makers)}, or stop earlier."
         return ChartEdgeError(
             f"the motion stops at t = {trajectory.reached / self.time_unit:.6g}, at {place}: "
-            f"chart {label!r} ends there ({trajectory.reason}). {advice} What was computed is in "
-            "the error's `solution`."
+            f"chart {label!r} ends there ({trajectory.reason}). {chart.end if chart else ''}"
+            f"{advice} What was computed is in the error's `solution`."
         )
 
     # -- reading a solution ----------------------------------------------------------------------

@@ -7,7 +7,8 @@ from collections.abc import Callable
 from geomtorsion.curves.atlas import Atlas, single
 from geomtorsion.geometry import Frame
 from geomtorsion.spaces.atlas_curvilinear import cartesian, sphere
-from geomtorsion.spaces.atlas_holes import kerr, schwarzschild
+from geomtorsion.spaces.atlas_holes import schwarzschild
+from geomtorsion.spaces.atlas_kerr import kerr
 from geomtorsion.spaces.atlas_rotations import EULER, rotations
 from geomtorsion.spaces.space import Space
 

@@ -1,0 +1,299 @@
+"""atlas_kerr: charts of Kerr's space through the horizons and over the axis."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import sympy as sp
+
+from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap, Written
+from geomtorsion.curves.map_functions import MapFunctions
+from geomtorsion.curves.transition import GAIN
+from geomtorsion.geometry import Frame
+
+# Ingoing angles are left where the sine of the colatitude is below this.
+AXIS = 0.1
+# Either stereographic chart may be entered at the equator, where its edge is at one.
+FAR = 1 / (2 * GAIN)
+# Where motions in ingoing coordinates end, though the coordinates are good there for others.
+OUTWARDS = (
+    "Ingoing coordinates end at the ring r = 0, theta = pi/2, and they grow without bound where a "
+    "motion leaves through a horizon outwards. "
+)
+
+# Names of the charts, and of the coordinates of each.
+INGOING = sp.symbols("v r_in theta_in phi_in", real=True)
+NORTH = sp.symbols("v_n r_n x_n y_n", real=True)
+SOUTH = sp.symbols("v_s r_s x_s y_s", real=True)
+CARTESIAN = sp.symbols("T x_ y_ z_", real=True)
+
+Values = Sequence[Any]
+Numbers = Mapping[str, Any]
+
+
+def kerr(frame: Frame) -> Atlas:
+    """Ingoing Kerr coordinates: through the horizons; with stereographic angles over the axis, too.
+
+    Kerr-Schild coordinates are for reading: their square roots cancel near the axis, so that no
+    motion is followed in them unless they are named.
+    """
+    mass, a = frame.parameters
+    makers = {
+        "kerr": lambda: Chart.of(frame, edge=_home_edge(frame), margin=AXIS / 2),
+        "ingoing": lambda: _ingoing(mass, a),
+        "ingoing_north": lambda: _stereographic(mass, a, NORTH, 1, "ingoing_north"),
+        "ingoing_south": lambda: _stereographic(mass, a, SOUTH, -1, "ingoing_south"),
+        "kerr_schild": lambda: _kerr_schild(mass, a),
+    }
+
+    def maps() -> tuple[TransitionMap, ...]:
+        return (*_to_and_from_ingoing(frame), *_over_the_axis(a), *_to_and_from_cartesian(a))
+
+    followed = ("kerr", "ingoing", "ingoing_north", "ingoing_south")
+    return Atlas("kerr", makers, maps, followed)
+
+
+# -- charts ----------------------------------------------------------------------------------------
+
+
+def _home_edge(frame: Frame) -> sp.Expr:
+    _, r, theta, _ = frame.coordinates
+    mass, a = frame.parameters
+    return (1 - 2 * mass / r + a**2 / r**2) * sp.sin(theta)
+
+
+def _null_pair(
+    mass: sp.Symbol, a: sp.Symbol, r: sp.Expr, sigma: sp.Expr, w: Sequence[sp.Expr]
+) -> list[list[sp.Expr]]:
+    """Rows f0, f1 with f1^2 - f0^2 = -Delta/Sigma w^2 + 2 w dr for w = dv - a sin^2 dphi."""
+    delta = r**2 - 2 * mass * r + a**2
+    other = [-delta / (2 * sigma) * x for x in w]
+    other[1] += 1
+    half = sp.Rational(1, 2)
+    return [
+        [half * x - y for x, y in zip(w, other, strict=True)],
+        [half * x + y for x, y in zip(w, other, strict=True)],
+    ]
+
+
+def _ingoing(mass: sp.Symbol, a: sp.Symbol) -> Chart:
+    """Ingoing Kerr coordinates v, r, theta, phi."""
+    _, r, theta, _ = INGOING
+    s = sp.sin(theta)
+    sigma = r**2 + a**2 * sp.cos(theta) ** 2
+    long = sp.sqrt(sigma)
+    entries = [
+        *_null_pair(mass, a, r, sigma, [sp.S.One, sp.S.Zero, sp.S.Zero, -a * s**2]),
+        [0, 0, long, 0],
+        [-a * s / long, 0, 0, (r**2 + a**2) * s / long],
+    ]
+    frame = Frame(INGOING, entries, signature=(-1, 1, 1, 1), parameters=(mass, a), name="ingoing")
+    return Chart.of(frame, keeps_frame=False, edge=s, margin=AXIS, end=OUTWARDS)
+
+
+def _stereographic(
+    mass: sp.Symbol, a: sp.Symbol, q: tuple[sp.Symbol, ...], side: int, name: str
+) -> Chart:
+    """Ingoing coordinates with x + i y = tan(theta/2) exp(i phi), or its cotangent in the south.
+
+    With h = 1 + x^2 + y^2 the sphere is 4 (dx^2 + dy^2) / h^2 and sin^2 dphi is
+    4 (x dy - y dx) / h^2: all is rational but the length of the legs, and nothing ends at the pole.
+    """
+    _, r, x, y = q
+    h = 1 + x**2 + y**2
+    cosine = side * (2 - h) / h
+    sigma = r**2 + a**2 * cosine**2
+    w = [sp.S.One, sp.S.Zero, 4 * a * y / h**2, -4 * a * x / h**2]
+    scale = 2 * sp.sqrt(sigma) / h
+    along = [scale * a * y / sigma * k for k in w]
+    across = [-scale * a * x / sigma * k for k in w]
+    along[2] += scale
+    across[3] += scale
+    frame = Frame(
+        q,
+        [*_null_pair(mass, a, r, sigma, w), along, across],
+        signature=(-1, 1, 1, 1),
+        parameters=(mass, a),
+        name=name,
+    )
+    return Chart.of(frame, keeps_frame=False, edge=2 / h, margin=FAR, end=OUTWARDS)
+
+
+def _kerr_schild(mass: sp.Symbol, a: sp.Symbol) -> Chart:
+    """g = eta + 2 H l l in T = v - r and x + i y = (r + i a) sin(theta) exp(i phi_in)."""
+    _, x, y, z = CARTESIAN
+    radius, root = _spheroid(a)
+    across = radius**2 + a**2
+    lower = [sp.S.One, (radius * x + a * y) / across, (radius * y - a * x) / across, z / radius]
+    upper = [-sp.S.One, *lower[1:]]
+    entries = [
+        [sp.Integer(i == j) + mass * radius / root * upper[i] * lower[j] for j in range(4)]
+        for i in range(4)
+    ]
+    frame = Frame(
+        CARTESIAN, entries, signature=(-1, 1, 1, 1), parameters=(mass, a), name="kerr_schild"
+    )
+    return Chart.of(frame, keeps_frame=False, end=OUTWARDS)
+
+
+def _spheroid(a: sp.Symbol) -> tuple[sp.Expr, sp.Expr]:
+    """r and r^2 + a^2 cos^2(theta) over Kerr-Schild coordinates."""
+    _, x, y, z = CARTESIAN
+    excess = x**2 + y**2 + z**2 - a**2
+    root = sp.sqrt(excess**2 + 4 * a**2 * z**2)
+    return sp.sqrt((excess + root) / 2), root
+
+
+# -- Boyer-Lindquist and ingoing -------------------------------------------------------------------
+
+
+def _to_and_from_ingoing(frame: Frame) -> tuple[TransitionMap, TransitionMap]:
+    """v = t + r*, phi_in = phi + r#, outside the outer horizon."""
+    t, r, theta, phi = frame.coordinates
+    mass, a = frame.parameters
+    v, radius, polar, turned = INGOING
+    gap = sp.sqrt(mass**2 - a**2)
+    outer, cauchy = mass + gap, mass - gap
+
+    def delay(x: sp.Expr) -> sp.Expr:
+        terms = outer * sp.log(x - outer) - cauchy * sp.log(x - cauchy)
+        return x + mass / gap * terms
+
+    def lag(x: sp.Expr) -> sp.Expr:
+        return a / (2 * gap) * (sp.log(x - outer) - sp.log(x - cauchy))
+
+    there = (t + delay(r), r, theta, phi + lag(r))
+    back = (v - delay(radius), radius, polar, turned - lag(radius))
+    numbers = {mass: 1, a: sp.Rational(1, 2)}
+    samples = [
+        dict(zip(q, (0, 5, 1, 1), strict=True)) | numbers for q in (frame.coordinates, INGOING)
+    ]
+
+    def inwards(f: MapFunctions, q: Values, p: Numbers) -> Values:
+        delayed, lagged = _tortoise(f, q[1], p[mass.name], p[a.name])
+        return q[0] + delayed, q[1], q[2], q[3] + lagged
+
+    def outwards(f: MapFunctions, q: Values, p: Numbers) -> Values:
+        delayed, lagged = _tortoise(f, q[1], p[mass.name], p[a.name])
+        return q[0] - delayed, q[1], q[2], q[3] - lagged
+
+    both = mass, a
+    return (
+        TransitionMap("kerr", "ingoing", frame.coordinates, there, both, (), samples[0], inwards),
+        TransitionMap("ingoing", "kerr", INGOING, back, both, (3,), samples[1], outwards),
+    )
+
+
+def _tortoise(f: MapFunctions, r: Any, mass: Any, a: Any) -> tuple[Any, Any]:
+    """r* = r + M log(Delta) - 2 M^2 A and r# = -a A, A = artanh(g / (r - M)) / g.
+
+    g = sqrt(M^2 - a^2). The logarithms of r - r_+ and r - r_- with weights r_+ / g and r_- / g
+    are the same, but cancel where the horizons are near each other; here A tends to 1 / (r - M).
+    """
+    gap = f.sqrt((mass - a) * (mass + a))
+    depth = r - mass
+    shell = f.log(depth - gap) + f.log(depth + gap)
+    area = 1 / depth if gap == 0 else f.atanh(gap / depth) / gap
+    return r + mass * shell - 2 * mass * mass * area, -a * area
+
+
+# -- over the axis ---------------------------------------------------------------------------------
+
+
+def _over_the_axis(a: sp.Symbol) -> tuple[TransitionMap, ...]:
+    """Between ingoing angles, the two stereographic charts and Kerr-Schild coordinates."""
+    v, r, theta, phi = INGOING
+    s, c = sp.sin(theta), sp.cos(theta)
+    found = []
+    numbers = {a: sp.Rational(1, 2)}
+    for name, q, side in (("ingoing_north", NORTH, 1), ("ingoing_south", SOUTH, -1)):
+        w, radius, x, y = q
+        share = s / (1 + side * c)
+        there = (v, r, share * sp.cos(phi), share * sp.sin(phi))
+        square = x**2 + y**2
+        polar = sp.atan2(2 * sp.sqrt(square), side * (1 - square))
+        back = (w, radius, polar, sp.atan2(y, x))
+        angles = dict(zip(INGOING, (0, 5, 1, 1), strict=True))
+        here = dict(zip(q, (0, 5, sp.Rational(1, 2), sp.Rational(1, 3)), strict=True))
+        h = 1 + square
+        cartesian = (
+            w - radius,
+            2 * (radius * x - a * y) / h,
+            2 * (radius * y + a * x) / h,
+            side * radius * (1 - square) / h,
+        )
+        found += [
+            TransitionMap("ingoing", name, INGOING, there, (), (), angles, _half_angle(side)),
+            TransitionMap(name, "ingoing", q, back, (), (3,), here),
+            TransitionMap(name, "kerr_schild", q, cartesian, (a,), (), here | numbers),
+        ]
+    names = ("ingoing_north", NORTH), ("ingoing_south", SOUTH)
+    for (one, q), (other, _) in (names, names[::-1]):
+        w, radius, x, y = q
+        turned = (w, radius, x / (x**2 + y**2), y / (x**2 + y**2))
+        found.append(TransitionMap(one, other, q, turned))
+    return tuple(found)
+
+
+def _half_angle(side: int) -> Written:
+    """From ingoing angles to x + i y = tan(theta/2) exp(i phi), or its cotangent in the south."""
+
+    def written(f: MapFunctions, q: Values, _: Numbers) -> Values:
+        v, r, theta, phi = q
+        s, c = f.sin(theta / 2), f.cos(theta / 2)
+        share = s / c if side > 0 else c / s
+        return v, r, share * f.cos(phi), share * f.sin(phi)
+
+    return written
+
+
+def _to_and_from_cartesian(a: sp.Symbol) -> tuple[TransitionMap, TransitionMap]:
+    """Between ingoing angles and Kerr-Schild coordinates."""
+    v, r, theta, phi = INGOING
+    T, x, y, z = CARTESIAN
+    s = sp.sin(theta)
+    out = (
+        v - r,
+        s * (r * sp.cos(phi) - a * sp.sin(phi)),
+        s * (r * sp.sin(phi) + a * sp.cos(phi)),
+        r * sp.cos(theta),
+    )
+    radius, _ = _spheroid(a)
+    distance = sp.sqrt(x**2 + y**2)
+    polar = sp.atan2(distance / sp.sqrt(radius**2 + a**2), z / radius)
+    back = (T + radius, radius, polar, sp.atan2(y, x) - sp.atan2(a, radius))
+    numbers = {a: sp.Rational(1, 2)}
+    here = dict(zip(CARTESIAN, (0, 3, 2, 3), strict=True)) | numbers
+    there = dict(zip(INGOING, (0, 5, 1, 1), strict=True)) | numbers
+
+    def written(f: MapFunctions, q: Values, p: Numbers) -> Values:
+        return _spheroidal(f, q, p[a.name])
+
+    return (
+        TransitionMap("ingoing", "kerr_schild", INGOING, out, (a,), (), there),
+        TransitionMap("kerr_schild", "ingoing", CARTESIAN, back, (a,), (3,), here, written),
+    )
+
+
+def _spheroidal(f: MapFunctions, q: Values, a: Any) -> Values:
+    """v, r, theta, phi over T, x, y, z: oblate spheroids about the ring of radius a.
+
+    The distances d, d' from the ring's far and near side have d d' = Sigma and
+    (d + d') / 2 = sqrt(r^2 + a^2). Of r^2 and (a cos)^2, whose difference is known, the larger one
+    is a sum; the other one follows from their product (a z)^2.
+    """
+    time, x, y, z = q
+    distance = f.hypot(x, y)
+    far, near = f.hypot(distance + a, z), f.hypot(distance - a, z)
+    excess = (distance - a) * (distance + a) + z * z
+    outside = excess >= 0
+    larger = f.sqrt((far * near + f.choose(outside, excess, -excess)) / 2)
+    smaller = a * z / f.choose(larger == 0, 1, larger)
+    r = f.choose(outside, larger, f.choose(z < 0, -smaller, smaller))
+    # a cos(theta) is z a / r outside, and the larger one with the sign of z inside.
+    scaled = f.choose(outside, z, f.choose(z < 0, -larger, larger))
+    unit = f.choose(outside, f.choose(outside, larger, 1), a)
+    cosine = scaled / f.choose(unit == 0, 1, unit)
+    polar = f.atan2(2 * distance / (far + near), cosine)
+    return time + r, r, polar, f.atan2(y, x) - f.atan2(a, r)
