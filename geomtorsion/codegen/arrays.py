@@ -1,4 +1,4 @@
-"""Arrays: elements as one function of arrays, which says where a value is not finite."""
+"""Arrays: elements as one function of arrays, which is right or says where it is not."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from geomtorsion.checks import entries, instance, shown
 from geomtorsion.codegen.expression_graph import graph
+from geomtorsion.codegen.settled import Settled
 from geomtorsion.errors import ArgumentError, MissingValueError, SingularPointError
 from geomtorsion.exact.element import Element
 
@@ -26,19 +27,22 @@ def numpy_function(
     symbols
         the arguments in order: sympy symbols, or unknown functions such as f(r).
     check
-        whether a value that is not finite raises instead of being returned.
+        whether values are right, or raise; False: as they come, spoilt or not finite.
 
     Returns
     -------
     Function of len(symbols) numbers or arrays of one shape; it returns an array of shape
-    (k, *shape).  Its source is kept in the attribute `source`.
+    (k, *shape).  Its source is kept in the attribute `source`.  Values are right to 1e-12 of
+    themselves: where rounding may leave fewer digits, as beside a removable singularity or a zero,
+    they are worked out with as many more as it takes.
 
     Raises
     ------
     MissingValueError
         an element contains a symbol that is not among the arguments.
     SingularPointError
-        (from the function) a value is not finite; the message names element and point.
+        (from the function) a value is not finite, or drowns in rounding however many digits are
+        taken; the message names element and point.
 
     Examples
     --------
@@ -55,7 +59,14 @@ def numpy_function(
     for k, element in enumerate(elements):
         instance(element, Element, f"elements[{k}]")
     made = graph([str(symbol) for symbol in symbols], elements, factor=False)
-    inner = made.numpy()
+    inner, settled = made.numpy(), Settled(made)
+
+    def last_resort(k: int, point: tuple[float | complex, ...]) -> float | complex | None:
+        try:
+            value = elements[k].evaluate(dict(zip(symbols, point, strict=True)))
+        except (SingularPointError, ZeroDivisionError, ValueError):
+            return None
+        return value if np.isfinite(value) else None
 
     def function(*values: ArrayLike) -> np.ndarray:
         if len(values) != len(symbols):
@@ -64,14 +75,18 @@ def numpy_function(
                 f"{len(values)} came"
             )
         try:
-            result = inner(*values)
+            if not check:
+                return inner(*values)
+            result, doubtful = settled(*values)
         except (TypeError, ValueError):
             came = shown(values)
             raise ArgumentError(
                 f"numbers or arrays of one shape were needed, {came} came"
             ) from None
-        if check and not np.isfinite(result).all():
-            raise SingularPointError(_where_singular(result, values, elements, symbols))
+        if doubtful.any():
+            lost = settled.mend(result, doubtful, values, last_resort)
+            if lost is not None:
+                raise SingularPointError(_where_singular(lost, values, elements, symbols))
         return result
 
     # Functions have room for attributes of their own, which types do not say.
@@ -80,13 +95,12 @@ def numpy_function(
 
 
 def _where_singular(
-    result: np.ndarray,
+    first: tuple[int, ...],
     values: Sequence[ArrayLike],
     elements: Sequence[Element],
     symbols: Sequence[sp.Expr],
 ) -> str:
-    """The message that names the first value that is not finite."""
-    first = tuple(int(i) for i in np.argwhere(~np.isfinite(result))[0])
+    """The message that names the first value that there is not."""
     broad = np.broadcast_arrays(*values)
     point = ", ".join(
         f"{symbol} = {array[first[1:]]:.6g}" for symbol, array in zip(symbols, broad, strict=True)

@@ -19,7 +19,7 @@ def jacobian(
 
     Derivatives are carried forward from step to step; what is zero is never written.
     """
-    work = _Forward(steps, positions)
+    work = Forward(steps, positions)
     for place, step in enumerate(steps):
         work.slopes.append(work.of_step(place, step))
     zero = work.builder.number(Fraction(0))
@@ -32,7 +32,7 @@ def jacobian(
     return work.builder.needed(found)
 
 
-class _Forward:
+class Forward:
     """Steps with their derivatives; places of the first steps are those of the old ones."""
 
     def __init__(self, steps: Sequence[Step], positions: Sequence[int]) -> None:
@@ -86,6 +86,16 @@ class _Forward:
     def _divided(self, slopes: Slopes, below: int, sign: int = 1) -> Slopes:
         found = {j: self._over(slope, below) for j, slope in slopes.items()}
         return {j: (sign * turn, place) for j, (turn, place) in found.items()}
+
+    def partials(self, place: int, step: Step) -> Slopes:
+        """The derivatives of a call with respect to its operands, by their number.
+
+        Raises
+        ------
+        ExpressionError
+            the function has no derivative here.
+        """
+        return self._of_call(place, step, [{k: (1, self._one)} for k in range(len(step.operands))])
 
     def of_step(self, place: int, step: Step) -> Slopes:
         """The derivatives of a step."""

@@ -13,12 +13,14 @@ class Names:
     numpy: of numpy, or of scipy.special.
     mpmath: of mpmath.
     heyoka: of heyoka.
+    roundings: to how many of them NumPy and SciPy are right.
     """
 
     math: str
     numpy: str
     mpmath: str
     heyoka: str = ""
+    roundings: int = 4
 
 
 def _plain(name: str, numpy: str = "") -> Names:
@@ -37,14 +39,14 @@ FUNCTIONS = {
     "ceiling": Names("ceil", "ceil", "ceil"),
     "Max": Names("max", "maximum", "max"),
     "Min": Names("min", "minimum", "min"),
-    "erf": Names("erf", "erf", "erf"),
-    "erfc": Names("erfc", "erfc", "erfc"),
-    "erfi": Names("erfi", "erfi", "erfi"),
-    "gamma": Names("gamma", "gamma", "gamma"),
-    "loggamma": Names("lgamma", "gammaln", "loggamma"),
-    "besselj": Names("jv", "jv", "besselj"),
-    "bessely": Names("yv", "yv", "bessely"),
-    "besseli": Names("iv", "iv", "besseli"),
-    "besselk": Names("kv", "kv", "besselk"),
-    "Ei": Names("expi", "expi", "ei"),
+    "erf": Names("erf", "erf", "erf", roundings=16),
+    "erfc": Names("erfc", "erfc", "erfc", roundings=16),
+    "erfi": Names("erfi", "erfi", "erfi", roundings=16),
+    "gamma": Names("gamma", "gamma", "gamma", roundings=16),
+    "loggamma": Names("lgamma", "gammaln", "loggamma", roundings=16),
+    "besselj": Names("jv", "jv", "besselj", roundings=16),
+    "bessely": Names("yv", "yv", "bessely", roundings=16),
+    "besseli": Names("iv", "iv", "besseli", roundings=16),
+    "besselk": Names("kv", "kv", "besselk", roundings=16),
+    "Ei": Names("expi", "expi", "ei", roundings=16),
 }  # fmt: skip

@@ -22,9 +22,6 @@ from geomtorsion.precision import working_precision
 if TYPE_CHECKING:
     from geomtorsion.curves.problem import CurveProblem
 
-# Bits in which whole turns are taken off angles of any number of digits.
-TURN_BITS = 1000
-
 
 def moment(
     problem: CurveProblem,
@@ -130,7 +127,7 @@ def _turned(problem: CurveProblem, source: str, target: str, q: np.ndarray) -> n
         if bits == 53:
             q[:, k] -= 2 * np.pi * turns
             continue
-        with working_precision(TURN_BITS):
+        with working_precision(2 * bits):
             shifts = [2 * mpmath.pi * int(turn) for turn in turns]
         q[:, k] -= Taylor(bits).array(shifts)
     return q

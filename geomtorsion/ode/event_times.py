@@ -6,15 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geomtorsion.codegen.settled import BLOCK
 from geomtorsion.errors import ExpressionError
 from geomtorsion.ode.roots import crossings
 from geomtorsion.ode.trajectory import close_times
 
 if TYPE_CHECKING:
     from geomtorsion.ode.solution import Solution
-
-# So many places are looked at together.
-BLOCK = 65_536
 
 
 def event_times(solution: Solution, term: object, direction: int = 0) -> np.ndarray:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import sympy as sp
 
 from geomtorsion.codegen import graph
+from geomtorsion.codegen.evaluation import EXACT_BITS
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.precision import working_precision
 from geomtorsion.scenes.assembly import WORK, Assembly, by_quaternion
@@ -19,10 +20,9 @@ from geomtorsion.scenes.context import ATTITUDE, QUATERNION, TIME, VERTICAL
 if TYPE_CHECKING:
     from geomtorsion.scenes.selection import StateSelection
 
-# With fractions a rate is zero exactly; with roots and functions so many bits are worked out, and a
-# rate that is below its terms by half of them counts as zero.
-BITS = 400
-NOTHING = 0.5 ** (BITS // 2)
+# With fractions a rate is zero exactly; with roots and functions a rate that is below its terms by
+# half of the bits that are worked out counts as zero.
+NOTHING = 0.5 ** (EXACT_BITS // 2)
 
 
 def invariants(
@@ -99,8 +99,8 @@ def is_constant(assembly: Assembly, quantity: sp.Expr) -> bool:
             here = [place.get(name, _number(chance)) for name in names]
             if not all(map(math.isfinite, made_of.numpy()(*[float(x) for x in here]).tolist())):
                 return False  # More digits of exp(exp(exp(...))) would take for ever.
-            values = made_of.exactly(here, BITS)
-            with working_precision(BITS):
+            values = made_of.exactly(here)
+            with working_precision(EXACT_BITS):
                 total = abs(sum(values[1:], values[0]))
                 if total > NOTHING * max(abs(value) for value in values):
                     return False
