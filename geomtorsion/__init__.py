@@ -19,6 +19,7 @@ from geomtorsion.geometry import (
     from_coefficients,
     from_contortion,
     from_spin_connection,
+    from_torsion,
     identities,
     levi_civita,
 )
@@ -225,6 +226,7 @@ __all__ = [
     "from_coefficients",
     "from_contortion",
     "from_spin_connection",
+    "from_torsion",
     "geodesic",
     "geodesic_deviation",
     "holonomy",

@@ -33,7 +33,7 @@ ROOT = TESTS.parent
 # Lowest floor first; packages on one floor do not know each other.
 FLOORS = (
     ("errors",),
-    ("conventions", "checks", "precision"),
+    ("conventions", "checks", "copies", "precision"),
     ("files",),
     ("exact",),
     ("codegen",),

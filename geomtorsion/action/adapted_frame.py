@@ -94,7 +94,8 @@ def _reframed(frame: Frame, coframe: Mapping[tuple[int, int], Element]) -> Frame
     opened = Opened(frame.coordinates, frame.parameters, frame.domain, frame.complex, frame.field)
     # A frame of its own field would not know the symbols of the velocities.
     adapted: Frame = object.__new__(Frame)
-    adapted.fill(opened, frame.name, {"coframe": entries, "eta": dict(frame.given["eta"])})
+    given = {"coframe": entries, "eta": dict(frame.given["eta"])}
+    adapted.fill(opened, frame.name, given, ("coframe", dict(entries)))
     return adapted
 
 

@@ -21,6 +21,7 @@ from geomtorsion.codegen.python_code import Body, compiled, python_body, python_
 from geomtorsion.codegen.reading import Output, Reader
 from geomtorsion.codegen.steps import Signed, Step
 from geomtorsion.codegen.term_sizes import term_sizes
+from geomtorsion.copies import only_fields
 
 
 def graph(
@@ -87,6 +88,8 @@ class Graph:
     steps: tuple[Step, ...] = field(repr=False)
     outputs: tuple[Signed, ...]
     is_complex: bool = False
+
+    __getstate__ = only_fields
 
     @property
     def size(self) -> int:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import mpmath
@@ -12,6 +12,7 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion.codegen import Graph, graph, numpy_function
+from geomtorsion.copies import only_fields
 from geomtorsion.curves.map_functions import DIGITS, FLOATS, MapFunctions
 from geomtorsion.curves.matrix import ElementMatrix
 from geomtorsion.errors import UnknownNameError
@@ -53,6 +54,8 @@ class Chart:
     margin: float = 0.0
     kept: Element | None = None
     end: str = ""
+
+    __getstate__ = only_fields
 
     @property
     def field(self) -> Tower:
@@ -171,6 +174,8 @@ class TransitionMap:
     sample: Mapping[sp.Symbol, Any] | None = None
     written: Written | None = None
 
+    __getstate__ = only_fields
+
     @cached_property
     def elements(self) -> list[Element]:
         """The map, read exactly."""
@@ -228,12 +233,22 @@ class Atlas:
     makers: name -> function without arguments that makes the chart.
     changes: function without arguments that makes the maps.
     order: charts by preference; the first in which a law can be stated is used to start.
+    origin: a function and a frame of which it makes this atlas, but for the order; copies are made
+        so. Without it they hold every chart.
     """
 
     home: str
     makers: Mapping[str, Callable[[], Chart]]
     changes: Callable[[], tuple[TransitionMap, ...]]
     order: tuple[str, ...] = ()
+    origin: tuple[Callable[[Frame], Atlas], Frame] | None = None
+
+    def __reduce__(self) -> tuple:
+        if self.origin is not None:
+            return _of_origin, (*self.origin, self.order)
+        charts = {name: partial(_same, self.chart(name)) for name in self.makers}
+        changes = partial(_same, tuple(self._table.values()))
+        return type(self), (self.home, charts, changes, self.order)
 
     @cached_property
     def _charts(self) -> dict[str, Chart]:
@@ -269,7 +284,7 @@ class Atlas:
         for name in names:
             if name not in self.makers:
                 self.chart(name)
-        return Atlas(self.home, self.makers, self.changes, tuple(names))
+        return replace(self, order=tuple(names))
 
     def route(self, source: str, target: str) -> list[TransitionMap]:
         """The maps that lead from one chart to another, in order."""
@@ -289,10 +304,20 @@ class Atlas:
         raise UnknownNameError(f"no map leads from chart {source!r} to chart {target!r}.")
 
 
+def _same(value: Any) -> Any:
+    """What it is given: a maker of something that is made already."""
+    return value
+
+
+def _of_origin(make: Callable[[Frame], Atlas], frame: Frame, order: tuple[str, ...]) -> Atlas:
+    """An atlas from the plain data that `Atlas.__reduce__` gives."""
+    return replace(make(frame), order=order, origin=(make, frame))
+
+
 def single(frame: Frame) -> Atlas:
     """The atlas of a frame that has one chart only."""
     name = frame.name or "home"
-    return Atlas(name, {name: lambda: Chart.of(frame, name)}, tuple)
+    return Atlas(name, {name: lambda: Chart.of(frame, name)}, tuple, origin=(single, frame))
 
 
 def atlas_of(frame: Frame) -> Atlas:

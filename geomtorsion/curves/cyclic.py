@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion.codegen import Graph, Products, graph
+from geomtorsion.copies import only_fields
 from geomtorsion.curves.laws import Momenta, inverted
 from geomtorsion.ode.members import Members, Part
 from geomtorsion.ode.system import System
@@ -56,6 +57,10 @@ class CyclicReduction:
 
     equations: Equations
     momenta: Momenta
+
+    def __getstate__(self) -> Mapping[str, object]:
+        # The graph goes with it, so that a copy gives the same bits.
+        return only_fields(self) | {"_to_velocities": self._to_velocities}
 
     @property
     def _coordinates(self) -> tuple[str, ...]:
@@ -222,6 +227,10 @@ class CyclicReduction:
         found[:width] = columns[:width]
         found[width:] = self._to_velocities.numpy()(*columns, *numbers)
         return found.T.reshape(number, m, len(found))
+
+    def lifted_one(self, parameters: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """Full states, shape (m, size), of the states of one motion."""
+        return self.lifted(states[None], parameters)[0]
 
     def parts(self, members: Members) -> Iterator[Part]:
         """Members of an ensemble by the smaller system, and those that would lose digits."""

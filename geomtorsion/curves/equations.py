@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from geomtorsion.codegen import Graph, Products, graph
+from geomtorsion.copies import only_fields
 from geomtorsion.curves.atlas import Chart
 from geomtorsion.curves.cyclic import CyclicReduction
 from geomtorsion.curves.laws import Law, Momenta
@@ -49,6 +50,8 @@ class Equations:
     constants: Mapping[str, Fraction] = field(default_factory=dict)
     invariants: Mapping[str, Products] = field(default_factory=dict)
     momenta: Momenta | None = None
+
+    __getstate__ = only_fields
 
     @cached_property
     def system(self) -> System:

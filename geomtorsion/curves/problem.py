@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import sympy as sp
 
 from geomtorsion.codegen import graph
+from geomtorsion.copies import only_fields
 from geomtorsion.curves import readout, transition
 from geomtorsion.curves.atlas import Atlas
 from geomtorsion.curves.equations import Equations, written
@@ -67,6 +68,8 @@ class CurveProblem:
     coordinate_velocity: tuple[Real, ...] | None = None
     _written: dict[str, Equations] = field(default_factory=dict, repr=False)
     _stages: dict[tuple[int, float], Stage] = field(default_factory=dict, repr=False, init=False)
+
+    __getstate__ = only_fields
 
     # -- what is to be solved --------------------------------------------------------------------
 
@@ -263,7 +266,7 @@ class CurveProblem:
             system=system,
             start=start[0],
             parameters=numbers[0],
-            lift=lambda states: smaller.lifted(states[None], numbers)[0],
+            lift=partial(smaller.lifted_one, numbers),
             full_start=rows[0][0],
         )
 

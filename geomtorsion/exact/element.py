@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from operator import methodcaller
 from typing import TYPE_CHECKING, Any
 
 from flint import fmpq
@@ -251,6 +252,13 @@ class Element:
     def to_json(self) -> dict[str, Any]:
         """The element as a JSON-ready mapping; `Field.from_json` reads it back."""
         return self._field.to_json(self)
+
+    def __reduce__(self) -> tuple:
+        return methodcaller("read", self.sympy), (self._field,)
+
+    def __deepcopy__(self, _: object) -> Element:
+        """Itself: it never changes."""
+        return self
 
     def __str__(self) -> str:
         return str(self.sympy)

@@ -67,13 +67,26 @@ class Field(Tower):
             raise CoordinateError(f"symbols are repeated in {tuple(symbols)}; name each once")
         super().__init__()
         self.is_complex = complex
+        # The frame that it belongs to, if any: copies of its elements share the field of the copy.
+        self.owner: Any = None
         self.chosen = dict(branches or {})
-        self.sample = GenericPoint(self, sample or {})
+        self._given_sample = dict(sample or {})
+        self.sample = GenericPoint(self, self._given_sample)
         self._add_symbols(symbols)
         if complex:
             # First of all, so that later roots are compared with it.
             self.add(Generator("imaginary", "I", sympy.I, frozenset(), 2, self.rational(-1)))
         self._reader = Reader(self)
+
+    def __reduce__(self) -> tuple:
+        if self.owner is not None:
+            return getattr, (self.owner, "field")
+        given = (self.is_complex, self._given_sample, self.chosen)
+        return _made_again, (self.symbols, *given)
+
+    def __deepcopy__(self, _: object) -> Field:
+        """Itself: it only grows, and growth changes no element."""
+        return self
 
     def declare(self, symbols: Iterable[sympy.Symbol]) -> None:
         """Adds parameters that come up later, such as the share of a blend."""
@@ -151,3 +164,13 @@ class Field(Tower):
     def to_json(self, element: Element) -> dict[str, Any]:
         """An element as a JSON-ready mapping."""
         return to_json(element)
+
+
+def _made_again(
+    symbols: tuple[sympy.Symbol, ...],
+    complex_: bool,
+    sample: Mapping[sympy.Symbol, Value],
+    branches: Mapping[sympy.Expr, sympy.Expr],
+) -> Field:
+    """A field from the plain data that `Field.__reduce__` gives."""
+    return Field(symbols, complex=complex_, sample=sample, branches=branches)

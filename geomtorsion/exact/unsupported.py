@@ -34,6 +34,11 @@ def checked(where: str, value: Any) -> sympy.Expr:
         return sympy.Rational(value.numerator, value.denominator)
     if isinstance(value, int):
         return sympy.Integer(value)
+    if isinstance(value, complex):
+        raise ExpressionError(
+            f"{where}: {value} is a complex floating-point number; write it exactly with sympy.I, "
+            "and declare the frame with complex=True"
+        )
     if isinstance(value, float):
         value = sympy.Float(value)
     if isinstance(value, str):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from geomtorsion.checks import close_names
@@ -37,7 +37,8 @@ class Exercise:
     """An exercise in one variant.
 
     number: "3.2". title, chapter: what it is called and where it stands. level: warm-up, exercise
-    or project. seed: which variant; 0 is the one of the paper. variant: what it says.
+    or project. seed: which variant; 0 is the one of the paper. variant: what it says. loader: makes
+    it from number and seed, which say all; copies are made so.
 
     Examples
     --------
@@ -53,6 +54,10 @@ class Exercise:
     level: str
     seed: int
     variant: Variant
+    loader: Callable[[str, int], Exercise]
+
+    def __reduce__(self) -> tuple:
+        return self.loader, (self.number, self.seed)
 
     @property
     def statement(self) -> str:

@@ -124,7 +124,7 @@ def _loaded(number: str, module: str, title: str, level: str, seed: int) -> Exer
     # Text as seed: the same draws on every platform and for every version of Python.
     draw = Random(f"{number}/{seed}")
     variant = import_module(f"geomtorsion.exercises.{module}").make(draw, seed)
-    return Exercise(number, title, chapter_of(number), level, seed, variant)
+    return Exercise(number, title, chapter_of(number), level, seed, variant, load)
 
 
 def check(number: str, answers: Mapping[str, object] | str, seed: int = 0) -> Verdict:

@@ -7,6 +7,7 @@ from geomtorsion.geometry.connections import (
     from_coefficients,
     from_contortion,
     from_spin_connection,
+    from_torsion,
     levi_civita,
 )
 from geomtorsion.geometry.contraction import contract
@@ -31,6 +32,7 @@ __all__ = [
     "from_coefficients",
     "from_contortion",
     "from_spin_connection",
+    "from_torsion",
     "identities",
     "levi_civita",
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -35,6 +36,7 @@ class Connection:
     name: what it is called.
     kind: "cartan" or "levi-civita" where a shorter way to its curvature is known, "metric" where
         it is metric compatible by its construction, else "general".
+    maker: function that makes it from the frame alone, if there is one: copies are made so.
 
     Examples
     --------
@@ -50,6 +52,7 @@ class Connection:
     coefficients: Tensor
     name: str = "connection"
     kind: str = "general"
+    maker: Callable[[Frame], Connection] | None = None
 
     def __getitem__(self, index: tuple[int, int, int]) -> sp.Expr:
         """Gamma_ab^c as a sympy expression."""
@@ -243,6 +246,16 @@ class Connection:
     def is_torsion_free(self) -> bool | None:
         """Whether the coefficients are symmetric."""
         return self.torsion.S.is_zero
+
+    def __reduce__(self) -> tuple:
+        # The frame gives its own connections anew, which is shorter, and the same to the bit.
+        if self.maker is not None:
+            return self.maker, (self.frame,)
+        return type(self), (self.frame, self.coefficients, self.name, self.kind)
+
+    def __deepcopy__(self, _: object) -> Connection:
+        """Itself: it never changes."""
+        return self
 
     def __repr__(self) -> str:
         return f"{self.name}: {self.coefficients!r}"

@@ -13,8 +13,9 @@ from geomtorsion.geometry.connection import Connection
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.frame_matrices import parallel_rows
 from geomtorsion.geometry.from_arrays import tensor_from_array
-from geomtorsion.geometry.symmetry import Index
+from geomtorsion.geometry.symmetry import Index, antisymmetric
 from geomtorsion.geometry.tensor import Scalar, Source, Tensor
+from geomtorsion.geometry.torsion import Torsion
 
 HALF = Fraction(1, 2)
 
@@ -24,8 +25,10 @@ def _coefficients(frame: Frame, source: Source, symbol: str, name: str) -> Tenso
     return Tensor(frame, "ddu", source, (), symbol, name, anchored=(1, 2))
 
 
-def cartan(frame: Frame) -> Connection:
+def cartan(frame: Frame | Connection) -> Connection:
     """The connection in which the legs of the frame are parallel (Cartan, Weitzenboeck).
+
+    Of a connection its frame is taken.
 
     Equation
     --------
@@ -39,26 +42,27 @@ def cartan(frame: Frame) -> Connection:
     >>> cartan(Frame([r, phi], [[1, 0], [0, r]])).torsion.T[0, 1, 1]
     1/r
     """
-
-    checks.instance(frame, Frame, "frame")
+    over = _frame_of(frame)
 
     def make() -> Connection:
-        rows = parallel_rows(frame)
+        rows = parallel_rows(over)
         derivative, duals = rows.derivative.get, rows.duals
 
         def rule(index: Index) -> Element | None:
             a, b, c = index
             pairs = [(x, derivative((a, i, b))) for i, x in duals.rows[c]]
-            return total(frame.field, [(1, x, y) for x, y in pairs if y is not None])
+            return total(over.field, [(1, x, y) for x, y in pairs if y is not None])
 
-        coefficients = _coefficients(frame, rule, "\\Gamma", "Cartan")
-        return Connection(frame, coefficients, "Cartan connection", "cartan")
+        coefficients = _coefficients(over, rule, "\\Gamma", "Cartan")
+        return Connection(over, coefficients, "Cartan connection", "cartan", cartan)
 
-    return frame.derived("cartan", make)
+    return over.derived("cartan", make)
 
 
-def levi_civita(frame: Frame) -> Connection:
+def levi_civita(frame: Frame | Connection) -> Connection:
     """The torsion-free connection of the metric of the frame.
+
+    Of a connection its frame is taken: the contortion is what the two differ by.
 
     Equation
     --------
@@ -72,14 +76,18 @@ def levi_civita(frame: Frame) -> Connection:
     >>> levi_civita(Frame([r, phi], [[1, 0], [0, r]])).is_flat
     True
     """
-
-    checks.instance(frame, Frame, "frame")
+    over = _frame_of(frame)
 
     def make() -> Connection:
-        coefficients = riemannian.christoffel(frame)
-        return Connection(frame, coefficients, "Levi-Civita connection", "levi-civita")
+        coefficients = riemannian.christoffel(over)
+        return Connection(over, coefficients, "Levi-Civita connection", "levi-civita", levi_civita)
 
-    return frame.derived("levi_civita", make)
+    return over.derived("levi_civita", make)
+
+
+def _frame_of(given: object) -> Frame:
+    """A frame, or the frame over which a connection was made."""
+    return given.frame if isinstance(given, Connection) else checks.instance(given, Frame, "frame")
 
 
 def from_coefficients(frame: Frame, coefficients: object) -> Connection:
@@ -185,13 +193,7 @@ def from_contortion(frame: Frame, contortion: object) -> Connection:
     (True, -c/2)
     """
     checks.instance(frame, Frame, "frame")
-    if isinstance(contortion, Tensor):
-        given = contortion.in_coordinates()
-        for k, slot in enumerate("ddu"):
-            given = given.raised(k) if slot == "u" else given.lowered(k)
-        given = _given(frame, given, "ddu", "contortion")
-    else:
-        given = tensor_from_array(frame, "ddu", contortion, "contortion")
+    given = _with_slots(frame, contortion, "contortion")
     lower = given.lowered(2).components
     for a, b, c in lower.nonzero:
         if not _cancels(lower.get((a, b, c)), lower.get((a, c, b))):
@@ -203,6 +205,58 @@ def from_contortion(frame: Frame, contortion: object) -> Connection:
     total_ = riemannian.christoffel(frame) + given
     coefficients = _coefficients(frame, total_.components, "\\Gamma", "connection")
     return Connection(frame, coefficients, "connection from contortion", "metric")
+
+
+def from_torsion(frame: Frame, torsion: object) -> Connection:
+    """The one metric connection that has a given torsion S_ab^c = (Gamma_ab^c - Gamma_ba^c)/2.
+
+    Equation
+    --------
+    Gamma_ab^c = Gamma_bar_ab^c + K_ab^c,  K_abc = S_abc - S_bca + S_cab
+                                                    [FizievKleinert1994], eq. (4)
+
+    Parameters
+    ----------
+    torsion
+        S_ab^c (with the half), shape (n, n, n) in coordinates, or a tensor with slots ddu (or DDU,
+        ddd, ...); a `Torsion` gives its S.
+
+    Raises
+    ------
+    TensorIndexError
+        S_ab^c is not antisymmetric in a and b, so that it is no torsion.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from geomtorsion.geometry import Frame
+    >>> r, phi = sp.symbols("r phi", positive=True)
+    >>> frame = Frame([r, phi], [[1, 0], [0, r]])
+    >>> again = from_torsion(frame, cartan(frame).torsion.S)
+    >>> again.metric_compatible, again.coefficients == cartan(frame).coefficients
+    (True, True)
+    """
+    checks.instance(frame, Frame, "frame")
+    given = _with_slots(frame, torsion.S if isinstance(torsion, Torsion) else torsion, "torsion")
+    own = given.components
+    for a, b, c in own.nonzero:
+        if not _cancels(own.get((a, b, c)), own.get((b, a, c))):
+            raise TensorIndexError(
+                f"torsion: S_ab^c must be antisymmetric in its first two indices, but components "
+                f"[{a}, {b}, {c}] and [{b}, {a}, {c}] do not cancel. "
+                "Use from_coefficients for coefficients, from_contortion for a contortion."
+            )
+    lower = given.lowered(2).components.get
+
+    def rule(index: Index) -> Element | None:
+        a, b, c = index
+        parts = ((1, lower((a, b, c))), (-1, lower((b, c, a))), (1, lower((c, a, b))))
+        return total(frame.field, [(sign, x) for sign, x in parts if x is not None])
+
+    contortion = Tensor(frame, "ddd", rule, antisymmetric(3, 1, 2), "K", "contortion").raised(2)
+    gamma = riemannian.christoffel(frame) + contortion
+    coefficients = _coefficients(frame, gamma.components, "\\Gamma", "connection")
+    return Connection(frame, coefficients, "connection from torsion", "metric")
 
 
 def blend(first: Connection, second: Connection, share: Scalar = HALF) -> Connection:
@@ -245,6 +299,16 @@ def _cancels(one: Element | None, two: Element | None) -> bool:
     if one is None or two is None:
         return one is two
     return (one + two).is_zero is True
+
+
+def _with_slots(frame: Frame, values: object, what: str) -> Tensor:
+    """Torsion or contortion in the form ddu, from a tensor in any form or from an array."""
+    if not isinstance(values, Tensor):
+        return tensor_from_array(frame, "ddu", values, what)
+    given = values.in_coordinates()
+    for k, slot in enumerate("ddu"[: len(given.slots)]):
+        given = given.raised(k) if slot == "u" else given.lowered(k)
+    return _given(frame, given, "ddu", what)
 
 
 def _given(frame: Frame, tensor: Tensor, slots: str, what: str) -> Tensor:

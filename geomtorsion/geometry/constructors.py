@@ -44,7 +44,8 @@ def from_frame(
     validation.check_regular(opened.field, elements, n, "matrix of legs")
     coframe = inverse(opened.field, elements, n)
     frame = object.__new__(cls)
-    frame.fill(opened, name, {"coframe": coframe, "legs": elements, "eta": eta})
+    given = {"coframe": coframe, "legs": elements, "eta": eta}
+    frame.fill(opened, name, given, ("legs", entries))
     return frame
 
 
@@ -84,7 +85,8 @@ def from_metric(
     signs = None if signature is None else tuple(validation.signs_or_rows(signature))
     rows, squares, eta = orthonormal_rows(opened.field, elements, n, opened.points(), signs)
     frame = object.__new__(cls)
-    frame.fill(opened, name, {"metric": elements, "rows": rows, "squares": squares, "eta": eta})
+    given = {"metric": elements, "rows": rows, "squares": squares, "eta": eta}
+    frame.fill(opened, name, given, ("metric", entries))
     return frame
 
 

@@ -195,6 +195,13 @@ class Curvature:
         """Whether the curvature vanishes; None if that cannot be decided."""
         return self.lower.is_zero if self._is_riemannian else self.riemann.is_zero
 
+    def __reduce__(self) -> tuple:
+        return type(self), (self.connection,)
+
+    def __deepcopy__(self, _: object) -> Curvature:
+        """Itself: it never changes."""
+        return self
+
     def __repr__(self) -> str:
         return repr(self.riemann)
 

@@ -5,18 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from types import FunctionType, MethodType
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
 from geomtorsion import checks
-from geomtorsion.errors import ArgumentError
+from geomtorsion.errors import ArgumentError, CoordinateError
 from geomtorsion.exact import Branch, Element, Field
 from geomtorsion.geometry import constructors, frame_matrices, notation, sampling, validation
 from geomtorsion.geometry.components import Components
 from geomtorsion.geometry.matrices import inverse
 from geomtorsion.geometry.symmetry import symmetric
-from geomtorsion.geometry.tensor import Tensor
+from geomtorsion.geometry.tensor import Scalar, Tensor
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.quantities import DependencyGraph
@@ -86,10 +87,19 @@ class Frame:
         elements = validation.read_matrix(opened.field, entries, "coframe")
         eta = validation.read_signature(opened.field, signature, n)
         validation.check_regular(opened.field, elements, n, "coframe")
-        self.fill(opened, name, {"coframe": elements, "eta": eta})
+        self.fill(opened, name, {"coframe": elements, "eta": eta}, ("coframe", entries))
 
-    def fill(self, opened: validation.Opened, name: str | None, given: dict[str, Elements]) -> None:
-        """Set the fields of a new frame, once all is checked (for makers)."""
+    def fill(
+        self,
+        opened: validation.Opened,
+        name: str | None,
+        given: dict[str, Elements],
+        plain: tuple[str, validation.Matrix],
+    ) -> None:
+        """Set the fields of a new frame, once all is checked (for makers).
+
+        plain: what it is made from (coframe, legs or metric), as it came.
+        """
         for key in ("coordinates", "parameters", "domain", "complex", "field"):
             object.__setattr__(self, key, getattr(opened, key))
         object.__setattr__(
@@ -97,9 +107,13 @@ class Frame:
         )
         object.__setattr__(self, "given", given)
         object.__setattr__(self, "_kept", {})
+        object.__setattr__(self, "_plain", plain)
+        # A frame that is adapted to another one lives in its field.
+        self.field.owner = self.field.owner or self
 
     if TYPE_CHECKING:
         _kept: dict[str, Any]
+        _plain: tuple[str, validation.Matrix]
 
     from_frame = classmethod(constructors.from_frame)
     from_metric = classmethod(constructors.from_metric)
@@ -172,9 +186,26 @@ class Frame:
 
     # -- scalars --------------------------------------------------------------------------------
 
-    def scalar(self, rule: Callable[[], Element | None], symbol: str, name: str) -> Tensor:
-        """A scalar (rank 0) over this frame that is computed when it is asked for."""
-        return Tensor(self, "", lambda _: rule(), (), symbol, name)
+    def scalar(
+        self,
+        value: Scalar | Callable[[], Element | None],
+        symbol: str = "f",
+        name: str = "scalar",
+    ) -> Tensor:
+        """A scalar (rank 0): of an expression, or of a rule that is followed when it is asked for.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> frame = Frame([r, phi], [[1, 0], [0, r]])
+        >>> frame.scalar(r**2) + 1 == r**2 + 1
+        True
+        """
+        if isinstance(value, FunctionType | MethodType):
+            return Tensor(self, "", lambda _: value(), (), symbol, name)
+        (element,) = self.read([(name or "scalar", value)])
+        return Tensor(self, "", {(): element}, (), symbol, name)
 
     @cached_property
     def determinant(self) -> Tensor:
@@ -200,7 +231,22 @@ class Frame:
         CoordinateError
             No such point was found.
         """
-        return sampling.regular_point(self)
+        determinant = self.determinant.element()
+        for point in sampling.candidate_points(self.coordinates, self.parameters, self.domain):
+            for with_functions in (sampling.with_functions, sampling.with_generic_functions):
+                values = with_functions(determinant, point)
+                try:
+                    size = abs(complex(determinant.evaluate(values)))
+                    self.coframe.at(values)
+                except ArithmeticError:
+                    continue
+                # One so small or so large may be rounding; the next point is as good.
+                if 1e-12 < size < 1e12:
+                    return point
+        raise CoordinateError(
+            f"no point inside the domain was found in {sampling.TRIES} tries. State the domain "
+            "more simply, as bounds of each coordinate by numbers: 0 < theta, theta < pi."
+        )
 
     # -- named quantities -----------------------------------------------------------------------
 
@@ -232,8 +278,45 @@ class Frame:
 
         return DependencyGraph(self, name)
 
+    # -- copies ---------------------------------------------------------------------------------
+
+    def __reduce__(self) -> tuple:
+        """Made again from what it was made from, so that every result is the same to the bit."""
+        shape, entries = self._plain
+        n = self.dimension
+        rows = [[checks.plain(entries.get((i, j), 0)) for j in range(n)] for i in range(n)]
+        eta = [[self.eta[i, j] for j in range(n)] for i in range(n)]
+        given: dict[str, Any] = {
+            # A metric is asked for signs, one for each row.
+            "signature": [eta[i][i] for i in range(n)] if shape == "metric" else eta,
+            "parameters": self.parameters,
+            "domain": self.domain,
+            "name": self.name,
+            "branches": self.field.chosen,
+        }
+        if shape != "metric":
+            given["complex"] = self.complex
+        # Further charts do not follow from the frame: spaces attach them.
+        attached = {key: self._kept[key] for key in ("atlas",) if key in self._kept}
+        return _made_again, (shape, self.coordinates, rows, given), attached
+
+    def __setstate__(self, attached: dict[str, Any]) -> None:
+        self._kept.update(attached)
+
+    def __deepcopy__(self, _: object) -> Frame:
+        """Itself: it never changes."""
+        return self
+
     def __repr__(self) -> str:
         return notation.frame_text(self)
 
     def _repr_latex_(self) -> str:
         return notation.frame_latex(self)
+
+
+def _made_again(
+    shape: str, coordinates: tuple[sp.Symbol, ...], rows: list[list[Any]], given: dict[str, Any]
+) -> Frame:
+    """A frame from the plain data that `Frame.__reduce__` gives."""
+    makers = {"coframe": Frame, "legs": Frame.from_frame, "metric": Frame.from_metric}
+    return makers[shape](coordinates, rows, **given)

@@ -8,9 +8,10 @@ from itertools import combinations, product
 
 from geomtorsion.checks import instance
 from geomtorsion.exact import Element
-from geomtorsion.geometry import riemannian
+from geomtorsion.geometry import notation, riemannian
 from geomtorsion.geometry.connection import Connection
-from geomtorsion.geometry.connections import levi_civita
+from geomtorsion.geometry.connections import cartan, levi_civita
+from geomtorsion.geometry.frame import Frame
 
 Index = tuple[int, ...]
 
@@ -37,8 +38,22 @@ class IdentityCheck:
         return f"{self.name}: {verdict} ({self.checked} components{where}): {self.equation}"
 
 
-def identities(connection: Connection) -> list[IdentityCheck]:
-    """Check the identities that apply to a connection, exactly.
+class IdentityChecks(list[IdentityCheck]):
+    """The checks of one connection, in a list that prints one a line."""
+
+    def __repr__(self) -> str:
+        return "\n".join(map(str, self))
+
+    def _repr_html_(self) -> str:
+        words = {True: "holds", False: "fails", None: "undecided"}
+        return notation.html_table(
+            ("identity", "verdict", "components", "equation"),
+            [(check.name, words[check.holds], check.checked, check.equation) for check in self],
+        )
+
+
+def identities(connection: Connection | Frame) -> IdentityChecks:
+    """Check the identities that apply to a connection, exactly; of a frame, its Cartan connection.
 
     Metricity is a property rather than an identity: it fails for a connection that does not keep
     lengths. The scalar identity is checked for metric connections; on a flat one it reads
@@ -58,12 +73,14 @@ def identities(connection: Connection) -> list[IdentityCheck]:
     second Bianchi True 0
     scalar True 1
     """
+    if isinstance(connection, Frame):
+        connection = cartan(connection)
     instance(connection, Connection, "connection")
     found = [metricity(connection), decomposition(connection)]
     found += [first_bianchi(connection), second_bianchi(connection)]
     if connection.metric_compatible:
         found.append(scalar_identity(connection))
-    return found
+    return IdentityChecks(found)
 
 
 def metricity(connection: Connection) -> IdentityCheck:

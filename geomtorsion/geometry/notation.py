@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterable, Sequence
+from html import escape
 from itertools import groupby
 from typing import TYPE_CHECKING
 
@@ -33,10 +35,34 @@ def _indexed(symbol: str, marks: list[str], slots: str) -> str:
     return "".join(parts)
 
 
+def plain_symbol(symbol: str) -> str:
+    r"""A symbol of LaTeX as it is written in a line of text.
+
+    Examples
+    --------
+    >>> plain_symbol(r"\bar\Gamma"), plain_symbol(r"\sqrt{g}"), plain_symbol("DR")
+    ('Gamma_bar', 'sqrt(g)', 'DR')
+    """
+    bare = re.sub(r"\\bar ?(\\?\w+)", r"\1_bar", symbol)
+    return re.sub(r"\{(.*?)\}", r"(\1)", bare).replace("\\", "")
+
+
 def ascii_label(tensor: Tensor) -> str:
     """Symbol with index letters, such as S_{ab}^{c}."""
-    label = _indexed(tensor.symbol, _letters(tensor.slots), tensor.slots)
+    label = _indexed(plain_symbol(tensor.symbol), _letters(tensor.slots), tensor.slots)
     return label.replace("{}", "")
+
+
+def html_table(head: Sequence[str], rows: Iterable[Sequence[object]], below: str = "") -> str:
+    """A table for notebooks, with a line below it."""
+
+    def line(cells: Sequence[object], tag: str) -> str:
+        written = "".join(f"<{tag}>{escape(str(cell))}</{tag}>" for cell in cells)
+        return f"<tr>{written}</tr>"
+
+    body = "".join(line(row, "td") for row in rows)
+    ending = f"<p>{escape(below)}</p>" if below else ""
+    return f"<table><thead>{line(head, 'th')}</thead><tbody>{body}</tbody></table>{ending}"
 
 
 def text(tensor: Tensor) -> str:
@@ -50,7 +76,7 @@ def text(tensor: Tensor) -> str:
     lines = [heading]
     for index in list(independent)[:SHOWN]:
         place = f"[{', '.join(map(str, index))}]" if index else ""
-        lines.append(f"  {tensor.symbol}{place} = {tensor[index]}")
+        lines.append(f"  {plain_symbol(tensor.symbol)}{place} = {tensor[index]}")
     total = len(tensor.components.support)
     hidden = len(independent) - min(SHOWN, len(independent))
     if hidden:

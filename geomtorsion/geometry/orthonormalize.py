@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from geomtorsion.checks import fraction, shown
 from geomtorsion.errors import MetricError, SignatureError
@@ -19,16 +19,17 @@ def orthonormal_rows(
     metric: Elements,
     n: int,
     points: Iterable[Point],
-    signature: tuple[int, ...] | None,
+    signature: Sequence[object] | None,
 ) -> tuple[Elements, Elements, Elements]:
     """Rows theta^i, squares q_i (diagonal) and eta with g = sum q_i theta^i theta^i.
 
     The orthonormal coframe is sqrt|q_i| theta^i, with no root taken before it is needed. Signs
     are those at a point of the domain; a signature that is asked for orders the rows.
     """
+    asked = _asked_signs(signature, n)
     forms = completed_squares(field, metric, n)
-    signs = _signs(forms, points, signature, n)
-    order = _row_order(signs, signature, n)
+    signs = _signs(field, forms, points, asked, n)
+    order = _row_order(signs, asked, n)
     rows = {(order[i], mu): x for i, (_, form) in forms.items() for mu, x in form.items()}
     squares = {(order[i], order[i]): square for i, (square, _) in forms.items()}
     eta = {(order[i], order[i]): field.rational(sign) for i, sign in signs.items()}
@@ -88,20 +89,27 @@ def _added_rows(field: Field, rows: list[Row]) -> Row:
     return found
 
 
+def _asked_signs(signature: Sequence[object] | None, n: int) -> tuple[int, ...] | None:
+    """The signature that was asked for, as whole numbers."""
+    if signature is None:
+        return None
+    signs = [fraction(sign) for sign in signature]
+    if len(signs) != n or any(sign not in (1, -1) for sign in signs):
+        raise SignatureError(
+            f"signature {shown(tuple(signature))} was asked for, but {n} signs (1 or -1) are "
+            "needed, one for each row of the frame."
+        )
+    return tuple(1 if sign == 1 else -1 for sign in signs)
+
+
 def _signs(
+    field: Field,
     forms: dict[int, tuple[Element, Row]],
     points: Iterable[Point],
     signature: tuple[int, ...] | None,
     n: int,
 ) -> dict[int, int]:
     """Signs of the squares at the first suitable point; the one asked for, if it occurs."""
-    if signature is not None and (
-        len(signature) != n or any(fraction(s) not in (1, -1) for s in signature)
-    ):
-        raise SignatureError(
-            f"signature {shown(signature)} was asked for, but {n} signs (1 or -1) are needed, "
-            "one for each row of the frame."
-        )
     usable: list[dict[int, int]] = []
     for number, point in enumerate(points):
         # A metric whose signs differ within its domain shows it at the first few points.
@@ -118,6 +126,9 @@ def _signs(
             if sorted(signs.values()) == sorted(signature):
                 return signs
     if not usable:
+        signs = _signs_of_functions(field, forms, signature, n)
+        if signs is not None:
+            return signs
         raise MetricError(
             "the signature of the metric cannot be found: it has no finite real value at any point "
             "tried. State the domain, for instance domain=[r > 2*M]."
@@ -141,6 +152,34 @@ def _signs_at(forms: dict[int, tuple[Element, Row]], point: Point) -> dict[int, 
         if value.imag or not 1e-14 < abs(value.real) < 1e14:
             return None
         signs[place] = 1 if value.real > 0 else -1
+    return signs
+
+
+def _signs_of_functions(
+    field: Field,
+    forms: dict[int, tuple[Element, Row]],
+    signature: tuple[int, ...] | None,
+    n: int,
+) -> dict[int, int] | None:
+    """Signs where unknown functions alone decide them: as asked for, else positive if possible.
+
+    For E, F, G this is the branch sqrt(E), sqrt(E*G - F**2) of surfaces. The generic point of the
+    field is moved there, so that the roots are taken where the signs were read.
+    """
+    made_of = [g for square, _ in forms.values() for g in field.generators_of(square)]
+    if not any(generator.kind == "jet" for generator in made_of):
+        return None
+    signs: dict[int, int] = {}
+    left = [] if signature is None else list(signature)
+    for i in range(n):
+        wanted = 1
+        if signature is not None:
+            wanted = signature[i] if signature[i] in left else left[0]
+        signs[i] = wanted if field.sample.prefer_positive(forms[i][0] * wanted) else -wanted
+        if signature is not None:
+            if signs[i] not in left:
+                return None
+            left.remove(signs[i])
     return signs
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from geomtorsion.checks import close_names, shown
 from geomtorsion.errors import UnknownNameError
-from geomtorsion.geometry import frame_matrices
+from geomtorsion.geometry import frame_matrices, notation
 from geomtorsion.geometry.connections import cartan, levi_civita
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.symmetry import effective, orbits
@@ -195,7 +195,7 @@ class Step:
     products: int
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class DependencyGraph:
     """What asking for one quantity computes: its ancestors in the derivation graph, no others.
 
@@ -276,6 +276,19 @@ class DependencyGraph:
         lines += [f'  {s.name} [label="{s.name}\\n{s.meaning}"];' for s in self.steps]
         lines += [f"  {first} -> {second};" for first, second in self.graph.edges]
         return "\n".join([*lines, "}"])
+
+    def __reduce__(self) -> tuple:
+        return type(self), (self.frame, self.name)
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    def _repr_html_(self) -> str:
+        return notation.html_table(
+            ("step", "components", "products at most", "what it is"),
+            [(step.name, step.components, step.products, step.meaning) for step in self.steps],
+            f"left out: {', '.join(self.left_out)}",
+        )
 
     def __str__(self) -> str:
         heading = f"{'step':<20}{'components':>11}{'products at most':>18}  what it is"

@@ -14,7 +14,6 @@ from geomtorsion.errors import CoordinateError
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Element
-    from geomtorsion.geometry.frame import Frame
 
 TRIES = 400
 # Fractional parts of multiples of their square roots fill a cube evenly.
@@ -76,25 +75,6 @@ def candidate_points(
             yield point
 
 
-def regular_point(frame: Frame) -> Point:
-    """A point inside the domain of a frame where it is finite and regular."""
-    determinant = frame.determinant.element()
-    for point in candidate_points(frame.coordinates, frame.parameters, frame.domain):
-        values = with_functions(determinant, point)
-        try:
-            size = abs(complex(determinant.evaluate(values)))
-            frame.coframe.at(values)
-        except ArithmeticError:
-            continue
-        # A determinant so small or so large may be rounding; the next point is as good.
-        if 1e-12 < size < 1e12:
-            return point
-    raise CoordinateError(
-        f"no point inside the domain was found in {TRIES} tries. State the domain more simply, "
-        "for instance as bounds of each coordinate by numbers: 0 < theta, theta < pi."
-    )
-
-
 def with_functions(element: Element, point: Point) -> dict[Any, Any]:
     """A point, with unknown functions set to one and their derivatives to zero."""
     values: dict[Any, Any] = dict(point)
@@ -102,6 +82,13 @@ def with_functions(element: Element, point: Point) -> dict[Any, Any]:
         if generator.kind == "jet":
             values[generator.shown] = 0 if isinstance(generator.shown, sp.Derivative) else 1
     return values
+
+
+def with_generic_functions(element: Element, point: Point) -> dict[Any, Any]:
+    """A point, with unknown functions as they are where the signs of roots were read."""
+    field = element.field
+    jets = [generator for generator in field.generators if generator.kind == "jet"]
+    return {**point, **{g.shown: field.sample.value(field.generator_element(g)) for g in jets}}
 
 
 def _interval(

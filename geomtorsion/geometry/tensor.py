@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, SupportsIndex
 
 import mpmath
 import sympy as sp
@@ -17,13 +17,12 @@ from geomtorsion.errors import (
     MissingValueError,
     SingularPointError,
     TensorIndexError,
-    UndecidedError,
 )
 from geomtorsion.exact import Element
-from geomtorsion.geometry import notation
-from geomtorsion.geometry.components import Components, Row, change_slot, total
+from geomtorsion.geometry import arithmetic, notation
+from geomtorsion.geometry.components import Components, Row, change_slot
 from geomtorsion.geometry.index_types import KINDS, moved
-from geomtorsion.geometry.symmetry import Index, Symmetry, common, effective
+from geomtorsion.geometry.symmetry import Index, Symmetry, effective
 
 if TYPE_CHECKING:
     import numpy as np
@@ -97,7 +96,7 @@ class Tensor:
 
     # -- reading -------------------------------------------------------------------------------
 
-    def element(self, *index: int) -> Element:
+    def element(self, *index: SupportsIndex) -> Element:
         """One component as an exact element.
 
         Examples
@@ -111,7 +110,7 @@ class Tensor:
         value = self.components.get(self._checked(index))
         return self.frame.field.zero if value is None else value
 
-    def __getitem__(self, index: int | Index) -> sp.Expr:
+    def __getitem__(self, index: SupportsIndex | tuple[SupportsIndex, ...]) -> sp.Expr:
         """One component as a sympy expression; nothing else is computed."""
         place = self._checked(index if isinstance(index, tuple) else (index,))
         return self._expression(place)
@@ -124,14 +123,12 @@ class Tensor:
             return sp.S.Zero
         return value.sympy if sign > 0 else -value.sympy
 
-    def _checked(self, index: Sequence[int]) -> Index:
+    def _checked(self, index: Sequence[SupportsIndex]) -> Index:
         """An index tuple of the right length and range."""
-        place = tuple(index)
         n = self.frame.dimension
-        if len(place) != len(self.slots) or not all(
-            isinstance(k, int) and 0 <= k < n for k in place
-        ):
-            came = ", ".join(map(checks.shown, place))
+        place = tuple([k if type(k) is int else _whole(k) for k in index])
+        if len(place) != len(self.slots) or not all(0 <= k < n for k in place):
+            came = ", ".join(map(checks.shown, index))
             raise TensorIndexError(
                 f"{self.label}[{came}]: needed are {len(self.slots)} whole numbers from 0 to "
                 f"{n - 1}, one for each index."
@@ -223,11 +220,11 @@ class Tensor:
         """The same tensor with all indices in the coordinate basis."""
         return self._form(self.slots.lower())
 
-    def raised(self, k: int | None = None) -> Tensor:
+    def raised(self, k: SupportsIndex | None = None) -> Tensor:
         """The same tensor with index k up, or all indices up."""
         return self._form(moved(self.slots, self._place(k), up=True))
 
-    def lowered(self, k: int | None = None) -> Tensor:
+    def lowered(self, k: SupportsIndex | None = None) -> Tensor:
         """The same tensor with index k down, or all indices down."""
         return self._form(moved(self.slots, self._place(k), up=False))
 
@@ -249,33 +246,47 @@ class Tensor:
         """The forms of this tensor made so far, by their slots."""
         return {}
 
-    def _place(self, k: int | None) -> int | None:
+    def _place(self, k: SupportsIndex | None) -> int | None:
         """A valid position of an index, or None."""
-        if k is not None and not (isinstance(k, int) and 0 <= k < len(self.slots)):
+        if k is not None and not 0 <= _whole(k) < len(self.slots):
             raise TensorIndexError(
                 f"{self.label} has no index {checks.shown(k)}: it has {len(self.slots)}, "
                 "counted from 0."
             )
-        return k
+        return None if k is None else _whole(k)
 
     # -- arithmetic ----------------------------------------------------------------------------
 
-    def __add__(self, other: Tensor) -> Tensor:
-        return _combined(self, other, 1)
+    def __add__(self, other: Tensor | Scalar) -> Tensor:
+        return arithmetic.combined(self, other, 1)
 
-    def __sub__(self, other: Tensor) -> Tensor:
-        return _combined(self, other, -1)
+    __radd__ = __add__
+
+    def __sub__(self, other: Tensor | Scalar) -> Tensor:
+        return arithmetic.combined(self, other, -1)
+
+    def __rsub__(self, other: Scalar) -> Tensor:
+        return arithmetic.combined(-self, other, 1)
 
     def __neg__(self) -> Tensor:
-        return _multiple(self, -1)
+        return arithmetic.multiple(self, -1)
 
-    def __mul__(self, factor: Scalar) -> Tensor:
-        return _multiple(self, factor)
+    def __mul__(self, factor: Tensor | Scalar) -> Tensor:
+        return arithmetic.multiple(self, factor)
 
     __rmul__ = __mul__
 
-    def __truediv__(self, divisor: Scalar) -> Tensor:
-        return _quotient(self, divisor)
+    def __truediv__(self, divisor: Tensor | Scalar) -> Tensor:
+        return arithmetic.quotient(self, divisor)
+
+    def __rtruediv__(self, dividend: Scalar) -> Tensor:
+        return arithmetic.multiple(arithmetic.power(self, -1), dividend)
+
+    def __pow__(self, exponent: Scalar) -> Tensor:
+        return arithmetic.power(self, exponent)
+
+    def __float__(self) -> float:
+        return arithmetic.number(self)
 
     def __matmul__(self, other: Tensor) -> Tensor:
         """Sum over the last index of self and the first of other."""
@@ -290,11 +301,34 @@ class Tensor:
         return contract(f"{left},{right}->{left[:-1]}{right[1:]}", self, other)
 
     def __eq__(self, other: object) -> bool:
-        """Exact equality of all components; the slots must agree."""
-        return _equal(self, other) if isinstance(other, Tensor) else NotImplemented
+        """Exact equality of all components; the slots must agree. Rank 0 equals its expression."""
+        if isinstance(other, Tensor):
+            return arithmetic.equal(self, other)
+        return arithmetic.equals_scalar(self, other)
 
     def __hash__(self) -> int:
+        if not self.slots:
+            return hash(self[()])
         return hash((self.slots, frozenset(self.components.nonzero.items())))
+
+    @property
+    def _sympy_(self) -> Callable[[], sp.Expr]:
+        """What sympy asks for where a tensor of rank 0 stands in the place of an expression."""
+        if self.slots:
+            raise AttributeError("a tensor with indices is no expression")
+        return lambda: self[()]
+
+    # -- copies --------------------------------------------------------------------------------
+
+    def __reduce__(self) -> tuple:
+        values = {index: x.sympy for index, x in self.components.independent.items()}
+        symmetry = effective(self.symmetry, self.slots)
+        names = (self.symbol, self.name, self.anchored)
+        return type(self), (self.frame, self.slots, values, symmetry, *names)
+
+    def __deepcopy__(self, _: object) -> Tensor:
+        """Itself: it never changes."""
+        return self
 
     # -- writing -------------------------------------------------------------------------------
 
@@ -308,6 +342,13 @@ class Tensor:
 
     def _repr_latex_(self) -> str:
         return notation.latex(self)
+
+
+def _whole(k: object) -> int:
+    """A whole number of Python, sympy or NumPy as an index; -1, which is none, for all else."""
+    found = checks.plain(k)
+    is_whole = isinstance(found, int | sp.Integer) and not isinstance(found, bool)
+    return int(found) if is_whole else -1
 
 
 # -- index positions -----------------------------------------------------------------------------
@@ -324,74 +365,6 @@ def _exchange(frame: Frame, old: str, new: str) -> tuple[Sequence[Row], Sequence
     matrices = {"du": "inverse_metric", "ud": "metric", "DU": "inverse_eta", "UD": "eta"}
     matrix = getattr(frame, matrices[old + new]).components
     return matrix.rows, matrix.rows
-
-
-# -- arithmetic ----------------------------------------------------------------------------------
-
-
-def _combined(first: Tensor, second: Tensor, sign: int) -> Tensor:
-    """first + sign * second; slots and frame must agree."""
-    if not isinstance(second, type(first)):
-        raise TensorIndexError(f"{first.label} can be added to a tensor, not to {second!r}.")
-    if second.frame is not first.frame or second.slots != first.slots:
-        raise TensorIndexError(
-            f"{first.label} has slots {first.slots!r}, {second.label} has {second.slots!r}: "
-            "only tensors of one frame with equal slots can be added. "
-            "Use raised, lowered, in_frame, in_coordinates first."
-        )
-    field, one, two = first.frame.field, first.components.get, second.components.get
-
-    def rule(index: Index) -> Element | None:
-        terms = [(s, x) for s, x in ((1, one(index)), (sign, two(index))) if x is not None]
-        return total(field, terms)
-
-    return replace(
-        first,
-        source=rule,
-        symmetry=common(first.symmetry, second.symmetry),
-        symbol="t",
-        name="",
-        anchored=tuple(sorted({*first.anchored, *second.anchored})),
-    )
-
-
-def _multiple(tensor: Tensor, factor: Scalar) -> Tensor:
-    """Tensor times a number or an expression."""
-    if isinstance(factor, type(tensor)):
-        raise TensorIndexError(
-            "Say which indices are summed: contract('ab,bc->ac', s, t), or s @ t."
-        )
-    (scale,) = tensor.frame.read([("factor", factor)])
-    get = tensor.components.get
-
-    def rule(index: Index) -> Element | None:
-        value = get(index)
-        return None if value is None else value * scale
-
-    return replace(tensor, source=rule, symbol="t", name="")
-
-
-def _quotient(tensor: Tensor, divisor: Scalar) -> Tensor:
-    """Tensor divided by a number or an expression."""
-    (read,) = tensor.frame.read([("divisor", divisor)])
-    if read.is_zero:
-        raise ZeroDivisionError(f"{tensor.label} was divided by {divisor}, which is exactly zero.")
-    return _multiple(tensor, read.inverse())
-
-
-def _equal(first: Tensor, second: Tensor) -> bool:
-    """Exact equality of all components over one frame with equal slots."""
-    if second.frame is not first.frame or second.slots != first.slots:
-        return False
-    if first.components.nonzero == second.components.nonzero:
-        return True
-    verdict = _combined(first, second, -1).is_zero
-    if verdict is None:
-        raise UndecidedError(
-            f"Whether {first.label} equals {second.label} cannot be decided exactly: functions "
-            "occur whose relations are not known. Compare numbers with .at(point)."
-        )
-    return verdict
 
 
 # -- numbers -------------------------------------------------------------------------------------

@@ -190,6 +190,13 @@ class Torsion:
             velocity = tensor_from_array(frame, "u", velocity, "velocity")
         return contract("abc,a,b->c", self.force_coefficients, velocity, velocity)
 
+    def __reduce__(self) -> tuple:
+        return type(self), (self.connection,)
+
+    def __deepcopy__(self, _: object) -> Torsion:
+        """Itself: it never changes."""
+        return self
+
     def __repr__(self) -> str:
         return repr(self.S)
 

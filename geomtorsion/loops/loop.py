@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import sympy as sp
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Loop:
     """A closed path in coordinates: one part, or several run through one after the other.
 
@@ -39,6 +39,12 @@ class Loop:
 
     parts: tuple[Part, ...]
     name: str = ""
+
+    def __repr__(self) -> str:
+        places = [f"{shown(part.centre)}, size {part.size:.6g}" for part in self.parts]
+        turns = [f", {part.times} times" if part.times != 1 else "" for part in self.parts]
+        every = "; ".join(map("".join, zip(places, turns, strict=True)))
+        return f"Loop {self.name!r} at {every}"
 
     # -- constructors ---------------------------------------------------------------------------
 

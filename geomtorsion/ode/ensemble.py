@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from geomtorsion.copies import only_fields
 from geomtorsion.errors import AccuracyError, GeomtorsionError, StartError, TimeError
 from geomtorsion.ode.asked import (
     checked_accuracy,
@@ -71,6 +72,8 @@ class Ensemble:
     check_seconds: float
     members: Members
     rows: Rows
+
+    __getstate__ = only_fields
 
     def __len__(self) -> int:
         return len(self.finished)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from geomtorsion.copies import only_fields
 from geomtorsion.ode.batch import Show, run_batch
 from geomtorsion.ode.engines import Engine
 from geomtorsion.ode.system import System
@@ -40,6 +41,10 @@ class Members:
     parts: Callable[[Members], Iterator[Part]] | None = None
     label: str = ""
     varied: Mapping[str, np.ndarray] = field(default_factory=dict)
+
+    def __getstate__(self) -> Mapping[str, object]:
+        # What comes after was asked when they were run.
+        return only_fields(self) | {"follow": None, "parts": None}
 
     def __len__(self) -> int:
         return len(self.states)

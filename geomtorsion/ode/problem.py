@@ -13,6 +13,7 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion.codegen import Graph, graph
+from geomtorsion.copies import only_fields
 from geomtorsion.errors import ExpressionError, StartError, StuckError
 from geomtorsion.ode import constructor
 from geomtorsion.ode.engines import Taylor
@@ -62,6 +63,8 @@ class ODE:
     normalized: tuple[tuple[str, ...], ...] = ()
     name: str = ""
     _stages: dict[tuple[int, float], Stage] = field(default_factory=dict, repr=False, init=False)
+
+    __getstate__ = only_fields
 
     # Trajectories count time as users do.
     time_unit = 1.0

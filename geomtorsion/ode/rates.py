@@ -10,6 +10,7 @@ from functools import cached_property, lru_cache
 import sympy as sp
 
 from geomtorsion.codegen import Graph, graph
+from geomtorsion.copies import only_fields
 from geomtorsion.errors import ExpressionError
 from geomtorsion.ode.system import System
 
@@ -45,6 +46,8 @@ class Rates:
     time: str
     stop: sp.Expr | None
     norm_groups: tuple[tuple[str, ...], ...]
+
+    __getstate__ = only_fields
 
     @cached_property
     def states(self) -> tuple[str, ...]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from geomtorsion.copies import only_fields
 from geomtorsion.errors import TimeError
 from geomtorsion.ode import dense_error, event_times
 from geomtorsion.ode.moment import Moment
@@ -158,6 +159,8 @@ class Solution:
     cost: Cost
     trajectory: Trajectory
     reference: Trajectory | None = None
+
+    __getstate__ = only_fields
 
     @property
     def outcome(self) -> str:

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from geomtorsion.codegen import Graph
+from geomtorsion.copies import only_fields
 
 # What a scalar function raises where it has no value.
 NO_VALUE = (ZeroDivisionError, ValueError, OverflowError)
@@ -37,6 +38,8 @@ class System:
     guard: Graph | None = None
     end: Graph | None = None
     clock: tuple[str, int] | None = None
+
+    __getstate__ = only_fields
 
     @property
     def size(self) -> int:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
 
+from geomtorsion.copies import only_fields
 from geomtorsion.ode.engines.protocol import Dense, Engine, Run
 from geomtorsion.ode.numbers import Real, perturbed
 from geomtorsion.ode.roots import crossings
@@ -39,6 +40,10 @@ class Event:
     outcome: str = "stopped"
     reason: str = ""
 
+    def __getstate__(self) -> Mapping[str, object]:
+        # What comes after was asked when the trajectory was made.
+        return only_fields(self) | {"then": None}
+
 
 @dataclass(frozen=True, eq=False)
 class Stage:
@@ -67,6 +72,8 @@ class Stage:
     groups: tuple[tuple[int, ...], ...] = ()
     full_start: np.ndarray | None = None
     kept: Callable[[State], State] | None = None
+
+    __getstate__ = only_fields
 
     def full(self, states: np.ndarray) -> np.ndarray:
         """Rows of states of the problem for rows of states of the system."""
@@ -123,6 +130,8 @@ class Segment:
     count: int
     samples: np.ndarray | None = None
 
+    __getstate__ = only_fields
+
     @property
     def label(self) -> str:
         """Name of the coordinates."""
@@ -165,6 +174,8 @@ class Trajectory:
     outcome: str
     reason: str = ""
     _dense: dict[int, Dense] = field(default_factory=dict, repr=False, init=False)
+
+    __getstate__ = only_fields
 
     @cached_property
     def count(self) -> int:

@@ -14,6 +14,7 @@ import numpy as np
 
 from geomtorsion import files
 from geomtorsion.checks import did_you_mean
+from geomtorsion.copies import only_fields
 from geomtorsion.errors import FileFormatError, SceneError, UnknownNameError
 from geomtorsion.files import TEXT_FORM, ArrayForm
 from geomtorsion.ode import solve
@@ -99,6 +100,8 @@ class SceneResult:
     closed_form: str | None = None
     solved: Solution | None = None
     form: ClosedForm | None = None
+
+    __getstate__ = only_fields
 
     @property
     def complete(self) -> bool:

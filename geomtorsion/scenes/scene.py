@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
+from geomtorsion.copies import only_fields
 from geomtorsion.errors import SceneError
 from geomtorsion.ode.asked import checked_accuracy, checked_times
 from geomtorsion.scenes.assembly import Assembly, assemble
@@ -74,6 +75,8 @@ class Scene:
     name: str = ""
     title: str = ""
     samples: int = 201
+
+    __getstate__ = only_fields
 
     def __post_init__(self) -> None:
         """Check everything that can be checked without solving."""

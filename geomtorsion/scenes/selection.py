@@ -21,7 +21,7 @@ from geomtorsion.scenes.context import (
     Symbols,
     group_of,
 )
-from geomtorsion.scenes.observables import Observable
+from geomtorsion.scenes.observables import Observable, observable
 from geomtorsion.scenes.selection_drawing import drawn
 
 if TYPE_CHECKING:
@@ -70,6 +70,10 @@ class StateSelection:
     assembly: Assembly
     watch: tuple[Observable, ...]
     titles: Mapping[str, str]
+
+    def __reduce__(self) -> tuple:
+        names = tuple(item.name for item in self.watch)
+        return _selected_again, (self.title, self.assembly, names, self.titles)
 
     # -- the graph -------------------------------------------------------------------------------
 
@@ -317,3 +321,11 @@ def _listed(names: Iterable[str]) -> str:
             names = [n for n in names if n not in whole]
             names.insert(place, f"{whole[0]}..{whole[-1]}")
     return ", ".join(names)
+
+
+def _selected_again(
+    title: str, assembly: Assembly, names: Iterable[str], titles: Mapping[str, str]
+) -> StateSelection:
+    """A selection from the plain data that `StateSelection.__reduce__` gives."""
+    watch = tuple(observable(name, assembly) for name in names)
+    return StateSelection(title, assembly, watch, titles)

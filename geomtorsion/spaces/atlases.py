@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from geomtorsion.curves.atlas import Atlas, single
 from geomtorsion.geometry import Frame
@@ -24,10 +25,8 @@ def attach(space: Space) -> Space:
     ('quaternion', 'so3', 'so3_xyz')
     """
     frame = space.frame
-    if frame.name in ATLASES:
-        frame.derived("atlas", lambda: ATLASES[frame.name](frame))
-    else:
-        frame.derived("atlas", lambda: single(frame))
+    make = ATLASES.get(frame.name, single)
+    frame.derived("atlas", lambda: replace(make(frame), origin=(make, frame)))
     return space
 
 

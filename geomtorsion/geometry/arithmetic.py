@@ -1,0 +1,147 @@
+"""Arithmetic: sums, multiples and equality of tensors; a tensor of rank 0 counts as a scalar."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import sympy as sp
+
+from geomtorsion import checks
+from geomtorsion.errors import ArgumentError, MissingValueError, TensorIndexError, UndecidedError
+from geomtorsion.exact import Element
+from geomtorsion.geometry.components import total
+from geomtorsion.geometry.symmetry import Index, common
+
+if TYPE_CHECKING:
+    from geomtorsion.geometry.tensor import Scalar, Tensor
+
+
+def combined(first: Tensor, second: Tensor | Scalar, sign: int) -> Tensor:
+    """first + sign * second; slots and frame must agree, numbers are added to scalars alone."""
+    if not isinstance(second, type(first)):
+        if first.slots or not _is_scalar(second):
+            raise TensorIndexError(
+                f"{first.label} can be added to a tensor, not to {checks.shown(second)}."
+            )
+        second = first.frame.scalar(second, "t", "")
+    if second.frame is not first.frame or second.slots != first.slots:
+        raise TensorIndexError(
+            f"{first.label} has slots {first.slots!r}, {second.label} has {second.slots!r}: "
+            "only tensors of one frame with equal slots can be added. "
+            "Use raised, lowered, in_frame, in_coordinates first."
+        )
+    field, one, two = first.frame.field, first.components.get, second.components.get
+
+    def rule(index: Index) -> Element | None:
+        terms = [(s, x) for s, x in ((1, one(index)), (sign, two(index))) if x is not None]
+        return total(field, terms)
+
+    return replace(
+        first,
+        source=rule,
+        symmetry=common(first.symmetry, second.symmetry),
+        symbol="t",
+        name="",
+        anchored=tuple(sorted({*first.anchored, *second.anchored})),
+    )
+
+
+def multiple(tensor: Tensor, factor: Tensor | Scalar) -> Tensor:
+    """Tensor times a number, an expression or a tensor of rank 0."""
+    if isinstance(factor, type(tensor)):
+        if not tensor.slots and factor.slots:
+            return multiple(factor, tensor)
+        if factor.slots:
+            raise TensorIndexError(
+                "Say which indices are summed: contract('ab,bc->ac', s, t), or s @ t."
+            )
+        factor = _own_element(tensor, factor)
+    (scale,) = tensor.frame.read([("factor", factor)])
+    get = tensor.components.get
+
+    def rule(index: Index) -> Element | None:
+        value = get(index)
+        return None if value is None else value * scale
+
+    return replace(tensor, source=rule, symbol="t", name="")
+
+
+def quotient(tensor: Tensor, divisor: Tensor | Scalar) -> Tensor:
+    """Tensor divided by a number, an expression or a tensor of rank 0."""
+    if isinstance(divisor, type(tensor)):
+        if divisor.slots:
+            raise TensorIndexError(
+                f"{tensor.label} can be divided by a scalar, not by {divisor.label}."
+            )
+        divisor = _own_element(tensor, divisor)
+    (read,) = tensor.frame.read([("divisor", divisor)])
+    if read.is_zero:
+        raise ZeroDivisionError(f"{tensor.label} was divided by {divisor}, which is exactly zero.")
+    return multiple(tensor, read.inverse())
+
+
+def power(tensor: Tensor, exponent: Scalar) -> Tensor:
+    """Power of a tensor of rank 0."""
+    if tensor.slots:
+        raise TensorIndexError(
+            f"{tensor.label} has indices, so that it has no powers. Say which are summed: s @ t."
+        )
+    raised = checks.expression(exponent, "exponent")
+    if raised.is_negative and tensor.is_zero:
+        raise ZeroDivisionError(f"{tensor.label} is exactly zero: it has no negative powers.")
+    whole = raised.is_Integer
+    value = tensor.element() ** int(raised) if whole else tensor[()] ** raised
+    return tensor.frame.scalar(value, "t", "")
+
+
+def number(tensor: Tensor) -> float:
+    """A constant tensor of rank 0 as a float."""
+    if tensor.slots:
+        raise ArgumentError(f"{tensor.label} has indices: one component is a number, all are not.")
+    value = tensor[()]
+    if value.free_symbols or not value.is_number:
+        names = ", ".join(sorted(map(str, value.free_symbols)))
+        raise MissingValueError(f"{tensor.label} depends on {names}. Give values: .at({{...}}).")
+    return float(value)
+
+
+def equal(first: Tensor, second: Tensor) -> bool:
+    """Exact equality of all components over one frame with equal slots."""
+    if second.frame is not first.frame or second.slots != first.slots:
+        return False
+    if first.components.nonzero == second.components.nonzero:
+        return True
+    verdict = combined(first, second, -1).is_zero
+    if verdict is None:
+        raise UndecidedError(
+            f"Whether {first.label} equals {second.label} cannot be decided exactly: functions "
+            "occur whose relations are not known. Compare numbers with .at(point)."
+        )
+    return verdict
+
+
+def equals_scalar(tensor: Tensor, other: object) -> bool:
+    """Whether a tensor of rank 0 is exactly this number or expression."""
+    if tensor.slots or not _is_scalar(other):
+        return NotImplemented
+    exact = checks.fraction(other)
+    return equal(tensor, tensor.frame.scalar(other if exact is None else exact, "t", ""))
+
+
+def _is_scalar(value: object) -> bool:
+    """Whether a value is one number or expression, and nothing that only looks like one."""
+    found = checks.plain(value)
+    if isinstance(found, bool) or getattr(found, "is_Matrix", False):
+        return False
+    return isinstance(found, int | float | Fraction | sp.Expr)
+
+
+def _own_element(tensor: Tensor, scalar: Tensor) -> Element:
+    """The value of a tensor of rank 0 that belongs to the same frame."""
+    if scalar.frame is not tensor.frame:
+        raise TensorIndexError(
+            f"{tensor.label} and {scalar.label} belong to different frames. Build both on one."
+        )
+    return scalar.element()
