@@ -13,5 +13,7 @@ def run(*arguments: str, code: int = 0, given: str = "") -> Any:
     given: what stands on standard input.
     """
     result = CliRunner().invoke(app, list(arguments), input=given)
-    assert result.exit_code == code, (result.output, result.exception)
+    if result.exit_code != code:
+        # The exception goes along, so that the report shows where it arose.
+        raise AssertionError(f"ended with {result.exit_code}: {result.output}") from result.exception
     return result
