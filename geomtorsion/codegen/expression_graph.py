@@ -20,7 +20,7 @@ from geomtorsion.codegen.heyoka_code import Expression, Number, heyoka_expressio
 from geomtorsion.codegen.python_code import Body, compiled, python_body, python_source
 from geomtorsion.codegen.reading import Output, Reader
 from geomtorsion.codegen.steps import Signed, Step
-from geomtorsion.codegen.term_sizes import term_sizes
+from geomtorsion.codegen.term_sizes import above_rounding, term_sizes
 from geomtorsion.copies import only_fields
 
 
@@ -214,6 +214,18 @@ class Graph:
     @cached_property
     def _sizes(self) -> Graph:
         return Graph(self.arguments, *term_sizes(self.steps, self.outputs))
+
+    def above_rounding(self) -> Graph:
+        """The outputs less what rounding in doubles may add; of roots what is under them.
+
+        Examples
+        --------
+        >>> import sympy
+        >>> x = sympy.Symbol("x")
+        >>> graph(["x"], [sympy.sqrt(1 - x**2)]).above_rounding().python()(1 - 2**-52)[0] > 0
+        False
+        """
+        return Graph(self.arguments, *above_rounding(self.steps, self.outputs), self.is_complex)
 
     def derivative(self, names: Sequence[str]) -> Graph:
         """All derivatives with respect to arguments, those of the first output first.

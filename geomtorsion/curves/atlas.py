@@ -13,6 +13,7 @@ import sympy as sp
 
 from geomtorsion.codegen import Graph, graph, numpy_function
 from geomtorsion.copies import only_fields
+from geomtorsion.curves.edges import Edge, edges_of
 from geomtorsion.curves.map_functions import DIGITS, FLOATS, MapFunctions
 from geomtorsion.curves.matrix import ElementMatrix
 from geomtorsion.errors import UnknownNameError
@@ -39,7 +40,7 @@ class Chart:
     legs: for each coordinate the pairs (i, E[mu, i]) that do not vanish: q'^mu = E[mu, i] u^i.
     frame: the frame written in these coordinates; None for a redundant chart.
     keeps_frame: whether its legs are the same fields as those of the home chart.
-    edge: an element that vanishes where the chart ends; None if it does not end.
+    edge: an element that vanishes where the chart ends; None if the frame itself tells.
     margin: below this value of |edge| the solver moves over to another chart.
     kept: an element that equals one everywhere (redundant charts).
     end: where motions end that do not come to the edge, in words.
@@ -56,6 +57,16 @@ class Chart:
     end: str = ""
 
     __getstate__ = only_fields
+
+    @cached_property
+    def edges(self) -> tuple[Edge, ...]:
+        """What is positive as long as the chart holds: its edge, or those of its frame."""
+        if self.edge is not None:
+            return (Edge(self.edge, f"{self.edge.sympy} = 0", f"{self.edge.sympy} > 0"),)
+        if self.frame is None:
+            return ()
+        frame = self.frame
+        return frame.derived("edges", lambda: edges_of(frame))
 
     @property
     def field(self) -> Tower:
@@ -86,19 +97,20 @@ class Chart:
         return ElementMatrix(self.frame.coframe.components.nonzero, (n, n))
 
     @cached_property
-    def edge_graph(self) -> Graph | None:
-        """The edge over its own symbols."""
-        if self.edge is None:
-            return None
-        names = sorted(symbol.name for symbol in self.edge.symbols)
-        return graph(names, [self.edge], factor=False)
+    def _edge_graph(self) -> Graph:
+        """The edges over their own symbols."""
+        names = sorted({symbol.name for edge in self.edges for symbol in edge.element.symbols})
+        return graph(names, [edge.element for edge in self.edges], factor=False)
+
+    def at_edges(self, point: Mapping[str, float]) -> np.ndarray:
+        """The values of all edges at a point, by names of coordinates and parameters."""
+        return self._edge_graph.numpy()(*(point[name] for name in self._edge_graph.arguments))
 
     def distance(self, point: Mapping[str, float]) -> float:
         """The edge at a point in units of its margin; infinite where there is none."""
-        if self.edge_graph is None or not self.margin:
+        if self.edge is None or not self.margin:
             return float("inf")
-        values = [point[name] for name in self.edge_graph.arguments]
-        return float(self.edge_graph.numpy()(*values)[0]) / self.margin
+        return float(self.at_edges(point)[0]) / self.margin
 
     @classmethod
     def of(

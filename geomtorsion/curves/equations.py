@@ -65,20 +65,25 @@ class Equations:
         self, arguments: Sequence[str], parameters: Sequence[str]
     ) -> tuple[Graph | None, Graph | None]:
         """What falls through zero at the margin of the chart, and at its very end."""
-        if self.chart is None or self.chart.edge is None:
+        if self.chart is None or not self.chart.edges:
             return None, None
-        edge = self.chart.edge
-        margin = edge.field.rational(-Fraction(self.chart.margin))
-        guard = graph(arguments, [((edge, ()), (margin, ()))], parameters)
+        edges = [edge.element for edge in self.chart.edges]
+        margin = Fraction(self.chart.margin)
+        inner = [((edge, ()), (edge.field.rational(-margin), ())) for edge in edges]
+        guard = graph(arguments, inner if margin else edges, parameters)
         # At the very end only the sign matters: quotients and even powers are left out. But
         # engines want to watch something that moves.
-        shorter = of_same_sign(edge)
-        return guard, graph(arguments, [shorter if shorter.symbols else edge], parameters)
+        shorter = [of_same_sign(edge) for edge in edges]
+        ends = [one if one.symbols else edge for one, edge in zip(shorter, edges, strict=True)]
+        return guard, graph(arguments, ends, parameters)
 
     @cached_property
     def reduction(self) -> CyclicReduction | None:
         """A smaller system in the place of this one, where a step of it costs less."""
-        if self.momenta is None or not self.momenta.cyclic:
+        if self.momenta is None or not self.momenta.cyclic or self.chart is None:
+            return None
+        # Where a root of the frame vanishes, momenta may grow without bound; velocities do not.
+        if any(edge.is_root for edge in self.chart.edges):
             return None
         if len(self.system.rates.steps) > LONGEST:
             return None
@@ -173,10 +178,8 @@ def written(frame: Frame, law: Law, chart: Chart | None) -> Equations:
         invariants = {k: v for k, v in invariants.items() if _is_constant(v, frame)}
         if chart.kept is not None:
             invariants["unit"] = ((chart.kept, ()),)
-    edge: Products = ()
-    if chart is not None and chart.edge is not None:
-        edge = ((chart.edge, ()),)
-    every = [*products, *invariants.values(), edge]
+    ends = () if chart is None else tuple((edge.element, ()) for edge in chart.edges)
+    every = [*products, *invariants.values(), ends]
     parameters = (*symbols_in(every, states), *extra, *constants)
     inside = rates is not None and chart is not None and chart.frame is not None
     momenta = law.momenta(base) if inside else None

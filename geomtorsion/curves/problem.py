@@ -217,7 +217,19 @@ class CurveProblem:
     # -- for the solver --------------------------------------------------------------------------
 
     def check_start(self) -> None:
-        """Nothing: the start was checked when the problem was made."""
+        """Refuse a start beyond an edge that the frame itself tells."""
+        chart = self.atlas.chart(self.atlas.home)
+        if self.start is None or chart.edge is not None or not chart.edges:
+            return
+        point = self.floats()
+        for edge, value in zip(chart.edges, chart.at_edges(point).tolist(), strict=True):
+            if not value > 0:
+                place = ", ".join(f"{name} = {point[name]:.6g}" for name in self.coordinates)
+                raise StartError(
+                    f"the start {place} lies outside of where the frame holds: {edge.condition}. "
+                    "Start inside, or state a domain (and with it the branches of roots) around "
+                    "the start."
+                )
 
     def first_stage(self, precision: int, perturbation: float) -> Stage:
         """The motion from its start on; perturbation: the part by which this is changed."""
@@ -242,11 +254,7 @@ class CurveProblem:
         several = len(self.charts) > 1
         system = equations.system if several else equations.system.to_the_end
         follow = self._follower(label, point.velocities, precision) if several else None
-        chart = equations.chart
-        reason = "no other chart of the space reaches further"
-        if chart is not None and chart.edge is not None:
-            reason = f"{chart.edge.sympy} = 0"
-        event = Event(None, follow, "stuck", reason)
+        event = Event(None, follow, self._ender(label, floats(states)))
         groups = equations.groups
         stage = Stage(label, system, states, numbers, begin, (event,), groups=groups)
         return self._reduced(stage, equations, several) if precision == 53 else stage
@@ -284,6 +292,27 @@ class CurveProblem:
             return self._stage(target, there, time, precision, 0.0)
 
         return follow
+
+    def _ender(
+        self, label: str, start: Sequence[float]
+    ) -> Callable[[float, State], tuple[str, str]]:
+        """How a motion ends at the edge of its chart: of several edges, at the nearest."""
+
+        def ending(_: float, state: State) -> tuple[str, str]:
+            edges = self.atlas.chart(label).edges if label else ()
+            if not edges:
+                return "stuck", "no other chart of the space reaches further"
+            chart = self.atlas.chart(label)
+            numbers = {name: float(value) for name, value in self.parameters.items()}
+            here, there = (
+                chart.at_edges(numbers | dict(zip(chart.names, place, strict=False)))
+                for place in (floats(list(state)), start)
+            )
+            # Where a root has no value any more, that is the edge.
+            shares = np.nan_to_num(np.abs(here / there), nan=0.0)
+            return "stuck", edges[int(shares.argmin())].words
+
+        return ending
 
     def _taken_apart(self, label: str, state: State, velocities: Sequence[Real]) -> MovingPoint:
         """Coordinates, velocities and what is carried, out of a vector of states."""

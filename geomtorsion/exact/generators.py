@@ -56,11 +56,14 @@ class Branch:
         the sympy expression that it was replaced with.
     condition
         where in the domain the replacement is right, in words.
+    holds
+        an element that is positive where it is right; None where no single element says so.
     """
 
     radical: sympy.Expr
     read_as: sympy.Expr
     condition: str
+    holds: Element | None = None
 
     def __str__(self) -> str:
         return f"{self.radical} read as {self.read_as}: right where {self.condition}"

@@ -107,10 +107,10 @@ class Primitives:
         if not shown.is_positive:
             whole = sympy.log(element.sympy)
             split = sympy.expand_log(whole, force=True)
-            condition = f"{shown} > 0"
+            condition, holds = f"{shown} > 0", base
             if self._field.is_complex:
-                condition = self._field.sample.place_in_words()
-            self._field.state_branch(Branch(whole, split, condition))
+                condition, holds = self._field.sample.place_in_words(), None
+            self._field.state_branch(Branch(whole, split, condition, holds))
 
     def _imaginary_turn(self, element: Element) -> Element:
         """log(-1) = i pi."""

@@ -122,10 +122,11 @@ def _state(
     """Notes the branch, unless the symbols' assumptions leave only one."""
     if radical is None:
         return
-    shown = (value if outer is None else outer).sympy
+    positive = value if outer is None else outer
+    shown = positive.sympy
     if shown.is_nonnegative:
         return
-    field.state_branch(Branch(radical, value.sympy, f"{shown} >= 0"))
+    field.state_branch(Branch(radical, value.sympy, f"{shown} >= 0", positive))
 
 
 def _odd_root(field: Tower, element: Element, order: int) -> Element:
@@ -154,7 +155,8 @@ def _odd_root(field: Tower, element: Element, order: int) -> Element:
         result = result * _factor_power(field, base, exponent, order)
     if sign < 0 and not field.is_complex:
         shown = element.sympy ** sympy.Rational(1, order)
-        field.state_branch(Branch(shown, (-result).sympy, f"{element} <= 0: the real root"))
+        branch = Branch(shown, (-result).sympy, f"{element} <= 0: the real root", -element)
+        field.state_branch(branch)
     if sign < 0 and field.is_complex:
         raise ExpressionError(
             f"the root of order {order} of {element} is that of a negative number at the sample "

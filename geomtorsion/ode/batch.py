@@ -11,7 +11,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from geomtorsion.ode.engines import Engine, Taylor
-from geomtorsion.ode.engines.scipy_run import FLOOR, error_scales
+from geomtorsion.ode.engines.scipy_steps import FLOOR
+from geomtorsion.ode.engines.stepwise import error_scales
 from geomtorsion.ode.engines.taylor import heyoka
 from geomtorsion.ode.system import System
 
@@ -149,10 +150,10 @@ def _by_heyoka(
     several = len(calls.times) > 2
     found = np.full((count, len(calls.times) if several else 1, size, width), np.nan)
     last, done = time.perf_counter(), 0
-    # Members whose guard has fallen in this call; heyoka keeps a copy of its own.
-    hits = integrator.nt_events[0].callback.members if crossed is not None else set()
     # Beyond a guard steps may become as small as they like; without one, motions just go on.
     most = MOST_STEPS if crossed is not None else 0
+    # Members whose guard has fallen in this call, for each output; heyoka keeps copies of its own.
+    hits = [event.callback.members for event in integrator.nt_events] if most else []
     try:
         for k in range(count):
             own[:] = calls.states[k]
@@ -169,9 +170,10 @@ def _by_heyoka(
                     _go_on(integrator, ends[k], hits, most)
                 found[k, 0] = own
             clocks[k] = integrator.time
-            if hits and crossed is not None:
-                crossed[index[k * width + np.array(sorted(hits))]] = True
-                hits.clear()
+            for members in hits:
+                if members and crossed is not None:
+                    crossed[index[k * width + np.array(sorted(members))]] = True
+                    members.clear()
             done = k + 1
             if show is not None and time.perf_counter() - last > OFTEN:
                 last = time.perf_counter()
@@ -190,7 +192,7 @@ def _by_heyoka(
             result[index[good], -1] = rows[good, 0]
 
 
-def _go_on(integrator: Any, ends: np.ndarray, crossed: set[int], most: int) -> None:
+def _go_on(integrator: Any, ends: np.ndarray, crossed: list[set[int]], most: int) -> None:
     """Go on until all members have arrived, have met the guard or get no further.
 
     most: steps between two looks.
@@ -200,7 +202,8 @@ def _go_on(integrator: Any, ends: np.ndarray, crossed: set[int], most: int) -> N
         waiting = [
             member
             for member, result in enumerate(integrator.propagate_res)
-            if result[0] == type(result[0]).step_limit and member not in crossed
+            if result[0] == type(result[0]).step_limit
+            and not any(member in members for members in crossed)
         ]
         if not moved[waiting].any():
             return

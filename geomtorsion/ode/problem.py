@@ -250,6 +250,21 @@ class ODE:
         values = [*states, *(parameters[name] for name in self.rates.parameters), time]
         return float(stop.numpy()(*[float(x) for x in values])[0])
 
+    def _ending(
+        self, parameters: Mapping[str, Real], start: list[float], time: float, state: State
+    ) -> tuple[str, str]:
+        """How the motion ends: where it stops, or where a root in its rates vanishes."""
+        if not self.rates.roots:
+            return "stopped", ""
+        made = self.rates.guard_graph.numpy()
+        numbers = [float(parameters[name]) for name in self.rates.parameters]
+        here, there = (
+            made(*[float(x) for x in row[: self.size]], *numbers, time) for row in (state, start)
+        )
+        shares = np.nan_to_num(np.abs(here / there), nan=0.0)
+        nearest = int(shares.argmin()) - (self.rates.stop is not None)
+        return ("stopped", "") if nearest < 0 else ("stuck", f"{self.rates.roots[nearest]} = 0")
+
     def first_stage(self, precision: int, perturbation: float) -> Stage:
         """The motion from t = 0 on; perturbation: the part by which its numbers are changed."""
         key = precision, perturbation
@@ -286,7 +301,8 @@ class ODE:
             states = [*start, begin / CLOCK]
         if precision == 53:
             states, numbers = (np.array([float(x) for x in row]) for row in (states, numbers))
-        events = [] if self.rates.stop is None else [Event(None)]
+        ending = partial(self._ending, dict(parameters), [float(x) for x in states])
+        events = [] if self.system.guard is None else [Event(None, None, ending)]
         if later:
             follow = self._follower(parameters, later, precision, perturbation)
             events.append(Event(later[0].time, follow))

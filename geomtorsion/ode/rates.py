@@ -97,6 +97,17 @@ class Rates:
         return None if self.stop is None else graph(self.names, [self.stop], factor=False)
 
     @cached_property
+    def roots(self) -> tuple[sp.Expr, ...]:
+        """Roots in the rates that may vanish on the way: beyond, the rates have no value."""
+        return _roots(tuple(self.expressions.values()), {*self.states, self.time})
+
+    @cached_property
+    def guard_graph(self) -> Graph:
+        """The stop, if there is one, and the roots, over states, parameters and time."""
+        stop = [] if self.stop is None else [self.stop]
+        return graph(self.names, [*stop, *self.roots], factor=False)
+
+    @cached_property
     def rate_graph(self) -> Graph:
         """The rates over states, parameters and time."""
         return graph(self.names, list(self.expressions.values()), factor=False)
@@ -121,9 +132,24 @@ def _system(
     if clock:
         groups = (*groups, (len(states),))
     arguments = (*names, *others)
-    guard = None if stop is None else graph(arguments, [stop + TINY], others)
+    guards = [] if stop is None else [stop + TINY]
+    guards += _roots(terms, set(names))
+    guard = graph(arguments, guards, others) if guards else None
     made = graph(arguments, list(terms), others)
     return System(names, others, made, groups, guard, None, (clock, CLOCK) if clock else None)
+
+
+def _roots(terms: Sequence[sp.Expr], moving: set[str]) -> tuple[sp.Expr, ...]:
+    """Square roots of what changes on the way and may fall through zero."""
+    found: dict[sp.Expr, None] = {}
+    for term in terms:
+        for power in sp.preorder_traversal(term):
+            if not isinstance(power, sp.Pow) or getattr(power.exp, "q", 1) != 2:
+                continue
+            changes = any(symbol.name in moving for symbol in power.base.free_symbols)
+            if changes and not power.base.is_nonnegative:
+                found[sp.sqrt(power.base)] = None
+    return tuple(found)
 
 
 def _check_smooth(terms: Sequence[sp.Expr], where: Sequence[str]) -> None:

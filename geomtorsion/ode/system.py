@@ -25,7 +25,7 @@ class System:
     rates: graph over states, then parameters, with one output for each state.
     groups: indices of states whose errors are measured against their common size (coordinates;
         velocities; a quaternion); each state is in one of them.
-    guard: graph over the same arguments with one output; where it falls through zero a run ends.
+    guard: graph over the same arguments; where one of its outputs falls through zero a run ends.
     end: the guard of the very end of a chart, where `guard` is that of its margin.
     clock: (state, unit) where a state is the time in such units; an engine may put its own time
         in the place of that state, which rounds at every step.
@@ -88,23 +88,32 @@ class System:
             return np.full((n, n), np.nan)
 
     @cached_property
+    def _guard_above_rounding(self) -> Graph | None:
+        # Motions that come to rest on an edge stay within rounding of it, with ever shorter steps.
+        return None if self.guard is None else self.guard.above_rounding()
+
+    @cached_property
     def _scalar_guard(self) -> Callable[..., tuple[float, ...]] | None:
-        return None if self.guard is None else self.guard.python()
+        guard = self._guard_above_rounding
+        return None if guard is None else guard.python()
 
     def guard_at(self, state: Sequence[float], values: Sequence[float]) -> float:
-        """The guard at one state; below zero where it has no value, for there the motion ends."""
+        """The least output of the guard at one state, less its rounding; below zero where there is
+        no value. Where it is a root, its radicand stands for it.
+        """
         inner = self._scalar_guard
         if inner is None:
             return float("inf")
         try:
-            return inner(*state, *values)[0]
+            return min(inner(*state, *values))
         except NO_VALUE:
             return -1.0
 
     def guard_along(self, states: np.ndarray, values: Sequence[float] | np.ndarray) -> np.ndarray:
-        """The guard on arrays of states, shape (size, ...)."""
-        assert self.guard is not None
-        return self.guard.numpy()(*states, *values)[0]
+        """The same on arrays of states, shape (size, ...)."""
+        assert self._guard_above_rounding is not None
+        least = self._guard_above_rounding.numpy()(*states, *values).min(axis=0)
+        return np.where(np.isnan(least), -1.0, least)
 
     @cached_property
     def unguarded(self) -> System:

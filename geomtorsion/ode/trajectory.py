@@ -32,13 +32,12 @@ class Event:
     when: a time; None: where the guard of the system falls through zero (or, if `then` knows a
         way on, where the engine cannot go on).
     then: (time, state) -> the next stage, or None where the motion ends; None: it ends here.
-    outcome, reason: how the motion ends where nothing comes after.
+    ending: (time, state) -> outcome and reason where nothing comes after; None: it is "stopped".
     """
 
     when: float | None
     then: Callable[[float, State], Stage | None] | None = None
-    outcome: str = "stopped"
-    reason: str = ""
+    ending: Callable[[float, State], tuple[str, str]] | None = None
 
     def __getstate__(self) -> Mapping[str, object]:
         # What comes after was asked when the trajectory was made.
@@ -315,8 +314,10 @@ def integrate(
         if idle < 2 and len(segments) <= MOST_STAGES and event.then is not None:
             after = event.then(run.reached, segments[-1].last)
         if after is None:
-            reason = run.reason or event.reason
-            return Trajectory(engine, tolerance, tuple(segments), event.outcome, reason)
+            outcome, reason = "stopped", ""
+            if event.ending is not None:
+                outcome, reason = event.ending(float(run.reached), segments[-1].last)
+            return Trajectory(engine, tolerance, tuple(segments), outcome, run.reason or reason)
         stage = after
 
 

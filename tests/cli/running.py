@@ -15,5 +15,7 @@ def run(*arguments: str, code: int = 0, given: str = "") -> Any:
     result = CliRunner().invoke(app, list(arguments), input=given)
     if result.exit_code != code:
         # The exception goes along, so that the report shows where it arose.
-        raise AssertionError(f"ended with {result.exit_code}: {result.output}") from result.exception
+        raise AssertionError(
+            f"ended with {result.exit_code}: {result.output}"
+        ) from result.exception
     return result

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from geomtorsion.errors import ExpressionError
+from geomtorsion.errors import ExpressionError, StuckError
 from geomtorsion.exact import Field
 from geomtorsion.ode import ODE, RungeKutta, Stiff, When, solve
 from tests.ode.engines import every_engine, needs_heyoka
@@ -141,3 +141,22 @@ def test_hundreds_of_storeys():
             assert found == pytest.approx(expected, rel=1e-13)
     with pytest.raises(ExpressionError, match="nested too deeply"):
         ODE.of({"x": tree}, [0.3])
+
+
+@every_engine
+def test_roots_in_rates_end_motions(engine):
+    """s = (1 - t)**2 until t = 1; the series of s alone would go on, up again, unlike sqrt(s)."""
+    emptying = ODE.of({"s": "-2*sqrt(s)", "v": "0"}, [1, 1])
+    with pytest.raises(StuckError, match="t = 1") as caught:
+        solve(emptying, 3.0, engine=engine)
+    reached = caught.value.solution
+    assert reached["s"] == pytest.approx((1 - reached.times) ** 2, abs=1e-9)
+    # Where it is said to stop before, it stops.
+    level = ODE.of({"s": "-2*sqrt(s)"}, [1], events=[When("s - 1/4")])
+    found = solve(level, 3.0, engine=engine)
+    assert found.outcome == "stopped"
+    assert found.times[-1] == pytest.approx(0.5, rel=1e-9)
+    # A sum of squares is not watched, and neither is what does not change.
+    free = ODE.of({"x": "sqrt(1 + x**2)*sqrt(a)"}, [0], parameters={"a": 4})
+    assert free.system.guard is None
+    assert solve(free, 1.0, engine=engine)["x"][-1] == pytest.approx(np.sinh(2), rel=1e-9)

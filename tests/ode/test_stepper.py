@@ -9,9 +9,8 @@ from geomtorsion.curves import geodesic
 from geomtorsion.errors import LimitError
 from geomtorsion.geometry import levi_civita
 from geomtorsion.ode import ODE, RungeKutta
-from geomtorsion.ode.engines.float_run import float_run
-from geomtorsion.ode.engines.scipy_run import scipy_run
 from geomtorsion.ode.engines.stepper import Steps
+from geomtorsion.ode.engines.stepwise import stepwise_run
 from geomtorsion.spaces import load
 
 MOST = 10**7
@@ -47,8 +46,8 @@ def test_the_steps_are_those_of_scipy(name, tolerance, t):
     """As many steps and evaluations, up to rounding the same states, samples between steps too."""
     system, start, values = posed(name)
     times = np.linspace(0.0, t, 33)
-    one = float_run(MOST, system.unguarded, start, values, times, tolerance, False)
-    two = scipy_run("DOP853", MOST, system.unguarded, start, values, times, tolerance, False)
+    one = stepwise_run("generated", MOST, system.unguarded, start, values, times, tolerance, False)
+    two = stepwise_run("DOP853", MOST, system.unguarded, start, values, times, tolerance, False)
     assert one.outcome == two.outcome == "done"
     # scipy counts evaluations: those of the first step and of dense output besides.
     assert 12 * one.steps <= one.evaluations <= two.evaluations
@@ -61,8 +60,8 @@ def test_edges_stop_where_scipy_stops():
     """The time at which an edge is crossed, to rounding."""
     system, start, values = posed("angles")
     times = np.linspace(0.0, 40.0, 9)
-    one = float_run(MOST, system, start, values, times, 1e-10, False)
-    two = scipy_run("DOP853", MOST, system, start, values, times, 1e-10, False)
+    one = stepwise_run("generated", MOST, system, start, values, times, 1e-10, False)
+    two = stepwise_run("DOP853", MOST, system, start, values, times, 1e-10, False)
     assert one.outcome == two.outcome == "edge"
     assert one.reached == pytest.approx(two.reached, abs=1e-12)
     assert one.last == pytest.approx(two.last, abs=1e-11)
@@ -74,7 +73,7 @@ def test_dense_output(t):
     """Between samples to order 7, forwards and backwards, against the exponential."""
     system = ODE.of({"x": "-x", "y": "2*y"}, [1, 1]).system
     times = np.array([0.0, t])
-    run = float_run(MOST, system, [1.0, 1.0], [], times, 1e-12, True)
+    run = stepwise_run("generated", MOST, system, [1.0, 1.0], [], times, 1e-12, True)
     assert run.dense is not None
     between = np.linspace(0.0, t, 101)
     exact = np.stack([np.exp(-between), np.exp(2 * between)], axis=1)
@@ -99,16 +98,19 @@ def test_errors_fall_with_the_eighth_power():
 def test_where_rates_end():
     """A singularity on the way is told apart, with the place; too many steps are an error."""
     blowing = ODE.of({"x": "x**2"}, [1]).system
-    run = float_run(MOST, blowing, [1.0], [], np.array([0.0, 0.5, 2.0]), 1e-9, False)
+    run = stepwise_run(
+        "generated", MOST, blowing, [1.0], [], np.array([0.0, 0.5, 2.0]), 1e-9, False
+    )
     assert run.outcome == "stuck"
     assert run.reached == pytest.approx(1.0, abs=1e-6)
     assert run.times.tolist() == [0.0, 0.5]
     assert run.states[1, 0] == pytest.approx(2.0, rel=1e-7)
     fast = ODE.of({"x": "1000*y", "y": "-1000*x"}, [1, 0])
     with pytest.raises(LimitError, match="more than 30000 evaluations"):
-        float_run(
-            30_000, fast.system, [1.0, 0.0], fast.run_numbers({}), np.array([0.0, 1e3]), 1e-9, False
-        )
+        stepwise_run(
+            "generated", 30_000, fast.system, [1.0, 0.0], fast.run_numbers({}),
+            np.array([0.0, 1e3]), 1e-9, False,
+        )  # fmt: skip
 
 
 def test_large_systems_are_left_to_scipy():

@@ -161,13 +161,16 @@ def _integrator(
         "compact_mode": precision > 64 or len(system.rates.steps) > LONGEST_UNROLLED,
         "opt_level": (3 if width else 1) if optimised and precision <= 64 else 0,
     }
-    guard = None
+    guards = []
     if system.guard is not None:
-        guard = system.guard.heyoka(known, quotient)[0] * number(FAINT)
+        guards = [guard * number(FAINT) for guard in system.guard.heyoka(known, quotient)]
     falling = hy.event_direction.negative
     if width:
-        if guard is not None:
-            options["nt_events"] = [hy.nt_event_batch(guard, Crossed(), direction=falling)]
+        if guards:
+            crossed = Crossed()
+            options["nt_events"] = [
+                hy.nt_event_batch(guard, crossed, direction=falling) for guard in guards
+            ]
         return hy.taylor_adaptive_batch(
             equations,
             np.zeros((len(equations), width)),
@@ -178,9 +181,9 @@ def _integrator(
         options["fp_type"] = kind
         if precision > 113:
             options["prec"] = precision
-    if guard is not None:
+    if guards:
         events = {53: hy.t_event, 64: hy.t_event_ldbl, 113: getattr(hy, "t_event_f128", None)}
         maker = events.get(precision) or hy.t_event_real
-        options["t_events"] = [maker(guard, direction=falling)]
+        options["t_events"] = [maker(guard, direction=falling) for guard in guards]
     zeros = np.array([number(0)] * system.size, dtype=kind)
     return hy.taylor_adaptive(equations, zeros, **options)

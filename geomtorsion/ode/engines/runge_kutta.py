@@ -8,10 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geomtorsion.ode.engines.float_run import float_run
 from geomtorsion.ode.engines.protocol import Run
-from geomtorsion.ode.engines.scipy_run import scipy_run
 from geomtorsion.ode.engines.stepper import LARGEST
+from geomtorsion.ode.engines.stepwise import stepwise_run
 from geomtorsion.ode.numbers import Real
 from geomtorsion.ode.system import System
 
@@ -76,9 +75,8 @@ class RungeKutta(_Ladder):
     ) -> Run:
         """See `Engine.run`."""
         most = self.max_evaluations
-        if system.size <= LARGEST:
-            return float_run(most, system, start, parameters, times, tolerance, dense)
-        return scipy_run("DOP853", most, system, start, parameters, times, tolerance, dense)
+        method = "generated" if system.size <= LARGEST else "DOP853"
+        return stepwise_run(method, most, system, start, parameters, times, tolerance, dense)
 
 
 @dataclass(frozen=True)
@@ -116,4 +114,4 @@ class Stiff(_Ladder):
     ) -> Run:
         """See `Engine.run`."""
         most = self.max_evaluations
-        return scipy_run(self.method, most, system, start, parameters, times, tolerance, dense)
+        return stepwise_run(self.method, most, system, start, parameters, times, tolerance, dense)

@@ -102,6 +102,11 @@ class Steps:
         self._mark = self.time
         self._size = self._first()
 
+    @property
+    def evaluations(self) -> int:
+        """Evaluations of the rates."""
+        return STAGES * self.tried
+
     def inner(self, *state: float) -> Any:
         """The rates at a state; no numbers where there are none."""
         try:

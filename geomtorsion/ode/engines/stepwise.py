@@ -1,4 +1,4 @@
-"""float_run: one integration by generated steps on plain floats, samples and guard included."""
+"""stepwise: one integration step by step, its samples and its guard looked at in every step."""
 
 from __future__ import annotations
 
@@ -7,22 +7,26 @@ import time
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 from scipy.optimize import brentq
 
-from geomtorsion.ode.engines.dop853 import STAGES, step_of
+from geomtorsion.ode.engines.dop853 import step_of
 from geomtorsion.ode.engines.protocol import Dense, Run
-from geomtorsion.ode.engines.scipy_run import error_scales
+from geomtorsion.ode.engines.scipy_steps import FLOOR, Piece, ScipySteps
 from geomtorsion.ode.engines.stepper import Polynomial, Steps
 from geomtorsion.ode.numbers import Real, floats
 from geomtorsion.ode.system import System
 
-# Smaller differences than this are told from rounding by no step.
+# Smaller differences than this are told from rounding by no step of generated code.
 LEAST = 1e-15
 
+Pieces: TypeAlias = list[Polynomial | Piece]
 
-def float_run(
+
+def stepwise_run(
+    method: str,
     most: int,
     system: System,
     start: Sequence[Real] | np.ndarray,
@@ -31,13 +35,15 @@ def float_run(
     tolerance: float,
     dense: bool,
 ) -> Run:
-    """See `Engine.run`; the same method as scipy's DOP853, several times as fast."""
+    """See `Engine.run`; method: "generated" steps of DOP853, or "DOP853", "Radau", "LSODA"."""
     began = time.perf_counter()
     y0, values = floats(start), floats(parameters)
     times = np.asarray(times, dtype=float)
     first, last = float(times[0]), float(times[-1])
     first_rates = np.asarray(system.scalar_rates(values)(first, np.array(y0)), dtype=float)
-    step_of(system)
+    generated = method == "generated"
+    if generated:
+        step_of(system)
     ready = time.perf_counter()
     if first == last or not np.isfinite(first_rates).all():
         outcome = "done" if first == last else "stuck"
@@ -46,42 +52,52 @@ def float_run(
         return Run(
             times[:1], here[None, :], first, here, outcome, 0, 1, ready - began, 0.0, None, reason
         )
-    scales = error_scales(system, np.array(y0), first_rates, last - first).tolist()
+    span = last - first
+    if method in ("Radau", "LSODA"):
+        span = _settling(system.jacobian(y0, values), span)
+    scales = error_scales(system, np.array(y0), first_rates, span).tolist()
+    least = LEAST if generated else FLOOR
 
-    def steps(longest: float) -> Steps:
-        used = max(tolerance, LEAST)
-        return Steps(system, values, y0, (first, last), used, scales, longest, most)
+    def steps(longest: float) -> Steps | ScipySteps:
+        used = max(tolerance, least)
+        if generated:
+            return Steps(system, values, y0, (first, last), used, scales, longest, most)
+        return ScipySteps(method, system, values, y0, (first, last), used, scales, longest, most)
 
     longest = math.inf
-    if tolerance < LEAST:
+    if tolerance < least and method in ("generated", "DOP853"):
         # Dense output is of order 7: shorter steps help it where the tolerance no longer can.
         trial = steps(math.inf)
         while trial.time != last and trial.advance() is not None:
             pass
         if not trial.stuck:
-            longest = abs(last - first) / (trial.count + 1) * (tolerance / LEAST) ** 0.125
+            longest = abs(last - first) / (trial.count + 1) * (tolerance / least) ** 0.125
     walk = steps(longest)
     guard = None if system.guard is None else partial(_guard, system, values)
     samples = np.empty((len(times), len(y0)))
     samples[0] = y0
     order = (times * walk.sign).tolist()
-    pieces, done, outcome = [], 1, "done"
+    pieces: Pieces = []
+    done, outcome = 1, "done"
     reached, where = last, None
-    inside = guard is None or guard(walk.state) >= 0
+    inside = guard is None or guard(walk.state) > 0
     while walk.time != last:
         piece = walk.advance()
         if piece is None:
             outcome, reached, where = "stuck", walk.time, np.array(walk.state)
             break
-        if dense:
-            pieces.append(piece)
         end = walk.time
+        if dense:
+            # Worked out now: some solvers forget a step with the next one.
+            piece(np.array([end]))
+            pieces.append(piece)
         if guard is not None:
             value = guard(walk.state)
-            if inside and value < 0:
+            # Roots touch zero, but are nowhere below.
+            if inside and value <= 0:
                 outcome, end = "edge", _crossing(guard, piece, walk.time)
                 reached, where = end, piece(np.array([end]))[0]
-            inside = value >= 0
+            inside = value > 0
         count = bisect_right(order, walk.sign * end, done)
         if count > done:
             samples[done:count] = piece(times[done:count])
@@ -100,10 +116,10 @@ def float_run(
         where,
         outcome,
         walk.count,
-        STAGES * walk.tried,
+        walk.evaluations,
         ready - began,
         ended - ready,
-        _joined(pieces) if dense else None,
+        _joined(pieces) if pieces else None,
         walk.stuck,
     )
 
@@ -113,7 +129,9 @@ def _guard(system: System, values: Sequence[float], state: Sequence[float]) -> f
     return system.guard_at(state, values)
 
 
-def _crossing(guard: Callable[[Sequence[float]], float], piece: Polynomial, after: float) -> float:
+def _crossing(
+    guard: Callable[[Sequence[float]], float], piece: Polynomial | Piece, after: float
+) -> float:
     """The time within a step at which the guard falls through zero."""
 
     def value(t: float) -> float:
@@ -126,7 +144,7 @@ def _crossing(guard: Callable[[Sequence[float]], float], piece: Polynomial, afte
     return float(brentq(value, piece.t, after, xtol=tiny, rtol=tiny))  # type: ignore[arg-type]
 
 
-def _joined(pieces: list[Polynomial]) -> Dense:
+def _joined(pieces: Pieces) -> Dense:
     """Dense output of all steps."""
     begins = np.array([piece.t for piece in pieces])
     sign = 1.0 if pieces[0].h > 0 else -1.0
@@ -141,3 +159,26 @@ def _joined(pieces: list[Polynomial]) -> Dense:
         return found
 
     return values
+
+
+def _settling(jacobian: np.ndarray, duration: float) -> float:
+    """The time after which the fastest part has settled: rates do not last any longer."""
+    if not np.isfinite(jacobian).all():
+        return duration
+    fastest = float(np.abs(np.linalg.eigvals(jacobian)).max())
+    return duration if fastest * abs(duration) < 1 else 1 / fastest
+
+
+def error_scales(
+    system: System, y0: np.ndarray, rates: Sequence[float] | np.ndarray, duration: float
+) -> np.ndarray:
+    """The size of each state for absolute tolerances: that of its group, now or soon."""
+    scales = np.empty(y0.shape)
+    for group in system.groups:
+        index = list(group)
+        size = np.abs(y0[index]).max(axis=0)
+        if not np.all(size > 0):
+            soon = np.abs(np.asarray(rates)[index]).max(axis=0) * abs(duration)
+            size = np.where(size > 0, size, soon)
+        scales[index] = np.where(np.isfinite(size) & (size > 0), size, 1.0)
+    return scales

@@ -1,0 +1,136 @@
+"""Edges: where the coordinates of a frame end, told from its domain, its roots and its branches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import sympy as sp
+
+from geomtorsion.errors import ExpressionError, StartError
+from geomtorsion.exact import Element
+from geomtorsion.exact.generators import Generator
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from geomtorsion.exact.tower import Tower
+    from geomtorsion.geometry import Frame
+
+# Functions without a root of their own that may enter a sum of squares.
+_REAL = ("symbol", "cos", "sin", "cosh", "sinh", "exp", "log")
+
+
+@dataclass(frozen=True)
+class Edge:
+    """What is positive as long as the coordinates hold.
+
+    element: an exact element; a motion that lets it fall through zero has come to the edge.
+    words: what happens there, for messages; condition: what has to hold inside.
+    is_root: whether it is a root of the frame, so that rates have no value beyond it.
+    """
+
+    element: Element
+    words: str
+    condition: str
+    is_root: bool = False
+
+
+def edges_of(frame: Frame) -> tuple[Edge, ...]:
+    """All edges of a frame: its declared domain, roots that vanish, branches that end.
+
+    A root is watched itself, not what is under it: motions that come to rest on the edge touch it,
+    and there the radicand has a double zero, which rounding hides, but its root a simple one.
+
+    Examples
+    --------
+    >>> from geomtorsion.geometry import Frame
+    >>> r, phi = sp.symbols("r phi")
+    >>> flat = Frame([r, phi], [[1, 0], [0, r]], domain=[r > 0, phi > 0, phi < 2 * sp.pi])
+    >>> [edge.words for edge in edges_of(flat)]
+    ['r > 0 holds no longer']
+    """
+    found = [*_of_domain(frame), *_of_roots(frame), *_of_branches(frame)]
+    inside = set(frame.coordinates)
+    moving = {edge.element: edge for edge in reversed(found) if edge.element.symbols & inside}
+    return tuple(reversed(moving.values()))
+
+
+def _of_domain(frame: Frame) -> Iterator[Edge]:
+    """Relations of the domain, but for those that bound an angle."""
+    turns = {symbol for symbol in frame.coordinates if _is_angle(frame, symbol)}
+    for relation in frame.domain:
+        if not isinstance(relation, sp.StrictGreaterThan | sp.StrictLessThan | sp.Ge | sp.Le):
+            continue
+        if len(relation.free_symbols) == 1 and relation.free_symbols <= turns:
+            continue
+        if relation.gts == sp.oo or relation.lts == -sp.oo:
+            continue
+        try:
+            inside = frame.field.read(relation.gts - relation.lts, f"domain {relation}")
+        except ExpressionError:
+            raise StartError(
+                f"the relation {relation} of the domain cannot be watched along a motion. Write "
+                "it without absolute values and pieces, for instance as two relations."
+            ) from None
+        yield Edge(inside, f"{relation} holds no longer", f"the domain is {relation}")
+
+
+def _is_angle(frame: Frame, symbol: sp.Symbol) -> bool:
+    """Whether the domain gives a coordinate one turn over which the frame repeats itself."""
+    above: sp.Expr | None = None
+    below: sp.Expr | None = None
+    for relation in frame.domain:
+        if relation.free_symbols != {symbol} or not hasattr(relation, "gts"):
+            continue
+        if relation.gts == symbol:
+            below = relation.lts
+        elif relation.lts == symbol:
+            above = relation.gts
+    if above is None or below is None or above - below != 2 * sp.pi:
+        return False
+    entries = [value.sympy for matrix in frame.given.values() for value in matrix.values()]
+    return all(entry.subs(symbol, symbol + 2 * sp.pi) == entry for entry in entries)
+
+
+def _of_branches(frame: Frame) -> Iterator[Edge]:
+    """Where the sign with which a root was read is not that of the root any more."""
+    for branch in frame.branches:
+        if branch.holds is not None:
+            yield Edge(branch.holds, str(branch), str(branch))
+
+
+def _of_roots(frame: Frame) -> Iterator[Edge]:
+    """Roots and arguments of logarithms that may fall through zero."""
+    waiting = [value for matrix in frame.given.values() for value in matrix.values()]
+    seen: set[Generator] = set()
+    while waiting:
+        element = waiting.pop(0)
+        for generator in element.field.generators_of(element):
+            if generator in seen:
+                continue
+            seen.add(generator)
+            if generator.tail is not None:
+                waiting.append(generator.tail)
+            if generator.kind == "root" and not _is_sum_of_squares(generator.tail):
+                root = element.field.generator_element(generator)
+                shown = generator.shown
+                yield Edge(root, f"{shown} = 0", f"it needs {shown}", is_root=True)
+            elif generator.kind == "log" and isinstance(generator.argument, Element):
+                shown = generator.argument
+                yield Edge(shown, f"{shown} = 0", f"it needs log({shown})")
+
+
+def _is_sum_of_squares(element: Element | None) -> bool:
+    """Whether an element has even powers of real functions only, with positive numbers."""
+    if element is None:
+        return False
+    field: Tower = element.field
+    odd = [g.kind not in _REAL for g in field.generators]
+    for polynomial in (field.lift(element), *(field.factors[k] for k, _ in element._den)):
+        for powers, number in polynomial.to_dict().items():
+            if number < 0 or any(power % 2 for power in powers):
+                return False
+            if any(power and strange for power, strange in zip(powers, odd, strict=True)):
+                return False
+    return True

@@ -1,0 +1,161 @@
+"""edges: motions end where their frame ends, with every engine; nothing is believed beyond."""
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from geomtorsion.curves import autoparallel, geodesic
+from geomtorsion.curves.edges import edges_of
+from geomtorsion.errors import ChartEdgeError, StartError
+from geomtorsion.geometry import Frame, cartan
+from geomtorsion.ode import Stiff, Taylor, solve, solve_many
+from tests.ode.engines import ENGINES as EXPLICIT
+from tests.ode.engines import needs_heyoka
+
+r, p, x, y, z, s = sp.symbols("r p x y z s")
+ENGINES = [*EXPLICIT, Stiff(), Stiff("LSODA"), pytest.param(Taylor(113), marks=needs_heyoka)]
+ONE_TURN = [p > 0, p < 2 * sp.pi]
+
+
+def throat():
+    """The upper half of a funnel whose throat has radius 1."""
+    return Frame([r, p], [[1 / sp.sqrt(1 - 1 / r**2), 0], [0, r]], domain=[r > 1])
+
+
+def ended(problem, t, engine, **options):
+    """The error with which a motion ends, and the time at which it does."""
+    with pytest.raises(ChartEdgeError) as caught:
+        solve(problem, t, engine=engine, **options)
+    found = caught.value.solution
+    return str(caught.value), float(found.trajectory.reached) / problem.time_unit
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.name)
+@pytest.mark.parametrize("law", ["autoparallel", "geodesic"])
+def test_throat_of_a_funnel(engine, law):
+    """Radially dr/dl = sqrt(1 - 1/r**2), so that r**2 = 1 + (l - l0)**2: the throat after l0."""
+    frame = throat()
+    made = autoparallel(cartan(frame), [5, 0], [-0.3, 0]) if law == "autoparallel" else geodesic(
+        frame, [5, 0], [-0.3, 0]
+    )  # fmt: skip
+    speed = 0.3 / np.sqrt(1 - 1 / 25)
+    message, t = ended(made, 1.1 * np.sqrt(24) / speed, engine)
+    # LSODA does not come closer than its last step.
+    assert t == pytest.approx(
+        np.sqrt(24) / speed, rel=1e-2 if engine.name == "Stiff(LSODA)" else 1e-6
+    )
+    assert "r = 1" in message
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.name)
+def test_a_motion_that_turns_before_the_throat(engine):
+    """It comes as near as r = 1.3 and goes out again: not stopped, and as the flat chart has it."""
+    accuracy = 1e-8
+    found = solve(geodesic(throat(), [5, 0], [-0.3, 0.016]), 40.0, accuracy, engine=engine)
+    assert found["r"].min() > 1.2
+    # Angular momentum of the surface of revolution is kept.
+    momentum = found["r"] ** 2 * found.velocity[:, 1]
+    assert momentum == pytest.approx(momentum[0], rel=1e-7)
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.name)
+def test_the_declared_domain_is_an_edge(engine):
+    """Polar coordinates, straight to the origin: there after t = 1."""
+    polar = Frame([r, p], [[1, 0], [0, r]], domain=[r > 0, *ONE_TURN])
+    message, t = ended(autoparallel(cartan(polar), [1, 0], [-1, 0]), 2.0, engine)
+    assert t == pytest.approx(1.0, abs=1e-9)
+    assert "r > 0 holds no longer" in message
+
+
+@pytest.mark.parametrize("engine", EXPLICIT, ids=lambda engine: engine.name)
+def test_an_angle_has_no_edge(engine):
+    """One turn over which the frame repeats itself may be passed; other bounds may not."""
+    turning = [[sp.cos(p), -r * sp.sin(p)], [sp.sin(p), r * sp.cos(p)]]
+    angle = Frame([r, p], turning, domain=[r > 0, *ONE_TURN])
+    found = solve(geodesic(angle, [1, 6], [0, 1]), 0.7, engine=engine)
+    assert found["p"][-1] == pytest.approx(6 + np.arctan(0.7), rel=1e-9)
+    half = Frame([r, p], turning, domain=[r > 0, p > 0, p < sp.pi])
+    message, t = ended(geodesic(half, [1, 3], [0, 1]), 0.7, engine)
+    assert t == pytest.approx(np.tan(np.pi - 3), rel=1e-9)
+    assert "p < pi holds no longer" in message
+    # The frame is another one after a turn.
+    spinor = [[sp.cos(p / 2), -r * sp.sin(p / 2)], [sp.sin(p / 2), r * sp.cos(p / 2)]]
+    words = [edge.words for edge in edges_of(Frame([r, p], spinor, domain=ONE_TURN))]
+    assert words == ["p > 0 holds no longer", "p < 2*pi holds no longer"]
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.name)
+def test_a_pole_without_a_chart(engine):
+    """A sphere in (z, phi): z = sin(t / 2) comes to the pole after t = pi."""
+    root = sp.sqrt(1 - z**2)
+    sphere = Frame([z, p], [[1 / root, 0], [0, root]])
+    message, t = ended(geodesic(sphere, [0, 0], [0.5, 0]), 4.0, engine)
+    assert t == pytest.approx(np.pi, rel=1e-2 if engine.name == "Stiff(LSODA)" else 1e-6)
+    if engine.name != "Stiff(LSODA)":
+        assert "sqrt((1 - z)*(z + 1)) = 0" in message
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.name)
+def test_a_bare_root(engine):
+    """s = (1 - t)**2 for t < 1; no engine fails in words of its own."""
+    line = Frame([s], [[1 / (2 * sp.sqrt(s))]])
+    _, t = ended(autoparallel(cartan(line), [1], [-2]), 1.5, engine)
+    assert t <= 1 + 1e-6
+    if engine.name != "Stiff(LSODA)":
+        assert t == pytest.approx(1.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("engine", EXPLICIT, ids=lambda engine: engine.name)
+def test_a_branch_is_an_edge(engine):
+    """1 + sqrt(x**2), read as 1 + x, holds for x > 0: not at the start, and no longer beyond."""
+    kink = Frame([x, y], [[1, 0], [0, 1 + sp.sqrt(x**2)]])
+    with pytest.raises(StartError, match=r"sqrt\(x\*\*2\) read as x: right where x >= 0"):
+        solve(geodesic(kink, [-2, 0], [1, 0]), 1.0, engine=engine)
+    message, t = ended(geodesic(kink, [2, 0], [-1, 0]), 3.0, engine)
+    assert t == pytest.approx(2.0, rel=1e-9)
+    assert "sqrt(x**2) read as x" in message
+    wave = Frame([x, y], [[1, 0], [0, 2 + sp.sqrt(1 - sp.cos(x) ** 2)]])
+    with pytest.raises(StartError, match="sin"):
+        solve(geodesic(wave, [-1, 0], [0, 1]), 1.0, engine=engine)
+
+
+@pytest.mark.parametrize("engine", EXPLICIT, ids=lambda engine: engine.name)
+def test_a_chosen_branch_holds_where_it_is_chosen(engine):
+    """With x < 0 as domain the root is -x, and the motion that was refused is right."""
+    wave = Frame([x, y], [[1, 0], [0, 2 + sp.sqrt(1 - sp.cos(x) ** 2)]], domain=[x < 0, x > -3])
+    plain = Frame([x, y], [[1, 0], [0, 2 - sp.sin(x)]])
+    one, two = (
+        solve(geodesic(frame, [-1, 0], [0, 1]), 1.0, engine=engine) for frame in (wave, plain)
+    )
+    assert one["x"][-1] == pytest.approx(two["x"][-1], rel=1e-9)
+    assert one["x"][-1] == pytest.approx(-1.598, abs=1e-3)
+
+
+def test_sums_of_squares_are_not_watched():
+    """They cannot fall through zero; what can is."""
+    rows = [[sp.sqrt(1 + x**2), 0], [0, sp.sqrt(x**2 + y**2)]]
+    assert edges_of(Frame([x, y], rows)) == ()
+    words = [edge.words for edge in edges_of(Frame([x, y], [[1, 0], [0, sp.sqrt(x + 2)]]))]
+    assert words == ["sqrt(x + 2) = 0"]
+    words = [edge.words for edge in edges_of(Frame([x, y], [[1, 0], [0, 2 + sp.log(x)]]))]
+    assert words == ["x = 0"]
+
+
+def test_domains_that_cannot_be_watched():
+    """An absolute value is refused in our words; bounds at infinity are none."""
+    wide = Frame([x, y], [[1, 0], [0, 1]], domain=[sp.Abs(x) < 1])
+    with pytest.raises(StartError, match="cannot be watched"):
+        solve(geodesic(wide, [0, 0], [1, 0]), 1.0)
+    assert edges_of(Frame([x, y], [[1, 0], [0, 1]], domain=[x > -sp.oo])) == ()
+
+
+@pytest.mark.parametrize("engine", EXPLICIT, ids=lambda engine: engine.name)
+def test_members_end_at_edges_too(engine):
+    """Those that come to the throat are unfinished; the others are as alone."""
+    one = geodesic(throat(), [5, 0], [-0.3, 0.016])
+    speeds = np.array([[-0.3, 0.016], [-0.3, 0.0], [0.3, 0.01]])
+    found = solve_many(one, None, 20.0, 1e-9, engine, velocities=speeds)
+    assert np.isnan(found.coordinates[1]).all()
+    for k in (0, 2):
+        alone = solve(one.with_start(velocity=speeds[k]), 20.0, 1e-9, engine=engine)
+        assert found.coordinates[k, -1] == pytest.approx(alone.coordinates[-1], rel=1e-8)
