@@ -19,15 +19,13 @@ from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import sympy as sp
 
-from geomtorsion.errors import ArgumentError, ExpressionError, GeomtorsionError
+from geomtorsion.errors import LONGEST_SHOWN, ArgumentError, ExpressionError, GeomtorsionError
 
 if TYPE_CHECKING:
     import numpy as np
 
 ErrorClass = type[GeomtorsionError]
 Kind = TypeVar("Kind")
-# Longer values are cut in messages: what came is recognised by its beginning.
-LONGEST_SHOWN = 200
 
 NUMBER = "{subject}: a number was needed, but {value} came."
 FINITE = "{subject}: a finite number was needed, but {value} came."

@@ -1,16 +1,38 @@
 """Errors: every failure a user can cause, each saying what was needed, what came, what to do."""
 
+import re
 from typing import Any
+
+# Longer values are cut in messages: what came is recognised by its beginning and its end.
+LONGEST_SHOWN = 200
+_LONG_WORD = re.compile(rf"\S{{{LONGEST_SHOWN + 1},}}")
+
+
+def _cut(text: str, most: int) -> str:
+    """A text without its middle."""
+    half = (most - 3) // 2
+    return text if len(text) <= most else f"{text[:half]}...{text[-half:]}"
+
+
+def _shortened(message: str) -> str:
+    """A message without the middle of what is endless in it, whatever came."""
+    words = _LONG_WORD.sub(lambda word: _cut(word[0], LONGEST_SHOWN), message)
+    return _cut(words, 10 * LONGEST_SHOWN)
 
 
 class GeomtorsionError(Exception):
-    """Base of every error this package raises on purpose.
+    """Base of every error this package raises on purpose; no message of one is endless.
 
     Examples
     --------
     >>> issubclass(CoframeError, GeomtorsionError)
     True
+    >>> len(str(CoframeError("x" * 10**6)))
+    199
     """
+
+    def __init__(self, *args: object) -> None:
+        super().__init__(*(_shortened(x) if isinstance(x, str) else x for x in args))
 
 
 class ArgumentError(GeomtorsionError, TypeError):

@@ -1,4 +1,4 @@
-"""Files: TOML, JSON and NPZ from outside, read within limits; nothing in them is ever run as code.
+"""Files: TOML and JSON from outside, read within limits; nothing in them is ever run as code.
 
 Each reader turns every way in which a file can be damaged into one error that names the file and,
 where there is one, the line or the part.
@@ -8,26 +8,19 @@ from __future__ import annotations
 
 import json
 import re
-import struct
 import tomllib
-import zipfile
-import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import isfinite, prod
+from math import isfinite
 from os import PathLike
 from pathlib import Path
 from stat import S_ISREG
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any, NoReturn
 
 from geomtorsion.checks import ErrorClass, cut, did_you_mean, shown
 from geomtorsion.errors import FileFormatError, LimitError
 
-if TYPE_CHECKING:
-    import numpy as np
-
 LARGEST_TEXT = 10_000_000
-LARGEST_ARRAYS = 2_000_000_000
 Key = tuple[str | int, ...]
 
 _HEADER = re.compile(r"\s*(\[\[?)([^\[\]#]+)\]\]?\s*(?:#.*)?$")
@@ -35,11 +28,6 @@ _WORD = r"(?:[A-Za-z0-9_-]+|\"[^\"]*\"|'[^']*')"
 _ASSIGNED = re.compile(rf"\s*({_WORD}(?:\s*\.\s*{_WORD})*)\s*=")
 _QUOTE = re.compile(r"\"\"\"|'''|\"(?:[^\"\\]|\\.)*\"|'[^']*'|#.*|[\[\]{}]")
 _PLACE = re.compile(r"\(at line ([0-9]+), column ([0-9]+)\)")
-
-_FOREIGN = (
-    ArithmeticError, EOFError, LookupError, MemoryError, OSError, RuntimeError, TypeError,
-    ValueError, struct.error, zipfile.BadZipFile, zlib.error,
-)  # fmt: skip
 
 
 def read_text(path: str | PathLike[str], largest: int = LARGEST_TEXT) -> str:
@@ -285,8 +273,8 @@ def conforming(value: Any, form: Any, where: str, error: ErrorClass = FileFormat
 
     A form is a type (``float`` takes every finite number, ``int`` no truth values), a tuple of
     forms of which one fits, ``[form]`` for a list, ``{str: form}`` for a table with any keys,
-    ``{"key": form, ...}`` for a table that has these keys (and perhaps more), or None. A key that
-    ends in a question mark may be missing.
+    ``{"key": form, ...}`` for a table that has these keys (and perhaps more), a range of whole
+    numbers, a frozenset of words, or None. A key that ends in a question mark may be missing.
 
     Examples
     --------
@@ -329,6 +317,13 @@ def _differs(value: Any, form: Any, where: str) -> str:
             elif name == key:
                 return f"{place}{name} is missing."
         return ""
+    if isinstance(form, frozenset):
+        known = f"{place}one of {', '.join(sorted(form))} was needed, but {shown(value)} came."
+        return "" if isinstance(value, str) and value in form else known
+    if isinstance(form, range):
+        whole = isinstance(value, int) and not isinstance(value, bool) and value in form
+        needed = f"a whole number from {form.start:,} to {form.stop - 1:,}"
+        return "" if whole else f"{place}{needed} was needed, but {shown(value)} came."
     if form is None:
         return "" if value is None else f"{place}nothing was needed, but {shown(value)} came."
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
@@ -340,144 +335,3 @@ def _differs(value: Any, form: Any, where: str) -> str:
         return ""
     words = {float: "a finite number", int: "a whole number", str: "a text", bool: "true or false"}
     return f"{place}{words[form]} was needed, but {shown(value)} came."
-
-
-# -- NPZ ------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class ArrayForm:
-    """What an array in an NPZ file has to be.
-
-    shape: one entry per axis: a length, None for any, or a letter, equal letters meaning equal
-    lengths throughout the file; shape None: any. kinds: NumPy's letters of dtypes: "f" floats,
-    "i" and "u" whole numbers, "U" text, "b" truth values. optional: whether it may be missing.
-    """
-
-    shape: tuple[int | str | None, ...] | None = None
-    kinds: str = "fiu"
-    optional: bool = False
-
-
-TEXT_FORM = ArrayForm((), "U")
-# What np.save writes before the numbers; a header of any other form is not read at all.
-_NPY = re.compile(
-    rb"\{'descr': '([<>|=]?[a-zA-Z][0-9]{1,12})', 'fortran_order': (True|False), "
-    rb"'shape': \(([0-9, ]*)\),? *\} *\n?"
-)
-# zlib packs a byte into no less than an eighth of a bit: a larger size is a lie.
-_DENSEST = 1032
-
-
-def read_npz(
-    path: str | PathLike[str],
-    forms: Mapping[str, ArrayForm],
-    *,
-    error: ErrorClass = FileFormatError,
-    message: str = "{path}: it cannot be read ({reason}). Write it again.",
-    largest: int = LARGEST_ARRAYS,
-) -> dict[str, np.ndarray]:
-    """Arrays of an NPZ file, each checked against its form before memory is taken for it.
-
-    forms: name -> form; a name that ends in a star stands for all names that begin like it.
-    Arrays that no form names are not read. message: what is said, with {path} and {reason}.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from tempfile import TemporaryDirectory
-    >>> with TemporaryDirectory() as folder:
-    ...     file = Path(folder, "a.npz")
-    ...     np.savez(file, times=np.zeros(3), states=np.ones((3, 2)))
-    ...     forms = {"times": ArrayForm(("m",)), "states": ArrayForm(("m", "n"))}
-    ...     sorted(read_npz(file, forms))
-    ['states', 'times']
-    """
-    path = Path(path)
-    lengths: dict[str, int] = {}
-    arrays: dict[str, np.ndarray] = {}
-    try:
-        if not S_ISREG(path.stat().st_mode):
-            raise ValueError("this is no regular file")
-        with path.open("rb") as stream, zipfile.ZipFile(stream) as archive:
-            members = {m.filename.removesuffix(".npy"): m for m in archive.infolist()}
-            if len(members) != len(archive.infolist()):
-                raise ValueError("a name stands in it twice")
-            left = largest
-            for name, form in forms.items():
-                stem = name.removesuffix("*")
-                wanted = (
-                    [key for key in members if key.startswith(stem)]
-                    if name.endswith("*")
-                    else [name] * (name in members or not form.optional)
-                )
-                for key in wanted:
-                    if key not in members:
-                        raise KeyError(f"{key} is not a file in the archive")
-                    found = _array(archive, members[key], form, lengths, left)
-                    arrays[key], left = found, left - found.nbytes
-    except _FOREIGN as reason:
-        said = cut(str(reason)) or type(reason).__name__
-        raise error(message.format(path=path, reason=said)) from None
-    return arrays
-
-
-def _array(
-    archive: zipfile.ZipFile,
-    member: zipfile.ZipInfo,
-    form: ArrayForm,
-    lengths: dict[str, int],
-    left: int,
-) -> np.ndarray:
-    """One array; foreign errors and ValueError for what it has not to be."""
-    # numpy takes 0.09 s to load, which reading a TOML file does not need.
-    import numpy as np
-
-    name = member.filename.removesuffix(".npy")
-    if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-        raise ValueError(f"{name} is packed in a way that NumPy does not use")
-    with archive.open(member) as stream:
-        begin = stream.read(10)
-        if begin[:6] != b"\x93NUMPY" or len(begin) < 10 or begin[6] not in (1, 2, 3):
-            raise ValueError(f"{name} is no array")
-        length = int.from_bytes(
-            begin[8:10] if begin[6] == 1 else begin[8:] + stream.read(2), "little"
-        )
-        header = _NPY.fullmatch(stream.read(min(length, 10_000)))
-        if header is None:
-            raise ValueError(f"{name} has a header that is not known")
-        dtype = np.dtype(header[1].decode())
-        shape = tuple(int(part) for part in header[3].split(b",") if part.strip())
-        if dtype.kind not in form.kinds or dtype.hasobject:
-            raise ValueError(f"{name} holds {dtype}, not what is needed there")
-        _check_shape(name, shape, form, lengths)
-        size = prod(shape) * dtype.itemsize
-        if size > min(left, _DENSEST * max(member.compress_size, 1)):
-            raise ValueError(f"{name} would take {size:,} bytes, more than can be in this file")
-        content = stream.read(size)
-        # Reading to the end compares the checksum.
-        if len(content) != size or stream.read(1):
-            raise ValueError(f"{name} has not as many numbers as its shape {shape} says")
-    found = np.frombuffer(content, dtype).reshape(shape, order="F" if header[2] == b"True" else "C")
-    return found.astype(dtype.newbyteorder("="))
-
-
-def _check_shape(
-    name: str, shape: tuple[int, ...], form: ArrayForm, lengths: dict[str, int]
-) -> None:
-    """Refuse a shape that is not of the form, or not that of the arrays before it."""
-    if form.shape is None:
-        return
-    fits = len(shape) == len(form.shape)
-    for wanted, came in zip(form.shape, shape, strict=False):
-        expected = lengths.setdefault(wanted, came) if isinstance(wanted, str) else wanted
-        fits = fits and expected in (None, came)
-    if not fits:
-        known = [str(lengths.get(n, n) if isinstance(n, str) else n) for n in form.shape]
-        needed = ", ".join("any" if n == "None" else n for n in known)
-        raise ValueError(f"{name} has the shape {shape}, but ({needed}) is needed")
-
-
-def text_of(array: np.ndarray) -> str:
-    """The text in an array without axes, as `TEXT_FORM` asks for."""
-    return str(array[()])

@@ -35,6 +35,7 @@ FLOORS = (
     ("errors",),
     ("conventions", "checks", "copies", "precision"),
     ("files",),
+    ("npz",),
     ("exact",),
     ("codegen",),
     ("geometry", "ode"),

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.checks import cut, shown
 from geomtorsion.errors import FileFormatError, GridError, MissingExtraError
-from geomtorsion.files import ArrayForm, read_npz
+from geomtorsion.npz import ArrayForm, read_npz
 
 # Steps of an axis may differ by this share: coordinates are often stored as 32-bit floats.
 REGULAR = 1e-4
@@ -50,7 +51,7 @@ def check_shape(
 ) -> None:
     """Refuse values that do not fit the axes, and axes too short for the order."""
     shape = tuple(len(axis) for axis in axes)
-    if values.ndim != 2 + len(axes) or values.shape[1:] != (len(axes), *shape):
+    if values.shape[1:] != (len(axes), *shape) or not len(values):
         raise GridError(
             f"coframe: shape (rows, {len(axes)}, {', '.join(map(str, shape))}) was needed "
             f"(frame index, coordinate index, grid), but {values.shape} came."
@@ -88,6 +89,12 @@ def check_names(axes: Sequence[object], names: Sequence[str]) -> None:
 
 Grid = tuple[list[np.ndarray], np.ndarray, tuple[str, ...], bool]
 HDF5 = b"\x89HDF"
+FORMS = {
+    "names": ArrayForm((None,), "U", optional=True),
+    "axis_*": ArrayForm((None,)),
+    "coframe": ArrayForm((None, None, ...), optional=True),
+    "distortion": ArrayForm((None, None, ...), optional=True),
+}
 
 
 def read_grid(path: Path) -> Grid:
@@ -119,21 +126,23 @@ def read_grid(path: Path) -> Grid:
 def _npz(path: Path) -> Grid:
     """A grid from an NPZ file."""
     message = "{path}: it cannot be read, it is truncated or no file of this kind ({reason})."
-    arrays = read_npz(path, {"*": ArrayForm(None, "fiuU")}, message=message)
+    arrays = read_npz(path, FORMS, message=message)
     key = _key(path, arrays)
     if "names" in arrays:
-        names = tuple(str(name) for name in np.atleast_1d(arrays["names"]))
+        names = tuple(str(name) for name in arrays["names"])
     else:
         names = tuple(name.removeprefix("axis_") for name in arrays if name.startswith("axis_"))
     axes = []
     for name in names:
         if f"axis_{name}" not in arrays:
-            raise FileFormatError(f"{path}: the array axis_{name} is missing; names lists {names}.")
+            raise FileFormatError(
+                f"{path}: the array axis_{cut(name)} is missing; names lists {shown(names)}."
+            )
         axes.append(arrays[f"axis_{name}"])
     if not axes:
         raise FileFormatError(
             f"{path}: no axes; arrays axis_x, axis_y, ... were needed, but the file has "
-            f"{', '.join(sorted(arrays))}."
+            f"{cut(', '.join(sorted(arrays)))}."
         )
     return axes, arrays[key], names, key == "distortion"
 
@@ -195,7 +204,7 @@ def _guarded(path: Path, load: Callable[[], Any]) -> Any:
     ) as error:  # fmt: skip
         raise FileFormatError(
             f"{path}: it cannot be read, it is truncated or no file of this kind "
-            f"({type(error).__name__}: {error})."
+            f"({type(error).__name__}: {cut(str(error))})."
         ) from None
 
 
@@ -203,7 +212,7 @@ def _key(path: Path, arrays: Iterable[str]) -> str:
     """Which array holds the values."""
     found = [key for key in ("coframe", "distortion") if key in arrays]
     if len(found) != 1:
-        present = ", ".join(sorted(map(str, arrays))) or "nothing"
+        present = cut(", ".join(sorted(map(str, arrays)))) or "nothing"
         raise FileFormatError(
             f"{path}: exactly one of coframe and distortion was needed, but the file has {present}."
         )

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from geomtorsion import checks
-from geomtorsion.errors import FileFormatError, GeomtorsionError, LoopError
+from geomtorsion.errors import FileFormatError, GeomtorsionError
 from geomtorsion.exact import parse_expression
 from geomtorsion.files import read_json_text, read_text
 from geomtorsion.loops.loop import Loop
@@ -75,13 +75,14 @@ def loop_from_data(frame: Frame, data: Any, where: str = "loop") -> Loop:
     values = {key: _value(frame, key, value, place) for key, value in inner.items()}
     name = data.get("name", kind)
     if not isinstance(name, str):
-        raise FileFormatError(f"{where}: name: a text was needed, but {name!r} came.")
+        came = checks.shown(name)
+        raise FileFormatError(f"{where}: name: a text was needed, but {came} came.")
     maker = {"curve": Loop.parametric}.get(kind) or getattr(Loop, kind)
     try:
         loop = maker(**values, name=name)
         return loop.times(data["times"]) if "times" in data else loop
-    except LoopError as error:
-        raise LoopError(f"{where}: {error}") from None
+    except GeomtorsionError as error:
+        raise type(error)(f"{where}: {error}") from None
 
 
 def _check_keys(data: object, known: Sequence[str], where: str) -> None:
@@ -106,7 +107,8 @@ def plane_of(frame: Frame, value: object, where: str) -> tuple[Any, Any]:
     """Two coordinates, by number or name, or two vectors."""
     if not isinstance(value, list | tuple) or len(value) != 2:
         raise FileFormatError(
-            f"{where}: plane: two coordinates or two vectors were needed, but {value!r} came."
+            f"{where}: plane: two coordinates or two vectors were needed, but "
+            f"{checks.shown(value)} came."
         )
     names = [symbol.name for symbol in frame.coordinates]
     found = []
@@ -115,7 +117,8 @@ def plane_of(frame: Frame, value: object, where: str) -> tuple[Any, Any]:
             found.append(names.index(side))
         elif isinstance(side, str) and not side.isdigit():
             raise FileFormatError(
-                f"{where}: plane: {side!r} is no coordinate; they are {', '.join(names)}."
+                f"{where}: plane: {checks.shown(side)} is no coordinate; they are "
+                f"{', '.join(names)}."
             )
         else:
             found.append(int(side) if isinstance(side, str) else _numbers(side, f"{where}: plane"))
@@ -150,7 +153,7 @@ def number_of(text: str, where: str) -> float | sp.Expr:
         value = parse_expression(text, {}, {}, where=where)
     if isinstance(value, sp.Expr) and value.is_real is not False:
         return value
-    raise FileFormatError(f"{where}: a real number was needed, but {text!r} came.")
+    raise FileFormatError(f"{where}: a real number was needed, but {checks.shown(text)} came.")
 
 
 TOP_KEYS = ("loops", "parameters", "accuracy")
@@ -249,7 +252,7 @@ def loops_from_csv(frame: Frame, text: str, where: str = "loops") -> LoopFile:
     missing = [name for name in names if name not in header]
     if missing or len(set(header)) != len(header) or not {"radius", "loop"} & set(header):
         raise FileFormatError(
-            f"{where}: line 1: the header is {', '.join(header)!r}; needed are "
+            f"{where}: line 1: the header is {checks.shown(', '.join(header))}; needed are "
             f"{', '.join(names)} and either radius (circles) or loop (vertices of polygons)."
         )
     table = []

@@ -48,7 +48,9 @@ def vector(values: Any, where: str, dimension: int | None = None) -> tuple[float
     if dimension is not None and len(result) != dimension:
         raise LoopError(f"{where}: {dimension} numbers were needed, but {len(result)} came.")
     if len(result) < 2:
-        raise LoopError(f"{where}: a loop needs at least two coordinates, but {values!r} came.")
+        raise LoopError(
+            f"{where}: a loop needs at least two coordinates, but {checks.shown(values)} came."
+        )
     return result
 
 
@@ -64,13 +66,12 @@ def check_accuracy(accuracy: float, least: float = float(np.finfo(float).resolut
 
 def is_symbolic(*values: Any) -> bool:
     """Whether a value contains symbols, at any depth of lists and arrays."""
+    found = map(checks.rows, values)
     return any(
         bool(value.free_symbols)
         if isinstance(value, sp.Expr)
-        else isinstance(value, list | tuple | np.ndarray)
-        and np.ndim(value) > 0
-        and is_symbolic(*value)
-        for value in values
+        else isinstance(value, list | tuple) and is_symbolic(*value)
+        for value in found
     )
 
 
@@ -78,14 +79,15 @@ def rows(plane: Plane, dimension: int) -> tuple[np.ndarray, np.ndarray]:
     """The two directions of a plane as vectors: from coordinate numbers, or as they were given."""
     if isinstance(plane, str) or not hasattr(plane, "__len__") or len(plane) != 2:
         raise LoopError(
-            f"plane: two coordinates such as (0, 1) or two vectors were needed, but {plane!r} came."
+            "plane: two coordinates such as (0, 1) or two vectors were needed, but "
+            f"{checks.shown(plane)} came."
         )
     directions = [_direction(side, dimension) for side in plane]
     first, second = (np.array(direction) for direction in directions)
     gram = np.dot(first, second) ** 2 / (np.dot(first, first) * np.dot(second, second) or 1.0)
     if gram > 1 - 1e-14 or not first.any() or not second.any():
         raise LoopError(
-            f"plane: the two directions {plane!r} span no plane. Give independent ones."
+            f"plane: the two directions {checks.shown(plane)} span no plane. Give independent ones."
         )
     return first, second
 

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion.errors import GridError
+from geomtorsion import checks
+from geomtorsion.errors import FileFormatError, GridError
 from geomtorsion.loops.arcs import Arc, Parameters, Part, shown
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.grid_files import (
@@ -30,6 +31,12 @@ if TYPE_CHECKING:
     from geomtorsion.loops.loop import Loop
 
 ORDERS = (2, 4, 6, 8)
+
+
+def check_order(order: object) -> None:
+    """Refuse an order for which there are no rules."""
+    if order not in ORDERS:
+        raise GridError(f"order: one of {ORDERS} was needed, but {checks.shown(order)} came.")
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,8 +92,7 @@ class SampledFrame:
 
     def __post_init__(self) -> None:
         """Check axes and values once."""
-        if self.order not in ORDERS:
-            raise GridError(f"order: one of {ORDERS} was needed, but {self.order!r} came.")
+        check_order(self.order)
         names = tuple(self.names) or tuple("xyzuvw"[: len(self.axes)])
         check_names(self.axes, names)
         values = numbers(self.coframe, "coframe")
@@ -156,14 +162,18 @@ class SampledFrame:
         Raises
         ------
         FileFormatError
-            The file is missing, truncated or malformed, or lacks an array.
+            The file is missing, truncated or malformed, lacks an array, or what it holds is no
+            regular grid of finite numbers.
         GridError
-            What it holds is no regular grid of finite numbers.
+            The order is none.
         """
+        check_order(order)
         axes, values, names, is_distortion = read_grid(Path(path))
-        if is_distortion:
-            return cls.from_distortion(axes, values, order, names)
-        return cls(axes, values, order, names)
+        make = cls.from_distortion if is_distortion else cls
+        try:
+            return make(axes, values, order, names)
+        except GridError as error:
+            raise FileFormatError(f"{path}: {error}") from None
 
     def save(self, path: str | Path) -> None:
         """Write an NPZ file that `read` reads back."""

@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion.errors import CheckpointError, FileFormatError
-from geomtorsion.files import TEXT_FORM, ArrayForm, conforming, read_json_text, read_npz, text_of
+from geomtorsion.checks import cut
+from geomtorsion.errors import CheckpointError
+from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz
 from geomtorsion.ode.engines.protocol import Engine, Run
 from geomtorsion.ode.engines.taylor import Taylor, is_available
 from geomtorsion.ode.trajectory import Runner, Stage, run_stage
@@ -28,12 +29,15 @@ PARTS = 64
 # Writing may take this part of the time.
 SHARE = 0.1
 _FIELDS = ("steps", "evaluations", "outcome", "reason", "compile_seconds", "run_seconds")
+# No run has more steps than a day of a core could take.
+_COUNT = range(10**12)
 _PART = {
-    "steps": int, "evaluations": int, "outcome": str, "reason": str,
-    "compile_seconds": float, "run_seconds": float,
+    "steps": _COUNT, "evaluations": _COUNT, "outcome": frozenset({"done", "edge", "stuck"}),
+    "reason": str, "compile_seconds": float, "run_seconds": float,
 }  # fmt: skip
 _METADATA = {"format": int, "key": str, "parts": {str: _PART}}
-_FORMS = {"metadata": TEXT_FORM, "part *": ArrayForm(None, "fU")}
+# Two axes, times and states; the place where a part ended is one number.
+_FORMS = {"metadata": TEXT_FORM, "part *": ArrayForm((None, ...), "fU")}
 _BAD = "{path}: this is no checkpoint ({reason}). Remove it, or name another file."
 
 
@@ -68,16 +72,15 @@ class Checkpoint:
 
     def _load(self) -> None:
         arrays = read_npz(self.path, _FORMS, error=CheckpointError, message=_BAD)
-        try:
-            found = read_json_text(text_of(arrays.pop("metadata")), self.path.name)
-        except FileFormatError as error:
-            raise CheckpointError(_BAD.format(path=self.path, reason=error)) from None
-        if not isinstance(found, dict) or found.get("format") != FORMAT:
+        known: dict[str, Any] = {"path": self.path, "error": CheckpointError, "message": _BAD}
+        given = json_in(arrays, "metadata", {"format?": int}, **known)
+        if given.get("format") != FORMAT:
             raise CheckpointError(
                 f"{self.path}: this is no checkpoint of this version. Remove it, or name another "
                 "file."
             )
-        metadata = conforming(found, _METADATA, str(self.path), CheckpointError)
+        metadata = json_in(arrays, "metadata", _METADATA, **known)
+        del arrays["metadata"]
         if metadata["key"] != self.key:
             raise CheckpointError(
                 f"{self.path}: this is the checkpoint of another run: equations, numbers, times, "
@@ -90,20 +93,31 @@ class Checkpoint:
         """Names of the finished parts, with their costs and outcomes."""
         return self.metadata["parts"]
 
-    def known(self, name: str, engine: Engine, times: np.ndarray) -> Run | None:
+    def known(self, name: str, engine: Engine, stage: Stage, times: np.ndarray) -> Run | None:
         """A part that is finished already."""
         found = self.parts.get(name)
         if found is None:
             return None
+        part = ""
         try:
-            states, last, reached = (
-                _restored(engine, self.arrays[f"part {name} {kind}"])
-                for kind in ("states", "last", "reached")
-            )
-            grid = engine.array(times) if isinstance(engine, Taylor) else times
-            return Run(grid[: len(states)], states, reached[0], last[0], **found)
-        except (KeyError, ValueError, IndexError) as error:
-            raise CheckpointError(_BAD.format(path=self.path, reason=error)) from None
+            read = {}
+            for part, shape in (
+                ("states", (None, len(stage.start))), ("last", (1, len(stage.start))),
+                ("reached", (1,)),
+            ):  # fmt: skip
+                read[part] = _restored(engine, self.arrays[f"part {name} {part}"], shape)
+            states, last, reached = read["states"], read["last"][0], read["reached"][0]
+            low, high = sorted((float(times[0]), float(times[-1])))
+            if not low <= float(reached) <= high:
+                raise ValueError(f"{reached} is not between {low} and {high}")
+            part, done = "states", found["outcome"] == "done"
+            if len(states) > len(times) or (done and len(states) < len(times)):
+                raise ValueError(f"{len(states)} states came with {len(times)} times")
+        except (KeyError, ValueError) as error:
+            reason = f"part {name} {part}: {cut(str(error))}"
+            raise CheckpointError(_BAD.format(path=self.path, reason=reason)) from None
+        grid = engine.array(times) if isinstance(engine, Taylor) else times
+        return Run(grid[: len(states)], states, reached, last, **found)
 
     def keep(self, name: str, run: Run) -> None:
         """Add a part; write the file unless writing takes too much of the time."""
@@ -155,7 +169,7 @@ class Recorder:
         def run(k: int, stage: Stage, times: np.ndarray) -> Run:
             self.runs += k == 0
             kept, name = self.checkpoint, part_name(engine, tolerance, perturbation, k)
-            found = None if kept is None else kept.known(name, engine, times)
+            found = None if kept is None else kept.known(name, engine, stage, times)
             if found is None:
                 found = run_stage(stage, times, tolerance, engine)
                 if kept is not None:
@@ -185,8 +199,21 @@ def _plain(array: np.ndarray) -> np.ndarray:
     return np.array([str(x) for x in array.ravel()]).reshape(array.shape)
 
 
-def _restored(engine: Engine, array: np.ndarray) -> np.ndarray:
-    """The numbers that were kept, of the engine's kind."""
-    if array.dtype.kind == "f" or not isinstance(engine, Taylor):
-        return array
-    return engine.array([str(x) for x in array.ravel()]).reshape(array.shape)
+def _restored(engine: Engine, array: np.ndarray, shape: tuple[int | None, ...]) -> np.ndarray:
+    """The numbers that were kept, of the engine's kind and of the shape that is needed."""
+    fits = len(array.shape) == len(shape) and all(
+        wanted in (None, came) for wanted, came in zip(shape, array.shape, strict=True)
+    )
+    if not fits:
+        raise ValueError(f"shape {shape} was needed, but {array.shape} came")
+    if array.dtype.kind == "U":
+        if not isinstance(engine, Taylor):
+            raise ValueError("it holds text where numbers were needed")
+        # Refuses text that is no number; heyoka would end in an error of its own.
+        as_floats = np.array([float(x) for x in array.ravel()])
+        array = engine.array([str(x) for x in array.ravel()]).reshape(array.shape)
+    else:
+        as_floats = array
+    if not np.isfinite(as_floats.astype(float)).all():
+        raise ValueError("a number in it is not finite")
+    return array

@@ -13,8 +13,10 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from geomtorsion.checks import cut, shown
 from geomtorsion.errors import FileFormatError, GeomtorsionError, StartError
-from geomtorsion.files import TEXT_FORM, ArrayForm, conforming, read_json_text, read_npz, text_of
+from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz
+from geomtorsion.ode.asked import checked_times
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.ode.events import At, When
 from geomtorsion.ode.moment import Moment, unknown
@@ -29,7 +31,21 @@ _FORMS = {
     # A file of another version may lack them, and is to be named as such.
     "grid": ArrayForm(("grid",), "f", optional=True),
     "times": ArrayForm(("m",), "f", optional=True),
-    "value *": ArrayForm(None, "f"),
+    "value *": ArrayForm(("m", ...), "f"),
+}
+_TERMS = {str: (str, [str])}
+_PROBLEM = {
+    "rates": {str: str},
+    "start": [str],
+    "parameters": {str: str},
+    "invariants": _TERMS,
+    "outputs": _TERMS,
+    "time": str,
+    "events": [[(float, {str: str})]],
+    "stop": (str, None),
+    "norm_groups": [[str]],
+    "normalized": [[str]],
+    "name": str,
 }
 _METADATA = {
     "format": int,
@@ -106,7 +122,7 @@ class SavedSolution(Mapping[str, np.ndarray]):
         made = self.metadata["made"]
         engine = _engine(made["engine"])
         stage = self.problem.first_stage(engine.precision, 0.0)
-        again = integrate(stage, self.grid, float.fromhex(made["tolerance"]), engine)
+        again = integrate(stage, self.grid, _tolerance(made["tolerance"]), engine)
         known = self.metadata
         cost = Cost.of(again, [again])
         return Solution(
@@ -134,14 +150,14 @@ class SavedSolution(Mapping[str, np.ndarray]):
             the file is missing, or was not written by `Solution.save`.
         """
         arrays = read_npz(path, _FORMS, message=_BAD)
-        name = Path(path).name
-        found = read_json_text(text_of(arrays["metadata"]), name)
-        if isinstance(found, dict) and found.get("format", FORMAT) != FORMAT:
+        given = json_in(arrays, "metadata", {"format?": int}, path=path, message=_BAD)
+        if given.get("format", FORMAT) != FORMAT:
             raise FileFormatError(
-                f"{path}: format {found['format']} was found, {FORMAT} is known. "
+                f"{path}: format {shown(given['format'])} was found, {FORMAT} is known. "
                 "Use the version of geomtorsion that wrote it."
             )
-        metadata = conforming(found, _METADATA, name)
+        form = _METADATA | ({"problem": _PROBLEM} if given.get("kind") == "ode" else {})
+        metadata = json_in(arrays, "metadata", form, path=path, message=_BAD)
         missing = [key for key in ("grid", "times") if key not in arrays]
         if missing:
             raise FileFormatError(_BAD.format(path=path, reason=f"{missing[0]} is missing"))
@@ -151,12 +167,23 @@ class SavedSolution(Mapping[str, np.ndarray]):
             if key.startswith("value ")
         }
         moment = Moment(arrays["times"], values, tuple(metadata["whole"]))
-        problem = None
-        if metadata["kind"] == "ode":
-            try:
+        problem, part = None, "grid"
+        try:
+            _check_times(arrays["times"], arrays["grid"])
+            part = "metadata: made"
+            _ = _tolerance(metadata["made"]["tolerance"]), _engine(metadata["made"]["engine"])
+            part = "metadata: whole"
+            if not set(metadata["whole"]) <= set(values):
+                raise ValueError("it names arrays that are missing")
+            if metadata["kind"] == "ode":
+                part = "metadata: problem"
                 problem = _problem(metadata["problem"])
-            except (GeomtorsionError, KeyError, TypeError, ValueError, AttributeError) as error:
-                raise FileFormatError(_BAD.format(path=path, reason=error)) from None
+                part = "value states"
+                if values["states"].shape != (len(arrays["times"]), problem.size):
+                    raise ValueError(f"shape {values['states'].shape} does not fit the equations")
+        except (GeomtorsionError, KeyError, TypeError, ValueError, AttributeError) as error:
+            reason = f"{part}: {cut(str(error).removesuffix('.'))}"
+            raise FileFormatError(_BAD.format(path=path, reason=reason)) from None
         return cls(arrays["times"], moment, metadata, arrays["grid"], problem)
 
 
@@ -234,12 +261,33 @@ def _problem(data: Mapping[str, Any]) -> ODE:
     )
 
 
+def _check_times(times: np.ndarray, grid: np.ndarray) -> None:
+    """Refuse times that no solution has, and a grid that does not go through them."""
+    checked_times(grid)
+    if grid[0] != 0 or len(times) < len(grid) - 1 or len(times) > len(grid):
+        raise ValueError("it does not begin at 0 and go through the times")
+    if len(times) == 0 or (grid[len(grid) - len(times) :] != times).any():
+        raise ValueError("it does not go through the times")
+
+
+def _tolerance(text: str) -> float:
+    """A tolerance as it was written: a positive float in hexadecimal digits."""
+    found = float.fromhex(text)
+    if not 0 < found < np.inf:
+        raise ValueError(f"{text} is no tolerance")
+    return found
+
+
 def _engine(text: str) -> Engine:
     """The engine of a word, as far as it decides what is computed."""
     name, _, rest = text.partition(":")
     if name == "Taylor":
         return Taylor(int(rest))
-    return Stiff(rest) if name == "Stiff" else RungeKutta()
+    if name == "Stiff":
+        return Stiff(rest)
+    if name == "RungeKutta":
+        return RungeKutta()
+    raise ValueError(f"{shown(text)} is no engine")
 
 
 def _engine_text(engine: Engine) -> str:
@@ -269,7 +317,7 @@ def _number(value: Real) -> str:
 def _value(text: Any) -> Any:
     """A number from its text: a float, a fraction or an expression such as sqrt(2)."""
     if not isinstance(text, str):
-        raise FileFormatError(f"{text!r}: a number as text was needed.")
+        raise FileFormatError(f"{shown(text)}: a number as text was needed.")
     if text.startswith("f"):
         return float.fromhex(text[1:])
     try:

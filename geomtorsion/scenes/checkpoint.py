@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geomtorsion.checks import shown
 from geomtorsion.errors import CheckpointError
 from geomtorsion.ode import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.ode.asked import checked_times
@@ -57,8 +58,14 @@ def partial_result(scene: Scene, path: str | Path, engine: Engine | None = None)
     saved = Checkpoint(path, fingerprint(ode, times, scene.accuracy, engine))
     found: dict[tuple[str, float, float], int] = {}
     for part in saved.parts:
-        name, tolerance, perturbation, _ = part.rsplit(" ", 3)
-        key = name, float(tolerance), float(perturbation)
+        try:
+            name, tolerance, perturbation, _ = part.rsplit(" ", 3)
+            key = name, float(tolerance), float(perturbation)
+            _ = _engine(name)
+        except ValueError:
+            raise CheckpointError(
+                f"{path}: {shown(part)} is no part of a run. Remove the file, or name another."
+            ) from None
         found[key] = found.get(key, 0) + 1
     if not found:
         raise CheckpointError(f"{path}: nothing was computed yet. Run the scene again.")
@@ -68,7 +75,7 @@ def partial_result(scene: Scene, path: str | Path, engine: Engine | None = None)
 
     def from_file(k: int, stage: Stage, at: np.ndarray) -> Run:
         """A part from the file; where it has none, the end."""
-        run = saved.known(part_name(solver, tolerance, perturbation, k), solver, at)
+        run = saved.known(part_name(solver, tolerance, perturbation, k), solver, stage, at)
         if run is not None:
             return run
         none = np.zeros((0, len(stage.start)))
@@ -101,4 +108,7 @@ def _engine(name: str) -> Engine:
     bits = re.fullmatch(r"Taylor\((\d+)\)", name)
     if bits is not None:
         return Taylor(precision=int(bits[1]))
-    return next(engine for engine in (Taylor(), RungeKutta(), Stiff()) if engine.name == name)
+    known = {engine.name: engine for engine in (Taylor(), RungeKutta(), Stiff())}
+    if name not in known:
+        raise ValueError(f"{name} is no engine")
+    return known[name]

@@ -12,11 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion import files
-from geomtorsion.checks import did_you_mean
+from geomtorsion.checks import did_you_mean, shown
 from geomtorsion.copies import only_fields
 from geomtorsion.errors import FileFormatError, SceneError, UnknownNameError
-from geomtorsion.files import TEXT_FORM, ArrayForm
+from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz
 from geomtorsion.ode import solve
 from geomtorsion.ode.solution import Cost
 from geomtorsion.ode.tables import pandas_table
@@ -35,10 +34,14 @@ if TYPE_CHECKING:
 
 # Marks NPZ files of this kind.
 FORMAT = "geomtorsion scene result 1"
-ARRAYS = {"times": ArrayForm(("m",), "f"), "value *": ArrayForm(), "about": TEXT_FORM}
+ARRAYS = {
+    "times": ArrayForm(("m",), "f"),
+    "value *": ArrayForm(("m", ...)),
+    "about": TEXT_FORM,
+}
 # What the metadata has to be.
 ABOUT = {
-    "format": str,
+    "format": frozenset({FORMAT}),
     "labels": {str: [str]},
     "units": {str: str},
     "accuracy": float,
@@ -269,15 +272,14 @@ class SceneResult:
             the file cannot be read, or is something else.
         """
         message = "{path}: this is no saved result of a scene ({reason}). " + ADVICE
-        arrays = files.read_npz(path, ARRAYS, message=message)
-        about = files.read_json_text(files.text_of(arrays["about"]), str(path))
-        files.conforming(about, ABOUT, str(path))
+        arrays = read_npz(path, ARRAYS, message=message)
+        about = json_in(arrays, "about", ABOUT, path=path, message=message)
         times = arrays["times"]
         named = {name: f"value {name}" for name in about["watch"]}
         values = {name: arrays[key] for name, key in named.items() if key in arrays}
-        fitting = all(value.shape[:1] == times.shape for value in values.values())
-        if about["format"] != FORMAT or len(values) < len(named) or not fitting:
-            raise FileFormatError(message.format(path=path, reason="its parts do not fit together"))
+        reason = _misfit(about, times, values)
+        if reason:
+            raise FileFormatError(message.format(path=path, reason=reason))
         error = about["error"]
         return cls(
             None,
@@ -295,6 +297,21 @@ class SceneResult:
             about["selection"],
             about["closed_form"],
         )
+
+
+def _misfit(about: Mapping[str, Any], times: np.ndarray, values: Mapping[str, np.ndarray]) -> str:
+    """Which parts of a file do not fit together, or nothing."""
+    if not len(times) or not np.isfinite(times).all():
+        return "times: finite numbers, at least one, were needed"
+    for name in about["watch"]:
+        if name not in values:
+            return f"value {shown(name)} is missing"
+        if name not in about["labels"] or name not in about["units"]:
+            return f"about: labels and units of {shown(name)} are missing"
+        numbers = math.prod(values[name].shape[1:])
+        if max(len(about["labels"][name]), 1) != numbers:
+            return f"about: labels.{name}: {numbers} were needed for value {name}"
+    return ""
 
 
 def result_of(scene: Scene, **known: Any) -> SceneResult:

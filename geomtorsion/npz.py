@@ -1,0 +1,199 @@
+"""NPZ: arrays from outside, each checked against its form before memory is taken for it."""
+
+from __future__ import annotations
+
+import re
+import struct
+import zipfile
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from io import DEFAULT_BUFFER_SIZE
+from math import prod
+from os import PathLike
+from pathlib import Path
+from stat import S_ISREG
+from types import EllipsisType
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.checks import ErrorClass, cut
+from geomtorsion.errors import FileFormatError, LimitError
+from geomtorsion.files import LARGEST_TEXT, conforming, read_json_text
+
+if TYPE_CHECKING:
+    import numpy as np
+
+LARGEST_ARRAYS = 2_000_000_000
+
+_FOREIGN = (
+    ArithmeticError, EOFError, LookupError, MemoryError, OSError, RuntimeError, TypeError,
+    ValueError, struct.error, zipfile.BadZipFile, zlib.error,
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class ArrayForm:
+    """What an array in an NPZ file has to be.
+
+    shape: one entry per axis: a length, None for any, or a letter, equal letters meaning equal
+    lengths throughout the file; dots at the end for any further axes; shape None: any.
+    kinds: NumPy's letters of dtypes: "f" floats, "i" and "u" whole numbers, "U" text, "b" truth
+    values. optional: whether it may be missing.
+    """
+
+    shape: tuple[int | str | EllipsisType | None, ...] | None = None
+    kinds: str = "fiu"
+    optional: bool = False
+
+
+TEXT_FORM = ArrayForm((), "U")
+# What np.save writes before the numbers; a header of any other form is not read at all.
+_NPY = re.compile(
+    rb"\{'descr': '([<>|=]?[a-zA-Z][0-9]{1,12})', 'fortran_order': (True|False), "
+    rb"'shape': \(([0-9, ]*)\),? *\} *\n?"
+)
+# zlib packs a byte into no less than an eighth of a bit: a larger size is a lie.
+_DENSEST = 1032
+
+
+def read_npz(
+    path: str | PathLike[str],
+    forms: Mapping[str, ArrayForm],
+    *,
+    error: ErrorClass = FileFormatError,
+    message: str = "{path}: it cannot be read ({reason}). Write it again.",
+    largest: int = LARGEST_ARRAYS,
+) -> dict[str, np.ndarray]:
+    """Arrays of an NPZ file, each checked against its form before memory is taken for it.
+
+    forms: name -> form; a name that ends in a star stands for all names that begin like it.
+    Arrays that no form names are not read. message: what is said, with {path} and {reason}.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder, "a.npz")
+    ...     np.savez(file, times=np.zeros(3), states=np.ones((3, 2)))
+    ...     forms = {"times": ArrayForm(("m",)), "states": ArrayForm(("m", "n"))}
+    ...     sorted(read_npz(file, forms))
+    ['states', 'times']
+    """
+    path = Path(path)
+    lengths: dict[str, int] = {}
+    arrays: dict[str, np.ndarray] = {}
+    try:
+        if not S_ISREG(path.stat().st_mode):
+            raise ValueError("this is no regular file")
+        with path.open("rb") as stream, zipfile.ZipFile(stream) as archive:
+            members = {m.filename.removesuffix(".npy"): m for m in archive.infolist()}
+            if len(members) != len(archive.infolist()):
+                raise ValueError("a name stands in it twice")
+            left = largest
+            for name, form in forms.items():
+                stem = name.removesuffix("*")
+                wanted = (
+                    [key for key in members if key.startswith(stem)]
+                    if name.endswith("*")
+                    else [name] * (name in members or not form.optional)
+                )
+                for key in wanted:
+                    if key not in members:
+                        raise KeyError(f"{key} is not a file in the archive")
+                    found = _array(archive, members[key], form, lengths, left)
+                    arrays[key], left = found, left - found.nbytes
+    except _FOREIGN as reason:
+        said = cut(str(reason)) or type(reason).__name__
+        raise error(message.format(path=path, reason=said)) from None
+    return arrays
+
+
+def _array(
+    archive: zipfile.ZipFile,
+    member: zipfile.ZipInfo,
+    form: ArrayForm,
+    lengths: dict[str, int],
+    left: int,
+) -> np.ndarray:
+    """One array; foreign errors and ValueError for what it has not to be."""
+    # numpy takes 0.09 s to load, which reading a TOML file does not need.
+    import numpy as np
+
+    name = member.filename.removesuffix(".npy")
+    if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+        raise ValueError(f"{name} is packed in a way that NumPy does not use")
+    with archive.open(member) as stream:
+        begin = stream.read(10)
+        if begin[:6] != b"\x93NUMPY" or len(begin) < 10 or begin[6] not in (1, 2, 3):
+            raise ValueError(f"{name} is no array")
+        length = int.from_bytes(
+            begin[8:10] if begin[6] == 1 else begin[8:] + stream.read(2), "little"
+        )
+        header = _NPY.fullmatch(stream.read(min(length, 10_000)))
+        if header is None:
+            raise ValueError(f"{name} has a header that is not known")
+        dtype = np.dtype(header[1].decode())
+        shape = tuple(int(part) for part in header[3].split(b",") if part.strip())
+        if dtype.kind not in form.kinds or dtype.hasobject:
+            raise ValueError(f"{name} holds {dtype}, not what is needed there")
+        _check_shape(name, shape, form, lengths)
+        size = prod(shape) * dtype.itemsize
+        # One text alone is parsed later, which takes many times its size.
+        left = min(left, 4 * LARGEST_TEXT) if form == TEXT_FORM else left
+        if size > min(left, _DENSEST * max(member.compress_size, 1)):
+            raise ValueError(f"{name} would take {size:,} bytes, more than can be in this file")
+        content = np.empty(size, np.uint8)
+        # In portions, so that it is in memory once.
+        filled = 0
+        while part := stream.read(min(size - filled, DEFAULT_BUFFER_SIZE)):
+            content[filled : filled + len(part)] = np.frombuffer(part, np.uint8)
+            filled += len(part)
+        # Reading to the end compares the checksum.
+        if filled != size or stream.read(1):
+            raise ValueError(f"{name} has not as many numbers as its shape {cut(str(shape))} says")
+    found = content.view(dtype).reshape(shape, order="F" if header[2] == b"True" else "C")
+    return found.astype(dtype.newbyteorder("="), copy=False)
+
+
+def _check_shape(
+    name: str, shape: tuple[int, ...], form: ArrayForm, lengths: dict[str, int]
+) -> None:
+    """Refuse a shape that is not of the form, or not that of the arrays before it."""
+    if form.shape is None:
+        return
+    axes = [n for n in form.shape if not isinstance(n, EllipsisType)]
+    fits = len(shape) >= len(axes) if ... in form.shape else len(shape) == len(axes)
+    for wanted, came in zip(axes, shape, strict=False):
+        expected = lengths.setdefault(wanted, came) if isinstance(wanted, str) else wanted
+        fits = fits and expected in (None, came)
+    if not fits:
+        known = [str(lengths.get(n, n) if isinstance(n, str) else n) for n in axes]
+        needed = ", ".join("any" if n == "None" else n for n in known)
+        more = ", ..." if ... in form.shape else ""
+        came = cut(str(shape))
+        raise ValueError(f"{name} has the shape {came}, but ({needed}{more}) is needed")
+
+
+def text_of(array: np.ndarray) -> str:
+    """The text in an array without axes, as `TEXT_FORM` asks for."""
+    return str(array[()])
+
+
+def json_in(
+    arrays: Mapping[str, np.ndarray],
+    key: str,
+    form: Any,
+    *,
+    path: str | PathLike[str],
+    error: ErrorClass = FileFormatError,
+    message: str,
+) -> Any:
+    """The JSON in one array of an NPZ file, of a given form; what is wrong is said as `read_npz`
+    says it.
+    """
+    try:
+        return conforming(read_json_text(text_of(arrays[key]), key), form, key)
+    except (FileFormatError, LimitError) as reason:
+        said = str(reason).removesuffix(".")
+        raise error(message.format(path=path, reason=said)) from None
