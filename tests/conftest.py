@@ -21,9 +21,9 @@ settings.load_profile("geomtorsion")
 
 def global_settings() -> dict[str, Any]:
     """What libraries keep for the whole process, and what users would notice if it changed."""
-    context = decimal.getcontext()
-    # Packages filter warnings of their own classes when they are imported, which is no change.
-    filters = [one for one in warnings.filters if one[2].__module__ == "builtins"]
+    exact = decimal.getcontext()
+    # On import packages filter single messages and classes of their own, which misleads nobody.
+    filters = [x for x in warnings.filters if x[1] is None and x[2].__module__ == "builtins"]
     return {
         "mpmath precision": mpmath.mp.prec,
         "mpmath intervals": mpmath.iv.prec,
@@ -31,7 +31,7 @@ def global_settings() -> dict[str, Any]:
         "numpy errors": np.geterr(),
         "numpy printing": np.get_printoptions(),
         "warnings": filters,
-        "decimal": (context.prec, context.rounding, dict(context.traps)),
+        "decimal": (exact.prec, exact.rounding, dict(exact.traps)),
     }
 
 
