@@ -249,6 +249,23 @@ def index(question: Question, key: object, where: str) -> Index:
     return tuple(found)
 
 
+def is_part(question: Question, key: object) -> bool:
+    """Whether a key of a table names a component or an unknown of a question.
+
+    Examples
+    --------
+    >>> from geomtorsion.exercises import load
+    >>> [is_part(load("2.1").questions[0], key) for key in ("1,2,2", "conection")]
+    [True, False]
+    """
+    if question.unknowns:
+        return "'" in str(key) or "_d" in str(key)
+    try:
+        return bool(question.shape) and bool(index(question, key, ""))
+    except ExpressionError:
+        return False
+
+
 def _without_head(question: Question, text: str) -> str:
     """The indices after a name, as in Gamma_12^1, b1 or 2S[1,2,1]."""
     head = re.match(r"\s*[0-9]?\s*[^\W\d][^\[({_^,]*(?=[\[({_^])", text)

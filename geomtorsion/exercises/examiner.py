@@ -41,7 +41,7 @@ class Examiner:
     ) -> None:
         self.pool.close()
 
-    def check(self, number: str, answers: Mapping[str, object] | str, seed: int = 0) -> Verdict:
+    def check(self, number: str, answers: object, seed: int = 0) -> Verdict:
         """What is said about the answers to an exercise, within the time; see `Exercise.check`.
 
         Raises
@@ -50,7 +50,7 @@ class Examiner:
             There is no such exercise or seed.
         """
         exercise = load(number, seed)
-        given = answers if isinstance(answers, Mapping) else {exercise.questions[0].name: answers}
+        given, _ = exercise.arranged(answers)
         request = {"number": number, "seed": seed}
         try:
             # What the library needs for its own solution is not charged to the student; the
@@ -61,7 +61,7 @@ class Examiner:
                 number, seed, given, "the exercise itself could not be solved in time"
             )
         try:
-            found = self.pool.ask(request | {"answers": given}, self.seconds)
+            found = self.pool.ask(request | {"answers": answers}, self.seconds)
         except TimeoutError:
             return _unchecked(number, seed, given, f"checking took longer than {self.seconds:g} s")
         except ChildProcessError as error:

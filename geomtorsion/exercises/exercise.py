@@ -10,6 +10,7 @@ from geomtorsion.errors import UnknownNameError
 from geomtorsion.exercises.answers import answer_text
 from geomtorsion.exercises.checking import check_question
 from geomtorsion.exercises.compare import Value
+from geomtorsion.exercises.entries import is_part
 from geomtorsion.exercises.question import Question
 from geomtorsion.exercises.verdict import Verdict
 
@@ -116,21 +117,39 @@ class Exercise:
         >>> verdict.right, verdict["legs"].diagnosis
         (False, 'unreadable')
         """
-        notes = []
+        given, notes = self.arranged(answers)
+        found = tuple(check_question(q, given.get(q.name)) for q in self.questions)
+        return Verdict(self.number, self.seed, found, notes)
+
+    def arranged(self, answers: object) -> tuple[dict[str, object], tuple[str, ...]]:
+        """Answers by question, and what there is to say about how they were given.
+
+        One answer counts for the first question; a table whose keys are components of the only
+        question is its answer; any other key that is no question is named.
+
+        Examples
+        --------
+        >>> from geomtorsion.exercises import load
+        >>> load("2.1").arranged({"1,2,2": "1/r"})
+        ({'connection': {'1,2,2': '1/r'}}, ())
+        >>> load("2.1").arranged({"conection": "0"})
+        ({}, ("There is no question 'conection': it is not counted. Did you mean connection?",))
+        """
+        first, *rest = self.questions
+        known = {question.name: question for question in self.questions}
         if not isinstance(answers, Mapping):
-            first, *rest = self.questions
-            if rest:
-                names = ", ".join(question.name for question in self.questions)
-                notes.append(
-                    f"This exercise has several questions ({names}); the answer counts for the "
-                    "first."
-                )
-            answers = {first.name: answers}
-        known = {question.name for question in self.questions}
-        for name in answers:
-            if name not in known:
-                near = close_names(str(name), known)
-                hint = f" Did you mean {near[0]}?" if near else ""
-                notes.append(f"There is no question {str(name)[:60]!r}.{hint}")
-        found = tuple(check_question(q, answers.get(q.name)) for q in self.questions)
-        return Verdict(self.number, self.seed, found, tuple(notes))
+            names = ", ".join(known)
+            note = (
+                f"This exercise has several questions ({names}); the answer counts for the first, "
+                f"{first.name}."
+            )
+            return {first.name: answers}, (note,) * bool(rest)
+        strange = [name for name in answers if name not in known]
+        if not rest and strange == list(answers) and any(is_part(first, key) for key in strange):
+            return {first.name: dict(answers)}, ()
+        notes = []
+        for name in strange:
+            near = close_names(str(name), list(known))
+            hint = f" Did you mean {near[0]}?" if near else ""
+            notes.append(f"There is no question {str(name)[:60]!r}: it is not counted.{hint}")
+        return {name: answers[name] for name in known if name in answers}, tuple(notes)

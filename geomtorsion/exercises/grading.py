@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import hashlib
+import json
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -14,9 +15,12 @@ from geomtorsion.exercises.examiner import SECONDS, Examiner
 from geomtorsion.exercises.limits import MOST
 from geomtorsion.exercises.registry import load, names
 from geomtorsion.exercises.submission import Submission, read_submission
+from geomtorsion.files import read_json_text, read_text
 
-GRADED, PARTLY, REFUSED = "graded", "partly", "not graded"
-HEAD = ("file", "student", "seed", "earned", "points", "percent", "status")
+GRADED, PARTLY, TWICE, REFUSED = "graded", "partly", "given twice", "not graded"
+HEAD = ("file", "student", "seed", "earned", "points", "percent", "answered", "counted", "status")
+# Which exercises count, if nobody said: those that occur in any file.
+ASKED_FOR, OCCURRING = "as asked for", "whatever anybody answered"
 TAIL = ("diagnoses", "remarks", "fingerprint")
 
 
@@ -25,7 +29,9 @@ class Mark:
     """The marks of one student: a row of the table.
 
     file, student, seed: whose they are. earned, points: in total.
-    status: GRADED, PARTLY (an answer was too large or took too long) or REFUSED.
+    answered: how many questions of how many. counted: the exercises that make up the points.
+    status: GRADED, PARTLY (an answer was not looked at: too large, or to no question there is),
+    TWICE (another file has the same student) or REFUSED.
     parts: number of an exercise -> points earned.
     diagnoses: number:question -> code. remarks: what to look at. fingerprint: of file and task.
     """
@@ -36,6 +42,8 @@ class Mark:
     earned: float
     points: int
     status: str
+    answered: str = ""
+    counted: str = ""
     parts: Mapping[str, float] = field(default_factory=dict)
     diagnoses: str = ""
     remarks: str = ""
@@ -51,6 +59,8 @@ class Mark:
             "earned": f"{self.earned:g}",
             "points": str(self.points),
             "percent": f"{percent:.1f}",
+            "answered": self.answered,
+            "counted": self.counted,
             "status": self.status,
             **{number: f"{self.parts.get(number, 0.0):g}" for number in numbers},
             "diagnoses": _harmless(self.diagnoses),
@@ -72,11 +82,13 @@ class Marks:
     """The table of marks.
 
     rows: one per file, as text. numbers: the exercises that count. kept: rows of an earlier run.
+    chosen: why these exercises count, ASKED_FOR or OCCURRING.
     """
 
     rows: tuple[Mapping[str, str], ...]
     numbers: tuple[str, ...]
     kept: int = 0
+    chosen: str = ASKED_FOR
 
     @property
     def troubled(self) -> tuple[Mapping[str, str], ...]:
@@ -97,10 +109,13 @@ def grade(
 
     Parameters
     ----------
+    output
+        the table: CSV, or JSON if its name ends in .json.
     numbers
         the exercises that count; those that occur in any file if not given.
     seed
-        what every student must have worked on; as each file says if not given.
+        what every student must have worked on; as each file says if not given. A file that names
+        none is graded as this one, or as 0, and its row says so.
     seconds
         how long the answers to one exercise may take.
     progress
@@ -126,6 +141,8 @@ def grade(
     found = tuple(numbers) if numbers is not None else _occurring(read.values())
     for number in found:
         load(number)
+    chosen = ASKED_FOR if numbers is not None else OCCURRING
+    task = _Task(found, seed, f"{' '.join(found) or 'none'} ({chosen})", _namesakes(read))
     table = Path(output)
     before = _rows_of(table, found)
     rows: list[Mapping[str, str]] = []
@@ -134,21 +151,59 @@ def grade(
         try:
             for place, path in enumerate(files):
                 progress(place, len(files), path.name)
-                fingerprint = _fingerprint(path, found, seed)
+                fingerprint = task.fingerprint(path)
                 old = before.get(fingerprint)
                 kept += old is not None
-                mark = old or _mark(path, read[path], found, seed, examiner, fingerprint).row(found)
+                mark = old or _mark(path, read[path], task, examiner, fingerprint).row(found)
                 rows.append(mark)
                 # Written after each student, so that an interruption costs at most one.
                 if old is None:
-                    _write(table, rows, found)
+                    _write(table, rows, found, chosen)
         finally:
             # What an earlier run knew and this one has not reached stays in the table.
-            later = [_fingerprint(path, found, seed) for path in files[len(rows) :]]
+            later = [task.fingerprint(path) for path in files[len(rows) :]]
             rest = [before[key] for key in later if key in before]
-            _write(table, [*rows, *rest], found)
+            _write(table, [*rows, *rest], found, chosen)
     progress(len(files), len(files), "")
-    return Marks(tuple(rows), found, kept)
+    return Marks(tuple(rows), found, kept, chosen)
+
+
+@dataclass(frozen=True)
+class _Task:
+    """What is graded: the exercises, the seed asked for, how both are told, and who came twice.
+
+    namesakes: file -> other files of the same student.
+    """
+
+    numbers: tuple[str, ...]
+    seed: int | None
+    counted: str
+    namesakes: Mapping[Path, tuple[str, ...]]
+
+    def fingerprint(self, path: Path) -> str:
+        """Changes when the file or the task does."""
+        try:
+            fits = path.stat().st_size < 10**7 and path.is_file()
+            content = path.read_bytes() if fits else b""
+        except OSError:
+            content = b""
+        others = ",".join(self.namesakes.get(path, ()))
+        task = f"{path.name}|{self.counted}|{self.seed}|{others}|"
+        return hashlib.sha256(task.encode("utf-8", "surrogateescape") + content).hexdigest()[:16]
+
+
+def _namesakes(read: Mapping[Path, Submission | str]) -> dict[Path, tuple[str, ...]]:
+    """File -> the other files that name the same student."""
+    files: dict[str, list[Path]] = {}
+    for path, one in read.items():
+        if isinstance(one, Submission):
+            files.setdefault(one.student.casefold(), []).append(path)
+    return {
+        path: tuple(other.name for other in paths if other != path)
+        for paths in files.values()
+        for path in paths
+        if len(paths) > 1
+    }
 
 
 def _read(path: Path) -> Submission | str:
@@ -166,59 +221,54 @@ def _occurring(read: Iterable[Submission | str]) -> tuple[str, ...]:
 
 
 def _mark(
-    path: Path,
-    read: Submission | str,
-    numbers: Sequence[str],
-    seed: int | None,
-    examiner: Examiner,
-    fingerprint: str,
+    path: Path, read: Submission | str, task: _Task, examiner: Examiner, fingerprint: str
 ) -> Mark:
     """The marks of one file."""
-    worth = sum(q.points for n in numbers for q in load(n).questions)
+    worth = sum(q.points for n in task.numbers for q in load(n).questions)
+    counted = task.counted
     if isinstance(read, str):
-        return Mark(path.name, path.stem, 0, 0.0, worth, REFUSED, remarks=read,
-                    fingerprint=fingerprint)  # fmt: skip
-    if seed is not None and read.seed != seed:
-        text = f"seed {read.seed} instead of {seed}"
-        return Mark(path.name, read.student, read.seed, 0.0, worth, REFUSED, remarks=text,
-                    fingerprint=fingerprint)  # fmt: skip
+        return Mark(
+            path.name,
+            path.stem,
+            0,
+            0.0,
+            worth,
+            REFUSED,
+            remarks=read,
+            counted=counted,
+            fingerprint=fingerprint,
+        )
+    if None not in (task.seed, read.seed) and read.seed != task.seed:
+        text = f"seed {read.seed} instead of {task.seed}"
+        return Mark(path.name, read.student, read.seed or 0, 0.0, worth, REFUSED, remarks=text,
+                    counted=counted, fingerprint=fingerprint)  # fmt: skip
+    seed = read.seed if read.seed is not None else task.seed or 0
     parts: dict[str, float] = {}
     codes: list[str] = []
-    remarks = [f"no exercise {key!r}" for key in read.unknown]
-    status = GRADED
-    for number in numbers:
+    remarks = [f"no exercise {key!r}: it is not counted." for key in read.unknown]
+    unseen = bool(remarks)
+    answered = asked = 0
+    for number in task.numbers:
+        asked += len(load(number, seed).questions)
         if number not in read.answers:
             continue
-        verdict = examiner.check(number, _table(number, read), read.seed)
+        verdict = examiner.check(number, read.answers[number], seed)
         parts[number] = round(verdict.earned, 3)
-        said = [(q.name, q.diagnosis) for q in verdict.questions if q.diagnosis]
-        codes += [f"{number}:{name} {code}" for name, code in said if code != "empty"]
+        said = [(q.name, q.diagnosis) for q in verdict.questions]
+        answered += sum(code != "empty" for _, code in said)
+        codes += [f"{number}:{name} {code}" for name, code in said if code not in ("", "empty")]
         remarks += [f"{number}: {note}" for note in verdict.notes]
-        if any(code == "too large" for _, code in said):
-            status = PARTLY
+        unseen |= bool(verdict.notes) or any(code == "too large" for _, code in said)
+    if read.seed is None:
+        remarks.append(f"the file names no seed: graded as seed {seed}.")
+    others = task.namesakes.get(path, ())
+    if others:
+        remarks.insert(0, f"the same student as in {', '.join(others)}: decide which one counts.")
+    status = TWICE if others else PARTLY if unseen else GRADED
     earned = round(sum(parts.values()), 3)
-    return Mark(path.name, read.student, read.seed, earned, worth, status, parts,
-                "; ".join(codes), " ".join(remarks), fingerprint)  # fmt: skip
-
-
-def _table(number: str, read: Submission) -> Mapping[str, object]:
-    """The answers to one exercise as a table question -> answer."""
-    given = read.answers[number]
-    questions = load(number, read.seed).questions
-    known = [question.name for question in questions]
-    if isinstance(given, dict) and (set(known) & set(given) or len(known) > 1):
-        return given
-    return {known[0]: given}
-
-
-def _fingerprint(path: Path, numbers: Sequence[str], seed: int | None) -> str:
-    """Changes when the file or the task does."""
-    try:
-        content = path.read_bytes() if path.stat().st_size < 10**7 and path.is_file() else b""
-    except OSError:
-        content = b""
-    task = f"{path.name}|{','.join(numbers)}|{seed}|".encode("utf-8", "surrogateescape")
-    return hashlib.sha256(task + content).hexdigest()[:16]
+    return Mark(path.name, read.student, seed, earned, worth, status, f"{answered} of {asked}",
+                parts=parts, diagnoses="; ".join(codes), remarks=" ".join(remarks),
+                counted=counted, fingerprint=fingerprint)  # fmt: skip
 
 
 def _rows_of(table: Path, numbers: Sequence[str]) -> dict[str, Mapping[str, str]]:
@@ -227,21 +277,31 @@ def _rows_of(table: Path, numbers: Sequence[str]) -> dict[str, Mapping[str, str]
         return {}
     head = [*HEAD, *numbers, *TAIL]
     try:
-        with table.open(encoding="utf-8-sig", newline="") as file:
-            reader = csv.DictReader(file)
-            if reader.fieldnames != head:
-                return {}
-            return {row["fingerprint"]: row for row in reader if row["fingerprint"]}
-    except (OSError, UnicodeDecodeError, csv.Error):
+        if table.suffix == ".json":
+            data = read_json_text(read_text(table), table.name)
+            found = data["rows"] if isinstance(data, dict) else []
+            rows = [{str(key): str(x) for key, x in row.items()} for row in found]
+        else:
+            with table.open(encoding="utf-8-sig", newline="") as file:
+                rows = list(csv.DictReader(file))
+    except (OSError, UnicodeDecodeError, csv.Error, GeomtorsionError, KeyError, TypeError,
+            AttributeError):  # fmt: skip
         return {}
+    return {row["fingerprint"]: row for row in rows if list(row) == head and row["fingerprint"]}
 
 
-def _write(table: Path, rows: Sequence[Mapping[str, str]], numbers: Sequence[str]) -> None:
+def _write(
+    table: Path, rows: Sequence[Mapping[str, str]], numbers: Sequence[str], chosen: str
+) -> None:
     """Write the table aside and put it in place at once: it is never half a table."""
     table.parent.mkdir(parents=True, exist_ok=True)
     aside = table.with_name(f".{table.name}.part")
     with aside.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, [*HEAD, *numbers, *TAIL], lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+        if table.suffix == ".json":
+            whole = {"counted": list(numbers), "chosen": chosen, "rows": list(rows)}
+            json.dump(whole, file, indent=1, ensure_ascii=False)
+        else:
+            writer = csv.DictWriter(file, [*HEAD, *numbers, *TAIL], lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(rows)
     os.replace(aside, table)

@@ -18,13 +18,14 @@ from geomtorsion.files import read_toml
 class Submission:
     """The answers of one student.
 
-    student: name as written, or that of the file. seed: which variant was worked on.
+    student: name as written, or that of the file. seed: which variant was worked on; None if the
+    file does not say.
     answers: number of an exercise -> question -> answer, or one answer.
     unknown: keys that are no exercise.
     """
 
     student: str
-    seed: int
+    seed: int | None
     answers: Mapping[str, object]
     unknown: tuple[str, ...] = ()
 
@@ -37,7 +38,7 @@ def read_submission(path: str | PathLike[str]) -> Submission:
     student
         A name; that of the file if it is left out.
     seed
-        The variant that was worked on; 0 if it is left out.
+        The variant that was worked on.
     answers
         Table: number of an exercise -> answer, or table question -> answer.
 
@@ -66,8 +67,10 @@ def read_submission(path: str | PathLike[str]) -> Submission:
             f"{path.name}: student: a name of at most {MOST.name} letters was needed. Write "
             'student = "Ada Lovelace".'
         )
-    seed = data.get("seed", 0)
-    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= MOST.seed:
+    seed = data.get("seed")
+    if seed is not None and (
+        isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= MOST.seed
+    ):
         raise FileFormatError(
             f"{path.name}: seed: a whole number from 0 to {MOST.seed:,} was needed, but "
             f"{str(seed)[:40]!r} came. Write seed = 7."

@@ -1,6 +1,7 @@
 """Grading: 200 students, one malformed and one hostile file, interruptions, an honest table."""
 
 import csv
+import json
 import os
 from random import Random
 
@@ -11,7 +12,7 @@ from geomtorsion.errors import FileFormatError, UnknownNameError
 from geomtorsion.exercises import grading
 from geomtorsion.exercises.answers import answer_text
 from geomtorsion.exercises.examiner import Examiner
-from geomtorsion.exercises.grading import GRADED, PARTLY, REFUSED, grade
+from geomtorsion.exercises.grading import GRADED, PARTLY, REFUSED, TWICE, grade
 from geomtorsion.exercises.limits import MOST
 from tests.exercises.forms import another_form
 
@@ -218,3 +219,84 @@ def test_a_name_in_another_encoding_costs_nobody_marks(tmp_path):
         "ada.toml": "1",
         "jos?.toml": "1",
     }
+
+
+def graded(tmp_path, files, numbers=None, **more):
+    """The marks of files, as rows by name; the table may be CSV or JSON."""
+    place = tmp_path / "answers"
+    place.mkdir(exist_ok=True)
+    for name, text in files.items():
+        (place / name).write_text(text, "utf-8")
+    marks = grade(place, tmp_path / more.pop("table", "marks.csv"), numbers, **more)
+    return {row["file"]: row for row in marks.rows}
+
+
+RIGHT = '[answers]\n"3.2" = "1/tan(phi2)"\n'
+
+
+def test_a_file_without_seed_is_said(tmp_path):
+    """Graded as the seed asked for, or 0, and its row says which."""
+    files = {"ada.toml": RIGHT, "bob.toml": "seed = 0\n" + RIGHT}
+    rows = graded(tmp_path, files)
+    assert rows["ada.toml"]["remarks"] == "the file names no seed: graded as seed 0."
+    assert rows["bob.toml"]["remarks"] == ""
+    assert {row["earned"] for row in rows.values()} == {"1"}
+    rows = graded(tmp_path, files, ["3.2"], seed=2)
+    assert rows["ada.toml"]["remarks"] == "the file names no seed: graded as seed 2."
+    assert (rows["ada.toml"]["seed"], rows["bob.toml"]["status"]) == ("2", REFUSED)
+
+
+def test_an_unknown_part_is_said(tmp_path):
+    """A misspelt question, with one question or several, and a strange exercise."""
+    files = {
+        "ada.toml": 'seed = 0\n[answers."2.1"]\nconection = "1,2,2 = 1/r"\n',
+        "bob.toml": 'seed = 0\n[answers."3.3"]\nscalr = "2/R^2"\n[answers."9.9"]\nx = "1"\n',
+        "eve.toml": 'seed = 0\n[answers."2.1"]\n"1,2,2" = "1/r"\n[answers]\n"3.3" = "0"\n',
+    }
+    rows = graded(tmp_path, files)
+    ada, bob, eve = (rows[name] for name in files)
+    assert "There is no question 'conection'" in ada["remarks"]
+    assert "Did you mean connection?" in ada["remarks"]
+    assert "There is no question 'scalr'" in bob["remarks"]
+    assert "no exercise '9.9'" in bob["remarks"]
+    assert (ada["status"], bob["status"]) == (PARTLY, PARTLY)
+    assert eve["2.1"] == "1"
+    assert "several questions (ricci, scalar); the answer counts for the first" in eve["remarks"]
+
+
+def test_two_files_of_one_student_are_said(tmp_path):
+    """In both rows, each with the other's name; a third file that comes later changes them."""
+    files = {
+        "a.toml": 'student = "Ada  Lovelace"\nseed = 0\n' + RIGHT,
+        "b.toml": 'student = "ada lovelace"\nseed = 0\n' + RIGHT,
+        "c.toml": 'student = "Charles"\nseed = 0\n' + RIGHT,
+    }
+    rows = graded(tmp_path, files)
+    assert [rows[name]["status"] for name in files] == [TWICE, TWICE, GRADED]
+    assert "the same student as in b.toml" in rows["a.toml"]["remarks"]
+    rows = graded(tmp_path, files | {"d.toml": files["a.toml"]})
+    assert "the same student as in b.toml, d.toml" in rows["a.toml"]["remarks"]
+
+
+def test_how_many_answers_make_up_the_percentage_is_said(tmp_path):
+    """One right answer is 100 % of what counts; the row says what counts and what is answered."""
+    files = {"ada.toml": "seed = 0\n" + RIGHT}
+    [row] = graded(tmp_path, files).values()
+    assert (row["percent"], row["answered"]) == ("100.0", "1 of 1")
+    assert row["counted"] == "3.2 (whatever anybody answered)"
+    [row] = graded(tmp_path, files, ["3.1", "3.2", "3.3"]).values()
+    assert (row["percent"], row["answered"]) == ("16.7", "1 of 6")
+    assert row["counted"] == "3.1 3.2 3.3 (as asked for)"
+
+
+def test_the_table_as_json(tmp_path):
+    """The same rows, and what counts, for programs; a second run goes on from it."""
+    files = {"ada.toml": RIGHT, "bob.toml": "seed = 0\n" + RIGHT}
+    rows = graded(tmp_path, files, table="marks.json")
+    data = json.loads((tmp_path / "marks.json").read_text("utf-8"))
+    assert (data["counted"], data["chosen"]) == (["3.2"], "whatever anybody answered")
+    assert {row["file"]: row for row in data["rows"]} == rows == graded(tmp_path, files)
+    assert grade(tmp_path / "answers", tmp_path / "marks.json").kept == 2
+    for broken in ("{", "[]", '{"rows": 3}', '{"rows": [3]}', '{"rows": [{}]}'):
+        (tmp_path / "marks.json").write_text(broken, "utf-8")
+        assert grade(tmp_path / "answers", tmp_path / "marks.json").kept == 0

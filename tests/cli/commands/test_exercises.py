@@ -140,5 +140,9 @@ def test_grade(tmp_path):
     assert rows["bob.toml"]["diagnoses"] == "3.2:christoffel sign"
     assert rows["eve.toml"]["status"] == "not graded"
     (folder / "eve.toml").unlink()
-    again = run("exercises", "grade", str(folder), "-o", str(marks), "--only", "3.2")
+    again = run("exercises", "grade", str(folder), "-o", str(marks))
     assert "2 of them before" in again.stdout
+    assert "counted: 3.2, whatever anybody answered" in again.stdout
+    assert "ada.toml: graded: the file names no seed: graded as seed 0." in again.stderr
+    named = run("exercises", "grade", str(folder), "-o", str(marks), "--only", "3.2")
+    assert "counted" not in named.stdout

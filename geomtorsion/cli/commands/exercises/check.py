@@ -53,6 +53,7 @@ def check(
             f'as in: geomtorsion exercises check {number} "..."'
         )
     if file is not None:
+        given: object
         given, own = _from_file(number, file)
         seed = own if seed is None else seed
     else:
@@ -64,8 +65,8 @@ def check(
         raise typer.Exit(ExitCode.failed)
 
 
-def _from_file(number: str, file: Path) -> tuple[Answers, int]:
-    """The answers to one exercise in a file, and its seed."""
+def _from_file(number: str, file: Path) -> tuple[object, int]:
+    """The answers to one exercise in a file, and its seed; 0 if it has none."""
     data = loaded(file)
     read = read_submission(file)
     if number in read.answers:
@@ -76,10 +77,7 @@ def _from_file(number: str, file: Path) -> tuple[Answers, int]:
         raise FileFormatError(
             f'{file.name}: it answers nothing of exercise {number}. Write [answers."{number}"].'
         )
-    names = {question.name for question in load(number, read.seed).questions}
-    if isinstance(found, dict) and (names & set(found) or len(names) > 1):
-        return found, read.seed
-    return {min(names): found} if len(names) == 1 else {}, read.seed
+    return found, read.seed or 0
 
 
 def _from_words(names: list[str], words: list[str]) -> Answers:

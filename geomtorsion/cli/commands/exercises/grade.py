@@ -18,7 +18,10 @@ from geomtorsion.exercises import grading
 def grade(
     folder: Annotated[Path, argument("FOLDER", "One TOML file of answers per student.")],
     output: Annotated[
-        Path, typer.Option("-o", "--output", metavar="FILE", help="Table of marks (CSV).")
+        Path,
+        typer.Option(
+            "-o", "--output", metavar="FILE", help="Table of marks: CSV, or JSON by its name."
+        ),
     ] = Path("marks.csv"),
     only: Annotated[
         str | None,
@@ -38,7 +41,9 @@ def grade(
 
     Nothing in a file is ever run as code; a broken or hostile one is reported and costs no one else
     their marks. The table is written after each student: a second run goes on where the first was
-    stopped. Ends with 1 if somebody's file needs a look.
+    stopped. A row says how many questions were answered, which exercises count, and what to look
+    at: no seed, a name that no question has, two files of one student. Ends with 1 if somebody's
+    file needs a look.
 
     \b
     Examples:
@@ -58,9 +63,15 @@ def grade(
             folder, output, numbers, seed=seed, seconds=seconds, progress=progress
         )
     # A long reason is cut here: it stands in the table in full.
-    for row in marks.troubled:
-        reason = row["remarks"] or row["diagnoses"]
-        typer.echo(f"{row['file']}: {row['status']}: {cut(reason, 100)}", err=True)
+    for row in marks.rows:
+        if row["remarks"] or row["status"] != grading.GRADED:
+            reason = row["remarks"] or row["diagnoses"]
+            typer.echo(f"{row['file']}: {row['status']}: {cut(reason, 100)}", err=True)
+    if marks.chosen == grading.OCCURRING:
+        typer.echo(
+            f"counted: {', '.join(marks.numbers) or 'nothing'}, whatever anybody answered; "
+            "--only says which exercises count"
+        )
     fine = len(marks.rows) - len(marks.troubled)
     kept = f", {marks.kept} of them before" if marks.kept else ""
     typer.echo(f"graded {fine} of {len(marks.rows)} students{kept}: {output}")
