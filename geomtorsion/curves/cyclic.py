@@ -145,7 +145,8 @@ class CyclicReduction:
         rates = min(made, key=_cost)
         guard, end = self.equations.guards(arguments, self._parameters)
         width = self.equations.width
-        groups = (tuple(range(width)), tuple(range(width, len(self._states))))
+        places = (group for group in self.equations.groups if group[-1] < width)
+        groups = (*places, tuple(range(width, len(self._states))))
         return System(self._states, self._parameters, rates, groups, guard, end)
 
     def _rates(self, divisor: Element) -> list[Products]:

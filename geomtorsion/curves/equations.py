@@ -32,7 +32,7 @@ class Equations:
     chart: the chart, or None if only velocities are followed.
     states, parameters: names, as in a `System`.
     rates: for each state a sum of products (element, names that multiply it).
-    groups: indices of states that are measured together: coordinates; velocities; ...
+    groups: indices of states that are measured together: time; other coordinates; velocities; ...
     velocities: names of u^i; states or, if constant, parameters.
     carried: names of states that are carried along (transported vectors, a deviation).
     constants: parameters that the law brought, with exact values.
@@ -168,7 +168,7 @@ def written(frame: Frame, law: Law, chart: Chart | None) -> Equations:
         states += names
         products += rates.products
         constants = rates.constants
-    groups = [tuple(range(width))] if width else []
+    groups = [] if chart is None else coordinate_groups(chart)
     if rates is not None:
         groups.append(tuple(range(width, len(states))))
     invariants = dict(law.invariants(base, names)) if rates is not None else {}
@@ -187,6 +187,23 @@ def written(frame: Frame, law: Law, chart: Chart | None) -> Equations:
         chart, tuple(states), parameters, tuple(products), tuple(groups), names, (), constants,
         invariants, momenta,
     )  # fmt: skip
+
+
+def coordinate_groups(chart: Chart) -> list[tuple[int, ...]]:
+    """Coordinates that are measured together: all of them, but time, which grows without bound.
+
+    Time stands in the place of the one leg whose square has the other sign.
+    """
+    places = tuple(range(len(chart.coordinates)))
+    if chart.frame is None:
+        return [places]
+    signs = [chart.frame.eta[i, i] for i in places]
+    # In two dimensions it is the negative one.
+    times = [i for i in places if signs[i] == -1 and signs.count(-1) == 1]
+    times = times or [i for i in places if signs[i] == 1 and signs.count(1) == 1]
+    if not times or len(places) == 1:
+        return [places]
+    return [(times[0],), tuple(i for i in places if i != times[0])]
 
 
 def symbols_in(products: Iterable[Products], states: Sequence[str]) -> tuple[str, ...]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import sympy as sp
 
 from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap
@@ -38,6 +40,29 @@ def sphere(frame: Frame) -> Atlas:
         TransitionMap("s2_x", "s2", other, back, angles=(1,)),
     )
     return Atlas("s2", makers, lambda: maps)
+
+
+def seven_sphere(frame: Frame) -> Atlas:
+    """A second stereographic chart, about the antipode: x / x.x is an isometry."""
+    x = frame.coordinates
+    y = sp.symbols("y1:8", real=True)
+
+    def turned() -> Chart:
+        rows = frame.coframe.to_sympy().subs(dict(zip(x, y, strict=True)), simultaneous=True)
+        other = Frame(y, rows.tolist(), name="s7_far")
+        return Chart.of(other, edge=_nearness(y), margin=MARGIN, keeps_frame=False)
+
+    makers = {"s7": lambda: Chart.of(frame, edge=_nearness(x), margin=MARGIN), "s7_far": turned}
+    maps = tuple(
+        TransitionMap(one, other, q, tuple(k / sum(c**2 for c in q) for k in q))
+        for one, other, q in (("s7", "s7_far", x), ("s7_far", "s7", y))
+    )
+    return Atlas("s7", makers, lambda: maps)
+
+
+def _nearness(x: Sequence[sp.Symbol]) -> sp.Expr:
+    """One half plus half of the cosine of the angle from the origin of a stereographic chart."""
+    return 1 / (1 + sum(k**2 for k in x))
 
 
 def cartesian(frame: Frame) -> Atlas:

@@ -52,14 +52,19 @@ def to_angles(axes: str, r: sp.Matrix) -> list[sp.Expr]:
     return [sp.atan2(r[1, 0], r[0, 0]), middle, sp.atan2(r[2, 1], r[2, 2])]
 
 
-def quaternion_chart(space_fixed: bool = False, places: Sequence[sp.Symbol] = ()) -> Chart:
-    """Unit quaternions, q' = q u / 2 (body) or u q / 2 (space); and x' = R V, if there are x."""
+def quaternion_chart(
+    space_fixed: bool = False, places: Sequence[sp.Symbol] = (), share: sp.Expr = sp.S.Half
+) -> Chart:
+    """Unit quaternions, q' = q u / 2 (body) or u q / 2 (space); and x' = R V, if there are x.
+
+    share: in the place of the half.
+    """
     rows: list[list[sp.Expr]] = []
     for k in range(3):
         unit = [sp.Integer(j == k + 1) for j in range(4)]
         factors = (unit, QUATERNION) if space_fixed else (QUATERNION, unit)
         column = hamilton_product(*factors)
-        rows.append([x / 2 for x in column])
+        rows.append([x * share for x in column])
     legs = [[rows[k][mu] for k in range(3)] for mu in range(4)]
     kept = sum(x**2 for x in QUATERNION)
     if places:
@@ -77,6 +82,7 @@ EULER: dict[str, tuple[str, tuple[int, int, int], Callable[[sp.Expr], sp.Expr]]]
     "so3_zxz": ("zxz", (0, 1, 2), sp.sin),
     "so3_xyz": ("xyz", (0, 1, 2), sp.cos),
     "so3_zyx": ("zyx", (0, 1, 2), sp.cos),
+    "bianchi_ix": ("xyz", (0, 1, 2), sp.cos),
 }
 
 
@@ -100,7 +106,7 @@ def _euler_changes(
 def rotations(frame: Frame) -> Atlas:
     """Home angles, a second set of angles whose edge lies elsewhere, and the quaternion."""
     home = frame.name
-    second = "so3" if home == "so3_xyz" else "so3_xyz"
+    second = "so3" if EULER[home][0] == "xyz" else "so3_xyz"
     _, _, edge = EULER[home]
     places = frame.coordinates[3:]
 

@@ -7,9 +7,10 @@ from dataclasses import replace
 
 from geomtorsion.curves.atlas import Atlas, single
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.atlas_curvilinear import cartesian, sphere
-from geomtorsion.spaces.atlas_holes import schwarzschild
+from geomtorsion.spaces.atlas_curvilinear import cartesian, seven_sphere, sphere
+from geomtorsion.spaces.atlas_holes import de_sitter, isotropic, schwarzschild
 from geomtorsion.spaces.atlas_kerr import kerr
+from geomtorsion.spaces.atlas_quaternions import ROWS, quaternions
 from geomtorsion.spaces.atlas_rotations import EULER, rotations
 from geomtorsion.spaces.space import Space
 
@@ -32,8 +33,12 @@ def attach(space: Space) -> Space:
 
 ATLASES: dict[str, Callable[[Frame], Atlas]] = {
     **dict.fromkeys(EULER, rotations),
+    **dict.fromkeys(ROWS, quaternions),
     "s2": sphere,
+    "s7": seven_sphere,
     **dict.fromkeys(("flat_polar", "flat_cylindrical", "flat_spherical"), cartesian),
     "schwarzschild": schwarzschild,
+    "schwarzschild_isotropic": isotropic,
+    "de_sitter": de_sitter,
     "kerr": kerr,
 }

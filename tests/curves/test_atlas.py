@@ -12,14 +12,24 @@ from geomtorsion.spaces import load
 from geomtorsion.spaces.atlases import ATLASES
 from tests.ode.engines import every_engine
 
-PARAMETERS = {"s2": {"R": 2.0}, "schwarzschild": {"M": 1.0}, "kerr": {"M": 1.0, "a": 0.6}}
+PARAMETERS = {
+    "s2": {"R": 2.0},
+    "schwarzschild": {"M": 1.0},
+    "schwarzschild_isotropic": {"M": 1.0},
+    "kerr": {"M": 1.0, "a": 0.6},
+    "de_sitter": {"L": 9.0},
+}
 POINTS = {
     "s2": [1.0, 0.5],
     "flat_polar": [1.2, 0.3],
     "flat_cylindrical": [1.2, 0.3, 0.4],
     "flat_spherical": [1.2, 0.7, 0.4],
     "schwarzschild": [0.3, 6.0, 1.1, 0.4],
+    "schwarzschild_isotropic": [0.3, 3.0, 1.1, 0.4],
     "kerr": [0.3, 6.0, 1.1, 0.4],
+    "de_sitter": [0.3, 6.0, 1.1, 0.4],
+    "s7": [0.3, 0.2, -0.5, 0.1, 0.4, 0.6, -0.2],
+    "so3_quaternion": [0.3, -0.4, 0.2],
     "r3xso3": [0.3, 1.0, 0.2, 1.0, 2.0, 3.0],
 }
 
@@ -34,8 +44,8 @@ def changes():
 
 
 def test_there_are_as_many_charts_as_stated():
-    """Six sets of angles, four of them with a second set; s2, flat spaces, black holes."""
-    assert len(changes()) == 19
+    """Seven sets of angles, five of them with a second set; spheres, flat spaces, horizons."""
+    assert len(changes()) == 28
 
 
 @pytest.mark.parametrize(("name", "other"), changes())

@@ -322,3 +322,16 @@ def test_a_member_that_falls_holds_up_nobody(times):
     assert many.finished.tolist() == [False, True]
     assert np.isnan(many.errors[0])
     assert many.errors[1] <= 1e-8
+
+
+@every_engine
+def test_time_is_measured_on_its_own(engine):
+    """t grows fifty times larger than r: the place is right to its own size all the same."""
+    problem, times = orbit([0, 10.0, 1.4, 0], [1.1, 0.05, 0.1, 0.36]), np.linspace(0, 1500, 7)[1:]
+    assert problem.equations("kerr").groups[:2] == ((0,), (1, 2, 3))
+    rough, fine = solve(problem, times, 1e-6, engine), solve(problem, times, 1e-11)
+    gaps = np.abs(rough.coordinates - fine.coordinates).max(axis=0)
+    sizes = np.abs(fine.coordinates).max(axis=0)
+    assert sizes[0] > 50 * sizes[1]
+    assert gaps[0] < 1e-6 * sizes[0]
+    assert gaps[1:].max() < 1e-6 * sizes[1:].max()
