@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from geomtorsion.geometry.quantities import DependencyGraph
 
 Elements = dict[tuple[int, int], Element]
+Plain = tuple[str, validation.Matrix] | tuple[Callable[..., "Frame"], tuple]
 
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)
@@ -93,12 +94,13 @@ class Frame:
         self,
         opened: validation.Opened,
         name: str | None,
-        given: dict[str, Elements],
-        plain: tuple[str, validation.Matrix],
+        given: Mapping[str, Elements],
+        plain: Plain,
     ) -> None:
         """Set the fields of a new frame, once all is checked (for makers).
 
-        plain: what it is made from (coframe, legs or metric), as it came.
+        plain: what it is made from (coframe, legs or metric), as it came; or a maker of frames with
+            its arguments, where that is shorter.
         """
         for key in ("coordinates", "parameters", "domain", "complex", "field"):
             object.__setattr__(self, key, getattr(opened, key))
@@ -113,7 +115,7 @@ class Frame:
 
     if TYPE_CHECKING:
         _kept: dict[str, Any]
-        _plain: tuple[str, validation.Matrix]
+        _plain: Plain
 
     from_frame = classmethod(constructors.from_frame)
     from_metric = classmethod(constructors.from_metric)
@@ -282,7 +284,12 @@ class Frame:
 
     def __reduce__(self) -> tuple:
         """Made again from what it was made from, so that every result is the same to the bit."""
+        # Further charts do not follow from the frame: spaces attach them.
+        attached = {key: self._kept[key] for key in ("atlas",) if key in self._kept}
         shape, entries = self._plain
+        if not isinstance(shape, str):
+            return shape, entries, attached
+        assert isinstance(entries, dict)
         n = self.dimension
         rows = [[checks.plain(entries.get((i, j), 0)) for j in range(n)] for i in range(n)]
         eta = [[self.eta[i, j] for j in range(n)] for i in range(n)]
@@ -296,8 +303,6 @@ class Frame:
         }
         if shape != "metric":
             given["complex"] = self.complex
-        # Further charts do not follow from the frame: spaces attach them.
-        attached = {key: self._kept[key] for key in ("atlas",) if key in self._kept}
         return _made_again, (shape, self.coordinates, rows, given), attached
 
     def __setstate__(self, attached: dict[str, Any]) -> None:

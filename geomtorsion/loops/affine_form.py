@@ -14,7 +14,7 @@ from geomtorsion.codegen import numpy_function
 from geomtorsion.exact import Element
 from geomtorsion.geometry import contract
 from geomtorsion.loops.arcs import Parameters
-from geomtorsion.loops.forms import Poles, parameter_values, poles_of
+from geomtorsion.loops.forms import Forms, Poles, forms, parameter_values, poles_of
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Connection, Tensor
@@ -43,6 +43,10 @@ class AffineForm:
 
         points, slopes: shape (n, k).
         """
+        if self._plain is not None:
+            form = self._plain.coframe
+            theta = form.gather @ (form.at(points) * slopes[form.columns])
+            return self._no_turn(theta), theta.T
         turn, step, _ = _compiled(self.connection, "line")
         values = self._values(turn.function, points)
         n, k = points.shape
@@ -61,6 +65,13 @@ class AffineForm:
 
         points, x, v: shape (n, k); results (k, n, n) with row j, column i, and (k, n).
         """
+        if self._plain is not None:
+            form, (a, b) = self._plain.curl, self._plain.pairs
+            if form is None:
+                return self._no_turn(points), np.zeros(points.T.shape)
+            area = (x[a] * v[b] - x[b] * v[a])[form.columns]
+            tau = form.gather @ (form.at(points) * area)
+            return self._no_turn(tau), tau.T
         turn, step, _ = _compiled(self.connection, "area")
         values = self._values(turn.function, points)
         n, k = points.shape
@@ -73,8 +84,22 @@ class AffineForm:
         return rho, tau
 
     @cached_property
+    def _plain(self) -> Forms | None:
+        """Coframe and curl, where legs are parallel and nothing else is needed."""
+        if self.connection.kind != "cartan":
+            return None
+        return forms(self.connection.frame, self.parameters)
+
+    def _no_turn(self, like: np.ndarray) -> np.ndarray:
+        """No rotation at any of the points of an array of shape (n, k)."""
+        n, k = like.shape
+        return np.zeros((k, n, n), dtype=like.dtype)
+
+    @cached_property
     def poles(self) -> Poles | None:
         """What may vanish in a denominator of coframe or connection."""
+        if self._plain is not None:
+            return self._plain.poles
         found = _compiled(self.connection, "line")[2]
         if found is None:
             return None
@@ -84,7 +109,7 @@ class AffineForm:
     @cached_property
     def turns(self) -> bool:
         """Whether parallel transport turns the legs at all."""
-        return bool(_compiled(self.connection, "line")[0].indices)
+        return self._plain is None and bool(_compiled(self.connection, "line")[0].indices)
 
     def coframe(self, point: np.ndarray) -> np.ndarray:
         """e^i_mu at one point, shape (n, n)."""
@@ -126,14 +151,12 @@ def _compile(connection: Connection, kind: str) -> tuple[_Block, _Block, Poles |
     """Exact components, chosen and compiled together."""
     frame = connection.frame
     if kind == "line":
-        turn = () if connection.kind == "cartan" else _entries(connection.spin_connection)
+        turn = _entries(connection.spin_connection)
         step = _entries(frame.coframe)
     else:
         legs, coframe = frame.legs, frame.coframe
-        turn: Entries = ()
-        if connection.kind != "cartan":
-            riemann = connection.curvature.riemann
-            turn = _upper(_entries(contract("mnlk,li,jk->mnij", riemann, legs, coframe)))
+        riemann = connection.curvature.riemann
+        turn = _upper(_entries(contract("mnlk,li,jk->mnij", riemann, legs, coframe)))
         step = _upper(_entries(contract("abc,jc->abj", connection.torsion.T, coframe)))
     elements = [element for _, element in (*turn, *step)]
     found = {symbol for element in elements for symbol in element.symbols}

@@ -12,6 +12,7 @@ from geomtorsion.errors import LoopError, ShapeError
 from geomtorsion.exact import parse_expression
 from geomtorsion.geometry import Frame
 from geomtorsion.loops.arcs import Number, exact_number
+from geomtorsion.loops.defect_lines import frame_of_lines
 
 # Numbers, expressions, or text such as "1/2".
 Exact = Sequence[Number | str]
@@ -57,14 +58,14 @@ def parallel_dislocations(
         )
     if len(set(places)) < len(places):
         raise ShapeError("two lines stand at the same place. Add their Burgers vectors instead.")
-    rows = [[sp.Integer(int(i == j)) for j in range(3)] for i in range(3)]
-    for (x, y), vector in zip(places, vectors, strict=True):
-        square = (X - x) ** 2 + (Y - y) ** 2
-        for i in range(3):
-            share = vector[i] / (2 * sp.pi)
-            rows[i][0] -= share * (Y - y) / square
-            rows[i][1] += share * (X - x) / square
-    return Frame([X, Y, Z], rows, name=name or "parallel dislocations")
+    for k, place in enumerate(places):
+        symbols = {s.name for x in (*place, *vectors[k]) for s in x.free_symbols}
+        if symbols & {"x", "y", "z"}:
+            raise ShapeError(
+                f"positions[{k}], burgers[{k}]: a straight line needs constants, but x, y or z "
+                "stands in them. Rename the symbol, or make a Frame."
+            )
+    return frame_of_lines((X, Y, Z), places, vectors, name or "parallel dislocations")
 
 
 def parallel_screws(positions: Sequence[Exact], burgers: Exact) -> Frame:

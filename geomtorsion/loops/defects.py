@@ -17,6 +17,8 @@ from geomtorsion.loops.affine_form import AffineForm
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Number, Parameters, shown
 from geomtorsion.loops.cone import line_rate
+from geomtorsion.loops.defect_lines import Lines
+from geomtorsion.loops.forms import parameter_values
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.planes import rows
 from geomtorsion.loops.transport import transported
@@ -150,10 +152,22 @@ def find_defects(frame: Frame, connection: Connection | None = None) -> tuple[De
     ['singular line at x = 0, y = 0']
     """
     if connection is None or connection.kind == "cartan":
+        if isinstance(frame.given, Lines):
+            lines = frame.given
+            return frame.derived("defects", lambda: _of_lines(frame, lines))
         return frame.derived("defects", lambda: _found(frame, factors(frame)))
     # The connection is kept with the result, so that no other can come to have its id.
     key = f"defects {id(connection)}"
     return frame.derived(key, lambda: (connection, _of_connection(frame, connection)))[1]
+
+
+def _of_lines(frame: Frame, lines: Lines) -> tuple[Defect, ...]:
+    """The lines from which a frame was made."""
+    names = tuple(symbol.name for symbol in frame.coordinates)
+    return tuple(
+        Defect((*place, sp.S.Zero), (0, 1), "singular line", f"zero of {source}", names, (2,))
+        for place, source in zip(lines.places, lines.names, strict=True)
+    )
 
 
 def _of_connection(frame: Frame, connection: Connection) -> tuple[Defect, ...]:
@@ -279,7 +293,13 @@ def charge(
     """
     if defect.across is None:
         raise LoopError(f"{defect}: it is no line; no loop winds round it.")
-    n = connection.frame.dimension
+    n, lines = connection.frame.dimension, connection.frame.given
+    if isinstance(lines, Lines) and connection.kind == "cartan":
+        known = lines.vector_at(
+            defect.point[:2], parameter_values(connection.frame, lines.parameters, parameters)
+        )
+        if known is not None:
+            return AffineMap.of(np.zeros((n, n)), known)
     place = np.array(defect.place(parameters))
     covectors = np.array(rows(defect.across, n))
     # The point of the defect nearest to the loop, and two directions across it.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,10 +13,16 @@ from sympy.core.function import AppliedUndef
 
 from geomtorsion import checks
 from geomtorsion.codegen import numpy_function
-from geomtorsion.errors import LoopError, MissingValueError, UnknownNameError
+from geomtorsion.errors import (
+    LoopError,
+    MissingValueError,
+    SingularPointError,
+    UnknownNameError,
+)
 from geomtorsion.exact import Element
 from geomtorsion.exact.form import Sum, form
-from geomtorsion.loops.arcs import Parameters
+from geomtorsion.loops.arcs import Parameters, shown
+from geomtorsion.loops.defect_lines import Lines
 from geomtorsion.loops.quadrature import ROUNDING
 
 if TYPE_CHECKING:
@@ -102,16 +108,24 @@ class Poles:
     function: from coordinates, then parameters, to their values, shape (poles, k).
     names: what they are, as text. owner: what has no finite value there.
     numbers: values of the parameters.
+    single: the same for one of them alone, by its number, where that is cheaper.
     """
 
     function: Values
     names: tuple[str, ...]
     owner: str = "coframe"
     numbers: tuple[float | complex, ...] = ()
+    single: Callable[..., np.ndarray] | None = None
 
     def values(self, points: np.ndarray) -> np.ndarray:
         """All denominators at points of shape (n, k), shape (poles, k)."""
         return self.function(*points, *self.numbers)
+
+    def one(self, number: int, points: np.ndarray) -> np.ndarray:
+        """One denominator at points, shape (k,)."""
+        if self.single is None:
+            return self.values(points)[number]
+        return self.single(number, *points, *self.numbers)
 
 
 def forms(
@@ -149,6 +163,8 @@ def _compiled(frame: Frame, chosen: tuple[int, ...]) -> Forms:
     n = frame.dimension
     if n < 2:
         raise LoopError("a loop needs at least two coordinates; this frame has one.")
+    if isinstance(frame.given, Lines):
+        return _of_lines(frame.given, chosen)
     every = frame.coframe.components.nonzero.items()
     entries = {(i, mu): value for (i, mu), value in every if mu in chosen}
     needed = {symbol for element in entries.values() for symbol in element.symbols}
@@ -169,6 +185,30 @@ def _compiled(frame: Frame, chosen: tuple[int, ...]) -> Forms:
         parameters=parameters,
         pairs=pairs,
     )
+
+
+def _of_lines(lines: Lines, chosen: tuple[int, ...]) -> Forms:
+    """The forms of a frame of parallel lines, whose torsion vanishes off them."""
+    entries = [(i, mu) for i, mu in lines.rows if mu in chosen]
+    finite = partial(lines.coframe, entries)
+
+    def checked(*arguments: np.ndarray) -> np.ndarray:
+        found = finite(*arguments)
+        bad = np.flatnonzero(~np.isfinite(found).all(axis=0))
+        if len(bad):
+            point = shown(float(x[bad[0]]) for x in arguments[:3])
+            raise SingularPointError(
+                f"the coframe has no finite value at {point}: a line runs through it. Move the "
+                "point away from the line."
+            )
+        return found
+
+    rows, columns = np.array(entries).T
+    gather = (rows == np.arange(3)[:, None]).astype(float)
+    components = gather[:, None, :] * (columns == np.arange(3)[:, None])
+    poles = Poles(lines.squares, lines.names, single=lines.square) if lines.places else None
+    form = Form(finite, rows, columns, gather, components, lambda: checked)
+    return Forms(form, None, poles, lines.parameters, np.array(np.triu_indices(3, 1)))
 
 
 def curl(frame: Frame, i: int, a: int, b: int) -> Element:

@@ -36,7 +36,7 @@ def refuse_poles(poles: Poles | None, part: Part) -> tuple[tuple[int, float], ..
     for number, arc in enumerate(part.arcs):
         count = max(17, 4 * arc.waves + 1)
         s = np.linspace(0, 1, count)
-        for k, row in enumerate(_values(poles, part, arc, s)):
+        for k, row in enumerate(poles.values(part.points(arc, s)[0])):
             sizes = np.abs(row)
             signs = np.flatnonzero(row[1:] * row[:-1] < 0) if not np.iscomplexobj(row) else ()
             for start in sorted({int(sizes.argmin()), *_dips(sizes).tolist(), *map(int, signs)}):
@@ -69,7 +69,7 @@ def _minimum(
     """
     while True:
         s = np.linspace(low, high, 9)
-        row = _values(poles, part, arc, s)[k]
+        row = poles.one(k, part.points(arc, s)[0])
         best = int(np.abs(row).argmin())
         place, width = float(s[best]), float(high - low)
         crosses = not np.iscomplexobj(row) and row.min() < 0 < row.max()
@@ -79,8 +79,3 @@ def _minimum(
         if np.abs(row[best]) > FLAT * np.abs(row).max():
             return place, width
         low, high = s[max(best - 1, 0)], s[min(best + 1, 8)]
-
-
-def _values(poles: Poles, part: Part, arc: Arc, s: np.ndarray) -> np.ndarray:
-    """Values of all denominators along an arc, shape (poles, k)."""
-    return poles.values(part.points(arc, s)[0])

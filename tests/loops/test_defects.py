@@ -60,8 +60,8 @@ def test_smooth_core_has_no_defect():
 def test_parallel_lines_add_up_by_their_windings(screws):
     """Every loop has the sum of windings times b_k, found by the polygon's own geometry."""
     assert [defect.place() for defect in find_defects(screws)] == [
-        (1, 0, 0),
         (0, 0, 0),
+        (1, 0, 0),
         (0, 0.5, 0),
     ]
     shapes = {
