@@ -1,5 +1,7 @@
 """Many lines: sums line by line agree with the exact coframe, and a thousand are no trouble."""
 
+import copy
+import pickle
 import time
 
 import numpy as np
@@ -95,3 +97,12 @@ def test_lines_are_straight():
     for x in (sp.Symbol("x", real=True), sp.Symbol("x")):
         with pytest.raises(ShapeError, match="a straight line needs constants"):
             parallel_screws([(x, 0)], [1])
+
+
+def test_frames_of_lines_are_copied_and_pickled():
+    """A copy has the same lines, to the same bit."""
+    frame = parallel_screws([(0, 0), (1, 0)], [1, 2])
+    loop = Loop.circle([0, 0, 0], 3)
+    for same in (copy.deepcopy(frame), pickle.loads(pickle.dumps(frame))):
+        assert burgers_vector(same, loop).vector[2] == burgers_vector(frame, loop).vector[2]
+        assert same.name == "parallel screws"
