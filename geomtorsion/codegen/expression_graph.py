@@ -19,7 +19,7 @@ from geomtorsion.codegen.factoring import factor as pull_out
 from geomtorsion.codegen.heyoka_code import Expression, Number, heyoka_expressions
 from geomtorsion.codegen.python_code import Body, compiled, python_body, python_source
 from geomtorsion.codegen.reading import Output, Reader
-from geomtorsion.codegen.steps import Signed, Step
+from geomtorsion.codegen.steps import Builder, Signed, Step
 from geomtorsion.codegen.term_sizes import above_rounding, term_sizes
 from geomtorsion.copies import only_fields
 
@@ -226,6 +226,39 @@ class Graph:
         False
         """
         return Graph(self.arguments, *above_rounding(self.steps, self.outputs), self.is_complex)
+
+    def with_factors(
+        self, arguments: Mapping[str, str], outputs: Sequence[str], more: Sequence[str]
+    ) -> Graph:
+        """The same with factors in front of arguments and outputs: further arguments, constant.
+
+        arguments: name of an argument -> that of its factor; outputs: names of factors, one for
+        each output, or none; more: names of all factors in order.
+
+        Examples
+        --------
+        >>> import sympy
+        >>> made = graph(["x"], [sympy.Symbol("x") ** 2])
+        >>> made.with_factors({"x": "a"}, ["b"], ["a", "b"]).python()(3.0, 2.0, 10.0)
+        (360.0,)
+        """
+        first = len(self.arguments)
+        builder, places = Builder(), list[int]()
+        factors = {name: builder.argument(first + k, constant=True) for k, name in enumerate(more)}
+        for step in self.steps:
+            inner = tuple(places[place] for place in step.operands)
+            place = builder.add(
+                step.kind, inner, step.detail, signs=step.signs, constant=step.constant
+            )
+            if step.kind == "argument":
+                factor = arguments.get(self.arguments[step.detail])
+                place = place if factor is None else builder.product(place, factors[factor])
+            places.append(place)
+        found = [(sign, places[place]) for sign, place in self.outputs]
+        if outputs:
+            pairs = zip(found, outputs, strict=True)
+            found = [(s, builder.product(place, factors[name])) for (s, place), name in pairs]
+        return Graph((*self.arguments, *more), *builder.needed(found), self.is_complex)
 
     def derivative(self, names: Sequence[str]) -> Graph:
         """All derivatives with respect to arguments, those of the first output first.

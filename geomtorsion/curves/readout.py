@@ -15,7 +15,7 @@ from geomtorsion.errors import ChartEdgeError
 from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment
-from geomtorsion.ode.numbers import Real, precision_of
+from geomtorsion.ode.numbers import Real, multiplied, precision_of
 from geomtorsion.ode.trajectory import Segment, Trajectory
 from geomtorsion.precision import working_precision
 
@@ -57,7 +57,7 @@ def _at_home(
         carried = states[:, width + n :].copy()
     for k, power in enumerate(speed_powers(problem.carried)):
         if power:
-            carried[:, k] = _multiplied(carried[:, k], unit)
+            carried[:, [k]] = multiplied(carried[:, [k]], unit)
     if not width:
         empty = np.empty((len(states), 0))
         return empty, empty, u, carried
@@ -75,11 +75,11 @@ def _velocities(
     equations, n = problem.equations(segment.label), problem.frame.dimension
     width, unit = equations.width, problem.time_unit
     if equations.moves:
-        return _multiplied(states[:, width : width + n], unit), states[:, width + n :]
+        return multiplied(states[:, width : width + n], unit), states[:, width + n :]
     table = dict(zip(equations.parameters, segment.stage.parameters, strict=True))
     values = Taylor(bits).array([table[name] for name in equations.velocities])
     rows = np.array([values] * len(states), dtype=values.dtype)
-    return _multiplied(rows.reshape(len(states), n), unit), states[:, width:].copy()
+    return multiplied(rows.reshape(len(states), n), unit), states[:, width:].copy()
 
 
 def converted(
@@ -136,15 +136,6 @@ def _turned(problem: CurveProblem, source: str, target: str, q: np.ndarray) -> n
 def _long_rows(rows: Sequence[Sequence[Real]], bits: int) -> np.ndarray:
     """Rows of numbers in the type in which the engine of so many bits calculates."""
     return np.array([Taylor(bits).array(row) for row in rows])
-
-
-def _multiplied(values: np.ndarray, factor: float) -> np.ndarray:
-    """Values of any precision times a power of two, at their own precision."""
-    if factor == 1.0:
-        return values.copy()
-    if values.dtype.type in (np.float64, np.longdouble):
-        return values * factor
-    return values * np.full(values.shape, values.dtype.type(factor), dtype=values.dtype)
 
 
 def coordinate_velocities(

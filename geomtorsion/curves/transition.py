@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from fractions import Fraction
 from typing import TYPE_CHECKING, NamedTuple
 
-import mpmath
 import numpy as np
-import sympy as sp
 
 from geomtorsion.curves.transported import speed_powers
 from geomtorsion.errors import ChartEdgeError
-from geomtorsion.ode.numbers import Real
+from geomtorsion.ode.numbers import Real, divided
 
 if TYPE_CHECKING:
     from geomtorsion.curves.problem import CurveProblem
@@ -38,12 +35,12 @@ class MovingPoint(NamedTuple):
 def beginning(problem: CurveProblem, precision: int) -> tuple[str, MovingPoint]:
     """The chart in which to begin, and the point there."""
     unit = problem.time_unit
-    velocities = [_divided(u, unit) for u in _frame_velocity(problem, precision)]
+    velocities = [divided(u, unit) for u in _frame_velocity(problem, precision)]
     carried: list[Real] = []
     if problem.carried is not None:
         powers = speed_powers(problem.carried)
         carried = [
-            _divided(x, unit) if power else x
+            divided(x, unit) if power else x
             for x, power in zip(problem.carried.start, powers, strict=True)
         ]
     if problem.start is None:
@@ -130,20 +127,3 @@ def moved(
 def same_frame(problem: CurveProblem, source: str, target: str) -> bool:
     """Whether two charts have the same frame vectors."""
     return problem.atlas.chart(source).keeps_frame and problem.atlas.chart(target).keeps_frame
-
-
-def _divided(value: Real, unit: float) -> Real:
-    """A velocity in units of the speed, which is a power of two: nothing is lost."""
-    if unit == 1.0:
-        return value
-    if isinstance(value, int | float):
-        return value / unit
-    ratio = Fraction(unit)
-    if isinstance(value, sp.Expr):
-        return value / sp.Rational(ratio.numerator, ratio.denominator)
-    if isinstance(value, Fraction):
-        return value / ratio
-    if isinstance(value, mpmath.mpf):
-        # A quotient would be rounded to the digits that mpmath has at the moment.
-        return mpmath.ldexp(value, -int(math.log2(unit)))
-    return value / type(value)(unit)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -14,6 +14,7 @@ from geomtorsion.ode.engines import Engine, Taylor
 from geomtorsion.ode.engines.scipy_steps import FLOOR
 from geomtorsion.ode.engines.stepwise import error_scales
 from geomtorsion.ode.engines.taylor import heyoka
+from geomtorsion.ode.scaling import member_units, scaled_system
 from geomtorsion.ode.system import System
 
 # Called with the number of members that are done.
@@ -66,6 +67,15 @@ def run_batch(
         an instruction wait for the slowest.
     """
     number, size = states.shape
+    own = member_units(system, states, parameters, units * (times[-1] - times[0]))
+    if own is not None:
+        sizes, clocks = own
+        columns = np.concatenate((parameters, sizes, clocks[:, None] / sizes), axis=1)
+        found = run_batch(
+            engine, scaled_system(system), states / sizes, columns, units / clocks, pace, times,
+            tolerance, show,
+        )  # fmt: skip
+        return replace(found, states=found.states * sizes[:, None, :])
     result = np.full((number, len(times), size), np.nan)
     finished = np.zeros(number, dtype=bool)
     crossed = np.zeros(number, dtype=bool)

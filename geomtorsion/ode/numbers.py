@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from typing import Any, TypeAlias
@@ -57,6 +58,32 @@ def precision_of(values: np.ndarray) -> int:
     if kind in (np.float64, np.longdouble):
         return np.finfo(kind).nmant + 1
     return int(getattr(values.flat[0], "prec", 113)) if values.size else 113
+
+
+def divided(value: Real, unit: float) -> Real:
+    """A number of any kind divided by a power of two: nothing is lost."""
+    if unit == 1.0:
+        return value
+    if isinstance(value, int | float):
+        return value / unit
+    ratio = Fraction(unit)
+    if isinstance(value, sp.Expr):
+        return value / sp.Rational(ratio.numerator, ratio.denominator)
+    if isinstance(value, Fraction):
+        return value / ratio
+    if isinstance(value, mpmath.mpf):
+        # A quotient would be rounded to the digits that mpmath has at the moment.
+        return mpmath.ldexp(value, -int(math.log2(unit)))
+    return value / type(value)(unit)
+
+
+def multiplied(values: np.ndarray, factors: float | np.ndarray) -> np.ndarray:
+    """Rows of numbers of any precision times powers of two, at their own precision."""
+    if values.dtype.type in (np.float64, np.longdouble):
+        return values * factors
+    kind = values.dtype.type
+    table = np.array([kind(x) for x in np.broadcast_to(factors, values.shape[1:]).flat], dtype=kind)
+    return values * table.reshape(values.shape[1:])
 
 
 def floats(values: Iterable[Real]) -> list[float]:

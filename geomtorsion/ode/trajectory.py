@@ -13,6 +13,7 @@ from geomtorsion.copies import only_fields
 from geomtorsion.ode.engines.protocol import Dense, Engine, Run
 from geomtorsion.ode.numbers import Real, perturbed
 from geomtorsion.ode.roots import crossings
+from geomtorsion.ode.scaling import scaled_run
 from geomtorsion.ode.system import System
 
 State: TypeAlias = Sequence[Real] | np.ndarray
@@ -232,7 +233,8 @@ class Trajectory:
                 last = np.asarray(run.last)
                 self._dense[k] = lambda t: np.broadcast_to(last, (len(t), len(last)))
             else:
-                again = self.engine.run(
+                again = scaled_run(
+                    self.engine,
                     stage.system.unguarded,
                     stage.start,
                     stage.parameters,
@@ -357,8 +359,8 @@ def run_stage(stage: Stage, times: np.ndarray, tolerance: float, engine: Engine)
     system, start, numbers = stage.system, stage.start, stage.parameters
     final = stage.boundary is not None and stage.boundary.then is None
     if system.guard is None or not final or engine.finds_every_root:
-        return engine.run(system, start, numbers, times, tolerance)
-    run = engine.run(system, start, numbers, times, tolerance, dense=True)
+        return scaled_run(engine, system, start, numbers, times, tolerance)
+    run = scaled_run(engine, system, start, numbers, times, tolerance, dense=True)
     return run if run.dense is None else _ended_earlier(system, run, times, numbers)
 
 

@@ -1,0 +1,160 @@
+"""Scaling: motions whose numbers are far from one are run in units of their own size.
+
+Series underflow where lengths are 1e-30, and steps are measured by the largest of all states; both
+are put right by powers of two, with which nothing is rounded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from geomtorsion.ode.engines.protocol import Dense, Engine, Run
+from geomtorsion.ode.numbers import Real, divided, floats, multiplied
+from geomtorsion.ode.system import System
+
+# States (the largest of each group) and durations within this factor of one are run as they are.
+# Coefficients of order n of a series are as its n-th power: those of the highest stay far within
+# the range of floats; and steps measured by the largest of states that differ by it still have ten
+# digits of the others.
+FAR = 2.0**20
+
+
+@dataclass(frozen=True, eq=False)
+class Units:
+    """Powers of two in which a run counts: sizes of its states, shape (size,), and of its times."""
+
+    sizes: np.ndarray
+    time: float
+
+    @property
+    def parameters(self) -> list[float]:
+        """What the scaled system has besides: size of each state, and rate of each state."""
+        return [*self.sizes.tolist(), *(self.time / self.sizes).tolist()]
+
+
+def scaled_run(
+    engine: Engine,
+    system: System,
+    start: Sequence[Real] | np.ndarray,
+    parameters: Sequence[Real] | np.ndarray,
+    times: np.ndarray,
+    tolerance: float,
+    *,
+    dense: bool = False,
+) -> Run:
+    """See `Engine.run`: the same, in units of its own size where numbers are far from one."""
+    units = units_of(system, floats(start), floats(parameters), float(times[-1] - times[0]))
+    if units is None:
+        return engine.run(system, start, parameters, times, tolerance, dense=dense)
+    sizes = units.sizes.tolist()
+    found = engine.run(
+        scaled_system(system),
+        [divided(x, size) for x, size in zip(start, sizes, strict=True)],
+        [*parameters, *units.parameters],
+        times / units.time,
+        tolerance,
+        dense=dense,
+    )
+    found.times = times[: len(found.times)]
+    found.states = multiplied(found.states, units.sizes)
+    found.last = multiplied(np.asarray(found.last)[None, :], units.sizes)[0]
+    found.reached = found.reached * type(found.reached)(units.time)
+    if found.dense is not None:
+        found.dense = _unscaled(found.dense, units)
+    return found
+
+
+def member_units(
+    system: System,
+    states: np.ndarray,
+    parameters: np.ndarray,
+    durations: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """Sizes (number, size) and times (number,) of members; None where all run as they are."""
+    found = [
+        units_of(system, *row) for row in zip(
+            states.tolist(), parameters.tolist(), durations.tolist(), strict=True
+        )
+    ]  # fmt: skip
+    if all(units is None for units in found):
+        return None
+    plain = Units(np.ones(states.shape[1]), 1.0)
+    if system.clock is not None:
+        plain.sizes[system.states.index(system.clock[0])] = 1 / system.clock[1]
+    units = [one or plain for one in found]
+    return np.array([one.sizes for one in units]), np.array([one.time for one in units])
+
+
+def _unscaled(dense: Dense, units: Units) -> Dense:
+    """Dense output in the units of the problem."""
+    return lambda t: multiplied(dense(np.asarray(t) / units.time), units.sizes)
+
+
+def units_of(
+    system: System, start: Sequence[float], parameters: Sequence[float], duration: float
+) -> Units | None:
+    """The units of a run; None where it can be run as it is."""
+    values, duration = np.abs(np.array(start)), abs(duration)
+    clock = None if system.clock is None else system.states.index(system.clock[0])
+    groups = [[k for k in group if k != clock] for group in system.groups]
+    groups = [group for group in groups if group]
+    tops = [float(values[group].max()) for group in groups]
+    if not all(tops):
+        # What begins at zero is soon as large as its rates make it.
+        rates = np.abs(system.scalar_rates(parameters)(0.0, np.array(start))) * duration
+        tops = [top or float(rates[g].max()) for top, g in zip(tops, groups, strict=True)]
+    if all(not top or _is_near(top) for top in tops) and (not duration or _is_near(duration)):
+        return None
+    if not duration or not np.isfinite(values).all():
+        return None
+    jacobian = system.jacobian(list(start), parameters)
+    if not np.isfinite(jacobian).all():
+        return None
+    fastest = float(np.abs(np.linalg.eigvals(jacobian)).max())
+    time = 1 / fastest if fastest * duration > 1 else duration
+    sizes = values
+    # What a state has after that time, where no terms cancel; velocities come before coordinates.
+    for _ in range(2):
+        terms = np.abs(np.ravel(system.rates.sizes(*sizes.tolist(), *parameters))) * time
+        sizes = np.maximum(sizes, np.where(np.isfinite(terms), terms, 0.0))
+    found = np.ones(len(values))
+    for group in groups:
+        top = float(sizes[group].max())
+        if top > 0:
+            found[group] = np.where(sizes[group] * FAR < top, sizes[group], top)
+            found[group] = np.where(found[group] > 0, found[group], top)
+    if all(map(_is_near, (*found.tolist(), time))):
+        return None
+    found = 2.0 ** np.round(np.log2(found))
+    time = float(2.0 ** np.round(np.log2(time)))
+    if clock is not None and system.clock is not None:
+        found[clock] = time / system.clock[1]
+    return Units(found, time)
+
+
+def _is_near(size: float) -> bool:
+    """Whether a size is near enough to one."""
+    return 1 / FAR <= size <= FAR
+
+
+@lru_cache(maxsize=256)
+def scaled_system(system: System) -> System:
+    """The same equations for states and a time in units that are parameters."""
+    sizes = tuple(f"size of {name}" for name in system.states)
+    rates = tuple(f"rate of {name}" for name in system.states)
+    more = (*sizes, *rates)
+    scaled = system.rates.with_factors(dict(zip(system.states, sizes, strict=True)), rates, more)
+    guards = [
+        None if guard is None
+        else guard.with_factors(dict(zip(system.states, sizes, strict=True)), (), more)
+        for guard in (system.guard, system.end)
+    ]  # fmt: skip
+    clock = None if system.clock is None else (system.clock[0], 1)
+    return replace(
+        system, parameters=(*system.parameters, *more), rates=scaled, guard=guards[0],
+        end=guards[1], clock=clock,
+    )  # fmt: skip

@@ -1,0 +1,122 @@
+"""Scaling: a motion in lengths and times of any size is the motion in units of one."""
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from geomtorsion.curves import geodesic
+from geomtorsion.geometry import Frame
+from geomtorsion.ode import ODE, RungeKutta, Stiff, Taylor, When, solve, solve_many
+from geomtorsion.ode.engines.taylor import is_available
+from geomtorsion.ode.scaling import FAR, units_of
+from tests.ode.engines import every_engine, needs_heyoka
+
+R, PHI = sp.symbols("r phi", positive=True)
+POLAR = Frame([R, PHI], [[1, 0], [0, R]], name="polar")
+SIZES = [1e-30, 1e-15, 1.0, 1e15, 1e30]
+ENGINES = [RungeKutta(), Stiff(), Stiff("LSODA"), *([Taylor()] if is_available() else [])]
+all_engines = pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.name)
+
+
+SCALES = [(1e-30, 1.0), (1e-15, 1e30), (1.0, 1e-30), (1e15, 1e-15), (1e30, 1e30)]
+
+
+@all_engines
+@pytest.mark.parametrize(("length", "time"), SCALES)
+def test_a_straight_line_in_polar_coordinates(engine, length, time):
+    """Lengths and angles side by side, at any scale of lengths and of times."""
+    problem = geodesic(POLAR, [length, 0.3], [0.3 * length / time, 0.2 / time])
+    found = solve(problem, 2 * time, 1e-9, engine)
+    r, phi = found.coordinates.T / np.array([[length], [1.0]])
+    t = found.times / time
+    assert np.hypot(1 + 0.3 * t, 0.2 * t) == pytest.approx(r, rel=1e-9)
+    assert 0.3 + np.arctan2(0.2 * t, 1 + 0.3 * t) == pytest.approx(phi, rel=1e-9)
+    middle = found.at(0.7 * time)
+    assert float(middle["r"]) / length == pytest.approx(np.hypot(1.21, 0.14), rel=1e-8)
+
+
+@needs_heyoka
+@pytest.mark.parametrize("length", SIZES)
+def test_twelve_digits_at_every_length(length):
+    """What is told holds, and it is what is told of lengths of one."""
+    found = solve(geodesic(POLAR, [length, 0.3], [0.3 * length, 0.2]), 2.0, 1e-12)
+    r, phi = found.coordinates[-1] / [length, 1.0]
+    assert found.error <= 1e-12
+    assert abs(r / np.hypot(1.6, 0.4) - 1) <= found.error
+    assert abs(phi - 0.3 - np.arctan2(0.4, 1.6)) <= 2 * found.error
+
+
+@needs_heyoka
+@pytest.mark.parametrize("precision", [64, 113, 200])
+@pytest.mark.parametrize("length", [1e-30, 1e30])
+def test_engines_of_more_digits(precision, length):
+    """Long numbers are scaled without loss, too."""
+    found = solve(
+        geodesic(POLAR, [length, 0.3], [0.3 * length, 0.2]), 2.0, 1e-17, Taylor(precision)
+    )
+    assert found.error <= 1e-17
+    assert float(found["r"][-1]) / length == pytest.approx(np.hypot(1.6, 0.4), rel=4e-16)
+
+
+@all_engines
+@pytest.mark.parametrize(("length", "time"), SCALES)
+def test_a_swing_that_is_pushed(engine, length, time):
+    """x'' = -rate**2 x + push cos(2 rate t), which has a clock; it starts from rest at zero."""
+    rate = 1 / time
+    swing = ODE.of(
+        {"x": "v", "v": "-w**2*x + push*cos(2*w*t)"}, [0, 0],
+        parameters={"w": rate, "push": 3 * length * rate**2}, outputs={"part": "x/push*w**2"},
+    )  # fmt: skip
+    found = solve(swing, 5 / rate, 1e-8, engine)
+    wanted = np.cos(5.0) - np.cos(10.0)
+    assert found["x"][-1] / length == pytest.approx(wanted, abs=3e-8)
+    assert found["part"][-1] == pytest.approx(wanted / 3, abs=1e-8)
+
+
+@all_engines
+@pytest.mark.parametrize("length", [1e-30, 1e30])
+def test_a_stone_that_hits_the_ground(engine, length):
+    """Where it stops, and when it was highest: events at any scale."""
+    fall = ODE.of(
+        {"z": "v", "v": "-g"}, [length, length], parameters={"g": 2 * length}, events=[When("z")]
+    )
+    found = solve(fall, 10.0, 1e-9, engine)
+    assert found.outcome == "stopped"
+    assert found.times[-1] == pytest.approx((1 + np.sqrt(5)) / 2, rel=1e-9)
+    assert found.event_times("v") == pytest.approx([0.5], rel=1e-8)
+
+
+@every_engine
+def test_members_of_different_sizes_in_one_batch(engine):
+    """Each member in units of its own, lengths from 1e-30 to 1e30 beside each other."""
+    sizes = np.array(SIZES)
+    many = solve_many(
+        geodesic(POLAR, [1.0, 0.3], [0.3, 0.2]), np.column_stack((sizes, np.full(5, 0.3))),
+        [1.0, 2.0], 1e-9, engine, velocities=np.column_stack((0.3 * sizes, np.full(5, 0.2))),
+    )  # fmt: skip
+    assert many.finished.all()
+    assert (many.errors <= 1e-9).all()
+    for k, t in enumerate((1.0, 2.0)):
+        assert many["r"][:, k] / sizes == pytest.approx(np.hypot(1 + 0.3 * t, 0.2 * t), rel=1e-8)
+        assert many["phi"][:, k] == pytest.approx(0.3 + np.arctan2(0.2 * t, 1 + 0.3 * t), rel=1e-8)
+    swing = ODE.of({"x": "v", "v": "-w**2*x + sin(t*w)*w**2"}, [1, 0], parameters={"w": 1})
+    many = solve_many(
+        swing, {"w": np.array([1e-9, 1.0]), "v": np.array([1e-9, 1.0])}, 3.0, 1e-9, engine
+    )
+    w = np.array([1e-9, 1.0])
+    wanted = np.cos(3 * w) + np.sin(3 * w) + (np.sin(3 * w) - 3 * w * np.cos(3 * w)) / 2
+    assert many["x"][:, -1] == pytest.approx(wanted, rel=1e-8)
+
+
+def test_only_what_is_far_from_one_is_scaled():
+    """Both sides of the limit: of states, which may be zero, and of times that matter."""
+    swing = ODE.of({"x": "v", "v": "-x"}, [1, 0]).system
+    assert units_of(swing, [FAR, 0.0], [], 1.0) is None
+    assert units_of(swing, [0.0, 0.0], [], 1.0) is None
+    # A long time is none where the motion itself is quick.
+    assert units_of(swing, [1.0, 0.0], [], 1e9) is None
+    found = units_of(swing, [4 * FAR, 0.0], [], 1.0)
+    assert found is not None
+    assert found.sizes.tolist() == [4 * FAR, 4 * FAR]
+    assert found.time == 1.0
+    assert units_of(swing, [1.0, 0.0], [], 1e-9) is not None
