@@ -1,10 +1,12 @@
 """authoring: what the file of an exercise is written with."""
 
 from geomtorsion.exercises import tex
+from geomtorsion.exercises import working as by_hand
 from geomtorsion.exercises.diagnoses import CONNECTION, TORSION
 from geomtorsion.exercises.domain import Domain
 from geomtorsion.exercises.exercise import Variant, steps
 from geomtorsion.exercises.question import Mistake, Question, normal, reordered, scaled
+from geomtorsion.exercises.working import Step
 
 __all__ = [
     "CONNECTION",
@@ -12,7 +14,9 @@ __all__ = [
     "Domain",
     "Mistake",
     "Question",
+    "Step",
     "Variant",
+    "by_hand",
     "normal",
     "reordered",
     "scaled",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 from geomtorsion.checks import close_names
 from geomtorsion.errors import UnknownNameError
@@ -13,6 +14,7 @@ from geomtorsion.exercises.compare import Value
 from geomtorsion.exercises.entries import is_part
 from geomtorsion.exercises.question import Question
 from geomtorsion.exercises.verdict import Verdict
+from geomtorsion.exercises.working import Step
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,11 +23,13 @@ class Variant:
 
     statement: Markdown with LaTeX between dollar signs.
     questions: what is asked, in order. hints: one step each, from a nudge to nearly all of it.
+    worked: makes the worked solution, when it is first needed.
     """
 
     statement: str
     questions: tuple[Question, ...]
     hints: tuple[str, ...]
+    worked: Callable[[], tuple[Step, ...]]
 
 
 def steps(*hints: str) -> tuple[str, ...]:
@@ -74,6 +78,14 @@ class Exercise:
     def hints(self) -> tuple[str, ...]:
         """Steps, from a nudge to nearly all of it; Markdown with LaTeX."""
         return self.variant.hints
+
+    @cached_property
+    def worked(self) -> tuple[Step, ...]:
+        """The solution step by step, for the teacher; each question is answered by one step.
+
+        The answers are worked out by hand, apart from the library's own solution.
+        """
+        return self.variant.worked()
 
     def question(self, name: str) -> Question:
         """The question of a name.

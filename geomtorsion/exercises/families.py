@@ -109,7 +109,7 @@ def seen_from_space(name: str) -> Frame:
 
 
 def profile(draw: Random, x: sp.Symbol) -> sp.Expr:
-    """How long the circles of a surface of revolution are: positive for 0 < x < 1 at least."""
+    """How long, over 2 pi, the circles of a surface are: positive for 0 < x < 1 at least."""
     k = draw.choice((2, 3, 4, 5))
     choices = (
         sp.sinh(k * x), sp.exp(k * x), sp.cosh(x / k), x**k, sp.sin(x / k), 1 + k * x**2,
@@ -119,8 +119,8 @@ def profile(draw: Random, x: sp.Symbol) -> sp.Expr:
 
 
 def circles(draw: Random, seed: int) -> Frame:
-    """The legs along and across the circles of a surface of revolution, (dr, f(r) dphi)."""
+    """The legs along and across the circles of a surface, (dr, f(r) dphi)."""
     r, phi = sp.symbols("r phi", real=True)
     f = profile(draw, r) if seed else r
     domain = (r > 0, r < 1 if seed else r < 2, phi > 0, phi < 2 * sp.pi)
-    return Frame((r, phi), [[1, 0], [0, f]], domain=domain, name=f"circles of length {f}")
+    return Frame((r, phi), [[1, 0], [0, f]], domain=domain, name=f"circles of length 2 pi {f}")

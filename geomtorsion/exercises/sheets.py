@@ -35,6 +35,7 @@ main p, main li { overflow-x: auto; overflow-y: hidden; padding-bottom: 1px; }
 main ul { list-style-position: inside; padding-left: 0.4rem; }
 code { font-size: 0.95em; overflow-wrap: anywhere; }
 .mistakes li { margin-bottom: 0.6rem; }
+.steps li { margin-bottom: 0.5rem; } .steps p { margin: 0.1rem 0; }
 .mistakes p { margin: 0.1rem 0; }
 """
 Progress = Callable[[str], object]
@@ -125,13 +126,30 @@ def _card(exercise: Exercise, *, solution: bool = False) -> str:
         if solution:
             parts.append(_solution(question))
         parts.append("</div>")
-    if not solution:
+    if solution:
+        parts.append(_worked(exercise))
+    else:
         steps = "".join(
             f"<details><summary>Hint {k}</summary>{html_of(hint)}</details>"
             for k, hint in enumerate(exercise.hints, 1)
         )
         parts.append(steps)
     return "".join(parts) + "</section>"
+
+
+def _worked(exercise: Exercise) -> str:
+    """The solution step by step."""
+    items = "".join(
+        f"<li>{html_of(step.text)}"
+        + (
+            f'<p class="note">This answers <code>{step.question}</code>.</p>'
+            if step.question
+            else ""
+        )
+        + "</li>"
+        for step in exercise.worked
+    )
+    return f'<details open><summary>Step by step</summary><ol class="steps">{items}</ol></details>'
 
 
 def _solution(question: Question) -> str:

@@ -5,7 +5,17 @@ from random import Random
 
 import sympy as sp
 
-from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, scaled, steps, tex
+from geomtorsion.exercises.authoring import (
+    Domain,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    by_hand,
+    scaled,
+    steps,
+    tex,
+)
 from geomtorsion.geometry import Frame, cartan
 from geomtorsion.loops import Loop, burgers_vector
 
@@ -64,5 +74,28 @@ def make(draw: Random, seed: int) -> Variant:
             f"${tex.tex(cartan(frame).torsion.T.in_frame()[0, 1, 2])}$.",
             r"Put $x = x_0 + \rho\cos\alpha$; odd powers of the cosine average to zero, "
             r"$\overline{\cos^2} = \tfrac12$.",
+        ),
+        worked=lambda: _worked(frame, centre, radius),
+    )
+
+
+def _worked(frame: Frame, centre: int, radius: sp.Symbol) -> tuple[Step, ...]:
+    """The flux of the one curl through the disk, in polar coordinates."""
+    x = frame.coordinates[0]
+    rho, alpha = sp.symbols("rho alpha", positive=True)
+    density = by_hand.curls(frame)[0, 1, 2]
+    inner = sp.expand(density.subs(x, centre + rho * sp.cos(alpha)) * rho)
+    ring = sp.integrate(inner, (alpha, 0, 2 * sp.pi))
+    flux = sp.expand(sp.integrate(ring, (rho, 0, radius)))
+    return (
+        Step(f"Only one form is not closed: $${by_hand.differentials(frame)}.$$"),
+        Step(
+            f"On the disk $x = {centre} + \\rho\\cos\\alpha$; over the angle, with the "
+            f"$\\rho$ of the area, the integral is ${tex.tex(ring)}$."
+        ),
+        Step(
+            f"Over $\\rho$ from $0$ to $R$: $b^3 = {tex.tex(flux)}$; the others vanish.",
+            "burgers",
+            {(2,): flux},
         ),
     )

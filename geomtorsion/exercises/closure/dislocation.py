@@ -5,7 +5,16 @@ from random import Random
 
 import sympy as sp
 
-from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, scaled, steps
+from geomtorsion.exercises.authoring import (
+    Domain,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    scaled,
+    steps,
+    tex,
+)
 from geomtorsion.loops import Loop, burgers_vector
 from geomtorsion.spaces import load
 
@@ -74,5 +83,31 @@ def make(draw: Random, seed: int) -> Variant:
         hints=steps(
             r"Off the axis $x\,\mathrm{d}y - y\,\mathrm{d}x = (x^2+y^2)\,\mathrm{d}\phi$.",
             r"So $e^3$ is $\mathrm{d}(z + b\phi/2\pi)$; what does $\phi$ grow by on the loop?",
+        ),
+        worked=lambda: _worked(turns, b),
+    )
+
+
+def _worked(turns: int, b: sp.Symbol) -> tuple[Step, ...]:
+    """A closed form whose integral counts turns."""
+    return (
+        Step(
+            r"With $x = \rho\cos\phi$ and $y = \rho\sin\phi$ the last form is "
+            r"$e^3 = \mathrm{d}z + \frac{b}{2\pi}\,\mathrm{d}\phi$: closed, but $\phi$ grows by "
+            r"$2\pi$ on each turn round the axis."
+        ),
+        Step(
+            f"The loop goes round {abs(turns)} times, from "
+            + ("$x$ towards $y$" if turns > 0 else "$y$ towards $x$")
+            + rf": $\phi$ changes by ${2 * turns}\,\pi$, $z$ not at all, $b^3 = "
+            f"{tex.tex(turns * b)}$.",
+            "around",
+            {(2,): turns * b},
+        ),
+        Step(
+            r"The other circle does not enclose the axis: $\phi$ comes back to where it was, and "
+            "the Burgers vector vanishes.",
+            "beside",
+            {},
         ),
     )

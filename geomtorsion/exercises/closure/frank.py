@@ -1,10 +1,10 @@
 """5.5: a vector carried round on the sphere comes back turned."""
 
 from functools import cache
-from math import pi
+from math import cos, pi
 from random import Random
 
-from geomtorsion.exercises.authoring import Mistake, Question, Variant, steps
+from geomtorsion.exercises.authoring import Mistake, Question, Step, Variant, steps
 from geomtorsion.geometry import cartan, levi_civita
 from geomtorsion.loops import Loop, develop
 from geomtorsion.spaces import load
@@ -66,5 +66,29 @@ def make(draw: Random, seed: int) -> Variant:
             f"{2 * pi:.4f}.",
             "The legs themselves are parallel for the Cartan connection: they come back as they "
             "went.",
+        ),
+        worked=lambda: _worked(low, high, width),
+    )
+
+
+def _worked(low: float, high: float, width: float) -> tuple[Step, ...]:
+    """Curvature one, times the area."""
+    area = (cos(low) - cos(high)) * width
+    return (
+        Step(
+            "On the unit sphere Gauss's curvature is 1: the angle is the area enclosed, positive "
+            r"as the loop runs from $e_\theta$ towards $e_\phi$."
+        ),
+        Step(
+            r"The area is $\int\sin\theta\,\mathrm{d}\theta\,\mathrm{d}\phi = "
+            f"(\\cos {low:g} - \\cos {high:g})\\cdot {width:g} = {area:.6g}$.",
+            "riemann",
+            area,
+        ),
+        Step(
+            "For the Cartan connection the legs are parallel, so that every vector comes back as "
+            "it went: the angle is 0.",
+            "cartan",
+            0,
         ),
     )

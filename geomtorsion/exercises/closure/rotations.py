@@ -2,7 +2,9 @@
 
 from random import Random
 
-from geomtorsion.exercises.authoring import Mistake, Question, Variant, steps
+import numpy as np
+
+from geomtorsion.exercises.authoring import Mistake, Question, Step, Variant, steps, tex
 from geomtorsion.geometry import cartan
 from geomtorsion.loops import Loop, burgers_vector
 from geomtorsion.spaces import load
@@ -28,7 +30,7 @@ def make(draw: Random, seed: int) -> Variant:
 
     return Variant(
         statement=(
-            "In the angles of the paper (coframe of exercise 1.2, seed 0) a circle of radius "
+            f"In the frame of a body, $$e = {tex.coframe(frame)},$$ a circle of radius "
             f"${radius:g}$ about $\\phi = ({', '.join(f'{x:g}' for x in centre)})$ runs once round "
             f"in the plane of $\\phi_{one}$ and $\\phi_{two}$, from the first towards the second."
         ),
@@ -62,4 +64,40 @@ def make(draw: Random, seed: int) -> Variant:
             "a few dozen of them.",
             "In Python: `gt.burgers_vector(frame, gt.Loop.circle(centre, radius, plane=...))`.",
         ),
+        worked=lambda: _worked(centre, radius, plane),
+    )
+
+
+def _worked(centre: list[float], radius: float, plane: tuple[int, int]) -> tuple[Step, ...]:
+    """The loop integral as a sum over equal steps, with the coframe written out."""
+
+    def total(count: int) -> np.ndarray:
+        found = np.zeros(3)
+        for s in 2 * np.pi * np.arange(count) / count:
+            place, slope = np.array(centre), np.zeros(3)
+            place[list(plane)] += radius * np.array([np.cos(s), np.sin(s)])
+            slope[list(plane)] = radius * np.array([-np.sin(s), np.cos(s)])
+            (s1, s2), (c1, c2) = np.sin(place[:2]), np.cos(place[:2])
+            coframe = np.array([[0, s1, -c1 * s2], [0, c1, s1 * s2], [1, 0, c2]])
+            found += coframe @ slope * 2 * np.pi / count
+        return found
+
+    one, two = (k + 1 for k in plane)
+    sums = {
+        count: ", ".join(f"{round(x, 6) + 0.0:.6f}" for x in total(count)) for count in (6, 12, 48)
+    }
+    return (
+        Step(
+            f"On the circle $\\phi_{one} = {centre[plane[0]]:g} + {radius:g}\\cos s$ and "
+            f"$\\phi_{two} = {centre[plane[1]]:g} + {radius:g}\\sin s$; the third angle is "
+            "constant. Both derivatives with respect to $s$ are put into "
+            r"$b^k = \int_0^{2\pi} e^k{}_\mu\,\phi'^\mu\,\mathrm{d}s$."
+        ),
+        Step(
+            r"The sum over $N$ equal steps, $\frac{2\pi}{N}\sum_k e^i{}_\mu\phi'^\mu(s_k)$, is "
+            "the vector "
+            + "; ".join(f"$({vector})$ with $N = {count}$" for count, vector in sums.items())
+            + "."
+        ),
+        Step("It has settled: three digits are right with twelve steps.", "burgers", total(48)),
     )

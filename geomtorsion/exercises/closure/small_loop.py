@@ -4,9 +4,19 @@ from random import Random
 
 import sympy as sp
 
-from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, scaled, steps, tex
+from geomtorsion.exercises.authoring import (
+    Domain,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    by_hand,
+    scaled,
+    steps,
+    tex,
+)
 from geomtorsion.exercises.families import group, rotations
-from geomtorsion.geometry import cartan
+from geomtorsion.geometry import Frame, cartan
 
 
 def make(draw: Random, seed: int) -> Variant:
@@ -52,4 +62,24 @@ def make(draw: Random, seed: int) -> Variant:
             r"$\mathrm{d}e^k = \tfrac12\,(2S_{ij}{}^k)\,e^i\wedge e^j$, and $e^i\wedge e^j$ "
             "measures the area in the plane of two legs.",
         ),
+        worked=lambda: _worked(frame, i, j, area),
+    )
+
+
+def _worked(frame: Frame, i: int, j: int, area: sp.Symbol) -> tuple[Step, ...]:
+    """Stokes over a small area in the plane of two legs."""
+    table = by_hand.anholonomy(frame)
+    vector = [table.get((i, j, k), sp.S.Zero) * area for k in range(3)]
+    pairs = {(i, j, k): table.get((i, j, k), sp.S.Zero) for k in range(3)}
+    return (
+        Step(
+            r"By Stokes $b^k = \oint e^k = \int\mathrm{d}e^k$, and "
+            f"$${by_hand.differentials(frame)}.$$"
+        ),
+        Step(
+            f"In the plane of $E_{i + 1}$ and $E_{j + 1}$ $e^{{{i + 1}}}\\wedge e^{{{j + 1}}}$ "
+            f"alone counts, and gives the area $A$: $b^k = 2S_{{{i + 1}{j + 1}}}{{}}^k A$ with "
+            f"$${by_hand.listed('2S', pairs)}.$$"
+        ),
+        Step(f"So $b = ({', '.join(map(tex.tex, vector))})$.", "burgers", vector),
     )

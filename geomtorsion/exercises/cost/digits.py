@@ -5,7 +5,7 @@ from math import log10
 from random import Random
 from statistics import median
 
-from geomtorsion.exercises.authoring import Mistake, Question, Variant, steps
+from geomtorsion.exercises.authoring import Mistake, Question, Step, Variant, steps
 from geomtorsion.loops import BurgersVector, Loop, burgers_vector
 from geomtorsion.spaces import load
 
@@ -83,5 +83,29 @@ def make(draw: Random, seed: int) -> Variant:
             "Rounding gives each term a relative error of $10^{-16}$.",
             r"Error $10^{-16}\rho$ against result $\rho^2$: which share is that?",
             "In Python: `gt.burgers_vector(frame, loop).check` holds both routes.",
+        ),
+        worked=lambda: _worked(decades),
+    )
+
+
+def _worked(decades: int) -> tuple[Step, ...]:
+    """The error of the terms against the size of the result."""
+    return (
+        Step(
+            f"The terms have the size $\\rho = 10^{{-{decades}}}$, each with a rounding error of "
+            f"about $10^{{-{ALL_DIGITS}}}\\rho = 10^{{-{ALL_DIGITS + decades}}}$."
+        ),
+        Step(
+            f"The result has the size $\\rho^2 = 10^{{-{2 * decades}}}$: the error is a share of "
+            f"$10^{{-{ALL_DIGITS - decades}}}$ of it, and about {ALL_DIGITS - decades} digits are "
+            "right.",
+            "line",
+            ALL_DIGITS - decades,
+        ),
+        Step(
+            "The torsion has one sign on the disk: nothing cancels in its flux, which has nearly "
+            f"all {ALL_DIGITS} digits.",
+            "flux",
+            ALL_DIGITS,
         ),
     )

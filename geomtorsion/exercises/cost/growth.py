@@ -1,12 +1,13 @@
 """7.3: how an error grows along a shortest line."""
 
+from collections.abc import Callable
 from functools import cache
 from random import Random
 
 import sympy as sp
 
 from geomtorsion.curves import geodesic, geodesic_deviation
-from geomtorsion.exercises.authoring import Mistake, Question, Variant, steps, tex
+from geomtorsion.exercises.authoring import Mistake, Question, Step, Variant, steps, tex
 from geomtorsion.geometry import Frame
 from geomtorsion.ode import solve
 
@@ -86,5 +87,27 @@ def make(draw: Random, seed: int) -> Variant:
             r"The length is $f(r)\,\delta\phi$ with $r = r_0 + t$.",
             "It grows as $e^t$ where curvature is negative, as $t$ in the plane, and is bounded "
             "on a sphere: that is what makes some motions dear to compute.",
+        ),
+        worked=lambda: _worked(length, begin, last),
+    )
+
+
+def _worked(length: Callable[[sp.Expr], sp.Expr], begin: float, last: float) -> tuple[Step, ...]:
+    """The quotient of two circumferences."""
+    r = sp.Symbol("r", real=True)
+    factor = float(length(sp.Float(begin + last)) / length(sp.Float(begin)))
+    return (
+        Step(
+            r"The neighbour follows another ray from the origin: $\delta\phi$ is constant, and the "
+            f"distance is $f(r)\\,\\delta\\phi$ with $f = {tex.tex(length(r))}$."
+        ),
+        Step(
+            f"The geodesic goes from $r = {begin:g}$ to $r = {begin + last:g}$: the error grows by "
+            f"$f({begin + last:g})/f({begin:g}) = {factor:.6g}$.",
+            "length",
+            factor,
+        ),
+        Step(
+            "Deviations obey a linear equation: twice the error stays twice the error.", "twice", 2
         ),
     )

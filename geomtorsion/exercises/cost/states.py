@@ -3,7 +3,7 @@
 from random import Random
 
 from geomtorsion.curves import CurveProblem, autoparallel, geodesic
-from geomtorsion.exercises.authoring import Mistake, Question, Variant, steps
+from geomtorsion.exercises.authoring import Mistake, Question, Step, Variant, steps
 from geomtorsion.geometry import cartan
 from geomtorsion.spaces import load
 
@@ -82,9 +82,36 @@ def make(draw: Random, seed: int) -> Variant:
             "What is constant need not be followed.",
             "In Python: `gt.geodesic(...).equations().system.states`.",
         ),
+        worked=lambda: _worked(flying),
     )
 
 
 def states(problem: CurveProblem, chart: str | None) -> int:
     """How many states the equations of a problem have, in a chart."""
     return len(problem.equations(chart).system.states)
+
+
+def _worked(flying: bool) -> tuple[Step, ...]:
+    """Counting velocities and coordinates."""
+    n = 6 if flying else 3
+    moved = "three of turning and three of flying" if flying else "three of turning"
+    return (
+        Step(
+            f"The frame has {n} velocities, {moved}; on a group their equations contain no "
+            f"coordinates: {n} numbers.",
+            "omega",
+            n,
+        ),
+        Step(f"The coordinates are {n} more: {2 * n} numbers.", "angles", 2 * n),
+        Step(
+            f"A quaternion has four components in the place of three angles: {2 * n + 1} numbers.",
+            "quaternion",
+            2 * n + 1,
+        ),
+        Step(
+            "On the straightest line the frame velocities are constant; what is followed are the "
+            f"{n} coordinates.",
+            "straightest",
+            n,
+        ),
+    )

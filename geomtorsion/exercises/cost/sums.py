@@ -1,5 +1,6 @@
 """7.2: two ways to add up a loop, and their orders."""
 
+from collections.abc import Callable
 from functools import cache
 from math import cos, log2, pi, sin, sqrt
 from random import Random
@@ -7,7 +8,7 @@ from random import Random
 import numpy as np
 
 from geomtorsion.codegen import numpy_function
-from geomtorsion.exercises.authoring import Mistake, Question, Variant, steps
+from geomtorsion.exercises.authoring import Mistake, Question, Step, Variant, steps, tex
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop, burgers_vector
 from geomtorsion.spaces import load
@@ -41,7 +42,8 @@ def make(draw: Random, seed: int) -> Variant:
         statement=(
             f"The Burgers vector of a circle of radius ${radius:g}$ about "
             f"$\\phi = (0.3, {middle:g}, 0.2)$, in the plane of $\\phi_1$ and $\\phi_2$ of the "
-            "rigid body (coframe of exercise 1.2, seed 0), is added up in two ways from $N$ "
+            f"rigid body with the coframe $$e = {tex.coframe(frame)},$$ is added up in two ways "
+            "from $N$ "
             "points $\\phi_k$ at equal steps of the angle round the circle:\n\n"
             r"- **chords**: $\sum_k e^i{}_\mu(\text{midpoint of the chord})\,"
             r"(\phi^\mu_{k+1}-\phi^\mu_k)$,"
@@ -88,6 +90,7 @@ def make(draw: Random, seed: int) -> Variant:
             "In Python: `gt.numpy_function` makes the coframe a function of arrays; some ten to "
             "twenty points will do.",
         ),
+        worked=lambda: _worked(error, needed),
     )
 
 
@@ -116,3 +119,26 @@ def coframe_function(frame: Frame):
 def coframe_at(frame: Frame, place: tuple[float, ...]):
     """The coframe at a point, shape (n, n)."""
     return coframe_function(frame)(*place).reshape(frame.dimension, frame.dimension)
+
+
+def _worked(error: Callable[[int, bool], float], needed: Callable[[], int]) -> tuple[Step, ...]:
+    """The errors of both sums, and what they say."""
+    chords = {count: error(count, True) for count in (COARSE, 2 * COARSE)}
+    shown = "; ".join(f"$N = {count}$: {value:.3g}" for count, value in chords.items())
+    count = needed()
+    steps = "; ".join(f"$N = {n}$: {error(n, False):.2g}" for n in range(count - 4, count + 1, 2))
+    return (
+        Step(f"The errors of the chords are {shown}."),
+        Step(
+            "Twice as many points make the error four times smaller, $2^p = 4$: the order is 2, "
+            "that of the midpoint rule.",
+            "order",
+            2,
+        ),
+        Step(
+            f"The errors of the trapezoid are {steps}. They fall faster than any power, and "
+            f"with {count} points they are below $10^{{-10}}$ of the largest component.",
+            "points",
+            count,
+        ),
+    )

@@ -2,9 +2,9 @@
 
 from random import Random
 
-from geomtorsion.exercises.authoring import Mistake, Question, Variant, steps, tex
-from geomtorsion.exercises.families import circles
-from geomtorsion.geometry import cartan, levi_civita
+from geomtorsion.exercises.authoring import Mistake, Question, Step, Variant, by_hand, steps, tex
+from geomtorsion.exercises.families import circles, matrix_of
+from geomtorsion.geometry import Frame, cartan, levi_civita
 from geomtorsion.spaces import load
 
 ZERO = {"zero": "it vanishes", "not zero": "it does not vanish"}
@@ -53,6 +53,7 @@ def make(draw: Random, seed: int) -> Variant:
             "Are there vector fields that are parallel everywhere? Then nothing comes back turned.",
             "For the metric: is it that of a plane or of flat space in other coordinates?",
         ),
+        worked=lambda: _worked(frame),
     )
 
 
@@ -66,4 +67,34 @@ def _question(name, prompt, answer, other, code) -> Question:
         answer=lambda: key[answer()],
         errors=lambda: [Mistake(code, key[other()])],
         options=ZERO,
+    )
+
+
+def _worked(frame: Frame) -> tuple[Step, ...]:
+    """Parallel legs; the metric; closed forms."""
+    flat, twisted = by_hand.is_flat(frame), bool(by_hand.curls(frame))
+    e = matrix_of(frame.coframe)
+    metric = (e.T * e).applyfunc(by_hand.tidy).tolist()
+    said = f"The forms are not all closed: $${by_hand.differentials(frame)}.$$"
+    return (
+        Step(
+            "The legs are parallel everywhere, so that nothing that is carried round comes back "
+            "turned: the curvature of the Cartan connection vanishes.",
+            "cartan",
+            "zero",
+        ),
+        Step(
+            f"The metric is $$g = {tex.matrix(metric)}.$$ Its Ricci tensor, worked out from the "
+            f"Christoffel symbols, {'vanishes, and with it, ' if flat else 'does not vanish: '}"
+            + ("in so few dimensions, all curvature." if flat else "the metric is curved."),
+            "riemann",
+            "zero" if flat else "not zero",
+        ),
+        Step(
+            (said if twisted else "All forms are closed. ")
+            + r" The torsion is $2S_{ij}{}^k e^i\wedge e^j/2 = \mathrm{d}e^k$, so that it "
+            + ("does not vanish." if twisted else "vanishes."),
+            "torsion",
+            "not zero" if twisted else "zero",
+        ),
     )

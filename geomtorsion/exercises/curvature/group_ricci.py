@@ -1,10 +1,19 @@
-"""3.4: the Ricci tensor of the rotations, and of a stretched sphere."""
+"""3.4: the Ricci tensor of a group: the rotations, stretched ones, and others."""
 
 from random import Random
 
-from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, steps, tex
+from geomtorsion.exercises.authoring import (
+    Domain,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    by_hand,
+    steps,
+    tex,
+)
 from geomtorsion.exercises.families import group, rotations
-from geomtorsion.geometry import cartan, levi_civita
+from geomtorsion.geometry import Frame, cartan, levi_civita
 
 
 def make(draw: Random, seed: int) -> Variant:
@@ -56,5 +65,36 @@ def make(draw: Random, seed: int) -> Variant:
             r"$\bar\omega_{ijk} = -\tfrac12(C_{ijk} - C_{jki} + C_{kij})$.",
             "The curvature is then a sum of products of two of these, without any derivative.",
             f"The torsion scalar is ${tex.tex(straight.torsion.scalar[()])}$.",
+        ),
+        worked=lambda: _worked(frame),
+    )
+
+
+def _worked(frame: Frame) -> tuple[Step, ...]:
+    """Structure constants, the connection they make, products of it."""
+    constants = by_hand.anholonomy(frame)
+    half = {key: value for key, value in constants.items() if key[0] < key[1]}
+    connection = by_hand.group_connection(constants, 3)
+    ricci = by_hand.group_ricci(constants, 3)
+    return (
+        Step(
+            r"$\mathrm{d}e^k = \tfrac12 C_{ij}{}^k\,e^i\wedge e^j$ with "
+            f"$${by_hand.listed('C', half)}.$$"
+        ),
+        Step(
+            r"With $\bar\omega_{ijk} = -\tfrac12(C_{ijk} - C_{jki} + C_{kij})$ and all indices "
+            rf"below: $${by_hand.listed('omega_bar', connection, 0)}.$$"
+        ),
+        Step(
+            r"All are constant, so that $\bar R_{jk} = \bar\omega_{jkm}\bar\omega_{imi} - "
+            r"\bar\omega_{ikm}\bar\omega_{jmi} + C_{ijm}\bar\omega_{mki}$, summed over $i$ and "
+            f"$m$: $$\\bar R = {tex.matrix(ricci.tolist())}.$$",
+            "ricci",
+            ricci,
+        ),
+        Step(
+            f"The trace is $\\bar R = {tex.tex(by_hand.tidy(ricci.trace()))}$.",
+            "scalar",
+            by_hand.tidy(ricci.trace()),
         ),
     )

@@ -2,9 +2,19 @@
 
 from random import Random
 
-from geomtorsion.exercises.authoring import TORSION, Domain, Mistake, Question, Variant, steps, tex
+from geomtorsion.exercises.authoring import (
+    TORSION,
+    Domain,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    by_hand,
+    steps,
+    tex,
+)
 from geomtorsion.exercises.families import group
-from geomtorsion.geometry import cartan
+from geomtorsion.geometry import Frame, cartan
 
 
 def make(draw: Random, seed: int) -> Variant:
@@ -72,9 +82,32 @@ def make(draw: Random, seed: int) -> Variant:
             r"In $\tfrac12 C_{ij}{}^k e^i\wedge e^j$ each pair occurs twice: what stands before "
             r"$e^1\wedge e^2$ is $C_{12}{}^k$.",
         ),
+        worked=lambda: _worked(frame),
     )
 
 
 def closed_forms(frame) -> int:
     """How many forms have no derivative."""
     return frame.dimension - len({k for _, _, k in frame.anholonomy.nonzero()})
+
+
+def _worked(frame: Frame) -> tuple[Step, ...]:
+    """The derivatives of the forms, written in the forms."""
+    table = by_hand.anholonomy(frame)
+    open_forms = {k for _, _, k in by_hand.curls(frame)}
+    half = {key: value for key, value in table.items() if key[0] < key[1]}
+    closed = frame.dimension - len(open_forms)
+    return (
+        Step(f"The derivatives that do not vanish are $${by_hand.differentials(frame)}.$$"),
+        Step(f"All others vanish: {closed} of the forms are closed.", "closed", closed),
+        Step(
+            r"The coordinates are written by the forms, $\mathrm{d}q^\mu = E_i{}^\mu e^i$ with "
+            f"$$E = {tex.matrix(by_hand.legs(frame).tolist())},$$ one leg per column."
+        ),
+        Step(
+            r"What stands before $e^i\wedge e^j$ with $i<j$ is $C_{ij}{}^k$: "
+            f"$${by_hand.listed('C', half)}.$$",
+            "anholonomy",
+            table,
+        ),
+    )

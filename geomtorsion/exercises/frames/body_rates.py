@@ -4,7 +4,16 @@ from random import Random
 
 import sympy as sp
 
-from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, steps, tex
+from geomtorsion.exercises.authoring import (
+    Domain,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    by_hand,
+    steps,
+    tex,
+)
 from geomtorsion.exercises.families import ANGLES, attitude, seen_from_space
 from geomtorsion.geometry import Frame
 from geomtorsion.spaces import load
@@ -74,6 +83,7 @@ def make(draw: Random, seed: int) -> Variant:
             "factor further left is seen through the transposed turns to its right.",
             f"Here, with all matrices: the attitude is $${tex.matrix(attitude(name).tolist())}.$$",
         ),
+        worked=lambda: _worked(name, in_space),
     )
 
 
@@ -81,3 +91,33 @@ def applied(frame: Frame, rates: list[sp.Symbol], legs: bool = False) -> list[sp
     """e^i_mu q'^mu, or the same with the legs in place of the coframe."""
     table = frame.legs if legs else frame.coframe
     return [sp.Add(*(table[i, mu] * rate for mu, rate in enumerate(rates))) for i in range(3)]
+
+
+def _worked(name: str, in_space: bool) -> tuple[Step, ...]:
+    """The antisymmetric matrix, its vector, and the determinant of the coefficients."""
+    rotation, angles = attitude(name), load(name).frame.coordinates
+    rates = [sp.Symbol(f"{symbol}_d", real=True) for symbol in angles]
+    change = sum((rotation.diff(x) * v for x, v in zip(angles, rates, strict=True)), sp.zeros(3))
+    matrix = change * rotation.T if in_space else rotation.T * change
+    omega = [by_hand.tidy(matrix[j, k]) for j, k in ((2, 1), (0, 2), (1, 0))]
+    letter, formula = (r"\omega", r"\dot R\,R^T") if in_space else (r"\Omega", r"R^T\dot R")
+    dotted = {v: sp.Symbol(f"v{k}") for k, v in enumerate(rates, 1)}
+    shown = [by_hand.tidy(x).subs(dotted) for x in omega]
+    coefficients = sp.Matrix(omega).jacobian(rates)
+    lock = by_hand.tidy(coefficients.det())
+    return (
+        Step(f"Multiplied out, the attitude is $$R = {tex.matrix(rotation.tolist())}.$$"),
+        Step(
+            f"${formula}$ is antisymmetric; from its components 32, 13 and 21, with $v_k$ for the "
+            f"rate of the angle $k$ in the order ${tex.symbols(load(name).frame)}$, "
+            f"$${letter} = {tex.matrix([[x] for x in shown])}.$$",
+            "rates",
+            omega,
+        ),
+        Step(
+            "The rates can be read off unless the determinant of their coefficients vanishes: "
+            f"$\\det e = {tex.tex(lock)}$.",
+            "lock",
+            lock,
+        ),
+    )

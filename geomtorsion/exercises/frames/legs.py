@@ -6,12 +6,15 @@ from geomtorsion.exercises.authoring import (
     Domain,
     Mistake,
     Question,
+    Step,
     Variant,
+    by_hand,
     reordered,
     steps,
     tex,
 )
-from geomtorsion.exercises.families import turned_plane
+from geomtorsion.exercises.families import matrix_of, turned_plane
+from geomtorsion.geometry import Frame
 
 
 def make(draw: Random, seed: int) -> Variant:
@@ -52,5 +55,27 @@ def make(draw: Random, seed: int) -> Variant:
             r"For two rows: exchange the diagonal, change the sign of the rest, divide by "
             r"$\det e$.",
             f"Here the determinant is ${tex.tex(frame.determinant[()])}$.",
+        ),
+        worked=lambda: _worked(frame),
+    )
+
+
+def _worked(frame: Frame) -> tuple[Step, ...]:
+    """Determinant, adjugate, quotient."""
+    e = matrix_of(frame.coframe)
+    determinant = by_hand.tidy(e.det())
+    return (
+        Step(
+            r"Duality is $e\,E = 1$ as matrices: the legs are the columns of the inverse of $e$. "
+            f"Its determinant is $\\det e = {tex.tex(determinant)}$."
+        ),
+        Step(
+            "For two rows: the diagonal exchanged, the sign of the rest changed, "
+            f"$${tex.matrix(e.adjugate().tolist())}.$$"
+        ),
+        Step(
+            f"Divided by the determinant: $$E = {tex.matrix(by_hand.legs(frame).tolist())}.$$",
+            "legs",
+            by_hand.legs(frame),
         ),
     )

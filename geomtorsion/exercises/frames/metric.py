@@ -4,8 +4,18 @@ from random import Random
 
 import sympy as sp
 
-from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, steps, tex
+from geomtorsion.exercises.authoring import (
+    Domain,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    by_hand,
+    steps,
+    tex,
+)
 from geomtorsion.exercises.families import matrix_of, rotations
+from geomtorsion.geometry import Frame
 
 
 def make(draw: Random, seed: int) -> Variant:
@@ -19,7 +29,8 @@ def make(draw: Random, seed: int) -> Variant:
 
     return Variant(
         statement=(
-            f"The coframe of a rigid body in the angles ${tex.symbols(frame)}$ is"
+            ("The coframe of a rigid body" if seed == 0 else "A coframe")
+            + f" in the angles ${tex.symbols(frame)}$ is"
             f"\n\n$$e = {tex.coframe(frame)},\\qquad \\eta = 1.$$"
         ),
         questions=(
@@ -66,5 +77,29 @@ def make(draw: Random, seed: int) -> Variant:
             "As matrices the metric is $e^T e$: scalar products of the columns.",
             r"Squares of sine and cosine of one angle add up to one; most of the entries vanish.",
             r"$\det g = (\det e)^2$ checks the one against the other.",
+        ),
+        worked=lambda: _worked(frame),
+    )
+
+
+def _worked(frame: Frame) -> tuple[Step, ...]:
+    """Scalar products of the columns, and the determinant."""
+    e = matrix_of(frame.coframe)
+    g = (e.T * e).applyfunc(by_hand.tidy)
+    columns = ",\\quad ".join(tex.matrix([[x] for x in e[:, k]]) for k in range(3))
+    determinant = by_hand.tidy(e.det())
+    return (
+        Step(f"The columns of the coframe are $${columns}.$$"),
+        Step(
+            r"$g_{\mu\nu}$ is the scalar product of columns $\mu$ and $\nu$; squares of sine and "
+            f"cosine add up to one: $$g = e^T e = {tex.matrix(g.tolist())}.$$",
+            "metric",
+            g,
+        ),
+        Step(
+            f"Expanded, the determinant is $\\det e = {tex.tex(determinant)}$; its square is "
+            f"$\\det g = {tex.tex(by_hand.tidy(g.det()))}$, as it must be.",
+            "volume",
+            determinant,
         ),
     )

@@ -5,7 +5,16 @@ from random import Random
 import sympy as sp
 
 from geomtorsion.action import equations_of_motion
-from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, steps
+from geomtorsion.exercises.authoring import (
+    Domain,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    by_hand,
+    steps,
+    tex,
+)
 from geomtorsion.exercises.principle.euler import omegas
 from geomtorsion.spaces import load
 
@@ -80,5 +89,29 @@ def make(draw: Random, seed: int) -> Variant:
             r"In space $\dot p = f$. What does the body see of a vector that stands still in "
             "space?",
             r"$\dot P + \Omega\times P = F$ with $P = MV$.",
+        ),
+        worked=lambda: _worked(mass, push),
+    )
+
+
+def _worked(mass: sp.Symbol, push: list[sp.Expr]) -> tuple[Step, ...]:
+    """A vector that stands still in space, seen from the body."""
+    speeds = sp.symbols("V1 V2 V3", real=True)
+    turning = [-x for x in by_hand.cross(omegas(), speeds)]
+    rates = [x + f / mass for x, f in zip(turning, push, strict=True)]
+    return (
+        Step(
+            r"A vector that stands still in space goes round the other way in the body: "
+            r"$\dot P = -\Omega\times P$. With a force, $\dot P + \Omega\times P = F$, $P = MV$."
+        ),
+        Step(
+            r"The product is "
+            f"$$-\\Omega\\times V = {tex.matrix([[x] for x in turning])}.$$"
+        ),
+        Step(
+            f"With $F = ({', '.join(map(str, push))})$, divided by the mass: "
+            f"$$\\dot V = {tex.matrix([[x] for x in rates])}.$$",
+            "equations",
+            rates,
         ),
     )

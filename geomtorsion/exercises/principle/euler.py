@@ -5,7 +5,16 @@ from random import Random
 import sympy as sp
 
 from geomtorsion.action import equations_of_motion
-from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, steps, tex
+from geomtorsion.exercises.authoring import (
+    Domain,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    by_hand,
+    steps,
+    tex,
+)
 from geomtorsion.geometry import Frame
 from geomtorsion.spaces import load
 
@@ -61,6 +70,7 @@ def make(draw: Random, seed: int) -> Variant:
             r"I_3\Omega_3)$.",
             r"The first: $I_1\dot\Omega_1 = (I_2 - I_3)\,\Omega_2\Omega_3$.",
         ),
+        worked=lambda: _worked(moments),
     )
 
 
@@ -78,3 +88,27 @@ def turning(
     found = equations_of_motion(frame, energy, principle=principle).accelerations
     table = dict(zip(u, omegas(), strict=True))
     return [value.xreplace(table) for value in found]
+
+
+def _worked(moments: tuple[sp.Expr, ...]) -> tuple[Step, ...]:
+    """A vector product."""
+    turns = omegas()
+    momenta = [m * w for m, w in zip(moments, turns, strict=True)]
+    change = [-x for x in by_hand.cross(turns, momenta)]
+    rates = [sp.factor(x / m) for x, m in zip(change, moments, strict=True)]
+    return (
+        Step(
+            r"The momenta are $p_i = \partial L/\partial\Omega_i$: $p = ("
+            f"{', '.join(map(tex.tex, momenta))})$."
+        ),
+        Step(
+            r"With $2S_{ijk} = -\epsilon_{ijk}$ the equations $\dot p_k = 2S_{kj}{}^i\,\Omega^j "
+            r"p_i$ say $\dot p = -\Omega\times p$: "
+            f"$$\\dot p = {tex.matrix([[sp.factor(x)] for x in change])}.$$"
+        ),
+        Step(
+            f"Divided by the moments: $$\\dot\\Omega = {tex.matrix([[x] for x in rates])}.$$",
+            "equations",
+            rates,
+        ),
+    )

@@ -1,7 +1,7 @@
 """6.6: the six-dimensional case, where the paper must be read with care."""
 
 from functools import cache
-from math import hypot, pi, sqrt
+from math import cos, hypot, pi, sin, sqrt
 from random import Random
 
 import sympy as sp
@@ -13,9 +13,12 @@ from geomtorsion.exercises.authoring import (
     Domain,
     Mistake,
     Question,
+    Step,
     Variant,
+    by_hand,
     scaled,
     steps,
+    tex,
 )
 from geomtorsion.geometry import cartan
 from geomtorsion.ode import solve
@@ -177,6 +180,7 @@ def make(draw: Random, seed: int) -> Variant:
             "the velocity goes round with the angular velocity of the spin.",
             "The free body keeps its velocity in space. Compare a circle with its tangent.",
         ),
+        worked=lambda: _worked(spin, across, last),
     )
 
 
@@ -200,3 +204,47 @@ def flies_straight(frame, principle: str) -> bool:
 def is_straightest(frame) -> bool:
     """Whether the motions of a free body are autoparallels."""
     return not any(force(frame))
+
+
+def _worked(spin: int, across: int, last: float) -> tuple[Step, ...]:
+    """The force from a vector product; circle and tangent."""
+    pull = by_hand.cross(U[:3], U[3:])
+    circle = across / spin
+    gap = hypot(circle * sin(spin * last) - across * last, circle * (1 - cos(spin * last)))
+    return (
+        Step(
+            r"$\mathrm{d}e^{3+i} = \epsilon_{ijk}\,e^k\wedge e^{3+j}$. For $i = 3$, $e^1\wedge "
+            r"e^5$ has $k = 1$, $j = 2$ and $\epsilon_{321} = -1$: $2S_{15}{}^6 = -1$.",
+            "torsion",
+            sp.Integer(-1),
+        ),
+        Step(
+            r"A geodesic has $\dot\Omega = 0$ and $\dot V + \Omega\times V = 0$, an autoparallel "
+            r"$\dot\Omega = 0$ and $\dot V = 0$. What is left of the first equations on the "
+            r"second is the force, $f = (0, \Omega\times V)$: "
+            f"$${tex.matrix([[x] for x in pull])}$$ in the last three components.",
+            "force",
+            [sp.S.Zero] * 3 + pull,
+        ),
+        Step(
+            r"On the straightest line the velocity turns with $\Omega$: across the axis the centre "
+            f"runs with speed {across} on a circle, of radius ${across}/{spin} = {circle:.6g}$.",
+            "radius",
+            circle,
+        ),
+        Step(
+            "The free centre goes on along the tangent. Circle and tangent share the motion along "
+            f"the axis; across it they are $\\rho\\sin {spin * last:g} - {across * last:g}$ and "
+            f"$\\rho(1 - \\cos {spin * last:g})$ apart, with the radius $\\rho$: together "
+            f"${gap:.6g}$.",
+            "apart",
+            gap,
+        ),
+        Step(
+            r"$\dot V + \Omega\times V = 0$ is the equation of the geodesics, which Hamilton's "
+            "principle gives: variations closed in the coordinates.",
+            "principle",
+            "coordinates",
+        ),
+        Step("So the free body follows a geodesic, no autoparallel.", "law", "geodesic"),
+    )

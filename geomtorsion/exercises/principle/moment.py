@@ -5,7 +5,17 @@ from random import Random
 import sympy as sp
 
 from geomtorsion.action import equations_of_motion
-from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, scaled, steps, tex
+from geomtorsion.exercises.authoring import (
+    Domain,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    by_hand,
+    scaled,
+    steps,
+    tex,
+)
 from geomtorsion.exercises.families import attitude, seen_from_space
 from geomtorsion.geometry import Frame
 from geomtorsion.spaces import load
@@ -76,5 +86,29 @@ def make(draw: Random, seed: int) -> Variant:
             "the upward vertical as the body sees it.",
             r"The vertical is the last row of $R$: "
             f"$$n = {tex.matrix(attitude('so3')[2, :].tolist())}.$$",
+        ),
+        worked=lambda: _worked(place, weight),
+    )
+
+
+def _worked(place: tuple[int, ...], weight: sp.Symbol) -> tuple[Step, ...]:
+    """A vector product with the vertical as the body sees it."""
+    vertical = list(attitude("so3")[2, :])
+    moment = [by_hand.tidy(-weight * x) for x in by_hand.cross(place, vertical)]
+    return (
+        Step(
+            "The upward vertical, seen from the body, is the last row of $R$: "
+            f"$$n = {tex.matrix([vertical])}.$$"
+        ),
+        Step(
+            r"When the body turns by $\Omega$, $n$ changes by $-\Omega\times n$, and $V = W\,"
+            r"l\cdot n$ by $-W\,l\cdot(\Omega\times n) = W\,\Omega\cdot(l\times n)$. The work "
+            r"is $M\cdot\Omega = -\dot V$, so that $M = -W\,l\times n$."
+        ),
+        Step(
+            f"With $l = ({', '.join(map(str, place))})$: "
+            f"$$M = {tex.matrix([[x] for x in moment])}.$$",
+            "moment",
+            moment,
         ),
     )

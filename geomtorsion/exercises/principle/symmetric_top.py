@@ -5,7 +5,7 @@ from random import Random
 import sympy as sp
 
 from geomtorsion.action import equations_of_motion
-from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, steps, tex
+from geomtorsion.exercises.authoring import Domain, Mistake, Question, Step, Variant, steps, tex
 from geomtorsion.exercises.principle.euler import omegas, turning
 from geomtorsion.spaces import load
 
@@ -74,5 +74,35 @@ def make(draw: Random, seed: int) -> Variant:
             r"In space $L$ is constant, and $\Omega = L/I_1 + (1 - I_3/I_1)\,\Omega_3\,n$ with $n$ "
             "the axis: only the first part moves the axis.",
             r"$|L|^2 = I_1^2 v^2 + I_3^2 w^2$.",
+        ),
+        worked=lambda: _worked(across, along, w, v),
+    )
+
+
+def _worked(across: sp.Expr, along: sp.Expr, w: sp.Symbol, v: sp.Symbol) -> tuple[Step, ...]:
+    """A linear equation in the body, a constant vector in space."""
+    inside = (along - across) * w / across
+    outside = sp.sqrt(across**2 * v**2 + along**2 * w**2) / across
+    return (
+        Step(
+            r"Euler's third equation is $I_3\dot\Omega_3 = (I_1 - I_2)\,\Omega_1\Omega_2 = 0$: "
+            r"$\Omega_3 = w$ for ever."
+        ),
+        Step(
+            r"The first is $I_1\dot\Omega_1 = (I_1 - I_3)\,w\,\Omega_2$, that is $\dot\Omega_1 = "
+            r"-\lambda\,\Omega_2$ with $\lambda = (I_3 - I_1)\,w/I_1 = "
+            f"{tex.tex(inside)}$.",
+            "body",
+            inside,
+        ),
+        Step(
+            r"In space $\Omega = L/I_1 + (1 - I_3/I_1)\,w\,n$ with the axis $n$; turning about $n$ "
+            r"does not move $n$, so that the axis goes round $L$ with $|L|/I_1$."
+        ),
+        Step(
+            r"$|L| = \sqrt{I_1^2 v^2 + I_3^2 w^2}$, and the angular velocity is "
+            f"${tex.tex(outside)}$.",
+            "space",
+            outside,
         ),
     )

@@ -9,7 +9,9 @@ from geomtorsion.exercises.authoring import (
     Domain,
     Mistake,
     Question,
+    Step,
     Variant,
+    by_hand,
     normal,
     scaled,
     steps,
@@ -77,5 +79,34 @@ def make(draw: Random, seed: int) -> Variant:
             r" = (\partial_\nu e^i{}_\mu - \partial_\mu e^i{}_\nu)\,\delta q^\nu\dot q^\mu$.",
             r"Write $\delta q = E\,\delta\Phi$ and $\dot q = E\,u$: the curl becomes "
             r"$2S_{kj}{}^i$, the first index with $\delta\Phi$.",
+        ),
+        worked=lambda: _worked(frame, u, images),
+    )
+
+
+def _worked(
+    frame: Frame, u: tuple[sp.Symbol, ...], images: tuple[sp.Symbol, ...]
+) -> tuple[Step, ...]:
+    """The structure constants, summed over two indices."""
+    table = by_hand.anholonomy(frame)
+    half = {key: value for key, value in table.items() if key[0] < key[1]}
+    terms = [
+        by_hand.tidy(
+            sum(x * u[j] * images[k] for (k, j, m), x in table.items() if m == i) or sp.S.Zero
+        )
+        for i in range(3)
+    ]
+    shown = {d: sp.Symbol(f"Phi{k}") for k, d in enumerate(images, 1)}
+    return (
+        Step(f"The forms are not closed: $${by_hand.differentials(frame)}.$$"),
+        Step(
+            r"In the frame, $\mathrm{d}e^i = \tfrac12\,2S_{kj}{}^i\,e^k\wedge e^j$ with "
+            f"$${by_hand.listed('2S', half)},$$ and the opposite with the lower indices exchanged."
+        ),
+        Step(
+            r"Summed over $k$ and $j$, with $\Phi_k$ for $\delta\Phi^k$: "
+            f"$${tex.matrix([[x.subs(shown)] for x in terms])}.$$",
+            "terms",
+            terms,
         ),
     )

@@ -1,11 +1,11 @@
 """4.4: steering by compass against the great circle."""
 
 from functools import cache
-from math import cos, pi, radians, sin
+from math import atan2, cos, log, pi, radians, sin, tan
 from random import Random
 
 from geomtorsion.curves import CurveProblem, autoparallel, geodesic
-from geomtorsion.exercises.authoring import Mistake, Question, Variant, steps
+from geomtorsion.exercises.authoring import Mistake, Question, Step, Variant, steps
 from geomtorsion.geometry import cartan
 from geomtorsion.ode import solve
 from geomtorsion.spaces import load
@@ -81,5 +81,45 @@ def make(draw: Random, seed: int) -> Variant:
             "On the great circle take the start as a unit vector and the velocity as another: "
             r"$x(t) = x_0\cos t + v_0\sin t$.",
             f"The angle course in radians is {course}*pi/180, about {course * pi / 180:.4f}.",
+        ),
+        worked=lambda: _worked(colatitude, radians(course), last),
+    )
+
+
+def _worked(colatitude: float, course: float, last: float) -> tuple[Step, ...]:
+    """The loxodrome in closed form, the great circle in space."""
+    end = colatitude - cos(course) * last
+    along = tan(course) * log(tan(colatitude / 2) / tan(end / 2))
+    start = (sin(colatitude), 0.0, cos(colatitude))
+    speed = (-cos(course) * cos(colatitude), sin(course), cos(course) * sin(colatitude))
+    x, y, z = (a * cos(last) + b * sin(last) for a, b in zip(start, speed, strict=True))
+    ship = (sin(end) * cos(along), sin(end) * sin(along), cos(end))
+    cosine = x * ship[0] + y * ship[1] + z * ship[2]
+    return (
+        Step(
+            r"By compass $\dot\theta = -\cos\kappa$, so that the colatitude at the end is "
+            f"$\\theta = {end:.6g}$."
+        ),
+        Step(
+            r"From $\dot\phi = \sin\kappa/\sin\theta$ follows $\phi = "
+            r"\tan\kappa\,\ln(\tan(\theta_0/2)/\tan(\theta/2))$, here "
+            f"${along:.6g}$.",
+            "compass",
+            along,
+        ),
+        Step(
+            r"On the great circle $x(t) = x_0\cos t + v_0\sin t$ with the start "
+            f"$x_0 = ({', '.join(f'{a:.5g}' for a in start)})$ and the velocity "
+            f"$v_0 = ({', '.join(f'{a:.5g}' for a in speed)})$: at the end "
+            f"$({x:.5g}, {y:.5g}, {z:.5g})$, at the longitude ${atan2(y, x):.6g}$.",
+            "circle",
+            atan2(y, x),
+        ),
+        Step(
+            "The other end is at "
+            f"$({', '.join(f'{a:.5g}' for a in ship)})$; the scalar product of both is "
+            f"${cosine:.6g}$.",
+            "cosine",
+            cosine,
         ),
     )

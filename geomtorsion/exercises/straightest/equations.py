@@ -4,10 +4,20 @@ from random import Random
 
 import sympy as sp
 
-from geomtorsion.exercises.authoring import Domain, Mistake, Question, Variant, scaled, steps, tex
+from geomtorsion.exercises.authoring import (
+    Domain,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    by_hand,
+    scaled,
+    steps,
+    tex,
+)
 from geomtorsion.exercises.families import circles
 from geomtorsion.exercises.straightest.force import christoffel_terms, quadratic
-from geomtorsion.geometry import cartan
+from geomtorsion.geometry import Frame, cartan
 
 
 def make(draw: Random, seed: int) -> Variant:
@@ -51,8 +61,32 @@ def make(draw: Random, seed: int) -> Variant:
             ),
         ),
         hints=steps(
-            "Which components does the connection have? Only one: see exercise 2.1.",
+            "The connection has only one component: "
+            rf"$\Gamma_{{12}}{{}}^2 = {tex.tex(table[0, 1, 1])}$.",
             "Along the line the frame components of the velocity are constant: differentiate "
             r"$e^i{}_\mu\dot q^\mu$ with respect to time.",
+        ),
+        worked=lambda: _worked(frame, rates),
+    )
+
+
+def _worked(frame: Frame, rates: list[sp.Symbol]) -> tuple[Step, ...]:
+    """Constant frame components, differentiated."""
+    f, r = frame.coframe[1, 1], frame.coordinates[0]
+    factor = by_hand.tidy(f.diff(r) / f)
+    return (
+        Step(
+            r"On a straightest line the frame components of the velocity stay: $\dot r$ and "
+            f"$f\\,\\dot\\phi$ with $f = {tex.tex(f)}$."
+        ),
+        Step(
+            r"Differentiated: $\ddot r = 0$ and $f\,\ddot\phi + f'\,\dot r\,\dot\phi = 0$ with "
+            f"$f' = {tex.tex(f.diff(r))}$."
+        ),
+        Step(
+            rf"Divided by $f$: $\ddot\phi = -\left({tex.tex(factor)}\right)\dot r\,\dot\phi$. "
+            r"The product occurs once, as $\Gamma_{12}{}^2 = f'/f$ but $\Gamma_{21}{}^2 = 0$.",
+            "equations",
+            [sp.S.Zero, -factor * rates[0] * rates[1]],
         ),
     )

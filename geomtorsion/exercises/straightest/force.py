@@ -4,7 +4,17 @@ from random import Random
 
 import sympy as sp
 
-from geomtorsion.exercises.authoring import TORSION, Domain, Mistake, Question, Variant, steps, tex
+from geomtorsion.exercises.authoring import (
+    TORSION,
+    Domain,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    by_hand,
+    steps,
+    tex,
+)
 from geomtorsion.exercises.families import circles, group
 from geomtorsion.geometry import Frame, cartan
 from geomtorsion.spaces import load
@@ -66,6 +76,7 @@ def make(draw: Random, seed: int) -> Variant:
             "Where $S_{abc}$ is totally antisymmetric the force vanishes; is it here?",
             f"The torsion has the components $S$: ${_listed(torsion.S)}$.",
         ),
+        worked=lambda: _worked(frame, rates),
     )
 
 
@@ -88,4 +99,36 @@ def _listed(tensor) -> str:
         rf"S_{{{a + 1}{b + 1}}}{{}}^{{{c + 1}}} = {tex.tex(value)}"
         for (a, b, c), value in tensor.nonzero().items()
         if a < b
+    )
+
+
+def _worked(frame: Frame, rates: list[sp.Symbol]) -> tuple[Step, ...]:
+    """The force as the difference of two connections."""
+    straight, short = by_hand.cartan_table(frame), by_hand.christoffel(frame)
+    keys = {*straight, *short}
+    gap = by_hand.nonzero({key: short.get(key, 0) - straight.get(key, 0) for key in keys})
+    force = by_hand.nonzero(by_hand.quadratic_form(gap, rates))
+    dotted = {v: sp.Symbol(f"v{k}") for k, v in enumerate(rates, 1)}
+    shown = {key: value.subs(dotted) for key, value in force.items()}
+    return (
+        Step(
+            "The Cartan connection has the components "
+            f"$${by_hand.listed('Gamma', straight)},$$ the Levi-Civita connection "
+            f"$${by_hand.listed('Gamma_bar', short)}.$$"
+        ),
+        Step(
+            r"On an autoparallel $\ddot q^c = -\Gamma_{ab}{}^c\dot q^a\dot q^b$, so that "
+            r"$f^c = (\bar\Gamma_{ab}{}^c - \Gamma_{ab}{}^c)\,\dot q^a\dot q^b$, which is "
+            r"$2\,S_a{}^c{}_b\,\dot q^a\dot q^b$. With $v_k$ for the velocity of the coordinate "
+            f"$k$: $${by_hand.listed('f', shown)},$$ and zero else.",
+            "force",
+            force,
+        ),
+        Step(
+            "It does not vanish for every velocity."
+            if force
+            else "It vanishes for every velocity.",
+            "same",
+            "no" if force else "yes",
+        ),
     )

@@ -1,10 +1,11 @@
 """4.1: where the straightest line of the polar frame leads."""
 
 from functools import cache
+from math import log
 from random import Random
 
 from geomtorsion.curves import CurveProblem, autoparallel, geodesic
-from geomtorsion.exercises.authoring import Mistake, Question, Variant, steps
+from geomtorsion.exercises.authoring import Mistake, Question, Step, Variant, steps
 from geomtorsion.geometry import cartan
 from geomtorsion.ode import solve
 from geomtorsion.spaces import load
@@ -40,6 +41,7 @@ def make(draw: Random, seed: int) -> Variant:
             "The radius grows steadily; put it into the equation for the angle and integrate.",
             r"$\phi = \phi_0 + (u^2/u^1)\,\ln(1 + u^1 t/r_0)$: a spiral.",
         ),
+        worked=lambda: _worked(radius, out, around, last),
     )  # fmt: skip
 
 
@@ -73,4 +75,23 @@ def _number(
             ),
         ],
         tolerance=1e-3,
+    )
+
+
+def _worked(radius: float, out: float, around: float, last: float) -> tuple[Step, ...]:
+    """Two integrals, one after the other."""
+    end = radius + out * last
+    turned = 0.2 + around / out * log(end / radius)
+    return (
+        Step(
+            r"The frame components are constant: $\dot r = u^1$ and $r\,\dot\phi = u^2$, so that "
+            f"$r = {radius:g} + {out:g}\\,t$."
+        ),
+        Step(f"At $t = {last:g}$ this is $r = {end:g}$.", "radius", end),
+        Step(
+            r"$\phi = \phi_0 + \int u^2/r\,\mathrm{d}t = \phi_0 + (u^2/u^1)\,\ln(r/r_0)$, here "
+            f"$0.2 + ({around:g}/{out:g})\\,\\ln({end:g}/{radius:g}) = {turned:.6g}$.",
+            "angle",
+            turned,
+        ),
     )

@@ -1,4 +1,4 @@
-"""2.2: the Cartan connection of the rotations, eq. (10) of the paper."""
+"""2.2: a whole Cartan connection; for seed 0 eq. (10) of the paper."""
 
 from random import Random
 
@@ -7,13 +7,15 @@ from geomtorsion.exercises.authoring import (
     Domain,
     Mistake,
     Question,
+    Step,
     Variant,
+    by_hand,
     reordered,
     steps,
     tex,
 )
-from geomtorsion.exercises.families import ANGLES, group
-from geomtorsion.geometry import cartan, levi_civita
+from geomtorsion.exercises.families import ANGLES, group, matrix_of
+from geomtorsion.geometry import Frame, cartan, levi_civita
 from geomtorsion.spaces import load
 
 
@@ -64,6 +66,7 @@ def make(draw: Random, seed: int) -> Variant:
             f"The legs are $${tex.matrix(_rows(frame.legs))}.$$",
             f"There are {_count(frame)} coordinates on which the coframe depends.",
         ),
+        worked=lambda: _worked(frame),
     )
 
 
@@ -74,3 +77,26 @@ def _rows(tensor):
 def _count(frame) -> int:
     """How many coordinates occur in the coframe."""
     return len(set().union(*(x.free_symbols for x in frame.coframe.nonzero().values())))
+
+
+def _worked(frame: Frame) -> tuple[Step, ...]:
+    """The legs, the derivatives of the coframe, their products."""
+    table, e = by_hand.cartan_table(frame), matrix_of(frame.coframe)
+    slopes = [
+        f"\\partial_{k} e = {tex.matrix(e.diff(x).tolist())}"
+        for k, x in enumerate(frame.coordinates, 1)
+        if not e.diff(x).is_zero_matrix
+    ]
+    return (
+        Step(
+            "The legs are the columns of the inverse: "
+            f"$$E = {tex.matrix(by_hand.legs(frame).tolist())}.$$"
+        ),
+        *(Step(f"The coframe changes: $${slope}.$$") for slope in slopes),
+        Step(
+            r"$\Gamma_{ab}{}^c$ is in row $c$ and column $b$ of $E\,\partial_a e$. What does not "
+            rf"vanish is $${by_hand.listed('Gamma', table)}.$$",
+            "connection",
+            table,
+        ),
+    )

@@ -2,9 +2,19 @@
 
 from random import Random
 
-from geomtorsion.exercises.authoring import TORSION, Domain, Mistake, Question, Variant, steps, tex
+from geomtorsion.exercises.authoring import (
+    TORSION,
+    Domain,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    by_hand,
+    steps,
+    tex,
+)
 from geomtorsion.exercises.families import circles, group
-from geomtorsion.geometry import cartan
+from geomtorsion.geometry import Frame, cartan
 from geomtorsion.spaces import load
 
 
@@ -67,5 +77,39 @@ def make(draw: Random, seed: int) -> Variant:
             r"the forms, $S_{ab}{}^c = \tfrac12 E_i{}^c(\partial_a e^i{}_b - \partial_b e^i{}_a)$.",
             "Only pairs $(a, b)$ count in which one coordinate moves an entry of the other column.",
             r"The vector is a sum over $b$ of $2 S_{ab}{}^b$, for each $a$.",
+        ),
+        worked=lambda: _worked(frame),
+    )
+
+
+def _worked(frame: Frame) -> tuple[Step, ...]:
+    """The connection, its antisymmetric part, the trace."""
+    table = by_hand.cartan_table(frame)
+    keys = {*table, *((b, a, c) for a, b, c in table)}
+    torsion = by_hand.nonzero(
+        {(a, b, c): (table.get((a, b, c), 0) - table.get((b, a, c), 0)) / 2 for a, b, c in keys}
+    )
+    half = {key: value for key, value in torsion.items() if key[0] < key[1]}
+    vector: dict[tuple[int, ...], object] = {}
+    for (a, b, c), value in torsion.items():
+        if b == c:
+            vector[a,] = vector.get((a,), 0) + 2 * value
+    vector = by_hand.nonzero(vector)
+    return (
+        Step(
+            r"The connection $\Gamma_{ab}{}^c = E_i{}^c\,\partial_a e^i{}_b$ has the components "
+            rf"$${by_hand.listed('Gamma', table)}.$$"
+        ),
+        Step(
+            "Half the difference to the same with the lower indices exchanged: "
+            f"$${by_hand.listed('S', half)},$$ and the opposite with $a$ and $b$ exchanged.",
+            "torsion",
+            torsion,
+        ),
+        Step(
+            r"The trace $v_a = 2\,S_{ab}{}^b$ is a sum over $b$: "
+            f"$${by_hand.listed('v', vector, 0)},$$ and zero else.",
+            "vector",
+            vector,
         ),
     )

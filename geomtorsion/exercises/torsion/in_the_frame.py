@@ -1,10 +1,20 @@
-"""2.4: torsion in the frame of a body, eq. (12) of the paper."""
+"""2.4: torsion in the frame; for seed 0, that of a body, eq. (12) of the paper."""
 
 from random import Random
 
-from geomtorsion.exercises.authoring import TORSION, Domain, Mistake, Question, Variant, steps, tex
+from geomtorsion.exercises.authoring import (
+    TORSION,
+    Domain,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    by_hand,
+    steps,
+    tex,
+)
 from geomtorsion.exercises.families import ANGLES, seen_from_space, stretched
-from geomtorsion.geometry import cartan, levi_civita
+from geomtorsion.geometry import Frame, cartan, levi_civita
 from geomtorsion.spaces import load
 
 
@@ -18,9 +28,14 @@ def make(draw: Random, seed: int) -> Variant:
     torsion = cartan(frame).torsion
     return Variant(
         statement=(
-            "The body-fixed forms in the angles "
-            f"${tex.symbols(frame)}$ are\n\n$$e = {tex.coframe(frame)},\\qquad \\eta = 1.$$\n\n"
-            + (f"(Form {which + 1} is stretched by {factor}.) " if seed else "")
+            ("Body-fixed forms" if seed == 0 else "Forms")
+            + f" in the angles ${tex.symbols(frame)}$ are\n\n"
+            f"$$e = {tex.coframe(frame)},\\qquad \\eta = 1.$$\n\n"
+            + (
+                f"(They are those of a body, with form {which + 1} stretched by {factor}.) "
+                if seed
+                else ""
+            )
             + r"In the frame the torsion of the Cartan connection has constant components."
         ),
         questions=(
@@ -75,5 +90,33 @@ def make(draw: Random, seed: int) -> Variant:
             "Without stretching the forms are the angular velocity of the body, and turns do not "
             r"commute: the answer is made of $\epsilon_{ijk}$.",
             "A stretched form multiplies its own upper index and divides its lower ones.",
+        ),
+        worked=lambda: _worked(frame),
+    )
+
+
+def _worked(frame: Frame) -> tuple[Step, ...]:
+    """The derivatives of the forms in the frame, and the three sums of the scalar."""
+    t = by_hand.anholonomy(frame)
+    half = {key: value for key, value in t.items() if key[0] < key[1]}
+    squares = sum(x**2 for x in t.values())
+    turned = sum(x * t.get((c, b, a), 0) for (a, b, c), x in t.items())
+    traces = [sum(t.get((a, b, b), 0) for b in range(3)) for a in range(3)]
+    trace = sum(x**2 for x in traces)
+    scalar = by_hand.tidy(squares / 4 + turned / 2 - trace)
+    return (
+        Step(f"The derivatives of the forms are $${by_hand.differentials(frame)}.$$"),
+        Step(
+            r"Written by the forms, $\mathrm{d}e^k = \tfrac12\,2S_{ij}{}^k\,e^i\wedge e^j$, they "
+            f"are constant: $${by_hand.listed('2S', half)}.$$",
+            "torsion",
+            t,
+        ),
+        Step(
+            f"With $\\eta = 1$ all indices may stand below: $T_{{abc}}T_{{abc}} = "
+            f"{tex.tex(squares)}$, $T_{{abc}}T_{{cba}} = {tex.tex(turned)}$, $v_a v_a = "
+            f"{tex.tex(trace)}$. So the torsion scalar is ${tex.tex(scalar)}$.",
+            "scalar",
+            scalar,
         ),
     )

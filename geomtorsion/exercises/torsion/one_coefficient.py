@@ -7,13 +7,15 @@ from geomtorsion.exercises.authoring import (
     Domain,
     Mistake,
     Question,
+    Step,
     Variant,
+    by_hand,
     reordered,
     steps,
     tex,
 )
 from geomtorsion.exercises.families import circles
-from geomtorsion.geometry import cartan, levi_civita
+from geomtorsion.geometry import Frame, cartan, levi_civita
 
 
 def make(draw: Random, seed: int) -> Variant:
@@ -58,5 +60,26 @@ def make(draw: Random, seed: int) -> Variant:
         hints=steps(
             "Only one entry of the coframe depends on a coordinate.",
             r"So $a = 1$ and $i = b = 2$; what remains is $E_2{}^2\,\partial_1 e^2{}_2$.",
+        ),
+        worked=lambda: _worked(frame),
+    )
+
+
+def _worked(frame: Frame) -> tuple[Step, ...]:
+    """The only entry that depends on a coordinate."""
+    f = frame.coframe[1, 1]
+    slope = f.diff(frame.coordinates[0])
+    value = by_hand.tidy(slope / f)
+    return (
+        Step(
+            f"Only $e^2{{}}_2 = {tex.tex(f)}$ depends on a coordinate, on the first: "
+            f"$\\partial_1 e^2{{}}_2 = {tex.tex(slope)}$."
+        ),
+        Step(f"The coframe is diagonal, so that $E_2{{}}^2 = 1/e^2{{}}_2 = {tex.tex(1 / f)}$."),
+        Step(
+            r"$\Gamma_{12}{}^2 = E_2{}^2\,\partial_1 e^2{}_2 = " + tex.tex(value) + "$, and all "
+            r"others vanish, $\Gamma_{21}{}^2$ too: the connection is not symmetric.",
+            "connection",
+            {(0, 1, 1): value},
         ),
     )

@@ -123,6 +123,14 @@ def test_sheets_are_written(tmp_path):
     assert (tmp_path / "out" / "teacher" / "chapter3-seed2-solutions.html").stat().st_size > 5000
 
 
+def test_solution():
+    """Steps, with matrices in their rows, and the answers as they are checked."""
+    text = run("exercises", "solution", "3.2", "--seed", "2").stdout
+    assert "1. The metric is diagonal: g_11 = φ_2^2 exp(6φ_2), g_22 = 1." in text
+    assert "christoffel: (3*phi2 + 1)/phi2" in text
+    assert "    E = | sin(2z)" in run("exercises", "solution", "2.2", "--seed", "2").stdout
+
+
 def test_grade(tmp_path):
     """Marks in a table; one bad file is reported and ends with 1; the second run keeps."""
     folder = tmp_path / "answers"

@@ -17,6 +17,7 @@ class ExerciseCommands(LazyGroup):
     summaries: ClassVar = {
         "show": "Show an exercise: what is given and what is asked.",
         "hint": "Give hints, one step at a time.",
+        "solution": "Solve an exercise step by step, for the teacher.",
         "sheet": "Write a chapter for students, and its solutions for the teacher.",
         "grade": "Grade a folder of answers.",
         "check": "Check answers, and name the likely mistake; ends with 1 if one is wrong.",

@@ -1,0 +1,67 @@
+"""Worked solutions: each question is answered by a step, in a way apart from the library's."""
+
+import re
+import time
+
+import pytest
+
+from geomtorsion import exercises
+from geomtorsion.exercises.answers import answer_text
+from geomtorsion.exercises.checking import check_question
+from geomtorsion.exercises.prose import html_of, text_of
+from geomtorsion.exercises.question import normal
+
+NUMBERS = exercises.names()
+# Variants of the normal run, and of the long one.
+SEEDS = [range(2), pytest.param(range(2, 12), marks=pytest.mark.slow)]
+
+
+@pytest.mark.parametrize("seeds", SEEDS, ids=len)
+@pytest.mark.parametrize("number", NUMBERS)
+def test_the_way_by_hand_leads_to_the_solution(number, seeds):
+    """Every question once, in order, with the value that the library computes another way."""
+    for seed in seeds:
+        exercise = exercises.load(number, seed)
+        steps = exercise.worked
+        assert len(steps) >= 2
+        assert len(steps) > sum(bool(step.question) for step in steps) or number in (
+            "3.1",
+            "6.6",
+            "7.4",
+        )
+        reached = [step.question for step in steps if step.question]
+        assert sorted(reached) == sorted(question.name for question in exercise.questions)
+        for step in steps:
+            if step.question:
+                question = exercise.question(step.question)
+                given = answer_text(question, normal(step.value))
+                verdict = check_question(question, given)
+                assert verdict.right, (seed, step.question, given, exercise.answers(), verdict)
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_steps_can_be_read(number):
+    """As a page and in a terminal: whole sentences, no LaTeX left over, nothing undefined."""
+    for seed in range(3):
+        for step in exercises.load(number, seed).worked:
+            assert "<math" in html_of(step.text) or "$" not in step.text
+            plain = text_of(step.text)
+            assert not re.search(r"\$|\\[a-zA-Z]|\b(?:None|nan|lambda|Pow)\b", plain), plain
+            assert re.search(r"[.](\$\$)?$", step.text), plain
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_steps_are_made_soon(number):
+    """A teacher waits for a sheet, but not long."""
+    start = time.process_time()
+    _ = exercises.load(number, 20).worked
+    assert time.process_time() - start < 20
+
+
+def test_a_wrong_step_would_be_noticed():
+    """The check of this file can fail: another exercise's answer is none of this one's."""
+    exercise = exercises.load("3.2")
+    question = exercise.question("christoffel")
+    [value] = [step.value for step in exercise.worked if step.question]
+    assert check_question(question, answer_text(question, normal(value))).right
+    assert not check_question(question, answer_text(question, normal(-value))).right
