@@ -86,6 +86,10 @@ class SingularPointError(GeomtorsionError, ArithmeticError):
     """A quantity has no finite value at the point asked for."""
 
 
+class BranchError(SingularPointError):
+    """A root was read with a sign that it has not at a point: the message names both."""
+
+
 class UndecidedError(GeomtorsionError, ArithmeticError):
     """Whether an expression vanishes cannot be decided exactly."""
 

@@ -9,6 +9,7 @@ import sympy as sp
 from numpy.typing import ArrayLike
 
 from geomtorsion.checks import entries, instance, shown
+from geomtorsion.codegen.branches import branch_check
 from geomtorsion.codegen.expression_graph import graph
 from geomtorsion.codegen.settled import Settled
 from geomtorsion.errors import ArgumentError, MissingValueError, SingularPointError
@@ -27,7 +28,8 @@ def numpy_function(
     symbols
         the arguments in order: sympy symbols, or unknown functions such as f(r).
     check
-        whether values are right, or raise; False: as they come, spoilt or not finite.
+        whether values are right, or raise; False: as they come, spoilt or not finite, and no
+        numbers where a root has not the sign with which it was read.
 
     Returns
     -------
@@ -40,6 +42,8 @@ def numpy_function(
     ------
     MissingValueError
         an element contains a symbol that is not among the arguments.
+    BranchError
+        (from the function) a root has not the sign with which it was read, see `Frame.branches`.
     SingularPointError
         (from the function) a value is not finite, or drowns in rounding however many digits are
         taken; the message names element and point.
@@ -60,6 +64,8 @@ def numpy_function(
         instance(element, Element, f"elements[{k}]")
     made = graph([str(symbol) for symbol in symbols], elements, factor=False)
     inner, settled = made.numpy(), Settled(made)
+    names = [str(symbol) for symbol in symbols]
+    branches = branch_check((element.field for element in elements), names)
 
     def last_resort(k: int, point: tuple[float | complex, ...]) -> float | complex | None:
         try:
@@ -76,7 +82,12 @@ def numpy_function(
             )
         try:
             if not check:
-                return inner(*values)
+                result = inner(*values)
+                if branches is not None:
+                    result[:, branches.broken(*values).any(axis=0)] = np.nan
+                return result
+            if branches is not None:
+                branches.refuse(*values)
             result, doubtful = settled(*values)
         except (TypeError, ValueError):
             came = shown(values)

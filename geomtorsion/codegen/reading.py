@@ -234,6 +234,9 @@ class Reader:
             return (_fraction(sp.Rational(tree)), (), ())
         if isinstance(tree, sp.NumberSymbol):
             return self._number(tree)
+        if tree is sp.I:
+            self.is_complex = True
+            return self._function("imaginary", "I")
         inner = [self._known[part] for part in tree.args]
         if isinstance(tree, sp.Add):
             return self.sums.literal(inner)

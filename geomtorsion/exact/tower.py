@@ -95,6 +95,7 @@ class Tower(ABC):
         self.rooted: list[Element] = []
         self._rooted_keys: set[Element] = set()
         self._branches: dict[sympy.Expr, Branch] = {}
+        self._settled: tuple[Branch, ...] | None = None
         self.generator_slopes: dict[tuple[str, sympy.Symbol], Element] = {}
         self.factor_slopes: dict[tuple[int, sympy.Symbol], Element] = {}
 
@@ -243,6 +244,18 @@ class Tower(ABC):
     def state_branch(self, branch: Branch) -> None:
         """Notes the sign with which a root was read."""
         self._branches.setdefault(branch.radical, branch)
+
+    @property
+    def relied_on(self) -> tuple[Branch, ...]:
+        """The branches on which values of elements rely: all of them, or those when it settled."""
+        return self.branches if self._settled is None else self._settled
+
+    def settle(self) -> None:
+        """Say that all is read on which elements rely; what is read later, for one purpose, has
+        branches of its own.
+        """
+        if self._settled is None:
+            self._settled = self.branches
 
     def generators_of(self, element: Element) -> list[Generator]:
         """The generators that occur in an element."""

@@ -110,6 +110,8 @@ class Frame:
         object.__setattr__(self, "given", given)
         object.__setattr__(self, "_kept", {})
         object.__setattr__(self, "_plain", plain)
+        # Whatever else is read into the field later, this frame does not rely on it.
+        self.field.settle()
         # A frame that is adapted to another one lives in its field.
         self.field.owner = self.field.owner or self
 

@@ -134,6 +134,7 @@ def frame_text(frame: Frame) -> str:
     names = ", ".join(symbol.name for symbol in frame.coordinates)
     lines = [f"{frame.name or 'frame'} (coordinates {names})"]
     lines += [f"  e^{i} = {_one_form(frame, i, str, ' ')}" for i in range(frame.dimension)]
+    lines += [f"  {branch}" for branch in frame.branches]
     return "\n".join(lines)
 
 

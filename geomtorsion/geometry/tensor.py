@@ -381,6 +381,7 @@ def _evaluated(tensor: Tensor, point: Point, digits: int | None) -> np.ndarray:
         # From 54 on elements are evaluated to numbers of mpmath.
         bits = max(mpmath.libmp.dps_to_prec(wanted), 54)
     values = _named_values(tensor, point)
+    _check_branches(tensor.frame, values)
     independent = tensor.components.independent
     n, rank = tensor.frame.dimension, len(tensor.slots)
     result = np.zeros((n,) * rank, dtype=complex if tensor.frame.complex else float)
@@ -394,6 +395,20 @@ def _evaluated(tensor: Tensor, point: Point, digits: int | None) -> np.ndarray:
         # A product would be rounded to the digits that mpmath has at the moment.
         result[index] = number if sign > 0 else _opposite(number)
     return result
+
+
+def _check_branches(frame: Frame, values: Mapping[sp.Expr, Number]) -> None:
+    """Refuse a point at which a root has not the sign with which it was read."""
+    if not frame.field.relied_on:
+        return
+    # Loads numpy.
+    from geomtorsion.codegen.branches import branch_check
+
+    point = {str(key): complex(number) for key, number in values.items()}
+    check = branch_check([frame.field], list(point))
+    if check is not None:
+        real = {name: number if frame.complex else number.real for name, number in point.items()}
+        check.refuse(*real.values())
 
 
 def _opposite(number: complex | mpmath.mpf) -> complex | mpmath.mpf:

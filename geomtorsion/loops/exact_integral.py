@@ -77,6 +77,8 @@ def exact_burgers_vector(frame: Frame, loop: Loop, seconds: float = 20.0) -> Exa
 
     Raises
     ------
+    BranchError
+        The loop goes where a root of the coframe has not the sign with which it was read.
     SingularPointError
         The loop passes through a point where the coframe is singular.
     UndecidedError
@@ -126,12 +128,16 @@ def _refuse_poles(frame: Frame, loop: Loop, where: Mapping[sp.Symbol, sp.Expr]) 
     """Refuse a loop through a pole: of what sympy gives there, half may be missing."""
     known = {s.name: v for s, v in where.items() if s in frame.field.symbols}
     try:
-        poles = forms(frame, known).poles
+        found = forms(frame, known)
     except MissingValueError:
         # Unknown functions have no numbers, and so no poles that could be looked for.
         return
-    for part in (loop.at(where) if loop.symbols else loop).parts:
-        refuse_poles(poles, part)
+    here = loop.at(where) if loop.symbols else loop
+    for part in here.parts:
+        refuse_poles(found.poles, part)
+    if frame.field.relied_on:
+        # Raises where a root has not the sign with which it was read.
+        found.coframe.at(here.points())
 
 
 def _short(x: sp.Expr) -> sp.Expr:

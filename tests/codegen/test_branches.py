@@ -1,0 +1,111 @@
+"""branches: what was read with one sign of a root is not evaluated where the other one holds."""
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from geomtorsion import numpy_function
+from geomtorsion.codegen.branches import APART, branch_check
+from geomtorsion.errors import BranchError
+from geomtorsion.exact import Field
+from geomtorsion.geometry import Frame
+from geomtorsion.loops import Loop, burgers_vector
+
+x, y, a = sp.symbols("x y a")
+
+# An entry, points at which it is right as read, and points at which it is not.
+READ = [
+    (1 + sp.sqrt(x**2), [{x: 2}, {x: 0}, {x: 1e-300}], [{x: -2}, {x: -1e-300}]),
+    (2 + sp.sqrt(1 - sp.cos(x) ** 2), [{x: 1}, {x: 3}, {x: 7}], [{x: -1}, {x: 4}]),
+    (sp.asin(sp.sin(x)), [{x: 1}, {x: -1.5}], [{x: 2}, {x: 7}]),
+    (sp.acos(sp.cos(x)), [{x: 1}, {x: 3}], [{x: -1}, {x: 4}]),
+    (sp.atan(x) + sp.atan(1 / x), [{x: 1}, {x: 1e6}], [{x: -1}, {x: -1e6}]),
+    (sp.acot(x) + sp.atan(x), [{x: 2}], [{x: -2}]),
+    (sp.sqrt(a**2) * x, [{x: 1, a: 1}, {x: -1, a: 2}], [{x: 1, a: -1}]),
+    (sp.sqrt((x - y) ** 2) + 3, [{x: 2, y: 1}], [{x: 1, y: 2}]),
+    (sp.log(x * y), [{x: 2, y: 1}], [{x: -2, y: -1}]),
+]
+
+
+def principal(entry, point):
+    """The value that sympy gives, to 30 digits."""
+    return float(entry.subs({key: sp.Rational(value) for key, value in point.items()}).evalf(30))
+
+
+@pytest.mark.parametrize(("entry", "right", "wrong"), READ, ids=lambda x: str(x)[:30])
+def test_points_and_arrays(entry, right, wrong):
+    """Where it is right the value is that of the entry as it stands, elsewhere it is refused."""
+    frame = Frame([x, y], [[1, 0], [0, entry]])
+    element = frame.coframe.element(1, 1)
+    symbols = [s for s in (x, y, a) if any(s in point for point in (*right, *wrong))]
+    function = numpy_function([element], symbols)
+    plain = numpy_function([element], symbols, check=False)
+    for point in right:
+        row = [point.get(symbol, 0.0) for symbol in symbols]
+        assert frame.coframe.at(point)[1, 1] == pytest.approx(principal(entry, point), rel=1e-12)
+        assert function(*row)[0] == pytest.approx(principal(entry, point), rel=1e-12)
+    for point in wrong:
+        row = [point.get(symbol, 0.0) for symbol in symbols]
+        with pytest.raises(BranchError, match="read as"):
+            frame.coframe.at(point)
+        with pytest.raises(BranchError, match="State a domain around the point"):
+            function(*row)
+        with pytest.raises(BranchError):
+            function(
+                *(np.array([right[0].get(s, 0.0), r]) for s, r in zip(symbols, row, strict=True))
+            )
+        assert np.isnan(plain(*row)).all()
+    for one in (frame, element.field.branches[0]):
+        assert "read as" in str(one)
+
+
+def test_what_is_read_later_does_not_count():
+    """A root that is read for one purpose does not forbid the frame itself any point."""
+    frame = Frame([x, y], [[1, 0], [0, 1 + x**2]])
+    before = frame.metric.at({x: -2})
+    frame.read([("a root", sp.sqrt(x**2))])
+    assert frame.field.branches
+    assert (frame.metric.at({x: -2}) == before).all()
+
+
+def test_a_field_without_a_frame():
+    """Elements of a field of one's own rely on all that was read into it."""
+    root = Field([x]).read(sp.sqrt(x**2))
+    assert numpy_function([root], [x])([1.0, 3.0]).tolist() == [[1.0, 3.0]]
+    with pytest.raises(BranchError, match=r"sqrt\(x\*\*2\) read as x.*x = -3 came"):
+        numpy_function([root], [x])([1.0, -3.0])
+    assert branch_check([Field([x])], ["x"]) is None
+
+
+def test_complex_fields_compare_values():
+    """A complex root is compared with what it was read as; less than APART of it is rounding."""
+    field = Field([x, y], complex=True)
+    field.read(sp.sqrt((x + 1 + sp.I) ** 2))
+    check = branch_check([field], ["x"])
+    assert check is not None
+    assert not check.broken(1.0).any()
+    assert check.broken(-3.0).any()
+    nearly = (1 + APART / 2, 1 + 2 * APART)
+    shifted = Field([x, y], complex=True)
+    shifted.read(sp.sqrt((x + sp.I) ** 2))
+    assert [check.broken(value).any() for value in nearly] == [False, False]
+
+
+def test_chosen_signs_are_the_user_s():
+    """branches={...} says what is meant, everywhere."""
+    frame = Frame([x, y], [[1, 0], [0, 2 + sp.sqrt(x**2)]], branches={sp.sqrt(x**2): -x})
+    assert frame.coframe.at({x: -3})[1, 1] == 5.0
+
+
+@pytest.mark.parametrize("options", [{}, {"exact": True}], ids=["numbers", "exact"])
+def test_loops(options):
+    """b^2 = closed integral of (1 + |x|) dy: minus the area where x < 0; across is refused, too."""
+    frame = Frame([x, y], [[1, 0], [0, 1 + sp.sqrt(x**2)]])
+    here = burgers_vector(frame, Loop.circle([2, 0], 1), **options)
+    assert float(here.vector[1]) == pytest.approx(np.pi, rel=1e-12)
+    for centre in (-2, 0.5):
+        with pytest.raises(BranchError, match=r"sqrt\(x\*\*2\)"):
+            burgers_vector(frame, Loop.circle([centre, 0], 1), **options)
+    left = Frame([x, y], [[1, 0], [0, 1 + sp.sqrt(x**2)]], domain=[x < 0])
+    there = burgers_vector(left, Loop.circle([-2, 0], 1), **options)
+    assert float(there.vector[1]) == pytest.approx(-np.pi, rel=1e-12)
