@@ -11,6 +11,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from geomtorsion.ode.engines import Engine, Taylor
+from geomtorsion.ode.engines.protocol import STANDSTILL
 from geomtorsion.ode.engines.scipy_steps import FLOOR
 from geomtorsion.ode.engines.stepwise import error_scales
 from geomtorsion.ode.engines.taylor import heyoka
@@ -21,8 +22,8 @@ from geomtorsion.ode.system import System
 Show: TypeAlias = Callable[[int], None] | None
 # Systems of at most so many states take two registers at a time.
 FEW = 4
-# After so many steps one looks which members still get anywhere: by this part of their time.
-MOST_STEPS, STANDSTILL = 20_000, 1e-9
+# After so many steps one looks which members still get anywhere.
+MOST_STEPS = 20_000
 # States in one stacked Runge-Kutta system: larger ones leave the cache and set BLAS threads off.
 STACKED = 6144
 # Seconds between two reports of progress.

@@ -10,7 +10,7 @@ from typing import TypeAlias
 import numpy as np
 
 from geomtorsion.copies import only_fields
-from geomtorsion.ode.engines.protocol import Dense, Engine, Run
+from geomtorsion.ode.engines.protocol import STANDSTILL, Dense, Engine, Run
 from geomtorsion.ode.numbers import Real, perturbed
 from geomtorsion.ode.roots import crossings
 from geomtorsion.ode.scaling import scaled_run
@@ -19,9 +19,6 @@ from geomtorsion.ode.system import System
 State: TypeAlias = Sequence[Real] | np.ndarray
 # A motion that meets more events than this goes round in circles on the edge of a chart.
 MOST_STAGES = 10_000
-# One that cannot go on in two stages in a row, and gets no further by this part of the time that
-# has passed, cannot go on at all.
-STANDSTILL = 1e-9
 # Places looked at in each step for a guard that falls and rises again, and at least in a run.
 PER_STEP, FEWEST = 8, 64
 
@@ -310,6 +307,7 @@ def integrate(
             lasts = run.outcome == "stuck"
             if event is None or (lasts and event.then is None):
                 return Trajectory(engine, tolerance, tuple(segments), run.outcome, run.reason)
+            # What cannot go on in two stages in a row cannot go on at all.
             moved = abs(float(run.reached) - begin) > STANDSTILL * abs(float(run.reached))
             idle = idle + 1 if lasts and not moved else 0
         after = None

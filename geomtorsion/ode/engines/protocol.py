@@ -11,6 +11,9 @@ import numpy as np
 from geomtorsion.ode.numbers import Real
 from geomtorsion.ode.system import System
 
+# A motion that gets no further by this part of its time stands still.
+STANDSTILL = 1e-9
+
 # Function of times that gives states, shape (m, size).
 Dense: TypeAlias = Callable[[np.ndarray], np.ndarray]
 

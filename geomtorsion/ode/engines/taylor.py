@@ -20,14 +20,14 @@ from geomtorsion.ode.engines.compiled import (
     order_of,
     tolerance_of,
 )
-from geomtorsion.ode.engines.protocol import Dense, Run
+from geomtorsion.ode.engines.protocol import STANDSTILL, Dense, Run
 from geomtorsion.ode.numbers import Real, mpf
 from geomtorsion.ode.system import System
 
 __all__ = ["Taylor", "heyoka", "is_available"]
 
-# Steps between two looks at whether a run gets anywhere: by this part of its time at least.
-STEPS_AT_ONCE, STANDSTILL = 2_000, 1e-8
+# Steps between two looks at whether a run gets anywhere.
+STEPS_AT_ONCE = 2_000
 # A run of more steps than this is worth optimised code.
 LONG = 64
 # Below this order steps are no longer in proportion to what the series leave out.
