@@ -267,6 +267,11 @@ class Atlas:
         return {}
 
     @cached_property
+    def checked_for(self) -> set[Frame]:
+        """Frames for which the maps were found right; see `check_atlas`."""
+        return set()
+
+    @cached_property
     def _table(self) -> dict[tuple[str, str], TransitionMap]:
         return {(change.source, change.target): change for change in self.changes()}
 

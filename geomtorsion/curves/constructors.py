@@ -11,6 +11,7 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.codegen import rational
 from geomtorsion.curves.atlas import Atlas, atlas_of
+from geomtorsion.curves.atlas_check import check_atlas
 from geomtorsion.curves.laws import Autoparallel, CartanAutoparallel, Geodesic, Law, inverted
 from geomtorsion.curves.problem import CurveProblem
 from geomtorsion.curves.start import (
@@ -54,7 +55,8 @@ def autoparallel(
     causal
         "timelike", "null" or "spacelike", if that is to be checked.
     atlas
-        charts of the space; those that came with the frame if not given.
+        charts of the space; those that came with the frame if not given. Given ones are checked:
+        maps must pull the metric (and the frame, where charts keep it) back and lead back.
 
     Raises
     ------
@@ -62,6 +64,8 @@ def autoparallel(
         the start is singular, not finite, or incomplete.
     ShapeError
         a list has not one number per coordinate.
+    CoordinateError
+        a map of the atlas given is wrong.
 
     Examples
     --------
@@ -258,6 +262,11 @@ def _posed(
         raise StartError(
             f"{frame.name or 'the frame'} is complex (a null tetrad); motions need a real frame."
         )
+    if atlas is not None:
+        checks.instance(atlas, Atlas, "atlas")
+        if frame not in atlas.checked_for:
+            check_atlas(frame, atlas)
+            atlas.checked_for.add(frame)
     # A law may bring parameters of its own into the field (a blend, a spin connection).
     law.rates(frame, [f"u{k}" for k in range(frame.dimension)])
     numbers = checked_parameters(frame, parameters)

@@ -1,0 +1,259 @@
+"""Atlas check: whether maps between charts keep the metric, the frame, and lead there and back.
+
+Everything is worked out from exact elements at generic points, to 400 bits: what agrees there in
+half of them is equal, and what differs is shown with its component. Shipped atlases are checked by
+the tests, those of users where they are given as `atlas=`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import islice
+
+import mpmath
+
+from geomtorsion.checks import shown
+from geomtorsion.codegen.evaluation import EXACT_BITS
+from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap
+from geomtorsion.errors import CoordinateError, GeomtorsionError, ShapeError
+from geomtorsion.geometry import Frame
+from geomtorsion.geometry.sampling import candidate_points
+from geomtorsion.ode.numbers import Real, mpf
+from geomtorsion.precision import working_precision
+
+# Half of the bits may be lost in between: two analytic functions that agree in so many are equal.
+EQUAL = mpmath.mpf(2) ** (-EXACT_BITS // 2)
+
+Row = list[mpmath.mpf]
+Point = tuple[Row, dict[str, Real]]
+
+
+def check_atlas(frame: Frame, atlas: Atlas, points: int = 3) -> int:
+    """How often a map was found right: each of them at so many points of the domain of a frame.
+
+    Raises
+    ------
+    CoordinateError
+        the home chart is not that of the frame; a map does not pull the metric (or the frame, where
+        its charts claim to keep it) back, does not lead back, or has no value at any point tried.
+    ShapeError
+        a map has not one expression for each coordinate of its target.
+
+    Examples
+    --------
+    >>> from geomtorsion.curves.atlas import atlas_of
+    >>> from geomtorsion.spaces import load
+    >>> s2 = load("s2").frame
+    >>> check_atlas(s2, atlas_of(s2))
+    6
+    """
+    home = atlas.chart(atlas.home)
+    if home.coordinates != frame.coordinates:
+        raise CoordinateError(
+            f"the atlas was needed for the coordinates {shown(frame.coordinates)}, but its home "
+            f"chart {home.name!r} has {shown(home.coordinates)}. Make that chart of this frame."
+        )
+    changes = atlas.changes()
+    for change in changes:
+        _check_shape(atlas, change)
+    counts = [0] * len(changes)
+    for point, numbers in _points(frame):
+        reached = {atlas.home: point}
+        for name in atlas.makers:
+            _reach(atlas, reached, name, numbers)
+        for k, change in enumerate(changes):
+            if change.source in reached:
+                counts[k] += _is_right(atlas, change, reached[change.source], numbers)
+        if min(counts, default=points) >= points:
+            break
+    for change, count in zip(changes, counts, strict=True):
+        if not count:
+            raise CoordinateError(
+                f"{_name(change)} was needed at points of the domain of the frame, but has no "
+                "value at any that was tried. State the domain of the frame where it holds."
+            )
+    return sum(counts)
+
+
+def _name(change: TransitionMap) -> str:
+    return f"the map from chart {change.source!r} to chart {change.target!r}"
+
+
+def _check_shape(atlas: Atlas, change: TransitionMap) -> None:
+    """A map has the coordinates of its source and an expression for each of its target's."""
+    source, target = atlas.chart(change.source), atlas.chart(change.target)
+    if change.coordinates != source.coordinates or len(change.expressions) != len(
+        target.coordinates
+    ):
+        raise ShapeError(
+            f"{_name(change)}: {len(target.coordinates)} expressions over {source.names} were "
+            f"needed, but {len(change.expressions)} over {shown(change.coordinates)} came. "
+            "Give one for each coordinate of the target."
+        )
+
+
+def _points(frame: Frame) -> Iterator[Point]:
+    """Generic points of the domain with values of the parameters."""
+    for found in islice(candidate_points(frame.coordinates, frame.parameters, frame.domain), 60):
+        numbers: dict[str, Real] = {p.name: found[p] for p in frame.parameters}
+        yield [mpf(found[x], EXACT_BITS) for x in frame.coordinates], numbers
+
+
+def _reach(atlas: Atlas, reached: dict[str, Row], name: str, numbers: dict[str, Real]) -> None:
+    """The point in another chart, by the maps that lead there from home."""
+    for change in atlas.route(atlas.home, name):
+        if change.target not in reached:
+            there = _mapped(change, reached.get(change.source), numbers)
+            if there is None:
+                return
+            reached[change.target] = there
+
+
+def _mapped(change: TransitionMap, point: Row | None, numbers: dict[str, Real]) -> Row | None:
+    """A point in the target, or None where the map has no real value."""
+    if point is None:
+        return None
+    try:
+        found = change.precisely(point, numbers, EXACT_BITS)
+    except (ArithmeticError, TypeError, GeomtorsionError):
+        return None
+    real = all(isinstance(x, mpmath.mpf) and mpmath.isfinite(x) for x in found)
+    return found if real else None
+
+
+def _is_right(atlas: Atlas, change: TransitionMap, point: Row, numbers: dict[str, Real]) -> bool:
+    """Whether the map was found right at a point; False where it has no value there."""
+    there = _mapped(change, point, numbers)
+    if there is None:
+        return False
+    source, target = atlas.chart(change.source), atlas.chart(change.target)
+    try:
+        pushed = _pushed(source, change, point, numbers)
+        if source.keeps_frame and target.keeps_frame:
+            _compare_frames(change, target, pushed, there, numbers)
+        else:
+            _compare_metrics(change, source, target, pushed, there, numbers)
+    except ArithmeticError:
+        return False
+    for back in atlas.changes():
+        if (back.source, back.target) == (change.target, change.source):
+            _compare_points(change, back, atlas, (point, there), numbers)
+    return True
+
+
+def _pushed(
+    source: Chart, change: TransitionMap, point: Row, numbers: dict[str, Real]
+) -> list[list[Real]]:
+    """Legs of the source, written in the coordinates of the target."""
+    place = dict(zip(source.names, point, strict=True)) | numbers
+    n = source.frame_vectors.shape[1]
+    legs = [source.frame_vectors.precisely(place, _unit(i, n), EXACT_BITS) for i in range(n)]
+    return [change.slopes.precisely(place, leg, EXACT_BITS) for leg in legs]
+
+
+def _unit(i: int, n: int) -> list[Real]:
+    return [float(i == k) for k in range(n)]
+
+
+def _compare_frames(
+    change: TransitionMap,
+    target: Chart,
+    pushed: Sequence[Sequence[Real]],
+    there: Row,
+    numbers: dict[str, Real],
+) -> None:
+    """Legs of both charts are the same fields."""
+    place = dict(zip(target.names, there, strict=True)) | numbers
+    n = len(pushed)
+    for i, leg in enumerate(pushed):
+        own = target.frame_vectors.precisely(place, _unit(i, n), EXACT_BITS)
+        for name, one, two in zip(target.names, leg, own, strict=True):
+            if _differ(one, two, [*leg, *own]):
+                raise CoordinateError(
+                    f"{_name(change)} was needed to keep the frame, but along {name} leg {i} is "
+                    f"carried over to {_short(one)} where the chart has {_short(two)}. Mend the "
+                    "map, or say keeps_frame=False if only the metric is meant to be the same."
+                )
+
+
+def _compare_metrics(
+    change: TransitionMap,
+    source: Chart,
+    target: Chart,
+    pushed: Sequence[Sequence[Real]],
+    there: Row,
+    numbers: dict[str, Real],
+) -> None:
+    """The products of the legs of the source are the same in the metric of the target."""
+    if source.frame is None or target.frame is None:
+        raise CoordinateError(
+            f"{_name(change)} was needed between charts that keep the frame: a redundant chart has "
+            "no metric of its own. Say keeps_frame=True, or give the chart a frame."
+        )
+    place = dict(zip(target.names, there, strict=True)) | numbers
+    turned = [target.coframe.precisely(place, leg, EXACT_BITS) for leg in pushed]
+    eta, own = _eta(target.frame), _eta(source.frame)
+    n = len(turned)
+    with working_precision(EXACT_BITS):
+        for i in range(n):
+            for j in range(i + 1):
+                terms = [
+                    eta[k][m] * turned[i][k] * turned[j][m] for k in range(n) for m in range(n)
+                ]
+                got = mpmath.fsum(terms)
+                if _differ(got, own[i][j], [*terms, own[i][j]]):
+                    raise CoordinateError(
+                        f"{_name(change)} was needed to pull the metric back, but the product of "
+                        f"legs {j} and {i} comes as {_short(got)}, where it is "
+                        f"{_short(own[i][j])}. Mend the expressions of the map, or the chart."
+                    )
+
+
+def _eta(frame: Frame) -> list[list[mpmath.mpf]]:
+    n = frame.dimension
+    return [[mpf(frame.eta[i, j], EXACT_BITS) for j in range(n)] for i in range(n)]
+
+
+def _compare_points(
+    change: TransitionMap,
+    back: TransitionMap,
+    atlas: Atlas,
+    points: tuple[Row, Row],
+    numbers: dict[str, Real],
+) -> None:
+    """Going there and back leads to the same point, if perhaps by another name of it."""
+    point, there = points
+    found = _mapped(back, there, numbers)
+    if found is None or _first_gap(back, point, found) is None:
+        return
+    image = _mapped(change, found, numbers)
+    if image is not None and _first_gap(change, there, image) is None:
+        return
+    k = _first_gap(back, point, found) or 0
+    name = atlas.chart(change.source).names[k]
+    raise CoordinateError(
+        f"{_name(change)} and {_name(back)} were needed to be inverse to each other, but "
+        f"{name} = {_short(point[k])} comes back as {_short(found[k])}. Mend one of them, or count "
+        f"{name} among the angles of the second."
+    )
+
+
+def _first_gap(change: TransitionMap, one: Row, two: Row) -> int | None:
+    """The first coordinate of the target in which two points differ, angles by no full turns."""
+    for k, (x, y) in enumerate(zip(one, two, strict=True)):
+        with working_precision(EXACT_BITS):
+            gap = x - y
+            if k in change.angles:
+                gap -= 2 * mpmath.pi * mpmath.nint(gap / (2 * mpmath.pi))
+        if abs(gap) > EQUAL * max(abs(x), abs(y), 1):
+            return k
+    return None
+
+
+def _differ(one: Real, two: Real, sizes: Sequence[Real]) -> bool:
+    size = max(1, *(abs(x) for x in sizes))
+    return abs(one - two) > EQUAL * size
+
+
+def _short(value: Real) -> str:
+    return f"{float(value):.6g}"
