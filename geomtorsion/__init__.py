@@ -23,9 +23,12 @@ from geomtorsion.geometry import (
     identities,
     levi_civita,
 )
+from geomtorsion.spaces import read_file as read
 
 if TYPE_CHECKING:
+    __version__: str
     # For editors and checkers of types, which do not ask for names one by one.
+    from geomtorsion import exercises, pictures, scenes
     from geomtorsion.accuracy import (
         CostRow,
         CostTable,
@@ -37,9 +40,6 @@ if TYPE_CHECKING:
         conserved_quantities,
         equations_of_motion,
         variation,
-    )
-    from geomtorsion.codegen import (
-        numpy_function,
     )
     from geomtorsion.curves import (
         Atlas,
@@ -55,6 +55,9 @@ if TYPE_CHECKING:
         holonomy,
         log_map,
         parallel_transport,
+    )
+    from geomtorsion.geometry.numpy_functions import (
+        numpy_function,
     )
     from geomtorsion.loops import (
         AffineMap,
@@ -98,9 +101,11 @@ if TYPE_CHECKING:
         Stiff,
         Taylor,
         When,
-        solve,
         solve_many,
     )
+
+    # mypy takes the name in the package for the module that bears it.
+    from geomtorsion.ode.solve import solve
     from geomtorsion.rigid import (
         FreeTop,
         free_top,
@@ -117,7 +122,7 @@ if TYPE_CHECKING:
 
 # Imported when first asked for, so that geometry alone starts as fast as sympy does.
 _LATER = {
-    "codegen": ("numpy_function",),
+    "geometry.numpy_functions": ("numpy_function",),
     "action": (
         "EquationsOfMotion", "Variation", "conserved_quantities", "equations_of_motion",
         "variation",
@@ -240,6 +245,7 @@ __all__ = [
     "parallel_transport",
     "parse_expression",
     "pictures",
+    "read",
     "scenes",
     "solve",
     "solve_many",
@@ -248,20 +254,40 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
-    """A name of a later floor, imported on first use."""
-    from importlib import import_module
+# Checkers of types know all names from above; with this they would take any name.
+if not TYPE_CHECKING:
 
-    if name in _PACKAGES:
-        return import_module(f"geomtorsion.{name}")
-    if name not in _HOME:
-        raise AttributeError(f"module 'geomtorsion' has no attribute {name!r}")
-    found = getattr(import_module(f"geomtorsion.{_HOME[name]}"), name)
-    # Kept, since asking anew costs as much as a short solution.
-    globals()[name] = found
-    return found
+    def __getattr__(name: str) -> Any:
+        """A name of a later floor, imported on first use."""
+        from importlib import import_module
+
+        if name == "__version__":
+            return _version()
+        if name in _PACKAGES:
+            return import_module(f"geomtorsion.{name}")
+        if name not in _HOME:
+            raise AttributeError(f"module 'geomtorsion' has no attribute {name!r}")
+        found = getattr(import_module(f"geomtorsion.{_HOME[name]}"), name)
+        # Kept, since asking anew costs as much as a short solution.
+        globals()[name] = found
+        return found
+
+
+def _version() -> str:
+    """The version, which stands in pyproject.toml alone."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("geomtorsion")
+    except PackageNotFoundError:
+        # Run from a checkout that is not installed.
+        import tomllib
+        from pathlib import Path
+
+        file = Path(__file__).parents[1] / "pyproject.toml"
+        return tomllib.loads(file.read_text("utf-8"))["project"]["version"]
 
 
 def __dir__() -> list[str]:
     """All public names."""
-    return list(__all__)
+    return [*__all__, "__version__"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import networkx as nx
@@ -446,6 +447,7 @@ def other_cases() -> list[Case]:
     known = {"quantity": "ricci", "components": {(0, 0): "1"}, "basis": "coordinate"}
     return [
         _of("spaces.load", spaces.load, name="kerr"),
+        _of("read", gt.read, path=str(Path(__file__).parent / "data" / "nil.toml")),
         _of("spaces.KnownAnswer", spaces.KnownAnswer, **known),
         _of("exercises.load", exercises.load, number="3.2", seed=1),
         _of("exercises.check", exercises.check, number="3.2", answers=ANSWERS, seed=1),

@@ -37,7 +37,7 @@ def steps(*hints: str) -> tuple[str, ...]:
     return hints
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Exercise:
     """An exercise in one variant.
 
@@ -60,6 +60,16 @@ class Exercise:
     seed: int
     variant: Variant
     loader: Callable[[str, int], Exercise]
+
+    def __repr__(self) -> str:
+        names = ", ".join(question.name for question in self.questions)
+        return (
+            f"exercise {self.number} ({self.level}, seed {self.seed}): {self.title}; "
+            f"asked: {names}; {len(self.hints)} hints"
+        )
+
+    def _repr_markdown_(self) -> str:
+        return f"**{self.number}. {self.title}** ({self.level})\n\n{self.statement}"
 
     def __reduce__(self) -> tuple:
         return self.loader, (self.number, self.seed)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, SupportsIndex
+from typing import TYPE_CHECKING, Any, SupportsIndex
 
 import mpmath
 import sympy as sp
@@ -15,6 +15,7 @@ from geomtorsion import checks
 from geomtorsion.errors import (
     CoordinateError,
     MissingValueError,
+    ShapeError,
     SingularPointError,
     TensorIndexError,
 )
@@ -26,12 +27,14 @@ from geomtorsion.geometry.symmetry import Index, Symmetry, effective
 
 if TYPE_CHECKING:
     import numpy as np
+    from numpy.typing import ArrayLike
 
     from geomtorsion.geometry.frame import Frame
 
 Number = int | float | complex | Fraction | sp.Expr
 Scalar = int | Fraction | sp.Expr | Element
 Point = Mapping[str, Number] | Mapping[sp.Expr, Number]
+Points = Mapping[str, "Number | ArrayLike"] | Mapping[sp.Expr, "Number | ArrayLike"]
 Source = Components | Mapping[Index, Scalar] | Callable[[Index], Element | None]
 
 
@@ -160,14 +163,17 @@ class Tensor:
             flat[place] = value
         return sp.ImmutableDenseNDimArray(flat, (n,) * rank)
 
-    def at(self, point: Point, *, digits: int | None = None) -> np.ndarray:
-        """Numbers at one point: array of floats (complex if the frame is), one axis per index.
+    def at(self, point: Points, *, digits: int | None = None) -> np.ndarray:
+        """Numbers at a point: array of floats (complex if the frame is), one axis per index.
+
+        Where values are lists or arrays, numbers at all points: their common shape comes first.
 
         Parameters
         ----------
         point
             Value of each coordinate and parameter on which the tensor depends; keys are symbols
-            or their names. A float is what it is in binary: write Fraction(1, 10), not 0.1.
+            or their names. A float is what it is in binary: write Fraction(1, 10), not 0.1. Lists
+            and arrays are points one by one; for very many `numpy_function` is faster.
         digits
             So many right decimal digits, up to 1000, as numbers of mpmath in an array of objects;
             None: floats.
@@ -179,6 +185,8 @@ class Tensor:
             no whole number from 1 to 1000.
         MissingValueError
             A symbol has no value.
+        ShapeError
+            Lists and arrays have no common shape.
         SingularPointError
             A component has no finite value there.
 
@@ -190,10 +198,16 @@ class Tensor:
         >>> frame = Frame([r, phi], [[1, 0], [0, r]])
         >>> frame.metric.at({r: 3}).tolist()
         [[1.0, 0.0], [0.0, 9.0]]
+        >>> frame.metric.at({r: [1, 2, 3]}).shape
+        (3, 2, 2)
         >>> print(frame.metric.at({r: sp.sqrt(2)}, digits=30)[1, 1])
         2.0
         """
-        return _evaluated(self, point, digits)
+        given = checks.table(point, "point")
+        several = {key: x for key, x in given.items() if _is_several(x)}
+        return (
+            _at_points(self, given, several, digits) if several else _evaluated(self, given, digits)
+        )
 
     # -- changing indices ----------------------------------------------------------------------
 
@@ -368,6 +382,35 @@ def _exchange(frame: Frame, old: str, new: str) -> tuple[Sequence[Row], Sequence
 
 
 # -- numbers -------------------------------------------------------------------------------------
+
+
+def _is_several(value: object) -> bool:
+    """Whether a value is a list or an array with axes."""
+    return isinstance(value, list | tuple) or bool(getattr(value, "shape", ()))
+
+
+def _at_points(
+    tensor: Tensor, point: Point, several: Mapping[Any, Any], digits: int | None
+) -> np.ndarray:
+    """Arrays of a tensor's components at all points, their shape first."""
+    # See _evaluated.
+    import numpy as np
+
+    columns = [np.array(value, dtype=object) for value in several.values()]
+    try:
+        columns = np.broadcast_arrays(*columns)
+    except ValueError:
+        shapes = ", ".join(str(column.shape) for column in columns)
+        raise ShapeError(
+            f"point: values of one shape were needed, but shapes {shapes} came. "
+            "Give lists of equal length, or single numbers."
+        ) from None
+    found = [
+        _evaluated(tensor, {**point, **dict(zip(several, values, strict=True))}, digits)
+        for values in zip(*(column.ravel() for column in columns), strict=True)
+    ]
+    n, rank = tensor.frame.dimension, len(tensor.slots)
+    return np.array(found).reshape(*columns[0].shape, *(n,) * rank)
 
 
 def _evaluated(tensor: Tensor, point: Point, digits: int | None) -> np.ndarray:

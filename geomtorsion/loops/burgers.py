@@ -18,6 +18,7 @@ from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.planes import check_accuracy
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.result import BurgersVector, Check
+from geomtorsion.loops.sampled import SampledBurgers, SampledFrame
 
 
 @overload
@@ -42,14 +43,18 @@ def burgers_vector(
 ) -> ExactBurgersVector: ...
 
 
+@overload
+def burgers_vector(frame: SampledFrame, loop: Loop) -> SampledBurgers: ...
+
+
 def burgers_vector(
-    frame: Frame,
+    frame: Frame | SampledFrame,
     loop: Loop,
     accuracy: float = 1e-12,
     *,
     parameters: Parameters | None = None,
     exact: bool = False,
-) -> BurgersVector | ExactBurgersVector:
+) -> BurgersVector | ExactBurgersVector | SampledBurgers:
     """Burgers vector of a loop: what the frame misses when the loop closes in coordinates.
 
     Equation
@@ -65,6 +70,9 @@ def burgers_vector(
 
     Parameters
     ----------
+    frame
+        A frame; or one sampled on a grid, whose spacing decides how good the result is (see
+        `SampledFrame.burgers`): then nothing but the loop is asked for.
     accuracy
         Wanted relative error of the vector (largest component); `reached` says whether it was.
     parameters
@@ -96,6 +104,8 @@ def burgers_vector(
     >>> b.vector, b.route, b.check.agrees
     (array([0.00000000e+00, 0.00000000e+00, 6.28318531e-18]), 'flux', True)
     """
+    if isinstance(frame, SampledFrame):
+        return frame.burgers(checks.instance(loop, Loop, "loop"))
     checks.instance(frame, Frame, "frame")
     check_loop(loop, frame.dimension)
     if exact:

@@ -39,7 +39,7 @@ class Event:
 
     def __getstate__(self) -> Mapping[str, object]:
         # What comes after was asked when the trajectory was made.
-        return only_fields(self) | {"then": None}
+        return only_fields(self) | {"then": None, "ending": None}
 
 
 @dataclass(frozen=True, eq=False)

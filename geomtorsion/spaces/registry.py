@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from importlib import import_module
+from os import PathLike
 from typing import TYPE_CHECKING
 
 from geomtorsion.checks import close_names, shown
 from geomtorsion.errors import UnknownNameError
+from geomtorsion.spaces.files import read_file
 
 if TYPE_CHECKING:
     from geomtorsion.spaces.space import Space
@@ -97,19 +99,25 @@ def titles() -> dict[str, str]:
     return {name: title for name, _, title in SPACES}
 
 
-def load(name: str) -> Space:
-    """The shipped space of this name; imports its module and no other space.
+def load(name: str | PathLike[str]) -> Space:
+    """The shipped space of this name, or that in a tetrad file (a path, or a text with .toml).
+
+    Imports the module of the space and no other one.
 
     Raises
     ------
     UnknownNameError
         No space has this name; the message lists near ones.
+    FileFormatError, ExpressionError, LimitError
+        The file cannot be read; see `read_file`.
 
     Examples
     --------
     >>> load("heisenberg").frame.dimension
     3
     """
+    if isinstance(name, PathLike) or (isinstance(name, str) and name.endswith(".toml")):
+        return read_file(name)
     for known, module, title in SPACES:
         if isinstance(name, str) and known == name:
             # Atlases bring the package of motions, which `import geomtorsion` does not need.

@@ -53,7 +53,7 @@ class KnownAnswer:
         return self.components == 0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Space:
     """A shipped or read space: a frame, told about.
 
@@ -92,3 +92,17 @@ class Space:
     group: str = ""
     notes: str = ""
     connection: Connection | None = None
+
+    def __repr__(self) -> str:
+        lines = [f"{self.name}: {self.title}", self.story, f"source: {self.source}"]
+        if self.notes:
+            lines.append(f"notes: {self.notes}")
+        return "\n".join([*(line for line in lines if line), repr(self.frame)])
+
+    def _repr_markdown_(self) -> str:
+        notes = f"\n\n*{self.notes}*" if self.notes else ""
+        source = f"\n\nSource: {self.source}" if self.source else ""
+        return (
+            f"**{self.name}**: {self.title}\n\n{self.story}{source}{notes}\n\n"
+            f"{self.frame._repr_latex_()}"
+        )

@@ -39,3 +39,12 @@ def test_unknown_exercises(number, seed, says):
     """What there is, is said."""
     with pytest.raises(UnknownNameError, match=says):
         registry.load(number, seed)
+
+
+def test_an_exercise_shows_itself():
+    """One line in a terminal, the statement in a notebook."""
+    exercise = registry.load("3.2", seed=4)
+    assert repr(exercise) == (
+        "exercise 3.2 (warm-up, seed 4): A Christoffel symbol; asked: christoffel; 2 hints"
+    )
+    assert exercise.statement in exercise._repr_markdown_()

@@ -1,5 +1,7 @@
 """Sampled frames: orders, errors that hold, Nye tensor, files."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -251,3 +253,17 @@ def test_loops_that_leave_the_grid_are_refused(wavy):
     nodes = [np.linspace(-1, 1, 9)] * 3
     with pytest.raises(ArithmeticError, match="no finite value"):
         SampledFrame.from_frame(line, nodes, parameters={"b": 1})
+
+
+def test_burgers_vector_of_a_grid():
+    """The function for loops takes a sampled frame, too, and refuses what is none."""
+    axes = [np.linspace(-1, 1, 9), np.linspace(-1, 1, 11)]
+    x, y = np.meshgrid(*axes, indexing="ij")
+    grid = SampledFrame(axes, np.array([[-y, x]]) / 2)
+    loop = Loop.circle([0.1, 0.2], 0.5)
+    found = burgers_vector(grid, loop)
+    assert found.vector.tolist() == grid.burgers(loop).vector.tolist()
+    assert abs(found.vector[0] - np.pi / 4) <= found.error + 1e-12
+    wrong: Any = "loop"
+    with pytest.raises(TypeError, match="loop: a Loop was needed"):
+        burgers_vector(grid, wrong)

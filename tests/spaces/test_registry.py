@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from geomtorsion.errors import UnknownNameError
+import geomtorsion as gt
+from geomtorsion.errors import FileFormatError, UnknownNameError
 from geomtorsion.spaces import load, names, titles
 from geomtorsion.spaces.registry import SPACES
 
@@ -96,3 +97,28 @@ def test_unknown_name_without_near_ones() -> None:
     """A name that resembles none says so and says where the list is."""
     with pytest.raises(UnknownNameError, match=r"None is near.*spaces"):
         load("@@@@")
+
+
+def test_files_are_loaded_by_path(tmp_path):
+    """A tetrad file, by `gt.read` and by `load`, as text and as path."""
+    file = tmp_path / "plane.toml"
+    file.write_text('coordinates = ["r", "phi"]\ncoframe = [[1, 0], [0, "r"]]\n', "utf-8")
+    for read in (gt.read, load):
+        for path in (file, str(file)):
+            space = read(path)
+            assert space.name == "plane"
+            assert str(space.frame.metric[1, 1]) == "r**2"
+    with pytest.raises(FileFormatError, match=r"missing\.toml"):
+        load("missing.toml")
+
+
+def test_a_space_shows_itself():
+    """In a terminal without LaTeX, in a notebook with the coframe."""
+    space = load("so3")
+    text = repr(space)
+    assert text.startswith("so3: rotations")
+    assert space.story in text
+    assert "source: P. Fiziev" in text
+    assert "\\" not in text
+    assert "**so3**" in space._repr_markdown_()
+    assert r"\mathrm{d}" in space._repr_markdown_()

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from geomtorsion import checks
+from geomtorsion.errors import ArgumentError
 from geomtorsion.ode.engines.protocol import Run
 from geomtorsion.ode.engines.stepper import LARGEST
 from geomtorsion.ode.engines.stepwise import stepwise_run
@@ -16,6 +18,7 @@ from geomtorsion.ode.system import System
 
 # The first tolerance is this part of the accuracy; each next one this part of the last.
 MARGIN, RUNG = 0.1, 0.01
+METHODS = ("Radau", "LSODA")
 
 
 class _Ladder:
@@ -51,6 +54,11 @@ class RungeKutta(_Ladder):
 
     max_evaluations: after so many evaluations of the rates the run is given up.
 
+    Raises
+    ------
+    ArgumentError
+        max_evaluations is no whole number from 1 on.
+
     Examples
     --------
     >>> RungeKutta().name
@@ -58,6 +66,10 @@ class RungeKutta(_Ladder):
     """
 
     max_evaluations: int = 20_000_000
+
+    def __post_init__(self) -> None:
+        """Refuse a number without sense."""
+        checks.count(self.max_evaluations, "max_evaluations", ArgumentError, 1)
 
     name = "RungeKutta"
     # Below scipy's own floor of 2.3e-14 the steps are shortened instead.
@@ -86,6 +98,11 @@ class Stiff(_Ladder):
     method: "Radau" or "LSODA".
     max_evaluations: after so many evaluations of the rates the run is given up.
 
+    Raises
+    ------
+    ArgumentError
+        The method is none of the two, or max_evaluations no whole number from 1 on.
+
     Examples
     --------
     >>> Stiff().name
@@ -94,6 +111,11 @@ class Stiff(_Ladder):
 
     method: str = "Radau"
     max_evaluations: int = 5_000_000
+
+    def __post_init__(self) -> None:
+        """Refuse what is no method, or a number without sense."""
+        checks.choice(self.method, METHODS, "method", ArgumentError)
+        checks.count(self.max_evaluations, "max_evaluations", ArgumentError, 1)
 
     finest = 3e-13
 

@@ -11,7 +11,9 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from geomtorsion.errors import LimitError
+from geomtorsion import checks
+from geomtorsion.codegen.evaluation import EXACT_BITS
+from geomtorsion.errors import ArgumentError, LimitError
 from geomtorsion.ode.engines.compiled import (
     Compiled,
     compiled,
@@ -39,8 +41,13 @@ NO_VALUE = "the series has no finite value"
 class Taylor:
     """Adaptive Taylor series by heyoka (extra `fast`).
 
-    precision: bits of the mantissa: 53 (double), 64 (long double), 113 (quadruple) or more.
+    precision: bits of the mantissa: 53 (double), 64 (long double), 113 (quadruple) to 400.
     max_steps: after so many steps a run is given up.
+
+    Raises
+    ------
+    ArgumentError
+        Bits that heyoka has no numbers of, or a number of steps that is none.
 
     Examples
     --------
@@ -50,6 +57,13 @@ class Taylor:
 
     precision: int = 53
     max_steps: int = 5_000_000
+
+    def __post_init__(self) -> None:
+        """Refuse numbers without sense, which would fail far from here."""
+        if self.precision not in (53, 64):
+            text = "{subject}: 53, 64 or a whole number {range} was needed, but {value} came."
+            checks.count(self.precision, "precision", ArgumentError, 113, EXACT_BITS, message=text)
+        checks.count(self.max_steps, "max_steps", ArgumentError, 1)
 
     finds_every_root = True
 

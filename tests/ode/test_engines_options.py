@@ -1,0 +1,44 @@
+"""Options of engines that make no sense are refused where they are given."""
+
+import pytest
+
+import geomtorsion as gt
+from geomtorsion.errors import ArgumentError
+
+NAN, INF = float("nan"), float("inf")
+NO_COUNTS = [0, -1, NAN, INF, 2.5, "5", None, True]
+
+
+@pytest.mark.parametrize("engine", [gt.RungeKutta, gt.Stiff])
+@pytest.mark.parametrize("value", NO_COUNTS)
+def test_evaluations(engine, value):
+    """A whole number from one on."""
+    with pytest.raises(ArgumentError, match="max_evaluations: a whole number from 1 on was needed"):
+        engine(max_evaluations=value)
+
+
+@pytest.mark.parametrize("value", NO_COUNTS)
+def test_steps(value):
+    """A whole number from one on."""
+    with pytest.raises(ArgumentError, match="max_steps: a whole number from 1 on was needed"):
+        gt.Taylor(max_steps=value)
+
+
+@pytest.mark.parametrize("value", [0, -53, 52.5, NAN, INF, "53", None, 54, 112, 401])
+def test_bits(value):
+    """Numbers of which heyoka has a kind."""
+    with pytest.raises(ArgumentError, match=r"precision: 53, 64 or a whole number from 113 to"):
+        gt.Taylor(precision=value)
+
+
+@pytest.mark.parametrize("value", ["x", "radau", None, 5, ["Radau"]])
+def test_methods(value):
+    """One of two names."""
+    with pytest.raises(ArgumentError, match="method: one of Radau, LSODA was needed"):
+        gt.Stiff(method=value)
+
+
+def test_what_makes_sense_is_taken():
+    """From both sides of each bound."""
+    assert [gt.Taylor(precision=bits).precision for bits in (53, 64, 113, 114, 400)]
+    assert gt.Taylor(max_steps=1).max_steps == gt.Stiff("LSODA", 1).max_evaluations == 1

@@ -1,0 +1,95 @@
+"""Editors and checkers of types know every public name: planted mistakes are found, no others."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import geomtorsion
+
+ROOT = Path(__file__).parents[1]
+CLIENT = '''"""A client with twelve mistakes."""
+
+import sympy as sp  # type: ignore[import-untyped]
+
+import geomtorsion as gt
+
+r, phi = sp.symbols("r phi", positive=True)
+frame = gt.Frame([r, phi], [[1, 0], [0, r]])
+straight = gt.autoparallel(gt.cartan(frame), [1.0, 0.0], [0.0, 1.0])
+solution = gt.solve(straight, t=1.0, accuracy=1e-9, engine=gt.RungeKutta())
+loop = gt.Loop.circle([1.0, 0.0], 0.1)
+vector = gt.burgers_vector(frame, loop)
+curvature = gt.levi_civita(frame).curvature.scalar + 1
+numbers = gt.numpy_function(frame.metric, [r])([1.0, 2.0]).sum()
+more = frame.metric.at({r: [1, 2]}).sum()
+scene = gt.scenes.load("dzhanibekov")
+print(solution.error < 1e-9, vector.error, frame.metric[0, 0], gt.read("own.toml").frame)
+print(gt.__version__.split("."), gt.spaces.load("kerr").story, gt.exercises.load("1.1").hints)
+
+gt.solve("nonsense", t=1.0)  # mistake
+gt.solve(straight, tt=3)  # mistake
+gt.solve(straight, t=1.0, accuracy="fine")  # mistake
+gt.cartan(loop)  # mistake
+gt.levi_civita()  # mistake
+gt.Loop.circle([1.0, 0.0])  # mistake
+gt.burgers_vector(loop, frame)  # mistake
+print(solution.eror)  # mistake
+print(frame.metrics)  # mistake
+gt.Taylor(precision="double")  # mistake
+gt.geodessic(frame, [1.0, 0.0], [0.0, 1.0])  # mistake
+frame.metric.raised("a")  # mistake
+'''
+PLANTED = {k for k, line in enumerate(CLIENT.splitlines(), 1) if line.endswith("# mistake")}
+
+
+def lines_found(checker, tmp_path):
+    """Numbers of the lines in which a checker finds mistakes."""
+    (tmp_path / "client.py").write_text(CLIENT, "utf-8")
+    options = {
+        "mypy": ["--strict", "--cache-dir", str(tmp_path / "cache"), "client.py"],
+        "pyright": ["--pythonpath", sys.executable, "client.py"],
+    }
+    run = subprocess.run(
+        [sys.executable, "-m", checker, *options[checker]],
+        cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(ROOT), "MYPYPATH": str(ROOT)},
+        capture_output=True, text=True, check=False, timeout=500,
+    )  # fmt: skip
+    assert run.returncode == 1, run.stdout + run.stderr
+    found = re.findall(r"client\.py:(\d+):(?:\d+ -)? error", run.stdout)
+    assert "Found 0" not in run.stdout
+    return {int(line) for line in found}
+
+
+@pytest.mark.parametrize("checker", ["mypy", "pyright"])
+def test_planted_mistakes(checker, tmp_path):
+    """Twelve of twelve, and nothing else."""
+    pytest.importorskip(checker)
+    assert len(PLANTED) == 12
+    assert lines_found(checker, tmp_path) == PLANTED
+
+
+def test_the_package_says_that_it_is_typed():
+    """Without this file checkers would not look."""
+    assert (Path(geomtorsion.__file__).parent / "py.typed").exists()
+
+
+def test_every_public_name_is_declared():
+    """Each name that loads later stands among those that checkers see."""
+    text = Path(geomtorsion.__file__).read_text("utf-8")
+    seen = text[text.index("if TYPE_CHECKING") : text.index("_LATER")]
+    missing = [name for name in geomtorsion._HOME if not re.search(rf"\b{name}\b", seen)]
+    assert not missing
+    assert len(geomtorsion._HOME) > 60
+
+
+def test_version():
+    """It stands in pyproject.toml alone."""
+    text = (ROOT / "pyproject.toml").read_text("utf-8")
+    stated = re.search(r'^version = "(.*)"$', text, re.MULTILINE)
+    assert stated is not None
+    assert geomtorsion.__version__ == stated[1]
+    assert "__version__" in dir(geomtorsion)
