@@ -122,7 +122,12 @@ def _image(drawn: Hodograph, b: BurgersVector) -> str:
 
 
 def _raised(k: int) -> str:
-    return str(k).translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    """The number of a component as people count, from 1, in raised digits.
+
+    >>> _raised(0)
+    '¹'
+    """
+    return str(k + 1).translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
 def _table(b: BurgersVector, expected: Sequence[float]) -> str:
@@ -156,6 +161,12 @@ def _sentence(
             + f"The image closes: b = 0, error below {b.error:.0e}. Two routes: {b.check.text}."
         )
     said += f"|b| = {b.magnitude:.6g}, error below {b.error:.0e}. "
+    if b.enclosed and not any(expected):
+        defects = names_text([str(defect) for defect in b.enclosed])
+        return (
+            f"{said}Inside: {defects}. Where the loop runs there is no torsion, so flux and 2 S A "
+            "are 0: all of b sits on the line."
+        )
     largest = max(abs(x) for x in expected)
     if largest:
         miss = max(abs(x - y) for x, y in zip(np.real(b.vector), expected, strict=True)) / largest

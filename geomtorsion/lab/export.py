@@ -49,7 +49,8 @@ for (const slider of document.querySelectorAll("input[data-slides]")) {
 }
 """
 _BODY = """
-body { margin: 0; background: #fff; }
+body { margin: 0; background: #fff; color-scheme: light dark; }
+@media (prefers-color-scheme: dark) { body { background: #16191f; } }
 main { max-width: 72rem; margin: 0 auto; padding: 1rem; }
 .lab nav { display: flex; flex-wrap: wrap; gap: 0.3rem 1rem; margin: 0.4rem 0 1rem; }
 .lab label { display: flex; gap: 0.8rem; align-items: center; margin: 0.4rem 0; }
@@ -84,7 +85,7 @@ def pages(progress: Progress = lambda _: None) -> dict[str, str]:
     found = {}
     for tab, maker in makers.items():
         progress(tab)
-        found[_file(tab)] = _page(tab, f'<p class="soft">{views.TABS[tab]}</p>{maker()}')
+        found[_file(tab)] = _page(tab, f"{views.intro(tab)}{maker()}")
     links = "".join(
         f'<li><a href="{_file(tab)}">{escape(tab)}</a>: {escape(text)}</li>'
         for tab, text in views.TABS.items()
@@ -111,7 +112,7 @@ def _page(title: str, inner: str) -> str:
         f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
         f"<title>{escape(title)}</title><style>{font_face()}{views.style()}{_BODY}</style></head>\n"
         f'<body><main class="lab"><h1>{escape(title)}</h1><nav><a href="index.html">Torsion lab'
-        f"</a>{links}</nav>{inner}</main><script>{_SLIDE}</script></body></html>\n"
+        f"</a>{links}</nav>{inner}</main><script>{_SLIDE}{views.copying()}</script></body></html>\n"
     )
 
 
@@ -139,7 +140,7 @@ def tetrads() -> str:
 def _forms(known: Json) -> str:
     """The one-forms as they would be typed."""
     rows = []
-    for i, row in enumerate(known["coframe"]):
+    for i, row in enumerate(known["coframe"], 1):
         terms = [
             f"({text}) d{greek_name(name)}" if text != "1" else f"d{greek_name(name)}"
             for text, name in zip(row, known["coordinates"], strict=True)
@@ -158,7 +159,7 @@ def loops() -> str:
         for radius in RADII:
             plane = known["planes"][0]
             reply = task("loop")(space=name, centre=known["start"], radius=radius, plane=plane)
-            shown = _nameless(views.loop(reply))
+            shown = _nameless(views.loop(reply) + views.loop_below(reply))
             slides.append(f"<section><h3>radius {radius:g}</h3>{shown}</section>")
         parts.append(
             f"<h2>{escape(name)}: {escape(known['title'])}</h2><label>radius "
@@ -177,7 +178,7 @@ def curves() -> str:
         inertia = {f"I{k}": value for k, value in enumerate(moments)}
         reply = task("paths")(**path_case(name, speeds, inertia))
         with_moments = f", moments of inertia {moments}" if moments else ""
-        shown = _nameless(views.paths(reply))
+        shown = _nameless(views.paths(reply) + views.paths_below(reply))
         title = f"{name}: {known['title']}{with_moments}"
         parts.append(f"<h2>{escape(title)}</h2>{shown}")
     return "".join(parts)
@@ -187,7 +188,8 @@ def tops() -> str:
     """Some bodies that turn."""
     parts = []
     for title, case in TOPS.items():
-        shown = views.top(task("top")(**case))
+        reply = task("top")(**case)
+        shown = views.top(reply) + views.top_below(reply)
         parts.append(f"<h2>{escape(title)}</h2>{_nameless(shown)}")
     return "".join(parts)
 

@@ -1,5 +1,9 @@
 """page: the notebook that marimo serves; each cell calls functions that are tested elsewhere."""
 
+# /// script
+# [tool.marimo.display]
+# theme = "system"
+# ///
 import marimo
 
 app = marimo.App(
@@ -11,69 +15,95 @@ app = marimo.App(
 def _():
     import marimo as mo
 
-    from geomtorsion.lab import controls, views
+    from geomtorsion.lab import controls, exercise_controls, tetrad_controls, views
+    from geomtorsion.lab.kept import Kept, keep
     from geomtorsion.lab.tasks import common_runner
 
     runner = common_runner()
+    # What stands in the address; it is read once, and written as the page is used.
+    kept = Kept.of(mo.query_params().to_dict())
     mo.Html(views.header())
-    return controls, mo, runner, views
+    return controls, exercise_controls, keep, kept, mo, runner, tetrad_controls, views
 
 
 @app.cell
-def _(controls, mo):
-    tab = controls.tabs(mo)
+def _(controls, kept, mo):
+    tab = controls.tabs(mo, kept)
     mo.vstack([tab])
     return (tab,)
+
+
+@app.cell
+def _(keep, mo, tab, views):
+    keep(mo, {"tab": (tab.value, views.TETRAD)})
+    return
 
 
 # -- any tetrad ---------------------------------------------------------------------------------
 
 
 @app.cell
-def _(controls, mo):
-    beginning = controls.starts(mo)
-    shown = controls.offered(mo)
+def _(kept, mo, tetrad_controls):
+    beginning = tetrad_controls.starts(mo, kept)
+    shown = tetrad_controls.offered(mo, kept)
     return beginning, shown
 
 
 @app.cell
-def _(beginning, controls, runner, mo):
-    _chosen = beginning.value
-    tetrad_facts = (
-        controls.blank(_chosen)
-        if isinstance(_chosen, int)
-        else runner.ask("space_info", space=_chosen)
-    )
-    names = controls.names(mo, tetrad_facts)
-    entries = controls.entries(mo, tetrad_facts)
-    size = len(tetrad_facts["coordinates"])
-    return entries, names, size
+def _(beginning, kept, mo, runner, tetrad_controls):
+    tetrad_facts = tetrad_controls.facts(beginning.value, runner)
+    _own = kept.of_case("start", beginning.value, tetrad_controls.first_start())
+    names = tetrad_controls.names(mo, tetrad_facts, _own)
+    # The entries as they stand: fields are made anew when coordinates get other names.
+    typed = tetrad_controls.typed(tetrad_facts, _own)
+    return names, tetrad_facts, typed
 
 
 @app.cell
-def _(controls, runner, entries, mo, names, shown, size, tab, views):
+def _(mo, names, tetrad_controls, typed):
+    columns = tetrad_controls.coordinates(names.value)
+    entries = tetrad_controls.entries(mo, columns, typed)
+    return columns, entries
+
+
+@app.cell
+def _(
+    beginning,
+    columns,
+    entries,
+    keep,
+    mo,
+    names,
+    runner,
+    shown,
+    tab,
+    tetrad_controls,
+    tetrad_facts,
+    typed,
+    views,
+):
     mo.stop(tab.value != views.TETRAD)
-    tetrad_reply = runner.ask(
-        "tetrad",
-        **names.value,
-        entries=controls.rows(entries.value, size),
-        show=[name for name, wanted in shown.value.items() if wanted],
-    )
+    typed.update(entries.value)
+    _rows = tetrad_controls.rows(entries.value, len(columns))
+    _show = [name for name, wanted in shown.value.items() if wanted]
+    tetrad_reply = runner.ask("tetrad", **tetrad_controls.tetrad_case(names.value, _rows, _show))
+    keep(mo, tetrad_controls.kept_tetrad(beginning.value, tetrad_facts, names.value, _rows, _show))
     return (tetrad_reply,)
 
 
 @app.cell
-def _(beginning, entries, mo, names, shown, size, tab, tetrad_reply, views):
+def _(beginning, columns, entries, mo, names, shown, tab, tetrad_reply, views):
     mo.stop(tab.value != views.TETRAD)
+    _size = len(columns)
     _cells = [
         f"{entries[f'{i},{k}']}{views.fault(tetrad_reply, i, k)}"
-        for i in range(size)
-        for k in range(size)
+        for i in range(_size)
+        for k in range(_size)
     ]
     mo.vstack(
         [
             mo.Html(views.controls([beginning, *names.values()])),
-            mo.Html(views.wrapped(views.grid(_cells, size))),
+            mo.Html(views.wrapped(views.grid(_cells, _size))),
             mo.accordion({"What to show": mo.Html(views.controls(list(shown.values())))}),
         ]
     )
@@ -91,24 +121,25 @@ def _(mo, tab, tetrad_reply, views):
 
 
 @app.cell
-def _(controls, mo):
-    loop_space = controls.spaces(mo)
-    radius = controls.radius(mo)
+def _(controls, kept, mo):
+    loop_space = controls.spaces(mo, controls.FIRST_LOOP, kept, "loop")
+    radius = controls.radius(mo, kept)
     return loop_space, radius
 
 
 @app.cell
-def _(controls, runner, loop_space, mo):
-    _facts = runner.ask("space_info", space=loop_space.value)
-    centre = controls.centre(mo, _facts)
-    plane = controls.plane(mo, _facts)
-    return centre, plane
+def _(controls, kept, loop_space, mo, runner):
+    loop_facts = runner.ask("space_info", space=loop_space.value)
+    _own = kept.of_case("loop", loop_space.value, controls.FIRST_LOOP)
+    centre = controls.centre(mo, loop_facts, _own)
+    plane = controls.plane(mo, loop_facts, _own)
+    return centre, loop_facts, plane
 
 
 @app.cell
 def _(centre, loop_space, mo, plane, radius, tab, views):
     mo.stop(tab.value != views.LOOPS)
-    mo.Html(views.controls([loop_space, plane, radius, *centre.values()]))
+    mo.Html(views.controls([loop_space, plane, radius, *centre.values()], "after"))
     return
 
 
@@ -119,9 +150,18 @@ def _(centre, controls, loop_space, plane, radius):
 
 
 @app.cell
-def _(runner, loop_case, mo, tab, views):
+def _(centre, controls, keep, loop_case, loop_facts, mo, plane, radius, runner, tab, views):
     mo.stop(tab.value != views.LOOPS)
-    mo.Html(views.loop(runner.ask("loop", **loop_case)))
+    keep(mo, controls.kept_loop(loop_facts, centre.value, radius.value, plane.value))
+    loop_reply = runner.ask("loop", **loop_case)
+    mo.Html(views.loop(loop_reply))
+    return (loop_reply,)
+
+
+@app.cell
+def _(loop_reply, mo, tab, views):
+    mo.stop(tab.value != views.LOOPS)
+    mo.Html(views.loop_below(loop_reply))
     return
 
 
@@ -129,22 +169,24 @@ def _(runner, loop_case, mo, tab, views):
 
 
 @app.cell
-def _(controls, mo):
-    path_space = controls.spaces(mo, "r3xso3")
+def _(controls, kept, mo):
+    path_space = controls.spaces(mo, controls.FIRST_PATH, kept, "path")
     return (path_space,)
 
 
 @app.cell
-def _(controls, runner, mo, path_space):
-    velocity = controls.velocity(mo, runner.ask("space_info", space=path_space.value))
-    moments = controls.moments(mo, path_space.value)
-    return moments, velocity
+def _(controls, kept, mo, path_space, runner):
+    path_facts = runner.ask("space_info", space=path_space.value)
+    _own = kept.of_case("path", path_space.value, controls.FIRST_PATH)
+    velocity = controls.velocity(mo, path_facts, _own)
+    moments = controls.moments(mo, path_space.value, _own)
+    return moments, path_facts, velocity
 
 
 @app.cell
 def _(mo, moments, path_space, tab, velocity, views):
     mo.stop(tab.value != views.PATHS)
-    mo.Html(views.controls([path_space, *velocity.values(), *moments.values()]))
+    mo.Html(views.controls([path_space, *velocity.values(), *moments.values()], "after"))
     return
 
 
@@ -155,9 +197,18 @@ def _(controls, moments, path_space, velocity):
 
 
 @app.cell
-def _(runner, mo, path_case, tab, views):
+def _(controls, keep, mo, moments, path_case, path_facts, runner, tab, velocity, views):
     mo.stop(tab.value != views.PATHS)
-    mo.Html(views.paths(runner.ask("paths", **path_case)))
+    keep(mo, controls.kept_path(path_facts, velocity.value, moments.value))
+    path_reply = runner.ask("paths", **path_case)
+    mo.Html(views.paths(path_reply))
+    return (path_reply,)
+
+
+@app.cell
+def _(mo, path_reply, tab, views):
+    mo.stop(tab.value != views.PATHS)
+    mo.Html(views.paths_below(path_reply))
     return
 
 
@@ -165,17 +216,17 @@ def _(runner, mo, path_case, tab, views):
 
 
 @app.cell
-def _(controls, mo):
-    body = controls.body(mo)
-    switches = controls.switches(mo)
-    watched = controls.watched(mo)
+def _(controls, kept, mo):
+    body = controls.body(mo, kept)
+    switches = controls.switches(mo, kept)
+    watched = controls.watched(mo, kept)
     return body, switches, watched
 
 
 @app.cell
 def _(body, mo, switches, tab, views, watched):
     mo.stop(tab.value != views.TOP)
-    mo.Html(views.controls([*body.values(), *switches.values(), watched]))
+    mo.Html(views.controls([watched, *switches.values(), *body.values()], "after"))
     return
 
 
@@ -186,9 +237,18 @@ def _(body, controls, switches, watched):
 
 
 @app.cell
-def _(runner, mo, tab, top_case, views):
+def _(body, controls, keep, mo, runner, switches, tab, top_case, views, watched):
     mo.stop(tab.value != views.TOP)
-    mo.Html(views.top(runner.ask("top", **top_case)))
+    keep(mo, controls.kept_top(body.value, switches.value, watched.value))
+    top_reply = runner.ask("top", **top_case)
+    mo.Html(views.top(top_reply))
+    return (top_reply,)
+
+
+@app.cell
+def _(mo, tab, top_reply, views):
+    mo.stop(tab.value != views.TOP)
+    mo.Html(views.top_below(top_reply))
     return
 
 
@@ -196,20 +256,21 @@ def _(runner, mo, tab, top_case, views):
 
 
 @app.cell
-def _(controls, mo):
-    kind = controls.case_kind(mo)
+def _(controls, kept, mo):
+    kind = controls.case_kind(mo, kept)
     return (kind,)
 
 
 @app.cell
-def _(kind, mo, tab, views):
+def _(keep, kind, mo, tab, views):
     mo.stop(tab.value != views.COSTS)
+    keep(mo, {"measure": (kind.value, "loop")})
     mo.Html(views.controls([kind]))
     return
 
 
 @app.cell
-def _(runner, kind, loop_case, mo, path_case, tab, top_case, views):
+def _(kind, loop_case, mo, path_case, runner, tab, top_case, views):
     mo.stop(tab.value != views.COSTS)
     _case = {"loop": loop_case, "top": top_case}.get(kind.value, path_case)
     mo.Html(views.costs(runner.ask("costs", kind=kind.value, case=_case)))
@@ -220,17 +281,17 @@ def _(runner, kind, loop_case, mo, path_case, tab, top_case, views):
 
 
 @app.cell
-def _(controls, mo, runner):
-    exercise = controls.exercises(mo, runner.ask("listing"))
-    seed = controls.seed(mo)
+def _(exercise_controls, kept, mo, runner):
+    exercise = exercise_controls.exercises(mo, runner.ask("listing"), kept)
+    seed = exercise_controls.seed(mo, kept)
     return exercise, seed
 
 
 @app.cell
-def _(controls, exercise, mo, runner, seed):
+def _(exercise, exercise_controls, kept, mo, runner, seed):
     stated = runner.ask("exercise", number=exercise.value, seed=int(seed.value or 0))
-    form = controls.answers(mo, stated)
-    hint = controls.next_hint(mo, stated)
+    form = exercise_controls.answers(mo, stated, kept)
+    hint = exercise_controls.next_hint(mo, stated)
     return form, hint, stated
 
 
@@ -248,22 +309,26 @@ def _(exercise, form, mo, seed, stated, tab, views):
 
 
 @app.cell
-def _(controls, form, mo, runner, stated, tab, views):
+def _(exercise, exercise_controls, form, keep, mo, runner, stated, tab, views):
     mo.stop(tab.value != views.EXERCISES)
+    keep(
+        mo,
+        exercise_controls.kept_exercise(stated, next(iter(exercise.options.values())), form.value),
+    )
     _reply = None
     if form.value is not None:
         _reply = runner.ask(
             "answer",
             number=stated["number"],
             seed=stated["seed"],
-            answers=controls.given(stated, form.value),
+            answers=exercise_controls.given(stated, form.value),
         )
     mo.Html(views.verdict(_reply))
     return
 
 
 @app.cell
-def _(runner, hint, mo, stated, tab, views):
+def _(hint, mo, runner, stated, tab, views):
     mo.stop(tab.value != views.EXERCISES or "number" not in stated)
     _taken = runner.ask("hints", number=stated["number"], seed=stated["seed"], count=hint.value)
     mo.vstack([hint, mo.Html(views.steps(_taken))])

@@ -79,7 +79,7 @@ def _drawn(pair: Pair) -> Json:
             name, embedding.title.capitalize(), _three(embedding.axes), _curves(places),
             times=_times(pair), globe=radius, equal=embedding.isometric,
         )  # fmt: skip
-        return {"space": turnable(scene)}
+        return {"space": turnable(scene), "title": f"Film: {scene.title}"}
     if embedding is not None and len(embedding.place) == 2:
         return {"picture": _plane(_places(pair), embedding.axes, "In the plane", equal=True)}
     if embedding is not None and embedding.attitude is not None:
@@ -87,7 +87,7 @@ def _drawn(pair: Pair) -> Json:
             name, "Where the axes 1 and 3 of the body point", ("x", "y", "z"), _axes(pair),
             times=_times(pair), globe=1.0, note="Pale: behind the globe.",
         )  # fmt: skip
-        return {"space": turnable(scene)}
+        return {"space": turnable(scene), "title": f"Film: {scene.title}"}
     names = tuple(greek_name(symbol.name) for symbol in pair.symbols)
     places = pair.coordinates
     if len(names) == 2:
@@ -95,7 +95,7 @@ def _drawn(pair: Pair) -> Json:
     title = f"In the chart: {', '.join(names[:3])}"
     first = {curve: points[:, :3] for curve, points in places.items()}
     scene = Film(name, title, _three(names), _curves(first), times=_times(pair))
-    return {"space": turnable(scene)}
+    return {"space": turnable(scene), "title": f"Film: {scene.title}"}
 
 
 def _places(pair: Pair) -> dict[str, np.ndarray]:

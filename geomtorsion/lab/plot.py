@@ -26,7 +26,7 @@ class Layout:
 
     left: float = 66.0
     right: float = 16.0
-    top: float = 34.0
+    top: float = 48.0
     bottom: float = 46.0
     entry: float = 22.0
     ticks: int = 5

@@ -15,6 +15,7 @@ from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.lab.access import LOOPBACK, AccessControl
 from geomtorsion.lab.settings import PAGE
 from geomtorsion.lab.tasks import common_runner
+from geomtorsion.lab.views import copying
 from geomtorsion.pictures.math_font import font_face
 
 # What the tabs begin with; the motions among it are compiled.
@@ -93,7 +94,7 @@ def application(address: Address, sessions: int = PAGE.sessions) -> Any:
         include_code=False,
         token=address.token,
         session_ttl=PAGE.reopening,
-        html_head=f"<style>{font_face()}</style>",
+        html_head=f"<style>{font_face()}</style><script>{copying()}</script>",
     )
     page = Path(__file__).with_name("page.py")
     inner: Any = builder.with_app(path="", root=str(page)).build()

@@ -11,7 +11,9 @@ class Settings:
     -----------------------
     sessions: open at once. body: bytes of one request; a whole tetrad is a hundredth of that.
     request: characters of one request; the largest tetrad of the page has 36 entries.
-    answer: characters of one answer to an exercise. dimensions: coordinates of a typed tetrad.
+    address: characters of one text that is kept in the address of the page.
+    answer: characters of one answer to an exercise. dimensions: coordinates of a typed tetrad;
+    name: characters of the name of one.
     kept: characters of all answers that are kept, some hundred pictures.
 
     Times
@@ -26,6 +28,7 @@ class Settings:
     digits: of each. film: seconds that a film lasts. film_points: of its curves.
     least_times, most_times, each_turn: times at which a top is computed, and for each turn.
     reach: steps that a slider goes to either side of the start; step: the usual size of one.
+    radius: of the first loop.
     fastest: speed along a frame vector, and its step. zero: a value within so many errors of zero
     is shown as zero. nothing: an error of rounding is drawn here on a logarithmic axis.
     """
@@ -33,8 +36,10 @@ class Settings:
     sessions: int = 64
     body: int = 262_144
     request: int = 24_000
+    address: int = 4000
     answer: int = 4000
     dimensions: int = 6
+    name: int = 20
     kept: int = 64_000_000
     opening: float = 15.0
     reopening: int = 120
@@ -50,6 +55,7 @@ class Settings:
     each_turn: int = 24
     reach: int = 20
     step: float = 0.05
+    radius: float = 0.3
     fastest: float = 3.0
     zero: float = 3.0
     nothing: float = 1e-17

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache
 from itertools import combinations
 from typing import TYPE_CHECKING
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 from sympy.core.relational import Relational
 
 from geomtorsion.exercises.worker_pool import Json
@@ -24,6 +26,13 @@ if TYPE_CHECKING:
 FIRST = ("so3", "s2", "flat_polar", "heisenberg", "screw_dislocation", "r3xso3", "schwarzschild")
 # Complex, or with unknown functions: there is nothing to draw.
 _UNDRAWN = ("kerr_kinnersley", "frw", "frw_flat", "s7")
+# Too many coordinates, or complex: these are not typed either.
+_UNTYPED = ("kerr_kinnersley", "s7")
+# Where loops begin in spaces with a line: on it, so that the first circle goes round it.
+_LINES: Mapping[str, tuple[float, ...]] = dict.fromkeys(
+    ("screw_dislocation", "screw_core", "edge_dislocation", "edge_dislocation_elastic"),
+    (0.0, 0.0, 0.0),
+)
 
 
 @cache
@@ -45,6 +54,22 @@ def drawable() -> dict[str, str]:
     return {f"{name}: {titles[name]}": name for name in order if name in titles}
 
 
+def typable() -> dict[str, str]:
+    """Title of each space whose tetrad can be typed -> name, those that can be drawn first.
+
+    Examples
+    --------
+    >>> "frw" in typable().values(), "frw" in drawable().values()
+    (True, False)
+    """
+    more = {
+        f"{name}: {title}": name
+        for name, _, title in SPACES
+        if name in _UNDRAWN and name not in _UNTYPED
+    }
+    return {**drawable(), **more}
+
+
 def space_info(space: str) -> Json:
     """Everything about a shipped space that a control is made of.
 
@@ -58,21 +83,35 @@ def space_info(space: str) -> Json:
     frame = chosen.frame
     first = first_motion(frame)
     n = frame.dimension
+    values = dict(first.parameters)
+    ranges = _ranges(frame, list(first.start), values)
+    centre = _LINES.get(chosen.name)
     return {
         "name": chosen.name,
         "title": chosen.title,
         "story": chosen.story,
         "coordinates": [symbol.name for symbol in frame.coordinates],
         "parameters": [symbol.name for symbol in frame.parameters],
-        "values": dict(first.parameters),
+        "values": values,
+        "functions": _functions(frame),
         "signature": _signature(frame),
         "coframe": [[plain_text(frame.coframe[i, k]) for k in range(n)] for i in range(n)],
         "start": list(first.start),
-        "ranges": _ranges(frame, list(first.start), dict(first.parameters)),
+        "ranges": ranges,
+        "loop_centre": list(centre or first.start),
+        # Round a line a loop may go anywhere: the domain keeps to one side of it.
+        "loop_ranges": [[-1.0, 1.0, PAGE.step] for _ in centre] if centre else ranges,
         "velocity": list(first.frame_velocity),
         "t": first.t,
         "planes": [list(pair) for pair in combinations(range(n), 2)],
     }
+
+
+def _functions(frame: Frame) -> list[str]:
+    """Unknown functions in the coframe, with their arguments."""
+    n = range(frame.dimension)
+    found = {f for i in n for k in n for f in frame.coframe[i, k].atoms(AppliedUndef)}
+    return sorted(plain_text(function) for function in found)
 
 
 def _signature(frame: Frame) -> str:

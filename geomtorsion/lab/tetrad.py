@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
+from typing import TYPE_CHECKING
 
 import sympy as sp
 
@@ -13,11 +14,15 @@ from geomtorsion.exact import parse_expression
 from geomtorsion.exact.tokens import Limits
 from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.geometry import Frame
+from geomtorsion.lab import views
 from geomtorsion.lab.settings import PAGE
 from geomtorsion.pictures.catalogue import SECTIONS
 from geomtorsion.pictures.quantities import chosen_quantities
-from geomtorsion.pictures.sections import section
+from geomtorsion.pictures.sections import aligned, section
 from geomtorsion.spaces.space import Space
+
+if TYPE_CHECKING:
+    from geomtorsion.pictures.quantities import Quantity
 
 # What a person types by hand stays far below these.
 LIMITS = Limits(characters=600, depth=20, exponent=32, digits=40)
@@ -43,6 +48,8 @@ OFFERED = {
 USUAL = tuple(OFFERED)[:9]
 _NAME = re.compile(r"[^\W0-9]\w*")
 _PLACE = re.compile(r"coframe\[(\d+), (\d+)\]:?\s*")
+_FUNCTION = re.compile(r"([^\W0-9]\w*)\s*\(([^()]*)\)")
+_ROW = re.compile(r"\b([Rr]ow) (\d+)")
 
 
 def tetrad(
@@ -51,6 +58,7 @@ def tetrad(
     parameters: str = "",
     signature: str = "",
     show: Sequence[str] = USUAL,
+    functions: str = "",
 ) -> Json:
     """The geometry of a typed coframe as HTML, or what is wrong with which entry.
 
@@ -64,10 +72,13 @@ def tetrad(
         One sign for each frame vector, such as "-+++"; all + if empty.
     show
         Names of quantities.
+    functions
+        Unknown functions with their arguments, such as ``a(t), f(r, theta)``.
 
     Returns
     -------
-    html: cards, empty if something is wrong. errors: "i,mu" -> what is wrong with that entry.
+    html: cards, empty if something is wrong. errors: "i,mu" -> what is wrong with that entry,
+    where i and mu count from 0; messages count rows from 1, as the page does.
     problem: what is wrong with the whole, if it is no single entry's fault.
 
     Examples
@@ -77,6 +88,8 @@ def tetrad(
     ({}, True)
     >>> tetrad("r, phi", [["1", "0"], ["0", "rr"]])["errors"]["1,1"].splitlines()[0]
     'rr is neither a coordinate nor a declared parameter'
+    >>> tetrad("t, x", [["1", "0"], ["0", "a(t)"]], functions="a(t)")["errors"]
+    {}
     """
     errors: dict[str, str] = {}
     try:
@@ -85,7 +98,8 @@ def tetrad(
         symbols = {name: sp.Symbol(name, real=True) for name in names}
         symbols |= {name: sp.Symbol(name, positive=True) for name in constants}
         signs = signs_of(signature, len(names))
-        rows = _read(entries, symbols, errors)
+        unknown = functions_of(functions, symbols)
+        rows = _read(entries, symbols, unknown, errors)
         if errors:
             return {"html": "", "errors": errors}
         frame = Frame(
@@ -99,8 +113,65 @@ def tetrad(
     except GeomtorsionError as error:
         place = _PLACE.match(str(error))
         if place:
-            return {"html": "", "errors": {f"{place[1]},{place[2]}": str(error)[place.end() :]}}
-        return {"html": "", "errors": errors, "problem": str(error)}
+            text = from_one(str(error)[place.end() :])
+            return {"html": "", "errors": {f"{place[1]},{place[2]}": text}}
+        return {"html": "", "errors": errors, "problem": from_one(str(error))}
+
+
+def from_one(message: str) -> str:
+    """A message of the library, which counts from 0 as Python does, as the page counts: from 1.
+
+    Examples
+    --------
+    >>> from_one("Row 1 equals (2) * row 0 (rows counted from 0). coframe[0, 1] is odd.")
+    'Row 2 equals (2) * row 1. row 1, column 2 is odd.'
+    """
+    counted = _ROW.sub(lambda m: f"{m[1]} {int(m[2]) + 1}", message)
+    counted = _PLACE.sub(
+        lambda m: f"row {int(m[1]) + 1}, column {int(m[2]) + 1}{m[0][m[0].index(']') + 1 :]}",
+        counted,
+    )
+    return counted.replace(" (rows counted from 0)", "")
+
+
+def functions_of(text: str, symbols: Mapping[str, sp.Symbol]) -> dict[str, sp.Expr]:
+    """Unknown functions in a line of text, by name.
+
+    Raises
+    ------
+    CoordinateError
+        Something in it is no function of coordinates and parameters, or a name is taken.
+
+    Examples
+    --------
+    >>> t, r = sp.symbols("t r", real=True)
+    >>> functions_of("a(t), f(t, r)", {"t": t, "r": r})
+    {'a': a(t), 'f': f(t, r)}
+    """
+    found: dict[str, sp.Expr] = {}
+    rest = re.sub(r"[,;\s]+", "", _FUNCTION.sub("", text))
+    if rest:
+        raise CoordinateError(
+            f"unknown functions: {rest[:40]!r} is no function with its arguments. Write each with "
+            "what it depends on: a(t), f(r, theta)."
+        )
+    for name, inside in _FUNCTION.findall(text):
+        arguments = names_of(inside, f"unknown function {name[:20]}")
+        strange = [argument for argument in arguments if argument not in symbols]
+        if not arguments or strange:
+            raise CoordinateError(
+                f"unknown functions: {name[:20]} depends on "
+                f"{', '.join(strange)[:40] or 'nothing'}. Write coordinates or parameters as its "
+                f"arguments: {', '.join(symbols)}."
+            )
+        if name in symbols or name in found:
+            raise CoordinateError(
+                f"unknown functions: {name[:20]} stands twice among coordinates, parameters and "
+                "functions. Name it once."
+            )
+        [checked] = names_of(name, "unknown functions")
+        found[checked] = sp.Function(checked)(*(symbols[argument] for argument in arguments))
+    return found
 
 
 def names_of(text: str, what: str = "names") -> list[str]:
@@ -118,12 +189,27 @@ def names_of(text: str, what: str = "names") -> list[str]:
     """
     found = [name for name in re.split(r"[,\s]+", text.strip()) if name]
     for name in found:
-        if not _NAME.fullmatch(name) or len(name) > 20:
+        if not _NAME.fullmatch(name) or len(name) > PAGE.name:
             raise CoordinateError(
                 f"{what}: {name[:40]!r} is no name. Write letters first, then letters and digits, "
                 "with commas between names: r, theta, phi1."
             )
     return found
+
+
+def names_like(text: str, most: int) -> list[str]:
+    """A name for each word of a text; x1, x2, ... where a word is none, one where there is none.
+
+    Examples
+    --------
+    >>> names_like("r, <b>", 6), names_like("", 6)
+    (['r', 'x2'], ['x1'])
+    """
+    found = [name for name in re.split(r"[,\s]+", text.strip()) if name][:most] or [""]
+    return [
+        name if _NAME.fullmatch(name) and len(name) <= PAGE.name else f"x{k}"
+        for k, name in enumerate(found, 1)
+    ]
 
 
 def signs_of(text: str, dimension: int) -> tuple[int, ...] | None:
@@ -167,7 +253,10 @@ def _check_names(names: Sequence[str], constants: Sequence[str]) -> None:
 
 
 def _read(
-    entries: Sequence[Sequence[str]], symbols: dict[str, sp.Symbol], errors: dict[str, str]
+    entries: Sequence[Sequence[str]],
+    symbols: dict[str, sp.Symbol],
+    functions: Mapping[str, sp.Expr],
+    errors: dict[str, str],
 ) -> list[list[sp.Expr]]:
     """All entries as expressions; what cannot be read is noted under its place."""
     rows = []
@@ -177,7 +266,7 @@ def _read(
             where = f"coframe[{i}, {k}]"
             try:
                 value = parse_expression(
-                    text.strip() or "0", symbols, {}, where=where, limits=LIMITS
+                    text.strip() or "0", symbols, functions, where=where, limits=LIMITS
                 )
             except GeomtorsionError as error:
                 errors[f"{i},{k}"] = _PLACE.sub("", str(error), count=1)
@@ -196,5 +285,11 @@ def _cards(frame: Frame, show: Sequence[str]) -> str:
         found = [one for one in chosen if one.entry.section == heading]
         if found:
             title = f"<h3>{escape(heading)}</h3>" if heading else ""
-            parts.append(title + "".join(section(one) for one in found))
+            parts.append(title + "".join(map(_card, found)))
     return "".join(parts)
+
+
+def _card(quantity: Quantity) -> str:
+    """A section with a button that copies its formulas."""
+    button = views.copy_button(aligned(quantity), quantity.entry.title)
+    return section(quantity).removesuffix("</section>") + f"{button}</section>"

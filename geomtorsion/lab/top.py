@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from geomtorsion.scenes import Scene, SceneResult
     from geomtorsion.scenes.effects import Effect
 
-# Watched for the film and the comparison, whatever is chosen for the plan.
+# Watched for the film and the table, whatever is chosen for the graph and the plan.
 _WATCH = ("omega", "omega_space", "matrix", "angular_momentum_space", "energy")
 # key -> what it is called on its switch.
 SWITCHES = {
@@ -39,6 +39,15 @@ WATCHED = {
     "matrix": "attitude",
     "energy": "energy",
     "position": "place",
+}
+# Quantity -> what its components are called, and its unit.
+_SHOWN = {
+    "omega": (("Ω₁", "Ω₂", "Ω₃"), "rad/s"),
+    "omega_space": (("ω_x", "ω_y", "ω_z"), "rad/s"),
+    "nutation": (("nutation angle",), "rad"),
+    "matrix": (tuple(f"R{i}{k}" for i in "₁₂₃" for k in "₁₂₃"), ""),
+    "energy": (("energy",), "J"),
+    "position": (("x", "y", "z"), "m"),
 }
 _SPACE, _BODY, _AXIS = LOOKS[0], LOOKS[1], LOOKS[2]
 _MOMENTUM = LOOKS[3]
@@ -63,11 +72,14 @@ def top(
     t
         s.
     effects
-        keys of SWITCHES. watch: what the plan is made for.
+        keys of SWITCHES.
+    watch
+        keys of WATCHED: what the graph shows, and what the plan is made for.
 
     Returns
     -------
-    space: an HTML document, the film. plan: HTML. compared: svg. table, sentence: HTML and text.
+    space: an HTML document, the film; title: its name. plan: HTML. compared: svg.
+    table, sentence: HTML and text.
     omega: the last angular velocity, body axes; naive: the same by the naive law, or None.
 
     Examples
@@ -79,17 +91,20 @@ def top(
     turns = math.hypot(*omega) * float(t) / (2 * math.pi)
     samples = round(min(max(PAGE.least_times, PAGE.each_turn * turns), PAGE.most_times))
     acting = made(effects)
-    scene = scene_of(moments, omega, tilt, t, acting, _WATCH, samples)
+    watch = tuple(watch) or ("nutation",)
+    every = tuple(dict.fromkeys((*_WATCH, *watch)))
+    scene = scene_of(moments, omega, tilt, t, acting, every, samples)
     result = scene.run()
     wrong = None
     if "torsion" not in effects:
         naive = (*acting, Naive())
-        wrong = scene_of(moments, omega, tilt, t, naive, _WATCH, samples).run()
-    plan = scene_of(moments, omega, tilt, t, acting, tuple(watch) or ("nutation",), samples)
+        wrong = scene_of(moments, omega, tilt, t, naive, every, samples).run()
+    plan = scene_of(moments, omega, tilt, t, acting, watch, samples)
     return {
         "space": turnable(_film(result)),
+        "title": "Film: body cone and space cone",
         "plan": _plan(plan),
-        "compared": _compared(result, wrong),
+        "compared": _compared(result, wrong, watch[0]),
         "table": _table(result, wrong),
         "sentence": _sentence(result, wrong),
         "omega": [float(x) for x in result["omega"][-1]],
@@ -192,15 +207,16 @@ def _plan(scene: Scene) -> str:
     )
 
 
-def _compared(result: SceneResult, wrong: SceneResult | None) -> str:
-    """The component of the angular velocity in which the naive law is most wrong."""
-    right = result["omega"]
-    other = right if wrong is None else wrong["omega"]
-    spread = np.ptp(right, axis=0) if wrong is None else np.abs(right - other).max(axis=0)
-    k = int(spread.argmax())
-    label = f"Ω{'₁₂₃'[k]}"
+def _compared(result: SceneResult, wrong: SceneResult | None, watch: str) -> str:
+    """What is watched over time; of several components the one in which the naive law errs most."""
+    names, unit = _SHOWN[watch]
+    right = result[watch].reshape(len(result.times), -1)
+    other = right if wrong is None else wrong[watch].reshape(right.shape)
+    apart = np.abs(right - other).max(axis=0)
+    k = int((apart if apart.any() else np.ptp(right, axis=0)).argmax())
+    label = names[k]
     title = f"{label} over time" + ("" if wrong is None else ": right, and naive")
-    plot = Plot(title, ("t in s", f"{label} in rad/s"), height=340)
+    plot = Plot(title, ("t in s", f"{label} in {unit}" if unit else label), height=340)
     times = result.times.tolist()
     plot.line(_pairs(times, right[:, k]), LOOKS[0], "L′ + Ω × L = M")
     if wrong is not None:
@@ -236,7 +252,7 @@ def _table(result: SceneResult, wrong: SceneResult | None) -> str:
             ]
         )
     heads = ("", "by", "error", "change of L in space", "change of energy")
-    return table(heads, rows, "How they were computed, and what stays")
+    return table(heads, rows, "How they were computed, and what stays (relative)")
 
 
 def _sentence(result: SceneResult, wrong: SceneResult | None) -> str:

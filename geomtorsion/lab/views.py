@@ -8,6 +8,7 @@ from html import escape
 from pathlib import Path
 
 from geomtorsion.exercises.worker_pool import Json
+from geomtorsion.lab.guides import GUIDES
 
 # Name of a tab -> what is to be done there, in a sentence.
 TABS = {
@@ -27,6 +28,12 @@ def style() -> str:
     return Path(__file__).with_name("lab.css").read_text("utf-8")
 
 
+@cache
+def copying() -> str:
+    """The script that copies LaTeX."""
+    return Path(__file__).with_name("copy.js").read_text("utf-8")
+
+
 def wrapped(html: str) -> str:
     """HTML to which the style sheet applies."""
     return f'<div class="lab">{html}</div>'
@@ -38,8 +45,35 @@ def header() -> str:
 
 
 def intro(tab: str) -> str:
-    """What to do on a tab."""
-    return wrapped(f'<p class="soft">{escape(TABS[tab])}</p>')
+    """What one sees on a tab, and what to try."""
+    guide = GUIDES[tab]
+    return wrapped(
+        f'<p class="guide">{escape(guide.seen)}</p>'
+        f'<p class="guide"><strong>Try:</strong> {escape(guide.tried)}</p>'
+    )
+
+
+def words(tab: str) -> str:
+    """The terms of a tab, explained."""
+    items = "".join(
+        f"<dt>{escape(term)}</dt><dd>{escape(text)}</dd>"
+        for term, text in GUIDES[tab].words.items()
+    )
+    return f'<h3>In words</h3><dl class="words">{items}</dl>' if items else ""
+
+
+def copy_button(latex: str, what: str) -> str:
+    """A button that copies LaTeX; the page's own script listens to it.
+
+    Examples
+    --------
+    >>> copy_button("a < b", "Metric").count("&lt;")
+    1
+    """
+    return (
+        f'<button type="button" class="copy" data-latex="{escape(latex)}" '
+        f'aria-label="Copy LaTeX: {escape(what)}">Copy LaTeX</button>'
+    )
 
 
 def notice(text: str) -> str:
@@ -71,16 +105,22 @@ def tetrad(reply: Json) -> str:
     if faults:
         entries = "1 entry" if faults == 1 else f"{faults} entries"
         message = notice(f"{entries} cannot be read; the reason stands beside each.")
-    return wrapped(problem(reply) + message + reply.get("html", ""))
+    shown = reply.get("html", "")
+    return wrapped(problem(reply) + message + shown + (words(TETRAD) if shown else ""))
 
 
 def loop(reply: Json) -> str:
-    """A loop, its image and its Burgers vector."""
+    """A loop, its image, and what is seen of its Burgers vector."""
     if reply.get("problem"):
         return wrapped(problem(reply))
     pictures = "".join(f"<div>{picture}</div>" for picture in reply["pictures"])
     said = f'<p class="said" id="loop-said">{escape(reply["sentence"])}</p>'
-    return wrapped(f'<div class="pair" id="loop">{pictures}</div>{said}{reply["table"]}')
+    return wrapped(f'<div class="pair" id="loop">{pictures}</div>{said}')
+
+
+def loop_below(reply: Json) -> str:
+    """The numbers of a loop, and its words."""
+    return wrapped(f'<div class="later">{reply.get("table", "")}{words(LOOPS)}</div>')
 
 
 def paths(reply: Json) -> str:
@@ -90,7 +130,12 @@ def paths(reply: Json) -> str:
     said = f'<p class="said" id="paths-said">{escape(reply["sentence"])}</p>'
     curves = framed(reply) or reply.get("picture", "")
     side = f"<div>{said}{reply['distance']}</div>"
-    return wrapped(f'<div class="figures"><div>{curves}</div>{side}</div>{reply["table"]}')
+    return wrapped(f'<div class="figures"><div>{curves}</div>{side}</div>')
+
+
+def paths_below(reply: Json) -> str:
+    """How two curves were computed, and the words."""
+    return wrapped(f'<div class="later">{reply.get("table", "")}{words(PATHS)}</div>')
 
 
 def costs(reply: Json) -> str:
@@ -99,17 +144,23 @@ def costs(reply: Json) -> str:
         return wrapped(problem(reply))
     truth = f" Errors against {escape(reply['truth'])}." if "truth" in reply else ""
     said = f'<p class="said" id="costs-said">{reply["advice"]}{truth}</p>'
-    return wrapped(f'{said}<div class="one">{reply["picture"]}</div>{reply["table"]}')
+    picture = f'<div class="one">{reply["picture"]}</div>'
+    return wrapped(f"{said}{picture}{reply['table']}{words(COSTS)}")
 
 
 def top(reply: Json) -> str:
-    """A film of the top, the naive law with it, and the plan."""
+    """A film of the top, and what is watched, by the naive law too."""
     if reply.get("problem"):
         return wrapped(problem(reply))
     said = f'<p class="said" id="top-said">{escape(reply["sentence"])}</p>'
     side = f"<div>{said}{reply['compared']}</div>"
-    below = f'{reply["table"]}<div id="top-plan">{reply["plan"]}</div>'
-    return wrapped(f'<div class="figures"><div>{framed(reply)}</div>{side}</div>{below}')
+    return wrapped(f'<div class="figures"><div>{framed(reply)}</div>{side}</div>')
+
+
+def top_below(reply: Json) -> str:
+    """How the top was computed, its plan, and the words."""
+    plan = f'<div id="top-plan">{reply["plan"]}</div>' if "plan" in reply else ""
+    return wrapped(f'<div class="later">{reply.get("table", "")}{plan}{words(TOP)}</div>')
 
 
 def exercise(reply: Json) -> str:
@@ -155,7 +206,8 @@ def framed(reply: Json) -> str:
     """The turnable picture of a reply in a frame of its own, with all it needs; or nothing."""
     if not reply.get("space"):
         return ""
-    return f'<iframe title="picture in space" srcdoc="{escape(reply["space"])}"></iframe>'
+    title = escape(reply.get("title", "picture in space"))
+    return f'<iframe title="{title}" srcdoc="{escape(reply["space"])}"></iframe>'
 
 
 def grid(cells: Sequence[str], columns: int) -> str:
@@ -165,7 +217,10 @@ def grid(cells: Sequence[str], columns: int) -> str:
     return f'<div class="tetrad" style="{template}">{inner}</div>'
 
 
-def controls(pieces: Sequence[object]) -> str:
-    """Controls side by side, in as many rows as they need."""
+def controls(pieces: Sequence[object], kind: str = "") -> str:
+    """Controls side by side, in as many rows as they need.
+
+    kind "after": on a narrow window they stand below the picture that they change.
+    """
     inner = "".join(f"<div>{piece}</div>" for piece in pieces)
-    return wrapped(f'<div class="controls">{inner}</div>')
+    return wrapped(f'<div class="controls {kind}">{inner}</div>')

@@ -58,16 +58,16 @@ def latex_label(symbol: str, marks: Sequence[str], slots: str) -> str:
 
 
 def text_marks(tensor: Tensor, index: Index, *, greek: bool = True) -> list[str]:
-    """Index values as text: names of coordinates, numbers of frame vectors counted from 0."""
+    """Index values as text: names of coordinates, numbers of frame vectors counted from 1."""
     names = [symbol.name for symbol in tensor.frame.coordinates]
     shown = [greek_name(name) for name in names] if greek else names
-    return [str(k) if slot in "DU" else shown[k] for slot, k in _places(tensor, index)]
+    return [str(k + 1) if slot in "DU" else shown[k] for slot, k in _places(tensor, index)]
 
 
 def latex_marks(tensor: Tensor, index: Index) -> list[str]:
-    """Index values in LaTeX: names of coordinates, numbers of frame vectors with a hat."""
+    """Index values in LaTeX: names of coordinates, numbers of frame vectors from 1, with a hat."""
     names = [latex_name(symbol.name) for symbol in tensor.frame.coordinates]
-    return [rf"\hat{{{k}}}" if slot in "DU" else names[k] for slot, k in _places(tensor, index)]
+    return [rf"\hat{{{k + 1}}}" if slot in "DU" else names[k] for slot, k in _places(tensor, index)]
 
 
 def _places(tensor: Tensor, index: Index) -> list[tuple[str, int]]:

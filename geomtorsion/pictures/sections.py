@@ -87,6 +87,20 @@ def _listed(quantity: Quantity) -> str:
     return shown
 
 
+def aligned(chosen: Quantity, *, every: bool = False) -> str:
+    """The components as LaTeX, one align* environment; needs amsmath."""
+    entry, tensor = chosen.entry, chosen.tensor
+    components = chosen.nonzero if every else chosen.independent
+    lines = []
+    for index, element in components.items():
+        left = latex_label(entry.latex, latex_marks(tensor, index), tensor.slots)
+        lines.append(f"  {left} &= {sympy.latex(element.sympy)}")
+    if not lines:
+        lines = [f"  {latex_label(entry.latex, chosen.letters, tensor.slots)} &= 0"]
+    body = " \\\\\n".join(lines)
+    return f"% {entry.title}\n\\begin{{align*}}\n{body}\n\\end{{align*}}"
+
+
 def _width(value: Element) -> int:
     """About how many letters wide a value is, a fraction being as wide as its longer half."""
     halves = sympy.fraction(value.sympy)

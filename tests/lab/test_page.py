@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from typing import Any
-from urllib.parse import urlsplit
+from urllib.parse import parse_qs, urlencode, urlsplit
 
 import numpy as np
 
@@ -33,7 +33,7 @@ def blank(lab: Watched) -> Any:
     page = lab.tab("Any tetrad")
     page.get_by_label("start from").select_option(label="blank, 2 coordinates")
     page.wait_for_selector("#torsion .zero")
-    page.get_by_label("row 1, dy").wait_for()
+    page.get_by_label("row 2, dy").wait_for()
     return page
 
 
@@ -70,27 +70,27 @@ def test_a_tetrad_is_typed(lab: Watched):
     """Polar coordinates over a blank tetrad: the torsion is the library's; then a singular one."""
     page = blank(lab)
     fraction = page.locator("#torsion mfrac").first
-    lab.typed({"coordinates": "r, phi", "row 1, dy": "r"}, fraction)
+    lab.typed({"coordinates": "r, phi", "row 2, dφ": "r"}, fraction)
     r, phi = (spaces.load("flat_polar").frame.coordinates[k] for k in (0, 1))
     assert str(Frame([r, phi], [[1, 0], [0, r]]).quantity("torsion")[0, 1, 1]) == "1/(2*r)"
     assert fraction.evaluate("e => [...e.children].map(x => x.textContent)") == ["1", "2r"]
     # What is no single entry's fault stands above the result.
-    lab.typed({"row 1, dy": "0"}, page.get_by_text("coframe is singular"))
+    lab.typed({"row 2, dφ": "0"}, page.get_by_text("coframe is singular"))
 
 
 def test_a_bad_tetrad_shows_its_error(lab: Watched):
     """The reason stands beside the entry at fault, and goes when it is mended."""
     page = lab.tab("Any tetrad")
-    page.get_by_label("row 0, dφ2").wait_for()
+    page.get_by_label("row 1, dφ2").wait_for()
     fault = page.locator(".fault")
-    lab.typed({"row 0, dφ2": "sin(phi1"}, fault)
+    lab.typed({"row 1, dφ2": "sin(phi1"}, fault)
     assert fault.count() == 1
     cell = fault.locator("xpath=..")
-    assert cell.get_by_label("row 0, dφ2").count() == 1
+    assert cell.get_by_label("row 1, dφ2").count() == 1
     assert page.locator("#torsion").count() == 0
     code = page.locator(".fault", has_text="expressions are not code")
-    lab.typed({"row 0, dφ2": "__import__('os')"}, code)
-    lab.typed({"row 0, dφ2": "sin(phi1)"}, page.locator("#torsion math").first)
+    lab.typed({"row 1, dφ2": "__import__('os')"}, code)
+    lab.typed({"row 1, dφ2": "sin(phi1)"}, page.locator("#torsion math").first)
     assert fault.count() == 0
 
 
@@ -123,6 +123,189 @@ def test_the_curves_can_be_turned(lab: Watched):
     assert canvas.evaluate(ink) != before
     frame.get_by_label("time").fill("0")
     assert frame.locator("#clock").inner_text() == "t = 0.000"
+
+
+def test_a_reload_keeps_tab_and_input(lab: Watched):
+    """Tab, space, radius, entries and a sent answer stand in the address; nothing else does."""
+    page = lab.tab("Loops")
+    page.wait_for_selector("#loop svg")
+    assert urlsplit(page.url).query == "tab=Loops"
+    page.get_by_label("space", exact=True).select_option(
+        label="screw_dislocation: screw dislocation along z"
+    )
+    lab.says("#loop-said", "all of b sits on the line")
+    slider = page.get_by_role("slider", name="radius")
+    slider.focus()
+    page.keyboard.press("ArrowRight")
+    lab.says("#loop-said", f"Area A = {np.pi * 0.35**2:.6g}")
+    page.reload()
+    assert f"Area A = {np.pi * 0.35**2:.6g}" in lab.says("#loop-said", "|b| = 0.48")
+    assert page.get_by_role("tab", name="Loops").get_attribute("aria-selected") == "true"
+    assert set(parse_qs(urlsplit(page.url).query)) == {"tab", "loop", "radius"}
+    blank(lab)
+    fraction = page.locator("#torsion mfrac").first
+    lab.typed({"coordinates": "r, phi", "row 2, dφ": "r"}, fraction)
+    page.reload()
+    page.locator("#torsion mfrac").first.wait_for()
+    assert page.get_by_label("row 2, dφ", exact=True).input_value().strip() == "r"
+    lab.tab("Exercises")
+    answer = page.get_by_label("legs")
+    answer.fill("1,1 = 17")
+    page.get_by_role("button", name="Check").click()
+    page.locator("#verdict .wrong").wait_for()
+    page.reload()
+    page.wait_for_selector("#statement")
+    assert page.get_by_label("legs").input_value() == "1,1 = 17"
+
+
+def test_a_link_with_nonsense_opens_the_page(watched: Watched, address: str):
+    """What somebody else wrote into an address is text, or nothing: no script, no odd number."""
+    attack = "<img src=x onerror=alert(1)>"
+    query = {
+        "tab": "nowhere", "loop": "nobody", "radius": "nan", "centre": "1e999,0", "omega": attack,
+        "coordinates": f"r, {attack}", "coframe": f"{attack}|0;0|**x**", "exercise": "99.9",
+        "variant": "-1", "start": "flat_polar", "signature": attack, "body": "1,2", "effects": "x",
+    }  # fmt: skip
+    page = watched.page
+    page.goto(f"{address}?{urlencode(query)}")
+    page.get_by_text("is no name").wait_for()
+    assert page.get_by_label("row 1, dr", exact=True).input_value() == attack
+    assert page.locator("img[src=x]").count() == 0
+    lab_tab = watched.tab("Loops")
+    lab_tab.wait_for_selector("#loop svg")
+    assert "0.282743" in watched.says("#loop-said", "Area A")
+    watched.tab("The top").wait_for_selector("#top-plan table")
+
+
+def test_labels_follow_the_coordinates(lab: Watched):
+    """Coordinates with other names: each field has its new label, and keeps what was typed."""
+    page = blank(lab)
+    lab.typed({"row 1, dx": "2"}, page.locator("#metric mn", has_text="4"))
+    field = page.get_by_label("coordinates", exact=True)
+    field.fill("u, v, w")
+    page.get_by_label("row 3, dw", exact=True).wait_for()
+    assert page.get_by_label("row 1, du", exact=True).input_value().strip() == "2"
+    assert page.get_by_label("row 1, dx", exact=True).count() == 0
+    # The field in which one types keeps the focus.
+    field.click()
+    page.keyboard.type("1")
+    page.get_by_label("row 3, dw1", exact=True).wait_for()
+    page.keyboard.type("2")
+    page.get_by_label("row 3, dw12", exact=True).wait_for()
+
+
+def test_unknown_functions_have_a_field(lab: Watched):
+    """The universe with an unknown a(t) is offered; one that is not declared is asked for."""
+    page = blank(lab)
+    lab.typed({"row 2, dy": "f(x)"}, page.locator(".fault", has_text="eclare it as an unknown"))
+    lab.typed({"unknown functions": "f(x)"}, page.locator("#torsion mfrac").first)
+    page.get_by_label("start from").select_option(
+        label="frw: expanding universe, unknown a(t), curvature k"
+    )
+    page.get_by_label("row 4, dφ", exact=True).wait_for()
+    page.locator("#ricci").wait_for()
+    assert page.get_by_label("unknown functions").input_value() == "a(t)"
+
+
+def test_latex_is_copied(lab: Watched):
+    """The button puts the equations of its card onto the clipboard."""
+    page = lab.page
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    page.get_by_role("button", name="Copy LaTeX: Scalar curvature").click()
+    page.get_by_text("Copied").wait_for()
+    copied = page.evaluate("navigator.clipboard.readText()")
+    assert "\\begin{align*}" in copied
+    assert "frac{3}{2}" in copied
+
+
+def focused(page: Any) -> tuple[str, str]:
+    """Role and text of what has the focus, through shadow trees."""
+    return page.evaluate(
+        """() => { let e = document.activeElement;
+            while (e.shadowRoot?.activeElement) e = e.shadowRoot.activeElement;
+            return [e.getAttribute("role") ?? e.tagName, e.textContent.trim()]; }"""
+    )
+
+
+def test_the_keyboard_alone(lab: Watched):
+    """Tab comes to the open tab and leaves it open; arrows change it; Shift and Tab come back."""
+    page = lab.page
+    page.keyboard.press("Tab")
+    assert focused(page) == ["tab", "Any tetrad"]
+    assert page.get_by_role("tab", name="Any tetrad").get_attribute("aria-selected") == "true"
+    page.keyboard.press("ArrowRight")
+    page.wait_for_selector(READY["Loops"])
+    page.keyboard.press("Tab")
+    page.keyboard.press("Tab")
+    assert focused(page)[0] == "SELECT"
+    page.keyboard.press("Shift+Tab")
+    page.keyboard.press("Shift+Tab")
+    assert focused(page) == ["tab", "Loops"]
+    lab.tab("What accuracy costs")
+    page.wait_for_selector(READY["What accuracy costs"])
+    for _ in range(2):
+        page.keyboard.press("Tab")
+    page.keyboard.press("ArrowDown")
+    page.get_by_role("radio", name="the straightest path", checked=True).wait_for()
+
+
+def test_names_and_values_for_readers(lab: Watched):
+    """A slider says its value and unit; no name holds markup; every picture has one."""
+    page = lab.tab("Loops")
+    page.wait_for_selector("#loop svg")
+    radius = page.get_by_role("slider", name="radius")
+    assert radius.get_attribute("aria-valuetext") == "0.3"
+    radius.focus()
+    page.keyboard.press("ArrowLeft")
+    page.wait_for_function("document.querySelector('#loop-said').innerText.includes('0.19635')")
+    assert radius.get_attribute("aria-valuetext") == "0.25"
+    assert page.get_by_role("slider", name="φ2 in rad").count() == 1
+    lab.tab("The top")
+    page.wait_for_selector(READY["The top"])
+    for name in ("I1 in kg m²", "ω3 in rad/s", "tilt in rad", "time in s"):
+        assert page.get_by_role("slider", name=name).count() == 1
+    assert page.locator("iframe").get_attribute("title") == "Film: body cone and space cone"
+    lab.tab("Exercises")
+    page.wait_for_selector(READY["Exercises"])
+    assert page.get_by_role("textbox", name="variant", exact=True).count() == 1
+    link = page.context.new_cdp_session(page)
+    nodes = link.send("Accessibility.getFullAXTree")["nodes"]
+    names = [str(node.get("name", {}).get("value", "")) for node in nodes]
+    assert len(names) > 50
+    assert [name for name in names if "<" in name] == []
+
+
+def test_dark_and_narrow(browser: Any, address: str):
+    """By night everything is dark; on a phone the picture comes before what moves it."""
+    context = browser.new_context(viewport={"width": 400, "height": 800}, color_scheme="dark")
+    page = context.new_page()
+    page.set_default_timeout(30_000)
+    page.goto(f"{address}?tab=The+top")
+    page.wait_for_selector(READY["The top"])
+    dark = """(e) => { while (e) {
+        const c = getComputedStyle(e).backgroundColor.match(/[0-9.]+/g).map(Number);
+        if (c.length < 4 || c[3] > 0) return Math.max(...c.slice(0, 3)) < 80;
+        e = e.parentElement; } }"""
+    assert page.locator("#top-plan").evaluate(dark)
+    light = "(e) => Math.min(...getComputedStyle(e).color.match(/[0-9]+/g).map(Number)) > 150"
+    assert page.locator("#top-said").evaluate(light)
+    assert "invert" in page.locator("iframe").evaluate("(e) => getComputedStyle(e).filter")
+    film = page.locator("iframe").bounding_box()
+    sliders = page.get_by_role("slider", name="I1").bounding_box()
+    plan = page.locator("#top-plan").bounding_box()
+    assert film["y"] < 800
+    assert film["y"] < sliders["y"] < plan["y"]
+    assert too_wide(page) == []
+    context.close()
+
+
+def test_what_is_watched_is_drawn(lab: Watched):
+    """Another choice of what to watch changes the graph as well as the plan."""
+    page = lab.tab("The top")
+    page.get_by_label("nutation angle over time: right, and naive").wait_for()
+    page.get_by_label("to watch").select_option(label="energy")
+    page.get_by_label("energy over time: right, and naive").wait_for()
+    page.locator("#top-plan").get_by_text("To watch energy").wait_for()
 
 
 def test_effects_are_switched(lab: Watched):

@@ -15,7 +15,7 @@ from geomtorsion.lab.closure_failure import closure_failure
 from geomtorsion.lab.costs import costs
 from geomtorsion.lab.paths import paths
 from geomtorsion.lab.space_info import drawable, space_info
-from geomtorsion.lab.top import top
+from geomtorsion.lab.top import WATCHED, top
 
 PI = math.pi
 
@@ -75,6 +75,45 @@ def test_curves_of_the_plane():
     circle, line = np.array([math.cos(1), math.sin(1)]), np.array([1.0, 1.0])
     # Distances are measured with the metric half-way, not along the straight line between.
     assert found["largest"] == pytest.approx(float(np.linalg.norm(circle - line)), rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("name", "component"),
+    [("screw_dislocation", 2), ("edge_dislocation", 0), ("edge_dislocation_elastic", 0)],
+)
+def test_the_first_loop_goes_round_the_line(name, component):
+    """Where the page begins, the whole Burgers vector of a dislocation is seen, at every radius."""
+    known = space_info(name)
+    b = known["values"]["b"]
+    for radius in (0.3, 1.0):
+        found = closure_failure(name, known["loop_centre"], radius, known["planes"][0])
+        expected = [b if k == component else 0.0 for k in range(3)]
+        assert np.allclose(found["b"], expected, rtol=0, atol=1e-12)
+        assert "all of b sits on the line" in found["sentence"]
+
+
+def test_a_core_is_seen_from_its_middle():
+    """b r^2 / (r^2 + c^2) round the axis of a smooth core."""
+    known = space_info("screw_core")
+    b, core = known["values"]["b"], known["values"]["c"]
+    found = closure_failure("screw_core", known["loop_centre"], 0.3, known["planes"][0])
+    assert found["b"][2] == pytest.approx(b * 0.09 / (0.09 + core**2), rel=1e-12)
+
+
+def test_components_are_counted_from_one():
+    """Rows of the table and axes of the picture: 1, 2, 3 as in the paper."""
+    found = closure_failure("so3", [0.3, 1.0, 0.2], 0.3, [0, 1])
+    assert re.findall(r'scope="row">(b.)<', found["table"]) == ["b¹", "b²", "b³"]
+    assert "X⁰" not in found["pictures"][1]
+
+
+@pytest.mark.parametrize("watch", list(WATCHED))
+def test_the_graph_shows_what_is_watched(watch):
+    """Each choice has a graph of its own, with its unit."""
+    found = top([1, 2, 3], [0.1, 2, 0.1], 0.3, 3.0, ["gravity"], [watch])["compared"]
+    unit = {"nutation": "rad", "energy": "J", "position": "m", "matrix": ""}.get(watch, "rad/s")
+    [label] = re.findall(r'aria-label="([^"]*) over time', found)
+    assert f">{label} in {unit}<" in found if unit else f">{label}<" in found
 
 
 def test_equal_moments_make_one_curve_of_two():

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from html import unescape
+
 import pytest
 
 from geomtorsion import spaces
@@ -21,7 +24,7 @@ def test_a_shipped_tetrad_typed_again_gives_the_same_cards():
     shipped = spaces.load("so3")
     for name in ("metric", "torsion", "cartan_connection", "ricci", "cartan_curvature"):
         [chosen] = chosen_quantities(shipped, [name])
-        assert section(chosen) in found["html"]
+        assert section(chosen).removesuffix("</section>") in found["html"]
 
 
 @pytest.mark.parametrize("name", drawable().values())
@@ -92,6 +95,60 @@ def test_what_is_wrong_with_the_whole(changes, message):
     found = tetrad(**(POLAR | changes))
     assert message in found["problem"]
     assert found["html"] == ""
+
+
+def test_unknown_functions():
+    """What is shown of a(t) is what the library finds for it."""
+    known = space_info("frw")
+    found = tetrad(
+        ", ".join(known["coordinates"]),
+        known["coframe"],
+        ", ".join(known["parameters"]),
+        known["signature"],
+        ["torsion", "scalar_curvature"],
+        ", ".join(known["functions"]),
+    )
+    assert known["functions"] == ["a(t)"]
+    for chosen in chosen_quantities(spaces.load("frw"), ["torsion", "scalar_curvature"]):
+        assert section(chosen).removesuffix("</section>") in found["html"]
+
+
+@pytest.mark.parametrize(
+    ("functions", "message"),
+    [
+        ("a", "with its arguments"),
+        ("a(", "with its arguments"),
+        ("a()", "depends on nothing"),
+        ("a(x)", "depends on x"),
+        ("a(r), a(phi)", "stands twice"),
+        ("r(phi)", "stands twice"),
+        ("a(r) + 1", "'\\+1' is no function"),
+    ],
+)
+def test_odd_functions_are_refused(functions, message):
+    """What is no unknown function is told, with what to write."""
+    assert re.search(message, tetrad(**POLAR, functions=functions)["problem"])
+
+
+def test_rows_are_counted_from_one():
+    """The page says row 1 for the first row, in messages too."""
+    found = tetrad("r, phi", [["1", "r"], ["2", "2*r"]])
+    assert "Row 2 equals (2) * row 1." in found["problem"]
+    assert "from 0" not in found["problem"]
+
+
+def test_frame_indices_are_counted_from_one():
+    """Numbers with a hat are those of the rows, as in the paper."""
+    shown = tetrad(**POLAR, show=["anholonomy"])["html"]
+    assert set(re.findall(r"<mn>(\d)</mn><mo[^>]*>\^", shown)) == {"1", "2"}
+
+
+def test_each_card_has_its_latex():
+    """What the button copies are the nonzero components, one line each."""
+    shown = tetrad(**POLAR, show=["torsion"])["html"]
+    [latex] = re.findall(r'data-latex="([^"]*)"', shown)
+    assert unescape(latex).count("&=") == 1
+    assert r"\frac{1}{2 r}" in latex
 
 
 def test_a_blank_entry_is_zero():

@@ -44,9 +44,9 @@ def test_text_says_what_symmetry_repeats():
 
 
 def test_text_in_the_frame():
-    """In the frame indices are numbers of legs."""
+    """In the frame indices are numbers of legs, counted from 1 as in the paper."""
     text = shown("so3", "--only", "torsion", "--basis", "frame")
-    assert "S_{01}^2 = -1/2" in text
+    assert "S_{12}^3 = -1/2" in text
 
 
 def test_everything_is_the_default():

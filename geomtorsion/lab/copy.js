@@ -1,0 +1,20 @@
+// Buttons that copy LaTeX. Pages that come over a plain network have no clipboard of their own.
+document.addEventListener("click", async (event) => {
+  const button = event.composedPath().find((e) => e.matches?.("button.copy"));
+  if (!button) return;
+  const text = button.dataset.latex;
+  let copied = true;
+  try {
+    await navigator.clipboard.writeText(text);
+  } catch {
+    const field = document.createElement("textarea");
+    field.value = text;
+    document.body.append(field);
+    field.select();
+    copied = document.execCommand("copy");
+    field.remove();
+    button.focus();
+  }
+  button.textContent = copied ? "Copied" : "Not copied";
+  setTimeout(() => { button.textContent = "Copy LaTeX"; }, 1500);
+});
