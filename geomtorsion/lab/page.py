@@ -13,8 +13,10 @@ app = marimo.App(
 
 @app.cell
 def _():
+    # A cell sees what other cells have made, and nothing from the top of the file.
     import marimo as mo
 
+    # The same here.
     from geomtorsion.lab import controls, exercise_controls, tetrad_controls, views
     from geomtorsion.lab.kept import Kept, keep
     from geomtorsion.lab.tasks import common_runner
