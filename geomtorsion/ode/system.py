@@ -105,9 +105,10 @@ class System:
         if inner is None:
             return float("inf")
         try:
-            return min(inner(*state, *values))
+            found = min(inner(*state, *values))
         except NO_VALUE:
             return -1.0
+        return found if found == found else -1.0
 
     def guard_along(self, states: np.ndarray, values: Sequence[float] | np.ndarray) -> np.ndarray:
         """The same on arrays of states, shape (size, ...)."""

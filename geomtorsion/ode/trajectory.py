@@ -357,9 +357,23 @@ def run_stage(stage: Stage, times: np.ndarray, tolerance: float, engine: Engine)
     system, start, numbers = stage.system, stage.start, stage.parameters
     final = stage.boundary is not None and stage.boundary.then is None
     if system.guard is None or not final or engine.finds_every_root:
-        return scaled_run(engine, system, start, numbers, times, tolerance)
+        run = scaled_run(engine, system, start, numbers, times, tolerance)
+        if not engine.finds_every_root or not _is_beyond(system, run, numbers):
+            return run
     run = scaled_run(engine, system, start, numbers, times, tolerance, dense=True)
     return run if run.dense is None else _ended_earlier(system, run, times, numbers)
+
+
+def _is_beyond(system: System, run: Run, numbers: State) -> bool:
+    """Whether a run went on where its guard is below zero.
+
+    Series of a guard that have no finite value within a step, as those of roots, are not looked at.
+    """
+    if system.guard is None or run.outcome == "edge" or len(run.states) < 2:
+        return False
+    values = [float(x) for x in numbers]
+    room = np.broadcast_to(system.guard_along(run.states.T, values), len(run.states))
+    return bool(room[0] > 0 and (room < 0).any())
 
 
 def _ended_earlier(system: System, run: Run, times: np.ndarray, numbers: State) -> Run:

@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geomtorsion.errors import StartError
-from geomtorsion.ode import ODE, At, RungeKutta, When, solve
-from tests.ode.engines import every_engine
+from geomtorsion.errors import StartError, StuckError
+from geomtorsion.ode import ODE, At, RungeKutta, Taylor, When, solve
+from geomtorsion.ode.engines.compiled import _quieten, heyoka
+from tests.ode.engines import every_engine, needs_heyoka
 
 
 def fall(**more):
@@ -124,3 +125,42 @@ def test_grazing(engine):
     # z = (t - 1)^2 - 1e-8.
     assert under.outcome == "stopped"
     assert under.times[-1] == pytest.approx(1 - 1e-4, abs=1e-9)
+
+
+@every_engine
+def test_a_stop_whose_series_have_no_value(engine):
+    """A root that ends within a step: its series is not finite there, and heyoka does not look."""
+    found = solve(ODE.of({"x": "-1"}, [1], events=[When("sqrt(x)")]), 3.0, 1e-9, engine)
+    assert found.outcome == "stopped"
+    assert found.times[-1] == pytest.approx(1.0, rel=1e-12)
+
+
+@every_engine
+def test_a_stop_that_overflows(engine, capfd):
+    """Where it has no number the motion ends, by an error or stopped; nothing is said."""
+    problem = ODE.of({"x": "1"}, [0], events=[When("(2 - x)*exp(1000*x)")])
+    try:
+        found = solve(problem, 3.0, 1e-9, engine)
+    except StuckError as error:
+        found = error.solution
+    assert found.times[-1] <= 0.72
+    assert capfd.readouterr() == ("", "")
+
+
+@needs_heyoka
+def test_no_step_at_all():
+    """A stop that is not smooth at the very start: an error of ours, at once."""
+    problem = ODE.of({"x": "1"}, [0], events=[When("sqrt(x) + 1")])
+    with pytest.raises(StuckError, match="t = 0"):
+        solve(problem, 3.0, 1e-9, Taylor())
+
+
+@needs_heyoka
+def test_heyoka_says_errors_only(monkeypatch):
+    """Its warnings, as of events that it does not look at, are no output of ours."""
+    said = []
+    monkeypatch.setattr(heyoka(), "set_logger_level_error", lambda: said.append("error"))
+    _quieten.cache_clear()
+    heyoka()
+    heyoka()
+    assert said == ["error"]

@@ -1,9 +1,11 @@
 """Conserved: what a scene is said to keep is kept, and what is not kept is not said to be."""
 
+import numpy as np
 import pytest
 import sympy as sp
 
-from geomtorsion.scenes import Body, Scene, State, effects
+from geomtorsion.ode import RungeKutta
+from geomtorsion.scenes import Body, Scene, State, effects, load
 from geomtorsion.scenes.assembly import assemble
 from geomtorsion.scenes.conserved import is_constant
 
@@ -87,3 +89,17 @@ def test_forces_beyond_all_numbers():
     huge = E.BodyMoment(("0", "0", "exp(exp(exp(exp(t + 10))))"))
     scene = Scene(ASYMMETRIC, (huge,), START, ["omega"], t=1)
     assert "rotational_energy" not in scene.ode.invariants
+
+
+def test_the_drift_of_a_balance_is_how_far_it_moved():
+    """Energy less work, against the energies themselves: never zero where the balance moves."""
+    scene = load("missile")
+    watch = (*scene.watch, "energy_balance", "kinetic_energy")
+    for accuracy in (1e-6, 1e-9):
+        result = scene.with_values(watch=watch, accuracy=accuracy).run(RungeKutta())
+        balance, kinetic = result["energy_balance"], result["kinetic_energy"]
+        moved = np.abs(balance - balance[0]).max()
+        # The terms are the kinetic energy and the work that made it.
+        size = (np.abs(kinetic) + np.abs(kinetic - balance)).max()
+        assert moved > 0
+        assert result.drift["energy_balance"] == pytest.approx(moved / size, rel=1e-6)

@@ -61,12 +61,20 @@ def heyoka() -> Any:
     """The heyoka module, or an error that names the extra."""
     try:
         # An extra, and half a second to load.
-        return import_module("heyoka")
+        found = import_module("heyoka")
     except ImportError:
         raise MissingExtraError(
             "the Taylor engine needs heyoka, which is not installed. "
             "Run `pip install geomtorsion[fast]` (Linux), or use engine=RungeKutta()."
         ) from None
+    _quieten(found)
+    return found
+
+
+@lru_cache(maxsize=1)
+def _quieten(module: Any) -> None:
+    """Errors only on the terminal: events whose series are not finite are looked at afterwards."""
+    module.set_logger_level_error()
 
 
 def is_available() -> bool:

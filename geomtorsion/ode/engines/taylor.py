@@ -297,6 +297,9 @@ def _last_regular(
     before it fails; but the way back over the singularity does not lead to where it came from.
     steps: how many were taken in all.
     """
+    if not steps:
+        # No step at all was taken; heyoka understands 0 steps as any number of them.
+        return begin, start
     trail = deque([(begin, start)], maxlen=LOOKED_AT)
 
     def keep(at: Any) -> bool:
