@@ -77,16 +77,10 @@ def _chosen(question: Question, given: object) -> str:
     text = _letters(_SAID.get(given, str(given)) if isinstance(given, bool) else str(given))
     text = _MEANT.get(text, text)
     for key, option in question.options.items():
-        if text in (_letters(key), _letters(option)):
+        # Of an explanation the first clause will do: no less, as a "not" may follow.
+        clause = re.split(r"[,(]", option)[0]
+        if text in (_letters(key), _letters(option), _letters(clause)):
             return key
-    # The beginning of one option will do, or of its explanation.
-    begun = [
-        key
-        for key, option in question.options.items()
-        if text and (_letters(key).startswith(text) or _letters(option).startswith(text))
-    ]
-    if len(begun) == 1:
-        return begun[0]
     known = ", ".join(question.options)
     near = close_names(text, tuple(question.options))
     hint = f" Did you mean {near[0]}?" if near else ""

@@ -280,7 +280,7 @@ def _rows_of(table: Path, numbers: Sequence[str]) -> dict[str, Mapping[str, str]
         if table.suffix == ".json":
             data = read_json_text(read_text(table), table.name)
             found = data["rows"] if isinstance(data, dict) else []
-            rows = [{str(key): str(x) for key, x in row.items()} for row in found]
+            rows = [{str(key): _as_text(key, x) for key, x in row.items()} for row in found]
         else:
             with table.open(encoding="utf-8-sig", newline="") as file:
                 rows = list(csv.DictReader(file))
@@ -288,6 +288,19 @@ def _rows_of(table: Path, numbers: Sequence[str]) -> dict[str, Mapping[str, str]
             AttributeError):  # fmt: skip
         return {}
     return {row["fingerprint"]: row for row in rows if list(row) == head and row["fingerprint"]}
+
+
+def _as_values(row: Mapping[str, str], numbers: Sequence[str]) -> dict[str, object]:
+    """A row with its numbers as numbers."""
+    kinds = dict.fromkeys(("earned", "percent", *numbers), float) | {"seed": int, "points": int}
+    return {key: kinds.get(key, str)(text) for key, text in row.items()}
+
+
+def _as_text(key: str, value: object) -> str:
+    """A value of a row as it stands in the table."""
+    if isinstance(value, float):
+        return f"{value:.1f}" if key == "percent" else f"{value:g}"
+    return str(value)
 
 
 def _write(
@@ -298,7 +311,11 @@ def _write(
     aside = table.with_name(f".{table.name}.part")
     with aside.open("w", encoding="utf-8", newline="") as file:
         if table.suffix == ".json":
-            whole = {"counted": list(numbers), "chosen": chosen, "rows": list(rows)}
+            whole = {
+                "counted": list(numbers),
+                "chosen": chosen,
+                "rows": [_as_values(row, numbers) for row in rows],
+            }
             json.dump(whole, file, indent=1, ensure_ascii=False)
         else:
             writer = csv.DictWriter(file, [*HEAD, *numbers, *TAIL], lineterminator="\n")

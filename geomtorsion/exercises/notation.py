@@ -183,9 +183,13 @@ def _word(
     # phi 2, phi^2 and phi_2 are phi2 where there is no phi.
     number = 1 if after in ("^", " ") else 0
     if number and len(following) > 1 and following[1].isdigit():
-        joined = _symbol(word + following[1], names)
-        if joined:
-            return 2, [_Token("symbol", joined, f"{word}{after}{following[1]}")]
+        symbol = _symbol(word + following[1], names)
+        if symbol:
+            return 2, [_Token("symbol", symbol, f"{word}{after}{following[1]}")]
+    # sqrt2 and ln2; log2 might be a logarithm to the base 2.
+    joined = re.fullmatch(r"(sqrt|cbrt|ln|exp)([0-9]+)", word)
+    if joined:
+        return 0, [_Token("function", joined[1], joined[1]), _Token("number", joined[2], joined[2])]
     parts = _parts(word, names)
     return 0, parts or [_Token("unknown", word, word)]
 

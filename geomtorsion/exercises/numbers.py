@@ -55,6 +55,12 @@ def numbers(question: Question, given: object, where: str) -> dict[Index, float]
     text, factor = given, 1.0
     if isinstance(given, str):
         text, factor = _without_unit(question, given, where)
+        comma = re.fullmatch(r"\s*([-+]?[0-9]+),([0-9]+)\s*", str(text)[:100])
+        if comma and not question.shape:
+            raise ExpressionError(
+                f"{where}: a number was needed, but {comma[0].strip()} has a comma. Write "
+                f"{comma[1]}.{comma[2]} with a point."
+            )
     if not question.shape:
         return {(): factor * _float(expression(question, text, where), where)}
     found = components(question, text, where)

@@ -85,7 +85,8 @@ def read_submission(path: str | PathLike[str]) -> Submission:
     known = set(names())
     unknown = tuple(key[:60] for key in flat if key not in known)
     answers = {key: value for key, value in flat.items() if key in known}
-    return Submission(" ".join(student.split()), seed, answers, unknown)
+    # The form has an empty name, which some leave so.
+    return Submission(" ".join(student.split()) or path.stem, seed, answers, unknown)
 
 
 def loaded(path: Path) -> Mapping[str, Any]:

@@ -274,6 +274,21 @@ def test_choices():
     assert code_of(choice, "no") == ""
     assert code_of(choice, "perhaps") == "unreadable"
     assert "Did you mean yes" in check_question(choice, "yess").message
+    assert code_of(choice, True) == "right"
+    assert code_of(choice, "it does.") == "right"
+
+
+def test_a_choice_is_not_read_out_of_its_beginning():
+    """No may be no curvature, or the beginning of "not zero": it is neither."""
+    question = exercises.load("3.1").question("riemann")
+    for text in ("no", "it does", "it", "not", ""):
+        assert check_question(question, text).diagnosis in ("unreadable", "empty")
+
+
+def test_a_decimal_comma():
+    """It is said how to write the number."""
+    said = check_question(number(1.5), "1,5")
+    assert said.message == "q: a number was needed, but 1,5 has a comma. Write 1.5 with a point."
 
 
 HOSTILE = [

@@ -295,7 +295,13 @@ def test_the_table_as_json(tmp_path):
     rows = graded(tmp_path, files, table="marks.json")
     data = json.loads((tmp_path / "marks.json").read_text("utf-8"))
     assert (data["counted"], data["chosen"]) == (["3.2"], "whatever anybody answered")
-    assert {row["file"]: row for row in data["rows"]} == rows == graded(tmp_path, files)
+    first = data["rows"][0]
+    assert (first["earned"], first["points"], first["seed"], first["3.2"]) == (1, 1, 0, 1)
+    assert first["percent"] == 100
+    assert rows == graded(tmp_path, files)
+    assert {row["file"]: row["remarks"] for row in data["rows"]} == {
+        name: row["remarks"] for name, row in rows.items()
+    }
     assert grade(tmp_path / "answers", tmp_path / "marks.json").kept == 2
     for broken in ("{", "[]", '{"rows": 3}', '{"rows": [3]}', '{"rows": [{}]}'):
         (tmp_path / "marks.json").write_text(broken, "utf-8")

@@ -33,6 +33,7 @@ def test_what_is_left_out(tmp_path):
     """The file names the student, there may be no seed and no answers."""
     found = read(tmp_path, "")
     assert (found.student, found.seed, dict(found.answers)) == ("ada", None, {})
+    assert read(tmp_path, 'student = " "\n').student == "ada"
 
 
 @pytest.mark.parametrize(

@@ -101,7 +101,8 @@ def _say(verdict: Verdict) -> None:
             sign = "right" if question.right else "wrong"
         colour = typer.colors.GREEN if question.right else typer.colors.RED
         kind = f" [{TITLES[question.diagnosis]}]" if question.diagnosis else ""
-        message = question.message if "\n" in question.message else text_of(question.message)
+        said = question.message.removeprefix(f"{question.name}: ")
+        message = said if "\n" in said else text_of(said)
         lead = f"{sign} {question.name}{kind}: "
         typer.echo(typer.style(sign, fg=colour) + lead[len(sign) :] + wrapped(message, len(lead)))
     for note in verdict.notes:
