@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from subprocess import CalledProcessError
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +15,7 @@ from geomtorsion.pictures.style import SERIES, STYLE, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.animation import FFMpegWriter, PillowWriter
+    from matplotlib.figure import Figure
     from mpl_toolkits.mplot3d import Axes3D
     from numpy.typing import ArrayLike
 
@@ -117,7 +120,7 @@ def write_film(
     # Written aside and moved into place: a film that is interrupted leaves no broken file.
     partial = path.with_name(f".{path.name}{path.suffix}")
     try:
-        with writer.saving(figure, str(partial), dpi=100):
+        with _saving(writer, figure, partial):
             for count, k in enumerate(chosen.tolist()):
                 scene.show(k)
                 label.set_text(f"{title}   t = {clock[k]:.3g} s".strip())
@@ -127,6 +130,27 @@ def write_film(
     finally:
         partial.unlink(missing_ok=True)
     return frames
+
+
+@contextmanager
+def _saving(writer: FFMpegWriter | PillowWriter, figure: Figure, target: Path) -> Iterator[None]:
+    """Frames of a film between its beginning and its end; what goes wrong in between is told.
+
+    matplotlib's own `saving` ends the film in any case, and a GIF without frames has no end: its
+    IndexError would stand in the place of the reason (or of Ctrl-C).
+    """
+    # An extra: without matplotlib this module can still be imported.
+    from matplotlib import rc_context
+
+    writer.setup(figure, str(target), dpi=100)
+    with rc_context({"savefig.bbox": None}):
+        try:
+            yield
+        except BaseException:
+            with suppress(IndexError, OSError, CalledProcessError):
+                writer.finish()
+            raise
+        writer.finish()
 
 
 def _writer(path: Path) -> FFMpegWriter | PillowWriter:

@@ -118,6 +118,21 @@ def test_plans_and_sweeps():
     assert len(field.axes) == 2
 
 
+def test_a_film_that_fails_says_why(tmp_path, monkeypatch):
+    """What goes wrong in the first frame is told, Ctrl-C too, and no broken file is left."""
+    for reason in (KeyboardInterrupt(), RuntimeError("no memory")):
+
+        def fail(*_, reason=reason, **__):
+            raise reason
+
+        with monkeypatch.context() as patch:
+            patch.setattr("matplotlib.animation.PillowWriter.grab_frame", fail)
+            with pytest.raises(type(reason)) as told:
+                write_film(tmp_path / "film.gif", TIMES, TURN)
+        assert told.value is reason
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_films(tmp_path, monkeypatch):
     """A GIF has its frames; the sides of a block are those of its moments; others are refused."""
     from PIL import Image, ImageSequence
