@@ -176,6 +176,11 @@ def _word(
         rate = _rate_name(word, order, names)
         if rate:
             return 1, [_Token("symbol", rate, word + after)]
+        # In rr' the prime belongs to the last name only.
+        for cut in range(1, min(len(word), ANSWER.depth)):
+            before, rate = _parts(word[:cut], names), _rate_name(word[cut:], order, names)
+            if before and rate and before[-1].kind == "symbol":
+                return 1, [*before, _Token("symbol", rate, word[cut:] + after)]
         return 1, [_Token("symbol", f"{word}_{'d' * order}", word + after)]
     known = _known(word, names)
     if known:

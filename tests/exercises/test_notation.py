@@ -3,6 +3,7 @@
 import contextlib
 import re
 import time
+from random import Random
 
 import pytest
 import sympy as sp
@@ -115,7 +116,8 @@ RIGHT = [
      "phi2' cos phi1 + phi3' sin phi1 sin phi2, phi1' + phi3' cos phi2]")),
     ("1.4", "rates", ("[φ̇₂ sin φ₁ − φ̇₃ cos φ₁ sin φ₂, φ̇₂ cos φ₁ + φ̇₃ sin φ₁ sin φ₂, "
      "φ̇₁ + φ̇₃ cos φ₂]")),
-    ("4.3", "equations", "r'' = 0, phi'' = -r' phi'/r"),
+    ("4.3", "equations", "r'' = 0, phi'' r + r'phi' = 0"),
+    ("4.3", "equations", "rr'' = 0, phi'' = -r' phi'/r"),
     ("4.3", "equations", r"\ddot r = 0; \ddot\phi = -\frac{\dot r\dot\phi}{r}"),
     ("4.3", "equations", "d^2r/dt^2 = 0 and d^2phi/dt^2 + (dr/dt)(dphi/dt)/r = 0"),
     ("4.3", "equations", "r̈ = 0; φ̈ == −ṙφ̇/r"),
@@ -264,3 +266,32 @@ def test_nothing_foreign_is_raised():
             for size in range(len(answer)):
                 with contextlib.suppress(GeomtorsionError):
                     read(question, answer[:size])
+
+
+def sparse(text: str, draw: Random) -> str:
+    """A text with signs and brackets left out at random."""
+    signs = ("*", " ", "", "·", " * ")
+    text = re.sub(r"\*(?!\*)", lambda _: draw.choice(signs), text)
+    text = re.sub(
+        r"\b(sin|cos|tan|exp|sqrt)\((\w+)\)(\^\d)?",
+        lambda m: draw.choice((m[0], f"{m[1]}{m[3] or ''} {m[2]}", f"{m[1]}{m[3] or ''}({m[2]})")),
+        text,
+    )
+    return re.sub(
+        r"\b(phi|theta|Omega|I|V)(\d)", lambda m: f"{m[1]}{draw.choice(('', '_'))}{m[2]}", text
+    )
+
+
+@pytest.mark.parametrize("number", exercises.names())
+def test_what_is_left_out_is_never_put_in_wrongly(number):
+    """A right answer with signs left out is right, or refused as having two readings."""
+    draw = Random(f"sparse {number}")
+    for seed in range(3):
+        exercise = exercises.load(number, seed)
+        for name, text in exercise.answers().items():
+            if exercise.question(name).kind not in ("choice", "number"):
+                for _ in range(3):
+                    odd = sparse(text, draw)
+                    verdict = check_question(exercise.question(name), odd)
+                    refused = "can be read in two ways" in verdict.message
+                    assert verdict.right or refused, (text, odd, verdict.message)
