@@ -19,12 +19,20 @@ from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import sympy as sp
 
-from geomtorsion.errors import LONGEST_SHOWN, ArgumentError, ExpressionError, GeomtorsionError
+from geomtorsion.errors import (
+    LONGEST_SHOWN,
+    ArgumentError,
+    ExpressionError,
+    GeomtorsionError,
+    LimitError,
+)
 
 if TYPE_CHECKING:
     import numpy as np
 
 ErrorClass = type[GeomtorsionError]
+# Bytes of all arrays of one result, or of one file: what is saved can be read again.
+LARGEST_ARRAYS = 2_000_000_000
 Kind = TypeVar("Kind")
 
 NUMBER = "{subject}: a number was needed, but {value} came."
@@ -394,6 +402,59 @@ def table(values: object, subject: str, error: ErrorClass = ArgumentError) -> di
     _fail(error, "{subject}: names with values were needed, but {value} came.", subject, values)
 
 
+def check_room(numbers: int, subject: str, remedy: str) -> None:
+    """Refuse, before memory is taken, what would hold more doubles than a file may hold.
+
+    numbers: how many, of all arrays that will be there together. remedy: what to do instead.
+
+    Raises
+    ------
+    LimitError
+        They would take more than LARGEST_ARRAYS bytes.
+
+    Examples
+    --------
+    >>> check_room(10**10, "t: 10,000,000,000 times", "Give fewer.")
+    Traceback (most recent call last):
+    geomtorsion.errors.LimitError: t: 10,000,000,000 times would take 80 GB of memory; the limit \
+is 2 GB. Give fewer.
+    """
+    if 8 * numbers > LARGEST_ARRAYS:
+        raise LimitError(
+            f"{subject} would take {8e-9 * numbers:.3g} GB of memory; the limit is "
+            f"{1e-9 * LARGEST_ARRAYS:.3g} GB. {remedy}"
+        )
+
+
+def by_name(values: object, subject: str, error: ErrorClass = ArgumentError) -> dict[str, Any]:
+    """A mapping with names for keys: symbols count by theirs; no name may come twice.
+
+    Examples
+    --------
+    >>> by_name({sp.Symbol("M"): 1, "a": 2}, "at")
+    {'M': 1, 'a': 2}
+    >>> by_name({sp.Symbol("M"): 1, "M": 2}, "at")
+    Traceback (most recent call last):
+    geomtorsion.errors.ArgumentError: at: M came twice, as Symbol('M') and 'M'. Give it once.
+    """
+    found: dict[str, Any] = {}
+    keys: dict[str, object] = {}
+    for key, value in table(values, subject).items():
+        name = key if isinstance(key, str) else getattr(key, "name", str(key))
+        if name in keys:
+            raise error(
+                f"{subject}: {cut(name)} came twice, as {_written(keys[name])} and "
+                f"{_written(key)}. Give it once."
+            )
+        found[name], keys[name] = value, key
+    return found
+
+
+def _written(key: object) -> str:
+    """A key as it is written, with what is assumed of a symbol."""
+    return cut(sp.srepr(key)) if isinstance(key, sp.Symbol) else shown(key)
+
+
 # -- several numbers ------------------------------------------------------------------------------
 
 
@@ -584,10 +645,9 @@ def known_keys(
     if not isinstance(given, Mapping):
         _fail(error, "{subject}: names with values were needed, but {value} came.", subject, given)
     words = list(known)
-    return {
-        known_name(key, words, subject, error, message=message): value
-        for key, value in given.items()
-    }
+    for key in given:
+        known_name(key, words, subject, error, message=message)
+    return by_name(given, subject, error)
 
 
 def choice(

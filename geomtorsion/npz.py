@@ -16,14 +16,13 @@ from stat import S_ISREG
 from types import EllipsisType
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.checks import ErrorClass, cut
+from geomtorsion.checks import LARGEST_ARRAYS, ErrorClass, cut
 from geomtorsion.errors import FileFormatError, LimitError
 from geomtorsion.files import LARGEST_TEXT, conforming, read_json_text
 
 if TYPE_CHECKING:
     import numpy as np
 
-LARGEST_ARRAYS = 2_000_000_000
 
 _FOREIGN = (
     ArithmeticError, EOFError, LookupError, MemoryError, OSError, RuntimeError, TypeError,

@@ -13,6 +13,7 @@ import mpmath
 import numpy as np
 import sympy as sp
 
+from geomtorsion import checks
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import burgers_vector
 from geomtorsion.loops.arcs import exact_number
@@ -156,7 +157,8 @@ def reference(
     LoopError
         The loop is known by numbers only.
     """
-    values = {str(key): exact_number(value) for key, value in (parameters or {}).items()}
+    given = checks.by_name(parameters, "parameters")
+    values = {name: exact_number(value) for name, value in given.items()}
     table = {symbol: values[symbol.name] for symbol in frame.field.symbols if symbol.name in values}
     table |= {symbol: values[symbol.name] for symbol in loop.symbols if symbol.name in values}
     total = [mpmath.mpf(0)] * frame.dimension

@@ -14,8 +14,9 @@ from geomtorsion.action.symbols import MotionSymbols, symbols_of
 from geomtorsion.checks import near_names
 from geomtorsion.errors import ConstraintError, LagrangianError, ShapeError
 from geomtorsion.exact import parse_expression
+from geomtorsion.exact.twins import counted_as
 from geomtorsion.geometry import Connection, Frame
-from geomtorsion.geometry.validation import named_symbols
+from geomtorsion.geometry.validation import free_symbols, named_symbols
 
 Named = list[tuple[str, object]]
 
@@ -110,6 +111,7 @@ def expressions(
             _check_parameter("parameters", symbol.name, symbols, table, True)
         table.setdefault(symbol.name, symbol)
     found: dict[str, sp.Expr] = {}
+    counted_as(free_symbols([x for _, x in entries]), table.values(), LagrangianError)
     for where, value in entries:
         if not isinstance(value, str):
             expression = found[where] = _sympified(where, value)

@@ -24,11 +24,12 @@ def checked_parameters(frame: Frame, parameters: Mapping[Any, Any] | None) -> di
     """Parameters by name, each one known to the frame and finite."""
     known = {symbol.name for symbol in frame.field.symbols} - {s.name for s in frame.coordinates}
     found: dict[str, Real] = {}
-    for key, value in checks.table(parameters, "parameters").items():
-        name = getattr(key, "name", key)
+    for name, value in checks.by_name(parameters, "parameters", StartError).items():
         if name not in known:
             listed = ", ".join(sorted(known)) or "none"
-            raise StartError(f"{name!r} is no parameter of this frame. Known are {listed}.")
+            raise StartError(
+                f"{checks.shown(name)} is no parameter of this frame. Known are {listed}."
+            )
         checked_numbers([value], 1, f"parameter {name}")
         found[name] = value
     return found

@@ -17,6 +17,7 @@ from geomtorsion.exact.reading import Reader
 from geomtorsion.exact.roots import root
 from geomtorsion.exact.serialization import from_json, to_json
 from geomtorsion.exact.tower import Tower
+from geomtorsion.exact.twins import counted_as
 from geomtorsion.exact.writing import to_sympy
 
 if TYPE_CHECKING:
@@ -143,6 +144,8 @@ class Field(Tower):
 
     def derivative(self, element: Element, symbol: sympy.Symbol) -> Element:
         """The partial derivative of an element."""
+        if symbol not in self._symbol_elements:
+            symbol = counted_as([symbol], self.symbols).get(symbol, symbol)
         return derivative(self, element, symbol)
 
     def decide_zero(self, element: Element) -> bool | None:

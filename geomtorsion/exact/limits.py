@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from math import comb, prod
+import sys
+from math import comb, isqrt, log2, prod
 from typing import TYPE_CHECKING
+
+import mpmath
 
 from geomtorsion.errors import LimitError
 
@@ -16,6 +19,7 @@ if TYPE_CHECKING:
 LARGEST_MULTIPLE = 1000
 LARGEST_POWER_TERMS = 1_000_000
 LARGEST_PRODUCT = 30_000_000
+_WORD = (sys.maxsize + 1).bit_length()
 
 
 def check_multiple(n: int, kind: str, atom: Element, unit: fmpq) -> None:
@@ -45,6 +49,7 @@ def check_power(base: Element, exponent: int) -> None:
     terms = len(base._num)
     if terms < 2:
         return
+    check_digits(base, exponent)
     field = base.field
     # What relations reduce stays below their degree.
     dense = prod(
@@ -62,6 +67,8 @@ def check_power(base: Element, exponent: int) -> None:
 def check_product(a: fmpq_mpoly, b: fmpq_mpoly) -> None:
     """Refuses a product of polynomials that would fill the memory.
 
+    It bounds each step that Ctrl-C cannot interrupt, too.
+
     Raises
     ------
     LimitError
@@ -69,6 +76,59 @@ def check_product(a: fmpq_mpoly, b: fmpq_mpoly) -> None:
     """
     if len(a) * len(b) > LARGEST_PRODUCT:
         raise LimitError(
-            f"clearing the roots from a denominator needs a product of {len(a)} by {len(b)} "
-            "terms; name one of the roots by a parameter"
+            f"a product of {len(a):,} by {len(b):,} terms is needed; the limit is "
+            f"{LARGEST_PRODUCT:,} pairs. Name a power, a sum or a root by a parameter"
         )
+
+
+def check_size(element: Element) -> None:
+    """Refuses an expression that is too long, multiplied out, to go on with.
+
+    Whatever is derived from a frame multiplies its entries by one another: an entry whose square
+    is above the limit of a product is of no use. Numbers have to be such as Python writes.
+
+    Raises
+    ------
+    LimitError
+        it has more terms than the root of LARGEST_PRODUCT, or a number of too many digits.
+    """
+    terms, most = len(element._num), isqrt(LARGEST_PRODUCT)
+    if terms > most:
+        raise LimitError(
+            f"the expression has {terms:,} terms when it is multiplied out; the limit is {most:,}. "
+            "Name a power or a sum in it by a parameter or an unknown function"
+        )
+    check_digits(element, 1)
+
+
+def check_digits(element: Element, exponent: int) -> None:
+    """Refuses numbers, in a power of an expression, with more digits than Python writes.
+
+    Raises
+    ------
+    LimitError
+        there is one.
+    """
+    digits = sys.get_int_max_str_digits()
+    sizes = (max(x.p.bit_length(), x.q.bit_length()) for x in element._num.coeffs())
+    if digits and max(sizes, default=0) * exponent > digits * log2(10):
+        raise LimitError(
+            f"a number in the expression has more than {digits:,} digits when it is multiplied "
+            "out. Name it by a parameter"
+        )
+
+
+def check_exponent(exponent: Element) -> None:
+    """Refuses exp of a number so large that mpmath and sympy would not end over its digits.
+
+    Raises
+    ------
+    LimitError
+        the number has more bits than a machine word.
+    """
+    if exponent._num and not exponent.symbols:
+        size = exponent.field.sample.value(exponent)
+        if mpmath.mag(abs(size)) > _WORD:
+            raise LimitError(
+                f"exp of a number of more than {_WORD} bits is needed. Name it by a parameter"
+            )

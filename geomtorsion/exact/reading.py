@@ -15,9 +15,11 @@ from geomtorsion.exact.angles import Angles
 from geomtorsion.exact.exponents import Exponents
 from geomtorsion.exact.functions import FUNCTIONS
 from geomtorsion.exact.generators import Generator
+from geomtorsion.exact.limits import check_exponent, check_size
 from geomtorsion.exact.prescan import Scan
 from geomtorsion.exact.primitives import INVERSE_FUNCTIONS, Primitives
 from geomtorsion.exact.radical_denominators import split
+from geomtorsion.exact.twins import counted_as
 from geomtorsion.exact.unknown_functions import jet, opaque
 
 if TYPE_CHECKING:
@@ -41,7 +43,7 @@ class Reader:
 
     def read_all(self, entries: list[tuple[str, Any]]) -> list[Element]:
         """Reads all entries, on one common basis of angles and exponents."""
-        exprs = [(where, unsupported.checked(where, value)) for where, value in entries]
+        exprs = [(where, self._own(unsupported.checked(where, value))) for where, value in entries]
         where = exprs[0][0] if exprs else ""
         try:
             scan = Scan([expr for _, expr in exprs])
@@ -53,6 +55,7 @@ class Reader:
             for entry in exprs:
                 where = entry[0]
                 elements.append(self.element(entry[1]))
+                check_size(elements[-1])
             return elements
         except RecursionError as error:
             raise LimitError(
@@ -65,6 +68,11 @@ class Reader:
             if str(error).startswith(f"{where}: "):
                 raise
             raise type(error)(f"{where}: {error}") from error
+
+    def _own(self, expr: sympy.Expr) -> sympy.Expr:
+        """The expression in symbols of the field, where it has others of the same names."""
+        others = expr.free_symbols - set(self.field.symbols)
+        return expr.xreplace(counted_as(others, self.field.symbols)) if others else expr
 
     def _prepare(self, angles: Exprs, exponents: Exprs, hyperbolic: Exprs) -> None:
         """One level of the scan: the arguments are read, then their units chosen."""
@@ -161,6 +169,7 @@ class Reader:
     def exp(self, exponent: Element) -> Element:
         """exp of any element."""
         real, imaginary = self._parts(exponent)
+        check_exponent(real)
         value = self.exponents.exp(real)
         if imaginary._num:
             cos, sin = self.angles.cos_sin(imaginary)

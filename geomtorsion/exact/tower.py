@@ -19,6 +19,7 @@ from flint.utils.flint_exceptions import DomainError
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.element import Denominator, Element
 from geomtorsion.exact.generators import Branch, Generator
+from geomtorsion.exact.limits import LARGEST_PRODUCT, check_product
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -301,7 +302,12 @@ class Tower(ABC):
             den: Denominator = ()
             for element in elements:
                 part = element._num if element._level == level else self.lift(element)
-                num = part if num is None else num * part
+                if num is None:
+                    num = part
+                else:
+                    if len(num) * len(part) > LARGEST_PRODUCT:
+                        check_product(num, part)
+                    num = num * part
                 if element._den:
                     den = self.merged(den, element._den) if den else element._den
             if num is None:
@@ -321,10 +327,14 @@ class Tower(ABC):
         common: Denominator = ()
         for den in groups:
             common = self.lcm(common, den)
-        whole = [
-            _added(nums) if den == common else _added(nums) * self.cofactor(common, den)
-            for den, nums in groups.items()
-        ]
+        whole = []
+        for den, nums in groups.items():
+            num = _added(nums)
+            if den != common:
+                factor = self.cofactor(common, den)
+                check_product(num, factor)
+                num = num * factor
+            whole.append(num)
         return self._normalised(_added(whole), common)
 
     def scaled(self, element: Element, factor: int | Fraction | fmpq) -> Element:

@@ -11,6 +11,7 @@ import sympy as sp
 from geomtorsion import checks
 from geomtorsion.errors import ShapeError, StructureConstantError
 from geomtorsion.exact import Field
+from geomtorsion.exact.twins import counted_as
 from geomtorsion.geometry.validation import free_symbols, named_symbols
 
 
@@ -51,7 +52,9 @@ def checked_constants(constants: object) -> list[list[list[sp.Expr]]]:
         )
     places = list(product(range(n), repeat=3))
     named = [(f"structure constants[{i}, {j}, {k}]", table[i][j][k]) for i, j, k in places]
-    field = Field(sorted(free_symbols([value for _, value in named]), key=str))
+    free = free_symbols([value for _, value in named])
+    counted_as(free)
+    field = Field(sorted(free, key=str))
     value = dict(zip(places, field.read_all(named), strict=True))
     for i, j, k in places:
         if not (value[i, j, k] + value[j, i, k]).is_zero:

@@ -463,21 +463,22 @@ def _opposite(number: complex | mpmath.mpf) -> complex | mpmath.mpf:
 def _named_values(tensor: Tensor, point: Point) -> dict[sp.Expr, Number]:
     """The point with symbols as keys; a name that means nothing here is refused."""
     symbols = {symbol.name: symbol for symbol in tensor.frame.field.symbols}
-    values: dict[sp.Expr, Number] = {}
-    for key, number in checks.table(point, "point").items():
-        if not isinstance(checks.plain(number), complex):
+    given = checks.table(point, "point")
+    for key, number in given.items():
+        found = checks.plain(number)
+        parts = (found.real, found.imag) if isinstance(found, complex) else (number,)
+        for part in parts:
             # Neither nan nor infinity ends an evaluation to many digits.
-            checks.number(number, f"point: {checks.cut(str(key))}", CoordinateError)
-        if isinstance(key, (str, sp.Symbol)):
-            name = key if isinstance(key, str) else key.name
-            if name not in symbols or (isinstance(key, sp.Symbol) and key != symbols[name]):
-                raise CoordinateError(
-                    f"{key} is neither a coordinate nor a parameter of this frame. "
-                    f"Known are {', '.join(symbols)}, with the assumptions they were made with."
-                )
-            values[symbols[name]] = number
-        else:
-            values[key] = number
+            checks.number(part, f"point: {checks.cut(str(key))}", CoordinateError)
+    named = {key: number for key, number in given.items() if isinstance(key, (str, sp.Symbol))}
+    values = {key: number for key, number in given.items() if key not in named}
+    for name, number in checks.by_name(named, "point", CoordinateError).items():
+        if name not in symbols:
+            raise CoordinateError(
+                f"{checks.cut(name)} is neither a coordinate nor a parameter of this frame. "
+                f"Known are {', '.join(symbols)}."
+            )
+        values[symbols[name]] = number
     return values
 
 

@@ -20,6 +20,7 @@ from geomtorsion.errors import (
     UndecidedError,
 )
 from geomtorsion.exact import Element, Field
+from geomtorsion.exact.twins import counted_as
 from geomtorsion.geometry.matrices import dependence, determinant
 from geomtorsion.geometry.sampling import Point, candidate_points, domain_relations
 
@@ -58,9 +59,12 @@ def opened(
         for root, value in checks.table(branches, "branches").items()
     }
     relations = domain_relations(domain)
-    free = free_symbols([*entries.values(), *relations, *chosen])
+    free = free_symbols([*entries.values(), *relations, *chosen, *chosen.values()])
     symbols = coordinate_symbols(coordinates, n, free)
     constants = parameter_symbols(parameters, symbols, free)
+    twins = counted_as(free, (*symbols, *constants))
+    relations = tuple(relation.xreplace(twins) for relation in relations)
+    chosen = {root.xreplace(twins): value.xreplace(twins) for root, value in chosen.items()}
     # The same generic point decides every sign that a root leaves open.
     # Without a domain the field looks for a point where its radicands are positive.
     points = candidate_points(symbols, constants, relations, fineness=10**12)
@@ -111,8 +115,7 @@ def coordinate_symbols(coordinates: object, n: int, free: Iterable[sp.Symbol]) -
 
     Names given as text become the symbol of that name that occurs in the entries.
     """
-    by_name = {symbol.name: symbol for symbol in sorted(free, key=str)}
-    found = named_symbols(coordinates, by_name)
+    found = named_symbols(coordinates, free)
     if len(found) != n:
         raise ShapeError(
             f"{len(found)} coordinates came with a matrix of {n} columns. "
@@ -124,37 +127,31 @@ def coordinate_symbols(coordinates: object, n: int, free: Iterable[sp.Symbol]) -
         raise CoordinateError(
             f"coordinate {', '.join(repeated)} is repeated. Each coordinate must occur once."
         )
-    for symbol in found:
-        check_twin(symbol, by_name)
     return tuple(found)
 
 
 def named_symbols(
-    names: object, known: Mapping[str, sp.Symbol] | None = None, what: str = "coordinate"
+    names: object, known: Iterable[sp.Symbol] = (), what: str = "coordinate"
 ) -> list[sp.Symbol]:
     """Symbols from symbols or names, a text holding several; a known name is its symbol."""
+    by_name: dict[str, set[sp.Symbol]] = {}
+    for symbol in known:
+        by_name.setdefault(symbol.name, set()).add(symbol)
     given = names.replace(",", " ").split() if isinstance(names, str) else names
     needed = "{subject}: symbols or names were needed, but {value} came."
     found = []
     for item in checks.entries(given, f"{what}s", CoordinateError, message=needed):
-        symbol = (known or {}).get(item, sp.Symbol(item)) if isinstance(item, str) else item
+        symbol: Any = item
+        if isinstance(item, str):
+            meant = by_name.get(item, {sp.Symbol(item)})
+            counted_as(meant)
+            (symbol,) = meant
         if not isinstance(symbol, sp.Symbol):
             raise CoordinateError(
                 f"{what} {checks.shown(item)} is no symbol. Give sympy symbols or names."
             )
         found.append(symbol)
     return found
-
-
-def check_twin(symbol: sp.Symbol, by_name: dict[str, sp.Symbol]) -> None:
-    """Refuse two different symbols with one name: derivatives would silently vanish."""
-    twin = by_name.get(symbol.name, symbol)
-    if twin != symbol:
-        raise CoordinateError(
-            f"two different symbols are called {symbol.name}: one is a coordinate or parameter, "
-            "the other stands in an entry with other assumptions (positive, real, ...). "
-            "Create the symbol once and use it everywhere."
-        )
 
 
 def parameter_symbols(
@@ -164,17 +161,16 @@ def parameter_symbols(
 ) -> tuple[sp.Symbol, ...]:
     """Parameters: those given, then the remaining free symbols by name."""
     free = set(free)
-    by_name = {symbol.name: symbol for symbol in free}
     given = []
-    for symbol in named_symbols(() if parameters is None else parameters, by_name, "parameter"):
+    for symbol in named_symbols(() if parameters is None else parameters, free, "parameter"):
         if symbol.name in {c.name for c in coordinates}:
             raise CoordinateError(
                 f"{symbol.name} is a coordinate and a parameter at once. Rename one of them."
             )
-        check_twin(symbol, by_name)
         given.append(symbol)
-    rest = sorted(free - set(given) - set(coordinates), key=lambda symbol: symbol.name)
-    return tuple(dict.fromkeys(given + rest))
+    known = (*coordinates, *given)
+    new = free - set(known) - set(counted_as(free, known))
+    return tuple(dict.fromkeys(given + sorted(new, key=lambda symbol: symbol.name)))
 
 
 def free_symbols(values: Iterable[Any]) -> set[sp.Symbol]:
@@ -296,10 +292,8 @@ def read_more(field: Field, entries: Sequence[tuple[str, object]]) -> list[Eleme
                 f"{checks.shown(entry)} came."
             )
     plain = [value for _, value in entries if not isinstance(value, Element)]
-    known = {symbol.name: symbol for symbol in field.symbols}
-    new = sorted(free_symbols(plain) - set(field.symbols), key=lambda symbol: symbol.name)
-    for symbol in new:
-        check_twin(symbol, known)
-    field.declare(new)
+    free = free_symbols(plain)
+    new = free - set(field.symbols) - set(counted_as(free, field.symbols))
+    field.declare(sorted(new, key=lambda symbol: symbol.name))
     read = iter(field.read_all([(where, x) for where, x in entries if not isinstance(x, Element)]))
     return [value if isinstance(value, Element) else next(read) for _, value in entries]

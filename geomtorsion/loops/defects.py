@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
+from geomtorsion import checks
 from geomtorsion.checks import exact_number
 from geomtorsion.checks import expression as expression_of
 from geomtorsion.errors import LoopError, MissingValueError
@@ -71,8 +72,8 @@ class Defect:
             It depends on a parameter that has no value.
         """
         names = {
-            getattr(key, "name", str(key)): exact_number(value, f"parameter {key}", LoopError)
-            for key, value in (parameters or {}).items()
+            name: exact_number(value, f"parameter {name}", LoopError)
+            for name, value in checks.by_name(parameters, "parameters", LoopError).items()
         }
         numbers = []
         for value in self.point:

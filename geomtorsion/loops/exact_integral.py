@@ -50,7 +50,7 @@ class ExactBurgersVector:
         MissingValueError
             A symbol has no value.
         """
-        names = {str(key): value for key, value in (values or {}).items()}
+        names = checks.by_name(values, "values", LoopError)
         table = {}
         for symbol in sp.Tuple(*self.vector).free_symbols:
             if symbol.name not in names:

@@ -279,8 +279,7 @@ def parameter_values(
     """
     table: dict[str, object] = {}
     known = {symbol.name for symbol in frame.field.symbols}
-    for key, value in checks.table(given, "parameters").items():
-        name = key if isinstance(key, str) else getattr(key, "name", str(key))
+    for name, value in checks.by_name(given, "parameters", UnknownNameError).items():
         if name not in known or name in {symbol.name for symbol in frame.coordinates}:
             names = [s.name for s in frame.field.symbols if s not in frame.coordinates]
             raise UnknownNameError(

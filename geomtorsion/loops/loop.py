@@ -363,7 +363,9 @@ class Loop:
     def points(self, count: int = 400) -> np.ndarray:
         """Coordinates of points along it for pictures, shape (n, about count), both ends in."""
         stretches = list(self.arcs())
-        each = max(2, -(-count // len(stretches)))
+        wanted = checks.count(count, "count", LoopError, 1)
+        checks.check_room(wanted * self.dimension, f"count: {wanted:,} points", "Give fewer.")
+        each = max(2, -(-wanted // len(stretches)))
         s = np.linspace(0, 1, each + 1)
         pieces = [
             part.points(arc, s[::-1] if backwards else s)[0] for part, arc, backwards in stretches

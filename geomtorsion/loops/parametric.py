@@ -13,6 +13,8 @@ from geomtorsion import checks
 from geomtorsion.errors import ExpressionError, LoopError, MissingValueError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exact.names import FUNCTIONS
+from geomtorsion.exact.twins import counted_as
+from geomtorsion.geometry.validation import free_symbols
 from geomtorsion.loops import planes
 from geomtorsion.loops.arcs import (
     SAME_POINT,
@@ -57,6 +59,10 @@ def parametric(
     if not hasattr(interval, "__len__") or isinstance(interval, str) or len(interval) != 2:
         raise LoopError(f"interval: two bounds were needed, but {interval!r} came.")
     start, end = (_read(x, dict(symbols or {}), "interval") for x in interval)
+    known = (symbol, *(symbols or {}).values())
+    twins = counted_as(free_symbols([*read, start, end]), known, LoopError)
+    read = tuple(x.xreplace(twins) for x in read)
+    start, end = start.xreplace(twins), end.xreplace(twins)
     place = (0.0,) * len(read) if centre is None else planes.vector(centre, "centre", len(read))
     given = ((0,) * len(read), 1) if centre is None else (tuple(centre), size)
     if centre is None and size != 1:
@@ -85,7 +91,7 @@ def filled(part: Part, values: Parameters) -> Part:
     (arc,) = part.arcs
     if not isinstance(arc, Curve) or not arc.symbols:
         return part
-    names = {str(key): value for key, value in values.items()}
+    names = checks.by_name(values, "parameters", LoopError)
     missing = sorted(s.name for s in arc.symbols if s.name not in names)
     if missing:
         raise MissingValueError(
@@ -110,6 +116,7 @@ def symbolic_ellipse(
     planes.rows(plane, len(centre))
     u, v = directions(plane, len(centre))
     a, b = (exact_number(axis) for axis in axes)
+    counted_as(free_symbols([*centre, *axes]), (), LoopError)
     expressions = tuple(
         exact_number(q) + a * x * sp.cos(s) + b * y * sp.sin(s)
         for q, x, y in zip(centre, u, v, strict=True)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geomtorsion import checks
 from geomtorsion.errors import LoopError
 from geomtorsion.loops.affine_form import AffineForm
 from geomtorsion.loops.affine_map import AffineMap
@@ -112,8 +113,7 @@ def develop_period(
     frame = connection.frame
     names = {symbol.name: k for k, symbol in enumerate(frame.coordinates)}
     lengths: dict[int, float] = {}
-    for key, value in periods.items():
-        name = key if isinstance(key, str) else getattr(key, "name", str(key))
+    for name, value in checks.by_name(periods, "periods", LoopError).items():
         if name not in names:
             raise LoopError(f"periods: {name} is no coordinate; they are {', '.join(names)}.")
         lengths[names[name]] = number(value, f"period of {name}")

@@ -148,6 +148,9 @@ class SampledFrame:
                 f"one axis for each of {frame.dimension} coordinates was needed, but "
                 f"{len(lines)} came."
             )
+        number = math.prod(line.size for line in lines)
+        remedy = "Give shorter axes, or sample the region in parts."
+        checks.check_room(2 * number * frame.dimension**2, f"axes: {number:,} nodes", remedy)
         coframe = forms(frame, parameters).coframe
         nodes = np.meshgrid(*lines, indexing="ij")
         found = coframe.at(np.array(nodes).reshape(len(nodes), -1))

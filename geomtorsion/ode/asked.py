@@ -82,6 +82,16 @@ def checked_times(t: object) -> tuple[np.ndarray, np.ndarray]:
     return asked, asked
 
 
+def check_memory(times: int, states: int, members: int = 1) -> None:
+    """Refuse more states than fit into memory, with those of the finer run beside them."""
+    many = f"{members:,} members at " if members > 1 else ""
+    checks.check_room(
+        2 * times * states * members,
+        f"t: {many}{times:,} times of {states} states",
+        "Give fewer times, or solve in parts: each from where the one before ended.",
+    )
+
+
 def one_time_only(t: object, times: np.ndarray, grid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The last time alone, where one was asked for: ensembles keep no samples on the way."""
     if checks.real(t) is not None and len(grid) > 1:

@@ -13,6 +13,7 @@ import numpy as np
 from geomtorsion.copies import only_fields
 from geomtorsion.errors import AccuracyError, GeomtorsionError, StartError, TimeError
 from geomtorsion.ode.asked import (
+    check_memory,
     checked_accuracy,
     checked_engine,
     checked_times,
@@ -251,6 +252,7 @@ class _Job:
         Members that are not verified run at the finest tolerance that those needed which are.
         """
         number = len(self.members)
+        check_memory(len(self.grid), self.members.states.shape[1], number)
         errors = np.full(number, np.nan)
         states = np.full((number, len(self.grid), self.members.states.shape[1]), np.nan)
         finished = np.zeros(number, dtype=bool)

@@ -11,7 +11,7 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import AccuracyError, StartError
-from geomtorsion.ode.asked import checked_accuracy, checked_engine, checked_times
+from geomtorsion.ode.asked import check_memory, checked_accuracy, checked_engine, checked_times
 from geomtorsion.ode.checkpoint import PARTS, Checkpoint, Recorder, fingerprint
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.ode.engines.taylor import is_available
@@ -123,6 +123,7 @@ def _solved(
             tolerance: float, part: float, at: float | None, candidate: Engine = candidate
         ) -> Trajectory:
             stage = problem.first_stage(candidate.precision, part)
+            check_memory(len(grid), len(stage.start))
             return integrate(
                 stage,
                 grid,

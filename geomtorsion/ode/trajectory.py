@@ -9,6 +9,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from geomtorsion import checks
 from geomtorsion.copies import only_fields
 from geomtorsion.ode.engines.protocol import STANDSTILL, Dense, Engine, Run
 from geomtorsion.ode.numbers import Real, perturbed
@@ -402,4 +403,6 @@ def _ended_earlier(system: System, run: Run, times: np.ndarray, numbers: State) 
 def close_times(begin: float, end: float, run: Run) -> np.ndarray:
     """Times close enough to see what a run did between its steps."""
     count = max(PER_STEP * run.steps, run.evaluations, FEWEST, 4 * len(run.times))
+    remedy = "Ask over a shorter time, or solve to a lower accuracy."
+    checks.check_room(int(count), f"{int(count):,} times between the steps", remedy)
     return np.linspace(begin, end, int(count) + 1)

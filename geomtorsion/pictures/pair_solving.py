@@ -12,6 +12,7 @@ from geomtorsion.curves import CurveProblem, autoparallel, geodesic
 from geomtorsion.errors import AccuracyError, ChartEdgeError, StartError
 from geomtorsion.geometry import cartan
 from geomtorsion.ode import Engine, Solution, solve
+from geomtorsion.ode.asked import check_memory
 from geomtorsion.pictures.pair import Pair
 from geomtorsion.spaces.first_motions import first_motion
 
@@ -143,6 +144,7 @@ def _times(t: float, samples: int) -> np.ndarray:
         raise StartError(f"{samples} samples were asked for; two at least are needed.")
     if t == 0:
         raise StartError("t = 0 was given; a motion needs some time. Give t > 0 or t < 0.")
+    check_memory(samples, 2)
     return np.linspace(0.0, float(t), samples)
 
 

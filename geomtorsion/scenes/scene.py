@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
+from geomtorsion.checks import shown
 from geomtorsion.copies import only_fields
 from geomtorsion.errors import SceneError
-from geomtorsion.ode.asked import checked_accuracy, checked_times
+from geomtorsion.ode.asked import check_memory, checked_accuracy, checked_times
 from geomtorsion.scenes.assembly import Assembly, assemble
 from geomtorsion.scenes.body import Body
 from geomtorsion.scenes.context import Number
@@ -95,7 +96,11 @@ class Scene:
         if isinstance(self.t, Iterable):
             object.__setattr__(self, "t", tuple(float(x) for x in self.t))
         if not (isinstance(self.samples, int) and self.samples >= 2):
-            raise SceneError(f"samples = {self.samples!r}: a whole number from 2 on was needed.")
+            raise SceneError(
+                f"samples = {shown(self.samples)}: a whole number from 2 on was needed."
+            )
+        # Before there are equations: a body alone has six numbers and their rates.
+        check_memory(self.samples, 12)
         # Outputs of effects are known only when these have written their equations.
         for key, part in self.assembly.parts.items():
             for name in part.outputs:

@@ -43,10 +43,15 @@ def test_coordinates_by_name() -> None:
     assert frame.anholonomy[0, 1, 1] == 1 / r
 
 
-def test_two_symbols_of_one_name_are_refused() -> None:
-    """Else all derivatives would silently vanish."""
-    with pytest.raises(CoordinateError, match="two different symbols are called r"):
-        Frame([sp.Symbol("r"), phi], [[1, 0], [0, r]])
+def test_a_name_means_one_symbol() -> None:
+    """What is called like a coordinate is it, else its derivatives would silently vanish."""
+    plain = sp.Symbol("r")
+    frame = Frame([plain, phi], [[1, 0], [0, r]])
+    assert frame.anholonomy[0, 1, 1] == 1 / plain
+    with pytest.raises(
+        CoordinateError, match=r"two different symbols are called r: .*positive=True"
+    ):
+        Frame("r phi", [[1, 0], [0, r * plain]])
 
 
 def test_parameters() -> None:
@@ -129,10 +134,12 @@ def test_a_frame_does_not_change() -> None:
 
 
 def test_new_symbols_become_parameters() -> None:
-    """What is read later may bring a parameter, but no second symbol of a known name."""
+    """What is read later may bring a parameter; a symbol of a known name is the known one."""
     frame = Frame([r, phi], [[1, 0], [0, r]])
     c = sp.Symbol("c")
     (element,) = frame.read([("entry", c * r)])
     assert element.diff(r).sympy == c
+    (twin,) = frame.read([("entry", c * sp.Symbol("r"))])
+    assert twin == element
     with pytest.raises(CoordinateError, match="two different symbols"):
-        frame.read([("entry", sp.Symbol("r"))])
+        frame.read([("entry", sp.Symbol("s") + sp.Symbol("s", real=True))])

@@ -1,5 +1,8 @@
 """Tensor: access, changes of indices, arithmetic, numbers and notation."""
 
+import math
+import time
+
 import mpmath
 import numpy as np
 import pytest
@@ -15,6 +18,7 @@ from geomtorsion.errors import (
 from geomtorsion.geometry import Frame, Tensor, cartan, contract, levi_civita
 from geomtorsion.geometry.from_arrays import tensor_from_array
 from geomtorsion.geometry.symmetry import antisymmetric, symmetric
+from geomtorsion.spaces import load
 
 r, phi, M = sp.symbols("r phi M", positive=True)
 
@@ -148,8 +152,11 @@ def test_numbers(frame: Frame) -> None:
         metric.at({r: 3})
     with pytest.raises(CoordinateError, match="rho"):
         metric.at({"rho": 3})
-    with pytest.raises(CoordinateError, match="assumptions"):
-        metric.at({sp.Symbol("r"): 3})
+    assert metric.at({sp.Symbol("r"): 3, M: 1})[1, 1] == 9
+    with pytest.raises(
+        CoordinateError, match=r"r came twice, as Symbol\('r', .*\) and Symbol\('r'\)"
+    ):
+        metric.at({r: 3, sp.Symbol("r"): 3, M: 1})
     with pytest.raises(SingularPointError, match="r = 0"):
         frame.inverse_metric.at({r: 0})
 
@@ -230,3 +237,20 @@ def test_notation(frame: Frame) -> None:
     assert r"\mathrm{d}\phi" in frame._repr_latex_()
     assert "e^1 = r dphi" in repr(frame)
     assert "0" in cartan(frame).curvature._repr_latex_()
+
+
+@pytest.mark.parametrize(
+    "bad", [math.nan, math.inf, -math.inf, sp.nan, sp.oo, sp.zoo, complex(0, math.inf)], ids=str
+)
+@pytest.mark.parametrize("symbol", ["M", "r", "theta"])
+def test_no_number_is_refused_by_name_at_once(bad: object, symbol: str) -> None:
+    """Else an evaluation to more and more digits would not end, and leave its precision set."""
+    black_hole = load("schwarzschild").frame
+    point = {"t": 0, "r": 5, "theta": 1, "phi": 0, "M": 1, symbol: bad}
+    before, began = mpmath.mp.prec, time.perf_counter()
+    for tensor in (black_hole.metric, levi_civita(black_hole).curvature.kretschmann):
+        for digits in (None, 30):
+            with pytest.raises(CoordinateError, match=f"point: {symbol}: a .*number was needed"):
+                tensor.at(point, digits=digits)
+    assert mpmath.mp.prec == before
+    assert time.perf_counter() - began < 5

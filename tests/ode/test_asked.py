@@ -1,0 +1,42 @@
+"""Asked: what would fill the memory is refused before memory is taken, with what it would take."""
+
+import numpy as np
+import pytest
+
+import geomtorsion as gt
+from geomtorsion import checks, scenes
+from geomtorsion.errors import LimitError
+from geomtorsion.loops import SampledFrame
+from geomtorsion.ode import ODE, RungeKutta, solve, solve_many
+
+SWING = ODE.of({"x": "v", "v": "-x"}, [1, 0])
+PLANE = gt.Frame("x y", [[1, 0], [0, 1]])
+LINE = np.linspace(0, 1, 20_000)
+
+
+@pytest.mark.parametrize(
+    ("call", "says"),
+    [
+        (lambda: solve_many(SWING, np.ones((2000, 2)), np.arange(40_000.0)),
+         "2,000 members at 40,000 times of 2 states would take 2.56 GB"),
+        (lambda: scenes.load("lagrange_cusp").with_values(samples=10**9),
+         "1,000,000,000 times of 12"),
+        (lambda: SampledFrame.from_frame(PLANE, [LINE, LINE]),
+         "400,000,000 nodes would take 25.6 GB"),
+        (lambda: gt.Loop.circle([0, 0], 1).points(10**9), "1,000,000,000 points would take 16 GB"),
+    ],
+    ids=["solve_many", "scene", "grid", "loop"],
+)  # fmt: skip
+def test_what_would_fill_the_memory_is_refused(call, says):
+    """The error says what it would take, the limit, and what to do."""
+    with pytest.raises(LimitError, match=rf"{says}.*; the limit is 2 GB\. (Give|Ask|Solve)"):
+        call()
+
+
+def test_one_motion_at_many_times(monkeypatch):
+    """On both sides of the limit, which is made small here: it takes long to reach."""
+    monkeypatch.setattr(checks, "LARGEST_ARRAYS", 3_200_000)
+    times = np.linspace(0, 1, 100_000)
+    assert len(solve(SWING, times, 1e-6, RungeKutta()).times) == 100_000
+    with pytest.raises(LimitError, match="t: 100,002 times of 2 states would take 0.0032 GB"):
+        solve(SWING, np.linspace(0, 1, 100_002), 1e-6, RungeKutta())

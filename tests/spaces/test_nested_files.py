@@ -1,0 +1,83 @@
+"""Tetrad files of four lines that would grow without end: refused at once, or read and worked."""
+
+import signal
+import time
+
+import pytest
+import sympy as sp
+
+from geomtorsion.errors import LimitError
+from geomtorsion.geometry import Frame, levi_civita
+from geomtorsion.spaces.files import read_file
+
+# Each took from twenty seconds to hours, in reading, in writing or in what is derived.
+ENDLESS = {
+    "nested powers": "((((1+x)**200+y)**200+x)**200+y)**200",
+    "square of a power": "((1+x+y)**100)**2",
+    "powers of sums of powers": "(((x+y)**6+1)**6+x)**6",
+    "higher ones": "(((x+1)**16+y)**16+x)**16",
+    "product of sums": "*".join(f"(x+{k}*y+sin(x)+cos(y)+exp(x))" for k in range(1, 20)),
+    "power of sines": "(sin(x)+cos(y))**256",
+    "power of four functions": "(sin(x)+cos(y)+exp(x)+y)**100",
+    "sum of fractions": "+".join(f"1/(x**{k}+y**{k + 1}+1)" for k in range(1, 30)),
+    "numbers of 180,000 digits": "(x+" + "9" * 900 + ")**200",
+    "exp of a number": "exp(exp(exp(exp(10))))+x",
+    "root of such a number": "sqrt(exp(exp(exp(10)))-x)",
+    "power with such a number": "2**exp(exp(exp(10)))+x",
+    "exponents apart": "exp(10**200*x)+exp(x)",
+    "tower of twos": "2**(2**(2**(2**2)))*x",
+}
+
+
+@pytest.mark.parametrize("entry", ENDLESS.values(), ids=ENDLESS.keys())
+def test_endless_entries_are_refused(entry, tmp_path):
+    """The message names the entry and the limit; it does not repeat the entry."""
+    file = tmp_path / "a.toml"
+    file.write_text(f'coordinates = ["x", "y"]\ncoframe = [["{entry}", 0], [0, 1]]\n')
+    began = time.process_time()
+    with pytest.raises(LimitError, match=r"coframe\[0, 0\]: (?s:.)*(limit|parameter)") as caught:
+        read_file(file)
+    assert time.process_time() - began < 10
+    assert len(str(caught.value)) < 500
+
+
+@pytest.mark.parametrize(("power", "terms"), [(103, 5460), (104, 5565)])
+def test_the_limit_of_terms(power, terms, tmp_path):
+    """The square of an entry has to be within the limit of a product: 5,477 terms."""
+    file = tmp_path / "a.toml"
+    file.write_text(f'coordinates = ["x", "y"]\ncoframe = [["(x+y+1)**{power}", 0], [0, 1]]\n')
+    if terms < 5477:
+        assert read_file(file).frame.dimension == 2
+        return
+    with pytest.raises(LimitError, match=f"has {terms:,} terms .* the limit is 5,477"):
+        read_file(file)
+
+
+def test_entries_from_python_too():
+    """The limit is that of all exact work, not that of files."""
+    x, y = sp.symbols("x y", real=True)
+    with pytest.raises(LimitError, match="20,301 terms"):
+        Frame([x, y], [[((1 + x + y) ** 100) ** 2, 0], [0, 1]])
+    with pytest.raises(LimitError, match="exp of a number of more than 64 bits"):
+        Frame([x, y], [[sp.exp(sp.Integer(10) ** 20) + x, 0], [0, 1]])
+    assert Frame([x, y], [[sp.exp(sp.Integer(10) ** 18) + x, 0], [0, 1]]).dimension == 2
+
+
+def test_work_can_be_interrupted():
+    """No single step is longer than seconds: Ctrl-C comes through."""
+    x, y = sp.symbols("x y", real=True)
+    frame = Frame([x, y], [[(x + y + 1) ** 100, x * y], [sp.sin(x) ** 80 + y, (x - y) ** 50 + 2]])
+
+    def press(_number, _stack):
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGALRM, press)
+    signal.setitimer(signal.ITIMER_REAL, 0.5)
+    began = time.process_time()
+    try:
+        with pytest.raises((KeyboardInterrupt, LimitError)):
+            levi_civita(frame).curvature.kretschmann.at({x: 1, y: 1})
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+    assert time.process_time() - began < 20
