@@ -466,9 +466,8 @@ def _named_values(tensor: Tensor, point: Point) -> dict[sp.Expr, Number]:
     given = checks.table(point, "point")
     for key, number in given.items():
         found = checks.plain(number)
-        parts = (found.real, found.imag) if isinstance(found, complex) else (number,)
-        for part in parts:
-            # Neither nan nor infinity ends an evaluation to many digits.
+        # Neither nan nor infinity ends an evaluation to many digits.
+        for part in (found.real, found.imag) if isinstance(found, complex) else (number,):
             checks.number(part, f"point: {checks.cut(str(key))}", CoordinateError)
     named = {key: number for key, number in given.items() if isinstance(key, (str, sp.Symbol))}
     values = {key: number for key, number in given.items() if key not in named}

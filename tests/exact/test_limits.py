@@ -1,4 +1,4 @@
-"""Tetrad files of four lines that would grow without end: refused at once, or read and worked."""
+"""Limits: what would grow without end is refused at once, or read and worked with."""
 
 import signal
 import time
