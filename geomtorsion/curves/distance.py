@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geomtorsion import checks
 from geomtorsion.curves.readout import converted
-from geomtorsion.errors import TimeError
+from geomtorsion.errors import TimeError, UnknownNameError
 
 if TYPE_CHECKING:
     from geomtorsion.curves.problem import CurveProblem
     from geomtorsion.ode.solution import Solution
 
 
-def distance_apart(one: Solution, two: Solution, chart: str | None = None) -> np.ndarray:
+def distance_apart(
+    one: Solution,
+    two: Solution,
+    chart: str | None = None,
+    *,
+    angles: Sequence[str] | None = None,
+) -> np.ndarray:
     """How far two motions are from each other at each of the times of the first.
 
     Parameters
@@ -23,16 +32,24 @@ def distance_apart(one: Solution, two: Solution, chart: str | None = None) -> np
         solutions over the same space.
     chart
         chart in whose coordinates to measure; that of the problem if not given.
+    angles
+        names of its coordinates that count modulo 2 pi; None: those of which the space says so.
 
     Returns
     -------
-    Array, shape (m,): length of e^i_mu (q_two - q_one)^mu, with the coframe half way between: the
-    distance in the metric where the two are close. Lorentzian signs are taken as positive.
+    Array, shape (m,): the length of e^i_mu (q_two - q_one)^mu, with the coframe half way between;
+    where angles wrap, the least of the lengths to all images of the second point, so that nothing
+    jumps. With a positive definite metric this is the distance in the metric where the two are
+    close. With an indefinite one it is no distance, and no invariant: all signs of the metric are
+    taken as positive, so that it is the size that the difference has for observers who carry the
+    frame; points apart by a null vector are apart.
 
     Raises
     ------
     TimeError
         the second solution does not reach the times of the first.
+    UnknownNameError
+        the space has no such chart, or the chart no such coordinate.
 
     Examples
     --------
@@ -53,13 +70,17 @@ def distance_apart(one: Solution, two: Solution, chart: str | None = None) -> np
             f"the second solution ends at t = {other:.6g}, the first at {last:.6g}. "
             "Solve both to the same time."
         )
-    return _gaps(one, two, chart)
+    return _gaps(one, two, chart, angles)
 
 
-def _gaps(one: Solution, two: Solution, chart: str | None) -> np.ndarray:
+def _gaps(
+    one: Solution, two: Solution, chart: str | None, angles: Sequence[str] | None
+) -> np.ndarray:
     """Lengths of the differences of coordinates at the times of the first solution."""
     problem = one.problem
     name = chart or problem.atlas.home
+    place = problem.atlas.chart(name)
+    turning = _angles(problem, name) if angles is None else _places(place.names, angles)
     first = one.in_chart(name).astype(float)
     second = two.at(one.times).coordinates.astype(float)
     if name != two.problem.atlas.home:
@@ -68,25 +89,36 @@ def _gaps(one: Solution, two: Solution, chart: str | None) -> np.ndarray:
             two.problem, two.problem.atlas.home, name, second, moment.frame_velocity
         )
     steps = second - first
-    place = problem.atlas.chart(name)
-    angles = _angles(problem, name)
-    for k in angles:
-        steps[:, k] = np.remainder(steps[:, k] + np.pi, 2 * np.pi) - np.pi
-    if place.frame is None:
-        return np.linalg.norm(steps, axis=1)
-    lengths = []
-    for middle, step in zip(first + steps / 2, steps, strict=True):
-        point = dict(zip(place.names, map(float, middle), strict=True))
-        numbers = {key: float(value) for key, value in problem.parameters.items()}
-        lengths.append(np.linalg.norm(place.coframe.at(point | numbers) @ step))
-    return np.array(lengths)
+    steps[:, turning] = np.remainder(steps[:, turning] + np.pi, 2 * np.pi) - np.pi
+    numbers = {key: float(value) for key, value in problem.parameters.items()}
+    best = np.full(len(steps), np.inf)
+    # The image behind an angle's half turn may be nearer where the metric mixes coordinates.
+    for chosen in product((False, True), repeat=len(turning)):
+        image = steps.copy()
+        for k, other in zip(turning, chosen, strict=True):
+            if other:
+                image[:, k] -= np.where(image[:, k] < 0, -2 * np.pi, 2 * np.pi)
+        if place.frame is None:
+            rows = image.T
+        else:
+            middle = dict(zip(place.names, (first + image / 2).T, strict=True))
+            rows = place.coframe.applied(middle | numbers, image.T)
+        best = np.fmin(best, np.linalg.norm(rows, axis=0))
+    return best
 
 
-def _angles(problem: CurveProblem, chart: str) -> tuple[int, ...]:
-    """Coordinates of a chart that count modulo 2 pi, as far as a map into it says so."""
-    for other in problem.atlas.names:
-        if other != chart:
-            route = problem.atlas.route(other, chart)
-            if route:
-                return route[-1].angles
-    return ()
+def _angles(problem: CurveProblem, chart: str) -> list[int]:
+    """Coordinates of a chart that count modulo 2 pi, as far as maps into it say so."""
+    routes = [problem.atlas.route(name, chart) for name in problem.atlas.names if name != chart]
+    return sorted({k for route in routes if route for k in route[-1].angles})
+
+
+def _places(names: Sequence[str], angles: Sequence[str]) -> list[int]:
+    """Which coordinates these are."""
+    for name in checks.entries(angles, "angles"):
+        if name not in names:
+            raise UnknownNameError(
+                f"angles: {checks.shown(name)} is no coordinate of this chart. There are "
+                f"{', '.join(names)}."
+            )
+    return [names.index(name) for name in angles]

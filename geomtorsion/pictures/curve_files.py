@@ -110,7 +110,7 @@ def metadata(pair: Pair) -> Data:
         "coordinates": list(problem.coordinates),
         "chart": pair.chart,
         "columns": "t is the curve parameter; q, q' and u^i (frame, from 0) for each curve; "
-        "distance is measured by the coframe half way between the two",
+        f"distance is measured by {pair.measure}",
         "parameters": pair.parameters,
         "start": [float(x) for x in problem.start or ()],
         "velocity": problem.velocity.tolist(),

@@ -293,8 +293,7 @@ def distance_picture(pair: Pair) -> Figure:
     axes.set_xlabel(clock(pair))
     axes.set_ylabel("distance")
     quiet(axes)
-    measure = "Measured by the coframe half way between the two: the true distance when small."
-    captioned(figure, [*caption(pair), measure])
+    captioned(figure, [*caption(pair), f"Measured by {pair.measure}."])
     return figure
 
 

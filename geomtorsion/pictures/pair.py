@@ -93,6 +93,16 @@ class Pair:
         return distance_apart(one, two, self.chart)
 
     @property
+    def measure(self) -> str:
+        """What the distance is, in a few words."""
+        if np.linalg.eigvalsh(np.real(self.problem.frame.eta.at({}))).min() > 0:
+            return "the coframe half way between the two: the true distance when small"
+        return (
+            "the coframe half way between the two, all signs of the metric taken as positive: "
+            "a size for observers who carry the frame, no invariant"
+        )
+
+    @property
     def coincide(self) -> bool:
         """Whether the two are the same as far as their errors can tell."""
         size = float(np.abs(self.coordinates["geodesic"]).max()) or 1.0

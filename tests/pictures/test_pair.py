@@ -137,3 +137,10 @@ def test_two_solutions_make_a_pair():
     known = solve_pair(space, engine=RungeKutta())
     pair = Pair(space, known.straight, known.shortest)
     assert metadata(pair)["curves"]["geodesic"]["stopped"] == ""
+
+
+def test_what_the_distance_is(sphere):
+    """The true one on a sphere, and none around a black hole: files and captions say so."""
+    assert "true distance when small" in metadata(sphere)["columns"]
+    hole = solve_pair(load("schwarzschild"), engine=ENGINE, accuracy=1e-6, samples=3, t=1)
+    assert "no invariant" in metadata(hole)["columns"]
