@@ -85,7 +85,7 @@ def pages(progress: Progress = lambda _: None) -> dict[str, str]:
     found = {}
     for tab, maker in makers.items():
         progress(tab)
-        found[_file(tab)] = _page(tab, f"{views.intro(tab)}{maker()}")
+        found[_file(tab)] = _page(tab, f"{views.intro(tab, still=True)}{maker()}")
     links = "".join(
         f'<li><a href="{_file(tab)}">{escape(tab)}</a>: {escape(text)}</li>'
         for tab, text in views.TABS.items()

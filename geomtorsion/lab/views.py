@@ -44,13 +44,11 @@ def header() -> str:
     return wrapped("<h1>Torsion lab</h1>")
 
 
-def intro(tab: str) -> str:
-    """What one sees on a tab, and what to try."""
+def intro(tab: str, *, still: bool = False) -> str:
+    """What one sees on a tab; and what to try, unless nothing on the page can be changed."""
     guide = GUIDES[tab]
-    return wrapped(
-        f'<p class="guide">{escape(guide.seen)}</p>'
-        f'<p class="guide"><strong>Try:</strong> {escape(guide.tried)}</p>'
-    )
+    tried = f'<p class="guide"><strong>Try:</strong> {escape(guide.tried)}</p>'
+    return wrapped(f'<p class="guide">{escape(guide.seen)}</p>{"" if still else tried}')
 
 
 def words(tab: str) -> str:
@@ -168,7 +166,7 @@ def exercise(reply: Json) -> str:
     if reply.get("problem"):
         return wrapped(problem(reply))
     head = f"<h2>{escape(reply['number'])} {escape(reply['title'])}</h2>"
-    facts = f"{escape(reply['chapter'])}; {escape(reply['level'])}; seed {reply['seed']}"
+    facts = f"{escape(reply['chapter'])}; {escape(reply['level'])}; variant {reply['seed']}"
     stated = f'<div class="sideways" id="statement">{reply["statement"]}</div>'
     return wrapped(f'{head}<p class="note">{facts}</p>{stated}')
 
