@@ -112,8 +112,7 @@ class Lines(Mapping[str, Elements]):
         """The Burgers vector of the line at an exact place, None if there is none; shape (3,)."""
         if tuple(place) not in self.places:
             return None
-        # A sum with zero is no negative zero.
-        return self.numbers(values)[1][:, self.places.index(tuple(place))] + 0.0
+        return self.numbers(values)[1][:, self.places.index(tuple(place))]
 
     def coframe(self, chosen: Sequence[tuple[int, int]], *arguments: Any) -> np.ndarray:
         """Some entries of the coframe at points (coordinates, then parameters), shape (m, k)."""
