@@ -289,7 +289,7 @@ def charge(
     >>> frame = load("screw_dislocation").frame
     >>> (axis,) = find_defects(frame)
     >>> loop = Loop.circle([0, 0, 2], 1)
-    >>> charge(cartan(frame), axis, loop, {"b": 0.5}).burgers.round(12).tolist()
+    >>> (charge(cartan(frame), axis, loop, {"b": 0.5}).burgers.round(12) + 0.0).tolist()
     [0.0, 0.0, 0.5]
     """
     if defect.across is None:
