@@ -33,6 +33,20 @@ class PictureFormat(StrEnum):
     pdf = "pdf"
 
 
+class Basis(StrEnum):
+    """The basis to which indices refer."""
+
+    natural = "natural"
+    coordinate = "coordinate"
+    frame = "frame"
+
+
+BasisOption = Annotated[
+    Basis,
+    typer.Option("--basis", help="natural: each quantity in the basis in which it is defined."),
+]
+
+
 # -- where a command takes its subject from -------------------------------------------------------
 
 SpaceOrFile = Annotated[

@@ -5,6 +5,7 @@ Apart from `sources`, since scenes take longer to load than spaces.
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -68,3 +69,14 @@ def _setting(text: str) -> tuple[str, float]:
     if not sign or not path.strip():
         raise StartError(f"--set: path=number was needed, {shown(text)} came: body.moments[2]=3.1.")
     return path.strip(), number(value, path.strip())
+
+
+def start_angles(scene: Scene | None) -> list[str]:
+    """The Euler angles at the start in both units: plain numbers in a file are radians."""
+    if scene is None or scene.start.euler is None:
+        return []
+    angles = [float(angle) for angle in scene.start.euler]
+    radians = ", ".join(f"{angle:.6g}" for angle in angles)
+    degrees = ", ".join(f"{math.degrees(angle):.6g}" for angle in angles)
+    name = scene.start.euler_convention
+    return [f"starts at Euler angles ({name}) {radians} rad, which are {degrees} degrees"]

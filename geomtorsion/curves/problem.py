@@ -376,8 +376,10 @@ class CurveProblem:
             advice = "What is carried along is given in this frame, which ends here; stop earlier."
         elif len(self.atlas.makers) > 1:
             advice = f"Allow another chart of {', '.join(self.atlas.makers)}, or stop earlier."
+        # A coordinate may be called t, too.
+        which = " (the curve parameter), in coordinates" if "t" in names else ","
         return ChartEdgeError(
-            f"the motion stops at t = {trajectory.reached / self.time_unit:.6g}, at {place}: "
+            f"the motion stops at t = {trajectory.reached / self.time_unit:.6g}{which} at {place}: "
             f"chart {label!r} ends there ({trajectory.reason}). {chart.end if chart else ''}"
             f"{advice} What was computed is in the error's `solution`."
         )

@@ -283,10 +283,11 @@ class _Job:
         if len(some) == number and not finished.any() and not interrupted and not len(pending):
             raise StartError("none of the motions that were checked reaches the last time.")
         if len(pending) and not interrupted:
+            got = f"gets to {best:.2g}" if np.isfinite(best) else "gives no two runs to compare"
             raise AccuracyError(
-                f"accuracy {self.accuracy:.3g} was asked for; {self.engine.name} gets to "
-                f"{best:.2g} in double precision. {_listed(pending)} Ask for less, or solve one "
-                "by one with Taylor(precision=113)."
+                f"accuracy {self.accuracy:.3g} was asked for; {self.engine.name} {got} in double "
+                f"precision. {_listed(pending)} Ask for less, or solve one by one with "
+                "Taylor(precision=113)."
             )
         rest = np.setdiff1d(np.arange(number), some)
         if len(rest) and not interrupted:

@@ -145,9 +145,10 @@ def _solved(
                 raise error
             return solution
     names = dict.fromkeys(run.engine.name for run in runs)
+    got = f"gets to {best:.2g}" if math.isfinite(best) else "gives no two runs to compare"
     raise AccuracyError(
         f"accuracy {accuracy:.3g} was asked for; {', then '.join(names) or 'no engine at hand'} "
-        f"gets to {best:.2g}. " + _remedy(engine)
+        f"{got}. " + _remedy(engine)
     )
 
 

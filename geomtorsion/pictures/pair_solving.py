@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -36,6 +36,7 @@ def solve_pair(
     accuracy: float = ACCURACY,
     engine: Engine | None = None,
     samples: int = SAMPLES,
+    progress: Callable[[str], object] = lambda _: None,
 ) -> Pair:
     """Solve both motions; what is not given is chosen, and the result says so.
 
@@ -50,6 +51,8 @@ def solve_pair(
     moments
         kinetic metric of the geodesic, one number for each frame vector; that of the frame
         if None.
+    progress
+        is called with the name of each motion before it is solved.
 
     Raises
     ------
@@ -77,7 +80,8 @@ def solve_pair(
     times = _times(last, samples)
     stops: dict[str, str] = {}
     found = {}
-    for name, problem in problems.items():
+    for number, (name, problem) in enumerate(problems.items(), 1):
+        progress(f"{name}, {number} of {len(problems)}")
         found[name] = _solved(name, problem, times, accuracy, engine, stops)
     return Pair(space, found["autoparallel"], found["geodesic"], chosen, stops)
 

@@ -23,13 +23,15 @@ def write_report(
     progress: Callable[[str], object] = lambda _: None,
     *,
     pictures: bool = True,
+    basis: str = "natural",
 ) -> Path:
     """Write index.html and geometry.json and return the path of the page.
 
     The page needs no network: mathematics is MathML, style and pictures are inside. Without
     matplotlib the pictures are missing, and the page says so; ``pictures=False`` leaves out motions
-    and loops. The directory is made if it is missing; nothing is written before everything is
-    computed.
+    and loops. Indices refer to the basis: "natural" (each quantity in the one in which it is
+    defined), "coordinate" or "frame". The directory is made if it is missing; nothing is written
+    before everything is computed.
 
     Examples
     --------
@@ -39,7 +41,7 @@ def write_report(
     ...     write_report(load("s2"), folder, pictures=False).name
     'index.html'
     """
-    quantities = chosen_quantities(space, progress=progress)
+    quantities = chosen_quantities(space, (), basis, progress)
     checked = verdicts(space, progress)
     seen = {}
     if pictures:

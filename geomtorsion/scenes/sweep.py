@@ -50,6 +50,7 @@ class SceneSweep:
         does not reach its end.
     unfinished: (what was varied, why) of each motion that does not reach its end; what is measured
         of it is nan.
+    interrupted: whether Ctrl-C stopped it; what had been measured by then is kept.
     """
 
     title: str
@@ -60,6 +61,7 @@ class SceneSweep:
     engine: str
     seconds: float
     unfinished: tuple[tuple[Mapping[str, Values], str], ...] = ()
+    interrupted: bool = False
 
     @property
     def error(self) -> float:
@@ -145,6 +147,8 @@ class SceneSweep:
             there = values[np.isfinite(values)]
             span = f"{there.min():.6g} to {there.max():.6g}" if there.size else "none"
             lines.append(f"{name}: {span}")
+        if self.interrupted:
+            lines.append("stopped by Ctrl-C: what was measured by then is kept")
         if self.unfinished:
             where, why = self.unfinished[0]
             lines.append(f"{len(self.unfinished)} without a value; the first with {where}: {why}")
@@ -215,8 +219,14 @@ def sweep(
         raise SceneError("nothing is varied: there are no values.")
     changes = [dict(zip(values, map(_plain, chosen), strict=True)) for chosen in combinations]
     found = _Measured(readers, len(changes), progress)
-    for members in _groups(scene, changes).values():
-        _solve_group(scene, members, engine, found)
+    try:
+        for members in _groups(scene, changes).values():
+            _solve_group(scene, members, engine, found)
+    except KeyboardInterrupt:
+        # Where nothing is finished there is nothing to keep.
+        if not found.measured:
+            raise
+        found.stop()
     unfinished = [(changes[place], reason) for place, reason in sorted(found.unfinished.items())]
     if len(unfinished) == len(changes):
         raise StuckError(f"no motion reaches its end; with {unfinished[0][0]}: {unfinished[0][1]}.")
@@ -230,6 +240,7 @@ def sweep(
         ", ".join(sorted(found.engines)),
         time.perf_counter() - began,
         tuple(unfinished),
+        found.interrupted,
     )
 
 
@@ -271,6 +282,8 @@ class _Measured:
     progress: Callable[[float], object]
     engines: set[str] = field(default_factory=set)
     unfinished: dict[int, str] = field(default_factory=dict)
+    measured: set[int] = field(default_factory=set)
+    interrupted: bool = False
     done: int = 0
 
     def __post_init__(self) -> None:
@@ -286,12 +299,19 @@ class _Measured:
         run = SweepRun(times, values, member.varied)
         for name, reader in self.readers.items():
             self.columns[name][member.place] = reader(run)
+        self.measured.add(member.place)
         self._went_on()
 
     def lose(self, member: _Member, reason: str) -> None:
         """A motion that does not reach its end: nothing is measured, and that is said."""
         self.unfinished[member.place] = reason
         self._went_on()
+
+    def stop(self) -> None:
+        """Ctrl-C: motions that were not measured yet are named."""
+        self.interrupted = True
+        for place in set(range(self.count)) - self.measured - self.unfinished.keys():
+            self.unfinished[place] = "Ctrl-C came before it was solved"
 
     def _went_on(self) -> None:
         self.done += 1
@@ -374,11 +394,15 @@ def _in_batches(
         found.engines.add(solved.engine)
         for k, member in enumerate(some):
             if not solved.finished[k]:
+                if solved.interrupted:
+                    continue
                 found.lose(member, "it does not reach the last time")
                 continue
             own = replace(ode, parameters={**ode.parameters, **member.parameters})
             values = observed(own, scene.selection, times, solved.states[k])
             found.measure(member, times, values, float(solved.errors[k]))
+        if solved.interrupted:
+            raise KeyboardInterrupt
 
 
 def _in_closed_form(scene: Scene, members: list[_Member], found: _Measured) -> None:

@@ -92,12 +92,30 @@ def first_motion(frame: Frame) -> FirstMotion:
     rounded = {symbol: round(value, 2) for symbol, value in point.items()}
     if all(relation.subs(rounded) == sp.true for relation in frame.domain):
         point = rounded
+    point = _usual(frame, point)
     return FirstMotion(
         tuple(point[symbol] for symbol in frame.coordinates),
         _direction(frame),
         DURATION,
         {symbol.name: point[symbol] for symbol in frame.parameters},
     )
+
+
+def _usual(frame: Frame, point: dict[sp.Symbol, float]) -> dict[sp.Symbol, float]:
+    """The point without signs where that turns coframe entries positive: r, theta as usual.
+
+    Without a domain nothing says that a radius is positive, or that theta lies between the poles;
+    that r and sin(theta) stand in the coframe does.
+    """
+    plain = {symbol: abs(value) for symbol, value in point.items()}
+    inside = all(relation.subs(plain) == sp.true for relation in frame.domain)
+    if not inside or frame.complex:
+        return point
+    try:
+        here, there = (frame.coframe.at(values).diagonal() for values in (point, plain))
+    except (ArithmeticError, KeyError):
+        return point
+    return plain if (there > 0).sum() > (here > 0).sum() else point
 
 
 def _fits(motion: FirstMotion, frame: Frame) -> bool:

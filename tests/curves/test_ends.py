@@ -177,3 +177,12 @@ def test_the_end_of_all_charts_is_found(engine):
     assert solution.charts[:2] == ("kerr", "ingoing")
     assert len(solution.charts) < 8
     assert "r_in = 0.2," in str(caught.value)
+
+
+def test_parameter_and_coordinate_of_one_name():
+    """A coordinate may be called t, as the curve parameter is: the message says which is which."""
+    hole = load("schwarzschild").frame
+    fall = geodesic(hole, [0, 4, 1.5, 0], frame_velocity=[1, 0, 0, 0], parameters={"M": 1})
+    said = r"stops at t = \d+\.\d+ \(the curve parameter\), in coordinates at t = \d+"
+    with pytest.raises(ChartEdgeError, match=said):
+        solve(fall.with_charts("schwarzschild"), 100.0, 1e-6)

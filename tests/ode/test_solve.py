@@ -1,5 +1,8 @@
 """solve: the accuracy of the result, engines, times, and what is known about a solution."""
 
+import math
+import sys
+
 import mpmath
 import numpy as np
 import pytest
@@ -9,7 +12,7 @@ from geomtorsion.curves import autoparallel, distance_apart, geodesic
 from geomtorsion.errors import AccuracyError, ChartEdgeError, TimeError, UnknownNameError
 from geomtorsion.geometry import cartan, levi_civita
 from geomtorsion.geometry.connections import blend
-from geomtorsion.ode import RungeKutta, Stiff, Taylor, solve
+from geomtorsion.ode import ODE, RungeKutta, Stiff, Taylor, solve
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.spaces import load
 from tests.ode.engines import every_engine, needs_heyoka
@@ -231,3 +234,17 @@ def test_changes_of_charts_keep_all_digits():
     with mpmath.workprec(200):
         for x, y in zip(one.states[-1], two.states[-1], strict=True):
             assert abs(mpmath.mpf(str(x)) - mpmath.mpf(str(y))) < mpmath.mpf(10) ** -24
+
+
+def test_nothing_to_compare_is_said(monkeypatch):
+    """Where no two runs can be compared there is no number to name, and "inf" is none."""
+    module = sys.modules["geomtorsion.ode.solve"]
+    real = module.verified
+
+    def incomparable(*arguments):
+        return real(*arguments)._replace(error=math.inf)
+
+    monkeypatch.setattr(module, "verified", incomparable)
+    with pytest.raises(AccuracyError, match="gives no two runs to compare") as caught:
+        solve(ODE.of({"x": "-x"}, [1]), 1.0, engine=RungeKutta())
+    assert "inf" not in str(caught.value)

@@ -234,3 +234,26 @@ def test_each_free_body_of_a_sweep_is_checked():
     for tilt, error in zip(tilts, sweep.errors, strict=True):
         alone = scene.sweep({"start.omega[0]": [tilt]}, FLIP)
         assert alone.errors.tolist() == [error]
+
+
+@pytest.mark.parametrize("engine", [None, RungeKutta()])
+def test_an_interruption_keeps_what_was_measured(engine):
+    """Ctrl-C in a sweep: what is finished stays, and the rest is named."""
+    scene = load("lagrange_cusp").with_values(t=0.1)
+    masses = [0.4, 0.5, 0.6]
+    whole = scene.sweep({"body.mass": masses}, "last nutation", engine=engine)
+    after = [2]
+
+    def stop(_: float) -> None:
+        after[0] -= 1
+        if after[0] == 0:
+            raise KeyboardInterrupt
+
+    partial = scene.sweep({"body.mass": masses}, "last nutation", engine=engine, progress=stop)
+    assert partial.interrupted
+    assert not whole.interrupted
+    assert "Ctrl-C" in str(partial)
+    found = partial["last nutation"]
+    assert found[:2].tolist() == whole["last nutation"][:2].tolist()
+    assert np.isnan(found[2])
+    assert [reason for _, reason in partial.unfinished] == ["Ctrl-C came before it was solved"]

@@ -69,13 +69,13 @@ def curve(
     space = open_space(source)
     written: list[Path] = []
     with working(space.name) as progress:
-        progress("solving")
         pair = solve_pair(
             space,
             **start_options(start, velocity, frame_velocity, t, parameters, moments),
             accuracy=accuracy,
             engine=engine_of(engine),
             samples=samples,
+            progress=progress,
         )
         if output is not None:
             written = write_curves(pair, output, form.value, progress)

@@ -12,7 +12,7 @@ from geomtorsion.cli.formats.latex import latex_of
 from geomtorsion.cli.formats.mathematica import mathematica_of
 from geomtorsion.cli.formats.numpy_code import python_of
 from geomtorsion.cli.formats.text import text_of
-from geomtorsion.cli.options import SpaceOrFile
+from geomtorsion.cli.options import Basis, BasisOption, SpaceOrFile
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import shows_greek, working
 from geomtorsion.cli.values import parts
@@ -27,14 +27,6 @@ class Format(StrEnum):
     json = "json"
     python = "python"
     mathematica = "mathematica"
-
-
-class Basis(StrEnum):
-    """The basis to which indices refer."""
-
-    natural = "natural"
-    coordinate = "coordinate"
-    frame = "frame"
 
 
 def geometry(
@@ -54,10 +46,7 @@ def geometry(
             "mathematica for Wolfram's language.",
         ),
     ] = Format.text,
-    basis: Annotated[
-        Basis,
-        typer.Option(help="natural: each quantity in the basis in which it is defined."),
-    ] = Basis.natural,
+    basis: BasisOption = Basis.natural,
     every: Annotated[
         bool,
         typer.Option("--every", help="In text and latex: also components that follow by symmetry."),

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from geomtorsion.cli.options import SpaceOrScene, Watch, argument, option
-from geomtorsion.cli.scene_sources import is_scene, open_scene, space_or_hint
+from geomtorsion.cli.scene_sources import is_scene, open_scene, space_or_hint, start_angles
 from geomtorsion.cli.terminal import working
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.scenes import StateSelection
@@ -42,8 +42,10 @@ def plan(
       geomtorsion plan lagrange_cusp --watch nutation -o plan.svg
     """
     if quantity is None and is_scene(source):
-        shown = open_scene(source, watch).selection
-        typer.echo(_dot(shown) if dot else str(shown))
+        scene = open_scene(source, watch)
+        shown = scene.selection
+        lines = [str(shown), *start_angles(scene)]
+        typer.echo(_dot(shown) if dot else "\n".join(lines))
         if output is not None:
             output.write_text(shown.draw(), "utf-8")
             typer.echo(f"wrote {output}")

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from geomtorsion.cli.options import SpaceOrFile, directory
+from geomtorsion.cli.options import Basis, BasisOption, SpaceOrFile, directory
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
 from geomtorsion.pictures.report import write_report
@@ -23,6 +23,7 @@ def report(
     pictures: Annotated[
         bool, typer.Option("--pictures/--no-pictures", help="Motions and a loop, drawn.")
     ] = True,
+    basis: BasisOption = Basis.natural,
 ) -> None:
     """Write geometry, motions and a loop of a space as a page.
 
@@ -33,10 +34,13 @@ def report(
     Examples:
       geomtorsion report so3 -o so3-report
       geomtorsion report my-tetrad.toml -o my-report
+      geomtorsion report kerr --basis frame
     """
     with working(source) as progress:
         space = open_space(source)
         # The name in a file may be any text; that of a directory may not.
         default = re.sub(r"[^\w-]+", "-", space.name) + "-report"
-        written = write_report(space, output or default, progress, pictures=pictures)
+        written = write_report(
+            space, output or default, progress, pictures=pictures, basis=basis.value
+        )
     typer.echo(f"{space.name}: wrote {written} and {written.with_name('geometry.json')}")

@@ -23,7 +23,7 @@ from geomtorsion.cli.options import (
     say_written,
 )
 from geomtorsion.cli.problems import engine_of
-from geomtorsion.cli.scene_sources import open_scene
+from geomtorsion.cli.scene_sources import open_scene, start_angles
 from geomtorsion.cli.tables import right_aligned, some_rows
 from geomtorsion.cli.terminal import bar, working
 from geomtorsion.errors import CheckpointError, StuckError
@@ -181,4 +181,4 @@ def _summary(result: SceneResult) -> list[str]:
     rest = len(table) - len(shown)
     if rest > 0:
         lines.append(f"and {rest} more column{'s' * (rest > 1)}")
-    return [*lines, "", *facts]
+    return [*lines, "", *start_angles(result.scene), *facts]

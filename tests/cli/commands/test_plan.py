@@ -30,3 +30,22 @@ def test_plans_of_scenes(tmp_path):
     assert "'nowhere'" in run("plan", "nowhere", code=2).stderr
     assert "Did you mean the scene helix?" in run("plan", "helx", code=2).stderr
     assert "Did you mean the scene helix?" in run("accuracy", "helx", code=2).stderr
+
+
+def test_angles_at_the_start_are_said_in_both_units(tmp_path):
+    """A plain number in a scene file is radians; nobody has to guess."""
+    file = tmp_path / "top.toml"
+    text = """watch = ["nutation"]
+t = 0.01
+
+[body]
+moments = [1, 1, 0.5]
+
+[start]
+omega = [0, 0, 20]
+euler = [0, 0.5, "90 deg"]
+"""
+    file.write_text(text, "utf-8")
+    wanted = "starts at Euler angles (zyz) 0, 0.5, 1.5708 rad, which are 0, 28.6479, 90 degrees"
+    assert wanted in run("plan", str(file)).stdout
+    assert wanted in run("run", str(file)).stdout

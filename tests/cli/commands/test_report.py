@@ -23,3 +23,15 @@ def test_report_where_it_cannot_be_written(tmp_path):
     error = run("report", "s2", "-o", str(tmp_path / "taken"), code=2).stderr
     assert "taken" in error
     assert "Traceback" not in error
+
+
+def test_report_in_a_basis(tmp_path):
+    """Indices refer to the basis that is asked for."""
+    run("report", "s2", "--no-pictures", "--basis", "frame", "-o", str(tmp_path / "frame"))
+    run("report", "s2", "--no-pictures", "-o", str(tmp_path / "natural"))
+    texts = [
+        (tmp_path / name / "geometry.json").read_text("utf-8") for name in ("frame", "natural")
+    ]
+    bases = [json.loads(text)["quantities"] for text in texts]
+    assert bases[0]["ricci"] != bases[1]["ricci"]
+    assert "wrong" in run("report", "s2", "--basis", "wrong", code=2).stderr
