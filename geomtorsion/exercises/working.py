@@ -174,13 +174,25 @@ def listed(name: str, table: Mapping[tuple[int, ...], object], above: int = 1) -
 
 
 def differentials(frame: Frame) -> str:
-    """d e^k of the forms that are not closed, in LaTeX."""
+    r"""d e^k of the forms that are not closed, each a displayed formula of its own.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> differentials(load("heisenberg").frame)
+    '\\mathrm{d}e^{3} = - \\mathrm{d}x\\wedge\\mathrm{d}y'
+    """
     q, sums = frame.coordinates, {}
     for (a, b, k), value in curls(frame).items():
         pair = rf"\mathrm{{d}}{tex(q[a])}\wedge\mathrm{{d}}{tex(q[b])}"
-        sums.setdefault(k, []).append(rf"\left({tex(value)}\right)\,{pair}")
-    return r",\quad ".join(
-        rf"\mathrm{{d}}e^{{{k + 1}}} = {' + '.join(terms)}" for k, terms in sorted(sums.items())
+        minus = value.could_extract_minus_sign()
+        size = -value if minus else value
+        shown = rf"\left({tex(size)}\right)" if size.is_Add else tex(size)
+        before = "- " if minus else "+ " if k in sums else ""
+        factor = "" if size == 1 else rf"{shown}\,"
+        sums.setdefault(k, []).append(f"{before}{factor}{pair}")
+    return ",$$ $$".join(
+        rf"\mathrm{{d}}e^{{{k + 1}}} = {' '.join(terms)}" for k, terms in sorted(sums.items())
     )
 
 
