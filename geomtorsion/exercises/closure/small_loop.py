@@ -77,7 +77,8 @@ def _worked(frame: Frame, i: int, j: int, area: sp.Symbol) -> tuple[Step, ...]:
             f"$${by_hand.differentials(frame)}.$$"
         ),
         Step(
-            f"In the plane of $E_{i + 1}$ and $E_{j + 1}$ all but $e^{{{i + 1}}}\\wedge e^{{{j + 1}}}$ "
+            f"In the plane of $E_{i + 1}$ and $E_{j + 1}$ all products but "
+            f"$e^{{{i + 1}}}\\wedge e^{{{j + 1}}}$ "
             f"vanishes, and that is the area $A$: $b^k = 2S_{{{i + 1}{j + 1}}}{{}}^k A$ with "
             f"$${by_hand.listed('2S', pairs)}.$$"
         ),
