@@ -13,6 +13,7 @@ from sympy.core.function import AppliedUndef
 
 from geomtorsion import checks
 from geomtorsion.codegen import numpy_function
+from geomtorsion.codegen.evaluation import EXACT_BITS
 from geomtorsion.errors import (
     LoopError,
     MissingValueError,
@@ -109,6 +110,7 @@ class Poles:
     names: what they are, as text. owner: what has no finite value there.
     numbers: values of the parameters.
     single: the same for one of them alone, by its number, where that is cheaper.
+    sizes: from coordinates and parameters of one point to the sizes of all forms, exactly.
     """
 
     function: Values
@@ -116,6 +118,21 @@ class Poles:
     owner: str = "coframe"
     numbers: tuple[float | complex, ...] = ()
     single: Callable[..., np.ndarray] | None = None
+    sizes: Callable[..., np.ndarray] | None = None
+
+    def grows(self, far: np.ndarray, near: np.ndarray) -> bool:
+        """Whether a form becomes larger from one point, of shape (n,), to another near a zero.
+
+        Roots in a denominator are cleared by factors of which the numerator has the same: where
+        those vanish nothing happens.
+        """
+        if self.sizes is None:
+            return True
+        try:
+            one, two = (self.sizes(*point, *self.numbers) for point in (far, near))
+        except (ArithmeticError, TypeError):
+            return True
+        return bool((two > 2 * one).any())
 
     def values(self, points: np.ndarray) -> np.ndarray:
         """All denominators at points of shape (n, k), shape (poles, k)."""
@@ -262,7 +279,13 @@ def poles_of(
                 found[str(factor)] = factor
     if not found:
         return None
-    return Poles(numpy_function(list(found.values()), arguments, check=False), tuple(found), owner)
+
+    def sizes(*values: float) -> np.ndarray:
+        point = dict(zip(arguments, values, strict=True))
+        return np.array([float(abs(x.evaluate(point, EXACT_BITS))) for x in elements])
+
+    function = numpy_function(list(found.values()), arguments, check=False)
+    return Poles(function, tuple(found), owner, sizes=sizes)
 
 
 def parameter_values(

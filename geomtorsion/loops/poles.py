@@ -42,6 +42,8 @@ def refuse_poles(poles: Poles | None, part: Part) -> tuple[tuple[int, float], ..
             for start in sorted({int(sizes.argmin()), *_dips(sizes).tolist(), *map(int, signs)}):
                 low, high = s[max(start - 1, 0)], s[min(start + 1, count - 1)]
                 place, width = _minimum(poles, part, arc, k, low, high, sizes.max())
+                if width == 0 and not _is_pole(poles, part, arc, place):
+                    continue
                 if width == 0:
                     point = part.points(arc, place)[0][:, 0]
                     raise SingularPointError(
@@ -51,6 +53,14 @@ def refuse_poles(poles: Poles | None, part: Part) -> tuple[tuple[int, float], ..
                     )
                 cuts += [(number, cut) for cut in graded(place, width, NARROW / count)]
     return tuple(cuts)
+
+
+def _is_pole(poles: Poles, part: Part, arc: Arc, place: float) -> bool:
+    """Whether forms grow towards a zero of a denominator."""
+    sign = 1 if place < 0.5 else -1
+    steps = SAME_POINT**0.5, SAME_POINT
+    far, near = (part.points(arc, place + sign * step)[0][:, 0] for step in steps)
+    return poles.grows(far, near)
 
 
 def _dips(sizes: np.ndarray) -> np.ndarray:
