@@ -90,6 +90,11 @@ class Ensemble:
         """How many members were verified."""
         return int(np.isfinite(self.errors).sum())
 
+    @property
+    def unfinished(self) -> tuple[int, ...]:
+        """Numbers of the members that did not reach the last time."""
+        return tuple(np.flatnonzero(~self.finished).tolist())
+
     @cached_property
     def values(self) -> Mapping[str, np.ndarray]:
         """Everything by name, shapes (number, m) or (number, m, k)."""
@@ -131,11 +136,12 @@ class Ensemble:
     def __str__(self) -> str:
         done = int(self.finished.sum())
         rate = done / self.run_seconds if self.run_seconds else 0.0
+        lost = "; " + _listed(self.unfinished, "not finished:") if self.unfinished else ""
         return (
             f"{done} of {len(self)} motions by {self.engine} ({self.reason}), "
             f"error below {self.error:.2g} in the {self.checked} of them that were verified; "
             f"{self.run_seconds:.3g} s ({rate:.3g} per second), "
-            f"compiled in {self.compile_seconds:.3g} s, checked in {self.check_seconds:.3g} s"
+            f"compiled in {self.compile_seconds:.3g} s, checked in {self.check_seconds:.3g} s{lost}"
         )
 
     __repr__ = __str__
@@ -365,8 +371,8 @@ class _Job:
         return found
 
 
-def _listed(index: Sequence[int] | np.ndarray) -> str:
+def _listed(index: Sequence[int] | np.ndarray, what: str = "That is so for") -> str:
     """Which members these are, in a few words."""
     first = ", ".join(str(int(k)) for k in index[:5])
     more = f" and {len(index) - 5} more" if len(index) > 5 else ""
-    return f"That is so for member{'s' if len(index) > 1 else ''} {first}{more}."
+    return f"{what} member{'s' if len(index) > 1 else ''} {first}{more}."

@@ -69,6 +69,9 @@ def test_some_do_not_arrive(engine):
     away = ODE.of({"x": "x**2/(1 + t)"}, [1], events=[At(0.5, {})])
     many = solve_many(away, {"x": [0.1, 20.0, 0.2]}, 1.0, 1e-9, engine)
     assert many.finished.tolist() == [True, False, True]
+    assert many.unfinished == (1,)
+    assert "not finished: member 1." in str(many)
+    assert np.isfinite(many.errors).tolist() == [True, False, True]
     assert np.isnan(many.states[1]).all()
     # 1/x falls by log(1 + t).
     exact = [1 / (1 / x - np.log(2)) for x in (0.1, 0.2)]
