@@ -294,3 +294,39 @@ def test_determinant_that_cannot_be_decided():
     hidden = sp.besselj(0, x) + sp.besselj(2, x) - 2 * sp.besselj(1, x) / x
     with pytest.raises((UndecidedError, CoframeError), match="(?i)determinant|singular"):
         gt.Frame([x, y], [[hidden, 0], [0, 1]])
+
+
+LONG = "a" * 200_000
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: gt.parse_expression(LONG, {}),
+        lambda: gt.parse_expression(LONG + "(x)", {}, {}),
+        lambda: gt.parse_expression("1" * 200_000, {}),
+        lambda: gt.Frame(LONG, [[1, 0], [0, 1]]),
+        lambda: gt.Frame("x y", [[1, 0], [0, LONG]]),
+        lambda: gt.Frame("x y", [[1, 0], [0, sp.Abs(sp.Symbol(LONG))]]),
+        lambda: gt.Frame("x y", [[1, 0], [0, sp.Symbol(LONG) + sp.Symbol(LONG, real=True)]]),
+        lambda: gt.Frame("x y", UNIT, signature="+" * 200_000),
+        lambda: gt.Frame("x y", UNIT).metric.at({LONG: 1}),
+        lambda: gt.Frame("x y", UNIT).metric.at({"x": "a " * 100_000}),
+        lambda: gt.contract("a " * 100_000, gt.Frame("x y", UNIT).metric),
+        lambda: gt.numpy_function(x, list(range(100_000))),
+        lambda: gt.spaces.load(LONG),
+        lambda: gt.equations_of_motion(gt.Frame("x y", UNIT), LONG),
+        lambda: gt.Loop.circle(LONG, 1),
+        lambda: gt.Loop.circle([0, 0], 1, plane=LONG),
+        lambda: gt.Loop.parametric([LONG, "1"], "t", (0, 1)),
+        lambda: gt.Loop.parametric("b " * 100_000, "t", (0, 1)),
+        lambda: gt.geodesic(gt.Frame("x y", UNIT), [0, 0], [0, 1], parameters={LONG: 1}),
+    ],
+)
+def test_no_message_repeats_input_at_length(call):
+    """What came is recognised by 200 characters of it."""
+    with pytest.raises(GeomtorsionError) as caught:
+        call()
+    message = str(caught.value)
+    assert len(message) < 900
+    assert not re.search(r"\S{201}|(a ){150}|([0-9]+, ){100}", message)

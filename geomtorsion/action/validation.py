@@ -44,8 +44,8 @@ def force_entries(forces: object, n: int) -> Named:
     wrong = [key for key in given if key not in range(n)]
     if wrong:
         raise ShapeError(
-            f"forces: there is no component {wrong[0]!r}. Count the forms of the frame from 0 "
-            f"to {n - 1}."
+            f"forces: there is no component {checks.shown(wrong[0])}. "
+            f"Count the forms of the frame from 0 to {n - 1}."
         )
     return [(f"forces[{k}]", given.get(k, 0)) for k in range(n)]
 

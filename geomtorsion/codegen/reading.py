@@ -10,7 +10,7 @@ from typing import Any
 import sympy as sp
 from flint import fmpq
 
-from geomtorsion.checks import expression
+from geomtorsion.checks import cut, expression
 from geomtorsion.codegen.functions import FUNCTIONS
 from geomtorsion.codegen.sums import ONE, Sums, Term
 from geomtorsion.errors import ExpressionError, MissingValueError
@@ -220,7 +220,7 @@ class Reader:
     def _unknown(self, shown: sp.Expr) -> MissingValueError:
         return MissingValueError(
             f"{shown} is not among the arguments "
-            f"({', '.join(self.arguments) or 'none'}); add it to the symbols"
+            f"({cut(', '.join(self.arguments)) or 'none'}); add it to the symbols"
         )
 
     # sympy's trees, whose parts have been read before.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Sequence
 
-from geomtorsion.checks import text
+from geomtorsion.checks import shown, text
 from geomtorsion.errors import ShapeError, TensorIndexError
 from geomtorsion.geometry.components import joined
 from geomtorsion.geometry.index_types import KINDS, POSITIONS
@@ -83,7 +83,7 @@ def _parse(letters: str, tensors: Sequence[Tensor]) -> tuple[list[str], str]:
     groups = left.split(",")
     if not tensors or len(groups) != len(tensors):
         raise TensorIndexError(
-            f"{letters!r} names {len(groups)} tensors, {len(tensors)} were given. "
+            f"{shown(letters)} names {len(groups)} tensors, {len(tensors)} were given. "
             "Write one group of letters for each tensor, separated by commas."
         )
     if not arrow:
@@ -102,7 +102,7 @@ def _check(
     for group, tensor in zip(groups, tensors, strict=True):
         if len(group) != len(tensor.slots):
             raise TensorIndexError(
-                f"{text!r}: {group!r} has {len(group)} letters, but {tensor.label} has "
+                f"{shown(text)}: {shown(group)} has {len(group)} letters, but {tensor.label} has "
                 f"{len(tensor.slots)} indices. Write one letter for each index."
             )
         for letter, slot in zip(group, tensor.slots, strict=True):
@@ -110,8 +110,8 @@ def _check(
     free = {letter: uses[0][0] for letter, uses in seen.items() if len(uses) == 1}
     if sorted(wanted) != sorted(free):
         raise TensorIndexError(
-            f"{text!r}: the letters that occur once are {', '.join(sorted(free)) or 'none'}, "
-            f"the result asks for {wanted!r}. Let each letter that occurs once, and no other, "
+            f"{shown(text)}: the letters that occur once are {', '.join(sorted(free)) or 'none'}, "
+            f"the result asks for {shown(wanted)}. Let each letter that occurs once, and no other, "
             "stand in the result."
         )
     for letter, uses in seen.items():
@@ -123,7 +123,7 @@ def _check_pair(text: str, letter: str, uses: Sequence[tuple[str, str]]) -> None
     """A summed letter joins one upper and one lower index of one kind."""
     if not letter.isalpha() or len(uses) > 2:
         raise TensorIndexError(
-            f"{text!r}: index {letter!r} occurs {len(uses)} times. "
+            f"{shown(text)}: index {letter!r} occurs {len(uses)} times. "
             "Use letters, each once (kept) or twice (summed)."
         )
     if len(uses) == 1:
@@ -131,12 +131,13 @@ def _check_pair(text: str, letter: str, uses: Sequence[tuple[str, str]]) -> None
     (first, one), (second, other) = uses
     if KINDS[first] != KINDS[second]:
         raise TensorIndexError(
-            f"{text!r}: index {letter!r} is a {KINDS[first]} index of {one} and a {KINDS[second]} "
-            f"index of {other}. Bring both to one basis with in_frame() or in_coordinates()."
+            f"{shown(text)}: index {letter!r} is a {KINDS[first]} index of {one} and a "
+            f"{KINDS[second]} index of {other}. "
+            "Bring both to one basis with in_frame() or in_coordinates()."
         )
     if POSITIONS[first] == POSITIONS[second]:
         raise TensorIndexError(
-            f"{text!r}: index {letter!r} is {POSITIONS[first]} in {one} and in {other}. "
+            f"{shown(text)}: index {letter!r} is {POSITIONS[first]} in {one} and in {other}. "
             f"Move one of them with {'raised' if POSITIONS[first] == 'down' else 'lowered'}(k)."
         )
 

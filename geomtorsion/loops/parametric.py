@@ -52,12 +52,12 @@ def parametric(
     names = {**(symbols or {}), str(symbol): symbol}
     if isinstance(expressions, str) or not hasattr(expressions, "__len__") or len(expressions) < 2:
         raise LoopError(
-            f"curve: at least two expressions were needed, one per coordinate, but {expressions!r} "
-            "came."
+            "curve: at least two expressions were needed, one per coordinate, but "
+            f"{checks.shown(expressions)} came."
         )
     read = tuple(_read(x, names, f"curve[{k}]") for k, x in enumerate(expressions))
     if not hasattr(interval, "__len__") or isinstance(interval, str) or len(interval) != 2:
-        raise LoopError(f"interval: two bounds were needed, but {interval!r} came.")
+        raise LoopError(f"interval: two bounds were needed, but {checks.shown(interval)} came.")
     start, end = (_read(x, dict(symbols or {}), "interval") for x in interval)
     known = (symbol, *(symbols or {}).values())
     twins = counted_as(free_symbols([*read, start, end]), known, LoopError)
@@ -128,7 +128,8 @@ def symbolic_ellipse(
 def _name(parameter: str | sp.Symbol) -> str:
     """The name of the parameter."""
     if not isinstance(parameter, str) or not parameter.isidentifier():
-        raise LoopError(f"parameter: a name or a symbol was needed, but {parameter!r} came.")
+        came = checks.shown(parameter)
+        raise LoopError(f"parameter: a name or a symbol was needed, but {came} came.")
     return parameter
 
 

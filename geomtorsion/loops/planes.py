@@ -101,7 +101,8 @@ def _direction(side: Any, dimension: int) -> tuple[float, ...]:
             )
         return tuple(float(k == side) for k in range(dimension))
     if isinstance(side, str) or not hasattr(side, "__len__"):
-        raise LoopError(f"plane: coordinate numbers or vectors were needed, but {side!r} came.")
+        came = checks.shown(side)
+        raise LoopError(f"plane: coordinate numbers or vectors were needed, but {came} came.")
     return vector(side, "plane", dimension)
 
 
