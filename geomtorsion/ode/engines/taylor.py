@@ -60,7 +60,7 @@ class Taylor:
 
     def __post_init__(self) -> None:
         """Refuse numbers without sense, which would fail far from here."""
-        if self.precision not in (53, 64):
+        if not isinstance(self.precision, int) or self.precision not in (53, 64):
             text = "{subject}: 53, 64 or a whole number {range} was needed, but {value} came."
             checks.count(self.precision, "precision", ArgumentError, 113, EXACT_BITS, message=text)
         checks.count(self.max_steps, "max_steps", ArgumentError, 1)
