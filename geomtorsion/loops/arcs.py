@@ -198,6 +198,9 @@ class Part:
     arcs: smooth arcs in the order in which they are run through, s from 0 to 1 on each.
     times: how often; negative: backwards.
     given: centre and size as the user gave them, for exact integrals.
+    periods: (coordinate, period) of coordinates that are angles.
+    gap: whole periods from its start to its end, in units of the size, shape (n,); empty where it
+        closes without them.
     """
 
     centre: tuple[float, ...]
@@ -205,6 +208,8 @@ class Part:
     arcs: tuple[Arc, ...]
     times: int = 1
     given: tuple[tuple[Number, ...], Number] | None = None
+    periods: tuple[tuple[int, float], ...] = ()
+    gap: tuple[float, ...] = ()
 
     def points(self, arc: Arc, s: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Coordinates and their derivatives by s on an arc, shape (n, k) each."""

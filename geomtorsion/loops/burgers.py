@@ -4,19 +4,30 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Literal, overload
 
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.errors import ArgumentError, SingularPointError
 from geomtorsion.geometry import Frame
-from geomtorsion.loops.arcs import Parameters, Part
+from geomtorsion.loops.arcs import Parameters, Part, shown
+from geomtorsion.loops.defects import by_winding
 from geomtorsion.loops.exact_integral import ExactBurgersVector, exact_burgers_vector
 from geomtorsion.loops.forms import forms
-from geomtorsion.loops.integrals import Route, agreement, flux_route, line_route
+from geomtorsion.loops.integrals import (
+    DISAGREE,
+    Route,
+    agreement,
+    flux_route,
+    line_route,
+    refuse_other_periods,
+)
 from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.planes import check_accuracy
 from geomtorsion.loops.poles import refuse_poles
+from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.loops.result import BurgersVector, Check
 from geomtorsion.loops.sampled import SampledBurgers, SampledFrame
 
@@ -30,6 +41,17 @@ def burgers_vector(
     parameters: Parameters | None = ...,
     exact: Literal[False] = ...,
 ) -> BurgersVector: ...
+
+
+@overload
+def burgers_vector(
+    frame: SampledFrame,
+    loop: Loop,
+    accuracy: float = ...,
+    *,
+    parameters: Parameters | None = ...,
+    exact: Literal[False] = ...,
+) -> SampledBurgers: ...
 
 
 @overload
@@ -105,6 +127,11 @@ def burgers_vector(
     (array([0.00000000e+00, 0.00000000e+00, 6.28318531e-18]), 'flux', True)
     """
     if isinstance(frame, SampledFrame):
+        if exact or parameters:
+            raise ArgumentError(
+                "frame: a frame known by numbers on a grid has neither closed forms nor parameters."
+                " Leave out exact and parameters, or give a Frame."
+            )
         return frame.burgers(checks.instance(loop, Loop, "loop"))
     checks.instance(frame, Frame, "frame")
     check_loop(loop, frame.dimension)
@@ -118,12 +145,12 @@ def burgers_vector(
         own = {symbol.name for symbol in frame.field.symbols}
         parameters = {k: v for k, v in (parameters or {}).items() if str(k) in own}
     compiled = forms(frame, parameters)
+    for part in loop.parts:
+        refuse_other_periods(compiled, part)
+    near = [refuse_poles(compiled.poles, part) for part in loop.parts]
     pairs = [
-        (
-            line_route(compiled, part, accuracy, refuse_poles(compiled.poles, part)),
-            flux_route(compiled, part, accuracy),
-        )
-        for part in loop.parts
+        (line_route(compiled, part, accuracy, cuts), flux_route(compiled, part, accuracy))
+        for part, cuts in zip(loop.parts, near, strict=True)
     ]
     chosen = [_chosen(part, *pair, accuracy) for part, pair in zip(loop.parts, pairs, strict=True)]
     power = 2 if all(route.power == 2 for route, _, _ in chosen) else 1
@@ -132,6 +159,8 @@ def burgers_vector(
         # Loops beyond 1e154 have vectors beyond all doubles; `numbers` has them.
         reduced, error = _total(loop, picked, power)
         check = _check(loop, pairs, [agrees for _, agrees, _ in chosen])
+    if any(near):
+        check = _counted(frame, loop, parameters, check)
     return BurgersVector(
         frame=frame,
         loop=loop,
@@ -147,6 +176,27 @@ def burgers_vector(
         seconds=time.perf_counter() - start,
         parameters={str(key): value for key, value in (parameters or {}).items()},
     )
+
+
+def _counted(frame: Frame, loop: Loop, parameters: Parameters | None, check: Check) -> Check:
+    """Near a pole a third way: windings, which are whole, times what each line has.
+
+    Raises
+    ------
+    SingularPointError
+        The line integral is another: the loop is nearer to a line than rounding lets it be.
+    """
+    counted = by_winding(frame, loop, parameters)
+    if counted is None:
+        return check
+    missed = float(np.abs(check.line - counted).max())
+    if missed > DISAGREE * (check.line_error + ROUNDING * float(np.abs(counted).max())):
+        raise SingularPointError(
+            f"the loop comes so near to a singular line that its integral {shown(check.line)} is "
+            f"not its windings times charges, {shown(counted)}. Lead it past that line."
+        )
+    text = f"{check.text}; windings times charges agree with the line to {missed:.1e}"
+    return replace(check, text=text)
 
 
 def _name(route: Route) -> str:

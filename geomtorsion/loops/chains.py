@@ -93,6 +93,46 @@ class ClosedCurve:
 
 
 @dataclass(frozen=True)
+class Strip:
+    """A smooth curve that closes modulo periods, and the strip from a straight line to it.
+
+    arc: the curve, s from 0 to 1; gap: the periods between its ends, shape (n,).
+
+    The strip is s gap + u (x(s) - s gap), u from 0 to 1: at both ends it is the same but for the
+    periods, so that its boundary is the curve less the straight line.
+    """
+
+    arc: Arc
+    gap: tuple[float, ...]
+
+    @property
+    def levels(self) -> tuple[int, int]:
+        """As of a closed curve."""
+        return ClosedCurve(self.arc).levels
+
+    def rim(self, level: int) -> Chain:
+        """The trapezoid rule along the curve."""
+        return ClosedCurve(self.arc).rim(level)
+
+    def inside(self, level: int) -> Chain:
+        """The trapezoid rule along the strip times Gauss across it."""
+        first = ClosedCurve(self.arc).first
+        count = equidistant(self.arc.waves, level, first)
+        s = places(count, level)
+        x, v = self.arc.shape(s)
+        along = np.array(self.gap)[:, None]
+        out = x - along * s
+        u, w = gauss_rule(_rays(first, level))
+        steps = along[:, :, None] + (v - along)[:, :, None] * u
+        points = (along * s)[:, :, None] + out[:, :, None] * u
+        a, b = pairs_of(len(x))
+        area = out[a][:, :, None] * steps[b] - out[b][:, :, None] * steps[a]
+        weights = (area * w / count).reshape(len(a), -1)
+        rule = f"trapezoid, {count} points times {len(u)} Gauss points across a strip"
+        return Chain(points.reshape(len(x), -1), weights, rule)
+
+
+@dataclass(frozen=True)
 class Square:
     """The square of side 1 about the centre, by Gauss along its sides and over its area."""
 

@@ -144,8 +144,8 @@ class Complex:
         size = found if nodes is None else checks.count(nodes, "nodes", NetworkError)
         cells = None
         if count == 4:
-            corners, cells = _sides(corners)
-        pairs, faces = _sides(corners)
+            corners, cells = sides_of(corners)
+        pairs, faces = sides_of(corners)
         return cls(size, pairs, _no_images(pairs), faces, cells)
 
     @classmethod
@@ -288,6 +288,25 @@ class Complex:
         low, high = self.pairs.min(axis=1), self.pairs.max(axis=1)
         return np.unique(low * self.nodes + high, return_index=True)
 
+    @property
+    def neighbours(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Joined pairs of nodes, lower and higher, ascending; where each lower one begins."""
+        keys = self._table[0]
+        low, high = keys // self.nodes, keys % self.nodes
+        low, high = low[low != high], high[low != high]
+        return low, high, np.searchsorted(low, np.arange(self.nodes + 1))
+
+    def joins(self, starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
+        """Whether edges join these nodes, shape (k,)."""
+        return self._found(starts, ends)[1]
+
+    def _found(self, starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Places of pairs of nodes in the table, and whether they stand there."""
+        keys, _ = self._table
+        wanted = np.minimum(starts, ends) * self.nodes + np.maximum(starts, ends)
+        place = np.minimum(np.searchsorted(keys, wanted), max(len(keys) - 1, 0))
+        return place, keys[place] == wanted if len(keys) else np.zeros(len(wanted), dtype=bool)
+
     def steps(self, starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Number and sense of the first edge that joins each start to its end, shape (k,) each.
 
@@ -296,15 +315,12 @@ class Complex:
         NetworkError
             Two of them are not joined by an edge.
         """
-        keys, first = self._table
-        wanted = np.minimum(starts, ends) * self.nodes + np.maximum(starts, ends)
-        place = np.minimum(np.searchsorted(keys, wanted), max(len(keys) - 1, 0))
-        found = keys[place] == wanted if len(keys) else np.zeros(len(wanted), dtype=bool)
+        place, found = self._found(starts, ends)
         if not found.all():
             k = int(np.argmin(found))
             a, b = self.label(int(starts[k])), self.label(int(ends[k]))
             raise NetworkError(f"there is no edge between {a!r} and {b!r}.")
-        edges = first[place]
+        edges = self._table[1][place]
         return edges, np.where(self.pairs[edges, 0] == starts, 1, -1)
 
     def __repr__(self) -> str:
@@ -332,7 +348,7 @@ def _no_images(pairs: np.ndarray) -> np.ndarray:
     return np.zeros((len(pairs), 0), dtype=np.int64)
 
 
-def _sides(simplices: np.ndarray) -> tuple[np.ndarray, csr_array]:
+def sides_of(simplices: np.ndarray) -> tuple[np.ndarray, csr_array]:
     """The sides of simplices, each once, and with which sense each simplex has each side.
 
     The boundary of (a, b, c, ...) is (b, c, ...) - (a, c, ...) + (a, b, ...) - ...
@@ -344,7 +360,11 @@ def _sides(simplices: np.ndarray) -> tuple[np.ndarray, csr_array]:
     rows = np.take_along_axis(simplices, order, axis=1)
     odd = _parity(order)
     every = np.concatenate([np.delete(rows, k, axis=1) for k in range(corners)])
-    sides, which = np.unique(every, axis=0, return_inverse=True)
+    # Ranks of all columns but the last, then with it: far faster than to compare whole rows.
+    top, key, first = int(simplices.max(initial=0)) + 1, every[:, 0], np.arange(len(every))
+    for column in every.T[1:]:
+        _, first, key = np.unique(key * top + column, return_index=True, return_inverse=True)
+    sides, which = every[first], key
     signs = np.concatenate([(-1) ** k * odd for k in range(corners)])
     owner = np.tile(np.arange(count), corners)
     return sides, csr_array((signs, (owner, which.ravel())), shape=(count, len(sides)))

@@ -19,7 +19,8 @@ from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Number, Parameters, shown
 from geomtorsion.loops.cone import line_rate
 from geomtorsion.loops.defect_lines import Lines
-from geomtorsion.loops.forms import parameter_values
+from geomtorsion.loops.forms import forms, parameter_values
+from geomtorsion.loops.integrals import line_route
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.planes import rows
 from geomtorsion.loops.transport import transported
@@ -254,6 +255,9 @@ def enclosed_defects(
         for one in (find_defects(frame, connection) if defects is None else defects)
         if one.across
     ]
+    if loop.gap.any():
+        # Where coordinates are angles, lines have other places, and nothing here knows them.
+        return ()
     turns = [(one, one.winding(loop, parameters)) for one in known]
     return tuple(
         EnclosedDefect(
@@ -292,15 +296,36 @@ def charge(
     >>> (charge(cartan(frame), axis, loop, {"b": 0.5}).burgers.round(12) + 0.0).tolist()
     [0.0, 0.0, 0.5]
     """
+    frame = connection.frame
+    if isinstance(frame.given, Lines) and connection.kind == "cartan":
+        known = _known(frame, frame.given, defect, parameters)
+        if known is not None:
+            return AffineMap.of(np.zeros((frame.dimension,) * 2), known)
+    others = find_defects(frame, connection)
+    (part,) = _circle_about(frame, defect, near, others, parameters).parts
+    form = AffineForm(connection, parameters)
+    return transported(part.arcs, line_rate(form, part), 1e-12).motion
+
+
+def _known(
+    frame: Frame, lines: Lines, defect: Defect, parameters: Parameters | None
+) -> np.ndarray | None:
+    """The Burgers vector with which a line was made, shape (n,)."""
+    values = parameter_values(frame, lines.parameters, parameters)
+    return lines.vector_at(defect.point[:2], values)
+
+
+def _circle_about(
+    frame: Frame,
+    defect: Defect,
+    near: Loop,
+    others: Sequence[Defect],
+    parameters: Parameters | None,
+) -> Loop:
+    """A small circle about a defect at the height of a loop, with no other defect in it."""
     if defect.across is None:
         raise LoopError(f"{defect}: it is no line; no loop winds round it.")
-    n, lines = connection.frame.dimension, connection.frame.given
-    if isinstance(lines, Lines) and connection.kind == "cartan":
-        known = lines.vector_at(
-            defect.point[:2], parameter_values(connection.frame, lines.parameters, parameters)
-        )
-        if known is not None:
-            return AffineMap.of(np.zeros((n, n)), known)
+    n = frame.dimension
     place = np.array(defect.place(parameters))
     covectors = np.array(rows(defect.across, n))
     # The point of the defect nearest to the loop, and two directions across it.
@@ -308,19 +333,40 @@ def charge(
     base = np.array(near.base)
     centre = base - dual @ (covectors @ (base - place))
     radius = ALONE * near.size
-    others = [
-        one
-        for one in find_defects(connection.frame, connection)
-        if one != defect and one.across is not None
-    ]
     for other in others:
-        assert other.across is not None
+        if other == defect or other.across is None:
+            continue
         gap = np.array(rows(other.across, n)) @ (centre - np.array(other.place(parameters)))
         radius = min(radius, ALONE * float(np.linalg.norm(gap)))
-    circle = Loop.circle(centre.tolist(), radius, (dual[:, 0], dual[:, 1]))
-    form = AffineForm(connection, parameters)
-    (part,) = circle.parts
-    return transported(part.arcs, line_rate(form, part), 1e-12).motion
+    return Loop.circle(centre.tolist(), radius, (dual[:, 0], dual[:, 1]))
+
+
+def by_winding(frame: Frame, loop: Loop, parameters: Parameters | None) -> np.ndarray | None:
+    """What a loop misses where torsion sits on lines alone: the sum of turns times charges, (n,).
+
+    None where a denominator of the coframe has other zeros than straight lines.
+
+    Raises
+    ------
+    SingularPointError
+        The loop passes through a line.
+    """
+    compiled = forms(frame, parameters)
+    known = [one for one in find_defects(frame) if one.across is not None]
+    if compiled.curl is not None or compiled.poles is None or loop.gap.any():
+        return None
+    if len(known) != len(compiled.poles.names):
+        return None
+    total = np.zeros(frame.dimension)
+    for one in enclosed_defects(frame, loop, parameters, defects=known):
+        lines, b = frame.given, None
+        if isinstance(lines, Lines):
+            b = _known(frame, lines, one.defect, parameters)
+        if b is None:
+            (part,) = _circle_about(frame, one.defect, loop, known, parameters).parts
+            b = part.size * line_route(compiled, part, 1e-12).values[:, 0]
+        total = total + one.turns * b
+    return total
 
 
 def factors(frame: Frame) -> tuple[sp.Expr, ...]:

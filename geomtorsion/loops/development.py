@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.errors import ArgumentError
 from geomtorsion.geometry import Connection
 from geomtorsion.loops.affine_form import AffineForm
 from geomtorsion.loops.affine_map import AffineMap
@@ -21,6 +22,7 @@ from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.planes import check_accuracy
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.quadrature import ROUNDING
+from geomtorsion.loops.sampled import SampledFrame
 from geomtorsion.loops.transport import Transported, transported
 
 
@@ -43,11 +45,24 @@ def along_line(form: AffineForm, part: Part, accuracy: float) -> Transported:
         float(weights @ np.abs(one - two).reshape(len(one), -1).max(axis=1))
         for one, two in zip(here, moved, strict=True)
     )
+    if part.gap:
+        start = np.array(part.base)
+        found = replace(
+            found, motion=found.motion @ back_by(form, start, part.size * np.array(part.gap))
+        )
     return replace(
         found,
         error=found.error + ROUNDING * found.scale + shift + turn * found.scale,
         turn_error=found.turn_error + turn,
     )
+
+
+def back_by(form: AffineForm, start: np.ndarray, gap: np.ndarray) -> AffineMap:
+    """The turn from the legs at a point to those whole periods further on, at the same point."""
+    here, there = form.coframe(start), form.coframe(start + gap)
+    # Components of the legs at the start in those at the end: both sit at the same point.
+    turn = np.linalg.solve(here.T, (there - here).T).T
+    return AffineMap.of(turn, np.zeros(len(start)))
 
 
 def repeated(once: Transported, times: int) -> Transported:
@@ -223,6 +238,11 @@ def develop(
     >>> round(turn.angle, 12), turn.check.agrees     # the area (cos 1 - cos 1.5) / 4
     (0.11739127605, True)
     """
+    if isinstance(connection, SampledFrame):
+        raise ArgumentError(
+            "connection: a Connection was needed, but samples of a frame came, whose legs count as "
+            "parallel: their development is the Burgers vector. Use burgers_vector(grid, loop)."
+        )
     frame = checks.instance(connection, Connection, "connection").frame
     check_loop(loop, frame.dimension)
     check_accuracy(accuracy)
@@ -230,7 +250,7 @@ def develop(
     loop = loop.at(parameters or {}) if loop.symbols else loop
     form = AffineForm(connection, parameters)
     lines = [repeated(along_line(form, part, accuracy), part.times) for part in loop.parts]
-    cones = [around_cone(form, part, accuracy) for part in loop.parts]
+    cones = [None if part.gap else around_cone(form, part, accuracy) for part in loop.parts]
     cones = [
         None if cone is None else repeated(cone, part.times)
         for cone, part in zip(cones, loop.parts, strict=True)
@@ -248,6 +268,8 @@ def develop(
     routes = ["cone" if one is cone else "line" for one, cone in zip(chosen, cones, strict=True)]
     total = joined(chosen)
     check = _check(lines, cones, agrees, enclosed)
+    if loop.gap.any():
+        check = replace(check, text="the loop closes modulo periods and bounds no cone: line alone")
     return Development(
         connection, loop, total.motion, total.error, total.turn_error,
         " and ".join(sorted(set(routes), reverse=True)), check, enclosed,

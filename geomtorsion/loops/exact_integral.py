@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import product
 
 import mpmath
 import numpy as np
@@ -12,17 +13,26 @@ import sympy as sp
 
 from geomtorsion import checks
 from geomtorsion.checks import expression as expression_of
-from geomtorsion.errors import LoopError, MissingValueError, UndecidedError
+from geomtorsion.errors import (
+    LoopError,
+    MissingValueError,
+    SingularPointError,
+    UndecidedError,
+)
 from geomtorsion.geometry import Frame
 from geomtorsion.loops.arcs import Arc, Curve, Ellipse, Parameters, Part, exact_number
 from geomtorsion.loops.closed_forms import OutOfTimeError, deadline, definite
+from geomtorsion.loops.defects import find_defects
 from geomtorsion.loops.forms import forms
+from geomtorsion.loops.integrals import refuse_other_periods
 from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.precision import working_digits
 
 # The closed form is compared with a numerical integral to this many digits.
 DIGITS = np.finfo(float).precision
+# Symbols are tried at so many times their sample values: what is small once is large then.
+SCALES = (sp.Rational(1, 64), sp.Integer(64))
 Piece = tuple[tuple[sp.Expr, ...], sp.Symbol, sp.Expr, sp.Expr]
 
 
@@ -49,6 +59,8 @@ class ExactBurgersVector:
         ------
         MissingValueError
             A symbol has no value.
+        SingularPointError
+            The closed form has no finite value there.
         """
         names = checks.by_name(values, "values", LoopError)
         table = {}
@@ -57,6 +69,12 @@ class ExactBurgersVector:
                 raise MissingValueError(f"{symbol} has no value: give {{{symbol.name!r}: ...}}.")
             table[symbol] = exact_number(names[symbol.name])
         numbers = [complex(x.subs(table).evalf(17)) for x in self.vector]
+        if not np.isfinite(numbers).all():
+            where = ", ".join(f"{symbol} = {value}" for symbol, value in table.items())
+            raise SingularPointError(
+                f"the closed form has no finite value at {where}: {checks.shown(self)}. Take its "
+                "limit with sympy, or a frame that is made for these values."
+            )
         is_complex = any(x.imag for x in numbers)
         return np.array(numbers if is_complex else [x.real for x in numbers])
 
@@ -102,6 +120,7 @@ def exact_burgers_vector(frame: Frame, loop: Loop, seconds: float = 20.0) -> Exa
     total = [sp.S.Zero] * frame.dimension
     where = _sample(frame, loop)
     _refuse_poles(frame, loop, where)
+    _refuse_other_windings(frame, loop, where)
     numbers = [mpmath.mpf(0)] * frame.dimension
     try:
         with deadline(seconds):
@@ -127,6 +146,9 @@ def exact_burgers_vector(frame: Frame, loop: Loop, seconds: float = 20.0) -> Exa
 def _refuse_poles(frame: Frame, loop: Loop, where: Mapping[sp.Symbol, sp.Expr]) -> None:
     """Refuse a loop through a pole: of what sympy gives there, half may be missing."""
     known = {s.name: v for s, v in where.items() if s in frame.field.symbols}
+    for part in (loop.at(where) if loop.symbols else loop).parts:
+        if part.gap:
+            refuse_other_periods(forms(frame, known), part)
     try:
         found = forms(frame, known)
     except MissingValueError:
@@ -138,6 +160,34 @@ def _refuse_poles(frame: Frame, loop: Loop, where: Mapping[sp.Symbol, sp.Expr]) 
     if frame.field.relied_on:
         # Raises where a root has not the sign with which it was read.
         found.coframe.at(here.points())
+
+
+def _refuse_other_windings(frame: Frame, loop: Loop, where: Mapping[sp.Symbol, sp.Expr]) -> None:
+    """Refuse a loop that encloses a line for some values of the symbols and not for others."""
+    lines = [one for one in find_defects(frame) if one.across is not None]
+    symbols = loop.symbols | {
+        s for one in lines for x in one.point for s in expression_of(x).free_symbols
+    }
+    if not symbols or not lines or loop.gap.any():
+        return
+    found: dict[object, list[int]] = {one: [] for one in lines}
+    # One symbol after the other, since two that change together may keep their ratio.
+    for symbol, scale in [(None, sp.S.One), *product(sorted(symbols, key=str), SCALES)]:
+        values = {s: x * scale if s == symbol else x for s, x in where.items()}
+        here = loop.at(values) if loop.symbols else loop
+        for one in lines:
+            try:
+                found[one].append(one.winding(here, values))
+            except SingularPointError:
+                # This sample meets the line; the others tell.
+                continue
+    for one, turns in found.items():
+        if len(set(turns)) > 1:
+            names = ", ".join(sorted(map(str, symbols)))
+            raise UndecidedError(
+                f"how often the loop winds round the {one} depends on {names}: no one closed form "
+                "holds for all values. Give numbers for what decides it."
+            )
 
 
 def _short(x: sp.Expr) -> sp.Expr:

@@ -92,6 +92,7 @@ class Forms:
     poles: what may vanish in a denominator of the coframe, or None.
     parameters: the symbols other than coordinates that need values; numbers: their values.
     pairs: m and n of each pair m < n, shape (2, n (n - 1) / 2).
+    constants: denominators of the coframe that hold parameters alone.
     """
 
     coframe: Form
@@ -100,6 +101,7 @@ class Forms:
     parameters: tuple[sp.Symbol, ...]
     pairs: np.ndarray
     numbers: tuple[float | complex, ...] = ()
+    constants: tuple[Element, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,10 +165,13 @@ def forms(
         A parameter has no value.
     UnknownNameError
         A name means nothing to this frame.
+    SingularPointError
+        The coframe has no finite value anywhere, for these parameters.
     """
     chosen = tuple(range(frame.dimension)) if columns is None else columns
     compiled = frame.derived(f"loop forms {chosen}", lambda: _compiled(frame, chosen))
     numbers = parameter_values(frame, compiled.parameters, parameters)
+    refuse_parameters(compiled.constants, parameters)
     if not numbers:
         return compiled
     curl_ = compiled.curl and replace(compiled.curl, numbers=numbers)
@@ -201,6 +206,7 @@ def _compiled(frame: Frame, chosen: tuple[int, ...]) -> Forms:
         poles=poles_of(frame, list(entries.values()), arguments),
         parameters=parameters,
         pairs=pairs,
+        constants=constant_poles(frame, list(entries.values())),
     )
 
 
@@ -261,6 +267,21 @@ def poles_of(
     owner: str = "coframe",
 ) -> Poles | None:
     """Whatever stands in a denominator of the elements and depends on a coordinate."""
+    coordinates = set(frame.coordinates)
+    found = {k: x for k, x in _denominators(frame, elements).items() if x.symbols & coordinates}
+    if not found:
+        return None
+
+    def sizes(*values: float) -> np.ndarray:
+        point = dict(zip(arguments, values, strict=True))
+        return np.array([float(abs(x.evaluate(point, EXACT_BITS))) for x in elements])
+
+    function = numpy_function(list(found.values()), arguments, check=False)
+    return Poles(function, tuple(found), owner, sizes=sizes)
+
+
+def _denominators(frame: Frame, elements: Sequence[Element]) -> dict[str, Element]:
+    """The factors of all denominators, each once, by their text."""
     field = frame.field
     found: dict[str, Element] = {}
     for element in elements:
@@ -275,17 +296,40 @@ def poles_of(
                 factor = field.sum(terms)
             else:
                 factor = field.generator_element(base)
-            if factor.symbols & set(frame.coordinates):
-                found[str(factor)] = factor
-    if not found:
-        return None
+            found[str(factor)] = factor
+    return found
 
-    def sizes(*values: float) -> np.ndarray:
-        point = dict(zip(arguments, values, strict=True))
-        return np.array([float(abs(x.evaluate(point, EXACT_BITS))) for x in elements])
 
-    function = numpy_function(list(found.values()), arguments, check=False)
-    return Poles(function, tuple(found), owner, sizes=sizes)
+def constant_poles(frame: Frame, elements: Sequence[Element]) -> tuple[Element, ...]:
+    """The factors of denominators that hold parameters alone: zero there is zero everywhere."""
+    coordinates = set(frame.coordinates)
+    found = _denominators(frame, elements).values()
+    return tuple(x for x in found if x.symbols and not x.symbols & coordinates)
+
+
+def refuse_parameters(
+    poles: Sequence[Element], parameters: Parameters | None, owner: str = "coframe"
+) -> None:
+    """Refuse values at which a denominator vanishes, whatever the coordinates.
+
+    Raises
+    ------
+    SingularPointError
+        One does; the message names it.
+    """
+    if not poles:
+        return
+    given = {str(key): value for key, value in (parameters or {}).items()}
+    for pole in poles:
+        if any(symbol.name not in given for symbol in pole.symbols):
+            continue
+        here = {symbol: given[symbol.name] for symbol in pole.symbols}
+        if not pole.evaluate(here):
+            values = ", ".join(f"{name} = {value}" for name, value in sorted(here.items(), key=str))
+            raise SingularPointError(
+                f"parameters: {pole} vanishes at {values}, and the {owner} has no finite value "
+                "anywhere. Give another value, or a frame that is made for this one (its limit)."
+            )
 
 
 def parameter_values(

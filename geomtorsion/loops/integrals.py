@@ -8,9 +8,9 @@ from functools import partial
 
 import numpy as np
 
-from geomtorsion.errors import SingularPointError
-from geomtorsion.loops.arcs import Arc, Part, at_arcs, shown
-from geomtorsion.loops.chains import Chain, ClosedCurve, Shape, pairs_of
+from geomtorsion.errors import LoopError, SingularPointError
+from geomtorsion.loops.arcs import Arc, Part, Segment, at_arcs, shown
+from geomtorsion.loops.chains import Chain, ClosedCurve, Shape, Strip, pairs_of
 from geomtorsion.loops.forms import Form, Forms, perturbed
 from geomtorsion.loops.quadrature import (
     MOST_AT_ONCE,
@@ -32,6 +32,8 @@ DISAGREE = 30
 EVERY = 5
 # Gauss points along the rays of a cone: pairs that are compared, the next if they disagree.
 RAYS = ((4, 6), (6, 10), (10, 16), (16, 26), (26, 42))
+# What rounding of angles leaves of a period, in digits: half of those of a double.
+PERIODIC = float(np.sqrt(np.finfo(float).eps))
 # An integral whose error is this share of what is summed does not converge at all.
 DIVERGES = 1e-2
 
@@ -264,6 +266,8 @@ def flux_route(forms: Forms, part: Part, accuracy: float) -> Route | None:
     (sum over all m, n; Stokes on the surface q0 + s x).  The curl is exact, and x is the offset
     itself: nothing cancels, however small the loop.
     """
+    if part.gap:
+        return _strip_route(forms, part, accuracy)
     if forms.curl is None or smooth(part):
         found = by_levels(forms, ClosedCurve(part.arcs[0]), Places.of(part), accuracy, 2)
         if found is not None and found.converged[0]:
@@ -286,6 +290,50 @@ def flux_route(forms: Forms, part: Part, accuracy: float) -> Route | None:
     except SingularPointError:
         return None
     return None
+
+
+def _strip_route(forms: Forms, part: Part, accuracy: float) -> Route | None:
+    """The same for a loop that closes modulo periods: a straight line, and the strip beside it."""
+    if not smooth(part):
+        return None
+    line = replace(part, arcs=(Segment((0.0,) * len(part.gap), part.gap),))
+    strip = by_levels(forms, Strip(part.arcs[0], part.gap), Places.of(part), accuracy, 2)
+    if strip is None or not strip.converged[0]:
+        return None
+    try:
+        straight = line_route(forms, line, accuracy)
+    except SingularPointError:
+        return None
+    return Route(
+        strip.values + straight.values / part.size, 2,
+        strip.truncation + straight.truncation / part.size,
+        strip.rounding + straight.rounding / part.size,
+        straight.converged, f"{strip.rule}, and a straight line", strip.points + straight.points,
+    )  # fmt: skip
+
+
+def refuse_other_periods(forms: Forms, part: Part) -> None:
+    """Refuse a loop that closes modulo periods that the coframe does not have.
+
+    Raises
+    ------
+    LoopError
+        The coframe is another one a period further on.
+    """
+    if not part.gap:
+        return
+    offsets, _, _ = probes(part.arcs)
+    centre, gap = np.array(part.centre)[:, None], np.array(part.gap)[:, None]
+    here = centre + part.size * offsets
+    one = forms.coframe.at(here)
+    two = forms.coframe.at(here + part.size * gap)
+    missed = np.abs(two - one).max()
+    if missed > PERIODIC * np.abs(one).max():
+        raise LoopError(
+            f"the loop closes modulo {shown(part.size * gap[:, 0])}, but there the coframe differs "
+            f"by {missed:.3g}: it does not have this period. Use develop, which counts the turn of "
+            "the legs, or a period of the frame."
+        )
 
 
 def flux_at(

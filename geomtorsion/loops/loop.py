@@ -165,6 +165,8 @@ class Loop:
         size: Number = 1,
         symbols: Mapping[str, sp.Symbol] | None = None,
         name: str = "curve",
+        *,
+        periods: Mapping[int, Number | str] | None = None,
     ) -> Self:
         """Closed curve from exact expressions in a parameter.
 
@@ -179,6 +181,9 @@ class Loop:
             Exact bounds of the parameter, such as (0, 2*pi) or text.
         symbols
             Names that the text may use in addition to the parameter.
+        periods
+            {coordinate, counted from 0: period} where coordinates are angles: the curve may end
+            whole periods from where it starts. The frame must have these periods, too.
 
         Raises
         ------
@@ -192,8 +197,12 @@ class Loop:
         >>> curve = Loop.parametric(["cos(s)", "sin(2*s)/2"], interval=(0, "2*pi"))
         >>> float(abs(curve.area).max()) < 1e-15
         True
+        >>> Loop.parametric(["2 + cos(3*s)/4", "s"], interval=(0, "2*pi"), periods={1: "2*pi"}).gap
+        array([0.        , 6.28318531])
         """
-        part = parametric.parametric(expressions, parameter, interval, centre, size, symbols)
+        part = parametric.parametric(
+            expressions, parameter, interval, centre, size, symbols, periods
+        )
         return cls((part,), name)
 
     @classmethod
@@ -351,6 +360,15 @@ class Loop:
     def base(self) -> np.ndarray:
         """Coordinates of the point where it starts and ends, shape (n,)."""
         return self.parts[0].base
+
+    @property
+    def gap(self) -> np.ndarray:
+        """Whole periods from its start to its end, shape (n,): zero where it closes as it is."""
+        total = np.zeros(self.dimension)
+        for part in self.parts:
+            if part.gap:
+                total += part.times * part.size * np.array(part.gap)
+        return total
 
     def arcs(self) -> Iterator[tuple[Part, Arc, bool]]:
         """The arcs in the order in which they are run through: (part, arc, backwards)."""

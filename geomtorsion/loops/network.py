@@ -16,6 +16,7 @@ from geomtorsion.loops.complexes import Complex
 from geomtorsion.loops.edges import EdgeIntegrals, edge_integrals
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.node_rule import MOST_LISTED, NodeRule, node_rule
+from geomtorsion.loops.sampled import SampledFrame
 from geomtorsion.loops.spanning_forest import Forest
 
 if TYPE_CHECKING:
@@ -141,7 +142,7 @@ MINIMUM_BASIS_EDGES = 200
 class Network:
     """A graph laid into a frame: Burgers vectors of all its cycles from one integral per edge.
 
-    frame: whose coframe is integrated.
+    frame: whose coframe is integrated: a `Frame`, or a `SampledFrame` that all edges lie in.
     graph: networkx graph whose nodes have coordinates, or an `EdgeList` of arrays; edges are
         straight in the coordinates.
     position: the node attribute that holds q^mu, shape (n,).
@@ -160,7 +161,7 @@ class Network:
     [0.0, 0.0, 0.25]
     """
 
-    frame: Frame
+    frame: Frame | SampledFrame
     graph: nx.Graph | EdgeList
     position: str = "position"
     accuracy: float = 1e-12
@@ -184,6 +185,8 @@ class Network:
         """The integral of the coframe along every edge, from its first node to its second."""
         places, pairs = self.edges.positions, self.edges.pairs
         starts, ends = places[pairs[:, 0]], places[pairs[:, 1]]
+        if isinstance(self.frame, SampledFrame):
+            return self.frame.along_edges(starts, ends)
         return edge_integrals(self.frame, starts, ends, self.accuracy, parameters=self.parameters)
 
     @cached_property

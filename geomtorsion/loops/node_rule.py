@@ -2,24 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
-from dataclasses import dataclass
+from collections.abc import Hashable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geomtorsion.errors import LimitError, NetworkError
+from geomtorsion.geometry import Frame
 from geomtorsion.loops.arcs import shown
+from geomtorsion.loops.cochain import Cochain
+from geomtorsion.loops.complexes import Complex, sides_of
 from geomtorsion.loops.forms import Forms, forms
 from geomtorsion.loops.integrals import DISAGREE
-from geomtorsion.loops.quadrature import LEVELS, PIECE, ROUNDING, gauss_rule, ray_rule, refined
+from geomtorsion.loops.quadrature import (
+    LEVELS,
+    MOST_POINTS,
+    PIECE,
+    ROUNDING,
+    gauss_rule,
+    ray_rule,
+    refined,
+)
 
 if TYPE_CHECKING:
     from geomtorsion.loops.network import Network
 
 Face = tuple[Hashable, ...]
-# More cells than this are not searched for, nor more cycles listed: there are arrays for them.
+Cell = tuple[Face, ...]
+# Nodes of faces: triangles as an array, others one by one.
+Corners = Sequence[np.ndarray] | np.ndarray
+# More cycles than this are not listed: there are arrays for them.
 MOST_LISTED = 100_000
+# Of each triangle and tetrahedron some ten points are evaluated.
+MOST_CELLS = MOST_POINTS // 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,60 +83,149 @@ class NodeRule:
 
 def node_rule(net: Network, cells: Sequence[Sequence[Sequence[Hashable]]] | None) -> NodeRule:
     """Check all cells of a network; see Network.node_rule."""
-    chosen = tetrahedra(net) if cells is None else [tuple(map(tuple, cell)) for cell in cells]
-    for cell in chosen:
-        _check_closed(cell)
-    faces = {_named(face): face for cell in chosen for face in cell}
-    lines = {name: net.burgers(face) for name, face in faces.items()}
-    fluxes = _fluxes(net, list(faces.values()))
-    violations = []
-    for cell in chosen:
-        rows, errors = [], []
-        for face in cell:
-            name = _named(face)
-            flux, error = fluxes[name]
-            same = _sense(face, faces[name])
-            rows.append((same * lines[name].vector, same * flux))
-            errors.append((lines[name].error, error))
-        for totals, bound in zip(np.sum(rows, axis=0), np.sum(errors, axis=0), strict=True):
-            if not np.abs(totals).max() <= DISAGREE * bound:
-                violations.append(Violation(cell, totals, float(bound)))
-    pierced = []
-    for name, face in faces.items():
-        flux, error = fluxes[name]
-        difference = lines[name].vector - flux
-        if not np.abs(difference).max() <= DISAGREE * (error + lines[name].error):
-            pierced.append((face, difference))
-    return NodeRule(len(chosen), tuple(violations), tuple(pierced))
+    frame = net.frame
+    if not isinstance(frame, Frame):
+        raise NetworkError(
+            "the node rule compares line integrals with the flux of torsion, which samples of a "
+            "frame do not give exactly. Use .cochain.coboundary() of the SampledFrame."
+        )
+    made, corners = _of_tetrahedra(net) if cells is None else _of_cells(net, cells)
+    if made.cells is None:
+        return NodeRule(0, (), ())
+    lines = replace(net.cochain, complex=made).coboundary()
+    fluxes, errors = _fluxes(forms(frame, net.parameters), net.edges.positions, corners)
+    flux = Cochain(made, fluxes, np.where(np.isfinite(errors), errors, 0.0), degree=2)
+    unknown = abs(made.cells) @ ~np.isfinite(errors) > 0
+    found: list[tuple[int, Violation]] = []
+    for total, free in ((lines.coboundary(), False), (flux.coboundary(), unknown)):
+        wrong = np.abs(total.values).max(axis=1) > DISAGREE * total.bounds
+        for k in np.flatnonzero(wrong & ~np.asarray(free)).tolist():
+            cell = _faces_of(net, made, corners, k) if cells is None else _named(cells[k])
+            found.append((k, Violation(cell, total.values[k], float(total.bounds[k]))))
+    difference = lines.values - fluxes
+    wrong = ~(np.abs(difference).max(axis=1) <= DISAGREE * (errors + lines.bounds))
+    pierced = [(_labels(net, corners[k]), difference[k]) for k in np.flatnonzero(wrong).tolist()]
+    found.sort(key=lambda pair: pair[0])
+    return NodeRule(len(total.values), tuple(one for _, one in found), tuple(pierced))
 
 
-def tetrahedra(net: Network) -> list[tuple[Face, ...]]:
-    """All sets of four nodes that are joined pairwise, with faces turned outwards."""
-    neighbours: dict[int, set[int]] = {}
-    for a, b in net.edges.pairs.tolist():
-        neighbours.setdefault(a, set()).add(b)
-        neighbours.setdefault(b, set()).add(a)
-    labels, found = net.edges.labels, []
-    for a in neighbours:
-        for b in (x for x in neighbours[a] if x > a):
-            for c in (x for x in neighbours[a] & neighbours[b] if x > b):
-                for d in (x for x in neighbours[a] & neighbours[b] & neighbours[c] if x > c):
-                    corners = net.edges.positions[[a, b, c, d]]
-                    # Only three dimensions have an outside; elsewhere one sense is as good.
-                    steps = corners[1:] - corners[0]
-                    turned = steps.shape[1] == 3 and np.linalg.det(steps) < 0
-                    e, f = (d, c) if turned else (c, d)
-                    cell = ((a, e, b), (a, b, f), (b, e, f), (a, f, e))
-                    found.append(tuple(tuple(labels[k] for k in face) for face in cell))
-                    if len(found) > MOST_LISTED:
-                        raise LimitError(
-                            f"the network has more than {MOST_LISTED} tetrahedra. "
-                            "Give the cells that shall be checked."
-                        )
-    return found
+def _labels(net: Network, nodes: Sequence[int] | np.ndarray) -> Face:
+    """What the nodes of a face are called."""
+    return tuple(net.edges.labels[int(node)] for node in nodes)
 
 
-def _check_closed(cell: Sequence[Face]) -> None:
+def _faces_of(net: Network, made: Complex, corners: Corners, cell: int) -> Cell:
+    """The faces of a cell, turned outwards."""
+    assert made.cells is not None
+    row = made.cells[[cell]]
+    sides = [corners[k][::sign] for k, sign in zip(row.indices, row.data, strict=True)]
+    return tuple(_labels(net, side) for side in sides)
+
+
+def _named(cell: Sequence[Sequence[Hashable]]) -> Cell:
+    """A cell as it was given."""
+    return tuple(map(tuple, cell))
+
+
+# -- cells ----------------------------------------------------------------------------------------
+
+
+def _of_tetrahedra(net: Network) -> tuple[Complex, np.ndarray]:
+    """All sets of four nodes that are joined pairwise, and the corners of their faces, (m, 3)."""
+    found = tetrahedra(net.edges.complex)
+    plain = net.edges.complex
+    if not len(found):
+        return plain, np.zeros((0, 3), dtype=np.int64)
+    places = net.edges.positions[found]
+    if places.shape[2] == 3:
+        # Only three dimensions have an outside; elsewhere one sense is as good.
+        turned = np.linalg.det(places[:, 1:] - places[:, :1]) < 0
+        found[turned, 2], found[turned, 3] = found[turned, 3], found[turned, 2]
+    corners, cells = sides_of(found)
+    # Each face is shown as its first cell has it: outwards.
+    columns = cells.tocsc()
+    sense = columns.data[columns.indptr[:-1]]
+    corners[sense < 0] = corners[sense < 0][:, ::-1]
+    cells.data *= sense[cells.indices]
+    return replace(plain.with_faces(corners), cells=cells), corners
+
+
+def tetrahedra(complex: Complex) -> np.ndarray:
+    """All sets of four nodes that are joined pairwise, ascending, shape (cells, 4).
+
+    Raises
+    ------
+    LimitError
+        There are so many that their fluxes would take hours.
+    """
+    low, high, start = complex.neighbours
+
+    def joined(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        return complex.joins(a, b)
+
+    cliques = np.stack([low, high], axis=1)
+    for _ in range(2):
+        grown = [np.zeros((0, cliques.shape[1] + 1), dtype=np.int64)]
+        more = start[cliques[:, -1] + 1] - start[cliques[:, -1]]
+        ends = np.cumsum(more)
+        size = 0
+        for first, last in _blocks(ends):
+            counts = more[first:last]
+            owner = np.repeat(np.arange(first, last), counts)
+            offset = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
+            new = high[start[cliques[owner, -1]] + offset]
+            for column in range(cliques.shape[1] - 1):
+                fits = joined(cliques[owner, column], new)
+                owner, new = owner[fits], new[fits]
+            grown.append(np.column_stack([cliques[owner], new]))
+            size += len(new)
+            if size > MOST_CELLS:
+                raise LimitError(
+                    f"more than {MOST_CELLS} triangles or tetrahedra stand in the network. "
+                    "Give the cells that shall be checked."
+                )
+        cliques = np.concatenate(grown)
+    return cliques
+
+
+def _blocks(ends: np.ndarray) -> Iterator[tuple[int, int]]:
+    """Ranges of entries with so many candidates together that they fit in memory."""
+    first = 0
+    while first < len(ends):
+        begun = ends[first - 1] if first else 0
+        last = max(first + 1, int(np.searchsorted(ends, begun + MOST_CELLS // 4, "right")))
+        yield first, last
+        first = last
+
+
+def _of_cells(
+    net: Network, cells: Sequence[Sequence[Sequence[Hashable]]]
+) -> tuple[Complex, list[np.ndarray]]:
+    """Given cells, and the corners of their faces, each once."""
+    from scipy.sparse import csr_array  # 0.26 s, and networks alone need it
+
+    plain = net.edges.complex
+    known: dict[frozenset[Hashable], int] = {}
+    faces: list[Face] = []
+    rows, columns, senses = [], [], []
+    for k, cell in enumerate(cells):
+        every = _named(cell)
+        _check_closed(every)
+        for face in every:
+            number = known.setdefault(frozenset(face), len(faces))
+            if number == len(faces):
+                faces.append(face)
+            rows.append(k)
+            columns.append(number)
+            senses.append(_sense(face, faces[number]))
+    corners = [np.array([plain.number(node) for node in face]) for face in faces]
+    if not rows:
+        return plain, corners
+    table = csr_array((senses, (rows, columns)), shape=(len(cells), len(faces)))
+    return replace(plain.with_faces(faces), cells=table), corners
+
+
+def _check_closed(cell: Cell) -> None:
     """Refuse a surface with a boundary: each edge must be run through once in each sense."""
     count: dict[tuple[Hashable, Hashable], int] = {}
     for face in cell:
@@ -135,39 +240,32 @@ def _check_closed(cell: Sequence[Face]) -> None:
         )
 
 
-def _named(face: Face) -> frozenset[Hashable]:
-    """A face without sense and starting point."""
-    return frozenset(face)
-
-
 def _sense(face: Face, other: Face) -> int:
     """+1 if two faces of the same nodes turn the same way, -1 if not."""
     start = other.index(face[0])
     return 1 if other[(start + 1) % len(other)] == face[1] else -1
 
 
-def _fluxes(net: Network, faces: list[Face]) -> dict[frozenset[Hashable], tuple[np.ndarray, float]]:
-    """Flux of torsion through each face, spanned from its first node, and its error."""
-    places, numbers = net.edges.positions, net.edges.numbers
-    corners = [places[[numbers[node] for node in face]] for face in faces]
-    owner = np.repeat(np.arange(len(faces)), [len(face) - 2 for face in faces])
-    spans = [(c[0], c[k], c[k + 1]) for c in corners for k in range(1, len(c) - 1)]
-    if not spans:
-        return {}
-    triangles = np.array(spans).transpose(1, 2, 0)
-    compiled = forms(net.frame, net.parameters)
+# -- fluxes ---------------------------------------------------------------------------------------
+
+
+def _fluxes(compiled: Forms, places: np.ndarray, corners: Corners) -> tuple[np.ndarray, np.ndarray]:
+    """Flux of torsion through faces, each spanned from its first node, (m, n), and errors, (m,)."""
+    count, n = len(corners), places.shape[1]
+    if isinstance(corners, np.ndarray):
+        owner, triples = np.arange(count), corners
+    else:
+        owner = np.repeat(np.arange(count), [len(face) - 2 for face in corners])
+        fans = [(f[0], f[k], f[k + 1]) for f in corners for k in range(1, len(f) - 1)]
+        triples = np.array(fans, dtype=np.int64).reshape(-1, 3)
+    totals, bounds = np.zeros((count, n)), np.zeros(count)
     # As many as fit in the cache, with some 16 points each.
-    blocks = [
-        _triangles(compiled, triangles[:, :, start : start + PIECE // 16])
-        for start in range(0, len(spans), PIECE // 16)
-    ]
-    values, errors = (np.concatenate(parts, axis=-1) for parts in zip(*blocks, strict=True))
-    totals = np.stack([np.bincount(owner, row, len(faces)) for row in values], axis=1)
-    bounds = np.bincount(owner, errors, len(faces))
-    return {
-        _named(face): (total, float(bound))
-        for face, total, bound in zip(faces, totals, bounds, strict=True)
-    }
+    for start in range(0, len(triples), PIECE // 16):
+        part = slice(start, start + PIECE // 16)
+        values, errors = _triangles(compiled, places[triples[part]].transpose(1, 2, 0))
+        np.add.at(totals, owner[part], values.T)
+        np.add.at(bounds, owner[part], errors)
+    return totals, bounds
 
 
 def _triangles(forms: Forms, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

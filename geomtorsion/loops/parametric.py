@@ -44,6 +44,7 @@ def parametric(
     centre: Point | None,
     size: Number,
     symbols: Mapping[str, sp.Symbol] | None,
+    periods: Mapping[int, Number | str] | None = None,
 ) -> Part:
     """Closed curve from expressions; see Loop.parametric."""
     symbol = (
@@ -69,7 +70,7 @@ def parametric(
         raise LoopError(f"size {size} counts offsets from a centre; give the centre as well.")
     scale = planes.length(size, "size")
     arc = Curve(read, symbol, start, end)
-    part = Part(place, scale, (arc,), given=given)
+    part = Part(place, scale, (arc,), given=given, periods=_periods(periods, len(read)))
     return part if arc.symbols else _finished(part, arc, centre is None)
 
 
@@ -77,13 +78,28 @@ def _finished(part: Part, arc: Curve, movable: bool) -> Part:
     """A part checked and ready for numbers; its constant terms become the centre if movable."""
     if float(arc.end) == float(arc.start):
         raise LoopError(f"interval: it has no length, both bounds are {arc.start}.")
-    _check_closed(arc)
+    gap = _check_closed(arc, part)
     if movable:
         constants = tuple(x.as_independent(arc.parameter, as_Add=True)[0] for x in arc.expressions)
         offsets = tuple(x - c for x, c in zip(arc.expressions, constants, strict=True))
         arc, place = replace(arc, expressions=offsets), tuple(map(float, constants))
         part = replace(part, centre=place, given=(constants, 1))
-    return replace(part, arcs=(_resolved(arc),))
+    return replace(part, arcs=(_resolved(arc, gap),), gap=tuple(gap.tolist()) if gap.any() else ())
+
+
+def _periods(
+    periods: Mapping[int, Number | str] | None, dimension: int
+) -> tuple[tuple[int, float], ...]:
+    """Coordinate and period of each coordinate that is an angle."""
+    found = []
+    for key, value in checks.table(periods, "periods", LoopError).items():
+        where = f"periods[{checks.shown(key)}]"
+        column = checks.count(key, where, LoopError, 0, dimension - 1)
+        period = _read(value, {}, where)
+        if not (period.is_number and period.is_positive):
+            raise LoopError(f"{where}: a positive number was needed, but {period} came.")
+        found.append((column, float(period)))
+    return tuple(found)
 
 
 def filled(part: Part, values: Parameters) -> Part:
@@ -135,8 +151,10 @@ def _name(parameter: str | sp.Symbol) -> str:
 
 def _read(value: object, names: Mapping[str, sp.Symbol], where: str) -> sp.Expr:
     """A smooth real expression from text or sympy."""
-    read = partial(parse_expression, symbols=names, functions={}, where=where)
+    read = partial(parse_expression, symbols=names, functions={}, where=where, decimals=True)
     expression = exact_number(checks.expression(value, where, LoopError, read=read))
+    # Decimals count as what they say: 0.3 is 3/10.
+    expression = expression.xreplace({x: exact_number(x) for x in expression.atoms(sp.Float)})
     if expression.has(sp.I, sp.nan, sp.zoo, sp.oo):
         raise ExpressionError(f"{where}: {expression} is not real and finite.")
     for part in expression.atoms(sp.Function, sp.Piecewise):
@@ -147,8 +165,11 @@ def _read(value: object, names: Mapping[str, sp.Symbol], where: str) -> sp.Expr:
     return expression
 
 
-def _check_closed(arc: Curve) -> None:
-    """Refuse a curve whose ends do not meet, that is a point, or is not finite."""
+def _check_closed(arc: Curve, part: Part) -> np.ndarray:
+    """Refuse a curve whose ends do not meet, that is a point, or is not finite.
+
+    Returns the whole periods between its ends, in units of the size, shape (n,).
+    """
     with np.errstate(all="ignore"):
         points, _ = arc.shape(np.linspace(0, 1, 258)[1:-1])
         first, last = arc.shape(np.array([0.0, 1.0]))[0].T
@@ -161,12 +182,17 @@ def _check_closed(arc: Curve) -> None:
     extent = np.abs(points - points[:, :1]).max()
     if extent <= 1e-15 * np.abs(points).max():
         raise LoopError(f"curve: it stays at the point {shown(points[:, 0])} and has no length.")
-    gap = _gap(arc)
-    if np.abs(gap).max() > SAME_POINT * extent:
+    gap, turns = _gap(arc), np.zeros(len(first))
+    for column, period in part.periods:
+        turns[column] = round(part.size * gap[column] / period) * period / part.size
+    left = gap - turns
+    if np.abs(left).max() > SAME_POINT * extent:
+        more = " beside whole periods" if turns.any() else ""
         raise LoopError(
             f"curve: it does not close: it starts at {shown(first)} and ends at {shown(last)}, the "
-            f"gap is {shown(gap)}. Choose the interval so that both ends meet."
+            f"gap is {shown(left)}{more}. Choose the interval so that both ends meet."
         )
+    return turns
 
 
 def _gap(arc: Curve) -> np.ndarray:
@@ -178,11 +204,15 @@ def _gap(arc: Curve) -> np.ndarray:
     return np.array([float(gap) for gap in gaps])
 
 
-def _resolved(arc: Curve) -> Curve:
-    """The curve with its highest frequency, and whether it repeats after the interval."""
+def _resolved(arc: Curve, gap: np.ndarray) -> Curve:
+    """The curve with its highest frequency, and whether it repeats after the interval.
+
+    gap: by how much it is further then, whole periods.
+    """
     probe = np.array([0.137, 0.311, 0.618, 0.871])
     with np.errstate(all="ignore"):
-        here, after = arc.shape(probe), arc.shape(probe + 1)
+        here, (places, slopes) = arc.shape(probe), arc.shape(probe + 1)
+        after = places - gap[:, None], slopes
     scale = np.abs(here[1]).max()
     periodic = all(
         np.isfinite(two).all() and np.abs(one - two).max() <= 1e-9 * scale

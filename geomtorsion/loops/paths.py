@@ -15,6 +15,7 @@ from geomtorsion.loops.affine_form import AffineForm
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import SAME_POINT, Parameters, Part, Segment, shown
 from geomtorsion.loops.cone import line_rate
+from geomtorsion.loops.development import back_by
 from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.planes import number, vector
 from geomtorsion.loops.transport import STAGES, collocation, increments, transported
@@ -129,10 +130,8 @@ def develop_period(
             f"{shown(gap)} is left. Let it end where it began, in every coordinate up to periods."
         )
     form = AffineForm(connection, parameters)
-    start, end = (form.coframe(np.array(row)) for row in (rows[0], rows[-1]))
-    # Components of the legs at the start in those at the end: both sit at the same point.
-    back = np.linalg.solve(start.T, (end - start).T).T
-    return open_ @ AffineMap.of(back, np.zeros(frame.dimension))
+    start, end = (np.array(row) for row in (rows[0], rows[-1]))
+    return open_ @ back_by(form, start, end - start)
 
 
 @dataclass(frozen=True, eq=False)

@@ -39,7 +39,10 @@ def refuse_poles(poles: Poles | None, part: Part) -> tuple[tuple[int, float], ..
         for k, row in enumerate(poles.values(part.points(arc, s)[0])):
             sizes = np.abs(row)
             signs = np.flatnonzero(row[1:] * row[:-1] < 0) if not np.iscomplexobj(row) else ()
-            for start in sorted({int(sizes.argmin()), *_dips(sizes).tolist(), *map(int, signs)}):
+            # An arc that begins or ends nearest to a pole: the loop comes from there, or goes on.
+            ends = {k for k, inner in ((0, 1), (count - 1, count - 2)) if sizes[k] <= sizes[inner]}
+            dips = {int(sizes.argmin()), *_dips(sizes).tolist(), *map(int, signs), *ends}
+            for start in sorted(dips):
                 low, high = s[max(start - 1, 0)], s[min(start + 1, count - 1)]
                 place, width = _minimum(poles, part, arc, k, low, high, sizes.max())
                 if width == 0 and not _is_pole(poles, part, arc, place):

@@ -14,6 +14,9 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.errors import FileFormatError, GridError
 from geomtorsion.loops.arcs import Arc, Parameters, Part, shown
+from geomtorsion.loops.cochain import Cochain
+from geomtorsion.loops.complexes import Complex
+from geomtorsion.loops.edges import EdgeIntegrals
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.grid_files import (
     check_finite,
@@ -43,9 +46,11 @@ def check_order(order: object) -> None:
 class Plaquettes:
     """Burgers vectors of all cells of a grid in one coordinate plane.
 
-    vectors: b^i, shape (rows, cells..., nodes of the other axes...), axes in the order of the grid.
+    vectors: b^i, shape (rows, cells..., nodes of the other axes...), axes in the order of the grid;
+        each cell is run round from the first axis of the plane to the second, in the sense in which
+        the coordinates increase, whichever way the axes are listed.
     errors: bound on the largest component, from a rule of another order, without the first axis.
-    area: of one cell; plane: the two axes, turned from the first to the second.
+    area: of one cell, positive; plane: the two axes, turned from the first to the second.
     """
 
     vectors: np.ndarray
@@ -223,10 +228,12 @@ class SampledFrame:
             The plane does not name two different axes.
         """
         a, b = self._plane(plane)
-        vectors = self._cells(a, b, self.order)
-        errors = np.abs(vectors - self._cells(a, b, self.other_order)).max(axis=0)
+        area = self.steps[a] * self.steps[b]
+        # Along a decreasing axis the cells are run round the other way.
+        vectors = np.sign(area) * self._cells(a, b, self.order)
+        errors = np.abs(vectors - np.sign(area) * self._cells(a, b, self.other_order)).max(axis=0)
         scale = np.abs(self._bent).max() * max(abs(self.steps[a]), abs(self.steps[b]))
-        return Plaquettes(vectors, errors + 2.0**-50 * scale, self.steps[a] * self.steps[b], (a, b))
+        return Plaquettes(vectors, errors + 2.0**-50 * scale, abs(area), (a, b))
 
     def _cells(self, a: int, b: int, order: int) -> np.ndarray:
         """Closure of all cells, by quadrature of one order along the edges."""
@@ -276,6 +283,45 @@ class SampledFrame:
                 " Use .torsion(plane)."
             )
         return np.stack([self.torsion(pair)[0] for pair in ((1, 2), (2, 0), (0, 1))], axis=1)
+
+    @cached_property
+    def cochain(self) -> Cochain:
+        """The integral of the coframe along every edge of the grid, on the complex of the grid.
+
+        Its coboundary holds the Burgers vectors of all cells in all planes. Edges run as the axes
+        are listed.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> axes = [np.linspace(0, 4, 5)] * 2
+        >>> x, y = np.meshgrid(*axes, indexing="ij")
+        >>> grid = SampledFrame(axes, np.array([[-y, x]]) / 2, order=2)
+        >>> grid.cochain.coboundary().values.round(12).ravel().tolist() == [1.0] * 16
+        True
+        """
+        found, errors = [], []
+        for k, axis in enumerate(self.axes):
+            fine, other = (
+                self.steps[k] * applied(integration(order, len(axis)), self.coframe[:, k], 1 + k)
+                for order in (self.order, self.other_order)
+            )
+            found.append(fine.reshape(self.rows, -1).T)
+            errors.append(np.abs(fine - other).max(axis=0).ravel())
+        values = np.concatenate(found)
+        rounding = 2.0**-50 * np.abs(values).max(axis=1)
+        made = Complex.grid([len(axis) for axis in self.axes])
+        return Cochain(made, values, np.concatenate(errors) + rounding)
+
+    def along_edges(self, starts: np.ndarray, ends: np.ndarray) -> EdgeIntegrals:
+        """Integrals along straight edges through the grid, shape (edges, d) each, for networks.
+
+        Raises
+        ------
+        GridError
+            An edge leaves the grid; the message names the point.
+        """
+        return sampled_edges(self, starts, ends)
 
     def burgers(self, loop: Loop) -> SampledBurgers:
         """Burgers vector of a loop through the grid, with interpolation and quadrature error.
@@ -378,6 +424,11 @@ def _points(
     s = ((np.arange(count)[:, None] + (x + 1) / 2) / count).ravel()
     weights = np.tile(w / 2, count) / count
     points, slopes = part.points(arc, s)
+    return _places(grid, points, "loop"), slopes, weights
+
+
+def _places(grid: SampledFrame, points: np.ndarray, what: str) -> np.ndarray:
+    """Points of shape (d, k) in units of the grid; those that leave it are refused."""
     places = np.array(
         [
             (row - axis[0]) / step
@@ -390,10 +441,38 @@ def _points(
         axis, k = (int(i) for i in np.argwhere(outside)[0])
         low, high = sorted((float(grid.axes[axis][0]), float(grid.axes[axis][-1])))
         raise GridError(
-            f"the loop leaves the grid at {shown(points[:, k])}: axis {grid.names[axis]} runs from "
-            f"{low:.6g} to {high:.6g}. Choose a smaller loop; nothing is extrapolated."
+            f"the {what} leaves the grid at {shown(points[:, k])}: axis {grid.names[axis]} runs "
+            f"from {low:.6g} to {high:.6g}. Choose a smaller {what}; nothing is extrapolated."
         )
-    return np.clip(places, 0, last), slopes, weights
+    return np.clip(places, 0, last)
+
+
+def sampled_edges(grid: SampledFrame, starts: np.ndarray, ends: np.ndarray) -> EdgeIntegrals:
+    """The integrals of the interpolated coframe along edges; see SampledFrame.along_edges."""
+    steps = ends - starts
+    crossed = (np.abs(steps) / np.abs(np.array(grid.steps))).sum(axis=1)
+    # Two stretches for each cell that is crossed, as along a loop.
+    counts = np.maximum(1, np.ceil(2 * crossed).astype(int))
+    nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
+    nodes, weights = (nodes + 1) / 2, weights / 2
+
+    def summed(order: int, share: int) -> np.ndarray:
+        stretches = share * counts
+        owner = np.repeat(np.arange(len(starts)), stretches)
+        number = np.arange(len(owner)) - np.repeat(np.cumsum(stretches) - stretches, stretches)
+        s = ((number[:, None] + nodes) / stretches[owner][:, None]).ravel()
+        edge = np.repeat(owner, GAUSS)
+        weight = np.tile(weights, len(owner)) / stretches[edge]
+        places = _places(grid, (starts[edge] + s[:, None] * steps[edge]).T, "edge")
+        flat = grid.coframe.reshape(-1, *grid.coframe.shape[2:])
+        values = interpolated(flat, places, order).reshape(grid.rows, grid.dimension, -1)
+        each = np.einsum("imk,km,k->ik", values, steps[edge], weight)
+        return np.stack([np.bincount(edge, row, len(starts)) for row in each], axis=1)
+
+    fine, other, coarse = summed(grid.order, 2), summed(grid.other_order, 2), summed(grid.order, 1)
+    errors = np.abs(fine - other).max(axis=1) + np.abs(fine - coarse).max(axis=1)
+    rounding = 2.0**-50 * np.abs(fine).max(axis=1)
+    return EdgeIntegrals(fine, errors + rounding, 5 * int(counts.sum()) * GAUSS)
 
 
 def _sum(

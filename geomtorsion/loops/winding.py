@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from geomtorsion.errors import GeomtorsionError, SingularPointError
+from geomtorsion.errors import GeomtorsionError, LoopError, SingularPointError
 from geomtorsion.loops.arcs import SAME_POINT, Arc, Part, Segment, shown
 
 
@@ -41,6 +41,11 @@ def turns_round(
     """
     total = 0
     for part in parts:
+        if part.gap:
+            raise LoopError(
+                f"a loop that closes modulo periods has no winding number round the {name}: give "
+                "one that closes in the coordinates themselves."
+            )
         offset = across @ ((np.array(part.centre) - np.array(place)) / part.size)
         angle = 0.0
         for arc in part.arcs:

@@ -9,6 +9,7 @@ import numpy as np
 
 from geomtorsion.errors import LimitError, NetworkError
 from geomtorsion.loops.dislocation_network import size, written
+from geomtorsion.loops.sampled import SampledFrame
 from geomtorsion.pictures.loops import GAP, PATH, START
 from geomtorsion.pictures.style import FLAT, STYLE, arrow, new_figure, quiet
 
@@ -71,7 +72,9 @@ def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = 
     missed = sum(
         length > max(FLAT * largest, one.error) for one, length in zip(found, sizes, strict=True)
     )
-    names = [symbol.name for symbol in net.frame.coordinates]
+    frame = net.frame
+    sampled = isinstance(frame, SampledFrame)
+    names = list(frame.names) if sampled else [symbol.name for symbol in frame.coordinates]
     axes.set_xlabel(names[plane[0]])
     axes.set_ylabel(names[plane[1]])
     axes.set_title(f"{len(found)} cycles of a {basis} basis, {missed} do not close", fontsize=11)

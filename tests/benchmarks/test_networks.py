@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import time
+from itertools import combinations
 
 import networkx as nx
 import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
+from scipy.spatial import Delaunay
 
 from geomtorsion.geometry import Connection, cartan, levi_civita
 from geomtorsion.loops import Cochain, EdgeList, Loop, Network, SampledFrame, develop
@@ -93,6 +95,24 @@ def _fresh(network: Network) -> Network:
     again = Network(network.frame, network.graph, parameters=network.parameters)
     again.__dict__["integrals"] = network.integrals
     return again
+
+
+@pytest.mark.parametrize("name", ["screw_dislocation", "heisenberg", "so3"])
+def test_a_hundred_thousand_cells(benchmark: BenchmarkFixture, name: str) -> None:
+    """Every tetrahedron of a Delaunay net: found, line integrals and fluxes checked."""
+    rng = np.random.default_rng(1)
+    points = rng.uniform([0.3, 0.4, -1], [1.5, 2.0, 1], (15_500, 3))
+    corners = Delaunay(points).simplices
+    pairs = np.concatenate([corners[:, [a, b]] for a, b in combinations(range(4), 2)])
+    net = EdgeList(points, np.unique(np.sort(pairs, axis=1), axis=0))
+    frame = load(name).frame
+    network = Network(frame, net, parameters={s.name: 1.0 for s in frame.parameters})
+    _ = network.integrals
+    rule = benchmark.pedantic(network.node_rule, rounds=3)
+    assert rule.checked >= len(corners) > 100_000 - 3_000
+    assert rule.holds
+    assert not rule.pierced
+    assert shortest(benchmark) < 4
 
 
 CONNECTIONS = {"so3, Cartan": ("so3", cartan), "so3, Levi-Civita": ("so3", levi_civita)}

@@ -13,7 +13,7 @@ from geomtorsion.errors import (
     UndecidedError,
 )
 from geomtorsion.geometry import Frame
-from geomtorsion.loops import Loop, burgers_vector, exact_burgers_vector
+from geomtorsion.loops import Loop, burgers_vector, exact_burgers_vector, parallel_screws
 from geomtorsion.loops.closed_forms import OutOfTimeError, deadline, definite
 from geomtorsion.spaces import load
 
@@ -157,3 +157,51 @@ def test_the_time_is_a_positive_number(seconds: Any) -> None:
     """No time, less or none at all."""
     with pytest.raises(LoopError, match="seconds: a"):
         exact_burgers_vector(load("heisenberg").frame, Loop.circle([0, 0, 0], 1), seconds)
+
+
+X = sp.Symbol("X", positive=True)
+
+
+@pytest.mark.parametrize(
+    ("frame", "loop", "names"),
+    [
+        (load("screw_dislocation").frame, Loop.circle([X, 0, 0], 1), "X"),
+        (load("screw_dislocation").frame, Loop.circle([THIRD, 0, 0], R), "R"),
+        (load("screw_dislocation").frame, Loop.circle([X, 0, 0], R), "R, X"),
+        (parallel_screws([(X, 0)], [1]), Loop.circle([0, 0, 0], 1), "X"),
+    ],
+)
+def test_what_is_inside_may_depend_on_symbols(frame: Frame, loop: Loop, names: str) -> None:
+    """No closed form holds for a line that is inside for some values only."""
+    with pytest.raises(
+        UndecidedError, match=f"winds round the singular line .* depends on {names}:"
+    ):
+        exact_burgers_vector(frame, loop)
+
+
+def test_a_symbolic_position_where_nothing_is_singular() -> None:
+    """The place of a loop may be a symbol."""
+    found = exact_burgers_vector(load("heisenberg").frame, Loop.circle([X, 0, 0], R))
+    assert sp.simplify(found.vector[2] + sp.pi * R**2) == 0
+
+
+def test_a_closed_form_that_is_not_finite_is_no_number() -> None:
+    """sin(k x) / k at k = 0: an error that names the value, never nan."""
+    x, y, k = sp.symbols("x y k")
+    frame = Frame([x, y], [[1, sp.sin(k * x) / k], [0, 1]])
+    closed = exact_burgers_vector(frame, Loop.circle([1, 1], sp.Rational(1, 2)))
+    assert closed.at({"k": 0.5})[0] == pytest.approx(
+        burgers_vector(frame, Loop.circle([1, 1], 0.5), parameters={"k": 0.5}).vector[0]
+    )
+    with pytest.raises(SingularPointError, match="no finite value at k = 0"):
+        closed.at({"k": 0})
+
+
+def test_decimals_of_curves_are_what_they_say() -> None:
+    """0.5 is 1/2 in text and in expressions, as for circles."""
+    s = sp.Symbol("s", real=True)
+    half = sp.Float(0.5)
+    frame = load("heisenberg").frame
+    for first in ("0.5*cos(s)", half * sp.cos(s), 0.5 * sp.cos(s)):
+        loop = Loop.parametric([first, "sin(s)/2", 0], s, (0, "2*pi"))
+        assert exact_burgers_vector(frame, loop).vector == (0, 0, -sp.pi / 4)

@@ -7,8 +7,18 @@ import pytest
 import sympy as sp
 
 from geomtorsion.errors import LoopError, SingularPointError
+from geomtorsion.exact import parse_expression
 from geomtorsion.geometry import Connection, Frame, cartan, from_spin_connection
-from geomtorsion.loops import EdgeList, Loop, Network, burgers_vector, burgers_vectors, develop
+from geomtorsion.loops import (
+    EdgeList,
+    Loop,
+    Network,
+    burgers,
+    burgers_map,
+    burgers_vector,
+    burgers_vectors,
+    develop,
+)
 from geomtorsion.spaces import load
 
 B = {"b": 1.0}
@@ -102,3 +112,75 @@ def test_a_singular_connection_over_a_regular_coframe(distance: float) -> None:
     assert [str(one.defect) for one in found.enclosed] == ["singular line at x = 0, y = 0"]
     with pytest.raises(SingularPointError, match="the connection has no finite value"):
         develop(twist(sp.Rational(1, 20)), Loop.circle([1, 0, 0], 1))
+
+
+EDGE = load("edge_dislocation").frame
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_right_or_refused_from_rounding_to_the_radius(seed: int) -> None:
+    """Any distance from 1e-15 to 1, any accuracy from 1e-2 to 1e-12, any shape, by every way."""
+    rng = np.random.default_rng(seed)
+    distance, accuracy = 10 ** rng.uniform(-15, 0), 10 ** rng.uniform(-12, -2)
+    inside = bool(rng.integers(2))
+    x = -distance if inside else distance
+    frame, row = ((SCREW, 2), (EDGE, 0))[int(rng.integers(2))]
+    loops = (
+        Loop.circle([1 + x, 0, 0], 1),
+        Loop.ellipse([1 + x, 0, 0], (1, 0.5)),
+        Loop.polygon(polygon(x)),
+        Loop.parametric([f"1 + {x!r} - cos(s)", "-sin(s)", "sin(2*s)"], interval=(0, "2*pi")),
+    )
+    refused: list[bool] = []
+    for loop in loops:
+        try:
+            found = burgers_vector(frame, loop, accuracy, parameters=B)
+        except SingularPointError as refusal:
+            named = "passes through (" in str(refusal)
+            refused.append(named and distance < 1e-9)
+            continue
+        # The parametric curve runs the same way round as the others.
+        assert abs(found.vector[row] - inside) <= found.error < 1e-2
+        if distance < 1e-3:
+            assert "windings times charges agree" in found.check.text
+    assert all(refused)
+    square = EdgeList(np.array(polygon(x)), np.array([[0, 1], [1, 2], [2, 3], [3, 0]]))
+    try:
+        cycle = Network(frame, square, parameters=B).burgers([0, 1, 2, 3])
+        assert abs(cycle.vector[row] - inside) <= cycle.error < 1e-2
+    except SingularPointError:
+        assert distance < 1e-9
+    many = burgers_vectors(frame, [[1 + x, 0, 0]], 1.0, accuracy=max(accuracy, 1e-10), parameters=B)
+    if np.isfinite(many.vectors).all():
+        assert abs(many.vectors[row, 0] - inside) <= many.errors[0] < 1e-2
+    else:
+        assert distance < 1e-9
+
+
+def test_a_wrong_integral_near_a_line_would_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The third way can say no: with another winding the loop is refused."""
+    monkeypatch.setattr(burgers, "by_winding", lambda *_: np.array([0.0, 0.0, 0.5]))
+    with pytest.raises(SingularPointError, match=r", 1\) is not .* \(0, 0, 0.5\)"):
+        burgers_vector(SCREW, Loop.circle([0.999, 0, 0], 1), parameters=B)
+
+
+@pytest.mark.parametrize("entry", ["sin(k*x)/k", "(1 - cos(k*x))/k", "x*y/k", "x/(k - 1)"])
+def test_parameters_at_which_a_coframe_is_nowhere_finite(entry: str) -> None:
+    """A bar bent by k = 0: refused with the parameter's name on every way, never a silent nan."""
+    x, y, k = sp.symbols("x y k")
+    entry_of = {"x": x, "y": y, "k": k}
+    frame = Frame([x, y], [[1, parse_expression(entry, entry_of)], [0, 1]])
+    values = {"k": 1 if "k - 1" in entry else 0}
+    circle = Loop.circle([1, 1], 0.5)
+    triangle = EdgeList(np.array([[1, 1], [2, 1], [1, 2.0]]), np.array([[0, 1], [1, 2], [2, 0]]))
+    ways = (
+        lambda: burgers_vector(frame, circle, parameters=values),
+        lambda: burgers_vectors(frame, [[1, 1]], 0.5, parameters=values),
+        lambda: burgers_map(frame, [[1, 2, 3], [1, 2]], parameters=values),
+        lambda: develop(cartan(frame), circle, parameters=values),
+        lambda: Network(frame, triangle, parameters=values).forest,
+    )
+    for way in ways:
+        with pytest.raises(SingularPointError, match=r"parameters: .*k.* vanishes at k = [01]"):
+            way()
+    assert burgers_vector(frame, circle, parameters={"k": 0.5}).reached

@@ -8,9 +8,17 @@ import sympy as sp
 from scipy.io import netcdf_file
 
 import geomtorsion.spaces as spaces
-from geomtorsion.errors import FileFormatError, GridError
+from geomtorsion.errors import ArgumentError, FileFormatError, GridError, NetworkError
 from geomtorsion.geometry import Frame
-from geomtorsion.loops import Loop, SampledFrame, burgers_vector, parallel_screws
+from geomtorsion.loops import (
+    EdgeList,
+    Loop,
+    Network,
+    SampledFrame,
+    burgers_vector,
+    develop,
+    parallel_screws,
+)
 
 ORDERS = (2, 4, 6, 8)
 x, y, z = sp.symbols("x y z", real=True)
@@ -267,3 +275,50 @@ def test_burgers_vector_of_a_grid():
     wrong: Any = "loop"
     with pytest.raises(TypeError, match="loop: a Loop was needed"):
         burgers_vector(grid, wrong)
+
+
+@pytest.mark.parametrize("signs", [(1, 1), (-1, 1), (1, -1), (-1, -1)])
+def test_cells_turn_the_same_way_on_decreasing_axes(signs):
+    """b of a right-handed circuit, whichever way the axes are listed; so does their sum."""
+    axes = [sign * np.linspace(-1, 1, 9) for sign in signs]
+    x, y = np.meshgrid(*axes, indexing="ij")
+    cells = SampledFrame(axes, np.array([[-y, x]]) / 2).plaquettes()
+    assert cells.area == pytest.approx(1 / 16)
+    assert cells.vectors == pytest.approx(np.full((1, 8, 8), 1 / 16))
+    assert cells.density == pytest.approx(np.ones((1, 8, 8)))
+
+
+def test_edges_of_a_grid_are_a_cochain(wavy):
+    """Its coboundary holds all plaquettes of all planes, and their sums over cells vanish."""
+    grid = sampled(wavy, 9, 4)
+    torsion = grid.cochain.coboundary()
+    start = 0
+    for a, b in ((0, 1), (0, 2), (1, 2)):
+        cells = grid.plaquettes((a, b))
+        count = cells.errors.size
+        found = torsion.values[start : start + count].T.reshape(cells.vectors.shape)
+        assert np.abs(found - cells.vectors).max() < 1e-13
+        start += count
+    bianchi = torsion.coboundary()
+    assert (np.abs(bianchi.values).max(axis=1) <= bianchi.errors).all()
+
+
+def test_samples_where_a_frame_was_asked_for(wavy):
+    """burgers_vector and Network take samples; development says what to use."""
+    grid = sampled(wavy, 33, 6)
+    loop = Loop.circle([0.1, 0.2, 0.3], 0.4)
+    assert (burgers_vector(grid, loop).vector == grid.burgers(loop).vector).all()
+    places = np.array([[0.1, 0.1, 0], [0.7, 0.2, 0.1], [0.3, 0.8, 0.9], [-0.6, 0.1, 0.4]])
+    net = EdgeList(places, np.array([[0, 1], [1, 2], [2, 3], [3, 0], [0, 2]]))
+    exact, rough = Network(wavy, net), Network(grid, net)
+    for cycle in ([0, 1, 2], [0, 1, 2, 3]):
+        one, two = exact.burgers(cycle), rough.burgers(cycle)
+        assert np.abs(one.vector - two.vector).max() <= two.error < 1e-3
+    with pytest.raises(NetworkError, match="node rule compares"):
+        rough.node_rule()
+    with pytest.raises(GridError, match=r"the edge leaves the grid at .*Choose a smaller edge"):
+        _ = Network(grid, EdgeList(3 * places, net.pairs)).integrals
+    with pytest.raises(ArgumentError, match=r"Use burgers_vector\(grid, loop\)"):
+        develop(grid, loop)
+    with pytest.raises(ArgumentError, match="neither closed forms nor parameters"):
+        burgers_vector(grid, loop, exact=True)
