@@ -1,5 +1,6 @@
 """Options of engines that make no sense are refused where they are given."""
 
+import numpy as np
 import pytest
 
 import geomtorsion as gt
@@ -24,7 +25,9 @@ def test_steps(value):
         gt.Taylor(max_steps=value)
 
 
-@pytest.mark.parametrize("value", [0, -53, 52.5, NAN, INF, "53", None, 54, 112, 401])
+@pytest.mark.parametrize(
+    "value", [0, -53, 52.5, NAN, INF, "53", None, 53.0, [53, 64], np.array([53, 64]), 54, 112, 401]
+)
 def test_bits(value):
     """Numbers of which heyoka has a kind."""
     with pytest.raises(ArgumentError, match=r"precision: 53, 64 or a whole number from 113 to"):
