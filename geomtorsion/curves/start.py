@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.errors import MissingValueError, SingularPointError, StartError
+from geomtorsion.errors import BranchError, MissingValueError, SingularPointError, StartError
 from geomtorsion.ode.numbers import Real, checked_numbers, floats
 
 if TYPE_CHECKING:
@@ -47,6 +47,9 @@ def checked_start(frame: Frame, start: object, parameters: Mapping[str, Real]) -
         frame.legs.at(point)
     except MissingValueError as error:
         raise StartError(f"{error} Give parameters={{...}}.") from None
+    except BranchError as error:
+        # The frame may be regular there, but was read for the other side.
+        raise StartError(f"start {where}: {error}") from None
     except (SingularPointError, ZeroDivisionError):
         size = 0.0
     if size == 0.0 or not math.isfinite(size):
