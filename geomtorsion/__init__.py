@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion import errors, spaces
+from geomtorsion import conventions, errors, spaces
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.exact import parse_expression
 from geomtorsion.geometry import (
@@ -214,6 +214,7 @@ __all__ = [
     "cartan",
     "conserved_quantities",
     "contract",
+    "conventions",
     "develop",
     "develop_path",
     "develop_period",

@@ -1,14 +1,21 @@
 """Conventions: index order, signs and factors, stated once; everything else cites this file.
 
 They are those of [FizievKleinert1994] (READING.md). tests/geometry/test_conventions.py holds the
-package to each of them with arithmetic of its own.
+package to each of them with arithmetic of its own, tests/test_conventions.py the signs of Burgers
+vectors, on atoms.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
+from geomtorsion import checks
 from geomtorsion.errors import UnknownNameError
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 @dataclass(frozen=True)
@@ -101,7 +108,90 @@ CONVENTIONS = (
         "q''^c + Gamma_bar_ab^c q'^a q'^b = 2 S_a^c_b q'^a q'^b on an autoparallel",
         "Force per unit mass; zero where S is totally antisymmetric.",
     ),
+    Convention(
+        "burgers",
+        "b^i = closed integral of e^i_mu dq^mu, right-handed about the line sense",
+        "The image in the perfect lattice of a circuit that closes in the sample, from start to "
+        "finish: SF/RH. FS/RH has the other sign; `burgers` converts.",
+    ),
+    Convention(
+        "nye",
+        "alpha^{ik} = eps^{kab} d_a e^i_b, b^i = alpha^{ik} n_k A",
+        "First index: Burgers vector; second: normal of the area, as Nye, Kroener and MTEX. Mura "
+        "writes the transpose. Its sign follows that of b.",
+    ),
 )
+
+
+@dataclass(frozen=True)
+class BurgersConvention:
+    """A way to say which closure failure is the Burgers vector.
+
+    names: what it is called; sign: its b over that of this package, for one line and one sense.
+    meaning: how it is found.
+    """
+
+    names: tuple[str, ...]
+    sign: int
+    meaning: str
+
+
+# All for a line of given sense; reversing the sense reverses b in each. A circuit closes in the
+# sample; its image in the perfect lattice, atom by atom, goes from start S to finish F.
+BURGERS = (
+    BurgersConvention(
+        ("geomtorsion", "SF/RH", "RH/SF", "FS/LH", "LH/FS"),
+        1,
+        "right-handed circuit, from S to F: the sum of the images of its steps, the integral of e",
+    ),
+    BurgersConvention(
+        ("FS/RH", "RH/FS", "SF/LH", "LH/SF", "OVITO"),
+        -1,
+        "right-handed circuit, from F to S, or left-handed, from S to F; a right-handed screw has "
+        "b along its sense, an edge its extra half plane towards (sense) x b",
+    ),
+    BurgersConvention(
+        ("Hirth-Lothe", "integral of du"),
+        -1,
+        "right-handed closed integral of du, u from the perfect place of an atom to its real one: "
+        "e = dx - du",
+    ),
+    BurgersConvention(
+        ("MTEX", "weighted Burgers vector"),
+        1,
+        "per area, loops counterclockwise in the specimen's x and y (sense z), b in the crystal: "
+        "alpha^{i3} of the Nye tensor",
+    ),
+)
+
+
+def burgers(vector: Sequence[Any] | np.ndarray, name: str) -> np.ndarray:
+    """A Burgers vector of this package in another convention, or back: each is its own inverse.
+
+    Parameters
+    ----------
+    vector
+        b^i, numbers or exact expressions, in any shape.
+    name
+        "SF/RH" (as here), "FS/RH", "LH/SF", "OVITO", "Hirth-Lothe", "integral of du", "MTEX".
+
+    Raises
+    ------
+    UnknownNameError
+        No convention has this name; the message lists them.
+
+    Examples
+    --------
+    >>> burgers([0, 0, 1], "FS/RH").tolist()
+    [0, 0, -1]
+    """
+    # numpy takes 0.09 s to load, which `import geomtorsion` does not need.
+    import numpy as np
+
+    signs = {each: one.sign for one in BURGERS for each in one.names}
+    return signs[checks.known_name(name, signs, "convention", UnknownNameError)] * np.asarray(
+        vector
+    )
 
 
 def convention(name: str) -> Convention:

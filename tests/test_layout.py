@@ -33,8 +33,8 @@ ROOT = TESTS.parent
 # Lowest floor first; packages on one floor do not know each other.
 FLOORS = (
     ("errors",),
-    ("conventions", "checks", "copies", "precision"),
-    ("files",),
+    ("checks", "copies", "precision"),
+    ("conventions", "files"),
     ("npz",),
     ("exact",),
     ("codegen",),

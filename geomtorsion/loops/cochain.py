@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.conventions import burgers
 from geomtorsion.errors import NetworkError
 from geomtorsion.loops.complexes import Complex
 from geomtorsion.loops.rows import check_sums, largest, listed, value_rows
@@ -42,6 +43,16 @@ class CycleBurgers:
     def vanishes(self) -> bool:
         """Whether the vector is zero within its error."""
         return bool(abs(self.vector).max() <= self.error)
+
+    def in_convention(self, name: str) -> np.ndarray:
+        """The vector in another convention of sign, such as "FS/RH"; see `conventions.burgers`.
+
+        Raises
+        ------
+        UnknownNameError
+            No convention has this name; the message lists them.
+        """
+        return burgers(self.vector, name)
 
 
 @dataclass(frozen=True, eq=False)

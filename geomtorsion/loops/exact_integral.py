@@ -13,6 +13,7 @@ import sympy as sp
 
 from geomtorsion import checks
 from geomtorsion.checks import expression as expression_of
+from geomtorsion.conventions import burgers
 from geomtorsion.errors import (
     LoopError,
     MissingValueError,
@@ -77,6 +78,10 @@ class ExactBurgersVector:
             )
         is_complex = any(x.imag for x in numbers)
         return np.array(numbers if is_complex else [x.real for x in numbers])
+
+    def in_convention(self, name: str) -> tuple[sp.Expr, ...]:
+        """The vector in another convention of sign, such as "FS/RH"; see `conventions.burgers`."""
+        return tuple(burgers(self.vector, name))
 
     def __repr__(self) -> str:
         return f"ExactBurgersVector([{', '.join(map(str, self.vector))}])"

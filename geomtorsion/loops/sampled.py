@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.conventions import burgers
 from geomtorsion.errors import FileFormatError, GridError
 from geomtorsion.loops.arcs import Arc, Parameters, Part, shown
 from geomtorsion.loops.cochain import Cochain
@@ -374,6 +375,16 @@ class SampledBurgers:
     def error(self) -> float:
         """Both errors together."""
         return self.interpolation_error + self.quadrature_error
+
+    def in_convention(self, name: str) -> np.ndarray:
+        """The vector in another convention of sign, such as "FS/RH"; see `conventions.burgers`.
+
+        Raises
+        ------
+        UnknownNameError
+            No convention has this name; the message lists them.
+        """
+        return burgers(self.vector, name)
 
 
 def sampled_burgers(grid: SampledFrame, loop: Loop) -> SampledBurgers:
