@@ -98,17 +98,20 @@ def units_of(
     system: System, start: Sequence[float], parameters: Sequence[float], duration: float
 ) -> Units | None:
     """The units of a run; None where it can be run as it is."""
-    values, duration = np.abs(np.array(start)), abs(duration)
-    clock = None if system.clock is None else system.states.index(system.clock[0])
-    groups = [[k for k in group if k != clock] for group in system.groups]
-    groups = [group for group in groups if group]
-    tops = [float(values[group].max()) for group in groups]
+    duration = abs(duration)
+    # On lists: most runs are near one, and this is asked before each.
+    groups, sizes = system.groups_but_clock, [abs(x) for x in start]
+    tops = [max([sizes[k] for k in group]) for group in groups]
     if not all(tops):
         # What begins at zero is soon as large as its rates make it.
-        rates = np.abs(system.scalar_rates(parameters)(0.0, np.array(start))) * duration
-        tops = [top or float(rates[g].max()) for top, g in zip(tops, groups, strict=True)]
-    if all(not top or _is_near(top) for top in tops) and (not duration or _is_near(duration)):
+        rates = system.scalar_rates(parameters)(0.0, np.array(start))
+        tops = [
+            top or max([abs(rates[k]) * duration for k in group])
+            for top, group in zip(tops, groups, strict=True)
+        ]
+    if all([not top or _is_near(top) for top in tops]) and (not duration or _is_near(duration)):
         return None
+    values = np.array(sizes)
     if not duration or not np.isfinite(values).all():
         return None
     jacobian = system.jacobian(list(start), parameters)
@@ -116,23 +119,23 @@ def units_of(
         return None
     fastest = float(np.abs(np.linalg.eigvals(jacobian)).max())
     time = 1 / fastest if fastest * duration > 1 else duration
-    sizes = values
+    largest = values
     # What a state has after that time, where no terms cancel; velocities come before coordinates.
     for _ in range(2):
-        terms = np.abs(np.ravel(system.rates.sizes(*sizes.tolist(), *parameters))) * time
-        sizes = np.maximum(sizes, np.where(np.isfinite(terms), terms, 0.0))
+        terms = np.abs(np.ravel(system.rates.sizes(*largest.tolist(), *parameters))) * time
+        largest = np.maximum(largest, np.where(np.isfinite(terms), terms, 0.0))
     found = np.ones(len(values))
-    for group in groups:
-        top = float(sizes[group].max())
+    for group in map(list, groups):
+        top = float(largest[group].max())
         if top > 0:
-            found[group] = np.where(sizes[group] * FAR < top, sizes[group], top)
+            found[group] = np.where(largest[group] * FAR < top, largest[group], top)
             found[group] = np.where(found[group] > 0, found[group], top)
     if all(map(_is_near, (*found.tolist(), time))):
         return None
     found = 2.0 ** np.round(np.log2(found))
     time = float(2.0 ** np.round(np.log2(time)))
-    if clock is not None and system.clock is not None:
-        found[clock] = time / system.clock[1]
+    if system.clock is not None:
+        found[system.states.index(system.clock[0])] = time / system.clock[1]
     return Units(found, time)
 
 

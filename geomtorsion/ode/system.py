@@ -11,6 +11,8 @@ import numpy as np
 from geomtorsion.codegen import Graph
 from geomtorsion.copies import only_fields
 
+# Functions that have a value everywhere.
+ENTIRE = ("sin", "cos", "sinh", "cosh", "exp")
 # What a scalar function raises where it has no value.
 NO_VALUE = (ZeroDivisionError, ValueError, OverflowError)
 ScalarRates = Callable[[float, np.ndarray], Sequence[float]]
@@ -45,6 +47,13 @@ class System:
     def size(self) -> int:
         """Number of states."""
         return len(self.states)
+
+    @cached_property
+    def groups_but_clock(self) -> tuple[tuple[int, ...], ...]:
+        """The groups without the state that is the time."""
+        clock = None if self.clock is None else self.states.index(self.clock[0])
+        groups = (tuple(k for k in group if k != clock) for group in self.groups)
+        return tuple(group for group in groups if group)
 
     @cached_property
     def key(self) -> tuple[str, str | None, int | None]:
@@ -86,6 +95,15 @@ class System:
             return np.array(self._jacobian(*state, *values)).reshape(n, n)
         except NO_VALUE:
             return np.full((n, n), np.nan)
+
+    @cached_property
+    def guard_is_entire(self) -> bool:
+        """Whether the guard has a value, and a series, at all states but poles."""
+        steps = () if self.guard is None else self.guard.steps
+        return all(
+            step.detail in ENTIRE if step.kind == "call" else step.kind != "root"
+            for step in steps
+        )
 
     @cached_property
     def _guard_above_rounding(self) -> Graph | None:

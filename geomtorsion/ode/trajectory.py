@@ -370,7 +370,7 @@ def _is_beyond(system: System, run: Run, numbers: State) -> bool:
 
     Series of a guard that have no finite value within a step, as those of roots, are not looked at.
     """
-    if system.guard is None or run.outcome == "edge" or len(run.states) < 2:
+    if system.guard_is_entire or run.outcome == "edge" or len(run.states) < 2:
         return False
     values = [float(x) for x in numbers]
     room = np.broadcast_to(system.guard_along(run.states.T, values), len(run.states))
