@@ -90,7 +90,9 @@ def _is_angle(frame: Frame, symbol: sp.Symbol) -> bool:
     if above is None or below is None or above - below != 2 * sp.pi:
         return False
     entries = [value.sympy for matrix in frame.given.values() for value in matrix.values()]
-    return all(entry.subs(symbol, symbol + 2 * sp.pi) == entry for entry in entries)
+    repeats = all(entry.subs(symbol, symbol + 2 * sp.pi) == entry for entry in entries)
+    # A frame that degenerates there ends, whether it repeats itself or not.
+    return repeats and frame.determinant.element().sympy.subs(symbol, below) != 0
 
 
 def _of_branches(frame: Frame) -> Iterator[Edge]:

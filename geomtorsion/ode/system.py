@@ -101,8 +101,7 @@ class System:
         """Whether the guard has a value, and a series, at all states but poles."""
         steps = () if self.guard is None else self.guard.steps
         return all(
-            step.detail in ENTIRE if step.kind == "call" else step.kind != "root"
-            for step in steps
+            step.detail in ENTIRE if step.kind == "call" else step.kind != "root" for step in steps
         )
 
     @cached_property

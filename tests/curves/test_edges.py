@@ -78,6 +78,9 @@ def test_an_angle_has_no_edge(engine):
     message, t = ended(geodesic(half, [1, 3], [0, 1]), 0.7, engine)
     assert t == pytest.approx(np.tan(np.pi - 3), rel=1e-9)
     assert "p < pi holds no longer" in message
+    # Here it degenerates at both bounds, as at the turns by 0 and by 2 pi about an axis.
+    pinched = Frame([r, p], [[1, 0], [0, sp.sin(p / 2) ** 2]], domain=ONE_TURN)
+    assert len(edges_of(pinched)) == 2
     # The frame is another one after a turn.
     spinor = [[sp.cos(p / 2), -r * sp.sin(p / 2)], [sp.sin(p / 2), r * sp.cos(p / 2)]]
     words = [edge.words for edge in edges_of(Frame([r, p], spinor, domain=ONE_TURN))]
