@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.curves.readout import converted
+from geomtorsion.curves.readout import at_times
 from geomtorsion.errors import TimeError, UnknownNameError
 
 if TYPE_CHECKING:
@@ -82,12 +82,8 @@ def _gaps(
     place = problem.atlas.chart(name)
     turning = _angles(problem, name) if angles is None else _places(place.names, angles)
     first = one.in_chart(name).astype(float)
-    second = two.at(one.times).coordinates.astype(float)
-    if name != two.problem.atlas.home:
-        moment = two.at(one.times)
-        second, _ = converted(
-            two.problem, two.problem.atlas.home, name, second, moment.frame_velocity
-        )
+    # Not by way of the home chart, beyond which both may lie.
+    second = at_times(two.problem, two.trajectory, one.times, name).astype(float)
     steps = second - first
     steps[:, turning] = np.remainder(steps[:, turning] + np.pi, 2 * np.pi) - np.pi
     numbers = {key: float(value) for key, value in problem.parameters.items()}

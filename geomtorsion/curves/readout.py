@@ -158,16 +158,28 @@ def coordinate_velocities(
 
 def in_chart(problem: CurveProblem, trajectory: Trajectory, name: str) -> np.ndarray:
     """Coordinates of all samples in a chart."""
-    found = []
-    for segment in trajectory.segments:
-        if segment.count:
-            states = segment.states
-            q = states[:, : problem.equations(segment.label).width]
-            if segment.label != name:
-                u, _ = _velocities(problem, segment, states)
-                q, _ = converted(problem, segment.label, name, q, u)
-            found.append(q)
-    return np.concatenate(found)
+    segments = [segment for segment in trajectory.segments if segment.count]
+    return np.concatenate([_placed(problem, one, one.states, name) for one in segments])
+
+
+def at_times(
+    problem: CurveProblem, trajectory: Trajectory, times: np.ndarray, name: str
+) -> np.ndarray:
+    """Coordinates at any times, in units of the problem, in a chart."""
+    width = len(problem.atlas.chart(name).names)
+    found = np.empty((len(times), width))
+    for segment, states, index in trajectory.at(times * problem.time_unit):
+        found[index] = _placed(problem, segment, states, name)
+    return found
+
+
+def _placed(problem: CurveProblem, segment: Segment, states: np.ndarray, name: str) -> np.ndarray:
+    """Coordinates of states of a segment in a chart."""
+    q = states[:, : problem.equations(segment.label).width]
+    if segment.label == name:
+        return q
+    u, _ = _velocities(problem, segment, states)
+    return converted(problem, segment.label, name, q, u)[0]
 
 
 def invariant_changes(problem: CurveProblem, trajectory: Trajectory) -> dict[str, np.ndarray]:

@@ -109,7 +109,8 @@ def units_of(
             top or max([abs(rates[k]) * duration for k in group])
             for top, group in zip(tops, groups, strict=True)
         ]
-    if all([not top or _is_near(top) for top in tops]) and (not duration or _is_near(duration)):
+    near = not duration or _is_near(duration)
+    if near and all(not top or _is_near(top) for top in tops):
         return None
     values = np.array(sizes)
     if not duration or not np.isfinite(values).all():

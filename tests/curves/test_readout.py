@@ -65,7 +65,7 @@ def test_without_heyoka(monkeypatch):
     """engine=None goes on with Runge-Kutta; Taylor by name says what to install."""
     monkeypatch.setitem(sys.modules, "heyoka", None)
     with pytest.raises(MissingExtraError, match=r"geomtorsion\[fast\]"):
-        solve(PROBLEM, 1.5, 1.7e-9, engine=Taylor(80))
+        solve(PROBLEM, 1.5, 1.7e-9, engine=Taylor(128))
     monkeypatch.setattr(sys.modules["geomtorsion.ode.solve"], "is_available", lambda: False)
     sol = solve(PROBLEM, 1.0, 1e-9)
     assert sol.engine == "RungeKutta"
