@@ -4,96 +4,32 @@ from __future__ import annotations
 
 import zipfile
 import zlib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.checks import cut, shown
 from geomtorsion.errors import FileFormatError, GridError, MissingExtraError
-from geomtorsion.npz import ArrayForm, read_npz
+from geomtorsion.npz import ArrayForm, read_npz, text_of
 
-# Steps of an axis may differ by this share: coordinates are often stored as 32-bit floats.
-REGULAR = 1e-4
+if TYPE_CHECKING:
+    from geomtorsion.loops.sampled import SampledFrame
 
-
-def numbers(values: object, where: str) -> np.ndarray:
-    """An array of real numbers."""
-    message = "{subject}: an array of real numbers was needed, but {value} came."
-    return checks.array(values, where, GridError, message=message, infinite=None)
-
-
-def regular_axis(values: object, name: str) -> np.ndarray:
-    """A regular axis."""
-    axis = numbers(values, f"axis {name}")
-    if axis.ndim != 1 or len(axis) < 2:
-        raise GridError(f"axis {name}: a list of coordinates was needed, shape {axis.shape} came.")
-    if not np.isfinite(axis).all():
-        raise GridError(
-            f"axis {name}: finite numbers were needed; entry "
-            f"{int(np.flatnonzero(~np.isfinite(axis))[0])} is none."
-        )
-    step = (axis[-1] - axis[0]) / (len(axis) - 1)
-    worst = int(np.abs(np.diff(axis) - step).argmax())
-    if step == 0 or abs(axis[worst + 1] - axis[worst] - step) > REGULAR * abs(step):
-        raise GridError(
-            f"axis {name}: equal steps were needed, but step {worst} is "
-            f"{axis[worst + 1] - axis[worst]:.6g} where the mean is {step:.6g}. Resample the data."
-        )
-    return axis
-
-
-def check_shape(
-    values: np.ndarray, axes: Sequence[np.ndarray], names: Sequence[str], needed: int, order: int
-) -> None:
-    """Refuse values that do not fit the axes, and axes too short for the order."""
-    shape = tuple(len(axis) for axis in axes)
-    if values.shape[1:] != (len(axes), *shape) or not len(values):
-        raise GridError(
-            f"coframe: shape (rows, {len(axes)}, {', '.join(map(str, shape))}) was needed "
-            f"(frame index, coordinate index, grid), but {values.shape} came."
-        )
-    for name, count in zip(names, shape, strict=True):
-        if count < needed:
-            raise GridError(
-                f"axis {name}: {needed} points or more are needed for order {order} with its error "
-                f"estimate, but there are {count}. Choose a lower order."
-            )
-
-
-def check_finite(values: np.ndarray, axes: Sequence[np.ndarray], names: Sequence[str]) -> None:
-    """Refuse values that are not finite; the message names the first."""
-    bad = np.argwhere(~np.isfinite(values))
-    if len(bad):
-        i, mu, *place = bad[0].tolist()
-        where = ", ".join(
-            f"{name} = {axis[k]:.6g}" for name, axis, k in zip(names, axes, place, strict=True)
-        )
-        raise GridError(
-            f"coframe[{i}, {mu}] is not finite at {where} (and at {len(bad) - 1} more entries). "
-            "Cut those nodes out or fill them; a singular line must lie between nodes."
-        )
-
-
-def check_names(axes: Sequence[object], names: Sequence[str]) -> None:
-    """Refuse a grid with less than two axes, or without a name for each."""
-    if len(names) != len(axes) or len(axes) < 2:
-        raise GridError(
-            f"a grid needs two axes or more, and a name for each, but {len(axes)} axes "
-            f"and {len(names)} names came."
-        )
-
-
-Grid = tuple[list[np.ndarray], np.ndarray, tuple[str, ...], bool]
+Grid = tuple[list[np.ndarray], np.ndarray, tuple[str, ...], bool, dict[str, Any]]
+TEXTS = ("unit", "vector_unit")
 HDF5 = b"\x89HDF"
 FORMS = {
     "names": ArrayForm((None,), "U", optional=True),
     "axis_*": ArrayForm((None,)),
     "coframe": ArrayForm((None, None, ...), optional=True),
     "distortion": ArrayForm((None, None, ...), optional=True),
+    "sigma": ArrayForm((None, None, ...), optional=True),
+    "periodic": ArrayForm((None,), "b", optional=True),
+    "unit": ArrayForm((), "U", optional=True),
+    "vector_unit": ArrayForm((), "U", optional=True),
 }
 
 
@@ -123,6 +59,23 @@ def read_grid(path: Path) -> Grid:
     )
 
 
+def save_grid(path: Path, grid: SampledFrame) -> None:
+    """Write a grid to a file that `read_grid` reads, under the very name that is given."""
+    kind = path.suffix.lower()
+    if kind not in (".npz", ""):
+        raise GridError(f"{path}: .npz was needed, but the name ends in {path.suffix!r}.")
+    content: dict[str, Any] = {"coframe": grid.coframe, "names": np.array(grid.names)}
+    for name, axis in zip(grid.names, grid.axes, strict=True):
+        content[f"axis_{name}"] = axis
+    if isinstance(grid.sigma, np.ndarray):
+        content["sigma"] = grid.sigma
+    if any(grid.periodic):
+        content["periodic"] = np.array(grid.periodic)
+    content |= {key: np.array(getattr(grid, key)) for key in TEXTS if getattr(grid, key)}
+    with path.with_suffix(".npz").open("wb") as stream:
+        np.savez_compressed(stream, **content)
+
+
 def _npz(path: Path) -> Grid:
     """A grid from an NPZ file."""
     message = "{path}: it cannot be read, it is truncated or no file of this kind ({reason})."
@@ -144,7 +97,9 @@ def _npz(path: Path) -> Grid:
             f"{path}: no axes; arrays axis_x, axis_y, ... were needed, but the file has "
             f"{cut(', '.join(sorted(arrays)))}."
         )
-    return axes, arrays[key], names, key == "distortion"
+    options: dict[str, Any] = {k: text_of(arrays[k]) for k in TEXTS if k in arrays}
+    options |= {k: arrays[k] for k in ("sigma", "periodic") if k in arrays}
+    return axes, arrays[key], names, key == "distortion", options
 
 
 def _netcdf(path: Path) -> Grid:
@@ -165,7 +120,7 @@ def _netcdf(path: Path) -> Grid:
     for name in names:
         if name not in data.coords:
             raise FileFormatError(f"{path}: dimension {name} of {key} has no coordinates.")
-    return [data[name].values for name in names], variable.values, names, key == "distortion"
+    return [data[name].values for name in names], variable.values, names, key == "distortion", {}
 
 
 def _classic(path: Path) -> Grid:
@@ -191,7 +146,7 @@ def _classic(path: Path) -> Grid:
     for name in names:
         if name not in arrays:
             raise FileFormatError(f"{path}: dimension {name} of {key} has no coordinate variable.")
-    return [arrays[name] for name in names], arrays[key], names, key == "distortion"
+    return [arrays[name] for name in names], arrays[key], names, key == "distortion", {}
 
 
 def _guarded(path: Path, load: Callable[[], Any]) -> Any:

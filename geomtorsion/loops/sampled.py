@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,73 +12,70 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.conventions import burgers
-from geomtorsion.errors import FileFormatError, GridError
-from geomtorsion.loops.arcs import Arc, Parameters, Part, shown
+from geomtorsion.errors import LONGEST_SHOWN, FileFormatError, GridError
+from geomtorsion.loops.arcs import Parameters
 from geomtorsion.loops.cochain import Cochain
-from geomtorsion.loops.complexes import Complex
 from geomtorsion.loops.edges import EdgeIntegrals
-from geomtorsion.loops.forms import forms
-from geomtorsion.loops.grid_files import (
-    check_finite,
+from geomtorsion.loops.fields import cells, holes
+from geomtorsion.loops.fields.cells import Plaquettes
+from geomtorsion.loops.fields.circuits import (
+    Field,
+    SampledBurgers,
+    sampled_burgers,
+)
+from geomtorsion.loops.fields.edges import edge_cochain, sampled_edges
+from geomtorsion.loops.fields.grid import (
+    Grid,
     check_names,
+    check_order,
     check_shape,
+    check_values,
+    mask_of,
     numbers,
-    read_grid,
+    periodic_axes,
     regular_axis,
 )
+from geomtorsion.loops.fields.holes import Hole
+from geomtorsion.loops.fields.noise import estimated, sigma_of
+from geomtorsion.loops.forms import forms
+from geomtorsion.loops.grid_files import read_grid, save_grid
 from geomtorsion.loops.loop import Loop
-from geomtorsion.loops.stencils import applied, differentiation, integration, interpolated
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
-    from geomtorsion.loops.loop import Loop
 
-ORDERS = (2, 4, 6, 8)
-
-
-def check_order(order: object) -> None:
-    """Refuse an order for which there are no rules."""
-    if order not in ORDERS:
-        raise GridError(f"order: one of {ORDERS} was needed, but {checks.shown(order)} came.")
-
-
-@dataclass(frozen=True, eq=False)
-class Plaquettes:
-    """Burgers vectors of all cells of a grid in one coordinate plane.
-
-    vectors: b^i, shape (rows, cells..., nodes of the other axes...), axes in the order of the grid;
-        each cell is run round from the first axis of the plane to the second, in the sense in which
-        the coordinates increase, whichever way the axes are listed.
-    errors: bound on the largest component, from a rule of another order, without the first axis.
-    area: of one cell, positive; plane: the two axes, turned from the first to the second.
-    """
-
-    vectors: np.ndarray
-    errors: np.ndarray
-    area: float
-    plane: tuple[int, int]
-
-    @property
-    def density(self) -> np.ndarray:
-        """b^i per area: the torsion 2 S_ab^i averaged over each cell."""
-        return self.vectors / self.area
+# What a frame keeps is what came, checked.
+KEPT = "axes coframe names mask sigma periodic vector_unit sigma_source".split()
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SampledFrame:
-    """A coframe on a regular grid, interpolated by local polynomials.
+    """A coframe on a regular grid, with holes and noise, interpolated by local polynomials.
 
     axes: coordinates of the grid, one increasing or decreasing array each, equally spaced.
-    coframe: e^i_mu at the nodes, shape (rows, d, N_1, ..., N_d): i, mu, then the grid.
+    coframe: e^i_mu at the nodes, shape (rows, d, N_1, ..., N_d): i, mu, then the grid. A plane map
+        (d = 2) may hold all three columns; the third one, across the map, enters no circuit.
     order: order of interpolation, quadrature and differences in the spacing: 2, 4, 6 or 8. Every
         error is measured against another order (the next lower one; for 2 the next higher one).
     names: of the axes.
+    mask: True where nothing is known, shape (N_1, ..., N_d); nodes with NaN are holes as well.
+        Circuits may surround holes; what touches one is refused (arrays have NaN there). Near a
+        hole stencils are one-sided, as at the edge of the grid, or of lower order.
+    sigma: standard deviation of the noise of each value, independent from value to value: a number,
+        an array of the shape of the grid, of (rows, d) or of the coframe; or "estimate", from the
+        data: the median of differences of sixth order (`noise.estimated`). Every error then
+        contains the noise, propagated along the very circuit.
+    periodic: one truth value for each axis, or names of axes; the period is N steps, so that the
+        first node is not repeated at the end.
+    sigma_source: where sigma comes from, in words.
+    unit, vector_unit: of the axes, and of what integrals of the coframe are (if not given, the
+        same); any text, shown with results.
 
     Raises
     ------
     GridError
-        Shapes do not fit, an axis is not regular or too short, or a value is not finite.
+        Shapes do not fit, an axis is not regular or too short, a value is infinite, nothing is
+        known, or sigma is negative.
 
     Examples
     --------
@@ -89,12 +86,29 @@ class SampledFrame:
     >>> grid = SampledFrame(axes, distortion)
     >>> grid.plaquettes().density.round(12).min(), grid.plaquettes().density.round(12).max()
     (np.float64(1.0), np.float64(1.0))
+
+    A hole in the middle, and noise:
+
+    >>> hole = np.hypot(x, y) < 0.3
+    >>> grid = SampledFrame(axes, distortion, mask=hole, sigma=1e-3, unit="um")
+    >>> grid
+    SampledFrame(9 x 11 nodes, 1 rows, order 4, 1 hole of 5 nodes, sigma 0.001, in um)
+    >>> b = grid.burgers(grid.loop_around(grid.holes[0]))
+    >>> b.vector.round(9), round(b.noise, 6), b.unit
+    (array([0.8]), 0.000868, 'um')
     """
 
     axes: Sequence[np.ndarray]
     coframe: np.ndarray
     order: int = 4
     names: Sequence[str] = ()
+    # These come in several kinds; kept are arrays, and one truth value for each axis.
+    mask: Any = field(default=None, kw_only=True)
+    sigma: Any = field(default=None, kw_only=True)
+    periodic: Any = field(default=(), kw_only=True)
+    unit: str = field(default="", kw_only=True)
+    vector_unit: str = field(default="", kw_only=True)
+    sigma_source: str = field(default="", init=False)
 
     def __post_init__(self) -> None:
         """Check axes and values once."""
@@ -103,9 +117,28 @@ class SampledFrame:
         check_names(self.axes, names)
         values = numbers(self.coframe, "coframe")
         axes = tuple(regular_axis(x, name) for x, name in zip(self.axes, names, strict=True))
-        check_shape(values, axes, names, max(self.order, self.other_order) + 1, self.order)
-        check_finite(values, axes, names)
-        for key, value in (("axes", axes), ("coframe", values), ("names", names)):
+        shape = tuple(len(axis) for axis in axes)
+        check_shape(values, shape)
+        wraps = periodic_axes(self.periodic, names)
+        inner = values[:, : len(axes)]
+        unknown = mask_of(self.mask, shape) | np.isnan(inner).any(axis=(0, 1))
+        grid = Grid(axes, names, wraps, unknown)
+        grid.check_length(self.order, self.other_order)
+        check_values(values, grid)
+        if grid.has_holes:
+            values = np.where(unknown, np.nan, values)
+        for key in ("unit", "vector_unit"):
+            checks.text(getattr(self, key), key, GridError, longest=LONGEST_SHOWN)
+        sigma, said = self.sigma, ""
+        if isinstance(sigma, str):
+            checks.choice(sigma, ["estimate"], "sigma", GridError)
+            sigma = estimated(inner, grid)
+            said = "the median of sixth differences along the axes"
+        elif sigma is not None:
+            sigma = sigma_of(sigma, (len(values), len(axes), *shape), grid)
+            said = "given"
+        found = (axes, values, names, unknown, sigma, wraps, self.vector_unit or self.unit, said)
+        for key, value in zip(KEPT, found, strict=True):
             object.__setattr__(self, key, value)
 
     # -- makers -----------------------------------------------------------------------------------
@@ -117,12 +150,15 @@ class SampledFrame:
         distortion: np.ndarray,
         order: int = 4,
         names: Sequence[str] = (),
+        **options: Any,
     ) -> SampledFrame:
         """From a distortion beta^i_mu = d_mu u^i (row: displacement, column: derivative).
 
         The coframe is e = 1 + beta: it maps a step in the crystal as it is to the ideal lattice
         when u points from the real to the ideal place. For displacements from ideal to real places
         give -beta (small distortions), or the inverse of (1 + beta) minus 1.
+
+        options: mask, sigma, periodic, unit, vector_unit, as for `SampledFrame`.
         """
         values = numbers(distortion, "distortion")
         if values.ndim < 3:
@@ -130,7 +166,7 @@ class SampledFrame:
                 f"distortion: shape (rows, columns, grid...) was needed, but {values.shape} came."
             )
         unit = np.eye(*values.shape[:2]).reshape(*values.shape[:2], *(1,) * (values.ndim - 2))
-        return cls(axes, values + unit, order, names)
+        return cls(axes, values + unit, order, names, **options)
 
     @classmethod
     def from_frame(
@@ -140,8 +176,11 @@ class SampledFrame:
         order: int = 4,
         *,
         parameters: Parameters | None = None,
+        **options: Any,
     ) -> SampledFrame:
         """Samples of an exact frame, one axis for each coordinate.
+
+        options: mask, sigma, periodic, unit, vector_unit, as for `SampledFrame`.
 
         Raises
         ------
@@ -162,7 +201,8 @@ class SampledFrame:
         found = coframe.at(np.array(nodes).reshape(len(nodes), -1))
         values = np.zeros((frame.dimension, frame.dimension, *nodes[0].shape))
         values[coframe.rows, coframe.columns] = found.reshape(-1, *nodes[0].shape)
-        return cls(lines, values, order, tuple(symbol.name for symbol in frame.coordinates))
+        names = tuple(symbol.name for symbol in frame.coordinates)
+        return cls(lines, values, order, names, **options)
 
     @classmethod
     def read(cls, path: str | Path, order: int = 4) -> SampledFrame:
@@ -177,24 +217,43 @@ class SampledFrame:
             The order is none.
         """
         check_order(order)
-        axes, values, names, is_distortion = read_grid(Path(path))
+        axes, values, names, is_distortion, options = read_grid(Path(path))
         make = cls.from_distortion if is_distortion else cls
         try:
-            return make(axes, values, order, names)
+            return make(axes, values, order, names, **options)
         except GridError as error:
             raise FileFormatError(f"{path}: {error}") from None
 
     def save(self, path: str | Path) -> None:
         """Write an NPZ file that `read` reads back."""
-        lines = {f"axis_{name}": axis for name, axis in zip(self.names, self.axes, strict=True)}
-        content: dict[str, Any] = {
-            "coframe": self.coframe,
-            "names": np.array(self.names),
-            **lines,
-        }
-        np.savez_compressed(path, **content)
+        save_grid(Path(path), self)
 
     # -- what it is -------------------------------------------------------------------------------
+
+    @cached_property
+    def _grid(self) -> Grid:
+        """Axes and holes."""
+        return Grid(tuple(self.axes), tuple(self.names), self.periodic, self.mask)
+
+    @cached_property
+    def _field(self) -> Field:
+        """The values as integrals use them."""
+        d, grid = self.dimension, self._grid
+        inner = tuple(range(2, 2 + d))
+        values = self.coframe[:, :d]
+        if grid.has_holes:
+            mean = values.mean(axis=inner, keepdims=True, where=~grid.holes)
+            bent = np.where(grid.holes, 0.0, values - mean)
+        else:
+            mean = values.mean(axis=inner, keepdims=True)
+            bent = values - mean
+        variances = None
+        if isinstance(self.sigma, np.ndarray):
+            ones = (1,) * d
+            shape = (*values.shape[:2], *(grid.shape if self.sigma.shape[2:] != ones else ones))
+            variances = np.broadcast_to(self.sigma**2, shape)
+        flat = mean.reshape(mean.shape[:2])
+        return Field(grid, bent, flat, variances, self.order, self.other_order)
 
     @property
     def dimension(self) -> int:
@@ -206,15 +265,59 @@ class SampledFrame:
         """Number of frame indices."""
         return len(self.coframe)
 
-    @cached_property
+    @property
     def steps(self) -> tuple[float, ...]:
         """Spacing of each axis; negative where it decreases."""
-        return tuple(float(axis[-1] - axis[0]) / (len(axis) - 1) for axis in self.axes)
+        return self._grid.steps
 
     @property
     def other_order(self) -> int:
         """The order against which errors are measured."""
         return self.order - 2 if self.order > 2 else 4
+
+    # -- holes ------------------------------------------------------------------------------------
+
+    @cached_property
+    def holes(self) -> tuple[Hole, ...]:
+        """Connected nodes of which nothing is known, in the order of their first nodes."""
+        return holes.holes_of(self._grid)
+
+    def loop_around(
+        self,
+        hole: Hole | int | None = None,
+        margin: int = 1,
+        plane: tuple[int, int] = (0, 1),
+        at: Sequence[int] | None = None,
+    ) -> Loop:
+        """A rectangle along lines of nodes that surrounds a hole.
+
+        Parameters
+        ----------
+        hole
+            One of `holes`, or its number; not needed where there is one.
+        margin
+            Nodes between the hole and the rectangle, the rectangle counted.
+        plane
+            The two axes, turned from the first to the second.
+        at
+            Number of the node on each axis where the rectangle lies, for grids of three axes or
+            more; the entries of the plane do not count. Without it the middle of the hole.
+
+        Raises
+        ------
+        GridError
+            There is no such hole, or the rectangle leaves the grid or touches a hole; the message
+            names the nodes.
+        """
+        pair = self._plane(plane)
+        found = holes.chosen_hole(self.holes, hole)
+        checks.count(margin, "margin", GridError, 1)
+        if at is None:
+            at = [(a + b) // 2 for a, b in zip(found.low, found.high, strict=True)]
+        else:
+            rows = checks.numbers(at, self.dimension, "at", GridError)
+            at = [checks.count(x, f"at[{k}]", GridError) for k, x in enumerate(rows)]
+        return holes.loop_around(self._grid, found, margin, pair, at)
 
     # -- closure ----------------------------------------------------------------------------------
 
@@ -228,46 +331,51 @@ class SampledFrame:
         GridError
             The plane does not name two different axes.
         """
-        a, b = self._plane(plane)
-        area = self.steps[a] * self.steps[b]
-        # Along a decreasing axis the cells are run round the other way.
-        vectors = np.sign(area) * self._cells(a, b, self.order)
-        errors = np.abs(vectors - np.sign(area) * self._cells(a, b, self.other_order)).max(axis=0)
-        scale = np.abs(self._bent).max() * max(abs(self.steps[a]), abs(self.steps[b]))
-        return Plaquettes(vectors, errors + 2.0**-50 * scale, abs(area), (a, b))
+        return self.burgers_map(1, plane)
 
-    def _cells(self, a: int, b: int, order: int) -> np.ndarray:
-        """Closure of all cells, by quadrature of one order along the edges."""
-        along_a, along_b = (
-            self.steps[k] * applied(integration(order, len(self.axes[k])), self._bent[:, k], 1 + k)
-            for k in (a, b)
-        )
-        return np.diff(along_b, axis=1 + a) - np.diff(along_a, axis=1 + b)
+    def burgers_map(self, size: int | Sequence[int], plane: tuple[int, int] = (0, 1)) -> Plaquettes:
+        """Burgers vectors of rectangular circuits of one size at every place, with their noise.
 
-    @cached_property
-    def _bent(self) -> np.ndarray:
-        """The coframe without its mean: constant parts close exactly, and need not be rounded."""
-        inner = tuple(range(2, self.coframe.ndim))
-        return self.coframe - self.coframe.mean(axis=inner, keepdims=True)
+        A circuit may surround a hole, but not touch one. The cost hardly grows with the size.
+
+        Parameters
+        ----------
+        size
+            Cells along the sides: one number for squares, or one for each axis of the plane.
+
+        Raises
+        ------
+        GridError
+            The size is no whole number, or larger than the grid.
+
+        Examples
+        --------
+        >>> axes = [np.arange(6.0)] * 2
+        >>> x, y = np.meshgrid(*axes, indexing="ij")
+        >>> grid = SampledFrame(axes, np.array([[-y, x]]) / 2)
+        >>> found = grid.burgers_map(3)
+        >>> found.vectors.shape, found.vectors.round(12).max(), found.density.round(12).max()
+        ((1, 3, 3), np.float64(9.0), np.float64(1.0))
+        """
+        pair = self._plane(plane)
+        given = checks.rows(size)
+        sides = list(given) if isinstance(given, list | tuple) else [given] * 2
+        if len(sides) != 2:
+            raise GridError(f"size: one number or two were needed, but {checks.shown(size)} came.")
+        for k, side in zip(pair, sides, strict=True):
+            checks.count(side, "size", GridError, 1, len(self.axes[k]) - 1)
+        units = (self.unit, self.vector_unit)
+        return cells.circuits(self._field, pair, (int(sides[0]), int(sides[1])), units)
 
     def torsion(self, plane: tuple[int, int] = (0, 1)) -> tuple[np.ndarray, np.ndarray]:
         """Torsion 2 S_ab^i = d_a e^i_b - d_b e^i_a at the nodes, and its error.
 
         Returns arrays of shape (rows, N_1, ..., N_d): the values, and their distance from
-        differences of another order.
+        differences of another order, with the noise where sigma is known. NaN at nodes that have
+        not three known nodes in a row.
         """
-        a, b = self._plane(plane)
-        fine, other = (self._curl(a, b, order) for order in (self.order, self.other_order))
-        return fine, np.abs(fine - other)
-
-    def _curl(self, a: int, b: int, order: int) -> np.ndarray:
-        """d_a e_b - d_b e_a by differences of one order."""
-        one, two = (
-            applied(differentiation(order, len(self.axes[k])), self._bent[:, m], 1 + k)
-            / self.steps[k]
-            for k, m in ((a, b), (b, a))
-        )
-        return one - two
+        curl, difference, sigmas = cells.torsion(self._field, self._plane(plane))
+        return curl, np.hypot(difference, sigmas) if self.sigma is not None else difference
 
     @cached_property
     def nye(self) -> np.ndarray:
@@ -276,14 +384,42 @@ class SampledFrame:
         b^i of a small area with normal n_k is alpha^{ik} n_k A. On a plane grid (two axes) only
         k = 2 is known, and the shape is (rows, 1, N_1, N_2).
         """
+        return np.stack([self.torsion(pair)[0] for pair in self._nye_planes], axis=1)
+
+    @cached_property
+    def nye_noise(self) -> np.ndarray:
+        """Standard deviation of the Nye tensor by noise, its floor; zero without sigma."""
+        found = [cells.torsion(self._field, pair)[2] for pair in self._nye_planes]
+        return np.stack(found, axis=1)
+
+    @property
+    def _nye_planes(self) -> tuple[tuple[int, int], ...]:
+        """The planes of the components of the Nye tensor."""
         if self.dimension == 2:
-            return self.torsion((0, 1))[0][:, None]
+            return ((0, 1),)
         if self.dimension != 3:
             raise GridError(
                 f"the Nye tensor belongs to two or three dimensions, the grid has {self.dimension}."
                 " Use .torsion(plane)."
             )
-        return np.stack([self.torsion(pair)[0] for pair in ((1, 2), (2, 0), (0, 1))], axis=1)
+        return ((1, 2), (2, 0), (0, 1))
+
+    def gnd_density(self, burgers: float) -> tuple[np.ndarray, np.ndarray]:
+        """Density of geometrically necessary dislocations, and its noise floor.
+
+        rho = sqrt(sum alpha^{ik} alpha^{ik}) / b, a lower bound where only some components are
+        known; the floor is sqrt(sum sigma^2) / b, what noise alone makes of it in the root mean
+        square. Shape (N_1, ..., N_d) each, in lines per square of the unit of length.
+
+        Parameters
+        ----------
+        burgers
+            Length of the Burgers vector, in `vector_unit`.
+        """
+        b = checks.positive(burgers, "burgers", GridError)
+        both = (self.nye, self.nye_noise)
+        values, floor = (np.sqrt((x**2).sum(axis=(0, 1))) / b for x in both)
+        return values, floor
 
     @cached_property
     def cochain(self) -> Cochain:
@@ -292,27 +428,25 @@ class SampledFrame:
         Its coboundary holds the Burgers vectors of all cells in all planes. Edges run as the axes
         are listed.
 
+        Raises
+        ------
+        GridError
+            The grid has holes: some edges have no value.
+
         Examples
         --------
-        >>> import numpy as np
         >>> axes = [np.linspace(0, 4, 5)] * 2
         >>> x, y = np.meshgrid(*axes, indexing="ij")
         >>> grid = SampledFrame(axes, np.array([[-y, x]]) / 2, order=2)
         >>> grid.cochain.coboundary().values.round(12).ravel().tolist() == [1.0] * 16
         True
         """
-        found, errors = [], []
-        for k, axis in enumerate(self.axes):
-            fine, other = (
-                self.steps[k] * applied(integration(order, len(axis)), self.coframe[:, k], 1 + k)
-                for order in (self.order, self.other_order)
+        if self._grid.has_holes:
+            raise GridError(
+                "cochain: a value on every edge is needed, but the grid has holes. Use "
+                ".plaquettes() or .burgers(loop)."
             )
-            found.append(fine.reshape(self.rows, -1).T)
-            errors.append(np.abs(fine - other).max(axis=0).ravel())
-        values = np.concatenate(found)
-        rounding = 2.0**-50 * np.abs(values).max(axis=1)
-        made = Complex.grid([len(axis) for axis in self.axes])
-        return Cochain(made, values, np.concatenate(errors) + rounding)
+        return edge_cochain(self._field)
 
     def along_edges(self, starts: np.ndarray, ends: np.ndarray) -> EdgeIntegrals:
         """Integrals along straight edges through the grid, shape (edges, d) each, for networks.
@@ -320,19 +454,21 @@ class SampledFrame:
         Raises
         ------
         GridError
-            An edge leaves the grid; the message names the point.
+            An edge leaves the grid or touches a hole; the message names the point.
         """
-        return sampled_edges(self, starts, ends)
+        return sampled_edges(self._field, starts, ends)
 
     def burgers(self, loop: Loop) -> SampledBurgers:
-        """Burgers vector of a loop through the grid, with interpolation and quadrature error.
+        """Burgers vector of a loop through the grid, with its errors: grid and noise.
 
         Raises
         ------
         GridError
-            The loop leaves the grid, or has another dimension; the message names the point.
+            The loop leaves the grid, touches a hole, or has another dimension; the message names
+            the point and the nodes.
         """
-        return sampled_burgers(self, loop)
+        checks.instance(loop, Loop, "loop")
+        return sampled_burgers(self._field, loop, self.vector_unit)
 
     def _plane(self, plane: Sequence[int]) -> tuple[int, int]:
         """Two different axes."""
@@ -345,152 +481,18 @@ class SampledFrame:
         return pair[0], pair[1]
 
     def __repr__(self) -> str:
-        sizes = " x ".join(str(len(axis)) for axis in self.axes)
-        return f"SampledFrame({sizes} nodes, {self.rows} rows, order {self.order})"
-
-
-# Gauss points on each stretch: enough for the highest order of interpolation.
-GAUSS = max(ORDERS) // 2 + 2
-# A loop may leave the grid by this share of a step: rounding of its own coordinates.
-SLACK = 1e-9
-
-
-@dataclass(frozen=True, eq=False)
-class SampledBurgers:
-    """Burgers vector of a loop through a sampled frame.
-
-    vector: b^i, shape (rows,).
-    interpolation_error: distance from the result with interpolation of another order.
-    quadrature_error: distance from the result with half as many stretches.
-    order: order of the interpolation; evaluations: points at which it was taken.
-    """
-
-    vector: np.ndarray
-    interpolation_error: float
-    quadrature_error: float
-    order: int
-    evaluations: int
-
-    @property
-    def error(self) -> float:
-        """Both errors together."""
-        return self.interpolation_error + self.quadrature_error
-
-    def in_convention(self, name: str) -> np.ndarray:
-        """The vector in another convention of sign, such as "FS/RH"; see `conventions.burgers`.
-
-        Raises
-        ------
-        UnknownNameError
-            No convention has this name; the message lists them.
-        """
-        return burgers(self.vector, name)
-
-
-def sampled_burgers(grid: SampledFrame, loop: Loop) -> SampledBurgers:
-    """The integral of the interpolated coframe along a loop; see SampledFrame.burgers."""
-    if loop.dimension != grid.dimension:
-        raise GridError(
-            f"the loop has {loop.dimension} coordinates, the grid {grid.dimension} axes: give a "
-            "loop in the coordinates of the grid."
-        )
-    found = np.zeros((3, grid.rows))
-    evaluations = 0
-    for part in loop.parts:
-        for arc in part.arcs:
-            count = _stretches(grid, part, arc)
-            # On the coarse points: how the order matters. On the fine ones: the result.
-            places, slopes, weights = _points(grid, part, arc, 2 * count)
-            fine = _sum(grid, places, slopes, weights, grid.order)
-            other = _sum(grid, places, slopes, weights, grid.other_order)
-            coarse = _sum(grid, *_points(grid, part, arc, count), grid.order)
-            found += part.times * np.array([fine, other, coarse])
-            evaluations += 5 * count * GAUSS
-    fine, other, coarse = found
-    # Order 2 is compared with a better one: its own error is that distance, give or take a little.
-    safety = 4 / 3 if grid.order < grid.other_order else 1.0
-    return SampledBurgers(
-        fine,
-        safety * float(np.abs(fine - other).max()),
-        float(np.abs(fine - coarse).max()) + 2.0**-50 * float(np.abs(grid._bent).max()) * loop.size,
-        grid.order,
-        evaluations,
-    )
-
-
-def _stretches(grid: SampledFrame, part: Part, arc: Arc) -> int:
-    """How many stretches an arc needs so that each stays within a part of a cell."""
-    count = max(65, 16 * arc.waves + 1)
-    points, _ = part.points(arc, np.linspace(0, 1, count))
-    steps = np.abs(np.diff(points, axis=1)) / np.abs(np.array(grid.steps))[:, None]
-    # Two for each cell that it crosses: one alone may hold the kink between two cells.
-    return max(4, math.ceil(2 * float(steps.sum(axis=1).max())), 4 * arc.waves)
-
-
-def _points(
-    grid: SampledFrame, part: Part, arc: Arc, count: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Places in units of the grid, slopes and weights of a composite Gauss rule."""
-    x, w = np.polynomial.legendre.leggauss(GAUSS)
-    s = ((np.arange(count)[:, None] + (x + 1) / 2) / count).ravel()
-    weights = np.tile(w / 2, count) / count
-    points, slopes = part.points(arc, s)
-    return _places(grid, points, "loop"), slopes, weights
-
-
-def _places(grid: SampledFrame, points: np.ndarray, what: str) -> np.ndarray:
-    """Points of shape (d, k) in units of the grid; those that leave it are refused."""
-    places = np.array(
-        [
-            (row - axis[0]) / step
-            for row, axis, step in zip(points, grid.axes, grid.steps, strict=True)
-        ]
-    )
-    last = np.array([len(axis) - 1 for axis in grid.axes])[:, None]
-    outside = (places < -SLACK) | (places > last + SLACK) | ~np.isfinite(places)
-    if outside.any():
-        axis, k = (int(i) for i in np.argwhere(outside)[0])
-        low, high = sorted((float(grid.axes[axis][0]), float(grid.axes[axis][-1])))
-        raise GridError(
-            f"the {what} leaves the grid at {shown(points[:, k])}: axis {grid.names[axis]} runs "
-            f"from {low:.6g} to {high:.6g}. Choose a smaller {what}; nothing is extrapolated."
-        )
-    return np.clip(places, 0, last)
-
-
-def sampled_edges(grid: SampledFrame, starts: np.ndarray, ends: np.ndarray) -> EdgeIntegrals:
-    """The integrals of the interpolated coframe along edges; see SampledFrame.along_edges."""
-    steps = ends - starts
-    crossed = (np.abs(steps) / np.abs(np.array(grid.steps))).sum(axis=1)
-    # Two stretches for each cell that is crossed, as along a loop.
-    counts = np.maximum(1, np.ceil(2 * crossed).astype(int))
-    nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
-    nodes, weights = (nodes + 1) / 2, weights / 2
-
-    def summed(order: int, share: int) -> np.ndarray:
-        stretches = share * counts
-        owner = np.repeat(np.arange(len(starts)), stretches)
-        number = np.arange(len(owner)) - np.repeat(np.cumsum(stretches) - stretches, stretches)
-        s = ((number[:, None] + nodes) / stretches[owner][:, None]).ravel()
-        edge = np.repeat(owner, GAUSS)
-        weight = np.tile(weights, len(owner)) / stretches[edge]
-        places = _places(grid, (starts[edge] + s[:, None] * steps[edge]).T, "edge")
-        flat = grid.coframe.reshape(-1, *grid.coframe.shape[2:])
-        values = interpolated(flat, places, order).reshape(grid.rows, grid.dimension, -1)
-        each = np.einsum("imk,km,k->ik", values, steps[edge], weight)
-        return np.stack([np.bincount(edge, row, len(starts)) for row in each], axis=1)
-
-    fine, other, coarse = summed(grid.order, 2), summed(grid.other_order, 2), summed(grid.order, 1)
-    errors = np.abs(fine - other).max(axis=1) + np.abs(fine - coarse).max(axis=1)
-    rounding = 2.0**-50 * np.abs(fine).max(axis=1)
-    return EdgeIntegrals(fine, errors + rounding, 5 * int(counts.sum()) * GAUSS)
-
-
-def _sum(
-    grid: SampledFrame, places: np.ndarray, slopes: np.ndarray, weights: np.ndarray, order: int
-) -> np.ndarray:
-    """The integral along one arc; the mean coframe is left out, it closes exactly."""
-    n = grid.dimension
-    flat = grid._bent.reshape(grid.rows * n, *grid._bent.shape[2:])
-    values = interpolated(flat, places, order).reshape(grid.rows, n, -1)
-    return np.einsum("imk,mk,k->i", values, slopes, weights)
+        parts = [f"{' x '.join(map(str, self._grid.shape))} nodes", f"{self.rows} rows"]
+        parts.append(f"order {self.order}")
+        if any(self.periodic):
+            wraps = [n for n, wraps in zip(self.names, self.periodic, strict=True) if wraps]
+            parts.append(f"periodic in {', '.join(wraps)}")
+        if self.holes:
+            count, nodes = len(self.holes), int(np.count_nonzero(self.mask))
+            parts.append(f"{count} hole{'s' * (count > 1)} of {nodes} node{'s' * (nodes > 1)}")
+        if isinstance(self.sigma, np.ndarray):
+            low, high = (f"{x:.2g}" for x in (self.sigma.min(), self.sigma.max()))
+            parts.append(f"sigma {low}" + (f" to {high}" if high != low else ""))
+        if self.unit:
+            other = self.vector_unit != self.unit
+            parts.append(f"in {self.unit}" + (f", b in {self.vector_unit}" if other else ""))
+        return f"SampledFrame({', '.join(parts)})"

@@ -219,7 +219,7 @@ def test_broken_files_are_refused(tmp_path, wavy):
 AXES = [np.linspace(0, 1, 9), np.linspace(0, 1, 7)]
 GOOD = np.ones((2, 2, 9, 7))
 HOLE = GOOD.copy()
-HOLE[1, 0, 3, 2] = np.nan
+HOLE[1, 0, 3, 2] = np.inf
 
 
 @pytest.mark.parametrize(
@@ -233,6 +233,7 @@ HOLE[1, 0, 3, 2] = np.nan
         (AXES, GOOD.astype(complex), 4, "real numbers"),
         (AXES, "abc", 4, "real numbers"),
         (AXES[:1], GOOD, 4, "two axes or more"),
+        (AXES, GOOD * np.nan, 4, "nothing is known: every node is masked"),
         ([AXES[0] ** 2, AXES[1]], GOOD, 4, "axis x: equal steps"),
         ([AXES[0] * np.nan, AXES[1]], GOOD, 4, "axis x: finite"),
         ([AXES[0] * 0, AXES[1]], GOOD, 4, "axis x: equal steps"),

@@ -1,0 +1,321 @@
+"""Stencils: local polynomials on a grid, each on the most centred nodes that are known."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache, cached_property
+from itertools import product
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+# A place this near to a node, in steps, is at the node: rounding of a loop's own coordinates.
+SLACK = 1e-9
+
+
+def lagrange(count: int, t: np.ndarray) -> np.ndarray:
+    """Values at t of the polynomials that are 1 at one node of 0..count-1, shape (count, k)."""
+    nodes = np.arange(count)
+    factors = [
+        [(t - nodes[m]) / (nodes[j] - nodes[m]) for m in nodes if m != j] for j in nodes.tolist()
+    ]
+    return np.array([np.prod(row, axis=0) if row else np.ones_like(t) for row in factors])
+
+
+@cache
+def edge_weights(count: int) -> np.ndarray:
+    """Integrals over the edge from node s to s + 1, row s, of polynomials through count nodes."""
+    if count == 1:
+        return np.ones((1, 1))
+    x, w = np.polynomial.legendre.leggauss(count // 2 + 1)
+    first = np.arange(count - 1)
+    parts = zip(((x + 1) / 2).tolist(), (w / 2).tolist(), strict=True)
+    found = np.zeros((count - 1, count))
+    for node, weight in parts:
+        found += weight * lagrange(count, first + node).T
+    return found
+
+
+@cache
+def slope_weights(count: int) -> np.ndarray:
+    """Derivatives at node s, row s, of the polynomials through count nodes (spacing 1)."""
+    k = np.arange(count)
+    powers = np.linalg.inv(np.vander(k.astype(float), increasing=True))
+    return np.array(
+        [sum(m * powers[m] * t ** (m - 1) for m in range(1, count)) for t in k.astype(float)]
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Rule:
+    """What every edge along an axis (or every node) is computed from.
+
+    Along an axis of N nodes, for L lines of nodes, or for one line that stands for all.
+
+    slopes: whether it differentiates at nodes; otherwise it integrates over edges.
+    holes: which nodes are not known, shape (N, L).
+    periodic: whether the last node is joined to the first.
+    used: nodes of each stencil, 0 where there are not enough in a row, shape (edges, L).
+    shift: number of the edge or node in its stencil, shape (edges, L).
+    """
+
+    slopes: bool
+    holes: np.ndarray
+    periodic: bool
+    used: np.ndarray
+    shift: np.ndarray
+
+    @classmethod
+    def of(cls, order: int, holes: np.ndarray, periodic: bool, slopes: bool = False) -> Rule:
+        """The rule of an order; of a lower one where no row of known nodes is long enough."""
+        count = len(holes) if periodic or slopes else len(holes) - 1
+        used = np.zeros((count, holes.shape[1]), dtype=np.int8)
+        shift = np.zeros_like(used)
+        for nodes in range(order + slopes, 1, -2):
+            _choose(used, shift, used == 0, nodes, holes, periodic, slopes)
+        return cls(slopes, holes, periodic, used, shift)
+
+    def other(self) -> Rule:
+        """The rule against which errors are measured: two nodes fewer in each stencil.
+
+        For the least stencil two more, or one fewer where these are not known.
+        """
+        least = 2 + self.slopes
+        used, shift = np.zeros_like(self.used), np.zeros_like(self.shift)
+        for nodes in np.unique(self.used).tolist():
+            if nodes:
+                here = self.used == nodes
+                wanted = nodes - 2 if nodes > least else nodes + 2
+                _choose(used, shift, here, wanted, self.holes, self.periodic, self.slopes)
+        rest = (self.used > 0) & (used == 0)
+        if rest.any():
+            _choose(used, shift, rest, least - 1, self.holes, self.periodic, self.slopes)
+        return Rule(self.slopes, self.holes, self.periodic, used, shift)
+
+    @property
+    def known(self) -> np.ndarray:
+        """Where there is a value, shape (edges, L)."""
+        return self.used > 0
+
+    @cached_property
+    def matrix(self) -> csr_array:
+        """Values at nodes to values on edges (or at nodes), shape (edges * L, N * L)."""
+        from scipy.sparse import csr_array  # 0.15 s, and grids alone need it
+
+        points, lines = self.holes.shape
+        width = int(self.used.max(initial=1))
+        table = np.zeros((width + 1, width, width))
+        for nodes in np.unique(self.used).tolist():
+            if nodes:
+                rows = slope_weights(nodes) if self.slopes else edge_weights(nodes)
+                table[nodes, : len(rows), :nodes] = rows
+        weights = table[self.used, self.shift]
+        first = np.arange(len(self.used))[:, None] - self.shift
+        columns = first[:, :, None] + np.arange(width)
+        columns = columns % points if self.periodic else np.clip(columns, 0, points - 1)
+        columns = columns * lines + np.arange(lines)[:, None]
+        indptr = np.arange(0, weights.size + 1, width)
+        shape = (self.used.size, points * lines)
+        found = csr_array((weights.ravel(), columns.ravel(), indptr), shape=shape)
+        if self.periodic and width > points:
+            found.sum_duplicates()
+        return found
+
+    def __call__(self, values: np.ndarray, axis: int) -> np.ndarray:
+        """The rule along one axis of an array of shape (rows, grid...)."""
+        return applied(self.matrix, values, axis, self.holes.shape[1])
+
+    def variance(self, variances: np.ndarray, axis: int) -> np.ndarray:
+        """Variance of the result for independent nodes with these variances."""
+        return applied(self.matrix.power(2), variances, axis, self.holes.shape[1])
+
+
+def _choose(
+    used: np.ndarray,
+    shift: np.ndarray,
+    open_: np.ndarray,
+    nodes: int,
+    holes: np.ndarray,
+    periodic: bool,
+    slopes: bool,
+) -> None:
+    """Give open edges (or nodes) the most centred stencil of so many known nodes, where one is."""
+    if nodes > len(holes) or not open_.any():
+        return
+    wrapped = np.concatenate([holes, holes[: nodes - 1]]) if periodic else holes
+    counts = np.concatenate([np.zeros((1, holes.shape[1]), int), wrapped.cumsum(axis=0)])
+    fits = counts[nodes:] == counts[:-nodes]
+    shifts = range(nodes if slopes or nodes == 1 else nodes - 1)
+    middle = (len(shifts) - 1) / 2
+    left = open_.copy()
+    places = np.arange(len(used))
+    for s in sorted(shifts, key=lambda s: (abs(s - middle), s)):
+        first = (places - s) % len(holes) if periodic else places - s
+        inside = (first >= 0) & (first < len(fits))
+        good = np.zeros_like(left)
+        good[inside] = left[inside] & fits[first[inside]]
+        used[good], shift[good] = nodes, s
+        left &= ~good
+        if not left.any():
+            return
+
+
+def applied(matrix: csr_array, values: np.ndarray, axis: int, lines: int = 1) -> np.ndarray:
+    """A sparse matrix along one axis of an array of shape (rows, grid...).
+
+    lines: how many lines of nodes have rows of their own in the matrix; one stands for all.
+    """
+    moved = np.moveaxis(values, axis, 0)
+    if lines == 1:
+        result = matrix @ moved.reshape(len(moved), -1)
+        return np.moveaxis(result.reshape(-1, *moved.shape[1:]), 0, axis)
+    inner = np.moveaxis(moved, 1, -1)
+    result = matrix @ inner.reshape(-1, inner.shape[-1])
+    return np.moveaxis(np.moveaxis(result.reshape(-1, *inner.shape[1:]), -1, 1), 0, axis)
+
+
+# -- between the nodes ----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Blocks:
+    """Stencils of points between the nodes: blocks of known nodes, products of polynomials.
+
+    first: first node of each block, shape (d, k). used: nodes along each axis, shape (k,); 0 where
+    a point has no block. thin: axes along which the point is at a node, which alone is used there,
+    shape (d, k).
+    """
+
+    first: np.ndarray
+    used: np.ndarray
+    thin: np.ndarray
+
+
+class KnownNodes:
+    """Which nodes of a grid are known, with sums that tell it of whole blocks at once."""
+
+    def __init__(self, shape: tuple[int, ...], periodic: tuple[bool, ...], holes: np.ndarray):
+        self.shape, self.periodic = shape, periodic
+        self.holes = holes if holes.any() else None
+
+    @cached_property
+    def _sums(self) -> np.ndarray:
+        """Holes below and left of each node; periodic axes are doubled."""
+        assert self.holes is not None
+        found = self.holes.astype(np.int64)
+        for axis, is_periodic in enumerate(self.periodic):
+            found = np.concatenate([found, found], axis=axis) if is_periodic else found
+            found = found.cumsum(axis=axis)
+        return np.pad(found, [(1, 0)] * found.ndim)
+
+    def _is_known(self, first: np.ndarray, nodes: int, thin: np.ndarray) -> np.ndarray:
+        """Whether blocks lie in the grid and all their nodes are known, shape (k,)."""
+        fits = np.ones(first.shape[1], dtype=bool)
+        low, high = [], []
+        for row, wide, points, wraps in zip(first, ~thin, self.shape, self.periodic, strict=True):
+            size = np.where(wide, nodes, 1)
+            if not wraps:
+                fits &= (row >= 0) & (row + size <= points)
+            low.append(row % points if wraps else np.clip(row, 0, points - size))
+            high.append(low[-1] + size)
+        if self.holes is None:
+            return fits
+        total = np.zeros(first.shape[1], dtype=np.int64)
+        for ends in product((0, 1), repeat=len(low)):
+            corner = tuple(b if end else a for a, b, end in zip(low, high, ends, strict=True))
+            total += (-1) ** (len(low) - sum(ends)) * self._sums[corner]
+        return fits & (total == 0)
+
+    def blocks(self, places: np.ndarray, order: int) -> Blocks:
+        """The most centred blocks of known nodes; of lower order where there are none.
+
+        places: in units of the spacing, shape (d, k).
+        """
+        cells = np.floor(places + SLACK).astype(int)
+        # Where nodes are missing, a point on a line of nodes asks for none beyond it.
+        thin = np.abs(places - cells) < SLACK
+        if self.holes is None:
+            thin[:] = False
+        first = cells - np.where(thin, 0, order // 2 - 1)
+        for axis, (points, wraps) in enumerate(zip(self.shape, self.periodic, strict=True)):
+            if not wraps:
+                last = points - np.where(thin[axis], 1, order)
+                first[axis] = np.clip(first[axis], 0, last)
+                cells[axis] = np.clip(cells[axis], 0, points - 2 + thin[axis])
+        used = np.full(places.shape[1], order)
+        found = Blocks(first, used, thin)
+        if self.holes is not None:
+            used[~self._is_known(first, order, thin)] = 0
+            for nodes in range(order, 1, -2):
+                self._search(found, np.flatnonzero(used == 0), cells, nodes)
+        return found
+
+    def other(self, blocks: Blocks, places: np.ndarray, order: int) -> Blocks:
+        """Blocks of the order against which errors are measured, as for `Rule.other`."""
+        found = self.blocks(places, order)
+        same = np.flatnonzero((found.used == blocks.used) & (found.used > 0))
+        cells = np.where(found.thin, found.first, np.floor(places + SLACK).astype(int))
+        for nodes in np.unique(found.used[same]).tolist():
+            rest = same[found.used[same] == nodes]
+            if nodes > 2:
+                self._search(found, rest, cells, nodes - 2)
+            else:
+                # The nearest node alone: an error that is too large rather than none.
+                first = found.first[:, rest]
+                found.first[:, rest] = first + (places[:, rest] - first > 1 / 2)
+                found.used[rest] = 1
+        return found
+
+    def _search(self, found: Blocks, rest: np.ndarray, cells: np.ndarray, nodes: int) -> None:
+        """Give points the most centred known blocks of so many nodes."""
+        middle = nodes / 2 - 1
+        options = sorted(
+            product(range(nodes - 1), repeat=len(cells)),
+            key=lambda shifts: (sum((s - middle) ** 2 for s in shifts), shifts),
+        )
+        for shifts in options:
+            if not len(rest):
+                return
+            thin = found.thin[:, rest]
+            start = cells[:, rest] - np.where(thin, 0, np.array(shifts)[:, None])
+            good = self._is_known(start, nodes, thin)
+            found.first[:, rest[good]], found.used[rest[good]] = start[:, good], nodes
+            rest = rest[~good]
+
+    def terms(self, blocks: Blocks, places: np.ndarray) -> Iterator[Term]:
+        """The nodes and weights of which points are sums: points, nodes (d, k), weights (k,)."""
+        d = len(self.shape)
+        kinds = blocks.used * 2**d + 2 ** np.arange(d) @ blocks.thin
+        for kind in np.unique(kinds).tolist():
+            nodes = kind >> d
+            if not nodes:
+                continue
+            points = np.flatnonzero(kinds == kind)
+            rows = slice(None) if len(points) == len(kinds) else points
+            first = blocks.first[:, rows]
+            sizes = [1 if kind >> axis & 1 else nodes for axis in range(d)]
+            offsets = places[:, rows] - first
+            weights = [lagrange(n, x) for n, x in zip(sizes, offsets, strict=True)]
+            for shift in np.ndindex(*sizes):
+                weight = np.prod([w[s] for w, s in zip(weights, shift, strict=True)], axis=0)
+                where = tuple(
+                    (row + s) % n if wraps else row + s
+                    for row, s, n, wraps in zip(
+                        first, shift, self.shape, self.periodic, strict=True
+                    )
+                )
+                yield rows, where, weight
+
+    def interpolated(self, values: np.ndarray, blocks: Blocks, places: np.ndarray) -> np.ndarray:
+        """Values between the nodes, shape (entries, k), from shape (entries, grid...)."""
+        total = np.zeros((len(values), places.shape[1]))
+        for rows, where, weight in self.terms(blocks, places):
+            total[:, rows] += weight * values[(slice(None), *where)]
+        return total
+
+
+Term = tuple[slice | np.ndarray, tuple[np.ndarray, ...], np.ndarray]

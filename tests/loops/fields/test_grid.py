@@ -1,0 +1,108 @@
+"""Grid: periodic axes, units, and maps of three columns."""
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import GridError
+from geomtorsion.loops import Loop, SampledFrame
+
+N = 24
+AXIS = np.arange(N) * 2 * np.pi / N
+X, Y = np.meshgrid(AXIS, AXIS, indexing="ij")
+WAVES = np.array([[np.cos(X + Y), np.sin(X) * np.cos(Y)], [np.sin(2 * Y), np.cos(X - Y)]])
+
+
+@pytest.mark.parametrize("order", [2, 4, 6, 8])
+def test_a_periodic_axis_is_an_endless_one(order):
+    """The same as the middle of three periods side by side."""
+    long = np.concatenate([AXIS - 2 * np.pi, AXIS, AXIS + 2 * np.pi])
+    tiled = SampledFrame([long, long], np.tile(WAVES, (1, 1, 3, 3)), order)
+    grid = SampledFrame([AXIS, AXIS], WAVES, order, periodic=True)
+    middle = (slice(None), slice(N, 2 * N), slice(N, 2 * N))
+    for size in (1, 5):
+        found = grid.burgers_map(size)
+        assert found.vectors.shape == (2, N, N)
+        assert np.abs(found.vectors - tiled.burgers_map(size).vectors[middle]).max() < 1e-14
+    assert np.abs(grid.nye[:, 0] - tiled.nye[:, 0][middle]).max() < 1e-12
+    assert np.abs(grid.plaquettes().vectors.sum(axis=(1, 2))).max() < 1e-12
+    loop = Loop.circle([0.1, 6.2], 1)
+    a, b = grid.burgers(loop), tiled.burgers(loop)
+    assert a.vector == pytest.approx(b.vector, abs=1e-13)
+    assert a.error == pytest.approx(b.error, rel=1e-6)
+
+
+def test_one_axis_may_be_periodic():
+    """By name or by truth values; the other one still ends."""
+    by_name = SampledFrame([AXIS, AXIS], WAVES, periodic="y")
+    assert by_name.periodic == (False, True)
+    assert by_name.plaquettes().vectors.shape == (2, N - 1, N)
+    assert SampledFrame([AXIS, AXIS], WAVES, periodic=[True, False]).periodic == (True, False)
+    assert by_name.burgers(Loop.circle([3, 0], 1)).error < 0.1
+    with pytest.raises(GridError, match="axis x runs from 0"):
+        by_name.burgers(Loop.circle([0, 3], 1))
+    assert "periodic in y" in repr(by_name)
+    cochain = by_name.cochain
+    assert cochain.coboundary().values.shape[0] == (N - 1) * N
+
+
+@pytest.mark.parametrize("periodic", ["z", [True], ["x", 1], 3, ("x", "z")])
+def test_periods_that_are_none(periodic):
+    """Truth values or names of axes."""
+    with pytest.raises(GridError, match="periodic"):
+        SampledFrame([AXIS, AXIS], WAVES, periodic=periodic)
+
+
+def test_units_are_kept_and_shown():
+    """Of lengths and of b; with results, maps and in files."""
+    grid = SampledFrame([AXIS, AXIS], WAVES, unit="um", vector_unit="a/um um")
+    b = grid.burgers(Loop.circle([3, 3], 1))
+    assert b.unit == "a/um um"
+    assert "a/um um" in repr(b)
+    assert "in um, b in a/um um" in repr(grid)
+    assert "lengths in um" in repr(grid.burgers_map(2))
+    assert SampledFrame([AXIS, AXIS], WAVES, unit="nm").burgers(Loop.circle([3, 3], 1)).unit == "nm"
+    with pytest.raises(GridError, match="unit: a text was needed"):
+        SampledFrame([AXIS, AXIS], WAVES, unit=3)  # type: ignore[arg-type]
+
+
+def test_everything_comes_back_from_a_file(tmp_path):
+    """Holes, noise, periods, units; under the very name that was given."""
+    mask = np.hypot(X - 3, Y - 3) < 0.5
+    sigma = np.abs(WAVES) + 0.1
+    grid = SampledFrame(
+        [AXIS, AXIS], WAVES, mask=mask, sigma=sigma, periodic=("x",), unit="um", vector_unit="b"
+    )
+    grid.save(tmp_path / "grid.npz")
+    assert [path.name for path in tmp_path.iterdir()] == ["grid.npz"]
+    again = SampledFrame.read(tmp_path / "grid.npz")
+    assert np.array_equal(again.coframe, grid.coframe, equal_nan=True)
+    assert (again.sigma == grid.sigma).all()
+    assert (again.mask == mask).all()
+    assert (again.periodic, again.unit, again.vector_unit) == ((True, False), "um", "b")
+
+
+def test_plane_maps_may_have_three_columns():
+    """All nine values of a distortion on a plane: the third column enters no circuit."""
+    three = np.concatenate([WAVES, np.full((2, 1, N, N), np.nan)], axis=1)
+    three = np.concatenate([three, three[:1]])
+    grid = SampledFrame.from_distortion([AXIS, AXIS], three)
+    assert grid.rows == 3
+    assert not grid.mask.any()
+    flat = SampledFrame.from_distortion([AXIS, AXIS], WAVES)
+    loop = Loop.circle([3, 3], 1)
+    assert grid.burgers(loop).vector[:2] == pytest.approx(flat.burgers(loop).vector, abs=1e-14)
+    assert grid.nye.shape == (3, 1, N, N)
+
+
+def test_descending_axes_give_the_same_circuits():
+    """Turned round, the grid has the same Burgers vectors at the same places."""
+    grid = SampledFrame([AXIS, AXIS], WAVES)
+    turned = SampledFrame([AXIS[::-1], AXIS], WAVES[:, :, ::-1])
+    assert turned.plaquettes().area > 0
+    assert np.abs(turned.plaquettes().vectors[:, ::-1] - grid.plaquettes().vectors).max() < 1e-15
+    assert np.abs(turned.nye[:, :, ::-1] - grid.nye).max() < 1e-12
+    hole = np.hypot(X - 3, Y - 3) < 0.5
+    one = SampledFrame([AXIS, AXIS], WAVES, mask=hole)
+    two = SampledFrame([AXIS[::-1], AXIS], WAVES[:, :, ::-1], mask=hole[::-1])
+    a, b = (grid.burgers(grid.loop_around(margin=2)) for grid in (one, two))
+    assert np.abs(a.vector - b.vector).max() < a.error < 0.02
