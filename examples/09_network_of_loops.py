@@ -5,7 +5,8 @@
 
 A crystal holds a few screw dislocations at places that nobody tells us. A net of measuring points
 is laid through it; every edge is integrated once, and the meshes that do not close show the lines.
-Then the same lines as a network of their own: a junction, a reaction, and a mistake found.
+Then steps that were measured in a periodic crystal, without a frame; and lines as a network of
+their own: a junction, a reaction, and a mistake found.
 """
 
 import argparse
@@ -16,7 +17,15 @@ import networkx as nx
 import numpy as np
 
 from geomtorsion.errors import NetworkError
-from geomtorsion.loops import DislocationNetwork, EdgeList, Network, Reaction, parallel_screws
+from geomtorsion.loops import (
+    Cochain,
+    Complex,
+    DislocationNetwork,
+    EdgeList,
+    Network,
+    Reaction,
+    parallel_screws,
+)
 
 HIDDEN = {(0.3, 0.4): 1, (-2.2, 1.7): Fraction(1, 2), (1.6, -2.4): -1}
 
@@ -83,6 +92,31 @@ def many_edges() -> None:
     assert {abs(step) for step in steps} <= {0.5, 1.0, 1.5}
 
 
+def measured_steps() -> None:
+    """No frame at all: steps from atom to atom, in units of a periodic crystal's lattice."""
+    shape = (40, 30)
+    crystal = Complex.grid(shape, periodic=True)
+    steps = np.zeros((len(crystal.pairs), 3), dtype=int)
+    steps[: shape[0] * shape[1], 0] = 1
+    steps[shape[0] * shape[1] :, 1] = 1
+    # Between two screws of opposite sign the steps in y climb by one.
+    middle = np.ravel_multi_index((np.arange(10, 25), np.full(15, 7)), shape)
+    steps[shape[0] * shape[1] + middle, 2] = 1
+    measured = Cochain(crystal, steps)
+    torsion = measured.coboundary()
+    pierced = np.flatnonzero(torsion.values.any(axis=1))
+    print(f"\n{measured} on a torus: faces {pierced.tolist()} do not close,")
+    print(
+        f"  b = {torsion.values[pierced].tolist()}, and all together {torsion.values.sum(axis=0)}"
+    )
+    assert torsion.values[pierced].tolist() == [[0, 0, 1], [0, 0, -1]]
+    forest = measured.forest
+    inside = ~forest.images.any(axis=1)
+    found = set(map(tuple, forest.closure[inside].tolist()))
+    print(f"  cycles that wind round no period miss one of {sorted(found)}")
+    assert found <= {(0, 0, 0), (0, 0, 1), (0, 0, -1)}
+
+
 def lines_as_a_network() -> None:
     """b is conserved where lines meet; a reaction must balance; a mistake is shown."""
     lines = [("top", "knot", (1, 0, 0)), ("left", "knot", (0, 1, 0)), ("knot", "end", (1, 1, 0))]
@@ -112,6 +146,7 @@ def main(arguments: list[str] | None = None) -> None:
         parser.error("a net of fewer than 12 x 12 knots does not tell the lines apart")
     find_the_lines(options.size, options.picture)
     many_edges()
+    measured_steps()
     lines_as_a_network()
     assert sum(HIDDEN.values()) == Fraction(1, 2)
 

@@ -45,13 +45,7 @@ class CycleBurgers:
         return bool(abs(self.vector).max() <= self.error)
 
     def in_convention(self, name: str) -> np.ndarray:
-        """The vector in another convention of sign, such as "FS/RH"; see `conventions.burgers`.
-
-        Raises
-        ------
-        UnknownNameError
-            No convention has this name; the message lists them.
-        """
+        """The vector in another convention of sign, such as "FS/RH"; see `conventions.burgers`."""
         return burgers(self.vector, name)
 
 
@@ -331,6 +325,20 @@ class Cochain:
         errors = None if self.is_whole and self.errors is None else found.errors
         return Cochain(self.complex, found.vectors, errors, self.degree + 1)
 
+    def divergence(self) -> ChainSums:
+        """At each node the values of the edges that leave it minus those that arrive.
+
+        Of Burgers vectors on dislocation lines it is the node rule: zero where lines meet.
+
+        Examples
+        --------
+        >>> lines = Cochain.of_edges([[0, 2], [1, 2], [2, 3]], [[1, 0], [0, 1], [1, 1]])
+        >>> lines.divergence().vectors.tolist()
+        [[1, 0], [0, 1], [0, 0], [-1, -1]]
+        """
+        self._on_edges()
+        return self._summed((-self.complex.boundary(0)).T.tocsr())
+
     def over(self, chains: csr_array | np.ndarray | Mapping[int, int]) -> ChainSums:
         """Sums over chains: whole multiples of edges (or of faces, or cells).
 
@@ -347,7 +355,10 @@ class Cochain:
         >>> found.vectors.tolist(), found.errors.round(9).tolist()
         ([[-1.0]], [0.375])
         """
-        table = self._chains(chains)
+        return self._summed(self._chains(chains))
+
+    def _summed(self, table: csr_array) -> ChainSums:
+        """Sums over the rows of a matrix of whole multiples."""
         sizes = abs(table)
         if self.is_whole:
             check_sums(float(sizes.sum(axis=1).max(initial=0)) * largest(self.values))

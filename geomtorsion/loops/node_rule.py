@@ -93,7 +93,8 @@ def node_rule(net: Network, cells: Sequence[Sequence[Sequence[Hashable]]] | None
     if made.cells is None:
         return NodeRule(0, (), ())
     lines = replace(net.cochain, complex=made).coboundary()
-    fluxes, errors = _fluxes(forms(frame, net.parameters), net.edges.positions, corners)
+    compiled = forms(frame, net.parameters)
+    fluxes, errors = _fluxes(compiled, net.edges.positions, corners, net.accuracy)
     flux = Cochain(made, fluxes, np.where(np.isfinite(errors), errors, 0.0), degree=2)
     unknown = abs(made.cells) @ ~np.isfinite(errors) > 0
     found: list[tuple[int, Violation]] = []
@@ -249,7 +250,9 @@ def _sense(face: Face, other: Face) -> int:
 # -- fluxes ---------------------------------------------------------------------------------------
 
 
-def _fluxes(compiled: Forms, places: np.ndarray, corners: Corners) -> tuple[np.ndarray, np.ndarray]:
+def _fluxes(
+    compiled: Forms, places: np.ndarray, corners: Corners, accuracy: float
+) -> tuple[np.ndarray, np.ndarray]:
     """Flux of torsion through faces, each spanned from its first node, (m, n), and errors, (m,)."""
     count, n = len(corners), places.shape[1]
     if isinstance(corners, np.ndarray):
@@ -262,13 +265,13 @@ def _fluxes(compiled: Forms, places: np.ndarray, corners: Corners) -> tuple[np.n
     # As many as fit in the cache, with some 16 points each.
     for start in range(0, len(triples), PIECE // 16):
         part = slice(start, start + PIECE // 16)
-        values, errors = _triangles(compiled, places[triples[part]].transpose(1, 2, 0))
+        values, errors = _triangles(compiled, places[triples[part]].transpose(1, 2, 0), accuracy)
         np.add.at(totals, owner[part], values.T)
         np.add.at(bounds, owner[part], errors)
     return totals, bounds
 
 
-def _triangles(forms: Forms, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _triangles(forms: Forms, corners: np.ndarray, accuracy: float) -> tuple[np.ndarray, np.ndarray]:
     """Fluxes through triangles, corners of shape (3, n, k), by rules of rising level.
 
     A triangle on which the torsion is not finite has an infinite error.
@@ -282,7 +285,7 @@ def _triangles(forms: Forms, corners: np.ndarray) -> tuple[np.ndarray, np.ndarra
     area = (first[m] * second[k] - first[k] * second[m])[form.columns]
 
     def flux(level: int, which: np.ndarray) -> np.ndarray:
-        (s, w), (t, u) = ray_rule(2 * level + 4), gauss_rule(2 * level + 4)
+        (s, w), (t, u) = ray_rule(2 * level + 3), gauss_rule(2 * level + 3)
         one = s[:, None] * np.ones_like(t)
         two = s[:, None] * t
         points = (x[:, which, None] for x in (a, first, second))
@@ -293,7 +296,8 @@ def _triangles(forms: Forms, corners: np.ndarray) -> tuple[np.ndarray, np.ndarra
 
     with np.errstate(all="ignore"):
         begun = [flux(level, np.arange(count)) for level in (0, 1)]
-        found = refined(begun, flux, DISAGREE * ROUNDING, np.zeros(count), LEVELS)
+        # No finer than the line integrals with which they are compared.
+        found = refined(begun, flux, max(accuracy, DISAGREE * ROUNDING), np.zeros(count), LEVELS)
     bad = ~np.isfinite(found.values).all(axis=0)
     values = np.where(bad, 0.0, found.values)
     return values, np.where(bad, np.inf, found.truncation) + ROUNDING * np.abs(values).max(axis=0)

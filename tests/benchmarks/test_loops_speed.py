@@ -1,5 +1,6 @@
 """Speed of loops: one to 1e-12 in a millisecond, a hundred thousand to 1e-10 in five seconds."""
 
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -7,7 +8,13 @@ import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 from scipy.integrate import quad
 
-from geomtorsion.loops import Loop, burgers_vector, burgers_vectors
+from geomtorsion.loops import (
+    BurgersVector,
+    Loop,
+    burgers_vector,
+    burgers_vectors,
+    parallel_screws,
+)
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.integrals import line_at
 from geomtorsion.spaces import load
@@ -73,3 +80,23 @@ def test_a_hundred_thousand_loops(benchmark: BenchmarkFixture) -> None:
     for k in range(0, count, 9973):
         b = burgers_vector(frame, Loop.circle(centres[k], radii[k]), 1e-13)
         assert np.abs(found.vectors[:, k] - b.vector).max() <= 1e-10 * np.abs(b.vector).max()
+
+
+@pytest.mark.parametrize(("lines", "seconds"), [(14, 1.0), (40, 1.0), (1000, 10.0)])
+def test_a_circle_round_many_screws(
+    benchmark: BenchmarkFixture, lines: int, seconds: float
+) -> None:
+    """From places to the vector and the lines inside, frame and compilation included."""
+    rng = np.random.default_rng(lines)
+    places = list(dict.fromkeys(map(tuple, rng.integers(0, 10**6, (lines, 2)).tolist())))
+    exact = [(Fraction(x, 10**6), Fraction(y, 10**6)) for x, y in places]
+    loop = Loop.circle([0.5, 0.5, 0], 3)
+
+    def measured() -> BurgersVector:
+        found = burgers_vector(parallel_screws(exact, [1] * lines), loop)
+        assert len(found.enclosed) == lines
+        return found
+
+    found = benchmark.pedantic(measured, rounds=3, warmup_rounds=1)
+    assert abs(found.vector[2] - lines) <= found.error
+    assert best(benchmark) < seconds

@@ -174,6 +174,21 @@ def test_cochains_add_and_are_mapped():
     assert np.abs(noisy.mapped(lattice).errors - 0.2).max() < 1e-13
 
 
+def test_the_divergence_is_the_node_rule():
+    """In and out by hand for a random multigraph; it vanishes for closed lines."""
+    rng = np.random.default_rng(4)
+    pairs, images = random_network(rng, 8, 30, 1)
+    values = rng.integers(-5, 6, (30, 2))
+    lines = Cochain.of_edges(pairs, values, images=images)
+    expected = np.zeros((8, 2), dtype=int)
+    for (a, b), value in zip(pairs.tolist(), values, strict=True):
+        expected[a] += value
+        expected[b] -= value
+    assert (lines.divergence().vectors == expected).all()
+    ring = Cochain.of_edges([[0, 1], [1, 2], [2, 0]], [[0.1, 0.7]] * 3)
+    assert (np.abs(ring.divergence().vectors).max(axis=1) <= ring.divergence().errors).all()
+
+
 def test_whole_numbers_never_leave_their_bits():
     """Just below the limit sums are exact; from it on they are refused."""
     ring = [[0, 1], [1, 2], [2, 3], [3, 0]]

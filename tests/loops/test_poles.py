@@ -157,6 +157,20 @@ def test_right_or_refused_from_rounding_to_the_radius(seed: int) -> None:
         assert distance < 1e-9
 
 
+@pytest.mark.parametrize("distance", [10.0**-k for k in range(1, 16, 2)])
+def test_cells_of_a_map_near_the_line(distance: float) -> None:
+    """The line is in the one cell or in the other, or their common side is refused."""
+    for x in (distance, -distance):
+        found = burgers_map(SCREW, ([-1, x, 2], [-1, 1.5]), parameters=B)
+        cells = found.vectors[2, :, 0]
+        if distance < 1e-11:
+            assert not np.isfinite(cells).all()
+        if np.isfinite(cells).all():
+            assert np.abs(cells - [x > 0, x < 0]).max() <= found.errors.max() < 1e-2
+        else:
+            assert distance < 1e-9
+
+
 def test_a_wrong_integral_near_a_line_would_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     """The third way can say no: with another winding the loop is refused."""
     monkeypatch.setattr(burgers, "by_winding", lambda *_: np.array([0.0, 0.0, 0.5]))
