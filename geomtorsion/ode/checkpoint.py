@@ -7,7 +7,7 @@ import hashlib
 import json
 import os
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -152,39 +152,18 @@ class Checkpoint:
         self._written = time.perf_counter()
         self._took = self._written - began
 
-
-class Recorder:
-    """Runs parts, keeps them in a checkpoint if there is one, and reports how far it is."""
-
-    def __init__(
-        self, checkpoint: Checkpoint | None, progress: Callable[[float], object] | None
-    ) -> None:
-        self.checkpoint = checkpoint
-        self.progress = progress
-        self.runs = 0
-
     def runner(self, engine: Engine, tolerance: float, perturbation: float) -> Runner:
         """What makes the parts of one run, or takes them from the file."""
 
         def run(k: int, stage: Stage, times: np.ndarray) -> Run:
-            self.runs += k == 0
-            kept, name = self.checkpoint, part_name(engine, tolerance, perturbation, k)
-            found = None if kept is None else kept.known(name, engine, stage, times)
+            name = part_name(engine, tolerance, perturbation, k)
+            found = self.known(name, engine, stage, times)
             if found is None:
                 found = run_stage(stage, times, tolerance, engine)
-                if kept is not None:
-                    kept.keep(name, found)
-            # Two runs are needed at least; each takes half of what is left.
-            left = 0.5 ** (self.runs - 1)
-            self.report(1 - left + 0.5 * left * min((k + 1) / PARTS, 1.0))
+                self.keep(name, found)
             return found
 
         return run
-
-    def report(self, part: float) -> None:
-        """Report how much is done."""
-        if self.progress is not None:
-            self.progress(part)
 
 
 def part_name(engine: Engine, tolerance: float, perturbation: float, k: int) -> str:

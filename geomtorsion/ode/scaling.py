@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from geomtorsion.ode.engines.protocol import Dense, Engine, Run
+from geomtorsion.ode.engines.protocol import Dense, Engine, Run, Watch
 from geomtorsion.ode.numbers import Real, divided, floats, multiplied
 from geomtorsion.ode.system import System
 
@@ -45,11 +45,13 @@ def scaled_run(
     tolerance: float,
     *,
     dense: bool = False,
+    watch: Watch | None = None,
 ) -> Run:
     """See `Engine.run`: the same, in units of its own size where numbers are far from one."""
     units = units_of(system, floats(start), floats(parameters), float(times[-1] - times[0]))
     if units is None:
-        return engine.run(system, start, parameters, times, tolerance, dense=dense)
+        return engine.run(system, start, parameters, times, tolerance, dense=dense, watch=watch)
+    unit = units.time
     sizes = units.sizes.tolist()
     found = engine.run(
         scaled_system(system),
@@ -58,6 +60,7 @@ def scaled_run(
         times / units.time,
         tolerance,
         dense=dense,
+        watch=None if watch is None else lambda t: watch(t * unit),
     )
     found.times = times[: len(found.times)]
     found.states = multiplied(found.states, units.sizes)

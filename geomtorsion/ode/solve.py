@@ -12,10 +12,11 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.errors import AccuracyError, StartError
 from geomtorsion.ode.asked import check_memory, checked_accuracy, checked_engine, checked_times
-from geomtorsion.ode.checkpoint import PARTS, Checkpoint, Recorder, fingerprint
+from geomtorsion.ode.checkpoint import PARTS, Checkpoint, fingerprint
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.error_estimate import Verified, verified
+from geomtorsion.ode.progress import Report
 from geomtorsion.ode.solution import DOUBLE, Cost, Problem, Solution
 from geomtorsion.ode.trajectory import Stage, Trajectory, integrate
 
@@ -88,19 +89,18 @@ def solve(
     unit = problem.time_unit
     # What nobody may write to need not be copied.
     scaled = grid if unit == 1.0 and not grid.flags.writeable else grid * unit
-    if checkpoint is None and progress is None:
-        return _solved(problem, times, scaled, accuracy, engine, None)
+    report = None if progress is None else Report(progress, float(scaled[-1]))
     kept = None
     if checkpoint is not None:
         key = fingerprint(problem, times, accuracy, engine)
         kept = Checkpoint(checkpoint, key, overwrite=overwrite)
-    recorder = Recorder(kept, progress)
     try:
-        solution = _solved(problem, times, scaled, accuracy, engine, recorder)
+        solution = _solved(problem, times, scaled, accuracy, engine, kept, report)
     finally:
         if kept is not None:
             kept.write()
-    recorder.report(1.0)
+    if progress is not None:
+        progress(1.0)
     return solution
 
 
@@ -110,13 +110,14 @@ def _solved(
     grid: np.ndarray,
     accuracy: float,
     engine: Engine | None,
-    recorder: Recorder | None,
+    kept: Checkpoint | None,
+    report: Report | None,
 ) -> Solution:
     """The answer of the first engine that is good enough."""
     runs: list[Trajectory] = []
     best = math.inf
     end = float(grid[-1])
-    cuts = [] if recorder is None else [end * k / PARTS for k in range(1, PARTS)]
+    cuts = [] if kept is None else [end * k / PARTS for k in range(1, PARTS)]
     for candidate, reason in engines(problem, end, accuracy, engine):
 
         def run(
@@ -131,7 +132,8 @@ def _solved(
                 candidate,
                 cuts=cuts,
                 perturbed_at=None if at is None else (at, part),
-                runner=recorder and recorder.runner(candidate, tolerance, part),
+                runner=kept and kept.runner(candidate, tolerance, part),
+                watch=report and report.next_run(),
             )
 
         found = verified(problem, candidate, accuracy, run)

@@ -11,7 +11,7 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.copies import only_fields
-from geomtorsion.ode.engines.protocol import STANDSTILL, Dense, Engine, Run
+from geomtorsion.ode.engines.protocol import STANDSTILL, Dense, Engine, Run, Watch
 from geomtorsion.ode.numbers import Real, perturbed
 from geomtorsion.ode.roots import crossings
 from geomtorsion.ode.scaling import scaled_run
@@ -257,6 +257,7 @@ def integrate(
     cuts: Sequence[float] = (),
     perturbed_at: tuple[float, float] | None = None,
     runner: Runner | None = None,
+    watch: Watch | None = None,
 ) -> Trajectory:
     """Follow a motion from its first stage through times, from event to event.
 
@@ -272,6 +273,8 @@ def integrate(
         a time, and the relative part by which the states are changed there.
     runner
         (number, stage, times) -> its run, in the place of the engine.
+    watch
+        called now and then with the time that is reached.
     """
     segments: list[Segment] = []
     end = float(times[-1])
@@ -286,9 +289,11 @@ def integrate(
         stop = _next_break(stage, waiting, sign, end)
         asked, head, count = _samples(times, done, stage.begin, stop, sign)
         if runner is None:
-            run = run_stage(stage, asked, tolerance, engine)
+            run = run_stage(stage, asked, tolerance, engine, watch)
         else:
             run = runner(len(segments), stage, asked)
+            if watch is not None:
+                watch(float(run.reached))
         count = max(min(len(run.times) - head, count), 0)
         done += count
         segments.append(Segment(stage, run, head, count))
@@ -353,15 +358,21 @@ def _samples(
     return asked, head, len(inside)
 
 
-def run_stage(stage: Stage, times: np.ndarray, tolerance: float, engine: Engine) -> Run:
+def run_stage(
+    stage: Stage,
+    times: np.ndarray,
+    tolerance: float,
+    engine: Engine,
+    watch: Watch | None = None,
+) -> Run:
     """The run of one stage, ended where its guard falls through zero."""
     system, start, numbers = stage.system, stage.start, stage.parameters
     final = stage.boundary is not None and stage.boundary.then is None
     if system.guard is None or not final or engine.finds_every_root:
-        run = scaled_run(engine, system, start, numbers, times, tolerance)
+        run = scaled_run(engine, system, start, numbers, times, tolerance, watch=watch)
         if not engine.finds_every_root or not _is_beyond(system, run, numbers):
             return run
-    run = scaled_run(engine, system, start, numbers, times, tolerance, dense=True)
+    run = scaled_run(engine, system, start, numbers, times, tolerance, dense=True, watch=watch)
     return run if run.dense is None else _ended_earlier(system, run, times, numbers)
 
 

@@ -36,7 +36,7 @@ def solve_pair(
     accuracy: float = ACCURACY,
     engine: Engine | None = None,
     samples: int = SAMPLES,
-    progress: Callable[[str], object] = lambda _: None,
+    progress: Callable[[float, str], object] | None = None,
 ) -> Pair:
     """Solve both motions; what is not given is chosen, and the result says so.
 
@@ -52,7 +52,7 @@ def solve_pair(
         kinetic metric of the geodesic, one number for each frame vector; that of the frame
         if None.
     progress
-        is called with the name of each motion before it is solved.
+        called with the part that is done, from 0 to 1, and the name of the motion being solved.
 
     Raises
     ------
@@ -81,8 +81,10 @@ def solve_pair(
     stops: dict[str, str] = {}
     found = {}
     for number, (name, problem) in enumerate(problems.items(), 1):
-        progress(f"{name}, {number} of {len(problems)}")
-        found[name] = _solved(name, problem, times, accuracy, engine, stops)
+        report = None
+        if progress is not None:
+            report = _share(progress, number - 1, len(problems), name)
+        found[name] = _solved(name, problem, times, accuracy, engine, stops, report)
     return Pair(space, found["autoparallel"], found["geodesic"], chosen, stops)
 
 
@@ -152,6 +154,18 @@ def _times(t: float, samples: int) -> np.ndarray:
     return np.linspace(0.0, float(t), samples)
 
 
+def _share(
+    progress: Callable[[float, str], object], before: int, count: int, name: str
+) -> Callable[[float], None]:
+    """Progress of one motion as that of all."""
+
+    def report(part: float) -> None:
+        progress((before + part) / count, name)
+
+    report(0.0)
+    return report
+
+
 def _solved(
     name: str,
     problem: CurveProblem,
@@ -159,10 +173,11 @@ def _solved(
     accuracy: float,
     engine: Engine | None,
     stops: dict[str, str],
+    report: Callable[[float], object] | None,
 ) -> Solution:
     """The solution, as far as it goes."""
     try:
-        return solve(problem, times, accuracy, engine)
+        return solve(problem, times, accuracy, engine, progress=report)
     except ChartEdgeError as error:
         if not isinstance(error.solution, Solution) or len(error.solution.times) < 2:
             raise

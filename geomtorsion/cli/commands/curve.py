@@ -26,7 +26,7 @@ from geomtorsion.cli.options import (
 from geomtorsion.cli.problems import engine_of, start_lines, start_options
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.tables import right_aligned, some_rows
-from geomtorsion.cli.terminal import working
+from geomtorsion.cli.terminal import bar, working
 from geomtorsion.pictures.curve_files import write_curves
 from geomtorsion.pictures.pair import Pair
 from geomtorsion.pictures.pair_solving import solve_pair
@@ -68,16 +68,17 @@ def curve(
     """
     space = open_space(source)
     written: list[Path] = []
-    with working(space.name) as progress:
+    with bar(space.name) as show:
         pair = solve_pair(
             space,
             **start_options(start, velocity, frame_velocity, t, parameters, moments),
             accuracy=accuracy,
             engine=engine_of(engine),
             samples=samples,
-            progress=progress,
+            progress=show,
         )
-        if output is not None:
+    if output is not None:
+        with working(space.name) as progress:
             written = write_curves(pair, output, form.value, progress)
     typer.echo("\n".join(_summary(pair)))
     say_written(written)

@@ -11,6 +11,8 @@ import numpy as np
 from geomtorsion.ode.numbers import Real
 from geomtorsion.ode.system import System
 
+# Called now and then with the time that a run has reached; what it raises ends the run.
+Watch: TypeAlias = Callable[[float], object]
 # A motion that gets no further by this part of its time stands still.
 STANDSTILL = 1e-9
 
@@ -85,6 +87,7 @@ class Engine(Protocol):
         tolerance: float,
         *,
         dense: bool = False,
+        watch: Watch | None = None,
     ) -> Run:
-        """Integrate from times[0] through all times (monotone)."""
+        """Integrate from times[0] through all times (monotone); watching changes no bit of it."""
         ...

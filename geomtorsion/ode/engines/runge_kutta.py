@@ -10,7 +10,7 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import ArgumentError
-from geomtorsion.ode.engines.protocol import Run
+from geomtorsion.ode.engines.protocol import Run, Watch
 from geomtorsion.ode.engines.stepper import LARGEST
 from geomtorsion.ode.engines.stepwise import stepwise_run
 from geomtorsion.ode.numbers import Real
@@ -84,11 +84,12 @@ class RungeKutta(_Ladder):
         tolerance: float,
         *,
         dense: bool = False,
+        watch: Watch | None = None,
     ) -> Run:
         """See `Engine.run`."""
         most = self.max_evaluations
         method = "generated" if system.size <= LARGEST else "DOP853"
-        return stepwise_run(method, most, system, start, parameters, times, tolerance, dense)
+        return stepwise_run(method, most, system, start, parameters, times, tolerance, dense, watch)
 
 
 @dataclass(frozen=True)
@@ -133,7 +134,10 @@ class Stiff(_Ladder):
         tolerance: float,
         *,
         dense: bool = False,
+        watch: Watch | None = None,
     ) -> Run:
         """See `Engine.run`."""
         most = self.max_evaluations
-        return stepwise_run(self.method, most, system, start, parameters, times, tolerance, dense)
+        return stepwise_run(
+            self.method, most, system, start, parameters, times, tolerance, dense, watch
+        )

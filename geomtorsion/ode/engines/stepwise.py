@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from geomtorsion.ode.engines.dop853 import step_of
-from geomtorsion.ode.engines.protocol import Dense, Run
+from geomtorsion.ode.engines.protocol import Dense, Run, Watch
 from geomtorsion.ode.engines.scipy_steps import FLOOR, Piece, ScipySteps
 from geomtorsion.ode.engines.stepper import Polynomial, Steps
 from geomtorsion.ode.numbers import Real, floats
@@ -34,6 +34,7 @@ def stepwise_run(
     times: np.ndarray,
     tolerance: float,
     dense: bool,
+    watch: Watch | None = None,
 ) -> Run:
     """See `Engine.run`; method: "generated" steps of DOP853, or "DOP853", "Radau", "LSODA"."""
     began = time.perf_counter()
@@ -87,6 +88,8 @@ def stepwise_run(
             outcome, reached, where = "stuck", walk.time, np.array(walk.state)
             break
         end = walk.time
+        if watch is not None:
+            watch(end)
         if dense:
             # Worked out now: some solvers forget a step with the next one.
             piece(np.array([end]))

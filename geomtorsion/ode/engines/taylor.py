@@ -22,7 +22,7 @@ from geomtorsion.ode.engines.compiled import (
     order_of,
     tolerance_of,
 )
-from geomtorsion.ode.engines.protocol import STANDSTILL, Dense, Run
+from geomtorsion.ode.engines.protocol import STANDSTILL, Dense, Run, Watch
 from geomtorsion.ode.numbers import Real, mpf
 from geomtorsion.ode.system import System
 
@@ -131,15 +131,16 @@ class Taylor:
         tolerance: float,
         *,
         dense: bool = False,
+        watch: Watch | None = None,
     ) -> Run:
         """See `Engine.run`."""
         kept, compiling = self.compiled(system, tolerance)
-        found = self._run(kept, system, start, parameters, times, dense)
+        found = self._run(kept, system, start, parameters, times, dense, watch)
         if found is None:
             # So long a run is worth optimised code.
             kept, more = self.compiled(system, tolerance, optimised=True)
             compiling += more
-            found = self._run(kept, system, start, parameters, times, dense)
+            found = self._run(kept, system, start, parameters, times, dense, watch)
             assert found is not None
         found.compile_seconds = compiling
         return found
@@ -152,6 +153,7 @@ class Taylor:
         parameters: Sequence[Real] | np.ndarray,
         times: np.ndarray,
         dense: bool,
+        watch: Watch | None,
     ) -> Run | None:
         """The run by one integrator; None where it is long and the code is not optimised."""
         # Nobody else may use the integrator meanwhile.
@@ -161,7 +163,7 @@ class Taylor:
             grid, start = self.array(times), self.array(start)
             numbers = self.array(parameters) if system.parameters else None
             _place(integrator, grid[0], start, numbers)
-            propagated = self._propagated(integrator, grid, kept.optimised)
+            propagated = self._propagated(integrator, grid, kept.optimised, watch)
             if propagated is None:
                 return None
             states, outcome, steps, reason = propagated
@@ -191,7 +193,7 @@ class Taylor:
             )
 
     def _propagated(
-        self, integrator: Any, grid: np.ndarray, optimised: bool
+        self, integrator: Any, grid: np.ndarray, optimised: bool, watch: Watch | None
     ) -> tuple[np.ndarray, str, int, str] | None:
         """States on the grid, outcome, steps and reason; ends a run that gets nowhere.
 
@@ -231,6 +233,8 @@ class Taylor:
                     f"more than {self.max_steps} steps were needed by t = {integrator.time:.6g}. "
                     "Ask for less accuracy or time, use engine=Stiff(), or raise max_steps."
                 )
+            if watch is not None:
+                watch(float(integrator.time))
             before = integrator.time
             rest = np.concatenate(([before], grid[done:]))
 

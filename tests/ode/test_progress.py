@@ -1,0 +1,70 @@
+"""progress: told while it runs, without changing a bit of what is computed."""
+
+import pytest
+
+from geomtorsion.curves import geodesic
+from geomtorsion.ode import ODE, Stiff, solve
+from geomtorsion.ode.progress import Report
+from geomtorsion.spaces import load
+from tests.ode.engines import ENGINES
+
+
+def long_run():
+    """A hundred thousand turns: thousands of steps."""
+    return ODE.of({"x": "y", "y": "-x"}, [1, 0]), 5000.0
+
+
+def chart_changes():
+    """Over the poles of a sphere, many times."""
+    return geodesic(load("s2").frame, [0.3, 0.1], [1.0, 0.4], parameters={"R": 1}), 300.0
+
+
+def stiff():
+    """Relaxation with a fast part."""
+    return ODE.of({"x": "-1000*(x - cos(t))"}, [0]), 20.0
+
+
+CASES = [(long_run, engine) for engine in ENGINES]
+CASES += [(chart_changes, engine) for engine in ENGINES]
+CASES += [(stiff, Stiff()), (stiff, Stiff("LSODA"))]
+
+
+@pytest.mark.parametrize(("case", "engine"), CASES, ids=lambda x: getattr(x, "name", str(x)))
+def test_watching_changes_nothing(case, engine):
+    """The same bits with and without; parts rise from 0 to 1, and there are many."""
+    problem, t = case()
+    seen = []
+    watched = solve(problem, t, 1e-7, engine, progress=seen.append)
+    alone = solve(problem, t, 1e-7, engine)
+    assert watched.error == alone.error
+    table = watched.problem.columns(watched.at(watched.times))
+    for name, column in alone.problem.columns(alone.at(alone.times)).items():
+        assert (table[name] == column).all()
+    assert seen == sorted(seen)
+    assert seen[-1] == 1.0
+    # Two thousand series are one look; the sphere takes fewer.
+    assert len(seen) > (0 if engine.name == "Taylor" and case is chart_changes else 2)
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.name)
+def test_ctrl_c_ends_a_run_midway(engine):
+    """What the watcher raises ends the run there."""
+
+    def press(part):
+        if part > 0.1:
+            raise KeyboardInterrupt
+
+    problem, t = long_run()
+    with pytest.raises(KeyboardInterrupt):
+        solve(problem, t, 1e-7, engine, progress=press)
+
+
+def test_report_counts_runs():
+    """The first run is half of the work, the next half of the rest; small steps are not told."""
+    seen = []
+    report = Report(seen.append, -10.0)
+    first = report.next_run()
+    for time in (-1.0, -1.000001, -10.0):
+        first(time)
+    report.next_run()(-5.0)
+    assert seen == [0.05, 0.5, 0.625]
