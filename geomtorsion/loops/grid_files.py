@@ -4,22 +4,20 @@ from __future__ import annotations
 
 import zipfile
 import zlib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from geomtorsion.checks import cut, shown
 from geomtorsion.errors import FileFormatError, GridError, MissingExtraError
+from geomtorsion.loops.fields.grid import Grid
 from geomtorsion.npz import ArrayForm, read_npz, text_of
 
-if TYPE_CHECKING:
-    from geomtorsion.loops.sampled import SampledFrame
-
-Grid = tuple[list[np.ndarray], np.ndarray, tuple[str, ...], bool, dict[str, Any]]
-TEXTS = ("unit", "vector_unit")
+Read = tuple[list[np.ndarray], np.ndarray, tuple[str, ...], bool, dict[str, Any]]
+TEXTS = ("unit", "vector_unit", "source")
 HDF5 = b"\x89HDF"
 FORMS = {
     "names": ArrayForm((None,), "U", optional=True),
@@ -30,10 +28,11 @@ FORMS = {
     "periodic": ArrayForm((None,), "b", optional=True),
     "unit": ArrayForm((), "U", optional=True),
     "vector_unit": ArrayForm((), "U", optional=True),
+    "source": ArrayForm((), "U", optional=True),
 }
 
 
-def read_grid(path: Path) -> Grid:
+def read_grid(path: Path) -> Read:
     """Axes, values, names of the axes, and whether the values are a distortion.
 
     NPZ: an array `coframe` or `distortion` of shape (rows, d, N_1, ..., N_d), and one array
@@ -59,24 +58,24 @@ def read_grid(path: Path) -> Grid:
     )
 
 
-def save_grid(path: Path, grid: SampledFrame) -> None:
+def save_grid(path: Path, grid: Grid, coframe: np.ndarray, options: Mapping[str, Any]) -> None:
     """Write a grid to a file that `read_grid` reads, under the very name that is given."""
     kind = path.suffix.lower()
     if kind not in (".npz", ""):
         raise GridError(f"{path}: .npz was needed, but the name ends in {path.suffix!r}.")
-    content: dict[str, Any] = {"coframe": grid.coframe, "names": np.array(grid.names)}
+    content: dict[str, Any] = {"coframe": coframe, "names": np.array(grid.names)}
     for name, axis in zip(grid.names, grid.axes, strict=True):
         content[f"axis_{name}"] = axis
-    if isinstance(grid.sigma, np.ndarray):
-        content["sigma"] = grid.sigma
-    if any(grid.periodic):
-        content["periodic"] = np.array(grid.periodic)
-    content |= {key: np.array(getattr(grid, key)) for key in TEXTS if getattr(grid, key)}
+    content |= {
+        key: np.asarray(value)
+        for key, value in options.items()
+        if value is not None and np.size(value) and str(value)
+    }
     with path.with_suffix(".npz").open("wb") as stream:
         np.savez_compressed(stream, **content)
 
 
-def _npz(path: Path) -> Grid:
+def _npz(path: Path) -> Read:
     """A grid from an NPZ file."""
     message = "{path}: it cannot be read, it is truncated or no file of this kind ({reason})."
     arrays = read_npz(path, FORMS, message=message)
@@ -102,7 +101,7 @@ def _npz(path: Path) -> Grid:
     return axes, arrays[key], names, key == "distortion", options
 
 
-def _netcdf(path: Path) -> Grid:
+def _netcdf(path: Path) -> Read:
     """A grid from a NetCDF file: by xarray if it is installed, classic files by scipy otherwise."""
     try:
         xarray = import_module("xarray")
@@ -123,7 +122,7 @@ def _netcdf(path: Path) -> Grid:
     return [data[name].values for name in names], variable.values, names, key == "distortion", {}
 
 
-def _classic(path: Path) -> Grid:
+def _classic(path: Path) -> Read:
     """A grid from a classic NetCDF file, by scipy."""
     from scipy.io import netcdf_file  # 0.2 s, and this format alone needs it
 

@@ -2,54 +2,27 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.errors import LONGEST_SHOWN, FileFormatError, GridError
-from geomtorsion.loops.arcs import Parameters
+from geomtorsion.errors import GridError
 from geomtorsion.loops.cochain import Cochain
 from geomtorsion.loops.edges import EdgeIntegrals
 from geomtorsion.loops.fields import cells, holes
 from geomtorsion.loops.fields.cells import Plaquettes
-from geomtorsion.loops.fields.circuits import (
-    Field,
-    SampledBurgers,
-    sampled_burgers,
-)
+from geomtorsion.loops.fields.circuits import SampledBurgers, sampled_burgers
 from geomtorsion.loops.fields.edges import edge_cochain, sampled_edges
-from geomtorsion.loops.fields.grid import (
-    Grid,
-    check_names,
-    check_order,
-    check_shape,
-    check_values,
-    mask_of,
-    numbers,
-    periodic_axes,
-    regular_axis,
-)
 from geomtorsion.loops.fields.holes import Hole
-from geomtorsion.loops.fields.noise import estimated, sigma_of
-from geomtorsion.loops.forms import forms
-from geomtorsion.loops.grid_files import read_grid, save_grid
+from geomtorsion.loops.fields.samples import Samples
 from geomtorsion.loops.loop import Loop
-
-if TYPE_CHECKING:
-    from geomtorsion.geometry import Frame
-
-# What a frame keeps is what came, checked.
-KEPT = "axes coframe names mask sigma periodic vector_unit sigma_source".split()
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SampledFrame:
+class SampledFrame(Samples):
     """A coframe on a regular grid, with holes and noise, interpolated by local polynomials.
 
     axes: coordinates of the grid, one increasing or decreasing array each, equally spaced.
@@ -67,7 +40,7 @@ class SampledFrame:
         contains the noise, propagated along the very circuit.
     periodic: one truth value for each axis, or names of axes; the period is N steps, so that the
         first node is not repeated at the end.
-    sigma_source: where sigma comes from, in words.
+    source, sigma_source: where the values and sigma come from, in words.
     unit, vector_unit: of the axes, and of what integrals of the coframe are (if not given, the
         same); any text, shown with results.
 
@@ -97,190 +70,6 @@ class SampledFrame:
     >>> b.vector.round(9), round(b.noise, 6), b.unit
     (array([0.8]), 0.000868, 'um')
     """
-
-    axes: Sequence[np.ndarray]
-    coframe: np.ndarray
-    order: int = 4
-    names: Sequence[str] = ()
-    # These come in several kinds; kept are arrays, and one truth value for each axis.
-    mask: Any = field(default=None, kw_only=True)
-    sigma: Any = field(default=None, kw_only=True)
-    periodic: Any = field(default=(), kw_only=True)
-    unit: str = field(default="", kw_only=True)
-    vector_unit: str = field(default="", kw_only=True)
-    sigma_source: str = field(default="", init=False)
-
-    def __post_init__(self) -> None:
-        """Check axes and values once."""
-        check_order(self.order)
-        names = tuple(self.names) or tuple("xyzuvw"[: len(self.axes)])
-        check_names(self.axes, names)
-        values = numbers(self.coframe, "coframe")
-        axes = tuple(regular_axis(x, name) for x, name in zip(self.axes, names, strict=True))
-        shape = tuple(len(axis) for axis in axes)
-        check_shape(values, shape)
-        wraps = periodic_axes(self.periodic, names)
-        inner = values[:, : len(axes)]
-        unknown = mask_of(self.mask, shape) | np.isnan(inner).any(axis=(0, 1))
-        grid = Grid(axes, names, wraps, unknown)
-        grid.check_length(self.order, self.other_order)
-        check_values(values, grid)
-        if grid.has_holes:
-            values = np.where(unknown, np.nan, values)
-        for key in ("unit", "vector_unit"):
-            checks.text(getattr(self, key), key, GridError, longest=LONGEST_SHOWN)
-        sigma, said = self.sigma, ""
-        if isinstance(sigma, str):
-            checks.choice(sigma, ["estimate"], "sigma", GridError)
-            sigma = estimated(inner, grid)
-            said = "the median of sixth differences along the axes"
-        elif sigma is not None:
-            sigma = sigma_of(sigma, (len(values), len(axes), *shape), grid)
-            said = "given"
-        found = (axes, values, names, unknown, sigma, wraps, self.vector_unit or self.unit, said)
-        for key, value in zip(KEPT, found, strict=True):
-            object.__setattr__(self, key, value)
-
-    # -- makers -----------------------------------------------------------------------------------
-
-    @classmethod
-    def from_distortion(
-        cls,
-        axes: Sequence[np.ndarray],
-        distortion: np.ndarray,
-        order: int = 4,
-        names: Sequence[str] = (),
-        **options: Any,
-    ) -> SampledFrame:
-        """From a distortion beta^i_mu = d_mu u^i (row: displacement, column: derivative).
-
-        The coframe is e = 1 + beta: it maps a step in the crystal as it is to the ideal lattice
-        when u points from the real to the ideal place. For displacements from ideal to real places
-        give -beta (small distortions), or the inverse of (1 + beta) minus 1.
-
-        options: mask, sigma, periodic, unit, vector_unit, as for `SampledFrame`.
-        """
-        values = numbers(distortion, "distortion")
-        if values.ndim < 3:
-            raise GridError(
-                f"distortion: shape (rows, columns, grid...) was needed, but {values.shape} came."
-            )
-        unit = np.eye(*values.shape[:2]).reshape(*values.shape[:2], *(1,) * (values.ndim - 2))
-        return cls(axes, values + unit, order, names, **options)
-
-    @classmethod
-    def from_frame(
-        cls,
-        frame: Frame,
-        axes: Sequence[np.ndarray],
-        order: int = 4,
-        *,
-        parameters: Parameters | None = None,
-        **options: Any,
-    ) -> SampledFrame:
-        """Samples of an exact frame, one axis for each coordinate.
-
-        options: mask, sigma, periodic, unit, vector_unit, as for `SampledFrame`.
-
-        Raises
-        ------
-        SingularPointError
-            The frame has no finite value at a node.
-        """
-        lines = [numbers(axis, "axis") for axis in axes]
-        if len(lines) != frame.dimension:
-            raise GridError(
-                f"one axis for each of {frame.dimension} coordinates was needed, but "
-                f"{len(lines)} came."
-            )
-        number = math.prod(line.size for line in lines)
-        remedy = "Give shorter axes, or sample the region in parts."
-        checks.check_room(2 * number * frame.dimension**2, f"axes: {number:,} nodes", remedy)
-        coframe = forms(frame, parameters).coframe
-        nodes = np.meshgrid(*lines, indexing="ij")
-        found = coframe.at(np.array(nodes).reshape(len(nodes), -1))
-        values = np.zeros((frame.dimension, frame.dimension, *nodes[0].shape))
-        values[coframe.rows, coframe.columns] = found.reshape(-1, *nodes[0].shape)
-        names = tuple(symbol.name for symbol in frame.coordinates)
-        return cls(lines, values, order, names, **options)
-
-    @classmethod
-    def read(cls, path: str | Path, order: int = 4) -> SampledFrame:
-        """From an NPZ or NetCDF file (see `grid_files.read_grid` for its contents).
-
-        Raises
-        ------
-        FileFormatError
-            The file is missing, truncated or malformed, lacks an array, or what it holds is no
-            regular grid of finite numbers.
-        GridError
-            The order is none.
-        """
-        check_order(order)
-        axes, values, names, is_distortion, options = read_grid(Path(path))
-        make = cls.from_distortion if is_distortion else cls
-        try:
-            return make(axes, values, order, names, **options)
-        except GridError as error:
-            raise FileFormatError(f"{path}: {error}") from None
-
-    def save(self, path: str | Path) -> None:
-        """Write an NPZ file that `read` reads back."""
-        save_grid(Path(path), self)
-
-    # -- what it is -------------------------------------------------------------------------------
-
-    @cached_property
-    def _grid(self) -> Grid:
-        """Axes and holes."""
-        return Grid(tuple(self.axes), tuple(self.names), self.periodic, self.mask)
-
-    @cached_property
-    def _field(self) -> Field:
-        """The values as integrals use them."""
-        d, grid = self.dimension, self._grid
-        inner = tuple(range(2, 2 + d))
-        values = self.coframe[:, :d]
-        if grid.has_holes:
-            mean = values.mean(axis=inner, keepdims=True, where=~grid.holes)
-            bent = np.where(grid.holes, 0.0, values - mean)
-        else:
-            mean = values.mean(axis=inner, keepdims=True)
-            bent = values - mean
-        variances = None
-        if isinstance(self.sigma, np.ndarray):
-            ones = (1,) * d
-            shape = (*values.shape[:2], *(grid.shape if self.sigma.shape[2:] != ones else ones))
-            variances = np.broadcast_to(self.sigma**2, shape)
-        flat = mean.reshape(mean.shape[:2])
-        return Field(grid, bent, flat, variances, self.order, self.other_order)
-
-    @property
-    def dimension(self) -> int:
-        """Number of axes."""
-        return len(self.axes)
-
-    @property
-    def rows(self) -> int:
-        """Number of frame indices."""
-        return len(self.coframe)
-
-    @property
-    def steps(self) -> tuple[float, ...]:
-        """Spacing of each axis; negative where it decreases."""
-        return self._grid.steps
-
-    @property
-    def other_order(self) -> int:
-        """The order against which errors are measured."""
-        return self.order - 2 if self.order > 2 else 4
-
-    # -- holes ------------------------------------------------------------------------------------
-
-    @cached_property
-    def holes(self) -> tuple[Hole, ...]:
-        """Connected nodes of which nothing is known, in the order of their first nodes."""
-        return holes.holes_of(self._grid)
 
     def loop_around(
         self,
@@ -479,20 +268,3 @@ class SampledFrame:
                 f"{plane!r} came."
             )
         return pair[0], pair[1]
-
-    def __repr__(self) -> str:
-        parts = [f"{' x '.join(map(str, self._grid.shape))} nodes", f"{self.rows} rows"]
-        parts.append(f"order {self.order}")
-        if any(self.periodic):
-            wraps = [n for n, wraps in zip(self.names, self.periodic, strict=True) if wraps]
-            parts.append(f"periodic in {', '.join(wraps)}")
-        if self.holes:
-            count, nodes = len(self.holes), int(np.count_nonzero(self.mask))
-            parts.append(f"{count} hole{'s' * (count > 1)} of {nodes} node{'s' * (nodes > 1)}")
-        if isinstance(self.sigma, np.ndarray):
-            low, high = (f"{x:.2g}" for x in (self.sigma.min(), self.sigma.max()))
-            parts.append(f"sigma {low}" + (f" to {high}" if high != low else ""))
-        if self.unit:
-            other = self.vector_unit != self.unit
-            parts.append(f"in {self.unit}" + (f", b in {self.vector_unit}" if other else ""))
-        return f"SampledFrame({', '.join(parts)})"

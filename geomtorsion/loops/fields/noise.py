@@ -8,10 +8,10 @@ from statistics import NormalDist
 import numpy as np
 
 from geomtorsion.errors import GridError
-from geomtorsion.loops.fields.grid import Grid, numbers
+from geomtorsion.loops.fields.grid import ORDERS, Grid, numbers
 
-# Differences of this order leave nothing of a field that is smooth over seven nodes.
-SMOOTH = 6
+# Differences of the sixth order leave nothing of a field that is smooth over seven nodes.
+SMOOTH = ORDERS[-2]
 # The median of |x| of a normal distribution of standard deviation 1.
 MEDIAN = NormalDist().inv_cdf(3 / 4)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import product
@@ -48,6 +48,12 @@ def slope_weights(count: int) -> np.ndarray:
     return np.array(
         [sum(m * powers[m] * t ** (m - 1) for m in range(1, count)) for t in k.astype(float)]
     )
+
+
+@cache
+def step_weights(count: int) -> np.ndarray:
+    """The same derivatives from the differences between neighbours, shape (count, count - 1)."""
+    return np.cumsum(slope_weights(count)[:, :0:-1], axis=1)[:, ::-1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,15 +110,25 @@ class Rule:
     @cached_property
     def matrix(self) -> csr_array:
         """Values at nodes to values on edges (or at nodes), shape (edges * L, N * L)."""
+        return self._sparse(slope_weights if self.slopes else edge_weights, len(self.holes))
+
+    @cached_property
+    def matrix_of_steps(self) -> csr_array:
+        """Differences along edges to slopes at nodes, shape (N * L, edges * L)."""
+        points = len(self.holes)
+        return self._sparse(step_weights, points if self.periodic else points - 1)
+
+    def _sparse(self, weights_of: Callable[[int], np.ndarray], points: int) -> csr_array:
+        """The rule as a matrix on columns that are nodes, or edges between them."""
         from scipy.sparse import csr_array  # 0.15 s, and grids alone need it
 
-        points, lines = self.holes.shape
-        width = int(self.used.max(initial=1))
-        table = np.zeros((width + 1, width, width))
-        for nodes in np.unique(self.used).tolist():
-            if nodes:
-                rows = slope_weights(nodes) if self.slopes else edge_weights(nodes)
-                table[nodes, : len(rows), :nodes] = rows
+        lines = self.holes.shape[1]
+        tables = {n: weights_of(n) for n in np.unique(self.used).tolist() if n}
+        width = max((table.shape[1] for table in tables.values()), default=1)
+        longest = max((len(table) for table in tables.values()), default=1)
+        table = np.zeros((int(self.used.max(initial=0)) + 1, longest, width))
+        for nodes, rows in tables.items():
+            table[nodes, : len(rows), : rows.shape[1]] = rows
         weights = table[self.used, self.shift]
         first = np.arange(len(self.used))[:, None] - self.shift
         columns = first[:, :, None] + np.arange(width)
@@ -120,10 +136,7 @@ class Rule:
         columns = columns * lines + np.arange(lines)[:, None]
         indptr = np.arange(0, weights.size + 1, width)
         shape = (self.used.size, points * lines)
-        found = csr_array((weights.ravel(), columns.ravel(), indptr), shape=shape)
-        if self.periodic and width > points:
-            found.sum_duplicates()
-        return found
+        return csr_array((weights.ravel(), columns.ravel(), indptr), shape=shape)
 
     def __call__(self, values: np.ndarray, axis: int) -> np.ndarray:
         """The rule along one axis of an array of shape (rows, grid...)."""

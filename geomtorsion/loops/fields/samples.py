@@ -1,0 +1,352 @@
+"""Samples: the values of a coframe on a grid, checked, and the makers that they come from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.errors import LONGEST_SHOWN, FileFormatError, GridError
+from geomtorsion.loops.arcs import Parameters
+from geomtorsion.loops.fields.circuits import (
+    Field,
+)
+from geomtorsion.loops.fields.displacement import distortion_of
+from geomtorsion.loops.fields.grid import (
+    Grid,
+    check_names,
+    check_order,
+    check_shape,
+    check_values,
+    mask_of,
+    numbers,
+    periodic_axes,
+    regular_axis,
+)
+from geomtorsion.loops.fields.holes import Hole, holes_of
+from geomtorsion.loops.fields.noise import estimated, sigma_of
+from geomtorsion.loops.fields.strain import strain_and_rotation
+from geomtorsion.loops.forms import forms
+from geomtorsion.loops.grid_files import TEXTS, read_grid, save_grid
+
+if TYPE_CHECKING:
+    from geomtorsion.geometry import Frame
+
+# What a frame keeps is what came, checked.
+KEPT = "axes coframe names mask sigma periodic vector_unit sigma_source".split()
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Samples:
+    """Values on a grid with holes and noise; the fields are described in `SampledFrame`."""
+
+    axes: Sequence[np.ndarray]
+    coframe: np.ndarray
+    order: int = 4
+    names: Sequence[str] = ()
+    # These come in several kinds; kept are arrays, and one truth value for each axis.
+    mask: Any = field(default=None, kw_only=True)
+    sigma: Any = field(default=None, kw_only=True)
+    periodic: Any = field(default=(), kw_only=True)
+    unit: str = field(default="", kw_only=True)
+    vector_unit: str = field(default="", kw_only=True)
+    source: str = field(default="", kw_only=True)
+    sigma_source: str = field(default="", init=False)
+
+    def __post_init__(self) -> None:
+        """Check axes and values once."""
+        check_order(self.order)
+        names = tuple(self.names) or tuple("xyzuvw"[: len(self.axes)])
+        check_names(self.axes, names)
+        values = numbers(self.coframe, "coframe")
+        axes = tuple(regular_axis(x, name) for x, name in zip(self.axes, names, strict=True))
+        shape = tuple(len(axis) for axis in axes)
+        check_shape(values, shape)
+        wraps = periodic_axes(self.periodic, names)
+        inner = values[:, : len(axes)]
+        unknown = mask_of(self.mask, shape) | np.isnan(inner).any(axis=(0, 1))
+        grid = Grid(axes, names, wraps, unknown)
+        grid.check_length(self.order, self.other_order)
+        check_values(values, grid)
+        if grid.has_holes:
+            values = np.where(unknown, np.nan, values)
+        for key in ("unit", "vector_unit"):
+            checks.text(getattr(self, key), key, GridError, longest=LONGEST_SHOWN)
+        sigma, said = self.sigma, ""
+        if isinstance(sigma, str):
+            checks.choice(sigma, ["estimate"], "sigma", GridError)
+            sigma = estimated(inner, grid)
+            said = "the median of sixth differences along the axes"
+        elif sigma is not None:
+            sigma = sigma_of(sigma, (len(values), len(axes), *shape), grid)
+            said = "given"
+        found = (axes, values, names, unknown, sigma, wraps, self.vector_unit or self.unit, said)
+        for key, value in zip(KEPT, found, strict=True):
+            object.__setattr__(self, key, value)
+
+    # -- makers -----------------------------------------------------------------------------------
+
+    @classmethod
+    def from_distortion(
+        cls,
+        axes: Sequence[np.ndarray],
+        distortion: np.ndarray,
+        order: int = 4,
+        names: Sequence[str] = (),
+        **options: Any,
+    ) -> Self:
+        """From a distortion beta^i_mu = d_mu u^i (row: displacement, column: derivative).
+
+        The coframe is e = 1 + beta: it maps a step in the crystal as it is to the ideal lattice
+        when u points from the real to the ideal place. For displacements from ideal to real places
+        give -beta (small distortions), or the inverse of (1 + beta) minus 1.
+
+        options: mask, sigma, periodic, unit, vector_unit, as for `SampledFrame`.
+        """
+        values = numbers(distortion, "distortion")
+        if values.ndim < 3:
+            raise GridError(
+                f"distortion: shape (rows, columns, grid...) was needed, but {values.shape} came."
+            )
+        unit = np.eye(*values.shape[:2]).reshape(*values.shape[:2], *(1,) * (values.ndim - 2))
+        return cls(axes, values + unit, order, names, **options)
+
+    @classmethod
+    def from_frame(
+        cls,
+        frame: Frame,
+        axes: Sequence[np.ndarray],
+        order: int = 4,
+        *,
+        parameters: Parameters | None = None,
+        **options: Any,
+    ) -> Self:
+        """Samples of an exact frame, one axis for each coordinate.
+
+        options: mask, sigma, periodic, unit, vector_unit, as for `SampledFrame`.
+
+        Raises
+        ------
+        SingularPointError
+            The frame has no finite value at a node.
+        """
+        lines = [numbers(axis, "axis") for axis in axes]
+        if len(lines) != frame.dimension:
+            raise GridError(
+                f"one axis for each of {frame.dimension} coordinates was needed, but "
+                f"{len(lines)} came."
+            )
+        number = math.prod(line.size for line in lines)
+        remedy = "Give shorter axes, or sample the region in parts."
+        checks.check_room(2 * number * frame.dimension**2, f"axes: {number:,} nodes", remedy)
+        coframe = forms(frame, parameters).coframe
+        nodes = np.meshgrid(*lines, indexing="ij")
+        found = coframe.at(np.array(nodes).reshape(len(nodes), -1))
+        values = np.zeros((frame.dimension, frame.dimension, *nodes[0].shape))
+        values[coframe.rows, coframe.columns] = found.reshape(-1, *nodes[0].shape)
+        names = tuple(symbol.name for symbol in frame.coordinates)
+        return cls(lines, values, order, names, **options)
+
+    @classmethod
+    def from_displacement(
+        cls,
+        axes: Sequence[np.ndarray],
+        displacement: np.ndarray,
+        order: int = 4,
+        names: Sequence[str] = (),
+        *,
+        branch: np.ndarray | Sequence[Sequence[float]] | Sequence[float] | float | None = None,
+        **options: Any,
+    ) -> Self:
+        """From displacements u^i at the nodes, shape (rows, N_1, ..., N_d), which may jump.
+
+        A dislocation makes u jump by a lattice vector across a cut. Jumps are taken out edge by
+        edge before differences are formed: e = 1 + d u, as for `from_distortion`.
+
+        Parameters
+        ----------
+        branch
+            Lattice vectors by which u may jump, shape (k, rows), one vector, or one length for all
+            axes. Without it the jumps are looked for: steps of one size that stand out from their
+            neighbours along the line, and make lines (`source` says which were found). Cells round
+            which jumps do not close hold a core, or a value that noise has spoilt: their corners
+            become holes.
+        options
+            mask, periodic, unit, vector_unit, as for `SampledFrame`; sigma: of u at each node,
+            one number or "estimate". Its errors are upper bounds: along a circuit neighbouring
+            differences cancel.
+
+        Examples
+        --------
+        >>> from geomtorsion.loops import Loop, SampledFrame
+        >>> axis = np.linspace(-3, 3, 40)
+        >>> x, y = np.meshgrid(axis, axis, indexing="ij")
+        >>> u = np.arctan2(y, x) / (2 * np.pi) * 0.286
+        >>> grid = SampledFrame.from_displacement([axis, axis], u[None])
+        >>> grid.burgers(Loop.circle([0, 0], 2)).vector.round(5), grid.source
+        (array([0.286]), 'a displacement; jumps: (0.285998) on 20 edges')
+        """
+        values = numbers(displacement, "displacement")
+        lines = [numbers(axis, "axis") for axis in axes]
+        shape = tuple(line.size for line in lines)
+        if values.shape[1:] != shape or not len(values):
+            raise GridError(
+                f"displacement: shape (rows, {', '.join(map(str, shape))}) was needed, but "
+                f"{values.shape} came."
+            )
+        check_order(order)
+        mask = mask_of(options.pop("mask", None), shape) | np.isnan(values).any(axis=0)
+        sigma = options.pop("sigma", None)
+        blank = cls(lines, np.zeros((1, len(lines), *shape)), order, names, mask=mask, **options)
+        found = distortion_of(np.where(mask, np.nan, values), blank._grid, order, branch)
+        if sigma is not None:
+            spread = _of_differences(sigma, values, blank._grid) * np.sqrt(found.variances)
+            options["sigma"] = np.broadcast_to(spread, found.values.shape)
+        options["source"] = found.said
+        return cls.from_distortion(lines, found.values, order, names, **options)
+
+    @classmethod
+    def from_strain_rotation(
+        cls,
+        axes: Sequence[np.ndarray],
+        strain: np.ndarray,
+        rotation: np.ndarray,
+        order: int = 4,
+        names: Sequence[str] = (),
+        **options: Any,
+    ) -> Self:
+        """From a strain and a rotation: e = 1 + beta, beta_ij = e_ij + w_ij [Cloete2022].
+
+        Parameters
+        ----------
+        strain
+            e_ij, shape (n, n, grid...), n = 2 or 3; a plane map may have n = 3.
+        rotation
+            w_ij = (d_j u_i - d_i u_j) / 2, shape (n, n, grid...); or the vector w of u = w x r,
+            shape (3, grid...), n = 3; or its angle about the third axis, shape (grid...), n = 2.
+        options
+            mask, sigma, periodic, unit, vector_unit, as for `SampledFrame`.
+
+        Examples
+        --------
+        >>> from geomtorsion.loops import SampledFrame
+        >>> axes = [np.arange(6.0)] * 2
+        >>> x, y = np.meshgrid(*axes, indexing="ij")
+        >>> bent = SampledFrame.from_strain_rotation(axes, np.zeros((2, 2, 6, 6)), 0.01 * x)
+        >>> bent.nye[:, 0].mean(axis=(1, 2)).round(9).tolist()
+        [-0.01, 0.0]
+        """
+        values = strain_and_rotation(strain, rotation)
+        return cls.from_distortion(axes, values, order, names, **options)
+
+    @classmethod
+    def read(cls, path: str | Path, order: int = 4) -> Self:
+        """From an NPZ or NetCDF file (see `grid_files.read_grid` for its contents).
+
+        Raises
+        ------
+        FileFormatError
+            The file is missing, truncated or malformed, lacks an array, or what it holds is no
+            regular grid of finite numbers.
+        GridError
+            The order is none.
+        """
+        check_order(order)
+        axes, values, names, is_distortion, options = read_grid(Path(path))
+        make = cls.from_distortion if is_distortion else cls
+        try:
+            return make(axes, values, order, names, **options)
+        except GridError as error:
+            raise FileFormatError(f"{path}: {error}") from None
+
+    def save(self, path: str | Path) -> None:
+        """Write an NPZ file that `read` reads back."""
+        options: dict[str, Any] = {key: getattr(self, key) for key in TEXTS}
+        if isinstance(self.sigma, np.ndarray):
+            options["sigma"] = self.sigma
+        if any(self.periodic):
+            options["periodic"] = np.array(self.periodic)
+        save_grid(Path(path), self._grid, self.coframe, options)
+
+    # -- what it is -------------------------------------------------------------------------------
+
+    @cached_property
+    def _grid(self) -> Grid:
+        """Axes and holes."""
+        return Grid(tuple(self.axes), tuple(self.names), self.periodic, self.mask)
+
+    @cached_property
+    def _field(self) -> Field:
+        """The values as integrals use them."""
+        d, grid = self.dimension, self._grid
+        inner = tuple(range(2, 2 + d))
+        values = self.coframe[:, :d]
+        if grid.has_holes:
+            mean = values.mean(axis=inner, keepdims=True, where=~grid.holes)
+            bent = np.where(grid.holes, 0.0, values - mean)
+        else:
+            mean = values.mean(axis=inner, keepdims=True)
+            bent = values - mean
+        variances = None
+        if isinstance(self.sigma, np.ndarray):
+            ones = (1,) * d
+            shape = (*values.shape[:2], *(grid.shape if self.sigma.shape[2:] != ones else ones))
+            variances = np.broadcast_to(self.sigma**2, shape)
+        flat = mean.reshape(mean.shape[:2])
+        return Field(grid, bent, flat, variances, self.order, self.other_order)
+
+    @property
+    def dimension(self) -> int:
+        """Number of axes."""
+        return len(self.axes)
+
+    @property
+    def rows(self) -> int:
+        """Number of frame indices."""
+        return len(self.coframe)
+
+    @property
+    def steps(self) -> tuple[float, ...]:
+        """Spacing of each axis; negative where it decreases."""
+        return self._grid.steps
+
+    @property
+    def other_order(self) -> int:
+        """The order against which errors are measured."""
+        return self.order - 2 if self.order > 2 else 4
+
+    @cached_property
+    def holes(self) -> tuple[Hole, ...]:
+        """Connected nodes of which nothing is known, in the order of their first nodes."""
+        return holes_of(self._grid)
+
+    def __repr__(self) -> str:
+        parts = [f"{' x '.join(map(str, self._grid.shape))} nodes", f"{self.rows} rows"]
+        parts.append(f"order {self.order}")
+        if any(self.periodic):
+            wraps = [n for n, wraps in zip(self.names, self.periodic, strict=True) if wraps]
+            parts.append(f"periodic in {', '.join(wraps)}")
+        if self.holes:
+            count, nodes = len(self.holes), int(np.count_nonzero(self.mask))
+            parts.append(f"{count} hole{'s' * (count > 1)} of {nodes} node{'s' * (nodes > 1)}")
+        if isinstance(self.sigma, np.ndarray):
+            low, high = (f"{x:.2g}" for x in (self.sigma.min(), self.sigma.max()))
+            parts.append(f"sigma {low}" + (f" to {high}" if high != low else ""))
+        if self.unit:
+            other = self.vector_unit != self.unit
+            parts.append(f"in {self.unit}" + (f", b in {self.vector_unit}" if other else ""))
+        return f"SampledFrame({', '.join(parts)})"
+
+
+def _of_differences(sigma: object, displacement: np.ndarray, grid: Grid) -> np.ndarray:
+    """Standard deviations of a displacement, shape (rows or 1, 1, grid or 1...)."""
+    if isinstance(sigma, str):
+        checks.choice(sigma, ["estimate"], "sigma", GridError)
+        return np.moveaxis(estimated(displacement[None], grid), 0, 1)
+    return sigma_of(sigma, (1, 1, *grid.shape), grid)
