@@ -25,7 +25,10 @@ TEXT_KEYS = ("name", "title", "story", "source", "notes")
 SYMBOL_KEYS = ("coordinates", "parameters", "functions", "domain")
 SHAPE_KEYS = ("coframe", "frame", "metric", "structure_constants")
 CONNECTION_KEYS = ("spin_connection", "contortion", "connection")
-KEYS = (*TEXT_KEYS, *SYMBOL_KEYS, "signature", "complex", *SHAPE_KEYS, *CONNECTION_KEYS)
+CHART_KEYS = ("edge", "margin", "charts")
+KEYS = (
+    *TEXT_KEYS, *SYMBOL_KEYS, "signature", "complex", *SHAPE_KEYS, *CONNECTION_KEYS, *CHART_KEYS,
+)  # fmt: skip
 
 
 ADVICE = 'Expressions stand in quotes, as in ["r*sin(theta)", 0]; lists in square brackets.'
@@ -59,11 +62,20 @@ def read_file(path: str | PathLike[str]) -> Space:
         At most one: omega[a][i][j], K[a][b][c] or Gamma[a][b][c] of a connection of the space's
         own, a being the direction of differentiation; nested lists or a table of the entries that
         do not vanish, ``"0,1,2" = "1/r"``, indices counted from 0.
+    edge, margin
+        An expression that is positive inside the coordinates, and the value below which motions
+        move over to another chart.
+    charts
+        Tables of further charts, [[charts]]: name, coordinates, coframe (of the same metric),
+        from_home (its coordinates by those of the file), to_home (the other way round); angles
+        (names of coordinates that count modulo 2 pi), keeps_frame (true if its coframe is the
+        same frame), edge and margin of its own. The maps are checked when the file is read.
 
     Raises
     ------
     FileFormatError
-        The file cannot be read, is no TOML, has an unknown key or a value of the wrong kind.
+        The file cannot be read, is no TOML, has an unknown key or a value of the wrong kind, or
+        a map between charts is wrong.
     ExpressionError
         An expression cannot be read; the message names the entry and the part.
     LimitError
@@ -88,6 +100,11 @@ def read_file(path: str | PathLike[str]) -> Space:
     words = vocabulary(file, data, dimension_of(file, shape, data[shape]))
     name = _text(file, data, "name") or path.stem
     frame = _frame(words, data, shape, name)
+    if any(key in data for key in CHART_KEYS):
+        # Motions load scipy, which files without charts do not need.
+        from geomtorsion.spaces.file_charts import attach_charts
+
+        attach_charts(words, data, frame)
     return Space(
         name=name,
         title=_text(file, data, "title") or name,

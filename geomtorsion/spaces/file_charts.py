@@ -1,0 +1,185 @@
+"""File charts: further charts of a tetrad file, and the maps between them and its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+import sympy as sp
+
+from geomtorsion.checks import did_you_mean, shown
+from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap
+from geomtorsion.curves.atlas_check import check_atlas
+from geomtorsion.errors import CoordinateError, FileFormatError
+from geomtorsion.files import Decimal
+from geomtorsion.geometry import Frame
+from geomtorsion.spaces.arrays import array
+from geomtorsion.spaces.symbols import Vocabulary, texts, vocabulary
+
+# Of a chart, and of the coordinates of the file.
+EDGE_KEYS = ("edge", "margin")
+NEEDED = ("name", "coordinates", "coframe", "from_home", "to_home")
+KEYS = (*NEEDED, "angles", "keeps_frame", *EDGE_KEYS)
+
+
+def attach_charts(words: Vocabulary, data: Mapping[str, Any], frame: Frame) -> None:
+    """Let a frame know the charts of its file, once all their maps are found right.
+
+    Raises
+    ------
+    FileFormatError
+        A key is unknown or missing, or a value of the wrong kind; or a map is wrong: it does not
+        pull the metric back, or does not lead back.
+    """
+    given = data.get("charts", [])
+    if not isinstance(given, list) or not all(isinstance(one, dict) for one in given):
+        raise FileFormatError(
+            f"{words.file}: charts: tables were needed, but {shown(given)} came. Write [[charts]]."
+        )
+    make = partial(_atlas, words, {key: data[key] for key in EDGE_KEYS if key in data}, given)
+    atlas = make(frame)
+    try:
+        check_atlas(frame, atlas)
+    except CoordinateError as error:
+        raise FileFormatError(f"{words.file}: charts: {error}") from None
+    frame.derived("atlas", lambda: _with_origin(make, frame))
+
+
+def _with_origin(make: Callable[[Frame], Atlas], frame: Frame) -> Atlas:
+    made = make(frame)
+    return Atlas(made.home, made.makers, made.changes, made.order, (make, frame))
+
+
+def _atlas(
+    words: Vocabulary, own: Mapping[str, Any], tables: list[dict[str, Any]], frame: Frame
+) -> Atlas:
+    """The atlas of a frame and the charts of its file."""
+    home = frame.name
+    charts = {home: Chart.of(frame, home, **_edge(words, own, ""))}
+    maps: list[TransitionMap] = []
+    for number, table in enumerate(tables):
+        place = f"charts[{number}]"
+        _check_keys(words.file, table, place)
+        name = table["name"]
+        if not isinstance(name, str) or not name or name in charts:
+            raise FileFormatError(
+                f"{words.file}: {place}.name: a text that no other chart has was needed, but "
+                f"{shown(name)} came."
+            )
+        inner = _words(words, table, place)
+        charts[name] = _chart(frame, inner, table, place, name)
+        maps += _maps(words, inner, table, place, home, name)
+    makers = {name: partial(_same, chart) for name, chart in charts.items()}
+    # Motions begin in the chart of the file, and come back where another one ends.
+    return Atlas(home, makers, partial(_same, tuple(maps)), tuple(charts))
+
+
+def _same(value: Any) -> Any:
+    return value
+
+
+def _check_keys(file: str, table: Mapping[str, object], place: str) -> None:
+    for key in table:
+        if key not in KEYS:
+            raise FileFormatError(
+                f"{file}: {place}: unknown key {shown(key)}. {did_you_mean(key, KEYS)}"
+                f"Known are {', '.join(KEYS)}."
+            )
+    for key in NEEDED:
+        if key not in table:
+            raise FileFormatError(f"{file}: {place}: {key} is missing. Give {', '.join(NEEDED)}.")
+
+
+def _words(words: Vocabulary, table: Mapping[str, Any], place: str) -> Vocabulary:
+    """What may occur in expressions over the coordinates of a further chart."""
+    names = texts(words.file, table["coordinates"], f"{place}.coordinates")
+    taken = {*words.symbols, *words.functions}
+    for name in names:
+        if name in taken:
+            raise FileFormatError(
+                f"{words.file}: {place}.coordinates: {shown(name)} is a name of the file already. "
+                "Give each coordinate of a chart a name of its own."
+            )
+    own = vocabulary(words.file, {"coordinates": names}, len(names))
+    return Vocabulary(words.file, own.coordinates, words.parameters, words.functions)
+
+
+def _chart(
+    frame: Frame, words: Vocabulary, table: Mapping[str, Any], place: str, name: str
+) -> Chart:
+    """A chart with the signature of the frame of the file."""
+    each = range(frame.dimension)
+    rows = array(words, f"{place}.coframe", table["coframe"], 2, frame.dimension)
+    keeps = table.get("keeps_frame", False)
+    if not isinstance(keeps, bool):
+        raise FileFormatError(
+            f"{words.file}: {place}.keeps_frame: true or false was needed, not {shown(keeps)}."
+        )
+    eta = [[frame.eta[i, j] for j in each] for i in each]
+    other = Frame(words.coordinates, rows, eta, parameters=words.parameters, name=name)
+    return Chart.of(other, name, keeps_frame=keeps, **_edge(words, table, f"{place}."))
+
+
+def _edge(words: Vocabulary, table: Mapping[str, Any], place: str) -> dict[str, Any]:
+    """What is positive in a chart, and how near to its end motions leave it."""
+    if "edge" not in table:
+        if "margin" in table:
+            raise FileFormatError(
+                f"{words.file}: {place}margin says how near to the edge motions leave a chart. "
+                "Give edge, too: an expression that is positive inside."
+            )
+        return {}
+    margin = table.get("margin", "1/10")
+    number = None
+    if not isinstance(margin, Decimal):
+        number = words.expression(margin, f"{place}margin")
+    elif _is_decimal(margin):
+        number = sp.Rational(str(margin))
+    if not isinstance(number, sp.Rational) or number.p <= 0:
+        raise FileFormatError(
+            f"{words.file}: {place}margin: a positive number was needed, but "
+            f"{shown(table['margin'])} came."
+        )
+    near = number.p / number.q
+    return {"edge": words.expression(table["edge"], f"{place}edge"), "margin": near}
+
+
+def _is_decimal(text: str) -> bool:
+    return text.replace(".", "", 1).isdigit()
+
+
+def _maps(
+    words: Vocabulary, inner: Vocabulary, table: Mapping[str, Any], place: str, home: str, name: str
+) -> list[TransitionMap]:
+    """The maps into a chart and back."""
+    n = len(words.coordinates)
+    lists = {}
+    for key, reader in (("from_home", words), ("to_home", inner)):
+        value = table[key]
+        if not isinstance(value, list) or len(value) != n:
+            raise FileFormatError(
+                f"{words.file}: {place}.{key}: a list of {n} expressions was needed, one for each "
+                f"coordinate, but {shown(value)} came."
+            )
+        lists[key] = tuple(
+            reader.expression(entry, f"{place}.{key}[{k}]") for k, entry in enumerate(value)
+        )
+    angles = texts(words.file, table.get("angles", []), f"{place}.angles")
+    every = [symbol.name for symbol in (*words.coordinates, *inner.coordinates)]
+    for angle in angles:
+        if angle not in every:
+            raise FileFormatError(
+                f"{words.file}: {place}.angles: {shown(angle)} is no coordinate. "
+                f"{did_you_mean(angle, every)}Known are {', '.join(every)}."
+            )
+
+    def turning(symbols: tuple[sp.Symbol, ...]) -> tuple[int, ...]:
+        return tuple(k for k, symbol in enumerate(symbols) if symbol.name in angles)
+
+    there, back = lists["from_home"], lists["to_home"]
+    q, x, parameters = words.coordinates, inner.coordinates, words.parameters
+    return [
+        TransitionMap(home, name, q, there, parameters, turning(x)),
+        TransitionMap(name, home, x, back, parameters, turning(q)),
+    ]
