@@ -13,7 +13,7 @@ from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, SingularPointError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops.arcs import Parameters, Part, shown
-from geomtorsion.loops.defects import by_winding
+from geomtorsion.loops.defects import by_winding, lines_alone
 from geomtorsion.loops.exact_integral import ExactBurgersVector, exact_burgers_vector
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.integrals import (
@@ -152,7 +152,11 @@ def burgers_vector(
         (line_route(compiled, part, accuracy, cuts), flux_route(compiled, part, accuracy))
         for part, cuts in zip(loop.parts, near, strict=True)
     ]
-    chosen = [_chosen(part, *pair, accuracy) for part, pair in zip(loop.parts, pairs, strict=True)]
+    known = not any(near) or lines_alone(frame, compiled.poles)
+    chosen = [
+        _chosen(part, *pair, accuracy) if known or not cuts else _near_pole(part, *pair)
+        for part, pair, cuts in zip(loop.parts, pairs, near, strict=True)
+    ]
     power = 2 if all(route.power == 2 for route, _, _ in chosen) else 1
     picked = [route for route, _, _ in chosen]
     with np.errstate(over="ignore", invalid="ignore"):
@@ -232,6 +236,14 @@ def _chosen(
     digits = f"{error / largest:.0e}" if largest else "no digit"
     why = f"flux: the loop is so small that the line integral is good to {digits} of b only"
     return flux, True, why
+
+
+def _near_pole(part: Part, line: Route, flux: Route | None) -> tuple[Route, bool | None, str]:
+    """The line alone, so near to a pole of unknown shape that it may or may not be inside."""
+    why = "line: so near to a pole the flux does not tell on which side of the loop it lies"
+    if flux is None:
+        return line, None, why
+    return line, bool(agreement(line, flux, np.array([part.size]))[0][0]), why
 
 
 def _total(loop: Loop, routes: Sequence[Route], power: int) -> tuple[np.ndarray, float]:

@@ -19,7 +19,7 @@ from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Number, Parameters, shown
 from geomtorsion.loops.cone import line_rate
 from geomtorsion.loops.defect_lines import Lines
-from geomtorsion.loops.forms import forms, parameter_values
+from geomtorsion.loops.forms import Poles, forms, parameter_values
 from geomtorsion.loops.integrals import line_route
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.planes import rows
@@ -341,6 +341,12 @@ def _circle_about(
     return Loop.circle(centre.tolist(), radius, (dual[:, 0], dual[:, 1]))
 
 
+def lines_alone(frame: Frame, poles: Poles | None, connection: Connection | None = None) -> bool:
+    """Whether all zeros of the denominators are straight lines, whose windings are known."""
+    known = [one for one in find_defects(frame, connection) if one.across is not None]
+    return poles is not None and len(known) == len(poles.names)
+
+
 def by_winding(frame: Frame, loop: Loop, parameters: Parameters | None) -> np.ndarray | None:
     """What a loop misses where torsion sits on lines alone: the sum of turns times charges, (n,).
 
@@ -353,9 +359,7 @@ def by_winding(frame: Frame, loop: Loop, parameters: Parameters | None) -> np.nd
     """
     compiled = forms(frame, parameters)
     known = [one for one in find_defects(frame) if one.across is not None]
-    if compiled.curl is not None or compiled.poles is None or loop.gap.any():
-        return None
-    if len(known) != len(compiled.poles.names):
+    if compiled.curl is not None or loop.gap.any() or not lines_alone(frame, compiled.poles):
         return None
     total = np.zeros(frame.dimension)
     for one in enclosed_defects(frame, loop, parameters, defects=known):

@@ -15,7 +15,7 @@ from geomtorsion.loops.affine_form import AffineForm
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Parameters, Part
 from geomtorsion.loops.cone import around_cone, line_rate
-from geomtorsion.loops.defects import Defect, EnclosedDefect, enclosed_defects
+from geomtorsion.loops.defects import Defect, EnclosedDefect, enclosed_defects, lines_alone
 from geomtorsion.loops.forms import perturbed
 from geomtorsion.loops.integrals import DISAGREE, probes
 from geomtorsion.loops.loop import Loop, check_loop
@@ -63,6 +63,13 @@ def back_by(form: AffineForm, start: np.ndarray, gap: np.ndarray) -> AffineMap:
     # Components of the legs at the start in those at the end: both sit at the same point.
     turn = np.linalg.solve(here.T, (there - here).T).T
     return AffineMap.of(turn, np.zeros(len(start)))
+
+
+def _doubtful(form: AffineForm, part: Part) -> bool:
+    """Whether a part comes so near to a pole of unknown shape that it may or may not be inside."""
+    if not refuse_poles(form.poles, part):
+        return False
+    return not lines_alone(form.connection.frame, form.poles, form.connection)
 
 
 def repeated(once: Transported, times: int) -> Transported:
@@ -250,7 +257,10 @@ def develop(
     loop = loop.at(parameters or {}) if loop.symbols else loop
     form = AffineForm(connection, parameters)
     lines = [repeated(along_line(form, part, accuracy), part.times) for part in loop.parts]
-    cones = [None if part.gap else around_cone(form, part, accuracy) for part in loop.parts]
+    cones = [
+        None if part.gap or _doubtful(form, part) else around_cone(form, part, accuracy)
+        for part in loop.parts
+    ]
     cones = [
         None if cone is None else repeated(cone, part.times)
         for cone, part in zip(cones, loop.parts, strict=True)

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion.errors import NetworkError, SingularPointError
-from geomtorsion.loops.arcs import SAME_POINT, Parameters, shown
-from geomtorsion.loops.defects import find_defects
-from geomtorsion.loops.forms import Form, forms
+from geomtorsion.loops.arcs import SAME_POINT, Parameters, Part, Segment, shown
+from geomtorsion.loops.defects import find_defects, lines_alone
+from geomtorsion.loops.forms import Form, Forms, forms
+from geomtorsion.loops.integrals import line_route
 from geomtorsion.loops.planes import rows
+from geomtorsion.loops.poles import NEAR_POLE, SAMPLES, refuse_poles
 from geomtorsion.loops.quadrature import PIECE, ROUNDING, cut, gauss_pair, graded, halved
 from geomtorsion.loops.winding import nearest
 
@@ -59,17 +61,24 @@ def edge_integrals(
             "networks are summed in real numbers, but the frame is declared complex. "
             "Use burgers_vector or develop for single loops, or a real frame."
         )
-    coframe = forms(frame, parameters).coframe
+    compiled = forms(frame, parameters)
     shares, distances = _nearest_line(frame, starts, ends, parameters)
     vectors, errors = np.empty(starts.shape), np.empty(len(starts))
     evaluations = 0
+    alone = _near_other_poles(frame, compiled, starts, ends)
+    for k in alone.tolist():
+        vectors[k], errors[k], points = _by_itself(compiled, starts[k], ends[k], accuracy, k)
+        evaluations += points
+    others = np.delete(np.arange(len(starts)), alone)
     # As many as fit in the cache go fastest.
     together = PIECE // len(RULE.nodes)
-    for begin in range(0, len(starts), together):
-        part = slice(begin, begin + together)
+    for begin in range(0, len(others), together):
+        # A slice where all edges are meant: what lies together is taken together.
+        part = others[begin : begin + together] if len(alone) else slice(begin, begin + together)
         vectors[part], errors[part], points = _block(
-            coframe, starts[part], ends[part], shares[part], distances[part], accuracy, begin
-        )
+            compiled.coframe, starts[part], ends[part], shares[part], distances[part], accuracy,
+            others[begin : begin + together],
+        )  # fmt: skip
         evaluations += points
     return EdgeIntegrals(vectors, errors, evaluations)
 
@@ -81,7 +90,7 @@ def _block(
     shares: np.ndarray,
     distances: np.ndarray,
     accuracy: float,
-    first: int,
+    numbers: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, int]:
     """Vectors and errors of a block of edges, and how many points were evaluated."""
     begin, step = starts.T, (ends - starts).T
@@ -115,11 +124,53 @@ def _block(
         k, s = found.worst
         where = starts[k] + s * (ends[k] - starts[k])
         raise SingularPointError(
-            f"edge {first + k} passes through {shown(where)}, where the integral of the coframe "
+            f"edge {numbers[k]} passes through {shown(where)}, where the integral of the coframe "
             "does not converge: it is singular there. Lead the edge past that point."
         )
     assert found.sizes is not None
     return found.values.T, found.truncation + noise * found.sizes, found.points
+
+
+def _near_other_poles(
+    frame: Frame, compiled: Forms, starts: np.ndarray, ends: np.ndarray
+) -> np.ndarray:
+    """Numbers of the edges near poles that are no straight lines."""
+    poles = compiled.poles
+    found = [np.zeros(0, dtype=np.int64)]
+    if poles is None or lines_alone(frame, poles):
+        return found[0]
+    together = PIECE // SAMPLES
+    s = np.linspace(0, 1, SAMPLES)
+    for begin in range(0, len(starts), together):
+        low, high = starts[begin : begin + together].T, ends[begin : begin + together].T
+        points = low[:, :, None] + (high - low)[:, :, None] * s
+        values = poles.values(points.reshape(len(points), -1)).reshape(-1, low.shape[1], SAMPLES)
+        sizes = np.abs(values)
+        near = ~(sizes.min(axis=2) >= NEAR_POLE * sizes.max(axis=2))
+        if not np.iscomplexobj(values):
+            near |= (values.min(axis=2) < 0) & (values.max(axis=2) > 0)
+        found.append(begin + np.flatnonzero(near.any(axis=0)))
+    return np.concatenate(found)
+
+
+def _by_itself(
+    compiled: Forms, start: np.ndarray, end: np.ndarray, accuracy: float, number: int
+) -> tuple[np.ndarray, float, int]:
+    """Vector and error of one edge, as a side of a loop, and points evaluated.
+
+    Raises
+    ------
+    SingularPointError
+        It goes through a pole; the message names edge and point.
+    """
+    size = float(np.abs(end - start).max())
+    side = Segment((0.0,) * len(start), tuple(((end - start) / size).tolist()))
+    part = Part(tuple(start.tolist()), size, (side,))
+    try:
+        found = line_route(compiled, part, accuracy, refuse_poles(compiled.poles, part))
+    except SingularPointError as reason:
+        raise SingularPointError(str(reason).replace("the loop", f"edge {number}")) from None
+    return size * found.values[:, 0], size * float(found.error[0]), found.points
 
 
 def _nearest_line(

@@ -237,6 +237,8 @@ def line_route(
     points = centre + part.size * offsets
     values = forms.coframe.at(points)
     noise = forms.coframe.noise(points, values, centre)
+    if cuts:
+        noise = np.maximum(noise, _cancelled(forms, points, values) * np.abs(values))
     lengths = np.abs(slopes[forms.coframe.columns]) * weights
     size, rounding = (
         float((forms.coframe.gather @ (x * lengths)).sum(axis=1).max())
@@ -248,6 +250,25 @@ def line_route(
     if not found.converged and found.truncation > DIVERGES * size:
         raise SingularPointError(_diverges(part, found.worst))
     return _route(found, 1, rounding, found.points + 2 * points.shape[1])
+
+
+def _cancelled(forms: Forms, points: np.ndarray, values: np.ndarray) -> float:
+    """The share of the largest entries near a pole that rounding leaves in doubt.
+
+    A denominator that is small because terms cancel has few digits, and a rounding of the point
+    need not show it: the largest entries are compared with exact ones.
+    """
+    sizes = None if forms.poles is None else forms.poles.sizes
+    if sizes is None:
+        return 0.0
+    largest = np.abs(values).max(axis=0)
+    worst = 0.0
+    for k in np.argsort(largest)[-EVERY:]:
+        exact = sizes(*points[:, k], *forms.poles.numbers)  # type: ignore[union-attr]
+        missed = np.abs(np.abs(values[:, k]) - exact).max()
+        worst = max(worst, float(missed / np.maximum(exact.max(), np.finfo(float).tiny)))
+    # A few places stand for all: the next may have been less lucky.
+    return EVERY * worst
 
 
 def line_at(forms: Forms, part: Part, offsets: np.ndarray, slopes: np.ndarray) -> np.ndarray:

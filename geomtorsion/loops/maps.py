@@ -18,6 +18,7 @@ from geomtorsion.loops.chains import ClosedCurve, Shape, Square
 from geomtorsion.loops.forms import Forms, forms
 from geomtorsion.loops.integrals import Places, agreement, by_levels
 from geomtorsion.loops.loop import Loop
+from geomtorsion.loops.poles import NEAR_POLE
 from geomtorsion.loops.progress import counted
 from geomtorsion.loops.quadrature import PIECE
 
@@ -25,8 +26,6 @@ from geomtorsion.loops.quadrature import PIECE
 TOGETHER = PIECE // 32
 # Points of the first level on a circle: most are so small that few are enough.
 FIRST = 9
-# Where a denominator falls below this share of its largest value, a loop is looked at by itself.
-NEAR_POLE = 0.05
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -7,10 +7,14 @@ import numpy as np
 from geomtorsion.errors import SingularPointError
 from geomtorsion.loops.arcs import SAME_POINT, Arc, Part, shown
 from geomtorsion.loops.forms import Poles
-from geomtorsion.loops.quadrature import NARROWEST, graded
+from geomtorsion.loops.quadrature import NARROWEST, equidistant, graded
 
 # A denominator goes with the square of the distance; as a share of its largest value on an arc:
 ZERO = SAME_POINT**2
+# Where a denominator falls below this share of its largest value, a loop is looked at by itself.
+NEAR_POLE = 0.05
+# Places on an arc at which denominators are looked at first: those of the coarsest rule.
+SAMPLES = equidistant(0, 0)
 # Where a denominator is flat within this share of itself, its minimum is found.
 FLAT = 0.9
 # A peak as narrow as this share of a step between samples escapes rules with few points.
@@ -34,7 +38,7 @@ def refuse_poles(poles: Poles | None, part: Part) -> tuple[tuple[int, float], ..
     if poles is None:
         return ()
     for number, arc in enumerate(part.arcs):
-        count = max(17, 4 * arc.waves + 1)
+        count = max(SAMPLES, 4 * arc.waves + 1)
         s = np.linspace(0, 1, count)
         for k, row in enumerate(poles.values(part.points(arc, s)[0])):
             sizes = np.abs(row)

@@ -171,6 +171,42 @@ def test_cells_of_a_map_near_the_line(distance: float) -> None:
             assert distance < 1e-9
 
 
+def ring() -> Frame:
+    """A screw whose line is a circle: torsion vanishes off it, and it is no straight line."""
+    x, y, z = sp.symbols("x y z", real=True)
+    rho = sp.sqrt(x**2 + y**2)
+    square = 2 * sp.pi * ((rho - 1) ** 2 + z**2)
+    slopes = (-z * x / rho / square, -z * y / rho / square, 1 + (rho - 1) / square)
+    return Frame([x, y, z], [[1, 0, 0], [0, 1, 0], slopes])
+
+
+RING = ring()
+
+
+@pytest.mark.parametrize("distance", [0.1, 1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13])
+@pytest.mark.parametrize("inside", [1, 0])
+def test_near_a_curved_line(distance: float, inside: int) -> None:
+    """Where the denominator cancels, the error says so; the flux is not taken for the answer."""
+    x = 1 - distance if inside else 1 + distance
+    corners = [[x, 0, -0.5], [1.6, 0, -0.5], [1.6, 0, 0.5], [x, 0, 0.5]]
+    try:
+        found = burgers_vector(RING, Loop.polygon(corners), 1e-8)
+    except SingularPointError:
+        assert distance < 1e-7
+    else:
+        assert abs(found.vector[2] - inside) <= found.error < 0.5
+        assert found.error < 1e-4 or distance < 1e-6
+    square = EdgeList(np.array(corners), np.array([[0, 1], [1, 2], [2, 3], [3, 0]]))
+    try:
+        cycle = Network(RING, square).burgers([0, 1, 2, 3])
+    except SingularPointError as reason:
+        refused = str(reason)
+    else:
+        refused = ""
+        assert abs(cycle.vector[2] - inside) <= cycle.error < 0.5
+    assert distance > 1e-8 or refused.startswith("edge 3 passes through (")
+
+
 def test_a_wrong_integral_near_a_line_would_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     """The third way can say no: with another winding the loop is refused."""
     monkeypatch.setattr(burgers, "by_winding", lambda *_: np.array([0.0, 0.0, 0.5]))
