@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion import checks
-from geomtorsion.errors import UnknownNameError
+from geomtorsion.errors import ArgumentError, UnknownNameError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -179,6 +179,8 @@ def burgers(vector: Sequence[Any] | np.ndarray, name: str) -> np.ndarray:
     ------
     UnknownNameError
         No convention has this name; the message lists them.
+    ArgumentError
+        The vector is no list of numbers.
 
     Examples
     --------
@@ -189,9 +191,12 @@ def burgers(vector: Sequence[Any] | np.ndarray, name: str) -> np.ndarray:
     import numpy as np
 
     signs = {each: one.sign for one in BURGERS for each in one.names}
-    return signs[checks.known_name(name, signs, "convention", UnknownNameError)] * np.asarray(
-        vector
-    )
+    known = checks.known_name(name, signs, "convention", UnknownNameError)
+    message = "{subject}: a Burgers vector was needed, but {value} came."
+    found = np.asarray(checks.entries(vector, "vector", message=message))
+    if found.dtype.kind not in "iufcO":
+        raise ArgumentError(f"vector: numbers were needed, but {checks.shown(vector)} came.")
+    return signs[known] * found
 
 
 def convention(name: str) -> Convention:

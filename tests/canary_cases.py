@@ -242,8 +242,11 @@ def public_methods() -> list[Case]:
         _of(
             "Loop.parametric", loop.parametric, expressions=["cos(s)", "sin(s)"], parameter="s",
             interval=(0, 2 * sp.pi), centre=[1, 1], size=1, symbols={"a": sp.Symbol("a")},
-            name="curve",
+            name="curve", periods={1: 1},
         ),
+        _of("conventions.burgers", gt.conventions.burgers, vector=[0, 1], name="FS/RH"),
+        _of("BurgersVector.in_convention", gt.burgers_vector(PLANE, CIRCLE).in_convention,
+            name="OVITO"),
         _of("Loop.plaquette", loop.plaquette, corner=[0, 0], steps=(1, 1), plane=(0, 1), name="a"),
         _of(
             "Loop.spline", loop.spline, points=[[0, 0], [1, 0], [1, 1], [0, 1]], centre=[0, 0],

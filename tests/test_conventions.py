@@ -10,7 +10,7 @@ import sympy as sp
 
 import geomtorsion as gt
 from geomtorsion.conventions import BURGERS, burgers
-from geomtorsion.errors import UnknownNameError
+from geomtorsion.errors import ArgumentError, UnknownNameError
 from geomtorsion.loops import Cochain, Loop, SampledFrame, burgers_vector, exact_burgers_vector
 from geomtorsion.loops.cochain import CycleBurgers
 
@@ -189,3 +189,6 @@ def test_conversions_are_their_own_inverse_and_names_are_known() -> None:
         assert burgers(burgers([1, -2, 3], name), name).tolist() == [1, -2, 3]
     with pytest.raises(UnknownNameError, match="'FS-RH' is not known. .*FS/RH"):
         gt.conventions.burgers([1], "FS-RH")
+    for wrong in ("abc", ["a"], None):
+        with pytest.raises(ArgumentError, match="vector: "):
+            burgers(wrong, "FS/RH")  # type: ignore[arg-type]

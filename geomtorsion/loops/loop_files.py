@@ -26,7 +26,7 @@ KINDS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "ellipse": (("centre", "axes"), ("plane",)),
     "polygon": (("vertices",), ("centre", "size")),
     "plaquette": (("corner", "steps"), ("plane",)),
-    "curve": (("expressions",), ("parameter", "interval", "centre", "size")),
+    "curve": (("expressions",), ("parameter", "interval", "centre", "size", "periods")),
     "spline": (("points",), ("centre", "size")),
 }
 COMMON = ("name", "times")
@@ -37,9 +37,9 @@ def loop_from_data(frame: Frame, data: Any, where: str = "loop") -> Loop:
 
     Exactly one key names the kind: circle (centre, radius, plane), ellipse (centre, axes, plane),
     polygon (vertices, centre, size), plaquette (corner, steps, plane), curve (expressions,
-    parameter, interval, centre, size), spline (points, centre, size); name and times may stand
-    next to it. Numbers may be text such as "pi/2"; a plane is two coordinates, by number or name,
-    or two vectors.
+    parameter, interval, centre, size, periods), spline (points, centre, size); name and times may
+    stand next to it. Periods are {coordinate: period}, such as {"phi": "2*pi"}. Numbers may be text
+    such as "pi/2"; a plane is two coordinates, by number or name, or two vectors.
 
     Raises
     ------
@@ -100,6 +100,13 @@ def _value(frame: Frame, key: str, value: Any, where: str) -> Any:
         return value
     if key == "plane":
         return plane_of(frame, value, where)
+    if key == "periods":
+        names = [symbol.name for symbol in frame.coordinates]
+        checks.known_keys(value, names, f"{where}: periods", FileFormatError)
+        return {
+            names.index(name): _numbers(period, f"{where}: periods: {name}")
+            for name, period in value.items()
+        }
     return _numbers(value, f"{where}: {key}")
 
 

@@ -3,12 +3,14 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
+import sympy as sp
 
 from geomtorsion.errors import ExpressionError, FileFormatError, GeomtorsionError, LoopError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import burgers_vector
-from geomtorsion.loops.loop_files import loops_from_csv, loops_from_json, read_loops
+from geomtorsion.loops.loop_files import loop_from_data, loops_from_csv, loops_from_json, read_loops
 
 PLANE = Frame("x y", [[1, 0], [0, 1]])
 
@@ -136,3 +138,18 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     binary.write_bytes(b"\xff\xfe\x00\x01")
     with pytest.raises(FileFormatError, match="no UTF-8"):
         read_loops(PLANE, binary)
+
+
+def test_curves_in_files_may_have_periods() -> None:
+    """By the names of coordinates; unknown ones are refused."""
+    r, phi = sp.symbols("r phi", positive=True)
+    polar = Frame([r, phi], [[1, 0], [0, r]])
+    curve = {"expressions": ["2 + cos(s)/2", "s"], "parameter": "s", "interval": [0, "2*pi"]}
+    loop = loop_from_data(polar, {"curve": {**curve, "periods": {"phi": "2*pi"}}})
+    assert loop.gap.tolist() == [0, 2 * np.pi]
+    assert burgers_vector(polar, loop).vector == pytest.approx([0, 4 * np.pi])
+    for periods, message in (({"q": 1}, "periods: 'q' is not known"), ("phi", "periods")):
+        with pytest.raises(FileFormatError, match=message):
+            loop_from_data(polar, {"curve": {**curve, "periods": periods}})
+    with pytest.raises(LoopError, match="does not close"):
+        loop_from_data(polar, {"curve": curve})
