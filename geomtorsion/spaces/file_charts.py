@@ -131,7 +131,7 @@ def _edge(words: Vocabulary, table: Mapping[str, Any], place: str) -> dict[str, 
             )
         return {}
     margin = table.get("margin", "1/10")
-    number = None
+    number: Any = None
     if not isinstance(margin, Decimal):
         number = words.expression(margin, f"{place}margin")
     elif _is_decimal(margin):
