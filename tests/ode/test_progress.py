@@ -29,7 +29,9 @@ CASES += [(chart_changes, engine) for engine in ENGINES]
 CASES += [(stiff, Stiff()), (stiff, Stiff("LSODA"))]
 
 
-@pytest.mark.parametrize(("case", "engine"), CASES, ids=lambda x: getattr(x, "name", str(x)))
+@pytest.mark.parametrize(
+    ("case", "engine"), CASES, ids=lambda x: getattr(x, "name", None) or x.__name__
+)
 def test_watching_changes_nothing(case, engine):
     """The same bits with and without; parts rise from 0 to 1, and there are many."""
     problem, t = case()
