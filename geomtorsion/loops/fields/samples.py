@@ -17,6 +17,7 @@ from geomtorsion.loops.arcs import Parameters
 from geomtorsion.loops.fields.circuits import (
     Field,
 )
+from geomtorsion.loops.fields.contents import TEXTS, Contents
 from geomtorsion.loops.fields.displacement import distortion_of
 from geomtorsion.loops.fields.grid import (
     Grid,
@@ -33,7 +34,7 @@ from geomtorsion.loops.fields.holes import Hole, holes_of
 from geomtorsion.loops.fields.noise import estimated, sigma_of
 from geomtorsion.loops.fields.strain import strain_and_rotation
 from geomtorsion.loops.forms import forms
-from geomtorsion.loops.grid_files import TEXTS, read_grid, save_grid
+from geomtorsion.loops.grid_files import read_grid, save_grid
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
@@ -247,7 +248,7 @@ class Samples:
 
     @classmethod
     def read(cls, path: str | Path, order: int = 4) -> Self:
-        """From an NPZ or NetCDF file (see `grid_files.read_grid` for its contents).
+        """From a file: .npz, .nc, .csv, .h5, .vtk or .vtu (contents: `grid_files.read_grid`).
 
         Raises
         ------
@@ -258,21 +259,32 @@ class Samples:
             The order is none.
         """
         check_order(order)
-        axes, values, names, is_distortion, options = read_grid(Path(path))
-        make = cls.from_distortion if is_distortion else cls
+        found = read_grid(Path(path))
+        make = cls.from_distortion if found.is_distortion else cls
         try:
-            return make(axes, values, order, names, **options)
+            return make(found.axes, found.values, order, found.names, **found.options)
         except GridError as error:
             raise FileFormatError(f"{path}: {error}") from None
 
     def save(self, path: str | Path) -> None:
-        """Write an NPZ file that `read` reads back."""
-        options: dict[str, Any] = {key: getattr(self, key) for key in TEXTS}
+        """Write a file that `read` reads back, of the format that its name ends in.
+
+        VTK holds values and sigma alone, without units and periods.
+
+        Raises
+        ------
+        GridError
+            No format is known by that end.
+        MissingExtraError
+            The library for the format is not installed.
+        """
+        options: dict[str, Any] = {k: getattr(self, k) for k in TEXTS if getattr(self, k)}
         if isinstance(self.sigma, np.ndarray):
             options["sigma"] = self.sigma
         if any(self.periodic):
             options["periodic"] = np.array(self.periodic)
-        save_grid(Path(path), self._grid, self.coframe, options)
+        contents = Contents(list(self.axes), self.coframe, tuple(self.names), False, options)
+        save_grid(Path(path), contents)
 
     # -- what it is -------------------------------------------------------------------------------
 

@@ -1,0 +1,91 @@
+"""Contents: what a file of a sampled frame holds, and how the failures of readers are said."""
+
+from __future__ import annotations
+
+import zipfile
+import zlib
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.checks import cut
+from geomtorsion.errors import FileFormatError, LimitError, MissingExtraError
+from geomtorsion.npz import LARGEST_ARRAYS
+
+# Texts that belong to a frame.
+TEXTS = ("unit", "vector_unit", "source")
+
+
+@dataclass(frozen=True, eq=False)
+class Contents:
+    """Axes and values of a frame.
+
+    values: the coframe, or a distortion, shape (rows, columns, grid...).
+    options: sigma, periodic and texts, where there are any.
+    """
+
+    axes: list[np.ndarray]
+    values: np.ndarray
+    names: tuple[str, ...]
+    is_distortion: bool
+    options: Mapping[str, Any]
+
+
+def key_of(path: Path, arrays: Iterable[str]) -> str:
+    """Which array holds the values."""
+    found = [key for key in ("coframe", "distortion") if key in arrays]
+    if len(found) != 1:
+        present = cut(", ".join(sorted(map(str, arrays)))) or "nothing"
+        raise FileFormatError(
+            f"{path}: exactly one of coframe and distortion was needed, but the file has {present}."
+        )
+    return found[0]
+
+
+def guarded(path: Path, load: Callable[[], Any]) -> Any:
+    """What a reader returns, with its failures as an error of ours."""
+    try:
+        return load()
+    except (
+        OSError, EOFError, ValueError, TypeError, KeyError, IndexError, AssertionError,
+        AttributeError, RuntimeError, ArithmeticError, MemoryError, RecursionError,
+        zipfile.BadZipFile, zlib.error,
+    ) as error:  # fmt: skip
+        if isinstance(error, FileFormatError | LimitError):
+            raise
+        raise FileFormatError(
+            f"{path}: it cannot be read, it is truncated or no file of this kind "
+            f"({type(error).__name__}: {cut(str(error))})."
+        ) from None
+
+
+def module(name: str, path: Path) -> Any:
+    """An optional library that reads and writes a format."""
+    try:
+        return import_module(name)
+    except ImportError:
+        raise MissingExtraError(
+            f"{path}: this format needs {name}, which is not installed. "
+            "Run `pip install geomtorsion[files]`, or use .npz, .nc or .csv."
+        ) from None
+
+
+def check_room(path: Path, what: str, shape: Iterable[int], size: int = 8) -> None:
+    """Refuse an array that says that it is larger than can be read."""
+    total = size
+    for length in shape:
+        total *= int(length)
+    if total > LARGEST_ARRAYS:
+        raise LimitError(
+            f"{path}: {what} would take {total:,} bytes, more than {LARGEST_ARRAYS:,}. Give a part."
+        )
+
+
+def periodic_names(given: object, path: Path) -> list[str]:
+    """Names of periodic axes from a text with blanks between them."""
+    return checks.text(given, f"{path}: periodic", FileFormatError).split()

@@ -1,0 +1,177 @@
+"""NetCDF: sampled frames in files with named dimensions; HDF5 with the same names."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geomtorsion.errors import FileFormatError, MissingExtraError
+from geomtorsion.loops.fields.contents import (
+    TEXTS,
+    Contents,
+    check_room,
+    guarded,
+    key_of,
+    module,
+    periodic_names,
+)
+
+HDF5 = b"\x89HDF"
+
+
+def read_netcdf(path: Path) -> Contents:
+    """By xarray if it is installed; classic files by scipy otherwise."""
+    try:
+        xarray = import_module("xarray")
+    except ImportError:
+        return _classic(path)
+
+    def load() -> Any:
+        with xarray.open_dataset(path) as data:
+            for name, variable in data.variables.items():
+                check_room(path, str(name), variable.shape)
+            return data.load()
+
+    data = guarded(path, load)
+    key = key_of(path, data.variables)
+    variable = data[key]
+    names = tuple(str(name) for name in variable.dims[2:])
+    for name in names:
+        if name not in data.coords:
+            raise FileFormatError(f"{path}: dimension {name} of {key} has no coordinates.")
+    sigma = data["sigma"].values if "sigma" in data.variables else None
+    axes = [data[name].values for name in names]
+    return Contents(
+        axes, variable.values, names, key == "distortion", _options(path, sigma, data.attrs)
+    )
+
+
+def _classic(path: Path) -> Contents:
+    """A classic file, by scipy."""
+    from scipy.io import netcdf_file  # 0.2 s, and this format alone needs it
+
+    with path.open("rb") as stream:
+        if stream.read(4) == HDF5:
+            raise MissingExtraError(
+                f"{path}: this is NetCDF 4, which needs xarray with a backend. "
+                "Install them: pip install geomtorsion[files]."
+            )
+
+    def load() -> tuple[dict[str, np.ndarray], dict[str, tuple[str, ...]], dict[str, Any]]:
+        with netcdf_file(path, mmap=False) as data:
+            arrays = {name: variable[:].copy() for name, variable in data.variables.items()}
+            sizes = {name: variable.dimensions for name, variable in data.variables.items()}
+            texts = {
+                name: value.decode() if isinstance(value, bytes) else value
+                for name, value in data._attributes.items()
+            }
+            return arrays, sizes, texts
+
+    arrays, dimensions, texts = guarded(path, load)
+    key = key_of(path, arrays)
+    names = tuple(dimensions[key][2:])
+    for name in names:
+        if name not in arrays:
+            raise FileFormatError(f"{path}: dimension {name} of {key} has no coordinate variable.")
+    options = _options(path, arrays.get("sigma"), texts)
+    axes = [arrays[name] for name in names]
+    return Contents(axes, arrays[key], names, key == "distortion", options)
+
+
+def _options(path: Path, sigma: np.ndarray | None, texts: Any) -> dict[str, Any]:
+    """Noise, periods and texts."""
+    found: dict[str, Any] = {key: texts[key] for key in TEXTS if key in texts}
+    if sigma is not None:
+        found["sigma"] = sigma
+    if "periodic" in texts:
+        found["periodic"] = periodic_names(texts["periodic"], path)
+    return found
+
+
+def write_netcdf(path: Path, contents: Contents) -> None:
+    """A classic file, which every library reads."""
+    from scipy.io import netcdf_file  # as above
+
+    with netcdf_file(path, "w") as data:
+        for name, axis in zip(contents.names, contents.axes, strict=True):
+            data.createDimension(name, len(axis))
+            data.createVariable(name, "d", (name,))[:] = axis
+        for name, length in zip(("row", "column"), contents.values.shape[:2], strict=True):
+            data.createDimension(name, length)
+        dims = ("row", "column", *contents.names)
+        data.createVariable("coframe", "d", dims)[:] = contents.values
+        if "sigma" in contents.options:
+            sigma = contents.options["sigma"]
+            inner = [f"of_{name}" for name in dims]
+            for name, length in zip(inner, sigma.shape, strict=True):
+                data.createDimension(name, length)
+            data.createVariable("sigma", "d", inner)[:] = sigma
+        for name, text in _texts(contents).items():
+            setattr(data, name, text)
+
+
+def _texts(contents: Contents) -> dict[str, str]:
+    """What is said in attributes."""
+    found = {key: contents.options[key] for key in TEXTS if contents.options.get(key)}
+    if "periodic" in contents.options:
+        pairs = zip(contents.names, contents.options["periodic"], strict=True)
+        found["periodic"] = " ".join(name for name, wraps in pairs if wraps)
+    return found
+
+
+# -- HDF5 -----------------------------------------------------------------------------------------
+
+
+def read_hdf5(path: Path) -> Contents:
+    """Data sets coframe (or distortion), axis_x, ... and sigma; texts as attributes."""
+    h5py = module("h5py", path)
+
+    def load() -> Contents:
+        with h5py.File(path, "r") as file:
+            names = [str(name) for name in file]
+            key = key_of(path, names)
+            said = dict(file.attrs)
+            axes = [name.removeprefix("axis_") for name in names if name.startswith("axis_")]
+            if "names" in said:
+                axes = str(said["names"]).split()
+            for name in axes:
+                if f"axis_{name}" not in names:
+                    raise FileFormatError(f"{path}: the data set axis_{name} is missing.")
+            arrays = {
+                name: _data_set(h5py, file, name, path)
+                for name in (key, "sigma", *(f"axis_{name}" for name in axes))
+                if name in names
+            }
+        options = _options(path, arrays.get("sigma"), {k: str(v) for k, v in said.items()})
+        lines = [arrays[f"axis_{name}"] for name in axes]
+        return Contents(lines, arrays[key], tuple(axes), key == "distortion", options)
+
+    return guarded(path, load)
+
+
+def _data_set(h5py: Any, file: Any, name: str, path: Path) -> np.ndarray:
+    """An array that lies in the file itself: links and other files are not followed."""
+    link = file.get(name, getlink=True)
+    if not isinstance(link, h5py.HardLink) or not isinstance(file[name], h5py.Dataset):
+        raise FileFormatError(f"{path}: {name} is no data set of this file, but a link or a group.")
+    found = file[name]
+    if found.is_virtual or found.external or found.dtype.kind not in "fiu":
+        raise FileFormatError(f"{path}: {name}: numbers in this file itself were needed.")
+    check_room(path, name, found.shape)
+    return found[...]
+
+
+def write_hdf5(path: Path, contents: Contents) -> None:
+    """The same names as in an NPZ file."""
+    h5py = module("h5py", path)
+    with h5py.File(path, "w") as file:
+        file["coframe"] = contents.values
+        for name, axis in zip(contents.names, contents.axes, strict=True):
+            file[f"axis_{name}"] = axis
+        if "sigma" in contents.options:
+            file["sigma"] = contents.options["sigma"]
+        for name, text in {"names": " ".join(contents.names), **_texts(contents)}.items():
+            file.attrs[name] = text

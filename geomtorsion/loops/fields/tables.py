@@ -1,0 +1,239 @@
+"""Tables: sampled frames node by node, as CSV with a header, or as points of a VTK file."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Mapping, Sequence
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geomtorsion.checks import cut
+from geomtorsion.errors import FileFormatError, GridError
+from geomtorsion.files import read_text
+from geomtorsion.loops.fields.contents import (
+    TEXTS,
+    Contents,
+    check_room,
+    guarded,
+    module,
+    periodic_names,
+)
+from geomtorsion.loops.fields.grid import regular_axis
+from geomtorsion.npz import LARGEST_ARRAYS
+
+_COLUMN = re.compile(r"(e|beta|sigma)_([0-9])_([0-9])")
+_EMPTY = re.compile(r"(?m)(?:^|(?<=,))[ \t]*(?=,|$)")
+_SAID = re.compile(r"#\s*(unit|vector_unit|source|periodic)\s*:\s*(.*)")
+_AT_ROW = re.compile(r"at row ([0-9]+)|row ([0-9]+)")
+
+
+def read_csv(path: Path) -> Contents:
+    """Columns x, y, ... and e_0_0, e_0_1, ... (or beta_0_0, ...), sigma_0_0, ...; one node a line.
+
+    Lines with # say unit, vector_unit, source and periodic. Nodes without a line, and values
+    without a number, are holes.
+    """
+    lines = read_text(path, LARGEST_ARRAYS).splitlines()
+    said: dict[str, str] = {}
+    first = 0
+    while first < len(lines) and (not lines[first].strip() or lines[first].startswith("#")):
+        found = _SAID.match(lines[first])
+        if found:
+            said[found[1]] = found[2].strip()
+        first += 1
+    if first >= len(lines):
+        raise FileFormatError(f"{path}: a header such as x,y,e_0_0,e_0_1 was needed; it is empty.")
+    header = [name.strip() for name in lines[first].split(",")]
+    axes, values = _header(path, header, first + 1)
+    kept = [k for k in range(first + 1, len(lines)) if lines[k].strip()]
+    for k in kept:
+        if lines[k].count(",") != len(header) - 1:
+            raise FileFormatError(
+                f"{path}: line {k + 1}: {len(header)} numbers were needed, as the header has "
+                f"columns, but {lines[k].count(',') + 1} came. Is the file complete?"
+            )
+    if not kept:
+        raise FileFormatError(f"{path}: there are no nodes below the header.")
+    body = "\n".join(lines[k] for k in kept)
+    try:
+        table = np.loadtxt(io.StringIO(_EMPTY.sub("nan", body)), delimiter=",", ndmin=2)
+    except ValueError as error:
+        row = _AT_ROW.search(str(error))
+        number = int(row[1] or row[2]) if row else 0
+        line = kept[min(number, len(kept) - 1)] + 1
+        raise FileFormatError(
+            f"{path}: line {line}: numbers were needed, but {cut(lines[line - 1], 80)!r} came."
+        ) from None
+    columns = dict(zip(header, table.T, strict=True))
+    options: dict[str, Any] = {key: said[key] for key in TEXTS if key in said}
+    if "periodic" in said:
+        options["periodic"] = periodic_names(said["periodic"], path)
+    where = [f"line {k + 1}" for k in kept]
+    return _gridded(path, {name: columns[name] for name in axes}, columns, values, options, where)
+
+
+def _header(path: Path, header: Sequence[str], line: int) -> tuple[list[str], str]:
+    """Names of the axes, and what the values are called: e or beta."""
+    kinds = {found[1] for name in header if (found := _COLUMN.fullmatch(name))}
+    axes = [name for name in header if not _COLUMN.fullmatch(name)]
+    if len(set(header)) != len(header) or len(kinds & {"e", "beta"}) != 1 or len(axes) < 2:
+        raise FileFormatError(
+            f"{path}: line {line}: a header of different names was needed, at first the axes, then "
+            f"e_0_0, e_0_1, ... or beta_0_0, ...; but {cut(', '.join(header))} came."
+        )
+    return axes, "e" if "e" in kinds else "beta"
+
+
+def _gridded(
+    path: Path,
+    places: Mapping[str, np.ndarray],
+    columns: Mapping[str, np.ndarray],
+    kind: str,
+    options: dict[str, Any],
+    where: Sequence[str],
+) -> Contents:
+    """Nodes in any order on the grid that their coordinates make."""
+    axes, index = [], []
+    for name, column in places.items():
+        bad = np.flatnonzero(~np.isfinite(column))
+        if len(bad):
+            raise FileFormatError(f"{path}: {where[bad[0]]}: a coordinate {name} was needed.")
+        axis, inverse = np.unique(column, return_inverse=True)
+        try:
+            axes.append(regular_axis(axis, name))
+        except GridError as error:
+            raise FileFormatError(
+                f"{path}: the nodes make no regular grid: {error} Scattered points must be "
+                "resampled first."
+            ) from None
+        index.append(inverse)
+    shape = tuple(len(axis) for axis in axes)
+    flat = np.asarray(np.ravel_multi_index(tuple(index), shape))
+    order = np.argsort(flat, kind="stable")
+    twice = np.flatnonzero(np.diff(flat[order]) == 0)
+    if len(twice):
+        one, two = order[twice[0]], order[twice[0] + 1]
+        raise FileFormatError(
+            f"{path}: {where[one]} and {where[two]} are of the same node. Keep one of them."
+        )
+    found = {
+        name: _array(path, columns, name, flat, shape)
+        for name in (kind, "sigma")
+        if any(column.startswith(f"{name}_") for column in columns)
+    }
+    if "sigma" in found:
+        options["sigma"] = found["sigma"]
+    return Contents(axes, found[kind], tuple(places), kind == "beta", options)
+
+
+def _array(
+    path: Path,
+    columns: Mapping[str, np.ndarray],
+    kind: str,
+    flat: np.ndarray,
+    shape: tuple[int, ...],
+) -> np.ndarray:
+    """All columns of a kind as an array (rows, columns, grid...)."""
+    keys = {
+        (int(found[2]), int(found[3])): name
+        for name in columns
+        if (found := _COLUMN.fullmatch(name)) and found[1] == kind
+    }
+    rows, width = (max(key[k] for key in keys) + 1 for k in (0, 1))
+    missing = [key for key in product(range(rows), range(width)) if key not in keys]
+    if missing:
+        i, mu = missing[0]
+        raise FileFormatError(f"{path}: the column {kind}_{i}_{mu} is missing.")
+    check_room(path, "the grid", (rows, width, *shape))
+    found = np.full((rows, width, int(np.prod(shape))), np.nan)
+    for (i, mu), name in keys.items():
+        found[i, mu, flat] = columns[name]
+    return found.reshape(rows, width, *shape)
+
+
+def _columns(contents: Contents) -> dict[str, np.ndarray]:
+    """Everything node by node, the last axis fastest."""
+    mesh = np.meshgrid(*contents.axes, indexing="ij")
+    found = {name: axis.ravel() for name, axis in zip(contents.names, mesh, strict=True)}
+    arrays = {"e": contents.values}
+    if "sigma" in contents.options:
+        d = len(contents.axes)
+        shape = (len(contents.values), d, *contents.values.shape[2:])
+        arrays["sigma"] = np.broadcast_to(contents.options["sigma"], shape)
+    for kind, values in arrays.items():
+        for i, mu in np.ndindex(*values.shape[:2]):
+            found[f"{kind}_{i}_{mu}"] = values[i, mu].ravel()
+    return found
+
+
+def write_csv(path: Path, contents: Contents) -> None:
+    """One line for each node; the numbers come back as they were."""
+    columns = _columns(contents)
+    said = [f"# {key}: {contents.options[key]}" for key in TEXTS if contents.options.get(key)]
+    if "periodic" in contents.options:
+        pairs = zip(contents.names, contents.options["periodic"], strict=True)
+        said.append("# periodic: " + " ".join(name for name, wraps in pairs if wraps))
+    with path.open("w", encoding="utf-8") as stream:
+        stream.writelines(f"{line}\n" for line in [*said, ",".join(columns)])
+        for row in zip(*(column.tolist() for column in columns.values()), strict=True):
+            stream.write(",".join("" if x != x else repr(x) for x in row) + "\n")
+
+
+# -- VTK ------------------------------------------------------------------------------------------
+
+
+def read_vtk(path: Path) -> Contents:
+    """Points on a grid, with point data e_0_0, e_0_1, ... (or beta_0_0, ...); by meshio.
+
+    A coordinate that all points share is no axis. Units and periods are not in such files.
+    """
+    meshio = module("meshio", path)
+    reader = meshio.vtu if path.suffix.lower() == ".vtu" else meshio.vtk
+
+    def load() -> tuple[np.ndarray, dict[str, np.ndarray]]:
+        try:
+            mesh = reader.read(path)
+        except meshio.ReadError as error:
+            raise ValueError(str(error)) from None
+        return np.asarray(mesh.points, float), {
+            str(name): np.asarray(values, float)
+            for name, values in mesh.point_data.items()
+            if np.ndim(values) == 1 or np.shape(values)[1:] == (1,)
+        }
+
+    points, data = guarded(path, load)
+    columns = {name: values.ravel() for name, values in data.items()}
+    wide = [k for k in range(points.shape[1]) if np.ptp(points[:, k]) > 0] if len(points) else []
+    names = ["xyz"[k] for k in wide]
+    chosen = {name: column for name, column in columns.items() if _COLUMN.fullmatch(name)}
+    _, kind = _header(path, [*names, *chosen], 1)
+    where = [f"point {k}" for k in range(len(points))]
+    places = {name: points[:, k] for name, k in zip(names, wide, strict=True)}
+    return _gridded(path, places, chosen, kind, {}, where)
+
+
+def write_vtk(path: Path, contents: Contents) -> None:
+    """Points, cells and point data, for ParaView and its like; holes are NaN."""
+    meshio = module("meshio", path)
+    d, shape = len(contents.axes), contents.values.shape[2:]
+    if d not in (2, 3):
+        raise GridError(f"{path}: VTK holds two or three axes, but the grid has {d}. Use .npz.")
+    columns = _columns(contents)
+    points = np.zeros((int(np.prod(shape)), 3))
+    for k, name in enumerate(contents.names):
+        points[:, k] = columns.pop(name)
+    corners = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    if d == 3:
+        corners = [(*corner, k) for k in (0, 1) for corner in corners]
+    numbers = np.arange(len(points)).reshape(shape)
+    inner = [
+        numbers[tuple(slice(c, n - 1 + c) for c, n in zip(corner, shape, strict=True))].ravel()
+        for corner in corners
+    ]
+    kind = "quad" if d == 2 else "hexahedron"
+    mesh = meshio.Mesh(points, [(kind, np.stack(inner, axis=1))], point_data=columns)
+    (meshio.vtu if path.suffix.lower() == ".vtu" else meshio.vtk).write(path, mesh)

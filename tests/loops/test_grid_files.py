@@ -1,0 +1,172 @@
+"""Formats: what is written comes back, what is broken is refused by line and reason."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import FileFormatError, GridError, MissingExtraError
+from geomtorsion.loops import SampledFrame
+
+AXES = [np.linspace(0, 1.1, 12), np.linspace(3, 2, 9)]
+X, Y = np.meshgrid(*AXES, indexing="ij")
+VALUES = np.array([[1 + X / 3, Y**2 / 7], [np.sin(X), 1 + np.cos(Y)]])
+MASK = np.hypot(X - 0.5, Y - 2.5) < 0.2
+NEEDS = {".h5": "h5py", ".hdf5": "h5py", ".vtk": "meshio", ".vtu": "meshio"}
+ENDS = [".npz", ".nc", ".csv", *NEEDS]
+
+
+def full() -> SampledFrame:
+    return SampledFrame(
+        AXES,
+        VALUES,
+        mask=MASK,
+        sigma=np.abs(VALUES) / 9,
+        periodic="x",
+        unit="um",
+        vector_unit="a um",
+        source="a test",
+    )
+
+
+@pytest.mark.parametrize("end", ENDS)
+def test_what_is_saved_comes_back(tmp_path, end):
+    """The same values and holes, noise, periods and units; under the name that was given."""
+    if end in NEEDS:
+        pytest.importorskip(NEEDS[end])
+    path, grid = tmp_path / f"a.b{end}", full()
+    grid.save(path)
+    assert [file.name for file in tmp_path.iterdir()] == [f"a.b{end}"]
+    again = SampledFrame.read(path)
+    # Tables do not say which way an axis is listed: it increases.
+    turned = (slice(None),) * 3 + (slice(None, None, -1),) if again.axes[1][0] < 2.5 else ...
+    assert np.array_equal(again.coframe, grid.coframe[turned], equal_nan=True)
+    known = np.isfinite(grid.coframe)
+    assert (again.sigma == grid.sigma[turned])[known[turned]].all()
+    assert again.names == ("x", "y")
+    if end not in (".vtk", ".vtu"):
+        assert again.periodic == (True, False)
+        assert (again.unit, again.vector_unit, again.source) == ("um", "a um", "a test")
+
+
+@pytest.mark.parametrize("end", [".npz", ".nc", ".csv"])
+def test_a_plain_grid_of_three_axes_comes_back(tmp_path, end):
+    """Without noise and units, three axes, one row."""
+    axes = [np.arange(6.0), np.arange(7.0) / 3, np.arange(6.0) - 2]
+    values = np.random.default_rng(0).random((1, 3, 6, 7, 6))
+    SampledFrame(axes, values, names=("u", "v", "w")).save(tmp_path / f"g{end}")
+    again = SampledFrame.read(tmp_path / f"g{end}")
+    assert (again.coframe == values).all()
+    assert (again.names, again.sigma, again.unit) == (("u", "v", "w"), None, "")
+
+
+def test_ends_that_are_not_known(tmp_path):
+    """Neither read nor written; without an end it becomes .npz."""
+    with pytest.raises(GridError, match=r"\.npz or \.nc .*ends in '\.txt'"):
+        full().save(tmp_path / "a.txt")
+    full().save(tmp_path / "plain")
+    assert (tmp_path / "plain.npz").is_file()
+
+
+HEAD = "# unit: nm\nx,y,beta_0_0,beta_0_1\n"
+ROWS = "".join(f"{x},{y},{x * y / 9},\n" if x == y == 2 else f"{x},{y},{x * y / 9},{y}\n"
+               for x in range(6) for y in range(6) if (x, y) != (4, 3))  # fmt: skip
+
+
+def test_a_table_by_hand(tmp_path):
+    """A distortion, lines in any order, a missing number and a missing line: two holes."""
+    path = tmp_path / "t.csv"
+    lines = ROWS.splitlines()
+    path.write_text(HEAD + "\n".join(lines[::-1]) + "\n")
+    grid = SampledFrame.read(path)
+    assert grid.unit == "nm"
+    assert np.argwhere(grid.mask).tolist() == [[2, 2], [4, 3]]
+    assert grid.coframe[0, 0, 5, 3] == 1 + 15 / 9
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "a header such as"),
+        ("# unit: nm\n", "a header such as"),
+        ("x,y\n1,2\n", "line 1: a header of different names"),
+        ("x,y,e_0_0,beta_0_0\n1,2,3,4\n", "line 1: a header"),
+        ("x,x,e_0_0\n1,2,3\n", "line 1: a header"),
+        ("x,e_0_0,e_0_1\n1,2,3\n", "line 1: a header"),
+        (HEAD, "no nodes below the header"),
+        (HEAD + ROWS + "5,5,1\n", "line 38: 4 numbers were needed, .* but 3 came"),
+        (HEAD + ROWS.replace("2,3,", "2,three,"), r"line 18: numbers were needed, but '2,three"),
+        (HEAD + ROWS + "0,0,1,1\n", "line 3 and line 38 are of the same node"),
+        (HEAD + ROWS + "0.5,0,1,1\n", "no regular grid: axis x: equal steps"),
+        (HEAD + ROWS.replace("1,5,", "1,,"), "line 14: a coordinate y was needed"),
+        (HEAD.replace("beta_0_0", "beta_1_0") + ROWS, "the column beta_0_0 is missing"),
+        (HEAD.replace("# unit", "# periodic") + ROWS, "periodic: 'nm' is not known"),
+        ("x,y,e_0_0,e_0_1\n" + ROWS.replace("5,5,", "5,5,1e999"), "line|infinite|finite"),
+    ],
+)
+def test_tables_that_are_none(tmp_path, text, message):
+    """Each by its line."""
+    path = tmp_path / "t.csv"
+    path.write_text(text)
+    with pytest.raises(FileFormatError, match=message):
+        SampledFrame.read(path)
+
+
+@pytest.mark.parametrize("end", [e for e in ENDS if e != ".npz"])
+def test_truncated_and_foreign_files(tmp_path, end):
+    """Cut anywhere, or something else: an error of ours, or what is left is a grid."""
+    if end in NEEDS:
+        pytest.importorskip(NEEDS[end])
+    path = tmp_path / f"a{end}"
+    full().save(path)
+    whole = path.read_bytes()
+    rng = np.random.default_rng(4)
+    junk = [b"", b"no", b"\x89HDF\r\n\x1a\n" + b"\0" * 90, b"CDF\x01" + b"\xff" * 80, b"<?xml"]
+    cuts = [whole[: int(share * len(whole))] for share in (0.05, 0.3, 0.6, 0.9, 0.99)]
+    spoilt = []
+    for _ in range(25):
+        data = bytearray(whole)
+        data[int(rng.integers(len(data) // 3))] = int(rng.integers(256))
+        spoilt.append(bytes(data))
+    refused = 0
+    for content in junk + cuts + spoilt:
+        path.write_bytes(content)
+        try:
+            SampledFrame.read(path)
+        except (FileFormatError, MissingExtraError):
+            refused += 1
+    assert refused >= len(junk) + 4
+
+
+def test_links_in_hdf5_are_not_followed(tmp_path):
+    """A data set that lies in another file, or behind a link, is none."""
+    h5py = pytest.importorskip("h5py")
+    full().save(tmp_path / "whole.h5")
+    for name, link in (
+        ("outside", h5py.ExternalLink("whole.h5", "/coframe")),
+        ("inside", h5py.SoftLink("/other")),
+    ):
+        path = tmp_path / f"{name}.h5"
+        full().save(path)
+        with h5py.File(path, "a") as file:
+            file["other"] = file["coframe"][...]
+            del file["coframe"]
+            file["coframe"] = link
+        with pytest.raises(FileFormatError, match="a link or a group"):
+            SampledFrame.read(path)
+
+
+def test_a_missing_library_is_named(tmp_path):
+    """Without h5py and meshio the message says which extra brings them."""
+    code = (
+        "import sys; sys.modules['h5py'] = None; sys.modules['meshio'] = None\n"
+        "import numpy as np, geomtorsion as gt\n"
+        "grid = gt.SampledFrame([np.arange(6.0)] * 2, np.ones((1, 2, 6, 6)))\n"
+        "for end in ('h5', 'vtk'):\n"
+        "    try:\n        grid.save(sys.argv[1] + '/a.' + end)\n"
+        "    except gt.errors.MissingExtraError as error:\n        print(error)\n"
+    )
+    run = [sys.executable, "-c", code, str(tmp_path)]
+    said = subprocess.run(run, capture_output=True, text=True, check=True).stdout
+    assert said.count("geomtorsion[files]") == 2
