@@ -38,6 +38,12 @@ for _k, _place in enumerate([(0, 0), (1, 0), (0, 1)]):
     TRIANGLE.add_node(_k, position=_place)
 nx.add_cycle(TRIANGLE, range(3))
 NETWORK = gt.Network(PLANE, TRIANGLE)
+TRIANGLE = str(Path(__file__).parent / "data" / "triangle.data")
+RING = gt.LineArrays(
+    [[1, 1, 2], [3, 1, 2], [2, 3, 2]], [[0, 1], [1, 2], [2, 0]], [[0, 0, 1]] * 3,
+    gt.Box.of_bounds([0, 0, 0], [4, 4, 4]),
+)  # fmt: skip
+PLACED = gt.DislocationNetwork.of_arrays(RING)
 LINES = gt.DislocationNetwork.of_lines([("a", "b", (1, 0, 0)), ("b", "a", (1, 0, 0))])
 EXERCISE = exercises.load("3.2", 1)
 ANSWERS = {question.name: "1" for question in EXERCISE.questions}
@@ -300,6 +306,20 @@ def public_methods() -> list[Case]:
         _of("DislocationNetwork.excess", LINES.excess, node="a"),
         _of("DislocationNetwork.split", LINES.split, line=next(iter(LINES.graph.edges)),
             parts=[(2, 0, 0), (-1, 0, 0)]),
+        _of("DislocationNetwork.of_arrays", gt.DislocationNetwork.of_arrays, lines=RING,
+            tolerance=1e-9),
+        _of("DislocationNetwork.of_opendis", gt.DislocationNetwork.of_opendis,
+            data=PLACED.opendis()),
+        _of("DislocationNetwork.read", gt.DislocationNetwork.read, path=TRIANGLE, periodic=True),
+        _of("DislocationNetwork.around", PLACED.around, loop=gt.Loop.circle([1, 1, 1], 0.5),
+            lattice=[[1, 0, 0], [0, 1, 0], [0, 0, 1]]),
+        _of("DislocationNetwork.families", PLACED.families, symmetry="cubic"),
+        _of("Box.of_bounds", gt.Box.of_bounds, low=(0, 0, 0), high=(1, 1, 1), periodic=True),
+        _of("Box", gt.Box, vectors=[[1, 0, 0], [0, 1, 0], [0, 0, 1]], origin=(0, 0, 0),
+            periodic=(True, True, False)),
+        _of("LineArrays", gt.LineArrays, positions=[[0, 0, 0], [1, 0, 0]], pairs=[[0, 1]],
+            burgers=[[1, 0, 0]], box=gt.Box.of_bounds([0, 0, 0], [4, 4, 4]), images=[[0, 0, 0]],
+            labels="ab", constraints=[0, 7], planes=[[0, 0, 1]]),
         _of("SampledFrame.from_distortion", gt.SampledFrame.from_distortion,
             axes=[np.arange(9.0), np.arange(9.0)], distortion=np.zeros((2, 2, 9, 9)), order=4,
             names=("x", "y")),

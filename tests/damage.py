@@ -65,6 +65,37 @@ def spoilt_bytes(whole: bytes, draw: random.Random) -> bytes:
     return bytes(data)
 
 
+# -- words ----------------------------------------------------------------------------------------
+
+# What stands in the place of a number or a name.
+WORDS = (
+    "nan", "inf", "-1", "0", "1e999", "1e-320", "1e308", "-1e308", "1_0", "0x10", "9" * 30, "x",
+    "0,0", "7,", ",", "1.5", "__import__('os')", "#", "[", "]", "=", "é", "1;2", "\t", "2**31",
+)  # fmt: skip
+
+
+def spoilt_words(whole: bytes, draw: random.Random) -> bytes:
+    """Words of a text replaced, dropped, doubled or exchanged, and rows likewise."""
+    rows = [row.split() for row in whole.decode().split("\n")]
+    for _ in range(draw.choice((1, 1, 1, 2, 4))):
+        filled = [k for k, row in enumerate(rows) if row]
+        k, j = draw.choice(filled), draw.choice(filled)
+        place, kind = draw.randrange(len(rows[k])), draw.randrange(7)
+        if kind == 0:
+            del rows[k][place]
+        elif kind == 1:
+            rows[k].insert(place, draw.choice(WORDS))
+        elif kind == 2:
+            rows[k], rows[j] = rows[j], rows[k]
+        elif kind == 3:
+            rows.insert(k, list(rows[j]))
+        elif kind == 4:
+            del rows[k]
+        else:
+            rows[k][place] = draw.choice((*WORDS, draw.choice(rows[j])))
+    return "\n".join(" ".join(row) for row in rows).encode()
+
+
 # -- JSON -----------------------------------------------------------------------------------------
 
 

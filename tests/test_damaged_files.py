@@ -11,12 +11,13 @@ import pytest
 from geomtorsion import scenes
 from geomtorsion.errors import CheckpointError, FileFormatError, GeomtorsionError
 from geomtorsion.geometry import Frame
-from geomtorsion.loops import SampledFrame
+from geomtorsion.loops import DislocationNetwork, Loop, SampledFrame
 from geomtorsion.loops.loop_files import read_loops
 from geomtorsion.ode import ODE, RungeKutta, SavedSolution, solve
 from geomtorsion.scenes import SceneResult
 from geomtorsion.scenes.checkpoint import partial_result
-from tests.damage import campaign, spoilt_bytes, spoilt_json, spoilt_npz
+from tests.damage import campaign, spoilt_bytes, spoilt_json, spoilt_npz, spoilt_words
+from tests.loops.synthetic_networks import rings
 
 PLANE = Frame("x y", [[1, 0], [0, 1]])
 LOOPS = {
@@ -157,7 +158,29 @@ class Table(Loops):
         )
 
 
-KINDS = [Grid, Solution, Result, Checkpointed, SceneCheckpoint, Loops, Table]
+class Lines:
+    """A dislocation network: bytes spoilt, or words replaced, dropped, doubled and exchanged."""
+
+    name, error = "lines.data", FileFormatError
+
+    @staticmethod
+    def spoil(whole, draw):
+        return spoilt_bytes(whole, draw) if draw.random() < 0.4 else spoilt_words(whole, draw)
+
+    @staticmethod
+    def write(path):
+        DislocationNetwork.of_arrays(rings(3, seed=1, sides=4)).save(path)
+
+    @staticmethod
+    def read(path):
+        net = DislocationNetwork.read(path)
+        _ = net.node_rule(), net.density, net.nye, net.families(), net.opendis()
+        # What is left of a network may have no answer; that is no fault of the file.
+        with suppress(GeomtorsionError):
+            net.around(Loop.circle([5, 5, 5], 4))
+
+
+KINDS = [Grid, Solution, Result, Checkpointed, SceneCheckpoint, Loops, Table, Lines]
 
 
 def check(kind, folder, seeds):
@@ -179,5 +202,5 @@ def test_spoilt(kind, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
 def test_spoilt_often(kind, tmp_path):
-    """Another 400 of each kind: 2,800 files."""
+    """Another 400 of each kind: 3,200 files."""
     check(kind, tmp_path, range(1000, 1400))

@@ -4,143 +4,40 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import sympy as sp
+import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import NetworkError
 from geomtorsion.loops.arcs import Number
+from geomtorsion.loops.box import Box
+from geomtorsion.loops.circuit import CircuitBurgers, circuit_burgers
+from geomtorsion.loops.complexes import Complex
+from geomtorsion.loops.line_arrays import LineArrays
+from geomtorsion.loops.line_families import Lattice, LineFamily, line_families
+from geomtorsion.loops.loop import Loop
+from geomtorsion.loops.opendis import arrays_of_opendis, opendis_of_arrays
+from geomtorsion.loops.paradis import a_path, paradis_text, read_paradis
+from geomtorsion.loops.reactions import (
+    Reaction,
+    Vector,
+    exact_vector,
+    size,
+    total,
+    vanishes,
+    written,
+)
 
 if TYPE_CHECKING:
     import networkx as nx
 
-# Exact numbers and expressions, or floats.
-Entry = Fraction | float | sp.Expr
-Vector = tuple[Entry, ...]
-
-
-def exact_vector(values: Sequence[Number], where: str, dimension: int | None = None) -> Vector:
-    """A Burgers vector with exact numbers where they were exact: ints, Fractions, sympy, floats.
-
-    Raises
-    ------
-    NetworkError
-        It is no vector of finite numbers, or not of the dimension.
-    """
-    if isinstance(values, str) or not hasattr(values, "__len__"):
-        raise NetworkError(f"{where}: a Burgers vector was needed, but {values!r} came.")
-    result = tuple(_number(value, where) for value in values)
-    if dimension is not None and len(result) != dimension:
-        raise NetworkError(
-            f"{where}: a Burgers vector of {dimension} numbers was needed, but {values!r} came."
-        )
-    return result
-
-
-def _number(value: Number, where: str) -> Entry:
-    """An exact number or expression, or a finite float."""
-    if isinstance(value, sp.Expr) and not isinstance(value, sp.Rational | sp.Float):
-        return value
-    message = "{subject}: finite numbers were needed, but {value} came."
-    found = checks.exact_number(value, where, NetworkError, message=message, infinite=message)
-    # Floats are compared within a tolerance: they stay floats.
-    return float(found) if isinstance(found, float | sp.Float) else checks.fraction(found)
-
-
-def total(vectors: Sequence[Vector]) -> Vector:
-    """The sum of Burgers vectors."""
-    return tuple(sum(column) for column in zip(*vectors, strict=True))
-
-
-def vanishes(vector: Vector, scale: float, tolerance: float) -> bool:
-    """Whether a sum is zero: exactly for exact numbers, within tolerance * scale for floats."""
-    for value in vector:
-        if isinstance(value, sp.Expr):
-            if not sp.simplify(value).is_zero:
-                return False
-        elif isinstance(value, float):
-            if not abs(value) <= tolerance * scale:
-                return False
-        elif value:
-            return False
-    return True
-
-
-def size(vector: Vector) -> float:
-    """The length of a Burgers vector."""
-    return sum(float(value) ** 2 for value in vector) ** 0.5
-
-
-def written(vector: Vector) -> str:
-    """A Burgers vector in messages."""
-    return "(" + ", ".join(f"{v:.6g}" if isinstance(v, float) else str(v) for v in vector) + ")"
-
-
-@dataclass(frozen=True)
-class Reaction:
-    """Dislocations b_1 + b_2 + ... that become others, all lines with the same sense.
-
-    before, after: Burgers vectors, each shape (n,).
-    tolerance: share of the largest vector within which floats count as equal.
-
-    Raises
-    ------
-    NetworkError
-        The sums differ (the message says by how much), or a vector is none.
-
-    Examples
-    --------
-    An fcc dislocation splits into two Shockley partials, and gains energy by it:
-
-    >>> from fractions import Fraction as F
-    >>> perfect = (F(1, 2), F(-1, 2), 0)
-    >>> partials = [(F(2, 6), F(-1, 6), F(-1, 6)), (F(1, 6), F(-2, 6), F(1, 6))]
-    >>> split = Reaction([perfect], partials)
-    >>> str(split.energy_change), split.is_favourable
-    ('-1/6', True)
-    """
-
-    before: Sequence[Sequence[Number]]
-    after: Sequence[Sequence[Number]]
-    tolerance: float = 1e-9
-
-    def __post_init__(self) -> None:
-        """Refuse a reaction that does not conserve b."""
-        if not self.before or not self.after:
-            raise NetworkError("a reaction needs a dislocation before and after.")
-        first = exact_vector(self.before[0], "before[0]")
-        sides, every = [], []
-        for name, vectors in (("before", self.before), ("after", self.after)):
-            read = [exact_vector(b, f"{name}[{k}]", len(first)) for k, b in enumerate(vectors)]
-            object.__setattr__(self, name, tuple(read))
-            sides.append(total(read))
-            every += read
-        missing = tuple(a - b for a, b in zip(sides[1], sides[0], strict=True))
-        if not vanishes(missing, max(map(size, every)), self.tolerance):
-            raise NetworkError(
-                f"the reaction does not conserve b: {written(sides[0])} before, "
-                f"{written(sides[1])} after, the difference is {written(missing)}. Turn all lines "
-                "to the same sense (reversing a line turns b round), or add what is missing."
-            )
-
-    @property
-    def energy_change(self) -> Entry:
-        """Sum of b^2 after minus before: Frank's measure of the energy, without interaction."""
-
-        def square(vectors: Sequence[Sequence[Any]]) -> Any:
-            return sum(x * x for vector in vectors for x in vector)
-
-        return square(self.after) - square(self.before)
-
-    @property
-    def is_favourable(self) -> bool:
-        """Whether Frank's rule lets it happen by itself: b^2 becomes less."""
-        return bool(self.energy_change < 0)
-
-
 Line = tuple[Hashable, Hashable, Hashable]
+# Numbers that ParaDiS and OpenDiS give nodes.
+CONSTRAINTS = {1: "surface", 5: "surface", 6: "surface", 7: "pinned", 8: "surface"}
 
 
 @dataclass(frozen=True)
@@ -148,13 +45,21 @@ class NodeViolation:
     """A node at which b is not conserved.
 
     node: which; excess: sum of b of the lines that leave minus those that arrive, shape (n,).
+    constraint: the number that a simulation gives the node; 7: it is pinned.
     """
 
     node: Hashable
     excess: Vector
+    constraint: int = 0
+
+    @property
+    def missing(self) -> Vector:
+        """The b of a line that would have to leave the node for b to be conserved, shape (n,)."""
+        return tuple(-x for x in self.excess)
 
     def __str__(self) -> str:
-        return f"node {self.node!r}: b out minus b in = {written(self.excess)}"
+        pinned = " (it is pinned)" if CONSTRAINTS.get(self.constraint) == "pinned" else ""
+        return f"node {self.node!r}{pinned}: b out minus b in = {written(self.excess)}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,6 +70,8 @@ class DislocationNetwork:
         attribute `surface=True` may end lines (they leave the crystal there). The graph is copied.
     tolerance: share of the largest b within which floats count as equal; ints, Fractions and
         sympy numbers are compared exactly.
+    box: the cell of a simulation. With it, an edge may have the attribute `image`, shape (3,): how
+        many periods further its end is meant; the nearest if not given.
 
     Raises
     ------
@@ -181,30 +88,36 @@ class DislocationNetwork:
 
     graph: nx.MultiDiGraph
     tolerance: float = 1e-9
+    box: Box | None = None
     _scale: float = field(init=False, default=1.0, repr=False)
 
     def __post_init__(self) -> None:
         """Read the Burgers vectors exactly, once."""
         import networkx as nx  # 0.15 s, and networks alone need it
 
+        if self.box is not None:
+            checks.instance(self.box, Box, "box", NetworkError)
+
         if not isinstance(self.graph, nx.MultiDiGraph):
             raise NetworkError(
                 f"a networkx.MultiDiGraph was needed, but {type(self.graph).__name__} came: lines "
                 "have a sense, and several may join the same nodes."
             )
-        copy = self.graph.copy()
-        length: int | None = None
+        # What is frozen was made here, or changes no more.
+        copy = self.graph if nx.is_frozen(self.graph) else self.graph.copy()
+        length, largest = None, 0.0
         for start, end, key, data in copy.edges(keys=True, data=True):
             where = f"line {start!r} -> {end!r}"
             if "burgers" not in data:
                 raise NetworkError(f"{where} has no attribute 'burgers'. Every line needs its b.")
             data["burgers"] = exact_vector(data["burgers"], where, length)
             length = len(data["burgers"])
-            if not size(data["burgers"]):
+            strength = size(data["burgers"])
+            if not strength:
                 raise NetworkError(f"{where} (key {key!r}) has b = 0: it is no dislocation.")
-        sizes = [size(b) for _, _, b in copy.edges(data="burgers")]
+            largest = max(largest, strength)
         object.__setattr__(self, "graph", nx.freeze(copy))
-        object.__setattr__(self, "_scale", max(sizes, default=1.0))
+        object.__setattr__(self, "_scale", largest or 1.0)
 
     @classmethod
     def of_lines(
@@ -217,15 +130,143 @@ class DislocationNetwork:
         import networkx as nx  # as above
 
         graph = nx.MultiDiGraph()
-        for start, end, b in lines:
-            graph.add_edge(start, end, burgers=b)
-        outside = set(surface)
-        for node in outside - set(graph):
-            raise NetworkError(f"surface: node {node!r} belongs to no line.")
+        for k, line in enumerate(checks.entries(lines, "lines", NetworkError)):
+            ends = line[:2] if isinstance(line, list | tuple) and len(line) == 3 else ()
+            try:
+                graph.add_edge(*ends, burgers=line[2])
+            except (TypeError, ValueError, IndexError):
+                raise NetworkError(
+                    f"lines[{k}]: start, end and b were needed, but {checks.shown(line)} came."
+                ) from None
+        named = surface if not isinstance(surface, str | set | frozenset) else list(surface)
+        outside = checks.entries(named, "surface", NetworkError)
+        for node in outside:
+            if not isinstance(node, Hashable) or node not in graph:
+                raise NetworkError(f"surface: node {checks.shown(node)} belongs to no line.")
         nx.set_node_attributes(graph, {node: node in outside for node in graph}, "surface")
         if positions is not None:
-            nx.set_node_attributes(graph, dict(positions), "position")
+            places = checks.table(positions, "positions", NetworkError)
+            nx.set_node_attributes(graph, places, "position")
         return cls(graph)
+
+    @classmethod
+    def of_arrays(cls, lines: LineArrays, tolerance: float = 1e-9) -> DislocationNetwork:
+        """From lines as arrays; nodes at a surface may end lines.
+
+        Examples
+        --------
+        A square prismatic loop in a periodic box, and a circuit about one of its sides:
+
+        >>> corners = [[1, 1, 2], [3, 1, 2], [3, 3, 2], [1, 3, 2]]
+        >>> sides, box = [[0, 1], [1, 2], [2, 3], [3, 0]], Box.of_bounds([0, 0, 0], [4, 4, 4])
+        >>> net = DislocationNetwork.of_arrays(LineArrays(corners, sides, [[0, 0, 1]] * 4, box))
+        >>> net.node_rule(), net.density
+        ((), 0.125)
+        >>> net.around(Loop.circle([6, 1, 2], 0.5, plane=(1, 2))).vector.tolist()
+        [0.0, 0.0, 1.0]
+        """
+        import networkx as nx  # as above
+
+        checks.instance(lines, LineArrays, "lines", NetworkError)
+        graph, labels = nx.MultiDiGraph(), list(lines.labels)
+        places, numbers = lines.positions.tolist(), lines.constraint_list
+        graph.add_nodes_from(
+            (
+                label,
+                {"position": tuple(x), "surface": CONSTRAINTS.get(c) == "surface", "constraint": c},
+            )
+            for label, x, c in zip(labels, places, numbers, strict=True)
+        )
+        columns = [map(tuple, lines.burgers.tolist()), map(tuple, lines.image_list)]
+        names = ["burgers", "image"]
+        if lines.planes is not None:
+            columns.append(map(tuple, lines.planes.tolist()))
+            names.append("plane")
+        graph.add_edges_from(
+            (labels[a], labels[b], dict(zip(names, row, strict=True)))
+            for (a, b), *row in zip(lines.pairs.tolist(), *columns, strict=True)
+        )
+        return cls(nx.freeze(graph), tolerance, lines.box)
+
+    @classmethod
+    def read(cls, path: str | PathLike[str], periodic: bool = True) -> DislocationNetwork:
+        """Read a ParaDiS or ExaDiS .data file; nothing in it is ever run as code.
+
+        Parameters
+        ----------
+        periodic
+            Whether the box repeats along its edges, which such a file does not say.
+
+        Raises
+        ------
+        FileFormatError
+            The file is missing, truncated or malformed; the message names the line.
+        """
+        return cls.of_arrays(read_paradis(path, periodic))
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write a ParaDiS .data file that reads as the same network, digit by digit.
+
+        Raises
+        ------
+        NetworkError
+            Nodes have no positions, there is no box along the coordinates, b has not three
+            components, or a line is longer than half a period.
+        """
+        target = Path(a_path(path))
+        target.write_text(paradis_text(self.arrays), "ascii")
+
+    @classmethod
+    def of_opendis(cls, data: Mapping[str, Any]) -> DislocationNetwork:
+        """From what OpenDiS exports: tables `cell`, `nodes` and `segs` of arrays.
+
+        Raises
+        ------
+        NetworkError
+            A table or an array is missing, or of another shape.
+        """
+        return cls.of_arrays(arrays_of_opendis(data))
+
+    def opendis(self) -> dict[str, dict[str, np.ndarray]]:
+        """The network as OpenDiS imports it (`DisNet.import_data`): cell, nodes and segs."""
+        return opendis_of_arrays(self.arrays)
+
+    # -- what it holds ----------------------------------------------------------------------------
+
+    @cached_property
+    def arrays(self) -> LineArrays:
+        """Positions, pairs, Burgers vectors and images as arrays, lines in the order of `lines`.
+
+        Raises
+        ------
+        NetworkError
+            A node has no position in three dimensions, or there are images, but no box.
+        """
+        nodes = self.graph.nodes(data=True)
+        for node, data in nodes:
+            if data.get("position") is None:
+                raise NetworkError(
+                    f"node {checks.shown(node)} has no position. Give all of them: "
+                    "of_lines(..., positions={node: (x, y, z)})."
+                )
+        numbers = {node: k for k, node in enumerate(self.graph)}
+        edges = list(self.graph.edges(data=True))
+        pairs = np.array([(numbers[a], numbers[b]) for a, b, _ in edges], dtype=np.int64)
+        known = ["image" in data for *_, data in edges]
+        images = [data.get("image") for *_, data in edges] if all(known) and edges else None
+        if any(known) and images is None:
+            a, b, _ = edges[known.index(False)]
+            raise NetworkError(f"line {a!r} -> {b!r} has no image. Give all lines one, or none.")
+        planes = [data.get("plane") for *_, data in edges]
+        columns: dict[str, Any] = {
+            "positions": [data["position"] for _, data in nodes],
+            "pairs": pairs.reshape(-1, 2),
+            "burgers": [[float(x) for x in data["burgers"]] for *_, data in edges],
+            "images": images,
+            "constraints": [data.get("constraint", 0) for _, data in nodes],
+            "planes": None if None in planes else planes,
+        }
+        return LineArrays(box=self.box, labels=list(self.graph), **columns)
 
     @property
     def lines(self) -> tuple[tuple[Hashable, Hashable, Hashable, Vector], ...]:
@@ -256,13 +297,28 @@ class DislocationNetwork:
     def node_rule(self) -> tuple[NodeViolation, ...]:
         """Every inner node at which the Burgers vectors do not sum to zero; none: all is well."""
         found = []
-        for node, data in self.graph.nodes(data=True):
+        for node in self._suspects():
+            data = self.graph.nodes[node]
             if data.get("surface") or not self.graph.degree[node]:
                 continue
             excess = self.excess(node)
             if not vanishes(excess, self._scale, self.tolerance):
-                found.append(NodeViolation(node, excess))
+                found.append(NodeViolation(node, excess, data.get("constraint", 0)))
         return tuple(found)
+
+    def _suspects(self) -> Iterable[Hashable]:
+        """Nodes at which b may not be conserved: all, or of floats those where sums are large."""
+        vectors = [b for *_, b in self.graph.edges(data="burgers")]
+        if not vectors or not all(type(x) is float for b in vectors for x in b):
+            return self.graph.nodes
+        numbers = {node: k for k, node in enumerate(self.graph)}
+        pairs = np.array([(numbers[a], numbers[b]) for a, b, _ in self.graph.edges])
+        chain = Complex.of_edges(pairs, len(numbers))
+        sums = chain.boundary(0).T @ np.array(vectors)
+        # Half of what counts as zero: sums in another order differ in their last digits.
+        large = np.abs(sums).max(axis=1) > self.tolerance * self._scale / 2
+        nodes = list(self.graph)
+        return [nodes[k] for k in np.flatnonzero(large)]
 
     def checked(self) -> DislocationNetwork:
         """The network itself if the node rule holds.
@@ -281,6 +337,85 @@ class DislocationNetwork:
             )
         return self
 
+    # -- measures ---------------------------------------------------------------------------------
+
+    def around(self, loop: Loop, lattice: Lattice | None = None) -> CircuitBurgers:
+        """The Burgers vector of a circuit: of all lines, images included, that it links with.
+
+        Signed crossings with a surface that spans the loop, positive where the loop is right-handed
+        about the sense of a line; a second surface must give the same.
+
+        Parameters
+        ----------
+        loop
+            A closed path in the coordinates of the nodes; it may leave the box.
+        lattice
+            Lattice vectors as rows, shape (n, n), or "sc", "fcc", "bcc" in units of the shortest:
+            b is then given in whole multiples of them, too, exactly.
+
+        Raises
+        ------
+        SingularPointError
+            The loop meets a line; the message names it.
+        NetworkError
+            Lines end between the two surfaces, so that b depends on the surface; or nodes have no
+            positions, or a b is no vector of the lattice.
+        """
+        vectors = [b for *_, b in self.lines]
+        return circuit_burgers(self.arrays, vectors, loop, lattice, self.tolerance)
+
+    def families(self, symmetry: str = "cubic") -> tuple[LineFamily, ...]:
+        """Lines by the family of their b: how many, length, density, screw share; longest first.
+
+        Parameters
+        ----------
+        symmetry
+            "cubic": what permutes and reverses axes; "none": b and -b alone.
+
+        Raises
+        ------
+        NetworkError
+            Nodes have no positions, or the symmetry is not known.
+        """
+        return line_families(self.arrays, symmetry)[0]
+
+    @property
+    def density(self) -> float:
+        """Length of all lines over the volume of the box, coordinates to the power -2.
+
+        Raises
+        ------
+        NetworkError
+            There is no box, or nodes have no positions.
+        """
+        return float(self._per_volume(self.arrays.lengths.sum()))
+
+    @property
+    def nye(self) -> np.ndarray:
+        """Mean Nye tensor: sum of b^i times step^k over the volume, shape (n, 3).
+
+        Raises
+        ------
+        NetworkError
+            There is no box, or nodes have no positions.
+        """
+        return self._per_volume(self.arrays.burgers.T @ self.arrays.steps)
+
+    def _per_volume(self, values: np.ndarray) -> np.ndarray:
+        """Values over the volume of the box, which there must be."""
+        if self.box is None:
+            raise NetworkError(
+                "a density needs a volume, but the network has no box. Give one: "
+                "DislocationNetwork(graph, box=Box.of_bounds(low, high))."
+            )
+        with np.errstate(over="ignore", invalid="ignore"):
+            found = values / self.box.volume
+        if not np.isfinite(found).all():
+            raise NetworkError(
+                "a density leaves the range of floats. Give positions and box in other units."
+            )
+        return found
+
     # -- changes ----------------------------------------------------------------------------------
 
     def reversed(self, line: Line) -> DislocationNetwork:
@@ -290,8 +425,11 @@ class DislocationNetwork:
         graph = self._open()
         data = dict(graph.edges[start, end, key])
         graph.remove_edge(start, end, key)
-        graph.add_edge(end, start, **{**data, "burgers": tuple(-x for x in b)})
-        return DislocationNetwork(graph, self.tolerance)
+        data["burgers"] = tuple(-x for x in b)
+        if "image" in data:
+            data["image"] = tuple(-x for x in data["image"])
+        graph.add_edge(end, start, **data)
+        return DislocationNetwork(graph, self.tolerance, self.box)
 
     def split(self, line: Line, parts: Sequence[Sequence[Number]]) -> DislocationNetwork:
         """A line that dissociates into several between the same nodes: b -> b1 + b2 + ...
@@ -304,10 +442,11 @@ class DislocationNetwork:
         reaction = Reaction([self._burgers(line)], parts, self.tolerance)
         start, end, key = line
         graph = self._open()
+        data = dict(graph.edges[start, end, key])
         graph.remove_edge(start, end, key)
         for b in reaction.after:
-            graph.add_edge(start, end, burgers=b)
-        return DislocationNetwork(graph, self.tolerance)
+            graph.add_edge(start, end, **{**data, "burgers": b})
+        return DislocationNetwork(graph, self.tolerance, self.box)
 
     def zipped(self, first: Line, second: Line, junction: Hashable) -> DislocationNetwork:
         """Two lines that leave the same node join into one as far as a new junction: b1 + b2 -> b3.
@@ -335,7 +474,14 @@ class DislocationNetwork:
             graph.add_edge(junction, end, **data)
         if not vanishes(joint, self._scale, self.tolerance):
             graph.add_edge(first[0], junction, burgers=joint)
-        return DislocationNetwork(graph, self.tolerance)
+        return DislocationNetwork(graph, self.tolerance, self.box)
+
+    def _has(self, line: Line) -> bool:
+        """Whether a line is there; tuples with a list in them are no names of nodes."""
+        try:
+            return self.graph.has_edge(*line)
+        except TypeError:
+            return False
 
     def _open(self) -> nx.MultiDiGraph:
         """A copy of the graph that may be changed."""
@@ -345,6 +491,9 @@ class DislocationNetwork:
 
     def _burgers(self, line: Line) -> Vector:
         """The Burgers vector of a line that exists."""
-        if len(line) != 3 or not self.graph.has_edge(*line):
-            raise NetworkError(f"there is no line {line!r}; a line is (start, end, key).")
+        known = isinstance(line, tuple) and len(line) == 3
+        if not known or not self._has(line):
+            raise NetworkError(
+                f"there is no line {checks.shown(line)}; a line is (start, end, key)."
+            )
         return self.graph.edges[line]["burgers"]

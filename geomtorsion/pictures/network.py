@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geomtorsion.errors import LimitError, NetworkError
-from geomtorsion.loops.dislocation_network import size, written
+from geomtorsion.loops.reactions import size, written
 from geomtorsion.loops.sampled import SampledFrame
 from geomtorsion.pictures.loops import GAP, PATH, START
 from geomtorsion.pictures.style import FLAT, STYLE, arrow, new_figure, quiet

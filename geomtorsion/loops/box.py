@@ -1,0 +1,113 @@
+"""Box: the cell of a simulation, periodic along any of its edges."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.errors import NetworkError
+
+
+@dataclass(frozen=True, eq=False)
+class Box:
+    """The cell of a simulation in three dimensions.
+
+    vectors: its edges as rows, shape (3, 3); coordinates.
+    origin: one corner, shape (3,).
+    periodic: along which edges it repeats, shape (3,).
+
+    Raises
+    ------
+    NetworkError
+        Wrong shapes, numbers that are not finite, or edges in one plane.
+
+    Examples
+    --------
+    >>> box = Box.of_bounds([-1, -1, -1], [1, 1, 3])
+    >>> box.volume, box.images([[1.5, 0, -3.0]]).tolist()
+    (16.0, [[-1, 0, 1]])
+    """
+
+    vectors: np.ndarray | Sequence[Sequence[float]]
+    origin: np.ndarray | Sequence[float] = (0.0, 0.0, 0.0)
+    periodic: Sequence[bool] | np.ndarray = (True, True, True)
+
+    def __post_init__(self) -> None:
+        """Check shapes and numbers once."""
+        vectors = checks.array(self.vectors, "vectors of the box", NetworkError, shape=(3, 3))
+        origin = checks.array(self.origin, "origin of the box", NetworkError, shape=(3,))
+        flags = checks.entries(checks.rows(self.periodic), "periodic", NetworkError)
+        if len(flags) != 3 or any(flag not in (0, 1) for flag in flags):
+            raise NetworkError(
+                f"periodic: three truth values were needed, but {checks.shown(flags)} came."
+            )
+        with np.errstate(over="ignore", invalid="ignore"):
+            volume = _volume(vectors)
+            sizes = float(np.prod(np.linalg.norm(vectors, axis=1)))
+        # Edges that span less than rounding leaves lie in one plane.
+        if not (np.isfinite(sizes) and volume > 8 * np.finfo(float).eps * sizes):
+            raise NetworkError(
+                f"vectors of the box: three edges that span a finite volume were needed, but "
+                f"{checks.shown(vectors.tolist())} came."
+            )
+        object.__setattr__(self, "vectors", vectors)
+        object.__setattr__(self, "origin", origin)
+        object.__setattr__(self, "periodic", np.array(flags, dtype=bool))
+
+    @classmethod
+    def of_bounds(
+        cls,
+        low: Sequence[float] | np.ndarray,
+        high: Sequence[float] | np.ndarray,
+        periodic: bool | Sequence[bool] = True,
+    ) -> Box:
+        """A box along the coordinates, from its lowest corner to its highest, shape (3,) each."""
+        start = checks.array(low, "low", NetworkError, shape=(3,))
+        end = checks.array(high, "high", NetworkError, shape=(3,))
+        if not (end > start).all():
+            raise NetworkError(
+                f"a box needs a highest corner above its lowest, but {checks.shown(end.tolist())} "
+                f"and {checks.shown(start.tolist())} came."
+            )
+        flags = [periodic] * 3 if isinstance(periodic, bool) else periodic
+        return cls(np.diag(end - start), start, flags)
+
+    @cached_property
+    def volume(self) -> float:
+        """Its volume, coordinates cubed."""
+        return _volume(np.asarray(self.vectors))
+
+    @cached_property
+    def inverse(self) -> np.ndarray:
+        """Takes coordinates to shares of the edges: x @ inverse, shape (3, 3)."""
+        return np.linalg.inv(self.vectors)
+
+    def images(self, steps: np.ndarray | Sequence[Sequence[float]]) -> np.ndarray:
+        """Whole periods to be added to steps so that each is the shortest, shape (k, 3).
+
+        Shares of the edges are rounded, as the codes of dislocation dynamics do: in a very skew box
+        another image may be a little nearer.
+
+        Raises
+        ------
+        NetworkError
+            A step is longer than any number of periods that can be counted.
+        """
+        given = checks.array(steps, "steps", NetworkError, shape=(None, 3))
+        with np.errstate(over="ignore", invalid="ignore"):
+            shares = np.where(self.periodic, np.rint(given @ self.inverse), 0.0)
+        if not (np.abs(shares) <= 2.0**31).all():
+            raise NetworkError(
+                "two nodes of a line lie more than 2**31 periods apart. Are positions and box in "
+                "the same units?"
+            )
+        return -shares.astype(np.int64)
+
+
+def _volume(vectors: np.ndarray) -> float:
+    """The product of three edges; of edges along the coordinates without rounding in between."""
+    return abs(float(np.cross(vectors[0], vectors[1]) @ vectors[2]))

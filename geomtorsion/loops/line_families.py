@@ -1,0 +1,166 @@
+"""Line families: lines whose Burgers vectors a symmetry of the lattice takes into each other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import permutations, product
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.errors import NetworkError
+from geomtorsion.loops.line_arrays import LineArrays
+
+# Rows are lattice vectors in units of the shortest one, in which simulations give b.
+LATTICES = {
+    "sc": np.eye(3),
+    "fcc": np.array([[0, 1, 1], [1, 0, 1], [1, 1, 0]]) / np.sqrt(2),
+    "bcc": np.array([[-1, 1, 1], [1, -1, 1], [1, 1, -1]]) / np.sqrt(3),
+}
+SYMMETRIES = ("cubic", "none")
+Lattice = str | Sequence[Sequence[float]] | np.ndarray
+
+
+@dataclass(frozen=True)
+class LineFamily:
+    """Lines of one family.
+
+    name: its Burgers vectors, as 0.7071 <1 1 0>; burgers: one of them, shape (n,).
+    lines: how many; length: of all of them, coordinates.
+    density: length over volume of the box, None without a box.
+    screw: share of b^2 along the line, averaged over length; the rest is edge.
+    """
+
+    name: str
+    burgers: tuple[float, ...]
+    lines: int
+    length: float
+    density: float | None
+    screw: float
+
+    @property
+    def edge(self) -> float:
+        """Share of b^2 across the line."""
+        return 1.0 - self.screw
+
+
+def line_families(
+    lines: LineArrays, symmetry: str = "cubic", tolerance: float = 1e-6
+) -> tuple[tuple[LineFamily, ...], np.ndarray]:
+    """Families, the longest first, and the number of the family of each line, shape (lines,).
+
+    Parameters
+    ----------
+    symmetry
+        "cubic": the 48 operations that permute and reverse axes; "none": b and -b alone, since
+        both describe one line.
+    tolerance
+        Share of the largest b within which components count as equal.
+
+    Examples
+    --------
+    A screw of length 2 and an edge of length 3, both with b along x or y:
+
+    >>> corners, sides = [[0, 0, 0], [2, 0, 0], [2, 0, 3]], [[0, 1], [1, 2]]
+    >>> (found,), _ = line_families(LineArrays(corners, sides, [[1, 0, 0], [0, -1, 0]]))
+    >>> found.name, found.length, found.screw
+    ('1 <1 0 0>', 5.0, 0.4)
+    """
+    checks.choice(symmetry, SYMMETRIES, "symmetry", NetworkError)
+    vectors, dimension = lines.burgers, lines.burgers.shape[1]
+    screws, lengths = lines.screw_shares, lines.lengths
+    near = tolerance * float(np.abs(vectors).max(initial=0.0))
+    orbit = _operations(symmetry, dimension)
+    family = np.full(len(vectors), -1)
+    # Members of a family are equally long: only those are compared.
+    sizes = np.linalg.norm(vectors, axis=1)
+    order = np.argsort(sizes, kind="stable")
+    breaks = np.flatnonzero(np.diff(sizes[order]) > 2 * near * np.sqrt(dimension)) + 1
+    count = 0
+    for group in np.split(order, breaks):
+        left = group
+        while len(left):
+            images = orbit @ vectors[left[0]]
+            apart = np.abs(vectors[left, None] - images[None]).max(axis=2).min(axis=1)
+            family[left[apart <= near]] = count
+            left = left[apart > near]
+            count += 1
+    volume = None if lines.box is None else lines.box.volume
+    found = []
+    for k in range(count):
+        mine = family == k
+        length = float(lengths[mine].sum())
+        screw = float(screws[mine] @ lengths[mine]) / length if length else 0.0
+        b = np.abs(vectors[mine][0]) if symmetry == "cubic" else vectors[mine][0]
+        shown = (
+            tuple(sorted(b.tolist(), reverse=True)) if symmetry == "cubic" else tuple(b.tolist())
+        )
+        density = None if volume is None else length / volume
+        found.append(
+            LineFamily(_name(shown, symmetry), shown, int(mine.sum()), length, density, screw)
+        )
+    rank = sorted(range(count), key=lambda k: (-found[k].length, found[k].name))
+    place = np.argsort(np.array(rank, dtype=np.int64))
+    return tuple(found[k] for k in rank), place[family] if count else family
+
+
+def _operations(symmetry: str, dimension: int) -> np.ndarray:
+    """Operations of a symmetry, shape (k, n, n)."""
+    if symmetry == "none":
+        return np.array([np.eye(dimension), -np.eye(dimension)])
+    rows = permutations(np.eye(dimension))
+    signs = list(product((1.0, -1.0), repeat=dimension))
+    return np.array([np.array(row) * np.array(sign)[:, None] for row in rows for sign in signs])
+
+
+def _name(vector: Sequence[float], symmetry: str) -> str:
+    """A Burgers vector as a length times small whole numbers, where it is."""
+    marks = "<>" if symmetry == "cubic" else "[]"
+    least = min(abs(x) for x in vector if abs(x) > 1e-6 * max(map(abs, vector)))
+    ratios = [x / least for x in vector]
+    if all(abs(x - round(x)) < 1e-4 * max(map(abs, ratios)) and abs(x) < 10 for x in ratios):
+        inner = " ".join(str(round(x)) for x in ratios)
+        return f"{least:.4g} {marks[0]}{inner}{marks[1]}"
+    return marks[0] + " ".join(f"{x:.4g}" for x in vector) + marks[1]
+
+
+def lattice_coordinates(vectors: np.ndarray, lattice: Lattice, tolerance: float) -> np.ndarray:
+    """Burgers vectors as whole multiples of lattice vectors, shape (k, n).
+
+    Parameters
+    ----------
+    lattice
+        Lattice vectors as rows, shape (n, n), or "sc", "fcc", "bcc" in units of the shortest.
+    tolerance
+        Share of the largest vector that they may differ from lattice vectors.
+
+    Raises
+    ------
+    NetworkError
+        A vector is none of the lattice; the message says which and by how much.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> lattice_coordinates(np.array([[0.5, 0.5]]), [[1, 0], [0.5, 0.5]], 1e-9).tolist()
+    [[0, 1]]
+    """
+    dimension = vectors.shape[1]
+    if isinstance(lattice, str):
+        checks.choice(lattice, tuple(LATTICES), "lattice", NetworkError)
+        lattice = LATTICES[lattice]
+    shape = (dimension, dimension)
+    rows = checks.array(lattice, "lattice", NetworkError, shape=shape)
+    if np.linalg.matrix_rank(rows) < dimension:
+        raise NetworkError("lattice: its vectors lie in one plane. Give independent ones, as rows.")
+    whole = np.rint(np.linalg.solve(rows.T, vectors.T).T)
+    gaps = np.abs(whole @ rows - vectors).max(axis=1, initial=0.0)
+    scale = float(np.abs(vectors).max(initial=0.0))
+    if (gaps > tolerance * scale).any() or (np.abs(whole) > 2.0**31).any():
+        worst = int(gaps.argmax())
+        raise NetworkError(
+            f"lattice: b = {checks.shown(vectors[worst].tolist())} is no vector of it, the nearest "
+            f"is {gaps[worst]:.3g} away. Give the lattice in the units of b."
+        )
+    return whole.astype(np.int64)
