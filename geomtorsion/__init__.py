@@ -108,6 +108,11 @@ if TYPE_CHECKING:
 
     # mypy takes the name in the package for the module that bears it.
     from geomtorsion.ode.solve import solve
+    from geomtorsion.orientations import (
+        Circuit,
+        OrientationMap,
+        Phase,
+    )
     from geomtorsion.rigid import (
         FreeTop,
         free_top,
@@ -147,6 +152,7 @@ _LATER = {
         "dispiration", "enclosed_defects", "exact_burgers_vector", "find_defects",
         "parallel_dislocations", "parallel_edges", "parallel_screws",
     ),
+    "orientations": ("Circuit", "OrientationMap", "Phase"),
     "accuracy": ("CostRow", "CostTable", "accuracy_cost"),
     "scenes": (
         "Body", "Scene", "SceneCost", "StateSelection", "SceneResult", "State", "effects",
@@ -166,6 +172,7 @@ __all__ = [
     "BurgersMap",
     "BurgersVector",
     "Chart",
+    "Circuit",
     "Cochain",
     "Complex",
     "Connection",
@@ -192,6 +199,8 @@ __all__ = [
     "Loop",
     "Network",
     "NodeRule",
+    "OrientationMap",
+    "Phase",
     "Reaction",
     "RungeKutta",
     "SampledFrame",

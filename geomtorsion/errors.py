@@ -154,6 +154,10 @@ class GridError(GeomtorsionError, ValueError):
     """A sampled frame has no regular grid, holds no finite values, or is left by a loop."""
 
 
+class OrientationError(GeomtorsionError, ValueError):
+    """An orientation map lacks something, or a circuit in it leaves its grain: it names pixels."""
+
+
 class UnitError(GeomtorsionError, ValueError):
     """A unit is unknown, or does not measure what the field measures."""
 

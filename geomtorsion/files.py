@@ -30,8 +30,12 @@ _QUOTE = re.compile(r"\"\"\"|'''|\"(?:[^\"\\]|\\.)*\"|'[^']*'|#.*|[\[\]{}]")
 _PLACE = re.compile(r"\(at line ([0-9]+), column ([0-9]+)\)")
 
 
-def read_text(path: str | PathLike[str], largest: int = LARGEST_TEXT) -> str:
+def read_text(
+    path: str | PathLike[str], largest: int = LARGEST_TEXT, *, otherwise: str | None = None
+) -> str:
     """The text of a file (UTF-8) of at most so many bytes.
+
+    otherwise: the encoding of what is no UTF-8, such as "latin-1", in which every byte is a letter.
 
     Raises
     ------
@@ -47,7 +51,12 @@ def read_text(path: str | PathLike[str], largest: int = LARGEST_TEXT) -> str:
             raise OSError(0, "this is no regular file")
         with path.open("rb") as file:
             content = file.read(largest + 1)
-        text = content.decode("utf-8-sig")
+        try:
+            text = content.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            if otherwise is None:
+                raise
+            text = content.decode(otherwise)
     except OSError as error:
         reason = error.strerror or type(error).__name__
         raise FileFormatError(f"{path}: the file cannot be read: {reason}.") from None

@@ -33,6 +33,8 @@ SCENE = scenes.Scene(
 )
 RESULT = SCENE.run(gt.RungeKutta())
 GRID = gt.SampledFrame([np.arange(9.0), np.arange(9.0)], np.ones((1, 2, 9, 9)))
+CRYSTALS = gt.OrientationMap.from_euler(np.zeros((8, 8, 3)), 1.0, "m-3m", sigma=0.1)
+IRON = gt.Phase("iron", "m-3m", (2.87, 2.87, 2.87))
 TRIANGLE = nx.Graph()
 for _k, _place in enumerate([(0, 0), (1, 0), (0, 1)]):
     TRIANGLE.add_node(_k, position=_place)
@@ -186,6 +188,12 @@ def public_functions() -> list[Case]:
         _public(
             "Complex", nodes=2, pairs=[[0, 1]], images=[[1]], faces=None, cells=None, labels="ab"
         ),
+        _public("Circuit", starts=[(0, 0), (0, 1), (1, 1), (1, 0)],
+                ends=[(0, 1), (1, 1), (1, 0), (0, 0)], times=[1, 1, 1, 1]),
+        _public("Phase", name="iron", laue="m-3m", lengths=(2.87, 2.87, 2.87), angles=(90, 90, 90),
+                horizontal="x"),
+        _public("OrientationMap", quaternions=CRYSTALS.quaternions, phase=CRYSTALS.phase,
+                phases={1: IRON}, steps=(1, 1), shift=0, threshold=5, sigma=0.1, unit="um"),
         _public(
             "SampledFrame", axes=[np.arange(9.0), np.arange(9.0)],
             coframe=np.ones((1, 2, 9, 9)), order=4, names=("x", "y"),
@@ -320,6 +328,15 @@ def public_methods() -> list[Case]:
         _of("LineArrays", gt.LineArrays, positions=[[0, 0, 0], [1, 0, 0]], pairs=[[0, 1]],
             burgers=[[1, 0, 0]], box=gt.Box.of_bounds([0, 0, 0], [4, 4, 4]), images=[[0, 0, 0]],
             labels="ab", constraints=[0, 7], planes=[[0, 0, 1]]),
+        _of("Circuit.rectangle", gt.Circuit.rectangle, corner=(1, 1), rows=2, columns=2),
+        _of("Circuit.of_cells", gt.Circuit.of_cells, cells=[[1, 1]], corner=(0, 0)),
+        _of("Circuit.through", gt.Circuit.through, pixels=[(0, 0), (0, 2), (2, 2), (2, 0)]),
+        _of("OrientationMap.from_euler", gt.OrientationMap.from_euler,
+            angles=np.zeros((6, 6, 3)), steps=1.0, phase="m-3m", threshold=5, sigma=0.1),
+        _of("OrientationMap.burgers", CRYSTALS.burgers, circuit=gt.Circuit.square((1, 1), 3)),
+        _of("OrientationMap.circuit", CRYSTALS.circuit, loop=gt.Loop.circle([3, 3], 2)),
+        _of("OrientationMap.burgers_map", CRYSTALS.burgers_map, size=3),
+        _of("Phase.family", IRON.family, vector=(1, 0, 0)),
         _of("SampledFrame.from_distortion", gt.SampledFrame.from_distortion,
             axes=[np.arange(9.0), np.arange(9.0)], distortion=np.zeros((2, 2, 9, 9)), order=4,
             names=("x", "y")),

@@ -40,7 +40,7 @@ FLOORS = (
     ("codegen",),
     ("geometry", "ode"),
     ("action", "curves", "loops", "rigid"),
-    ("spaces",),
+    ("orientations", "spaces"),
     ("accuracy", "pictures", "paper"),
     ("scenes", "exercises"),
     ("cli", "lab"),

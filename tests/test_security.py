@@ -153,12 +153,12 @@ CASES = [
 # All that these are given is looked at once; nothing of Python's or sympy's own gets out.
 CHECKED = frozenset(
     "AffineMap At Body Box Cochain Complex Connection Curvature CurveProblem DependencyGraph "
-    "DislocationNetwork EdgeList LineArrays "
-    "Element Exercise Frame RungeKutta State Stiff Taylor Tensor Torsion TransitionMap When blend "
-    "burgers_vector cartan conserved_quantities contract dispiration equations_of_motion "
-    "exact_burgers_vector exponential_map free_top from_coefficients from_contortion "
-    "from_spin_connection geodesic_deviation holonomy identities levi_civita log_map "
-    "numpy_function parallel_transport parse_expression spaces variation".split()
+    "DislocationNetwork EdgeList LineArrays Element Exercise Frame RungeKutta State Stiff "
+    "Taylor Tensor Torsion TransitionMap When blend burgers_vector cartan "
+    "conserved_quantities contract dispiration equations_of_motion exact_burgers_vector "
+    "exponential_map free_top from_coefficients from_contortion from_spin_connection "
+    "geodesic_deviation holonomy identities levi_civita log_map numpy_function "
+    "parallel_transport parse_expression spaces variation Circuit OrientationMap Phase".split()
 )
 REFUSED_BY_PYTHON = ("unsupported operand", "unhashable type", "can't multiply sequence")
 

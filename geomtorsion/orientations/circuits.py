@@ -1,0 +1,218 @@
+"""Circuits: closed ways from pixel to neighbouring pixel of a map."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.errors import OrientationError
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Circuit:
+    """A closed chain of steps between neighbouring pixels.
+
+    starts, ends: row and column of the pixels of each step, shape (k, 2).
+    times: how often each step is made, shape (k,).
+    name: what it is called in messages and pictures.
+
+    Raises
+    ------
+    OrientationError
+        A step does not lead to a neighbour, or the chain does not close; the message names pixels.
+
+    Examples
+    --------
+    >>> square = Circuit.square((10, 20), 8)
+    >>> len(square.starts), square
+    (32, Circuit 'square of 8 x 8 cells at pixel (10, 20)': 32 steps)
+    """
+
+    starts: np.ndarray
+    ends: np.ndarray
+    times: np.ndarray
+    name: str = "circuit"
+
+    def __post_init__(self) -> None:
+        """Check steps once: neighbours, closed."""
+        for key in ("starts", "ends"):
+            found = checks.array(getattr(self, key), key, OrientationError, shape=(None, 2))
+            if (found != np.rint(found)).any() or (found < 0).any():
+                raise OrientationError(
+                    f"{key}: rows and columns of pixels, 0 or more, were needed."
+                )
+            object.__setattr__(self, key, found.astype(np.int64))
+        times = checks.array(self.times, "times", OrientationError, shape=(len(self.starts),))
+        object.__setattr__(self, "times", np.rint(times).astype(np.int64))
+        if (times != self.times).any() or len(self.ends) != len(self.starts):
+            raise OrientationError(
+                "times, ends: a whole number and a pixel for each start were needed."
+            )
+        far = np.abs(self.ends - self.starts).sum(axis=1) != 1
+        if far.any() or not len(far):
+            k = int(np.argmax(far)) if len(far) else 0
+            came = f"{self.starts[k].tolist()} to {self.ends[k].tolist()}" if len(far) else "none"
+            raise OrientationError(
+                f"steps between neighbouring pixels were needed, but {came} came."
+            )
+        nodes, where = np.unique(
+            np.concatenate([self.starts, self.ends]), axis=0, return_inverse=True
+        )
+        flow = np.bincount(where.ravel(), np.concatenate([-self.times, self.times]), len(nodes))
+        if flow.any():
+            open_end = tuple(nodes[np.argmax(flow != 0)].tolist())
+            raise OrientationError(
+                f"{self.name}: it does not close at pixel {open_end}. Lead it back to its start."
+            )
+
+    def __repr__(self) -> str:
+        return f"Circuit {self.name!r}: {len(self.starts)} steps"
+
+    @classmethod
+    def square(cls, corner: Sequence[int], size: int) -> Circuit:
+        """A square of size x size cells; see `rectangle`."""
+        return cls.rectangle(corner, size, size)
+
+    @classmethod
+    def rectangle(cls, corner: Sequence[int], rows: int, columns: int) -> Circuit:
+        """A rectangle, from x to y: first along its row, then along its column.
+
+        Parameters
+        ----------
+        corner
+            Row and column of the pixel of least row and column.
+        rows, columns
+            Numbers of cells in both directions.
+
+        Raises
+        ------
+        OrientationError
+            A number is no whole number, or no cell is inside.
+        """
+        row, column = _pixel(corner)
+        rows = checks.count(rows, "rows", OrientationError, 1)
+        columns = checks.count(columns, "columns", OrientationError, 1)
+        cells = np.ones((rows, columns), dtype=np.int64)
+        size = f"{rows} x {columns} cells"
+        name = f"{'square' if rows == columns else 'rectangle'} of {size} at pixel {row, column}"
+        return cls.of_cells(cells, (row, column), name)
+
+    @classmethod
+    def of_cells(
+        cls,
+        cells: np.ndarray | Sequence[Sequence[int]],
+        corner: Sequence[int] = (0, 0),
+        name: str = "circuit",
+    ) -> Circuit:
+        """The boundary of cells, each between four pixels.
+
+        Parameters
+        ----------
+        cells
+            How often the circuit runs round each cell, or an array of truth values, shape
+            (rows, columns).
+        corner
+            Row and column of the pixel of least row and column of the first cell.
+
+        Examples
+        --------
+        >>> Circuit.of_cells([[1, 1], [1, 0]])
+        Circuit 'circuit': 8 steps
+        """
+        row, column = _pixel(corner)
+        needed = (
+            "{subject}: whole numbers or truth values of shape (rows, columns), not all zero, were "
+            "needed, but {value} came."
+        )
+        given: object = cells
+        if isinstance(given, np.ndarray) and given.dtype.kind == "b":
+            given = given.astype(int)
+        found = checks.array(
+            given, "cells", OrientationError, shape=(None, None), message=needed, shaped=needed
+        )
+        if not found.any() or (found != np.rint(found)).any():
+            raise OrientationError(needed.format(subject="cells", value=checks.shown(cells)))
+        inside = np.pad(found.astype(np.int64), 1)
+        # A step along a row is made once for the cell below it (larger row), back for that above.
+        along = inside[1:, 1:-1] - inside[:-1, 1:-1]
+        across = inside[1:-1, :-1] - inside[1:-1, 1:]
+        steps = [(np.argwhere(along), (0, 1), along), (np.argwhere(across), (1, 0), across)]
+        starts = np.concatenate([first for first, _, _ in steps])
+        ends = np.concatenate([first + np.array(step) for first, step, _ in steps])
+        times = np.concatenate([table[tuple(first.T)] for first, _, table in steps])
+        origin = np.array([row, column])
+        return cls(starts + origin, ends + origin, times, name)
+
+    @classmethod
+    def through(cls, pixels: Sequence[Sequence[int]] | np.ndarray) -> Circuit:
+        """A circuit through pixels in order, in straight lines along rows and columns.
+
+        Parameters
+        ----------
+        pixels
+            Row and column of each corner, shape (k, 2); the last is joined to the first.
+
+        Raises
+        ------
+        OrientationError
+            Two pixels that follow each other share neither row nor column.
+
+        Examples
+        --------
+        >>> Circuit.through([(0, 0), (0, 3), (2, 3), (2, 0)])
+        Circuit 'circuit': 10 steps
+        """
+        corners = np.array([_pixel(pixel) for pixel in checks.entries(pixels, "pixels")])
+        if len(corners) < 3:
+            raise OrientationError(f"pixels: three or more were needed, but {len(corners)} came.")
+        starts, ends = [], []
+        for one, other in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+            way = other - one
+            if way.all():
+                raise OrientationError(
+                    f"pixels: {tuple(one.tolist())} and {tuple(other.tolist())} share neither row "
+                    "nor column. Put a pixel between them."
+                )
+            points = one + np.arange(abs(way).max() + 1)[:, None] * np.sign(way)
+            starts.append(points[:-1])
+            ends.append(points[1:])
+        start, end = np.concatenate(starts), np.concatenate(ends)
+        if not len(start):
+            raise OrientationError("pixels: a circuit was needed, but all pixels are the same.")
+        return cls(start, end, np.ones(len(start), dtype=np.int64))
+
+    @property
+    def pixels(self) -> np.ndarray:
+        """All pixels that it passes, each once, shape (k, 2)."""
+        return np.unique(np.concatenate([self.starts, self.ends]), axis=0)
+
+
+def _pixel(pixel: object) -> tuple[int, int]:
+    """Row and column."""
+    numbers = checks.entries(pixel, "pixel", OrientationError)
+    if len(numbers) != 2:
+        raise OrientationError(f"pixel: a row and a column were needed, but {pixel!r} came.")
+    row, column = (checks.count(x, "pixel", OrientationError) for x in numbers)
+    return row, column
+
+
+def windings(points: np.ndarray, xs: np.ndarray, ys: np.ndarray) -> np.ndarray:
+    """How often a closed polygon runs round the points of a grid, from x to y.
+
+    points: corners, shape (2, k), the last one equal to the first. Returns shape (ys, xs).
+    """
+    found = np.zeros((len(ys), len(xs) + 1), dtype=np.int64)
+    for k in range(points.shape[1] - 1):
+        (x0, x1), (y0, y1) = points[:, k : k + 2]
+        if y0 == y1:
+            continue
+        low, high = np.searchsorted(ys, sorted((y0, y1)), side="left")
+        rows = np.arange(low, high)
+        crossings = x0 + (ys[rows] - y0) / (y1 - y0) * (x1 - x0)
+        # All points left of an ascending side lie to its left.
+        np.add.at(found, (rows, np.searchsorted(xs, crossings, side="left")), 1 if y1 > y0 else -1)
+    ahead = np.cumsum(found[:, ::-1], axis=1)[:, ::-1]
+    return ahead[:, 1:]

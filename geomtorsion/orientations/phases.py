@@ -1,0 +1,125 @@
+"""Phases: what a crystal in a map is: its Laue group, its lattice, its families of lines."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.errors import OrientationError
+from geomtorsion.orientations.symmetry import LaueGroup, laue_group
+from geomtorsion.rigid.attitude import rotated
+
+
+@dataclass(frozen=True)
+class Phase:
+    """A crystal structure, as far as circuits need it.
+
+    name: what it is called. laue: name of its Laue group, such as "m-3m".
+    lengths: a, b, c in angstrom; zeros where they are not known.
+    angles: alpha, beta, gamma in degrees.
+    horizontal: which axis of the crystal frame lies along the lattice: "x": a along x (as in .ang
+        files); "y": b along y (as in .ctf files). z is along c (orthogonal to a and b at least).
+
+    Raises
+    ------
+    OrientationError
+        The Laue group is unknown, or the constants make no lattice.
+
+    Examples
+    --------
+    >>> copper = Phase("copper", "m-3m", (3.615, 3.615, 3.615))
+    >>> copper.lattice.round(6).tolist()
+    [[3.615, 0.0, 0.0], [0.0, 3.615, 0.0], [0.0, 0.0, 3.615]]
+    >>> len(copper.family((0.5, 0.5, 0)))
+    6
+    """
+
+    name: str
+    laue: str
+    lengths: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    angles: tuple[float, float, float] = (90.0, 90.0, 90.0)
+    horizontal: str = "x"
+
+    def __post_init__(self) -> None:
+        """Check the group and the constants once."""
+        _ = self.group
+        for key in ("lengths", "angles"):
+            subject = f"phase {self.name!r}: {key}"
+            found = checks.numbers(getattr(self, key), 3, subject, OrientationError)
+            object.__setattr__(self, key, tuple(float(x) for x in found))
+        if min(self.lengths) < 0 or not all(0 < x < 180 for x in self.angles):
+            raise OrientationError(
+                f"phase {self.name!r}: positive lengths and angles between 0 and 180 degrees were "
+                f"needed, but {self.lengths} and {self.angles} came. Correct the constants."
+            )
+        if self.has_lattice and not np.isfinite(self.lattice).all():
+            raise OrientationError(
+                f"phase {self.name!r}: angles {self.angles} make no lattice. Correct them."
+            )
+
+    @cached_property
+    def group(self) -> LaueGroup:
+        """The rotations of its Laue group."""
+        return laue_group(self.laue, self.horizontal)
+
+    @property
+    def has_lattice(self) -> bool:
+        """Whether the lattice constants are known."""
+        return min(self.lengths) > 0
+
+    @cached_property
+    def lattice(self) -> np.ndarray:
+        """Columns a, b, c in the axes of the crystal, angstrom, shape (3, 3)."""
+        if not self.has_lattice:
+            raise OrientationError(
+                f"phase {self.name!r}: lattice constants are not known. Give lengths=(a, b, c)."
+            )
+        a, b, c = self.lengths
+        alpha, beta, gamma = np.radians(self.angles)
+        cosine = (np.cos(alpha) - np.cos(beta) * np.cos(gamma)) / np.sin(gamma)
+        with np.errstate(invalid="ignore"):
+            height = np.sqrt(np.sin(beta) ** 2 - cosine**2)
+        columns = np.array(
+            [
+                [a, b * np.cos(gamma), c * np.cos(beta)],
+                [0.0, b * np.sin(gamma), c * cosine],
+                [0.0, 0.0, c * height],
+            ]
+        )
+        if self.horizontal == "y" and self.laue in ("-3", "-3m", "6/m", "6/mmm"):
+            # The same lattice, turned about c until b lies along y.
+            turn = np.pi / 2 - gamma
+            cos, sin = np.cos(turn), np.sin(turn)
+            columns = np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]]) @ columns
+        return columns
+
+    def family(self, vector: Sequence[float]) -> np.ndarray:
+        """All vectors that are equivalent to one, up to sign, in crystal axes, angstrom.
+
+        Parameters
+        ----------
+        vector
+            In units of a, b, c, such as (0.5, 0.5, 0) for <110>/2.
+
+        Returns
+        -------
+        Array of shape (k, 3).
+        """
+        subject = "Burgers vector of a family"
+        given = checks.array(vector, subject, OrientationError, shape=(3,))
+        one = self.lattice @ given
+        if not one.any():
+            raise OrientationError(f"{subject}: a vector was needed, but 0 came. Give [u, v, w].")
+        count = len(self.group.quaternions)
+        every = rotated(self.group.quaternions, np.broadcast_to(one, (count, 3)))
+        found: list[np.ndarray] = []
+        # Lattice constants have four digits or so.
+        near = 1e-4 * np.abs(one).max()
+        for image in every:
+            if all(min(abs(image - x).max(), abs(image + x).max()) > near for x in found):
+                found.append(image)
+        return np.array(found)

@@ -1,0 +1,214 @@
+"""Results: Burgers vectors of one circuit in an orientation map, and of many of one size."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.errors import OrientationError
+from geomtorsion.orientations.circuits import Circuit
+from geomtorsion.orientations.phases import Phase
+
+# Angstrom in a unit of length.
+UNITS = {"angstrom": 1.0, "nm": 1e1, "um": 1e4, "mm": 1e7, "m": 1e10}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FamilyLines:
+    """How many dislocation lines of a family a circuit encloses at least.
+
+    family: Burgers vector in units of a, b, c. vectors: its equivalents in crystal axes, angstrom,
+    shape (k, 3). numbers: how many lines of each, negative for opposite ones, shape (k,).
+    """
+
+    family: tuple[float, ...]
+    vectors: np.ndarray
+    numbers: np.ndarray
+
+    @property
+    def total(self) -> float:
+        """Number of lines of all of them."""
+        return float(np.abs(self.numbers).sum())
+
+    def __repr__(self) -> str:
+        name = ", ".join(f"{x:g}" for x in self.family)
+        return f"FamilyLines([{name}]: {self.total:.4g} lines)"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MapBurgers:
+    """Burgers vector of a circuit in an orientation map.
+
+    Equation
+    --------
+    b^i = closed integral of R^i_mu dl^mu, R from specimen to crystal: the coframe that does not
+    stretch. Rounded from x to y (right-handed about z), as MTEX's integral weighted Burgers vector.
+
+    vector: b^i in crystal axes (in the variant of its grain), shape (3,), in `unit`: the sum of the
+        Burgers vectors of all lines through the circuit.
+    rotation: from crystal to specimen at the first pixel of the circuit, shape (3, 3).
+    covariance: of b in specimen axes by the noise of the pixels, shape (3, 3), unit squared.
+    area: enclosed, signed, unit squared. grain: its number. phase: what the grain is.
+    """
+
+    circuit: Circuit
+    vector: np.ndarray
+    rotation: np.ndarray
+    covariance: np.ndarray
+    area: float
+    grain: int
+    phase: Phase
+    unit: str
+
+    @property
+    def specimen(self) -> np.ndarray:
+        """b in specimen axes (those of the map), shape (3,), in `unit`."""
+        return self.rotation @ self.vector
+
+    @property
+    def size(self) -> float:
+        """|b|, in `unit`."""
+        return float(np.linalg.norm(self.vector))
+
+    @property
+    def per_area(self) -> np.ndarray:
+        """b^i per area, crystal axes, shape (3,), one over `unit`."""
+        return self.vector / self.area
+
+    @property
+    def sigma(self) -> float:
+        """What noise alone makes of |b|, as root of its mean square, in `unit`."""
+        return float(np.sqrt(np.trace(self.covariance)))
+
+    @property
+    def error(self) -> float:
+        """As `sigma`; the error of the trapezoids, (bending x step)^2 / 12, is far below it."""
+        return self.sigma
+
+    @cached_property
+    def significance(self) -> float:
+        """Length of b in units of its noise: noise alone gives sqrt(3) or so."""
+        return float(significances(self.specimen[None], self.covariance)[0])
+
+    @cached_property
+    def lattice(self) -> np.ndarray:
+        """b in units of the lattice vectors a, b, c, shape (3,)."""
+        return np.linalg.solve(self.phase.lattice, self._angstrom)
+
+    @property
+    def _angstrom(self) -> np.ndarray:
+        return self.vector * angstrom_in(self.unit)
+
+    def lines(self, *families: Sequence[float]) -> tuple[FamilyLines, ...]:
+        """The shortest lines (sum of number times |b|) that add up to the vector.
+
+        Parameters
+        ----------
+        families
+            Burgers vectors in units of a, b, c, such as (0.5, 0.5, 0); their equivalents by
+            symmetry are found.
+
+        Raises
+        ------
+        OrientationError
+            The lattice is not known, or the families do not span the vector.
+
+        Examples
+        --------
+        >>> tilted = np.zeros((4, 9, 3))
+        >>> tilted[:, 5:, 0] = 1.0
+        >>> from geomtorsion.orientations import OrientationMap
+        >>> iron = Phase("iron", "m-3m", (2.87, 2.87, 2.87))
+        >>> wall = OrientationMap.from_euler(tilted, 1.0, iron, sigma=0)
+        >>> wall.burgers(Circuit.rectangle((0, 2), 3, 5)).lines((1, 0, 0))
+        (FamilyLines([1, 0, 0]: 184 lines),)
+        """
+        # 0.3 s, and only this needs it.
+        from scipy.optimize import linprog
+
+        if not families:
+            raise OrientationError("families: a Burgers vector was needed, such as (0.5, 0.5, 0).")
+        found = [self.phase.family(family) for family in families]
+        vectors = np.concatenate(found)
+        lengths = np.linalg.norm(vectors, axis=1)
+        scale = max(np.abs(self._angstrom).max(), 1e-300)
+        answer = linprog(
+            np.concatenate([lengths, lengths]),
+            A_eq=np.concatenate([vectors.T, -vectors.T], axis=1),
+            b_eq=self._angstrom / scale,
+        )
+        if answer.status != 0:
+            raise OrientationError(
+                f"families: their Burgers vectors do not span {self.lattice.round(3).tolist()} "
+                "(units of a, b, c). Give another family as well."
+            )
+        numbers = (answer.x[: len(vectors)] - answer.x[len(vectors) :]) * scale
+        parts = np.split(numbers, np.cumsum([len(part) for part in found])[:-1])
+        return tuple(
+            FamilyLines(tuple(float(x) for x in family), part, number)
+            for family, part, number in zip(families, found, parts, strict=True)
+        )
+
+    def __repr__(self) -> str:
+        shown = ", ".join(f"{x:.4g}" for x in self.vector.tolist())
+        return (
+            f"MapBurgers([{shown}] {self.unit} in crystal axes, noise {self.sigma:.1e}, "
+            f"grain {self.grain}, {self.phase.name})"
+        )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CircuitMap:
+    """Burgers vectors of all square circuits of one size.
+
+    size: cells along a side. vectors: b^i in crystal axes, shape (rows, columns, 3) for circuits
+        whose first pixel is [row, column], NaN where the circuit crosses a boundary.
+    specimen: the same in specimen axes. clean: whether the circuit stays in one grain.
+    area: of each, unit squared. sigma: root mean square of |b| by noise alone, by phase,
+        shape (rows, columns). significance: |b| in units of its noise; noise alone gives sqrt(3).
+    """
+
+    size: int
+    vectors: np.ndarray
+    specimen: np.ndarray
+    clean: np.ndarray
+    area: float
+    sigma: np.ndarray
+    significance: np.ndarray
+    unit: str
+
+    @property
+    def per_area(self) -> np.ndarray:
+        """|b| per area, shape (rows, columns), one over `unit`."""
+        return np.linalg.norm(self.vectors, axis=-1) / self.area
+
+    @property
+    def floor(self) -> np.ndarray:
+        """What noise alone makes of `per_area`, shape (rows, columns)."""
+        return self.sigma / self.area
+
+    def __repr__(self) -> str:
+        return (
+            f"CircuitMap({int(self.clean.sum())} of {self.clean.size} circuits of {self.size} x "
+            f"{self.size} cells stay in one grain)"
+        )
+
+
+def significances(vectors: np.ndarray, covariance: np.ndarray) -> np.ndarray:
+    """sqrt(b C^-1 b), shape (...,); infinite where there is no noise."""
+    values, axes = np.linalg.eigh(covariance)
+    parts = vectors @ axes
+    sizes = np.sqrt(np.maximum(values, 0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shares = np.where(parts == 0, 0.0, np.abs(parts) / sizes)
+    return np.sqrt((shares**2).sum(axis=-1))
+
+
+def angstrom_in(unit: str) -> float:
+    """Angstrom in a unit of length."""
+    checks.known_name(unit, UNITS, "unit", OrientationError)
+    return UNITS[unit]

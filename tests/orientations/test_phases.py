@@ -1,0 +1,45 @@
+"""Phases: lattices, families by symmetry, and what is no lattice."""
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import OrientationError
+from geomtorsion.orientations import Phase
+from tests.orientations.synthetic import NICKEL
+
+ZINC = ((2.66, 2.66, 4.95), (90, 90, 120))
+
+
+def test_families():
+    """6 of <110>/2 and 4 of <111>/2 in cubes; 3 of <a> and 6 of <a + c> in hexagons, up to sign."""
+    assert len(NICKEL.family((0.5, 0.5, 0))) == 6
+    assert len(NICKEL.family((0.5, 0.5, 0.5))) == 4
+    zinc = Phase("zinc", "6/mmm", *ZINC)
+    assert len(zinc.family((1, 0, 0))) == 3
+    assert len(zinc.family((1, 0, 1))) == 6
+    assert np.linalg.norm(zinc.family((1, 0, 0)), axis=1) == pytest.approx(2.66)
+
+
+def test_lattices():
+    """Lengths and angles come back; b lies along y where the file says so."""
+    for horizontal in "xy":
+        lattice = Phase("zinc", "6/mmm", *ZINC, horizontal).lattice
+        assert np.linalg.norm(lattice, axis=0) == pytest.approx(ZINC[0])
+        assert lattice[:, 0] @ lattice[:, 1] == pytest.approx(-(2.66**2) / 2)
+        assert lattice[:, "xy".index(horizontal)][1 - "xy".index(horizontal)] == pytest.approx(0)
+    skew = Phase("albite", "-1", (8.14, 12.8, 7.16), (94.3, 116.6, 87.7)).lattice
+    sizes = np.linalg.norm(skew, axis=0)
+    cosines = [skew[:, i] @ skew[:, j] / sizes[i] / sizes[j] for i, j in ((1, 2), (0, 2), (0, 1))]
+    assert np.degrees(np.arccos(cosines)) == pytest.approx([94.3, 116.6, 87.7])
+
+
+def test_what_is_no_lattice():
+    """Angles that close no cell, negative lengths, unknown constants."""
+    with pytest.raises(OrientationError, match="make no lattice"):
+        Phase("a", "-1", (1, 1, 1), (30, 30, 170))
+    with pytest.raises(OrientationError, match="positive lengths"):
+        Phase("a", "-1", (-1, 1, 1))
+    with pytest.raises(OrientationError, match="lattice constants are not known. Give lengths"):
+        _ = Phase("a", "m-3m").lattice
+    with pytest.raises(OrientationError, match="but 0 came"):
+        NICKEL.family((0, 0, 0))
