@@ -70,6 +70,10 @@ def spanning_forest(
     zero = used < 0
     used[zero] = 0
     images = np.zeros((len(edges), 0), dtype=np.int64) if images is None else images
+    if not len(edges):
+        # Without edges there is none to look up, not even in vain.
+        values, images = (np.zeros((1, x.shape[1]), dtype=x.dtype) for x in (values, images))
+        errors = None
     steps = [np.where(zero[:, None], 0, sign[:, None] * x[used]) for x in (values, images)]
     bounds = np.zeros(nodes) if errors is None else np.where(zero, 0.0, errors[used])
     levels = np.where(zero, 0, 1)

@@ -267,3 +267,12 @@ def test_bad_cochains_are_refused(make, message):
     """Each kind has its own message."""
     with pytest.raises(NetworkError, match=message):
         make()
+
+
+def test_nodes_without_any_edge():
+    """Each is a tree of its own; nothing closes, with errors or without."""
+    for errors in (None, np.zeros(0)):
+        found = Cochain.of_edges(np.zeros((0, 2), dtype=int), np.zeros((0, 3)), errors, nodes=4)
+        assert found.forest.root.tolist() == [0, 1, 2, 3]
+        assert found.forest.potential.tolist() == [[0, 0, 0]] * 4
+        assert found.forest.closure.shape == (0, 3)
