@@ -28,7 +28,7 @@ from geomtorsion.spaces import read_file as read
 if TYPE_CHECKING:
     __version__: str
     # For editors and checkers of types, which do not ask for names one by one.
-    from geomtorsion import exercises, pictures, scenes
+    from geomtorsion import exercises, images, pictures, scenes
     from geomtorsion.accuracy import (
         CostRow,
         CostTable,
@@ -58,6 +58,11 @@ if TYPE_CHECKING:
     )
     from geomtorsion.geometry.numpy_functions import (
         numpy_function,
+    )
+    from geomtorsion.images import (
+        LatticeBurgers,
+        LatticeImage,
+        LatticePhases,
     )
     from geomtorsion.loops import (
         AffineMap,
@@ -153,13 +158,14 @@ _LATER = {
         "parallel_dislocations", "parallel_edges", "parallel_screws",
     ),
     "orientations": ("Circuit", "OrientationMap", "Phase"),
+    "images": ("LatticeBurgers", "LatticeImage", "LatticePhases"),
     "accuracy": ("CostRow", "CostTable", "accuracy_cost"),
     "scenes": (
         "Body", "Scene", "SceneCost", "StateSelection", "SceneResult", "State", "effects",
     ),
 }  # fmt: skip
 # Packages that are asked for by name, as spaces is.
-_PACKAGES = ("exercises", "pictures", "scenes")
+_PACKAGES = ("exercises", "images", "pictures", "scenes")
 _HOME = {name: package for package, names in _LATER.items() for name in names}
 
 __all__ = [
@@ -194,6 +200,9 @@ __all__ = [
     "FreeTop",
     "GeomtorsionError",
     "IdentityCheck",
+    "LatticeBurgers",
+    "LatticeImage",
+    "LatticePhases",
     "LineArrays",
     "LogMap",
     "Loop",
@@ -250,6 +259,7 @@ __all__ = [
     "geodesic_deviation",
     "holonomy",
     "identities",
+    "images",
     "levi_civita",
     "log_map",
     "numpy_function",

@@ -158,6 +158,10 @@ class OrientationError(GeomtorsionError, ValueError):
     """An orientation map lacks something, or a circuit in it leaves its grain: it names pixels."""
 
 
+class ImageError(GeomtorsionError, ValueError):
+    """An image shows no lattice, or too little of one where it was asked for."""
+
+
 class UnitError(GeomtorsionError, ValueError):
     """A unit is unknown, or does not measure what the field measures."""
 

@@ -46,6 +46,9 @@ RING = gt.LineArrays(
     gt.Box.of_bounds([0, 0, 0], [4, 4, 4]),
 )  # fmt: skip
 PLACED = gt.DislocationNetwork.of_arrays(RING)
+_Y, _X = np.mgrid[63:-1:-1, 0:64]
+PICTURE = np.cos(np.pi * _X / 3) + np.cos(np.pi * _Y / 3)
+PHASES = gt.LatticeImage(PICTURE).phases()
 LINES = gt.DislocationNetwork.of_lines([("a", "b", (1, 0, 0)), ("b", "a", (1, 0, 0))])
 EXERCISE = exercises.load("3.2", 1)
 ANSWERS = {question.name: "1" for question in EXERCISE.questions}
@@ -194,6 +197,7 @@ def public_functions() -> list[Case]:
                 horizontal="x"),
         _public("OrientationMap", quaternions=CRYSTALS.quaternions, phase=CRYSTALS.phase,
                 phases={1: IRON}, steps=(1, 1), shift=0, threshold=5, sigma=0.1, unit="um"),
+        _public("LatticeImage", values=PICTURE, step=1, unit="nm"),
         _public(
             "SampledFrame", axes=[np.arange(9.0), np.arange(9.0)],
             coframe=np.ones((1, 2, 9, 9)), order=4, names=("x", "y"),
@@ -342,6 +346,10 @@ def public_methods() -> list[Case]:
             names=("x", "y")),
         _of("SampledFrame.from_frame", gt.SampledFrame.from_frame, frame=PLANE,
             axes=[np.arange(9.0), np.arange(9.0)], order=4, parameters={}),
+        _of("LatticeImage.phases", gt.LatticeImage(PICTURE).phases,
+            spots=[[1 / 6, 0], [0, 1 / 6]], resolution=6),
+        _of("LatticePhases.burgers", PHASES.burgers, loop=gt.Loop.circle([32, 32], 12), risk=0.1),
+        _of("LatticePhases.sampled", PHASES.sampled, order=4, lengths=True),
         _of("SampledFrame.plaquettes", GRID.plaquettes, plane=(0, 1)),
         _of("SampledFrame.burgers", GRID.burgers, loop=gt.Loop.circle([4, 4], 1)),
         _of("Solution.at", SOLVED.at, time=0.25),
@@ -501,5 +509,5 @@ RESULTS = frozenset(
     "BurgersMap BurgersVector CostRow CostTable Development EnclosedDefect Ensemble "
     "EquationsOfMotion ExactBurgersVector IdentityCheck LogMap NodeRule SavedSolution SceneCost "
     "SceneResult Solution StateSelection Variation Atlas Chart CurveProblem DislocationNetwork "
-    "Engine".split()
+    "Engine LatticeBurgers LatticePhases".split()
 )

@@ -40,7 +40,7 @@ FLOORS = (
     ("codegen",),
     ("geometry", "ode"),
     ("action", "curves", "loops", "rigid"),
-    ("orientations", "spaces"),
+    ("images", "orientations", "spaces"),
     ("accuracy", "pictures", "paper"),
     ("scenes", "exercises"),
     ("cli", "lab"),

@@ -1,0 +1,8 @@
+"""Images: Burgers vectors of lattice images, by geometric phase analysis."""
+
+from geomtorsion.images.circuits import LatticeBurgers
+from geomtorsion.images.lattice_image import LatticeImage
+from geomtorsion.images.phases import LatticePhases
+from geomtorsion.images.spots import Spots
+
+__all__ = ["LatticeBurgers", "LatticeImage", "LatticePhases", "Spots"]

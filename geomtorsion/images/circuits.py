@@ -1,0 +1,126 @@
+"""Circuits: windings of phases along a path of pixels, and the chance that noise changed them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import special
+
+from geomtorsion import checks
+from geomtorsion.errors import ImageError, LoopError
+from geomtorsion.loops import Cochain, Loop
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LatticeBurgers:
+    """The Burgers vector of a circuit through a lattice image.
+
+    whole: in lattice vectors, whole numbers, shape (2,).
+    chance: that noise has made one of them wrong; at most the risk that was accepted.
+    lattice: the lattice vectors, rows, shape (2, 2). unit: of lengths.
+    vector: along x and y, in units of length, shape (2,).
+    error: bound on its larger component, as the spots are known to a third of a pixel.
+    path: pixels of the circuit in order, path[k] = (x, y), first and last the same.
+    weakest: where the amplitude is smallest in terms of noise, (x, y) in units.
+    """
+
+    whole: np.ndarray
+    chance: float
+    lattice: np.ndarray
+    unit: str
+    error: float
+    path: np.ndarray
+    weakest: tuple[float, float]
+
+    @property
+    def vector(self) -> np.ndarray:
+        """b along x and y, in units of length, shape (2,)."""
+        return self.whole @ self.lattice
+
+    @property
+    def magnitude(self) -> float:
+        """Length of the vector."""
+        return float(np.hypot(*self.vector))
+
+    def __repr__(self) -> str:
+        return (
+            f"LatticeBurgers({self.whole.tolist()} in lattice vectors, "
+            f"{self.magnitude:.4g} {self.unit}, chance of error {self.chance:.1g})"
+        )
+
+
+def wound(phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Whole turns of phases along a closed path, and what is left of each step without them.
+
+    phase: between -pi and pi, phase[i, k], the last the same as the first.
+    """
+    steps = np.diff(phase, axis=1)
+    whole = np.rint(steps / (2 * np.pi)).astype(np.int64)
+    count = whole.shape[1]
+    ring = np.stack([np.arange(count), (np.arange(count) + 1) % count], axis=1)
+    sums = Cochain.of_edges(ring, -whole.T).over(np.ones((1, count), dtype=np.int64))
+    return sums.vectors[0], steps - 2 * np.pi * whole
+
+
+def clicks(ratio: np.ndarray, steps: np.ndarray, blur: float) -> float:
+    """Chance that noise adds a whole turn to a phase along a path: expected clicks, at most one.
+
+    [Rice1963], eq. (3.9) for a carrier in noise: r erfc(sqrt(rho)) of both senses for each unit
+    of length, and |f| exp(-rho) more where the carrier is off by f; rho is the power of the
+    carrier over that of the noise, r the rms frequency of the noise, here 1 / (2 sqrt(2) pi blur).
+    """
+    rms = 1 / (np.sqrt(8) * np.pi * blur)
+    off = np.abs(steps) / (2 * np.pi)
+    return min(1.0, float((rms * special.erfc(ratio) + off * np.exp(-(ratio**2))).sum()))
+
+
+def pixel_path(loop: Loop, step: float, shape: tuple[int, ...], unit: str) -> np.ndarray:
+    """The pixels along a loop, each a step to the side or up from the one before, shape (k, 2).
+
+    Raises
+    ------
+    ImageError
+        The loop leaves the image, or runs within a few pixels.
+    LoopError
+        It has not two coordinates, or does not close.
+    """
+    checks.instance(loop, Loop, "loop")
+    if loop.dimension != 2:
+        raise LoopError(
+            f"the loop has {loop.dimension} coordinates, an image 2: give a loop in x and y."
+        )
+    if loop.gap.any():
+        raise LoopError("the loop does not close in the image, which has no periods.")
+    longest = 8 * sum(shape) * 100
+    length = loop.length / step
+    if length > longest:
+        raise ImageError(
+            f"the loop is {length:.3g} pixels long, more than {longest:,}: give one that lies in "
+            "the image and turns fewer times."
+        )
+    corners = loop.points(max(8, int(4 * length))).T / step
+    outside = (corners < -0.5) | (corners > np.array(shape) - 0.5)
+    if outside.any():
+        x, y = (step * corners[int(outside.any(axis=1).argmax())]).tolist()
+        raise ImageError(
+            f"the circuit leaves the image at ({x:.6g}, {y:.6g}) {unit}; it has 0 to "
+            f"{step * (shape[0] - 1):.6g} in x and 0 to {step * (shape[1] - 1):.6g} in y."
+        )
+    # Sides of polygons are long: as many points as make steps of less than a pixel.
+    parts = np.ceil(2 * np.abs(np.diff(corners, axis=0)).max(axis=1)).astype(int)
+    at = np.concatenate([[0], np.cumsum(np.maximum(parts, 1))])
+    fine = [np.interp(np.arange(at[-1] + 1), at, line) for line in corners.T]
+    found = np.rint(np.stack(fine, axis=1)).astype(np.int64)
+    found = np.clip(found, 0, np.array(shape) - 1)
+    found[-1] = found[0]
+    # A diagonal step becomes two.
+    between = np.stack([found[1:, 0], found[:-1, 1]], axis=1)
+    path = np.concatenate([np.stack([found[:-1], between], axis=1).reshape(-1, 2), found[-1:]])
+    path = path[np.concatenate([[True], (np.diff(path, axis=0) != 0).any(axis=1)])]
+    if np.ptp(path, axis=0).min() < 2:
+        raise ImageError(
+            "the circuit runs within a few pixels, and encloses none: give a larger one, in units "
+            f"of {unit} ({step:.6g} for a pixel)."
+        )
+    return path

@@ -1,0 +1,139 @@
+"""Image files: pixels from TIFF, PNG and hyperspy signals; nothing in them is ever evaluated."""
+
+from __future__ import annotations
+
+import math
+import sys
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.errors import FileFormatError, ImageError, LimitError, MissingExtraError
+
+KINDS = {".tif": "tifffile", ".tiff": "tifffile", ".png": "PIL.Image"}
+
+
+def read_pixels(path: Path, page: int = 0) -> np.ndarray:
+    """Grey values of an image file, shape (rows, columns).
+
+    Raises
+    ------
+    FileFormatError
+        The file is missing, damaged, or of another kind.
+    LimitError
+        It claims to hold more pixels than there is room for.
+    MissingExtraError
+        The library that reads it is not installed.
+    """
+    checks.count(page, "page", ImageError)
+    if path.suffix.lower() not in KINDS:
+        raise FileFormatError(
+            f"{path}: .tif, .tiff or .png was needed, but the name ends in {path.suffix!r}. Give "
+            "arrays in memory to LatticeImage(array)."
+        )
+    if not path.is_file():
+        raise FileFormatError(f"{path}: there is no such file.")
+    name = KINDS[path.suffix.lower()]
+    try:
+        library = import_module(name)
+    except ImportError:
+        raise MissingExtraError(
+            f"{path}: reading it needs {name.partition('.')[0]}, which is not installed. "
+            "Run `pip install geomtorsion[images]`; arrays need nothing."
+        ) from None
+    load = _tiff if name == "tifffile" else _png
+    try:
+        found = load(library, path, page)
+    except (FileFormatError, LimitError, MemoryError):
+        raise
+    # Decoders fail in all the ways there are when bytes are wrong, some with errors of their own.
+    except Exception as reason:  # noqa: BLE001
+        raise FileFormatError(
+            f"{path}: it cannot be read, it is truncated or no file of this kind "
+            f"({type(reason).__name__}: {checks.cut(str(reason))})."
+        ) from None
+    return _grey(found, path)
+
+
+def _tiff(library: Any, path: Path, page: int) -> np.ndarray:
+    """One page of a TIFF file."""
+    with library.TiffFile(path) as file:
+        count = len(file.pages)
+        if page >= count:
+            raise FileFormatError(
+                f"{path}: page {page} was asked for, but the file has {count}, counted from 0."
+            )
+        found = file.pages[page]
+        check_size(path, found.shape)
+        return np.asarray(found.asarray(maxworkers=1))
+
+
+def _png(library: Any, path: Path, page: int) -> np.ndarray:
+    """A PNG file, of any depth."""
+    if page:
+        raise FileFormatError(f"{path}: page {page} was asked for, but a PNG file has one, page 0.")
+    with library.open(path, formats=("PNG",)) as file:
+        check_size(path, file.size)
+        grey = file.mode in ("1", "L", "I", "I;16", "F")
+        return np.asarray(file if grey else file.convert("RGB"))
+
+
+def check_size(subject: object, shape: tuple[int, ...]) -> None:
+    """Refuse, before memory is taken, an image whose phases would need too much of it.
+
+    Raises
+    ------
+    LimitError
+        It has too many pixels.
+    """
+    count = math.prod(map(int, shape[:2]))
+    # Two complex waves, the spectrum that they come from, and the image itself.
+    checks.check_room(7 * count, f"{subject}: an image of {count:,} pixels", "Cut it into parts.")
+
+
+def _grey(found: np.ndarray, path: Path) -> np.ndarray:
+    """One value for each pixel: the mean of colours, without opacity."""
+    if found.ndim == 3 and found.shape[2] in (1, 2, 3, 4):
+        colours = found.shape[2] - (found.shape[2] % 2 == 0)
+        found = found[:, :, :colours].astype(float).mean(axis=2)
+    if found.ndim != 2 or found.dtype.kind not in "biuf":
+        raise FileFormatError(
+            f"{path}: grey values of shape (rows, columns) were needed, but {found.dtype} of shape "
+            f"{found.shape} came. Choose a page, or give an array."
+        )
+    return found.astype(float)
+
+
+def pixels_of_signal(signal: Any) -> tuple[np.ndarray, float, str]:
+    """Grey values, size of a pixel and its unit, of a hyperspy signal.
+
+    Raises
+    ------
+    ImageError
+        It is no signal of two axes, or its pixels are not square.
+    """
+    # Whoever has a signal has loaded hyperspy; it is never loaded for anybody else.
+    library = sys.modules.get("hyperspy.signal")
+    if library is None or not isinstance(signal, library.BaseSignal):
+        raise ImageError(
+            f"signal: a hyperspy signal was needed, but {checks.shown(signal)} came. Give arrays "
+            "to LatticeImage(array)."
+        )
+    axes = signal.axes_manager.signal_axes
+    if len(axes) != 2 or signal.axes_manager.navigation_size > 1:
+        raise ImageError(
+            f"signal: one image was needed, but {checks.shown(signal)} came. Choose one: "
+            "signal.inav[0]."
+        )
+    steps = [abs(checks.number(axis.scale, "scale", ImageError)) for axis in axes]
+    if abs(steps[0] - steps[1]) > 1e-3 * steps[0] or str(axes[0].units) != str(axes[1].units):
+        raise ImageError(
+            f"signal: square pixels were needed, but they are {steps[0]:.6g} by {steps[1]:.6g}. "
+            "Resample it: signal.rebin(...)."
+        )
+    known = isinstance(axes[0].units, str)
+    values = np.asarray(signal.data, dtype=float)
+    return values.reshape(values.shape[-2:]), steps[0], axes[0].units if known else "px"

@@ -1,0 +1,297 @@
+"""Spots: the Bragg spots of an image, and the noise round them, from its power spectrum."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from scipy import fft, ndimage, stats
+from scipy.signal import windows
+
+from geomtorsion.errors import ImageError
+
+
+@dataclass(frozen=True)
+class Search:
+    """How spots are looked for.
+
+    false_alarm: chance that noise alone, anywhere in an image, is taken for a spot.
+    least: rows and columns of the smallest image; periods: across the smallest, fewer of which
+        have no phase to speak of.
+    smoothing: standard deviation in pixels of the transform over which power is added: a
+        dislocation splits a spot into a ring of about one pixel.
+    collinear: sine of the angle, 10 degrees, between two spots that span a lattice.
+    candidates: spots that are looked at, strongest first: the first orders of any lattice.
+    belonging: share of the power of all spots that has to belong to one lattice.
+    orders: multiples of the two spots among which the others are sought.
+    harmonics: of sharp fringes, which are no second direction even where they are folded back;
+        their power falls with the square of the order, so that fainter ones decide nothing.
+    covered: participation ratio of a lattice in the image, below which a spot comes from edges.
+    """
+
+    false_alarm: float = 1e-4
+    least: int = 32
+    periods: int = 6
+    smoothing: float = 1.5
+    collinear: float = 0.17
+    candidates: int = 16
+    belonging: float = 0.5
+    orders: int = 4
+    harmonics: int = 12
+    covered: float = 0.2
+
+
+SEARCH = Search()
+
+
+@dataclass(frozen=True, eq=False)
+class Spots:
+    """Two Bragg spots that span the reciprocal lattice.
+
+    vectors: g_1 and g_2 in cycles per pixel, rows, shape (2, 2); from g_1 to g_2 is a turn to the
+        left, and g_1 is the one closer to the x axis.
+    amplitudes: of exp(2 pi i g x) in the image, shape (2,).
+    noise: standard deviation per pixel of white noise as strong as what lies round each spot.
+    """
+
+    vectors: np.ndarray
+    amplitudes: np.ndarray
+    noise: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Power of an image under a Hann window, in units of a white noise of variance one.
+
+    power: shape (N_x, N_y); x, y: frequencies of rows and columns in cycles per pixel.
+    """
+
+    power: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+
+    @classmethod
+    def of(cls, field: np.ndarray) -> Spectrum:
+        """The spectrum of a field, whose borders the window hides."""
+        window = np.multiply.outer(*(_taper(n) for n in field.shape))
+        mean = (window * field).sum() / window.sum()
+        found = fft.fft2(window * (field - mean), workers=1)
+        power = (found.real**2 + found.imag**2) / (window**2).sum()
+        return cls(power, fft.fftfreq(field.shape[0]), fft.fftfreq(field.shape[1]))
+
+    def around(self, place: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Power near a frequency, and the offsets from it, up to so many pixels of the larger axis.
+
+        Frequencies beyond the end of an axis are those at its other end.
+        """
+        size = np.array(self.power.shape)
+        centre = np.round(place * size).astype(int)
+        half = np.maximum(2, np.ceil(reach * size / size.max())).astype(int)
+        half = np.minimum(half, (size - 1) // 2)
+        lines = [c + np.arange(-h, h + 1) for c, h in zip(centre, half, strict=True)]
+        block = self.power[np.ix_(lines[0] % size[0], lines[1] % size[1])]
+        dx, dy = lines[0] / size[0] - place[0], lines[1] / size[1] - place[1]
+        return block, dx[:, None], dy[None, :]
+
+    @property
+    def pixel(self) -> float:
+        """The smaller pixel of the transform, in cycles per pixel of the image."""
+        return 1.0 / max(self.power.shape)
+
+
+def _taper(count: int) -> np.ndarray:
+    """A window that falls to zero over a quarter of its length at either end."""
+    return windows.tukey(count, 0.5, sym=False)
+
+
+def find_spots(field: np.ndarray) -> Spots:
+    """The two Bragg spots of an image that span its lattice, each to a third of a pixel.
+
+    A spot stands out of what lies round it by more than noise does anywhere in an image, except
+    once in 10,000. Of the pairs that all other spots are whole multiples of, the strongest is
+    taken.
+
+    Raises
+    ------
+    ImageError
+        No spot stands out, or all lie in one direction, or they come from edges and not a lattice.
+    """
+    spectrum = Spectrum.of(field)
+    places, strengths = _significant(spectrum)
+    if not len(places):
+        raise ImageError(
+            "the image has no lattice that can be seen: no spot of its Fourier transform stands "
+            "out of what lies round it. Give a larger part of the image, or spots=[[x, y], [x, y]]."
+        )
+    places = np.array([refined(spectrum, place) for place in places])
+    covering = np.array([_covers(field, place) for place in places])
+    places, strengths = places[covering], strengths[covering]
+    if not len(places):
+        raise ImageError(
+            "the image has no lattice that can be seen: its strongest spots come from edges or "
+            "blots, not from something that repeats. Cut out the part with the lattice."
+        )
+    pair = _basis(places, strengths, spectrum.pixel)
+    if pair is None:
+        k = places[0]
+        raise ImageError(
+            f"the image has fringes of one direction only, of {1 / np.hypot(*k):.3g} pixels each: "
+            "two spots in different directions were needed. Tilt to a zone axis, or give "
+            "spots=[[x, y], [x, y]]."
+        )
+    return measured(spectrum, ordered(places[list(pair)]))
+
+
+def ordered(pair: np.ndarray) -> np.ndarray:
+    """The two spots with signs and order that do not depend on which was the stronger one."""
+    turned = np.array([g if (g[0] > 0 or (g[0] == 0 and g[1] > 0)) else -g for g in pair])
+    slopes = np.abs(np.arctan2(turned[:, 1], turned[:, 0]))
+    first, second = turned[np.argsort(slopes, kind="stable")]
+    cross = first[0] * second[1] - first[1] * second[0]
+    return np.array([first, second if cross > 0 else -second])
+
+
+def measured(spectrum: Spectrum, pair: np.ndarray) -> Spots:
+    """Amplitudes of two spots, and the noise in the ring half way to other spots."""
+    amplitudes, noise = np.empty(2), np.empty(2)
+    shortest = float(np.hypot(*pair.T).min())
+    for k, place in enumerate(pair):
+        reach = shortest / 2 / spectrum.pixel
+        block, dx, dy = spectrum.around(place, reach)
+        distance = np.hypot(dx, dy)
+        ring = (distance < shortest / 2) & (distance > shortest / 4)
+        # The power of noise is exponential: its median is ln 2 of its mean.
+        variance = float(np.median(block[ring])) / np.log(2) if ring.any() else 0.0
+        inside = distance < min(shortest / 4, 4 * SEARCH.smoothing * spectrum.pixel)
+        power = block[inside].sum() - variance * inside.sum()
+        # Parseval: the power under the window is A^2 times the number of pixels.
+        amplitudes[k] = np.sqrt(max(power, 0.0) / spectrum.power.size)
+        noise[k] = np.sqrt(variance)
+    return Spots(pair, amplitudes, noise)
+
+
+def refined(spectrum: Spectrum, place: np.ndarray) -> np.ndarray:
+    """The centre of gravity of a spot, in a Gaussian window that follows it.
+
+    It is the mean gradient of the phase: a dislocation, which splits its spot, does not shift it.
+    """
+    reach = 4 * SEARCH.smoothing
+    width = SEARCH.smoothing * spectrum.pixel
+    for _ in range(50):
+        block, dx, dy = spectrum.around(place, reach)
+        weight = np.exp(-(dx**2 + dy**2) / (2 * width**2)) * block
+        total = weight.sum()
+        step = np.array([(weight * dx).sum(), (weight * dy).sum()]) / total
+        place = place + step
+        if np.abs(step).max() < 1e-4 * spectrum.pixel:
+            break
+    return place
+
+
+def _significant(spectrum: Spectrum) -> tuple[np.ndarray, np.ndarray]:
+    """Places of spots, half of the plane, and their power over the noise, strongest first."""
+    power = ndimage.gaussian_filter(spectrum.power, SEARCH.smoothing, mode="wrap")
+    kx, ky = spectrum.x[:, None], spectrum.y[None, :]
+    least = SEARCH.periods / min(power.shape)
+    half = (kx > 0) | ((kx == 0) & (ky > 0))
+    reach = int(np.ceil(3 * SEARCH.smoothing))
+    peak = ndimage.maximum_filter(power, 2 * reach + 1, mode="wrap") == power
+    places = np.argwhere(peak & half & (np.hypot(kx, ky) > least))
+    ranked = places[np.argsort(-power[tuple(places.T)], kind="stable")][: 4 * SEARCH.candidates]
+    limit = _threshold(power.size)
+    radii = np.hypot(kx, ky)
+    found, strengths = [], []
+    for i, j in ranked.tolist():
+        place = np.array([spectrum.x[i], spectrum.y[j]])
+        block, dx, dy = spectrum.around(place, 4 * reach)
+        distance = np.hypot(dx, dy) / spectrum.pixel
+        ring = (distance > 2 * reach) & (distance < 4 * reach)
+        # A glass scatters equally in all directions, and its rings consist of speckle.
+        same = np.abs(radii - np.hypot(*place)) < spectrum.pixel
+        noise = max(float(np.median(x)) for x in (block[ring], spectrum.power[same])) / np.log(2)
+        if power[i, j] > limit * noise:
+            found.append(place)
+            strengths.append(power[i, j] - noise)
+    return np.array(found[: SEARCH.candidates]), np.array(strengths[: SEARCH.candidates])
+
+
+def _threshold(count: int) -> float:
+    """What smoothed noise of mean one exceeds nowhere at so many places, but for false alarms.
+
+    A weighted sum of powers is nearly gamma-distributed; the window correlates neighbours.
+    """
+    weights = np.zeros(33)
+    weights[16] = 1.0
+    weights = ndimage.gaussian_filter1d(weights, SEARCH.smoothing)
+    energy = np.abs(fft.fft(_taper(1024) ** 2)) ** 2
+    correlation = np.roll(energy / energy[0], 8)[:17]
+    variance = float(weights @ np.convolve(weights, correlation, mode="same")) ** 2
+    shape = 1.0 / variance
+    return float(stats.gamma.isf(SEARCH.false_alarm / count, shape) / shape)
+
+
+def _covers(field: np.ndarray, place: np.ndarray) -> bool:
+    """Whether what makes a spot lies all over the image, by the participation ratio."""
+    blur = max(2.0 / float(np.hypot(*place)), 2.0)
+    waves = [
+        np.exp(-2j * np.pi * k * np.arange(n)) for k, n in zip(place, field.shape, strict=True)
+    ]
+    found = (field - field.mean()) * np.multiply.outer(*waves)
+    every = max(1, int(blur / 2))
+    # Means over blocks are enough to see where the spot comes from.
+    shape = [n // every for n in field.shape]
+    found = found[: shape[0] * every, : shape[1] * every]
+    found = found.reshape(shape[0], every, shape[1], every).mean(axis=(1, 3))
+    smooth = ndimage.gaussian_filter(found, blur / every, mode="constant")
+    power = smooth.real**2 + smooth.imag**2
+    return bool(power.mean() ** 2 >= SEARCH.covered * (power**2).mean())
+
+
+def _basis(places: np.ndarray, strengths: np.ndarray, pixel: float) -> tuple[int, int] | None:
+    """The strongest pair of those that span the most of all spots; None if there is no pair.
+
+    Raises
+    ------
+    ImageError
+        No pair spans the larger part of them, as where a ring of speckle comes from a glass.
+    """
+    harmonic = _harmonics(places, strengths, pixel)
+    pairs, spanned = [], []
+    for a, b in combinations(range(len(places)), 2):
+        first, second = places[a], places[b]
+        cross = first[0] * second[1] - first[1] * second[0]
+        collinear = abs(cross) < SEARCH.collinear * np.hypot(*first) * np.hypot(*second)
+        if collinear or harmonic[a] or harmonic[b]:
+            continue
+        basis = places[[a, b]]
+        multiples = np.round(places @ np.linalg.inv(basis))
+        rest = multiples @ basis - places
+        slack = pixel * np.maximum(1, np.abs(multiples).sum(axis=1) / 2)
+        near = (np.hypot(*rest.T) < slack) & (np.abs(multiples).max(axis=1) <= SEARCH.orders)
+        pairs.append((a, b))
+        spanned.append(strengths[near].sum() / strengths.sum())
+    if not pairs:
+        return None
+    if max(spanned) < SEARCH.belonging:
+        raise ImageError(
+            "the image has no lattice that can be seen: the spots of its Fourier transform do not "
+            "belong together. Cut out a part with one lattice, or give spots=[[x, y], [x, y]]."
+        )
+    # Weak spots beside the others, which a defect makes, decide nothing.
+    best = [p for p, share in zip(pairs, spanned, strict=True) if share > 0.98 * max(spanned)]
+    return max(best, key=lambda pair: (min(strengths[list(pair)]), -sum(pair)))
+
+
+def _harmonics(places: np.ndarray, strengths: np.ndarray, pixel: float) -> np.ndarray:
+    """Which spots are harmonics of the strongest one, perhaps folded back at the end of an axis."""
+    orders = np.arange(-SEARCH.harmonics, SEARCH.harmonics + 1)[:, None]
+    orders = orders[np.abs(orders[:, 0]) > 1]
+    first = int(strengths.argmax())
+    rest = places[:, None] - orders * places[first]
+    rest -= np.round(rest)
+    near = np.hypot(rest[..., 0], rest[..., 1]) < pixel * np.abs(orders[:, 0]) / 2
+    # Twice, since a spot is seldom measured better.
+    weak = strengths[:, None] * orders[:, 0] ** 2 < 2 * strengths[first]
+    faint = strengths * SEARCH.harmonics**2 < strengths[first]
+    return (near & weak).any(axis=1) | faint

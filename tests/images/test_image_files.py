@@ -1,0 +1,184 @@
+"""Image files: TIFF and PNG come back as they were; what is damaged is refused in our words."""
+
+import builtins
+import pickle
+import struct
+import sys
+import types
+import zlib
+
+import numpy as np
+import pytest
+
+import geomtorsion as gt
+from geomtorsion.errors import FileFormatError, ImageError, LimitError, MissingExtraError
+
+tifffile = pytest.importorskip("tifffile")
+PIL = pytest.importorskip("PIL.Image")
+
+GREY = (np.add.outer(7 * np.arange(40), np.arange(50)) % 251).astype(np.uint8)
+
+
+@pytest.mark.parametrize("dtype", ["uint8", "uint16", "int16", "float32", "float64"])
+@pytest.mark.parametrize("suffix", [".tif", ".TIFF"])
+def test_tiff_comes_back(tmp_path, dtype, suffix):
+    """In every depth that microscopes write."""
+    path = tmp_path / f"image{suffix}"
+    tifffile.imwrite(path, GREY.astype(dtype))
+    assert (gt.LatticeImage.read(path).values == GREY).all()
+
+
+def test_pages_of_a_tiff_are_chosen(tmp_path):
+    """The first if nothing is said; one too far is refused."""
+    path = tmp_path / "stack.tif"
+    tifffile.imwrite(path, np.stack([GREY, GREY[::-1]]), photometric="minisblack")
+    assert (gt.LatticeImage.read(path, page=1).values == GREY[::-1]).all()
+    with pytest.raises(FileFormatError, match="page 2 was asked for, but the file has 2"):
+        gt.LatticeImage.read(path, page=2)
+
+
+@pytest.mark.parametrize("dtype", ["uint8", "uint16"])
+def test_png_comes_back(tmp_path, dtype):
+    """Eight and sixteen bits."""
+    path = tmp_path / "image.png"
+    scale = 1 if dtype == "uint8" else 256
+    PIL.fromarray((GREY.astype(int) * scale).astype(dtype)).save(path)
+    assert (gt.LatticeImage.read(path, 0.1, "nm").values == GREY.astype(int) * scale).all()
+
+
+def test_colours_become_grey(tmp_path):
+    """The mean of three channels; opacity counts for nothing."""
+    colours = np.stack([GREY, GREY, np.zeros_like(GREY), np.full_like(GREY, 9)], axis=2)
+    PIL.fromarray(colours).save(tmp_path / "image.png")
+    found = gt.LatticeImage.read(tmp_path / "image.png").values
+    assert found == pytest.approx(2 / 3 * GREY)
+
+
+def huge_png() -> bytes:
+    """A header that claims 100,000 by 100,000 pixels."""
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        body = kind + data
+        return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
+
+    size = struct.pack(">IIBBBBB", 100_000, 100_000, 8, 0, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", size) + chunk(b"IDAT", b"") + chunk(b"IEND", b"")
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("empty.tif", b""),
+        ("text.png", b"not an image"),
+        ("pickle.tif", pickle.dumps([1, 2])),
+        ("array.tif", b"\x93NUMPY"),
+        ("other.npy", b""),
+        ("none", b""),
+    ],
+)
+def test_files_that_are_no_images_are_refused(tmp_path, name, content):
+    """By name, by content, by what their header claims."""
+    path = tmp_path / name
+    path.write_bytes(content)
+    with pytest.raises(FileFormatError, match=name):
+        gt.LatticeImage.read(path)
+
+
+def test_a_file_that_claims_too_much_is_refused(tmp_path):
+    """Before memory is taken for it."""
+    path = tmp_path / "huge.png"
+    path.write_bytes(huge_png())
+    with pytest.raises((LimitError, FileFormatError), match="huge.png"):
+        gt.LatticeImage.read(path)
+
+
+@pytest.mark.parametrize("kind", ["tif", "png"])
+def test_damaged_files_are_refused_or_read(tmp_path, kind):
+    """Cut off anywhere, or with wrong bytes: never a foreign error."""
+    whole = tmp_path / f"whole.{kind}"
+    if kind == "tif":
+        tifffile.imwrite(whole, GREY, compression="zlib")
+    else:
+        PIL.fromarray(GREY).save(whole)
+    content = whole.read_bytes()
+    rng = np.random.default_rng(0)
+    refused = 0
+    for k in range(60):
+        damaged = bytearray(content)
+        if k % 2:
+            damaged = damaged[: rng.integers(len(content))]
+        else:
+            for place in rng.integers(len(content), size=8):
+                damaged[place] = rng.integers(256)
+        path = tmp_path / f"damaged.{kind}"
+        path.write_bytes(damaged)
+        try:
+            gt.LatticeImage.read(path)
+        except (FileFormatError, ImageError, LimitError):
+            refused += 1
+    assert refused > 30
+
+
+def test_a_missing_file_and_a_missing_library_are_named(tmp_path, monkeypatch):
+    """The extra that brings it is told."""
+    with pytest.raises(FileFormatError, match="there is no such file"):
+        gt.LatticeImage.read(tmp_path / "nothing.tif")
+    path = tmp_path / "image.tif"
+    tifffile.imwrite(path, GREY)
+    monkeypatch.setitem(sys.modules, "tifffile", None)
+    with pytest.raises(MissingExtraError, match=r"pip install geomtorsion\[images\]"):
+        gt.LatticeImage.read(path)
+
+
+class Axis(types.SimpleNamespace):
+    """An axis of a signal."""
+
+
+class Signal:
+    """What we use of a hyperspy signal."""
+
+    def __init__(self, data, *steps, navigation=0):
+        self.data = data
+        axes = tuple(Axis(scale=step, units="nm") for step in steps)
+        self.axes_manager = Axis(signal_axes=axes, navigation_size=navigation)
+
+
+@pytest.fixture
+def hyperspy(monkeypatch):
+    """A module in the place of hyperspy.signal, with our class as its base of all signals."""
+    module = types.ModuleType("hyperspy.signal")
+    module.BaseSignal = Signal
+    monkeypatch.setitem(sys.modules, "hyperspy.signal", module)
+
+
+@pytest.mark.usefixtures("hyperspy")
+def test_signals_bring_their_scale():
+    """And are refused where they are no single image of square pixels."""
+    image = gt.LatticeImage.of_signal(Signal(GREY, 0.05, 0.05))
+    assert (image.step, image.unit, image.values.shape) == (0.05, "nm", GREY.shape)
+    for signal, match in (
+        (Signal(GREY, 0.05, 0.06), "square pixels were needed"),
+        (Signal(GREY, 0.05), "one image was needed"),
+        (Signal(GREY, 0.05, 0.05, navigation=3), "Choose one: signal.inav"),
+    ):
+        with pytest.raises(ImageError, match=match):
+            gt.LatticeImage.of_signal(signal)
+
+
+def test_what_is_no_signal_is_refused():
+    """With or without hyperspy."""
+    with pytest.raises(ImageError, match="a hyperspy signal was needed"):
+        gt.LatticeImage.of_signal(GREY)
+
+
+def test_nothing_is_unpickled(tmp_path, monkeypatch):
+    """Neither pickle nor eval is called while a file is read."""
+    path = tmp_path / "image.tif"
+    tifffile.imwrite(path, GREY, description="__import__('os')")
+
+    def never(*_):
+        raise AssertionError("something was evaluated")
+
+    for place, name in ((pickle, "loads"), (pickle, "load"), (builtins, "eval")):
+        monkeypatch.setattr(place, name, never)
+    assert (gt.LatticeImage.read(path).values == GREY).all()

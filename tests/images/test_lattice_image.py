@@ -1,0 +1,45 @@
+"""LatticeImage: arrays that are images, and those that are none."""
+
+import numpy as np
+import pytest
+
+import geomtorsion as gt
+from geomtorsion.errors import ImageError
+
+
+def test_coordinates_run_to_the_right_and_upwards():
+    """The first row is on top; axes are in units."""
+    values = np.arange(40 * 50, dtype=float).reshape(40, 50)
+    image = gt.LatticeImage(values, step=0.5, unit="nm")
+    assert image.field[0, 0] == values[39, 0]
+    assert image.field[3, 39] == values[0, 3]
+    assert [len(axis) for axis in image.axes] == [50, 40]
+    assert image.axes[0][-1] == 24.5
+    assert repr(image) == "LatticeImage(50 x 40 pixels of 0.5 nm)"
+
+
+@pytest.mark.parametrize(
+    ("values", "match"),
+    [
+        (np.zeros((64, 64)), "no lattice: all its values are equal"),
+        (np.full((64, 64), 0.1), "no lattice: all its values are equal"),
+        (np.ones((64, 64, 3)), r"shape \(any, any\) was needed"),
+        (np.ones((8, 64)), "32 rows and columns or more were needed"),
+        (np.ones((64, 64)) * 1j, "an array of grey values was needed"),
+        ("image.tif", "an array of grey values was needed"),
+        ([[1, 2], [3]], "an array of grey values was needed"),
+        (np.where(np.eye(64) > 0, np.nan, 1.0), r"image\[0, 0\] = nan is not finite"),
+        (None, "an array of grey values was needed"),
+    ],
+)
+def test_arrays_that_are_no_images_are_refused(values, match):
+    """With what was needed."""
+    with pytest.raises(ImageError, match=match):
+        gt.LatticeImage(values)
+
+
+@pytest.mark.parametrize("step", [0, -1, np.nan, "1"])
+def test_steps_that_are_none_are_refused(step):
+    """A pixel has a size."""
+    with pytest.raises(ImageError, match="step"):
+        gt.LatticeImage(np.eye(64), step)
