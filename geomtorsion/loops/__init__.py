@@ -17,6 +17,7 @@ from geomtorsion.loops.defects import Defect, EnclosedDefect, enclosed_defects, 
 from geomtorsion.loops.development import Development, develop
 from geomtorsion.loops.dislocation_network import DislocationNetwork
 from geomtorsion.loops.exact_integral import ExactBurgersVector, exact_burgers_vector
+from geomtorsion.loops.fields.blocks import BlockMap, blocked_map
 from geomtorsion.loops.line_arrays import LineArrays
 from geomtorsion.loops.line_families import LineFamily
 from geomtorsion.loops.loop import Loop
@@ -31,6 +32,7 @@ from geomtorsion.loops.sampled import SampledFrame
 __all__ = [
     "AffineMap",
     "Arc",
+    "BlockMap",
     "Box",
     "BurgersMap",
     "BurgersVector",
@@ -53,6 +55,7 @@ __all__ = [
     "Part",
     "Reaction",
     "SampledFrame",
+    "blocked_map",
     "burgers_map",
     "burgers_vector",
     "burgers_vectors",

@@ -33,6 +33,7 @@ class Field:
     variances: np.ndarray | None
     order: int
     other_order: int
+    scale: float | None = None
 
     @property
     def rows(self) -> int:
@@ -41,8 +42,8 @@ class Field:
 
     @property
     def size(self) -> float:
-        """The largest value."""
-        return float(np.abs(self.values).max())
+        """The largest value, to which rounding is in proportion."""
+        return float(np.abs(self.values).max()) if self.scale is None else self.scale
 
 
 @dataclass(frozen=True, eq=False)

@@ -102,12 +102,14 @@ class Grid:
 
     axes: coordinates, one array each; names: of the axes; periodic: whether the last node of an
     axis is followed by the first. holes: True where nothing is known, shape (N_1, ..., N_d).
+    spacing: of the axes, where it is not to be computed from them: the same for all blocks of one.
     """
 
     axes: tuple[np.ndarray, ...]
     names: tuple[str, ...]
     periodic: tuple[bool, ...]
     holes: np.ndarray
+    spacing: tuple[float, ...] | None = None
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -117,6 +119,8 @@ class Grid:
     @cached_property
     def steps(self) -> tuple[float, ...]:
         """Spacing of each axis; negative where it decreases."""
+        if self.spacing is not None:
+            return self.spacing
         return tuple(float(axis[-1] - axis[0]) / (len(axis) - 1) for axis in self.axes)
 
     @property

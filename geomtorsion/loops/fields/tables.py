@@ -112,11 +112,11 @@ def _gridded(
             ) from None
         index.append(inverse)
     shape = tuple(len(axis) for axis in axes)
-    flat = np.asarray(np.ravel_multi_index(tuple(index), shape))
-    order = np.argsort(flat, kind="stable")
+    flat: np.ndarray = np.asarray(np.ravel_multi_index(tuple(index), shape))
+    order: np.ndarray = np.argsort(flat, kind="stable")
     twice = np.flatnonzero(np.diff(flat[order]) == 0)
     if len(twice):
-        one, two = order[twice[0]], order[twice[0] + 1]
+        one, two = order[twice[0] : twice[0] + 2].tolist()
         raise FileFormatError(
             f"{path}: {where[one]} and {where[two]} are of the same node. Keep one of them."
         )

@@ -1,0 +1,368 @@
+"""Blocks: maps of fields larger than memory, block by block, with a ledger of what is done.
+
+Every block is computed from its own nodes and a halo, with the stencils that the whole grid would
+have there, and sums that do not depend on where a block begins: any size of blocks gives the same
+bits, and so does a run that was killed and taken up again.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+from math import prod
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.errors import CheckpointError, FileFormatError, GridError
+from geomtorsion.files import read_json_text, read_text
+from geomtorsion.loops.fields.cells import circuits, torsion
+from geomtorsion.loops.fields.circuits import Field
+from geomtorsion.loops.fields.grid import Grid, check_order, periodic_axes
+from geomtorsion.loops.fields.sources import Source
+from geomtorsion.loops.progress import counted
+
+LEDGER = "ledger.json"
+
+
+@dataclass(frozen=True, eq=False)
+class BlockMap:
+    """A map in blocks, one file each in a folder.
+
+    folder: of the blocks and the ledger. block: places in each block along each axis.
+    size: edges of the circuits, or (0, 0) for torsion at the nodes; plane: the two axes.
+    steps, order, periodic, sigma: as for `SampledFrame`.
+    """
+
+    source: Source
+    folder: str
+    steps: tuple[float, ...]
+    block: tuple[int, ...]
+    size: tuple[int, int]
+    plane: tuple[int, int]
+    order: int
+    periodic: tuple[bool, ...]
+    sigma: float
+    reference: np.ndarray
+
+    @property
+    def grid_shape(self) -> tuple[int, ...]:
+        """Nodes along each axis."""
+        return self.source.shape[2:]
+
+    @cached_property
+    def places(self) -> tuple[int, ...]:
+        """Places of the map along each axis."""
+        sides = dict(zip(self.plane, self.size, strict=True))
+        pairs = zip(self.grid_shape, self.periodic, strict=True)
+        return tuple(n if wraps else n - sides.get(k, 0) for k, (n, wraps) in enumerate(pairs))
+
+    @cached_property
+    def numbers(self) -> tuple[tuple[int, ...], ...]:
+        """Number of every block along each axis."""
+        counts = [range(-(-n // b)) for n, b in zip(self.places, self.block, strict=True)]
+        return tuple(product(*counts))
+
+    def file(self, number: Sequence[int]) -> Path:
+        """Where a block is kept."""
+        return Path(self.folder, f"block-{'-'.join(map(str, number))}.npy")
+
+    @property
+    def done(self) -> list[tuple[int, ...]]:
+        """The blocks that are finished."""
+        return [number for number in self.numbers if self.file(number).is_file()]
+
+    def span(self, number: Sequence[int]) -> tuple[tuple[int, int], ...]:
+        """First place of a block along each axis, and the first one behind it."""
+        triples = zip(number, self.block, self.places, strict=True)
+        return tuple((k * b, min((k + 1) * b, n)) for k, b, n in triples)
+
+    def compute(self, number: tuple[int, ...]) -> tuple[int, ...]:
+        """One block: b^i (or torsion), and the error, shape (rows + 1, places...)."""
+        # A stencil beside a hole may lie all on one side.
+        halo = max(self.order, self._other) + (1 if self.size == (0, 0) else -1)
+        sides = dict(zip(self.plane, self.size, strict=True))
+        low, high = [], []
+        for k, (first, last) in enumerate(self.span(number)):
+            n, wraps = self.grid_shape[k], self.periodic[k]
+            begin, end = first - halo, last + sides.get(k, 0) + halo
+            low.append(begin if wraps else max(begin, 0))
+            high.append(end if wraps else min(end, n))
+        values = self.source.read(low, high)[:, : len(self.grid_shape)]
+        if np.isinf(values).any():
+            place = np.argwhere(np.isinf(values))[0, 2:] + low
+            raise GridError(
+                f"source: finite values were needed, but one is infinite at node "
+                f"{tuple(place.tolist())}. Write NaN where nothing is known."
+            )
+        found = self._of(self._field(values))
+        inner = [
+            slice(first - begin, last - begin)
+            for (first, last), begin in zip(self.span(number), low, strict=True)
+        ]
+        self._write(number, found[(slice(None), *inner)])
+        return number
+
+    @property
+    def _other(self) -> int:
+        """The order against which errors are measured."""
+        return self.order - 2 if self.order > 2 else 4
+
+    def _field(self, values: np.ndarray) -> Field:
+        """A block with its halo as a field of its own, less what is subtracted everywhere."""
+        d, shape = len(self.steps), values.shape[2:]
+        holes = np.asarray(np.isnan(values).any(axis=(0, 1)))
+        bent = values - self.reference.reshape(*self.reference.shape, *(1,) * d)
+        bent[:, :, holes] = 0
+        axes = tuple(np.arange(float(n)) for n in shape)
+        grid = Grid(axes, tuple("xyzuvw"[:d]), (False,) * d, holes, self.steps)
+        variances = np.full((*values.shape[:2], *(1,) * d), self.sigma**2) if self.sigma else None
+        return Field(grid, bent, self.reference, variances, self.order, self._other, 0.0)
+
+    def _of(self, field: Field) -> np.ndarray:
+        """What is asked for, with its error behind it."""
+        if self.size == (0, 0):
+            curl, difference, sigmas = torsion(field, self.plane)
+            return np.concatenate([curl, np.hypot(difference, sigmas).max(axis=0)[None]])
+        found = circuits(field, self.plane, self.size)
+        return np.concatenate([found.vectors, found.errors[None]])
+
+    def _write(self, number: tuple[int, ...], values: np.ndarray) -> None:
+        """A file that is there whole or not at all."""
+        path = self.file(number)
+        part = path.with_suffix(f".{os.getpid()}.part")
+        with part.open("wb") as stream:
+            np.save(stream, values)
+        part.replace(path)
+
+    def read(self) -> np.ndarray:
+        """The whole map, shape (rows + 1, places...): b^i (or torsion), and last the error.
+
+        Raises
+        ------
+        CheckpointError
+            Blocks are missing.
+        """
+        missing = len(self.numbers) - len(self.done)
+        if missing:
+            raise CheckpointError(
+                f"{self.folder}: {missing} of {len(self.numbers)} blocks are missing. Call "
+                "blocked_map again: it goes on where it ended."
+            )
+        found = np.empty((self.source.shape[0] + 1, *self.places))
+        for number, values in self:
+            found[(slice(None), *(slice(*ends) for ends in self.span(number)))] = values
+        return found
+
+    def __iter__(self) -> Iterator[tuple[tuple[int, ...], np.ndarray]]:
+        """The finished blocks one by one."""
+        for number in self.done:
+            yield number, np.load(self.file(number), allow_pickle=False)
+
+    @property
+    def ledger(self) -> dict[str, Any]:
+        """What a run must have in common with the one that it takes up."""
+        given = self.source.given
+        return {
+            "source": given if isinstance(given, str) else type(given).__name__,
+            "shape": list(self.source.shape),
+            "steps": list(self.steps),
+            "block": list(self.block),
+            "size": list(self.size),
+            "plane": list(self.plane),
+            "order": self.order,
+            "periodic": list(self.periodic),
+            "sigma": self.sigma,
+            "reference": [[float(x).hex() for x in row] for row in self.reference],
+        }
+
+    def __repr__(self) -> str:
+        places = " x ".join(map(str, self.places))
+        return f"BlockMap({places} places, {len(self.done)} of {len(self.numbers)} blocks done)"
+
+
+def blocked_map(
+    source: Any,
+    folder: str | Path,
+    steps: Sequence[float],
+    block: int | Sequence[int],
+    size: int | Sequence[int] = 1,
+    plane: tuple[int, int] = (0, 1),
+    order: int = 4,
+    *,
+    shape: Sequence[int] | None = None,
+    periodic: Any = (),
+    sigma: float = 0.0,
+    workers: int = 1,
+    client: Any = None,
+) -> BlockMap:
+    """Burgers vectors of circuits at every place of a field larger than memory, block by block.
+
+    Parameters
+    ----------
+    source
+        The coframe, shape (rows, columns, N_1, ..., N_d), NaN in holes: an array (also a mapped
+        one), the path of an .npy file or a Zarr array (extra `cluster`), or a function that takes
+        slices of the grid and returns the values there.
+    folder
+        Where blocks are kept, one file each. A run that was killed goes on there.
+    steps
+        Spacing of each axis.
+    block
+        Places in a block along each axis, one number or one for each. It decides about memory, not
+        about values.
+    size
+        Cells along the sides of the circuits; 0: the torsion at all nodes instead.
+    sigma
+        Standard deviation of the noise of every value. Rounding is not in the errors.
+    workers
+        Processes on this machine (the source must then be a path or can be sent to others).
+    client
+        A `dask.distributed.Client`, which runs one task for each block on its workers.
+
+    Raises
+    ------
+    GridError
+        Steps, size or block fit no grid.
+    CheckpointError
+        The folder holds blocks of another run.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> y, x = np.mgrid[:40, :30].astype(float)
+    >>> with TemporaryDirectory() as folder:
+    ...     found = blocked_map(np.array([[-x, y]]) / 2, folder, (1, 1), block=16, size=4)
+    ...     found, found.read()[0].round(9).max()
+    (BlockMap(36 x 26 places, 6 of 6 blocks done), np.float64(16.0))
+    """
+    made = _checked(source, folder, steps, block, size, plane, order, shape, periodic, sigma)
+    checks.count(workers, "workers", GridError, 1)
+    _open_ledger(made)
+    left = [number for number in made.numbers if not made.file(number).is_file()]
+    with counted(f"{len(left)} blocks", len(left)) as advance:
+        for _ in _run(made, left, workers, client):
+            advance(1)
+    return made
+
+
+def _run(made: BlockMap, left: list[tuple[int, ...]], workers: int, client: Any) -> Iterator[Any]:
+    """Do blocks here, in processes, or on a cluster."""
+    if client is not None:
+        # The same task twice gives the same file: it may be repeated wherever a worker is lost.
+        futures = client.map(made.compute, left, pure=False)
+        for future in futures:
+            yield future.result()
+    elif workers == 1:
+        yield from map(made.compute, left)
+    else:
+        with ProcessPoolExecutor(workers) as pool:
+            for future in as_completed([pool.submit(made.compute, number) for number in left]):
+                yield future.result()
+
+
+def _checked(
+    source: Any,
+    folder: str | Path,
+    steps: Sequence[float],
+    block: int | Sequence[int],
+    size: int | Sequence[int],
+    plane: tuple[int, int],
+    order: int,
+    shape: Sequence[int] | None,
+    periodic: Any,
+    sigma: float,
+) -> BlockMap:
+    """Everything that was given, looked at once."""
+    check_order(order)
+    found = Source.of(source, shape)
+    grid = found.shape[2:]
+    d = len(grid)
+    spacing = checks.numbers(steps, d, "steps", GridError)
+    for k, step in enumerate(spacing):
+        checks.positive(step, f"steps[{k}]", GridError)
+    names = tuple("xyzuvw"[:d])
+    wraps = periodic_axes(periodic, names)
+    pair = checks.entries(plane, "plane", GridError)
+    if len(pair) != 2 or pair[0] == pair[1] or not set(pair) <= set(range(d)):
+        raise GridError(
+            f"plane: two different axes from 0 to {d - 1} were needed, but {plane!r} came."
+        )
+    sides = _several(size, 2, "size", 0)
+    if 0 in sides and sides != (0, 0):
+        raise GridError(f"size: 0 for both axes (torsion) or for none was needed, not {size}.")
+    for k, side in zip(pair, sides, strict=True):
+        checks.count(side, "size", GridError, 0, grid[k] - 1)
+    blocks = _several(block, d, "block", 1)
+    other = order - 2 if order > 2 else 4
+    for name, n in zip(names, grid, strict=True):
+        if n <= max(order, other):
+            raise GridError(
+                f"axis {name}: {max(order, other) + 1} points or more are needed for order {order} "
+                f"with its error estimate, but there are {n}. Choose a lower order."
+            )
+    noise = checks.number(sigma, "sigma", GridError)
+    if noise < 0:
+        raise GridError(f"sigma: 0 or more was needed, but {noise:.6g} came.")
+    # The same everywhere, so that blocks agree: a constant part closes exactly, unrounded.
+    reference = np.nan_to_num(found.read((0,) * d, (1,) * d).reshape(*found.shape[:2]))[:, :d]
+    return BlockMap(
+        found, str(folder), tuple(map(float, spacing)), blocks, (sides[0], sides[1]),
+        (pair[0], pair[1]), order, wraps, noise, reference,
+    )  # fmt: skip
+
+
+def _several(given: Any, count: int, name: str, least: int) -> tuple[int, ...]:
+    """One whole number for all, or one for each."""
+    entries = checks.rows(given)
+    rows = list(entries) if isinstance(entries, list | tuple) else [given] * count
+    if len(rows) != count:
+        raise GridError(
+            f"{name}: one number or {count} were needed, but {checks.shown(given)} came."
+        )
+    return tuple(checks.count(n, name, GridError, least) for n in rows)
+
+
+def _open_ledger(made: BlockMap) -> None:
+    """Begin a folder, or take up what is in it."""
+    folder = Path(made.folder)
+    ledger = folder / LEDGER
+    folder.mkdir(parents=True, exist_ok=True)
+    if not ledger.is_file():
+        part = ledger.with_suffix(f".{os.getpid()}.part")
+        part.write_text(json.dumps(made.ledger), encoding="utf-8")
+        part.replace(ledger)
+        return
+    try:
+        known = read_json_text(read_text(ledger), str(ledger))
+    except FileFormatError as error:
+        raise CheckpointError(f"{error} Take an empty folder.") from None
+    if known != made.ledger:
+        keys = known if isinstance(known, dict) else {}
+        differ = [key for key, value in made.ledger.items() if keys.get(key) != value]
+        raise CheckpointError(
+            f"{folder}: it holds blocks of another run: {', '.join(differ)} differ. Take an empty "
+            "folder, or give the same arguments."
+        )
+    expected = prod(made.block) * (made.source.shape[0] + 1) * 8
+    for number in made.done:
+        # A file that somebody has cut is done again.
+        if made.file(number).stat().st_size > expected + 1000 or not _whole(made, number):
+            made.file(number).unlink()
+
+
+def _whole(made: BlockMap, number: tuple[int, ...]) -> bool:
+    """Whether a block has the size that it must have."""
+    wanted = (made.source.shape[0] + 1, *(b - a for a, b in made.span(number)))
+    try:
+        found = np.load(made.file(number), mmap_mode="r", allow_pickle=False)
+    except (OSError, ValueError, EOFError):
+        return False
+    return found.shape == wanted and found.dtype == np.float64

@@ -1,0 +1,117 @@
+"""Sources: large arrays of which parts are read: NumPy's, files of NPY and Zarr, and functions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise, product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.errors import FileFormatError, GridError
+from geomtorsion.files import read_json_text, read_text
+from geomtorsion.loops.fields.contents import guarded, module
+
+# Packings of Zarr that only pack: any other one might run what it finds.
+HARMLESS = frozenset(
+    "blosc zstd gzip zlib lz4 bz2 lzma bytes crc32c transpose sharding_indexed endian".split()
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """Values of shape (rows, columns, grid...) that are read part by part.
+
+    given: an array; the path of an .npy file or of a Zarr array; or a function that takes slices of
+    the grid and returns the values there.
+    """
+
+    given: Any
+    shape: tuple[int, ...]
+
+    @classmethod
+    def of(cls, given: Any, shape: Sequence[int] | None) -> Source:
+        """A source of known shape; a function needs to be told its own."""
+        if callable(given):
+            if shape is None:
+                raise GridError("shape: (rows, columns, grid...) is needed with a function.")
+            rows = checks.numbers(shape, None, "shape", GridError)
+            sizes = tuple(checks.count(n, "shape", GridError, 1) for n in rows)
+        else:
+            given = str(given) if isinstance(given, str | Path) else given
+            sizes = tuple(int(n) for n in np.shape(_opened(given)))
+        if len(sizes) < 4 or sizes[1] < len(sizes) - 2:
+            raise GridError(
+                f"source: shape (rows, columns, N_1, N_2, ...) was needed, but {sizes} came."
+            )
+        return cls(given, sizes)
+
+    def read(self, low: Sequence[int], high: Sequence[int]) -> np.ndarray:
+        """The values of nodes from low to high; beyond the ends of an axis it begins again."""
+        pieces = [_pieces(a, b, n) for a, b, n in zip(low, high, self.shape[2:], strict=True)]
+        found = np.empty((*self.shape[:2], *(b - a for a, b in zip(low, high, strict=True))))
+        is_function = callable(self.given)
+        opened = self.given if is_function else _opened(self.given)
+        for parts in product(*pieces):
+            there = tuple(slice(start, stop) for _, start, stop in parts)
+            here = tuple(slice(place, place + stop - start) for place, start, stop in parts)
+            whole = (slice(None), slice(None))
+            values = opened(there) if is_function else opened[(*whole, *there)]
+            found[(*whole, *here)] = values
+        return found
+
+
+def _pieces(low: int, high: int, points: int) -> list[tuple[int, int, int]]:
+    """Stretches of an axis that begins again: place in the result, first and last node."""
+    ends = [low, *range((low // points + 1) * points, high, points), high]
+    return [(a - low, a % points, a % points + b - a) for a, b in pairwise(ends)]
+
+
+def _opened(given: Any) -> Any:
+    """An array in memory or on disk, of which parts are read when they are asked for."""
+    if not isinstance(given, str):
+        found = given
+        if not hasattr(found, "shape") or not hasattr(found, "dtype"):
+            found = checks.array(given, "source", GridError, infinite=None)
+    else:
+        path = Path(given)
+        if not path.exists():
+            raise FileFormatError(f"{path}: there is no such file.")
+        found = guarded(path, lambda: _npy(path) if path.is_file() else _zarr(path))
+    if np.dtype(found.dtype).kind not in "fiu":
+        raise GridError(f"source: real numbers were needed, but {found.dtype} came.")
+    return found
+
+
+def _npy(path: Path) -> np.ndarray:
+    """An NPY file, mapped; nothing in it is unpickled."""
+    return np.load(path, mmap_mode="r", allow_pickle=False)
+
+
+def _zarr(path: Path) -> Any:
+    """A Zarr array, or the array coframe of a group, if it is only packed."""
+    for inner in (path, path / "coframe"):
+        for name in (".zarray", "zarr.json"):
+            if (inner / name).is_file():
+                said = read_json_text(read_text(inner / name), str(inner / name))
+                if name == ".zarray" or said.get("node_type") == "array":
+                    _check_packing(inner, said)
+                    return module("zarr", path).open_array(str(inner), mode="r")
+    raise FileFormatError(f"{path}: neither an .npy file nor a Zarr array, nor one called coframe.")
+
+
+def _check_packing(path: Path, said: Any) -> None:
+    """Refuse packings that do more than pack."""
+    listed = [said.get("compressor"), *(said.get("filters") or []), *(said.get("codecs") or [])]
+    while listed:
+        one = listed.pop()
+        if one is None:
+            continue
+        name = one.get("id") or one.get("name")
+        if name not in HARMLESS:
+            raise FileFormatError(f"{path}: packed by {checks.shown(name)}, which is not read.")
+        inner = one.get("configuration") or {}
+        listed += [*(inner.get("codecs") or []), *(inner.get("index_codecs") or [])]

@@ -1,0 +1,181 @@
+"""Blocks: the same bits whatever their size, after a kill, and on several workers."""
+
+import json
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import CheckpointError, FileFormatError, GridError
+from geomtorsion.loops import SampledFrame
+from geomtorsion.loops.fields.blocks import blocked_map
+
+ROOT = Path(__file__).parents[3]
+RNG = np.random.default_rng(8)
+FLAT = RNG.random((2, 2, 37, 29))
+HOLED = FLAT.copy()
+HOLED[0, 0, RNG.random((37, 29)) < 0.03] = np.nan
+SOLID = RNG.random((1, 3, 13, 12, 11))
+STEPS = (0.3, 0.7)
+
+
+def generated(index):
+    """A field that is nowhere in memory as a whole: screws on a square lattice."""
+    x, y = np.meshgrid(*(np.arange(s.start, s.stop) + 0.5 for s in index), indexing="ij")
+    return np.array([[np.sin(y / 9) + x * 0, np.cos(x / 7) + y * 0]])
+
+
+@pytest.mark.parametrize("size", [0, 1, (3, 5), 12])
+@pytest.mark.parametrize("order", [2, 4, 8])
+@pytest.mark.parametrize("kind", ["flat", "holes", "periodic", "noise"])
+def test_any_block_size_gives_the_same_bits(tmp_path, size, order, kind):
+    """One block, rows, columns, tiny ones: equal to the last bit; and to the grid in memory."""
+    source = HOLED if kind in ("holes", "noise") else FLAT
+    options = {"periodic": kind == "periodic", "sigma": 0.01 if kind == "noise" else 0.0}
+    found = [
+        blocked_map(source, tmp_path / str(k), STEPS, block, size, order=order, **options).read()
+        for k, block in enumerate([100, 9, (40, 3), (7, 30)])
+    ]
+    for other in found[1:]:
+        assert np.array_equal(found[0], other, equal_nan=True)
+    axes = [np.arange(n) * s for n, s in zip(source.shape[2:], STEPS, strict=True)]
+    frame = SampledFrame(
+        axes, source, order, periodic=options["periodic"], sigma=options["sigma"] or None
+    )
+    whole = frame.torsion()[0] if size == 0 else frame.burgers_map(size).vectors
+    known = np.isfinite(whole)
+    assert (known == np.isfinite(found[0][:-1])).all()
+    # Differences of order 8 have weights of some hundred beside holes.
+    assert np.abs(whole - found[0][:-1])[known].max() < (1e-10 if size == 0 else 1e-12)
+    if size and kind == "noise":
+        errors = frame.burgers_map(size).errors
+        assert found[0][-1][known[0]] == pytest.approx(errors[known[0]], rel=1e-6)
+
+
+def test_three_axes(tmp_path):
+    """Blocks in depth too, in another plane."""
+    one, two = (
+        blocked_map(SOLID, tmp_path / str(b), (1, 1, 1), b, 2, (2, 0)).read() for b in (99, 4)
+    )
+    assert np.array_equal(one, two)
+    frame = SampledFrame([np.arange(float(n)) for n in SOLID.shape[2:]], SOLID)
+    assert np.abs(frame.burgers_map(2, (2, 0)).vectors - one[:-1]).max() < 1e-13
+
+
+def test_killed_and_taken_up_again(tmp_path):
+    """A process that ends in the middle: what is done stays, the rest follows, the same bits."""
+    code = (
+        "import os, numpy as np\n"
+        "from geomtorsion.loops.fields.blocks import blocked_map\n"
+        "from tests.loops.fields.test_blocks import generated\n"
+        "count = 0\n"
+        "def source(index):\n"
+        "    global count\n    count += 1\n"
+        "    if count > 5: os._exit(9)\n"
+        "    return generated(index)\n"
+        f"blocked_map(source, {str(tmp_path / 'a')!r}, (1, 1), 10, 3, shape=(1, 2, 40, 40))\n"
+    )
+    killed = subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=False)
+    assert killed.returncode == 9
+    before = {file: file.stat().st_mtime_ns for file in (tmp_path / "a").glob("block*.npy")}
+    assert len(before) == 4
+    shape = (1, 2, 40, 40)
+    again = blocked_map(generated, tmp_path / "a", (1, 1), 10, 3, shape=shape)
+    assert all(file.stat().st_mtime_ns == time for file, time in before.items())
+    whole = blocked_map(generated, tmp_path / "b", (1, 1), 100, 3, shape=shape)
+    assert np.array_equal(again.read(), whole.read())
+    # A block that somebody cut is done again.
+    first = again.file(again.numbers[0])
+    first.write_bytes(first.read_bytes()[:100])
+    assert np.array_equal(
+        blocked_map(generated, tmp_path / "a", (1, 1), 10, 3, shape=shape).read(), whole.read()
+    )
+
+
+def test_several_processes_and_a_cluster(tmp_path):
+    """Two processes, and what has the interface of a dask client, give the same bits."""
+    np.save(tmp_path / "source.npy", HOLED)
+    path = tmp_path / "source.npy"
+    one = blocked_map(path, tmp_path / "one", STEPS, 100, 4).read()
+    two = blocked_map(path, tmp_path / "two", STEPS, 12, 4, workers=2).read()
+
+    class Client:
+        def map(self, function, tasks, pure):
+            assert pure is False
+            pool = ThreadPoolExecutor(2)
+            return [pool.submit(function, task) for task in tasks]
+
+    three = blocked_map(path, tmp_path / "three", STEPS, 15, 4, client=Client()).read()
+    assert np.array_equal(one, two, equal_nan=True)
+    assert np.array_equal(one, three, equal_nan=True)
+
+
+def test_zarr(tmp_path):
+    """An array, and the array of a group; a packing that would run its content is refused."""
+    zarr = pytest.importorskip("zarr")
+    one = blocked_map(HOLED, tmp_path / "one", STEPS, 100, 4).read()
+    for version in (2, 3):
+        path = str(tmp_path / f"a{version}.zarr")
+        made = zarr.create_array(
+            path, shape=HOLED.shape, dtype="f8", chunks=(2, 2, 10, 10), zarr_format=version
+        )
+        made[...] = HOLED
+        found = blocked_map(path, tmp_path / f"z{version}", STEPS, 11, 4)
+        assert np.array_equal(one, found.read(), equal_nan=True)
+    meta = tmp_path / "a2.zarr" / ".zarray"
+    said = json.loads(meta.read_text())
+    for key, value in (("compressor", {"id": "pickle"}), ("filters", [{"id": "pickle"}])):
+        meta.write_text(json.dumps(said | {key: value}))
+        with pytest.raises(FileFormatError, match="packed by 'pickle'"):
+            blocked_map(tmp_path / "a2.zarr", tmp_path / "no", STEPS, 11)
+
+
+def test_a_folder_of_another_run_is_refused(tmp_path):
+    """The message names what differs; a ledger that is none is refused."""
+    blocked_map(FLAT, tmp_path, STEPS, 20, 2)
+    for arguments, word in (((20, 3), "size"), ((10, 2), "block")):
+        with pytest.raises(CheckpointError, match=f"another run: {word} differ"):
+            blocked_map(FLAT, tmp_path, STEPS, *arguments)
+    with pytest.raises(CheckpointError, match="steps"):
+        blocked_map(FLAT, tmp_path, (0.3, 0.8), 20, 2)
+    found = blocked_map(FLAT, tmp_path, STEPS, 20, 2)
+    found.file(found.numbers[1]).unlink()
+    with pytest.raises(CheckpointError, match="1 of 4 blocks are missing"):
+        found.read()
+    (tmp_path / "ledger.json").write_text("{")
+    with pytest.raises(CheckpointError, match="no JSON"):
+        blocked_map(FLAT, tmp_path, STEPS, 20, 2)
+
+
+INFINITE = FLAT.copy()
+INFINITE[1, 0, 20, 3] = np.inf
+
+
+@pytest.mark.parametrize(
+    ("source", "options", "message"),
+    [
+        (FLAT[0], {}, "source: shape"),
+        (generated, {}, "shape: .* is needed with a function"),
+        ("nowhere.npy", {}, "no such file"),
+        (FLAT, {"steps": (1, 0)}, r"steps\[1\]: a positive number"),
+        (FLAT, {"steps": (1,)}, "steps: 2 numbers"),
+        (FLAT, {"block": 0}, "block: a whole number from 1"),
+        (FLAT, {"block": (1, 2, 3)}, "block: one number or 2"),
+        (FLAT, {"size": 40}, "size: a whole number from 0 to 36"),
+        (FLAT, {"size": (0, 2)}, "size: 0 for both"),
+        (FLAT, {"plane": (0, 0)}, "two different axes"),
+        (FLAT, {"sigma": -1}, "sigma: 0 or more"),
+        (FLAT, {"workers": 0}, "workers: a whole number"),
+        (FLAT[:, :, :4], {}, "axis x: 5 points or more"),
+        (FLAT.astype(complex), {}, "real numbers"),
+        (INFINITE, {}, r"infinite at node \(20, 3\)"),
+    ],
+)
+def test_maps_that_there_are_not(tmp_path, source, options, message):
+    """Each with its own message."""
+    arguments = {"steps": STEPS, "block": 10} | options
+    with pytest.raises((GridError, FileFormatError), match=message):
+        blocked_map(source, tmp_path, **arguments)
