@@ -33,6 +33,7 @@ SCENE = scenes.Scene(
 )
 RESULT = SCENE.run(gt.RungeKutta())
 GRID = gt.SampledFrame([np.arange(9.0), np.arange(9.0)], np.ones((1, 2, 9, 9)))
+HOLED = gt.SampledFrame(GRID.axes, GRID.coframe, mask=np.pad([[True]], 4))
 CRYSTALS = gt.OrientationMap.from_euler(np.zeros((8, 8, 3)), 1.0, "m-3m", sigma=0.1)
 IRON = gt.Phase("iron", "m-3m", (2.87, 2.87, 2.87))
 TRIANGLE = nx.Graph()
@@ -201,6 +202,7 @@ def public_functions() -> list[Case]:
         _public(
             "SampledFrame", axes=[np.arange(9.0), np.arange(9.0)],
             coframe=np.ones((1, 2, 9, 9)), order=4, names=("x", "y"),
+            mask=np.zeros((9, 9), bool), sigma=0.1, periodic=("x",), unit="um", vector_unit="um",
         ),
         _public("Reaction", before=[(1, 0, 0)], after=[(1, 0, 0)], tolerance=1e-9),
         _public("Loop", parts=CIRCLE.parts, name="loop"),
@@ -351,6 +353,16 @@ def public_methods() -> list[Case]:
         _of("LatticePhases.burgers", PHASES.burgers, loop=gt.Loop.circle([32, 32], 12), risk=0.1),
         _of("LatticePhases.sampled", PHASES.sampled, order=4, lengths=True),
         _of("SampledFrame.plaquettes", GRID.plaquettes, plane=(0, 1)),
+        _of("SampledFrame.burgers_map", GRID.burgers_map, size=2, plane=(0, 1)),
+        _of("SampledFrame.loop_around", HOLED.loop_around, hole=0, margin=1, plane=(0, 1),
+            at=[4, 4]),
+        _of("SampledFrame.gnd_density", GRID.gnd_density, burgers=0.25),
+        _of("SampledFrame.from_displacement", gt.SampledFrame.from_displacement,
+            axes=[np.arange(9.0), np.arange(9.0)], displacement=np.zeros((2, 9, 9)), order=4,
+            names=("x", "y"), branch=0.25, sigma=0.1),
+        _of("SampledFrame.from_strain_rotation", gt.SampledFrame.from_strain_rotation,
+            axes=[np.arange(9.0), np.arange(9.0)], strain=np.zeros((2, 2, 9, 9)),
+            rotation=np.zeros((9, 9)), order=4, names=("x", "y")),
         _of("SampledFrame.burgers", GRID.burgers, loop=gt.Loop.circle([4, 4], 1)),
         _of("Solution.at", SOLVED.at, time=0.25),
         _of("Solution[]", lambda name: SOLVED[name], name="x"),
