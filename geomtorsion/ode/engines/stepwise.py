@@ -65,6 +65,11 @@ def stepwise_run(
             return Steps(system, values, y0, (first, last), used, scales, longest, most)
         return ScipySteps(method, system, values, y0, (first, last), used, scales, longest, most)
 
+    def shorter_steps(after: Steps | ScipySteps) -> ScipySteps:
+        # Where rates end, LSODA takes no shorter step back; Radau comes to the very place.
+        rest, used = (after.time, last), max(tolerance, least)
+        return ScipySteps("Radau", system, values, after.state, rest, used, scales, math.inf, most)
+
     longest = math.inf
     if tolerance < least and method in ("generated", "DOP853"):
         # Dense output is of order 7: shorter steps help it where the tolerance no longer can.
@@ -82,8 +87,13 @@ def stepwise_run(
     done, outcome = 1, "done"
     reached, where = last, None
     inside = guard is None or guard(walk.state) > 0
+    count_before = evaluations_before = 0
     while walk.time != last:
         piece = walk.advance()
+        if piece is None and method == "LSODA" and not count_before:
+            count_before, evaluations_before = walk.count, walk.evaluations
+            walk = shorter_steps(walk)
+            piece = walk.advance()
         if piece is None:
             outcome, reached, where = "stuck", walk.time, np.array(walk.state)
             break
@@ -118,8 +128,8 @@ def stepwise_run(
         reached,
         where,
         outcome,
-        walk.count,
-        walk.evaluations,
+        count_before + walk.count,
+        evaluations_before + walk.evaluations,
         ready - began,
         ended - ready,
         _joined(pieces) if pieces else None,
