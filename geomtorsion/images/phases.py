@@ -160,7 +160,10 @@ class LatticePhases:
         return int(np.ceil(AVERAGING.reach / 2 * self.blur))
 
     def sampled(self, order: int = 4, *, lengths: bool = False) -> SampledFrame:
-        """The coframe as a sampled frame, without the margin: densities, loops, Nye tensor.
+        """The coframe as a sampled frame without the margin: maps, loops, Nye tensor.
+
+        Its holes are those of the phases. It has no sigma: noise of neighbours is not independent
+        here, but the same over the resolution.
 
         Parameters
         ----------
@@ -170,20 +173,22 @@ class LatticePhases:
         Raises
         ------
         GridError
-            A hole lies within; the message names a pixel.
+            The margins leave nothing.
         """
+        sizes = self.waves.shape[1:]
+        if 2 * self.margin + order >= min(sizes):
+            raise GridError(
+                f"the margins of {self.margin} pixels on both sides leave nothing of {sizes[0]} x "
+                f"{sizes[1]}. Choose a finer resolution than {self.resolution:.3g} {self.unit}."
+            )
         keep = slice(self.margin, -self.margin)
         values = np.eye(2)[:, :, None, None] - self.distortion if lengths else self.coframe
-        values = values[:, :, keep, keep]
-        holes = np.argwhere(self.holes[keep, keep])
-        if len(holes):
-            raise GridError(
-                f"the lattice cannot be seen at {self._place(holes[0] + self.margin)} and at "
-                f"{len(holes) - 1} pixels more: a sampled frame has values everywhere. Cut the "
-                "image round them, or use .burgers(loop), which runs round holes."
-            )
-        axes = [self.step * np.arange(n)[keep] for n in self.waves.shape[1:]]
-        return SampledFrame(axes, values, order)
+        axes = [self.step * np.arange(n)[keep] for n in sizes]
+        made = f"phases of an image, averaged over {self.resolution:.3g} {self.unit}"
+        return SampledFrame(
+            axes, values[:, :, keep, keep], order, unit=self.unit,
+            vector_unit=self.unit if lengths else "lattice vectors", source=made,
+        )  # fmt: skip
 
     # -- whole numbers ----------------------------------------------------------------------------
 

@@ -82,6 +82,7 @@ def test_circuits_follow_the_signs_of_the_house():
     assert b.whole.tolist() == [-1, 0]
     assert b.vector == pytest.approx([-4, 0], abs=0.02)
     assert abs(b.vector - [-4, 0]).max() <= b.error
+    assert b.in_convention("integral of du") == pytest.approx([4, 0], abs=0.02)
     assert phases.burgers(circuit.reversed()).whole.tolist() == [1, 0]
     assert phases.burgers(circuit.times(2)).whole.tolist() == [-2, 0]
     outside = gt.Loop.polygon([[10, 10], [40, 10], [40, 40], [10, 40]])

@@ -78,16 +78,30 @@ def test_coframe_is_that_of_the_sampled_frame():
     assert frame.axes[0][0] == phases.margin
 
 
-def test_a_sampled_frame_with_a_hole_is_refused():
-    """The message names the place of the core."""
+def test_a_core_is_a_hole_of_the_sampled_frame():
+    """It lies where the dislocation is, and the loop round it has the Burgers vector."""
     image = made(256, "square")
-    phases = gt.LatticeImage(image.values).phases()
-    with pytest.raises(GridError, match=r"cannot be seen at \(12[0-9], 12[0-9]\) px"):
-        phases.sampled()
-    x, y = np.argwhere(phases.holes[30:-30, 30:-30]).mean(axis=0) + 30
-    assert np.hypot(x - image.centre[0], y - image.centre[1]) < 2
+    phases = gt.LatticeImage(image.values, 0.1, "nm").phases()
+    frame = phases.sampled()
+    (hole,) = frame.holes
+    middle = phases.margin + np.mean([hole.low, hole.high], axis=0)
+    assert np.hypot(*(middle - image.centre)) < 2
+    found = frame.burgers(frame.loop_around(hole, margin=60))
+    whole = -np.rint(image.vectors @ image.b)
+    # The spots found may be another basis than the one that was given.
+    whole = np.rint(phases.spots * 0.1 @ np.linalg.inv(image.vectors)) @ whole
+    assert found.vector == pytest.approx(whole, abs=2e-3)
+    density = frame.burgers_map(60).vectors
+    assert np.nanmin(abs(density - whole[:, None, None]).max(axis=0)) < 2e-3
     assert np.isnan(phases.coframe[:, :, phases.holes]).all()
     assert np.isfinite(phases.coframe[:, :, ~phases.holes]).all()
+
+
+def test_margins_that_leave_nothing_are_refused():
+    """With the remedy."""
+    phases = gt.LatticeImage(made(256, "square").values).phases(resolution=64)
+    with pytest.raises(GridError, match="Choose a finer resolution than 64 px"):
+        phases.sampled()
 
 
 def test_noise_told_is_the_scatter_of_the_waves():

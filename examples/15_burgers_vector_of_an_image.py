@@ -1,7 +1,7 @@
 """The Burgers vector of a picture: atoms round an edge dislocation, with noise over them.
 
-    python examples/14_burgers_vector_of_an_image.py
-    python examples/14_burgers_vector_of_an_image.py --noise 3
+    python examples/15_burgers_vector_of_an_image.py
+    python examples/15_burgers_vector_of_an_image.py --noise 1.5 --picture lattice.png
 
 An electron microscope shows columns of atoms. Two spots of the Fourier transform belong to the
 lattice; the phases of their waves say how far along the lattice each place is. Along a circuit
@@ -10,6 +10,7 @@ bent the crystal is in between. Where noise could have changed the number, it is
 """
 
 import argparse
+from pathlib import Path
 
 import numpy as np
 
@@ -39,6 +40,7 @@ def main(arguments: list[str] | None = None) -> None:
     """Make an image, find its lattice, go round the dislocation."""
     parser = argparse.ArgumentParser(description="The Burgers vector of a lattice image.")
     parser.add_argument("--noise", type=float, default=1.0, help="in units of an atom's peak")
+    parser.add_argument("--picture", type=Path, help="draw phases and strain into this file")
     options = parser.parse_args(arguments)
 
     size, step = 256, 0.032
@@ -70,6 +72,12 @@ def main(arguments: list[str] | None = None) -> None:
             continue
         print(f"    {noise} times the peak of an atom: {told}")
         assert told.whole.tolist() == [-1, 0]
+
+    if options.picture:
+        from geomtorsion.pictures.lattice import draw_lattice
+
+        draw_lattice(image, phases, b).savefig(options.picture)
+        print(f"wrote {options.picture}")
 
 
 if __name__ == "__main__":
