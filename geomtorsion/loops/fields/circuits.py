@@ -154,6 +154,7 @@ def sampled_burgers(field: Field, loop: Loop, unit: str = "") -> SampledBurgers:
             gap += part.times * (ends[:, 1] - ends[:, 0])
     fine, other, coarse = found
     if np.abs(gap).max() > SAME_POINT * loop.size:
+        grid.check_periods(gap)
         # Round a period the constant part does not close.
         fine, other, coarse = (x + field.mean @ gap for x in (fine, other, coarse))
     # Order 2 is compared with a better one: its own error is that distance, give or take a little.

@@ -191,6 +191,18 @@ class Grid:
             )
         return np.where(free, places, np.clip(places, 0, last))
 
+    def check_periods(self, gap: np.ndarray) -> None:
+        """Refuse a loop that ends elsewhere than whole periods of the grid from its start."""
+        for k, name in enumerate(self.names):
+            period = abs(self.steps[k]) * self.shape[k]
+            turns = float(gap[k]) / period
+            if abs(turns - (round(turns) if self.periodic[k] else 0)) > REGULAR:
+                has = f"has the period {period:.6g}" if self.periodic[k] else "is not periodic"
+                raise GridError(
+                    f"the loop ends {gap[k]:.6g} from its start along {name}, but that axis {has}. "
+                    "Give the grid and the loop the same periods."
+                )
+
     def refuse_holes(self, used: np.ndarray, places: np.ndarray, what: str) -> None:
         """Refuse points that have no known nodes round them; the message names the nodes."""
         bad = np.flatnonzero(used == 0)

@@ -45,6 +45,20 @@ def test_one_axis_may_be_periodic():
     assert cochain.coboundary().values.shape[0] == (N - 1) * N
 
 
+def test_loops_round_a_period():
+    """Round a torus: the mean of the coframe counts; grid and loop must have the same period."""
+    values = np.array([[1 + 0.1 * np.cos(X), 0.2 * np.sin(Y)]])
+    loop = Loop.parametric(["s", "1"], interval=(0, "2*pi"), periods={0: "2*pi"})
+    grid = SampledFrame([AXIS, AXIS], values, periodic=True)
+    assert grid.burgers(loop).vector == pytest.approx([2 * np.pi], abs=1e-12)
+    open_ = SampledFrame([AXIS * 1.2, AXIS], values)
+    with pytest.raises(GridError, match=r"ends 6.28319 from its start along x, .* not periodic"):
+        open_.burgers(loop)
+    other = SampledFrame([AXIS * 1.2, AXIS], values, periodic=True)
+    with pytest.raises(GridError, match="has the period 7.53982"):
+        other.burgers(loop)
+
+
 @pytest.mark.parametrize("periodic", ["z", [True], ["x", 1], 3, ("x", "z")])
 def test_periods_that_are_none(periodic):
     """Truth values or names of axes."""
