@@ -51,9 +51,11 @@ def circuit_burgers(
     Raises
     ------
     NetworkError
-        Two surfaces give different sums: lines end between them.
+        Two surfaces give different sums: lines end between them. Or there is no line.
     """
     checks.instance(loop, Loop, "loop")
+    if not vectors:
+        raise NetworkError("a circuit needs lines to go round, but the network has none.")
     coordinates = None
     if lattice is not None:
         coordinates = lattice_coordinates(lines.burgers, lattice, tolerance)

@@ -55,7 +55,7 @@ class NodeViolation:
     @property
     def missing(self) -> Vector:
         """The b of a line that would have to leave the node for b to be conserved, shape (n,)."""
-        return tuple(-x for x in self.excess)
+        return tuple(-x if x else x for x in self.excess)
 
     def __str__(self) -> str:
         pinned = " (it is pinned)" if CONSTRAINTS.get(self.constraint) == "pinned" else ""
@@ -261,10 +261,10 @@ class DislocationNetwork:
         columns: dict[str, Any] = {
             "positions": [data["position"] for _, data in nodes],
             "pairs": pairs.reshape(-1, 2),
-            "burgers": [[float(x) for x in data["burgers"]] for *_, data in edges],
+            "burgers": [[float(x) for x in b["burgers"]] for *_, b in edges] or np.zeros((0, 3)),
             "images": images,
             "constraints": [data.get("constraint", 0) for _, data in nodes],
-            "planes": None if None in planes else planes,
+            "planes": None if None in planes or not planes else planes,
         }
         return LineArrays(box=self.box, labels=list(self.graph), **columns)
 

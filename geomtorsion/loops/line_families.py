@@ -68,7 +68,9 @@ def line_families(
     ('1 <1 0 0>', 5.0, 0.4)
     """
     checks.choice(symmetry, SYMMETRIES, "symmetry", NetworkError)
-    vectors, dimension = lines.burgers, lines.burgers.shape[1]
+    # Of very many lines few differ in b.
+    vectors, which = np.unique(lines.burgers, axis=0, return_inverse=True)
+    dimension = vectors.shape[1]
     screws, lengths = lines.screw_shares, lines.lengths
     near = tolerance * float(np.abs(vectors).max(initial=0.0))
     orbit = _operations(symmetry, dimension)
@@ -86,6 +88,7 @@ def line_families(
             family[left[apart <= near]] = count
             left = left[apart > near]
             count += 1
+    family, vectors = family[which.ravel()], lines.burgers
     volume = None if lines.box is None else lines.box.volume
     found = []
     for k in range(count):

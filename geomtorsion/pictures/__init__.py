@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.costs import draw_loop_costs, work_precision_picture
     from geomtorsion.pictures.curve_files import curve_pictures
     from geomtorsion.pictures.development import draw_development
+    from geomtorsion.pictures.line_network import draw_lines
     from geomtorsion.pictures.loops import draw_closure, draw_map
     from geomtorsion.pictures.network import draw_dislocations, draw_network
     from geomtorsion.pictures.pair_solving import solve_pair
@@ -32,6 +33,7 @@ _HOMES = {
     "draw_closure": "loops",
     "draw_development": "development",
     "draw_dislocations": "network",
+    "draw_lines": "line_network",
     "draw_loop_costs": "costs",
     "draw_map": "loops",
     "draw_network": "network",
@@ -47,6 +49,7 @@ __all__ = [
     "draw_closure",
     "draw_development",
     "draw_dislocations",
+    "draw_lines",
     "draw_loop_costs",
     "draw_map",
     "draw_network",

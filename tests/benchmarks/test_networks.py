@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from itertools import combinations
+from pathlib import Path
 
 import networkx as nx
 import numpy as np
@@ -12,8 +14,17 @@ from pytest_benchmark.fixture import BenchmarkFixture
 from scipy.spatial import Delaunay
 
 from geomtorsion.geometry import Connection, cartan, levi_civita
-from geomtorsion.loops import Cochain, EdgeList, Loop, Network, SampledFrame, develop
+from geomtorsion.loops import (
+    Cochain,
+    DislocationNetwork,
+    EdgeList,
+    Loop,
+    Network,
+    SampledFrame,
+    develop,
+)
 from geomtorsion.spaces import load
+from tests.loops.synthetic_networks import rings
 
 
 def square_net(edges: int) -> EdgeList:
@@ -67,6 +78,31 @@ def shortest(benchmark: BenchmarkFixture) -> float:
     """The shortest round, in seconds."""
     assert benchmark.stats is not None
     return float(benchmark.stats["min"])
+
+
+def test_a_dislocation_network_of_100000_lines(benchmark: BenchmarkFixture, tmp_path: Path) -> None:
+    """From a ParaDiS file to the node rule, families and a circuit."""
+    made = rings(5000, seed=2, size=1000.0, sides=20)
+    DislocationNetwork.of_arrays(made).save(tmp_path / "rings.data")
+    took: dict[str, float] = {}
+
+    def asked() -> None:
+        def timed(name: str, call: Callable[[], object]) -> object:
+            start = time.perf_counter()
+            result = call()
+            took[name] = time.perf_counter() - start
+            return result
+
+        net = timed("read", lambda: DislocationNetwork.read(tmp_path / "rings.data"))
+        assert isinstance(net, DislocationNetwork)
+        assert len(net.lines) == 100_000
+        assert timed("node rule", net.node_rule) == ()
+        timed("families", net.families)
+        timed("circuit", lambda: net.around(Loop.circle([500, 500, 500], 300)))
+
+    benchmark.pedantic(asked, rounds=1)
+    print({name: round(seconds, 2) for name, seconds in took.items()})
+    assert shortest(benchmark) < 40
 
 
 def test_forest_against_networkx(benchmark: BenchmarkFixture) -> None:

@@ -3,6 +3,7 @@
 from fractions import Fraction as F
 
 import networkx as nx
+import numpy as np
 import pytest
 
 from geomtorsion.errors import ArgumentError, NetworkError
@@ -10,6 +11,7 @@ from geomtorsion.loops import Box, DislocationNetwork, LineArrays, Loop
 from tests.loops.synthetic_networks import rings, straight
 
 PLACES = {"a": (-3, -3, 0), "b": (3, -3, 0), "j": (0, 0, 0), "c": (0, 5, 0)}
+BOX = Box.of_bounds([0, 0, 0], [4, 4, 4])
 LINES = [("a", "j", (F(1, 3), 0, 0)), ("b", "j", (F(2, 3), 1, 0)), ("j", "c", (1, 1, 0))]
 
 
@@ -92,3 +94,15 @@ def test_images_are_all_given_or_none():
     graph.add_edge(1, 0, burgers=(1, 0, 0))
     with pytest.raises(NetworkError, match="line 1 -> 0 has no image"):
         _ = DislocationNetwork(graph, box=Box.of_bounds([0, 0, 0], [2, 2, 2])).arrays
+
+
+def test_a_network_without_lines():
+    """Nodes alone: nothing is missing, nothing is linked."""
+    empty = DislocationNetwork.of_arrays(
+        LineArrays([[0, 0, 0]], np.zeros((0, 2), int), np.zeros((0, 3)), BOX)
+    )
+    assert empty.node_rule() == ()
+    assert empty.families() == ()
+    assert empty.density == 0
+    with pytest.raises(NetworkError, match="lines to go round"):
+        empty.around(Loop.circle([0, 0, 0], 1))

@@ -1,0 +1,214 @@
+"""network: a dislocation network of a simulation, for a person or for a pipeline."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+
+from geomtorsion.checks import cut
+from geomtorsion.cli.commands.burgers import Form, loop_data
+from geomtorsion.cli.exits import ExitCode
+from geomtorsion.cli.options import argument, directory, option
+from geomtorsion.cli.terminal import working
+from geomtorsion.errors import GeomtorsionError, MissingExtraError, NetworkError
+from geomtorsion.geometry import Frame
+from geomtorsion.loops import DislocationNetwork, LineFamily, Loop
+from geomtorsion.loops.loop_files import loop_from_data
+from geomtorsion.pictures.line_network import draw_lines
+from geomtorsion.pictures.style import save
+
+# Nodes that are named on the screen; the file names all.
+NAMED = 10
+Texts = list[str]
+
+
+def network(
+    file: Annotated[Path, argument("FILE", "A ParaDiS or ExaDiS .data file.")],
+    circle: Annotated[
+        Texts, option(metavar="CENTRE:RADIUS[:PLANE]", text="A circuit: 0,0,0:5000:x,y")
+    ] = [],
+    polygon: Annotated[
+        Texts, option(metavar="POINT;POINT;...", text="A circuit: '0,0,0;1,0,0;0,1,0'")
+    ] = [],
+    lattice: Annotated[
+        str | None,
+        option(metavar="NAME", text="sc, fcc or bcc: b of circuits in whole lattice vectors, too."),
+    ] = None,
+    symmetry: Annotated[
+        str, typer.Option(metavar="NAME", help="Of families: cubic, or none.")
+    ] = "cubic",
+    unit: Annotated[
+        float | None,
+        option(metavar="METRES", text="Length of the unit of the file: densities per m^2."),
+    ] = None,
+    bounded: Annotated[bool, typer.Option("--bounded", help="The box does not repeat.")] = False,
+    form: Annotated[
+        Form, typer.Option("--format", help="text to read, json for programs.")
+    ] = Form.text,
+    output: Annotated[
+        Path | None,
+        directory("Directory for network.json and network.png, made if it is missing."),
+    ] = None,
+) -> None:
+    """Read a dislocation network: node rule, families, densities, circuits.
+
+    Burgers vectors and lengths are in the units of the file. A circuit that is right-handed about
+    the sense of a line has the b of the line. Where b is not conserved at an inner node, or a
+    circuit has no answer, the command ends with 1.
+
+    \b
+    Examples:
+      geomtorsion network chains.data -o out
+      geomtorsion network chains.data --circle 0,0,0:20000:x,y --lattice fcc
+      geomtorsion network chains.data --unit 2.55e-10 --format json | jq .density
+    """
+    if unit is not None and not 0 < unit < float("inf"):
+        raise NetworkError(f"--unit: a positive length in metres was needed, but {unit} came.")
+    loops = _circuits({"circle": circle, "polygon": polygon})
+    with working(file.name) as progress:
+        net = DislocationNetwork.read(file, not bounded)
+        progress(f"{len(net.lines):,} lines: node rule")
+        document = _summary(net, symmetry, unit) | {"file": file.name}
+        document["circuits"] = []
+        for k, loop in enumerate(loops, 1):
+            progress(f"circuit {k}")
+            document["circuits"].append(_circuit(net, loop, lattice))
+        if output is not None:
+            progress("picture")
+            _save(document, net, loops, symmetry, output)
+    typer.echo(json.dumps(document, indent=2)) if form is Form.json else _explain(document)
+    failed = any("failed" in one for one in document["circuits"])
+    if document["violations"] or failed:
+        raise typer.Exit(ExitCode.failed)
+
+
+def _circuits(given: dict[str, Texts]) -> list[Loop]:
+    """Loops that stand on the command line, in Cartesian coordinates."""
+    space = Frame("x y z", np.eye(3, dtype=int).tolist())
+    return [
+        loop_from_data(space, loop_data(kind, text, ""), f"--{kind} {cut(text)}")
+        for kind, texts in given.items()
+        for text in texts
+    ]
+
+
+def _summary(net: DislocationNetwork, symmetry: str, unit: float | None) -> dict[str, Any]:
+    """Everything but circuits, as plain data."""
+    lines, square = net.arrays, None if unit is None else unit**-2
+    sums = np.abs(lines.excess).max(initial=0.0)
+    return {
+        "nodes": len(lines.positions),
+        "lines": len(lines.pairs),
+        "junctions": len(net.junctions),
+        "length": float(lines.lengths.sum()),
+        "density": net.density,
+        "density_per_m2": None if square is None else net.density * square,
+        "largest_sum_at_a_node": float(sums),
+        "violations": [
+            {"node": _named(one.node), "missing": [float(x) for x in one.missing], "text": str(one)}
+            for one in net.node_rule()
+        ],
+        "families": [_family(one, square) for one in net.families(symmetry)],
+        "nye": net.nye.tolist(),
+    }
+
+
+def _named(node: object) -> str:
+    """A node as its file names it."""
+    return ",".join(map(str, node)) if isinstance(node, tuple) else str(node)
+
+
+def _family(one: LineFamily, square: float | None) -> dict[str, Any]:
+    """One family as plain data."""
+    assert one.density is not None
+    return {
+        "burgers": one.name,
+        "lines": one.lines,
+        "length": one.length,
+        "density": one.density,
+        "density_per_m2": None if square is None else one.density * square,
+        "screw": one.screw,
+        "edge": one.edge,
+    }
+
+
+def _circuit(net: DislocationNetwork, loop: Loop, lattice: str | None) -> dict[str, Any]:
+    """The Burgers vector of one circuit as plain data, or why there is none."""
+    try:
+        found = net.around(loop, lattice)
+    except GeomtorsionError as error:
+        return {"circuit": loop.name, "failed": str(error), "kind": type(error).__name__}
+    return {
+        "circuit": loop.name,
+        "vector": found.vector.tolist(),
+        "lattice": None if found.coordinates is None else list(found.coordinates),
+        "crossings": len(found.crossings),
+    }
+
+
+def _explain(document: dict[str, Any]) -> None:
+    """The summary in words and columns."""
+    say = typer.echo
+    typer.secho(document["file"], bold=True)
+    say(
+        f"  {document['nodes']:,} nodes, {document['lines']:,} lines, "
+        f"{document['junctions']:,} junctions"
+    )
+    say(f"  length {document['length']:.6g}, density {_density(document)}")
+    broken = document["violations"]
+    if not broken:
+        say(f"  b is conserved at every node: sums up to {document['largest_sum_at_a_node']:.2g}")
+    else:
+        typer.secho(f"  b is not conserved at {len(broken)} nodes", fg=typer.colors.RED)
+        for one in broken[:NAMED]:
+            say(f"    {one['text']}; missing: {_vector(one['missing'])}")
+        if len(broken) > NAMED:
+            say(f"    and {len(broken) - NAMED} more; -o DIR writes all into network.json")
+    say(f"\n  {'b':<22}{'lines':>9}{'length':>13}{'density':>25}{'screw':>8}{'edge':>7}")
+    for one in document["families"]:
+        say(
+            f"  {one['burgers']:<22}{one['lines']:>9,}{one['length']:>13.6g}{_density(one):>25}"
+            f"{one['screw']:>8.0%}{one['edge']:>7.0%}"
+        )
+    for one in document["circuits"]:
+        typer.secho(f"\n{one['circuit']}", bold=True)
+        if "failed" in one:
+            typer.secho(f"  failed: {one['failed']}", fg=typer.colors.RED)
+            continue
+        whole = "" if one["lattice"] is None else f" = {one['lattice']} in lattice vectors"
+        say(f"  b = {_vector(one['vector'])}{whole}, from {one['crossings']} crossings")
+
+
+def _density(one: dict[str, Any]) -> str:
+    """A density in the units of the file, or per square metre where these are known."""
+    metres = one["density_per_m2"]
+    return f"{one['density']:.6g} per unit^2" if metres is None else f"{metres:.6g} per m^2"
+
+
+def _vector(values: Sequence[float]) -> str:
+    """A Burgers vector for people; minus zero is zero."""
+    return "(" + ", ".join(f"{x + 0.0:.6g}" for x in values) + ")"
+
+
+def _save(
+    document: dict[str, Any],
+    net: DislocationNetwork,
+    loops: Sequence[Loop],
+    symmetry: str,
+    folder: Path,
+) -> None:
+    """network.json and network.png."""
+    folder.mkdir(parents=True, exist_ok=True)
+    written = [folder / "network.json", folder / "network.png"]
+    try:
+        save(draw_lines(net, loops, symmetry), written[1])
+    except MissingExtraError as error:
+        typer.echo(f"no picture: {error}", err=True)
+        written.pop()
+    written[0].write_text(json.dumps(document, indent=2) + "\n", "utf-8")
+    typer.echo(f"wrote {' and '.join(map(str, written))}", err=True)
