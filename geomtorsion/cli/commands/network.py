@@ -14,6 +14,7 @@ from geomtorsion.checks import cut
 from geomtorsion.cli.commands.burgers import Form, loop_data
 from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.options import argument, directory, option
+from geomtorsion.cli.tables import ROWS
 from geomtorsion.cli.terminal import working
 from geomtorsion.errors import GeomtorsionError, MissingExtraError, NetworkError
 from geomtorsion.geometry import Frame
@@ -22,8 +23,6 @@ from geomtorsion.loops.loop_files import loop_from_data
 from geomtorsion.pictures.line_network import draw_lines
 from geomtorsion.pictures.style import save
 
-# Nodes that are named on the screen; the file names all.
-NAMED = 10
 Texts = list[str]
 
 
@@ -165,10 +164,10 @@ def _explain(document: dict[str, Any]) -> None:
         say(f"  b is conserved at every node: sums up to {document['largest_sum_at_a_node']:.2g}")
     else:
         typer.secho(f"  b is not conserved at {len(broken)} nodes", fg=typer.colors.RED)
-        for one in broken[:NAMED]:
+        for one in broken[:ROWS]:
             say(f"    {one['text']}; missing: {_vector(one['missing'])}")
-        if len(broken) > NAMED:
-            say(f"    and {len(broken) - NAMED} more; -o DIR writes all into network.json")
+        if len(broken) > ROWS:
+            say(f"    and {len(broken) - ROWS} more; -o DIR writes all into network.json")
     say(f"\n  {'b':<22}{'lines':>9}{'length':>13}{'density':>25}{'screw':>8}{'edge':>7}")
     for one in document["families"]:
         say(
