@@ -22,6 +22,8 @@ POLICY = (
     "object-src 'none'; base-uri 'self'; form-action 'self'"
 )
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
+# Where the values of controls arrive; a file is one, so that here requests may be longer.
+CONTROL = "/api/kernel/set_ui_element_value"
 # (method, path) -> what the page uses it for. Nothing else is answered, whatever marimo has: a
 # path that ends with * stands for all that begin so.
 ROUTES: Mapping[tuple[str, str], str] = {
@@ -34,7 +36,7 @@ ROUTES: Mapping[tuple[str, str], str] = {
     ("GET", "/health"): "whether the server is still there, asked when the page begins",
     ("GET", "/auth/login"): "where a token is asked for, if there is one",
     ("POST", "/auth/login"): "the token that was typed",
-    ("POST", "/api/kernel/set_ui_element_value"): "a slider was moved, a text typed",
+    ("POST", CONTROL): "a slider was moved, a text typed, a file of a map given",
     ("WEBSOCKET", "/ws"): "the session: what the cells show",
 }
 # How the message begins that ends the first run of a session, or says that it goes on.
@@ -83,9 +85,9 @@ class AccessControl:
         elif scope["path"] == "/":
             # The page is read anew for each browser, see `_opened`.
             async with self._opening:
-                await self.app(scope, _bounded(receive), _guarded(send))
+                await self.app(scope, _bounded(receive, most_bytes(scope)), _guarded(send))
         else:
-            await self.app(scope, _bounded(receive), _guarded(send))
+            await self.app(scope, _bounded(receive, most_bytes(scope)), _guarded(send))
 
     async def _life(self, receive: Receive, send: Send) -> None:
         """Begin and end of the server."""
@@ -111,8 +113,9 @@ class AccessControl:
         if not is_used(scope):
             return 404, "The page has no use for this."
         length = headers.get("content-length", "0")
-        if not length.isdecimal() or len(length) > 12 or int(length) > PAGE.body:
-            return 413, f"A request may have {PAGE.body:,} bytes."
+        most = most_bytes(scope)
+        if not length.isdecimal() or len(length) > 12 or int(length) > most:
+            return 413, f"A request may have {most:,} bytes."
         if scope["type"] == "http" and scope["path"] == "/" and self.open >= self.sessions:
             return 503, _FULL.format(most=self.sessions)
         return None
@@ -175,6 +178,17 @@ def is_used(scope: Scope) -> bool:
     return False
 
 
+def most_bytes(scope: Scope) -> int:
+    """How many bytes a request may have: more only where files arrive.
+
+    Examples
+    --------
+    >>> most_bytes({"path": CONTROL}) > most_bytes({"path": "/auth/login"}) == PAGE.body
+    True
+    """
+    return PAGE.carried if scope["path"] == CONTROL else PAGE.body
+
+
 def _split(address: str) -> SplitResult:
     """An address in its parts, which are empty where it is none."""
     try:
@@ -183,7 +197,7 @@ def _split(address: str) -> SplitResult:
         return SplitResult("", "", "", "", "")
 
 
-def _bounded(receive: Receive) -> Receive:
+def _bounded(receive: Receive, most: int) -> Receive:
     """A body that ends where it becomes too long, whatever its header says."""
     seen = 0
 
@@ -191,7 +205,7 @@ def _bounded(receive: Receive) -> Receive:
         nonlocal seen
         message = await receive()
         seen += len(message.get("body", b""))
-        return {"type": "http.disconnect"} if seen > PAGE.body else message
+        return {"type": "http.disconnect"} if seen > most else message
 
     return bounded
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion.exercises.worker_pool import Json
-from geomtorsion.lab.numbers import names_text, shown, table
+from geomtorsion.lab.numbers import names_text, raised, shown, table
 from geomtorsion.lab.plot import LOOKS, Look, Plot
 from geomtorsion.lab.space_info import space_of
 from geomtorsion.loops import Loop, burgers_vector
@@ -112,22 +112,13 @@ def _image(drawn: Hodograph, b: BurgersVector) -> str:
     grown = "" if drawn.magnified == 1 else f", gap × {number(drawn.magnified)}"
     closes = "it closes" if b.vanishes else "it does not close"
     unit = f", in {drawn.unit}" if drawn.unit else ""
-    labels = (f"X{_raised(i)}{unit}", f"X{_raised(k)}{unit}")
+    labels = (f"X{raised(i)}{unit}", f"X{raised(k)}{unit}")
     plot = Plot(f"Its image in the frame: {closes}{grown}", labels, equal=True)
     plot.line(points, IMAGE).sense(points, IMAGE)
     if not b.vanishes:
         plot.arrow(points[0], points[-1], GAP, "b")
         plot.mark(points[-1], GAP, "triangle", "end")
     return plot.mark(points[0], START, "dot", "start").svg()
-
-
-def _raised(k: int) -> str:
-    """The number of a component as people count, from 1, in raised digits.
-
-    >>> _raised(0)
-    '¹'
-    """
-    return str(k + 1).translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
 def _table(b: BurgersVector, expected: Sequence[float]) -> str:
@@ -137,7 +128,7 @@ def _table(b: BurgersVector, expected: Sequence[float]) -> str:
     for k, value in enumerate(np.real(b.vector)):
         rows.append(
             [
-                f"b{_raised(k)}",
+                f"b{raised(k)}",
                 shown(value, b.error),
                 shown(np.real(b.check.line)[k], b.check.line_error),
                 "–" if flux is None else shown(np.real(flux)[k], b.check.flux_error or 0.0),

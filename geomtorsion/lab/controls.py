@@ -59,7 +59,7 @@ def with_unit(name: str) -> str:
     return f"{greek_name(name)}{unit}"
 
 
-# -- loops, paths, costs ------------------------------------------------------------------------
+# -- loops -------------------------------------------------------------------------------------
 
 
 def centre(mo: ModuleType, info: Json, kept: Kept) -> ui.dictionary:
@@ -107,6 +107,84 @@ def kept_loop(
         "radius": (f"{size:g}", f"{PAGE.radius:g}"),
         "plane": (f"{shown[plane[0]]}, {shown[plane[1]]}", f"{shown[i]}, {shown[k]}"),
     }
+
+
+# -- a map that is given ------------------------------------------------------------------------
+
+
+def upload(mo: ModuleType) -> ui.file:
+    """A field for one file of a map; what is longer than it says does not come in."""
+    ends = [".npz", ".csv", ".ctf", ".ang", ".txt"]
+    label = f"a map, up to {PAGE.upload / 1e6:g} MB"
+    return mo.ui.file(ends, kind="button", max_size=PAGE.upload, label=label)
+
+
+def map_measure(mo: ModuleType) -> ui.radio:
+    """Whether places and sizes are counted in pixels or measured in the unit of the map."""
+    options = {"pixels": False, "unit of the map": True}
+    return mo.ui.radio(options, value="pixels", label="measure in", inline=True)
+
+
+def map_places(mo: ModuleType, facts: Json, measured: bool) -> ui.dictionary:
+    """A slider for each coordinate of the middle of a square, one for its side."""
+    if "shape" not in facts:
+        return mo.ui.dictionary({})
+    sliders = {}
+    for name, count, start, step, at in zip(
+        facts["names"], facts["shape"], facts["starts"], facts["steps"], facts["middle"],
+        strict=True,
+    ):  # fmt: skip
+        ends = sorted((start, start + step * (count - 1))) if measured else (0, count - 1)
+        sliders[name] = mo.ui.slider(
+            steps=_stations(ends[0], count, abs(step) if measured else 1),
+            value=_stations(ends[0], count, abs(step) if measured else 1)[at],
+            label=f"middle {name}{_map_unit(facts, measured)}",
+            show_value=True,
+        )
+    step = abs(facts["steps"][0]) if measured else 1
+    sides = _stations(step, facts["most"], step)
+    sliders["side"] = mo.ui.slider(
+        steps=sides,
+        value=sides[facts["side"] - 1],
+        label=f"side{_map_unit(facts, measured)}",
+        show_value=True,
+    )
+    return mo.ui.dictionary(sliders)
+
+
+def _stations(first: float, count: int, step: float) -> list[float]:
+    """Values of a slider, with as many digits as anybody wants to read."""
+    return [float(f"{first + step * k:.9g}") for k in range(count)]
+
+
+def _map_unit(facts: Json, measured: bool) -> str:
+    """What a slider of a map counts in."""
+    if not measured:
+        return " in pixels"
+    return f" in {facts['unit']}" if facts["unit"] else ""
+
+
+def map_case(facts: Json, places: Mapping[str, float], measured: bool) -> Json:
+    """Sliders as the arguments of the task for circuits in a map: node and cells.
+
+    Examples
+    --------
+    >>> facts = {"names": ["x", "y"], "starts": [10.0, 0.0], "steps": [0.5, -2.0]}
+    >>> map_case(facts, {"x": 12.0, "y": -6.0, "side": 1.5}, True)
+    {'centre': [4, 3], 'side': 3}
+    >>> map_case(facts, {"x": 4, "y": 3, "side": 3}, False)
+    {'centre': [4, 3], 'side': 3}
+    """
+    at = [places[name] for name in facts["names"]]
+    side = places["side"]
+    if measured:
+        scales = zip(at, facts["starts"], facts["steps"], strict=True)
+        at = [(x - start) / step for x, start, step in scales]
+        side /= abs(facts["steps"][0])
+    return {"centre": [round(k) for k in at], "side": round(side)}
+
+
+# -- curves -------------------------------------------------------------------------------------
 
 
 def velocity(mo: ModuleType, info: Json, kept: Kept) -> ui.dictionary:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from geomtorsion.lab.settings import PAGE
+
 
 @dataclass(frozen=True)
 class Guide:
@@ -41,7 +43,8 @@ GUIDES: Mapping[str, Guide] = {
         "Left: a circle in two coordinates, which closes. Right: the same steps, added up along "
         "the axes of the frame: where there is torsion inside, an arrow b is missing at the end.",
         "make the radius smaller and see b follow 2 S A ever more closely; then take "
-        "screw_dislocation, where b stays the same however small the circle is.",
+        "screw_dislocation, where b stays the same however small the circle is. At the foot of the "
+        "page a map of your own is measured.",
         {
             "b": "the Burgers vector: what is missing when the image of a closed loop is drawn in "
             "the frame, one component for each of its axes.",
@@ -103,3 +106,21 @@ GUIDES: Mapping[str, Guide] = {
         "variant 0 is that of the paper, every other number gives other functions.",
     ),
 }
+
+# The part of the tab for loops that takes a file.
+MEASURED = Guide(
+    "A measured map: a grid of a coframe or distortion (NPZ or CSV, as SampledFrame.save writes "
+    "it) or an orientation map (.ctf, .ang). Colours show |b| per area of square circuits of one "
+    f"size, each at its middle; the frame is the circuit whose b is given. Up to "
+    f"{PAGE.upload / 1e6:g} MB and {PAGE.nodes:,} nodes; the file stays in the memory of the "
+    "machine that serves this page.",
+    "put the circuit round a bright spot, then beside it; make it larger and see the noise per "
+    "area fall; lead it across a grain boundary or the edge of a hole, and read what is said.",
+    {
+        "noise": "one standard deviation of each component, from the noise of every node or pixel, "
+        "added up along this very circuit.",
+        "interpolation": "what another order of interpolation between the nodes would change.",
+        "|b| per area": "for an orientation map the density of dislocations that bend the lattice, "
+        "times the length of their Burgers vector.",
+    },
+)

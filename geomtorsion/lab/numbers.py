@@ -36,6 +36,17 @@ def names_text(names: Sequence[str]) -> str:
     return f"{', '.join(names[:-1])} and {names[-1]}"
 
 
+def raised(k: int) -> str:
+    """The number of a component as people count, from 1, in raised digits.
+
+    Examples
+    --------
+    >>> raised(0)
+    '¹'
+    """
+    return str(k + 1).translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
+
+
 def table(heads: Sequence[str], rows: Sequence[Sequence[str]], caption: str) -> str:
     """A table whose first column names the rows.
 

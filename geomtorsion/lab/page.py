@@ -167,6 +167,55 @@ def _(loop_reply, mo, tab, views):
     return
 
 
+# -- loops in a map that is given ---------------------------------------------------------------
+
+
+@app.cell
+def _(controls, mo):
+    given = controls.upload(mo)
+    map_measure = controls.map_measure(mo)
+    return given, map_measure
+
+
+@app.cell
+def _(given, mo, tab, views):
+    mo.stop(tab.value != views.LOOPS)
+    mo.Html(views.map_field(given))
+    return
+
+
+@app.cell
+def _(given, mo, runner):
+    # Nobody looks into the file here: the worker does.
+    mo.stop(not given.value)
+    map_file = given.value[0]
+    map_facts = runner.ask("map_facts", map_file.contents, name=map_file.name)
+    return map_facts, map_file
+
+
+@app.cell
+def _(controls, map_facts, map_measure, mo):
+    map_places = controls.map_places(mo, map_facts, map_measure.value)
+    return (map_places,)
+
+
+@app.cell
+def _(map_facts, map_measure, map_places, mo, tab, views):
+    mo.stop(tab.value != views.LOOPS)
+    _controls = [map_measure, *map_places.values()] if map_places.value else []
+    mo.Html(views.map_told(map_facts) + views.controls(_controls, "measured"))
+    return
+
+
+@app.cell
+def _(controls, map_facts, map_file, map_measure, map_places, mo, runner, tab, views):
+    mo.stop(tab.value != views.LOOPS or not map_places.value)
+    _case = controls.map_case(map_facts, map_places.value, map_measure.value)
+    map_reply = runner.ask("map_circuit", map_file.contents, name=map_file.name, **_case)
+    mo.Html(views.measured(map_reply))
+    return
+
+
 # -- straightest and shortest -------------------------------------------------------------------
 
 

@@ -84,6 +84,10 @@ class Plot:
             self.legend.setdefault(label, look)
         return self._with(lambda axes: polyline([axes.place(one) for one in points], look), points)
 
+    def picture(self, low: Point, high: Point, address: str) -> Plot:
+        """A picture of pixels between two corners; its first row lies at the lower corner."""
+        return self._with(lambda axes: axes.picture(low, high, address), [low, high])
+
     def mark(self, point: Point, look: Look, kind: str = "", text: str = "") -> Plot:
         """A mark, with a text next to it."""
         return self._with(lambda axes: axes.mark(point, look, kind or look.mark, text), [point])
@@ -182,6 +186,15 @@ class Axes:
         side, anchor = (-9, "end") if x > 0.85 * self.plot.width else (9, "start")
         label = words(x + side, y - 7, text, anchor, 13, look.color) if text else ""
         return marker((x, y), kind, look.color) + label
+
+    def picture(self, low: Point, high: Point, address: str) -> str:
+        """A picture, turned so that its rows go up as the axis does; pixels stay sharp."""
+        (left, bottom), (right, top) = self.place(low), self.place(high)
+        return (
+            f'<image width="{right - left:.2f}" height="{bottom - top:.2f}" '
+            f'preserveAspectRatio="none" style="image-rendering: pixelated" href="{address}" '
+            f'transform="translate({left:.2f} {bottom:.2f}) scale(1 -1)"/>'
+        )
 
     def arrow(self, start: Point, end: Point, look: Look, text: str) -> str:
         """An arrow and its text; nothing where it would be shorter than two pixels."""

@@ -10,6 +10,9 @@ class Settings:
     Limits of what comes in
     -----------------------
     sessions: open at once. body: bytes of one request; a whole tetrad is a hundredth of that.
+    upload: bytes of one file that is given to the page, a map of some 70,000 pixels as text: all
+    sessions together then keep a few hundred megabytes. unpacked: bytes in a packed one.
+    nodes: of a map, so that a circuit is computed while one waits. title: letters of its name.
     request: characters of one request; the largest tetrad of the page has 36 entries.
     address: characters of one text that is kept in the address of the page.
     answer: characters of one answer to an exercise. dimensions: coordinates of a typed tetrad;
@@ -35,6 +38,10 @@ class Settings:
 
     sessions: int = 64
     body: int = 262_144
+    upload: int = 4_000_000
+    unpacked: int = 64_000_000
+    nodes: int = 250_000
+    title: int = 60
     request: int = 24_000
     address: int = 4000
     answer: int = 4000
@@ -59,6 +66,17 @@ class Settings:
     fastest: float = 3.0
     zero: float = 3.0
     nothing: float = 1e-17
+
+    @property
+    def carried(self) -> int:
+        """Bytes of a request that carries a file: four letters for three bytes, and the rest.
+
+        Examples
+        --------
+        >>> PAGE.carried
+        5595477
+        """
+        return 4 * self.upload // 3 + self.body
 
 
 PAGE = Settings()

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import atexit
+import base64
+import hashlib
 import json
 import os
 import threading
@@ -45,6 +47,8 @@ TASKS: Mapping[str, Task] = {
     "space_info": _task("space_info", "space_info", 10),
     "tetrad": _task("tetrad", "tetrad", 10),
     "loop": _task("closure_failure", "closure_failure", 8),
+    "map_facts": _task("measured", "map_facts", 20),
+    "map_circuit": _task("measured", "map_circuit", 20),
     "paths": _task("paths", "paths", 12),
     "top": _task("top", "top", 15),
     "costs": _task("costs", "costs", 40),
@@ -89,6 +93,22 @@ def checked_length(text: str) -> str:
     return text
 
 
+def checked_file(content: bytes) -> bytes:
+    """The bytes of a file, unless there are too many.
+
+    Raises
+    ------
+    LimitError
+        There are more than the page takes.
+    """
+    if len(content) > PAGE.upload:
+        raise LimitError(
+            f"the file has {len(content):,} bytes; the page takes up to {PAGE.upload:,}. Cut a "
+            "smaller map out of it, or use it in Python, where it may be as large as memory allows."
+        )
+    return content
+
+
 def answer(request: Json) -> Json:
     """What a task gives, or ``{"problem": message}``: what a worker calls.
 
@@ -99,8 +119,11 @@ def answer(request: Json) -> Json:
     >>> answer({"task": "dance", "arguments": {}})["problem"].split(".")[0]
     "no task is called 'dance'"
     """
+    arguments = dict(request["arguments"])
+    if "attached" in request:
+        arguments["content"] = base64.b64decode(request["attached"])
     try:
-        return task(request["task"])(**request["arguments"])
+        return task(request["task"])(**arguments)
     except GeomtorsionError as error:
         return {"problem": str(error)}
 
@@ -121,14 +144,20 @@ class TaskRunner:
         self._characters = 0
         self._lock = threading.Lock()
 
-    def ask(self, name: str, /, **arguments: Any) -> Json:
+    def ask(self, name: str, attached: bytes | None = None, /, **arguments: Any) -> Json:
         """What a task gives, or ``{"problem": message}``; never an error of this package.
 
-        A task that takes longer than it may is ended, with its process.
+        A task that takes longer than it may is ended, with its process. attached: the bytes of a
+        file, which nobody but the task looks into; it gets them as `content`.
         """
-        request = {"task": name, "arguments": arguments}
+        request: dict[str, Any] = {"task": name, "arguments": arguments}
+        sent: Json = request
         seconds = 0.0
         try:
+            if attached is not None:
+                # What is kept knows the file by its digest alone.
+                request["digest"] = hashlib.sha256(checked_file(attached)).hexdigest()
+                sent = request | {"attached": base64.b64encode(attached).decode()}
             # The request as text is its own key: equal sliders, equal answer.
             key = checked_length(json.dumps(request))
             seconds = self.limits.get(name, task(name).seconds)
@@ -136,7 +165,7 @@ class TaskRunner:
                 if key in self.kept:
                     self.kept.move_to_end(key)
                     return self.kept[key]
-            found = self.pool.ask(request, seconds)
+            found = self.pool.ask(sent, seconds)
         except (LimitError, UnknownNameError) as error:
             return {"problem": str(error)}
         except TimeoutError:

@@ -8,7 +8,7 @@ from html import escape
 from pathlib import Path
 
 from geomtorsion.exercises.worker_pool import Json
-from geomtorsion.lab.guides import GUIDES
+from geomtorsion.lab.guides import GUIDES, MEASURED, Guide
 
 # Name of a tab -> what is to be done there, in a sentence.
 TABS = {
@@ -53,9 +53,12 @@ def intro(tab: str, *, still: bool = False) -> str:
 
 def words(tab: str) -> str:
     """The terms of a tab, explained."""
+    return _terms(GUIDES[tab])
+
+
+def _terms(guide: Guide) -> str:
     items = "".join(
-        f"<dt>{escape(term)}</dt><dd>{escape(text)}</dd>"
-        for term, text in GUIDES[tab].words.items()
+        f"<dt>{escape(term)}</dt><dd>{escape(text)}</dd>" for term, text in guide.words.items()
     )
     return f'<h3>In words</h3><dl class="words">{items}</dl>' if items else ""
 
@@ -119,6 +122,35 @@ def loop(reply: Json) -> str:
 def loop_below(reply: Json) -> str:
     """The numbers of a loop, and its words."""
     return wrapped(f'<div class="later">{reply.get("table", "")}{words(LOOPS)}</div>')
+
+
+def map_field(field: object) -> str:
+    """What a map of one's own is for, and the field that takes it."""
+    text = (
+        f'<h2>A map of your own</h2><p class="guide">{escape(MEASURED.seen)}</p>'
+        f'<p class="guide"><strong>Try:</strong> {escape(MEASURED.tried)}</p>'
+    )
+    return wrapped(f'<div class="measured">{text}<div class="controls">{field}</div></div>')
+
+
+def map_told(facts: Json) -> str:
+    """What a map is, or why it is none."""
+    if facts.get("problem"):
+        return wrapped(f'<div class="measured" id="map-problem">{problem(facts)}</div>')
+    return wrapped(f'<p class="measured" id="map-facts">{escape(facts["sentence"])}</p>')
+
+
+def measured(reply: Json) -> str:
+    """The picture of a map with a circuit, and its Burgers vector or why it has none."""
+    if reply.get("problem"):
+        return wrapped(f'<div class="measured" id="map-problem">{problem(reply)}</div>')
+    if reply.get("refused"):
+        side = notice(reply["refused"])
+    else:
+        side = f'<p class="said">{escape(reply["sentence"])}</p>{reply["table"]}'
+    picture = f'<div id="map">{reply["picture"]}</div>'
+    both = f'<div class="figures">{picture}<div id="map-said">{side}</div></div>'
+    return wrapped(f'<div class="measured">{both}{_terms(MEASURED)}</div>')
 
 
 def paths(reply: Json) -> str:

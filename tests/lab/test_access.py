@@ -86,7 +86,7 @@ def test_the_usual_visitor_comes_in():
         ({}, 421),
         (HOST | {"origin": "http://evil.example"}, 403),
         (HOST | {"origin": "http://127.0.0.1:9999"}, 403),
-        (HOST | {"content-length": str(PAGE.body + 1)}, 413),
+        (HOST | {"content-length": str(PAGE.carried + 1)}, 413),
         (HOST | {"content-length": "many"}, 413),
         (HOST | {"content-length": "9" * 5000}, 413),
         (HOST | {"content-length": "\u00b2"}, 413),
@@ -98,6 +98,16 @@ def test_the_usual_visitor_comes_in():
 def test_others_stay_outside(headers, status):
     """Other names (DNS rebinding), pages of other sites and long bodies are refused."""
     assert ask(AccessControl(inner), headers, "POST", USED)[0] == status
+
+
+def test_only_where_files_arrive_requests_may_be_long():
+    """A file fits into the request that brings values of controls, and into no other."""
+    for path, status in ((USED, 200), ("/auth/login", 413)):
+        headers = HOST | {"content-length": str(PAGE.body + 1)}
+        assert ask(AccessControl(inner), headers, "POST", path)[0] == status
+    parts = [bytes(PAGE.carried), b"x", b""]
+    assert ask(AccessControl(inner), HOST, "POST", USED, parts[:1])[0] == 200
+    assert ask(AccessControl(inner), HOST, "POST", USED, parts)[0] == 0
 
 
 def test_a_body_without_a_length_ends_where_it_is_too_long():

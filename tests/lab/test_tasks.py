@@ -12,6 +12,7 @@ import pytest
 
 from geomtorsion.lab.settings import PAGE
 from geomtorsion.lab.tasks import TASKS, TaskRunner
+from tests.lab.maps import bomb, wall_ctf
 
 # A metric of four unrelated functions of everything takes far longer than its limit here.
 SLOW = {
@@ -89,6 +90,20 @@ def test_a_request_that_is_too_long_is_refused(runner: TaskRunner):
     """Long texts do not even reach a worker."""
     found = runner.ask("tetrad", coordinates="r", entries=[["1" * PAGE.request]])
     assert "24,000" in found["problem"]
+
+
+def test_a_file_is_looked_into_by_a_worker_only(runner: TaskRunner):
+    """Kept by its digest; too long a file, and a damaged one, are told; the page goes on."""
+    content = wall_ctf()
+    one = runner.ask("map_facts", content, name="wall.ctf")
+    assert one["shape"] == [24, 20]
+    assert runner.ask("map_facts", bytes(bytearray(content)), name="wall.ctf") is one
+    assert all(len(key) < 300 for key in runner.kept)
+    other = runner.ask("map_facts", content.replace(b"XStep\t1.0", b"XStep\t2.0"), name="wall.ctf")
+    assert other is not one
+    assert "4,000,000" in runner.ask("map_facts", bytes(PAGE.upload + 1), name="a")["problem"]
+    assert "unpacks up to" in runner.ask("map_facts", bomb(), name="a")["problem"]
+    assert runner.ask("map_facts", content, name="wall.ctf") is one
 
 
 def test_a_worker_that_dies_is_replaced(runner: TaskRunner):
