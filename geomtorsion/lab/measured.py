@@ -12,6 +12,7 @@ from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.lab.numbers import raised, table
 from geomtorsion.lab.plot import Look, Plot
 from geomtorsion.lab.raster import address, colours, png, scale
+from geomtorsion.lab.settings import PAGE
 from geomtorsion.lab.uploads import read_map, title_of
 from geomtorsion.loops import Loop, SampledFrame
 from geomtorsion.orientations import Circuit, OrientationMap
@@ -19,8 +20,6 @@ from geomtorsion.pictures.style import number
 
 # Bright with a dark edge: seen on every colour of the map.
 LINE, EDGE = Look("#ffffff", "", "", 2.4), Look("#a3201a", "", "", 5.0)
-# A first circuit has this share of the shorter side: noise is small, and it seldom leaves a grain.
-FIRST = 8
 
 
 @dataclass(frozen=True)
@@ -99,7 +98,7 @@ def map_facts(content: bytes, name: str) -> Json:
         "steps": steps,
         "names": list(names),
         "middle": [n // 2 for n in shape],
-        "side": max(1, min(shape) // FIRST),
+        "side": max(1, min(shape) // PAGE.parts),
         "most": most,
     }
 
@@ -213,7 +212,8 @@ def _sentence(one: Found, side: int) -> str:
     if np.isfinite(one.significance):
         # Noise alone: |b| against sigma is the root of the number of components.
         alone = len(one.vector) ** 0.5
-        said += f". Against its errors |b| is {one.significance:.1f}; errors alone give {alone:.1f}"
+        times = number(float(f"{one.significance:.3g}"))
+        said += f". Against its errors |b| is {times}; errors alone give {alone:.1f}"
     return f"{said}. {one.told}".rstrip()
 
 

@@ -31,7 +31,8 @@ class Settings:
     digits: of each. film: seconds that a film lasts. film_points: of its curves.
     least_times, most_times, each_turn: times at which a top is computed, and for each turn.
     reach: steps that a slider goes to either side of the start; step: the usual size of one.
-    radius: of the first loop.
+    radius: of the first loop. parts: of the shorter side of a map, of which the side of the first
+    circuit is one: more noise if it is smaller, more grains if it is larger.
     fastest: speed along a frame vector, and its step. zero: a value within so many errors of zero
     is shown as zero. nothing: an error of rounding is drawn here on a logarithmic axis.
     """
@@ -63,6 +64,7 @@ class Settings:
     reach: int = 20
     step: float = 0.05
     radius: float = 0.3
+    parts: int = 8
     fastest: float = 3.0
     zero: float = 3.0
     nothing: float = 1e-17
