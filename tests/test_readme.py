@@ -11,6 +11,8 @@ from typer.testing import CliRunner
 import geomtorsion
 from geomtorsion.cli.app import app
 from geomtorsion.spaces import read_file
+from tests.orientations.synthetic import bent
+from tests.orientations.test_map_files import ctf, write
 
 ROOT = Path(__file__).parent.parent
 TEXT = (ROOT / "README.md").read_text("utf-8")
@@ -70,8 +72,9 @@ def test_commands_are_found():
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_commands_run(command, tmp_path, monkeypatch):
-    """Each command ends well and says something."""
+    """Each command ends well and says something; the scan that one reads is a bent crystal."""
     monkeypatch.chdir(tmp_path)
+    write(tmp_path, ctf(bent((12, 14), 0.1)), "scan.ctf")
     result = CliRunner().invoke(app, shlex.split(command)[1:])
     assert result.exit_code == 0, result.output
     assert result.output.strip()

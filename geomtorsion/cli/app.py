@@ -23,6 +23,7 @@ class Commands(LazyGroup):
         "accuracy": "Measure what accuracy costs, and say what to take.",
         "burgers": "Compute the Burgers vectors of loops: by how much they fail to close.",
         "network": "Read a dislocation network: node rule, families, densities, circuits.",
+        "map": "Compute Burgers vectors all over an orientation map (EBSD).",
         "run": "Run a scene: a body, what acts on it, what is watched.",
         "scenes": "List the shipped scenes; with a name, print that scene as a file.",
         "paper": "Recompute the equations of Fiziev and Kleinert (1994).",

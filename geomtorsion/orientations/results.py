@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.conventions import burgers
 from geomtorsion.errors import OrientationError
 from geomtorsion.orientations.circuits import Circuit
 from geomtorsion.orientations.phases import Phase
@@ -68,6 +69,10 @@ class MapBurgers:
     def specimen(self) -> np.ndarray:
         """b in specimen axes (those of the map), shape (3,), in `unit`."""
         return self.rotation @ self.vector
+
+    def in_convention(self, name: str) -> np.ndarray:
+        """b in crystal axes in another convention of sign, such as "FS/RH", shape (3,)."""
+        return burgers(self.vector, name)
 
     @property
     def size(self) -> float:

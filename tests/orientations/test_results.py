@@ -54,6 +54,13 @@ def test_significance():
     assert wall().significance == np.inf
 
 
+def test_conventions():
+    """FS/RH has the other sign; what MTEX calls the weighted Burgers vector has the same."""
+    b = wall()
+    assert b.in_convention("FS/RH").tolist() == (-b.vector).tolist()
+    assert b.in_convention("SF/RH").tolist() == b.vector.tolist()
+
+
 def test_repr():
     """In one line: the vector, its noise, grain and phase."""
     assert "crystal axes, noise 0.0e+00, grain 0, nickel" in repr(wall())
