@@ -23,7 +23,7 @@ def micrograph(size: int, spacing: float, noise: float, seed: int) -> np.ndarray
     """Rows of atoms, of height one, round an edge dislocation in the middle; b_0 along x."""
     numbers = np.arange(-size // spacing, size // spacing)
     x, y = (spacing * (k.ravel() + 0.5) for k in np.meshgrid(numbers, numbers))
-    # What an elastic medium does, with Poisson's ratio 0.3 [HirthLothe1982].
+    # What an elastic medium does, with Poisson's ratio 0.3.
     square = x * x + y * y
     ux = spacing / (2 * np.pi) * (np.arctan2(y, x) + x * y / (1.4 * square))
     uy = -spacing / (2 * np.pi) * (np.log(square) / 7 + (x * x - y * y) / (2.8 * square))

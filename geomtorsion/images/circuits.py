@@ -77,11 +77,14 @@ def wound(phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def clicks(ratio: np.ndarray, steps: np.ndarray, blur: float) -> float:
     """Chance that noise adds a whole turn to a phase along a path: expected clicks, at most one.
 
-    [Rice1963], eq. (3.9) for a carrier in noise: r erfc(sqrt(rho)) of both senses for each unit
-    of length, and |f| exp(-rho) more where the carrier is off by f; rho is the power of the
-    carrier over that of the noise, r the rms frequency of the noise, here 1 / (2 sqrt(2) pi blur).
+    Rice, "Noise in FM receivers" (1963), for a carrier in noise: r erfc(sqrt(rho)) of both senses
+    for each unit of length, and |f| exp(-rho) more where the carrier is off by f; rho is the power
+    of the carrier over that of the noise, r the rms frequency of the noise, here
+    1 / (2 sqrt(2) pi blur).
     """
     rms = 1 / (np.sqrt(8) * np.pi * blur)
+    # From here on erfc is below all doubles.
+    ratio = np.minimum(ratio, 30.0)
     off = np.abs(steps) / (2 * np.pi)
     return min(1.0, float((rms * special.erfc(ratio) + off * np.exp(-(ratio**2))).sum()))
 
@@ -103,7 +106,8 @@ def pixel_path(loop: Loop, step: float, shape: tuple[int, ...], unit: str) -> np
         )
     if loop.gap.any():
         raise LoopError("the loop does not close in the image, which has no periods.")
-    longest = 8 * sum(shape) * 100
+    # A hundred times to and fro along all borders is a mistake in units.
+    longest = 100 * 4 * sum(shape)
     length = loop.length / step
     if length > longest:
         raise ImageError(

@@ -64,13 +64,31 @@ class LatticeImage:
                 "came. Give a larger part."
             )
         check_size("image", values.shape)
+        if np.ma.is_masked(self.values):
+            raise ImageError(
+                "image: values at all pixels were needed, but some are masked. Fill them with the "
+                "mean, .filled(array.mean()): a place without lattice is a hole."
+            )
+        # Products of four of them have to be finite, and not zero.
+        most = float(np.abs(values).max())
+        if most and not 1e-70 < most < 1e70:
+            raise ImageError(
+                f"image: grey values of ordinary size were needed, but {most:.3g} came. Give them "
+                "in other units."
+            )
         # The mean of equal floats differs from them by rounding, and that is no lattice.
         if np.ptp(values) <= 1e-12 * np.abs(values).max():
             raise ImageError(
                 "the image has no lattice: all its values are equal. Give another channel or page."
             )
         object.__setattr__(self, "values", values)
-        object.__setattr__(self, "step", checks.positive(self.step, "step", ImageError))
+        step = checks.positive(self.step, "step", ImageError)
+        if not 1e-70 < step < 1e70:
+            raise ImageError(
+                f"step: a length of ordinary size was needed, but {step:.3g} came. Give it in "
+                "other units."
+            )
+        object.__setattr__(self, "step", step)
         checks.text(self.unit, "unit", ImageError)
 
     # -- makers -----------------------------------------------------------------------------------
@@ -95,6 +113,8 @@ class LatticeImage:
         MissingExtraError
             The extra `images` is not installed.
         """
+        if not isinstance(path, str | Path):
+            raise ImageError(f"path: a file name was needed, but {checks.shown(path)} came.")
         return cls(read_pixels(Path(path), page), step, unit)
 
     @classmethod
@@ -166,10 +186,11 @@ class LatticeImage:
                 f"half a cycle per pixel, but {np.abs(pair).max() / self.step:.6g} came."
             )
         lengths = np.hypot(*pair.T)
-        if lengths.min() * min(self.values.shape) < 1:
+        periods = lengths.min() * min(self.values.shape)
+        if periods < SEARCH.periods:
             raise ImageError(
-                "spots: a period that fits into the image was needed, but a spot lies at the "
-                "origin. Give cycles per unit."
+                f"spots: {SEARCH.periods} periods across the image or more were needed, but a spot "
+                f"has {periods:.3g}: it lies at the origin. Give cycles per unit, or a larger part."
             )
         if abs(np.linalg.det(pair)) < 1e-6 * lengths.prod():
             raise ImageError(

@@ -45,9 +45,10 @@ class LatticePhases:
     Equation
     --------
     H_i(r) exp(2 pi i g_i r) = image filtered round g_i; the phase of H_i is -2 pi g_i u(r)
-    [HytchSnoeckKilaas1998], and e^i = g_i + grad(arg H_i) / 2 pi = g_i (1 - beta), with
-    beta = grad u: lattice coordinates grow by e along a step. Its integral along a right-handed
-    circuit is a whole number for each i, minus g_i b_0, where b_0 = integral of du.
+    [Hytch, Snoeck and Kilaas, Ultramicroscopy 74 (1998) 131], and
+    e^i = g_i + grad(arg H_i) / 2 pi = g_i (1 - beta), with beta = grad u: lattice coordinates grow
+    by e along a step. Its integral along a right-handed circuit is a whole number for each i, minus
+    g_i b_0, where b_0 = integral of du.
 
     step, unit: size of a pixel. found: the spots, with their noise, in cycles per pixel.
     blur: standard deviation of the Gaussian over which they were averaged, in pixels.
@@ -175,6 +176,7 @@ class LatticePhases:
         GridError
             The margins leave nothing.
         """
+        checks.count(order, "order", GridError, 2)
         sizes = self.waves.shape[1:]
         if 2 * self.margin + order >= min(sizes):
             raise GridError(

@@ -10,7 +10,7 @@ POISSON = 0.3
 
 
 def edge_displacement(x: np.ndarray, y: np.ndarray, b: float) -> tuple[np.ndarray, np.ndarray]:
-    """u of a straight edge dislocation, b along x: Hirth and Lothe, eqs. (3-45) and (3-46)."""
+    """u of an edge dislocation, b along x; Hirth and Lothe, Theory of Dislocations (1982)."""
     square = x * x + y * y
     ux = np.arctan2(y, x) + x * y / (2 * (1 - POISSON) * square)
     uy = (1 - 2 * POISSON) / (4 * (1 - POISSON)) * np.log(square)

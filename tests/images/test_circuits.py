@@ -132,6 +132,19 @@ def test_a_circuit_through_a_hole_is_refused():
     assert phases.burgers(gt.Loop.circle(image.centre, 110)).whole.tolist() == truth(image, phases)
 
 
+def test_spots_where_there_is_no_lattice_give_no_number():
+    """Given by hand, at the wrong place: a hole or noise, not a whole number."""
+    image = made(256, "square")
+    noise = np.random.default_rng(0).normal(size=(256, 256))
+    circuit = gt.Loop.circle(image.centre, 77)
+    for values, spots in (
+        (noise, [[0.125, 0], [0, 0.125]]),
+        (image.noisy(1, 0), [[0.3, 0.1], [0.1, 0.3]]),
+    ):
+        with pytest.raises(ImageError, match="hole|noise is too strong"):
+            gt.LatticeImage(values).phases(spots).burgers(circuit)
+
+
 def test_circuits_that_are_none_are_refused():
     """Outside, tiny, endless, in space, or with a risk that is none."""
     phases = gt.LatticeImage(made(256, "square").values).phases()

@@ -29,6 +29,9 @@ def test_coordinates_run_to_the_right_and_upwards():
         ("image.tif", "an array of grey values was needed"),
         ([[1, 2], [3]], "an array of grey values was needed"),
         (np.where(np.eye(64) > 0, np.nan, 1.0), r"image\[0, 0\] = nan is not finite"),
+        (np.eye(64) * 1e200, "grey values of ordinary size were needed, but 1e.200 came"),
+        (np.eye(64) * 1e-200, "grey values of ordinary size were needed"),
+        (np.ma.masked_less(np.eye(64), 0.5), "some are masked"),
         (None, "an array of grey values was needed"),
     ],
 )
@@ -38,7 +41,7 @@ def test_arrays_that_are_no_images_are_refused(values, match):
         gt.LatticeImage(values)
 
 
-@pytest.mark.parametrize("step", [0, -1, np.nan, "1"])
+@pytest.mark.parametrize("step", [0, -1, np.nan, "1", 1e-300, 1e300])
 def test_steps_that_are_none_are_refused(step):
     """A pixel has a size."""
     with pytest.raises(ImageError, match="step"):

@@ -97,6 +97,14 @@ def test_a_core_is_a_hole_of_the_sampled_frame():
     assert np.isfinite(phases.coframe[:, :, ~phases.holes]).all()
 
 
+@pytest.mark.parametrize("order", [3, "4", 4.5, -2, None])
+def test_orders_that_are_none_are_refused(order):
+    """As everywhere else."""
+    phases = strained(np.zeros((2, 2))).phases()
+    with pytest.raises(GridError, match="order"):
+        phases.sampled(order)
+
+
 def test_margins_that_leave_nothing_are_refused():
     """With the remedy."""
     phases = gt.LatticeImage(made(256, "square").values).phases(resolution=64)
@@ -153,7 +161,8 @@ def test_equal_calls_give_equal_bits():
     ("spots", "match"),
     [
         ([[0.7, 0], [0, 0.1]], "at most 0.5 per px"),
-        ([[0, 0], [0, 0.1]], "a spot lies at the origin"),
+        ([[0, 0], [0, 0.1]], "6 periods across the image or more were needed, but a spot has 0"),
+        ([[0.02, 0], [0, 0.02]], "but a spot has 5.12: it lies at the origin"),
         ([[0.1, 0], [0.2, 0]], "both lie on one line"),
         ([[0.1, 0]], r"shape \(2, 2\) was needed"),
         ([[0.1, "x"], [0, 1]], "an array of real numbers was needed"),
