@@ -82,5 +82,5 @@ def scale(most: float, unit: str) -> str:
         f"{words(66, 38, '0', 'start', 13, INK)}"
         f"{words(326, 38, end, 'end', 13, INK)}"
         f'<rect x="362" y="4" width="16" height="16" fill="{grey}"/>'
-        f"{words(384, 17, 'not known here', 'start', 13, INK)}</svg>"
+        f"{words(384, 17, 'hole, boundary or edge', 'start', 13, INK)}</svg>"
     )

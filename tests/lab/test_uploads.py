@@ -21,6 +21,7 @@ from tests.browser import Watched
 from tests.lab.maps import STEP, TILT, TWIST, bomb, saved, twisted, wall_ctf
 from tests.lab.serving import served
 from tests.lab.session import Session, run
+from tests.orientations.synthetic import real
 
 
 class Trap:
@@ -152,6 +153,9 @@ def test_a_session_gives_good_maps_and_bad_ones(tmp_path: Path):
                 await session.shown(said)
                 assert not any("<b>x</b>" in text for text in session.outputs.values())
                 assert not any("Traceback" in text for text in session.outputs.values())
+            # What no browser sends: the page goes on as if nothing had come.
+            for odd in (5, [["a", "no base64"]], [[1, 2]], [[]]):
+                await session.set(field, odd)
             await give(session, field, "wall.ctf", wall_ctf())
             await session.shown("wall.ctf is an orientation map of 20 × 24 pixels")
             seen["wall"] = (await session.shown("Nickel; components along the axes"))[0]
@@ -162,6 +166,12 @@ def test_a_session_gives_good_maps_and_bad_ones(tmp_path: Path):
     # The first circuit has an eighth of the shorter side.
     assert float(seen["frame"]) == pytest.approx(TWIST * (2 * STEP) ** 2)
     assert seen["wall"]
+
+
+@pytest.mark.parametrize("name", ["si_wafer.ctf", "sdss_ferrite_austenite.ang"])
+def test_measured_maps_are_read(name: str):
+    """The real files, where they are."""
+    assert isinstance(read_map(real(name).read_bytes(), "given"), OrientationMap)
 
 
 @pytest.mark.parametrize("width", [1280, 400])
