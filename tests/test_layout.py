@@ -41,6 +41,7 @@ FLOORS = (
     ("geometry", "ode"),
     ("action", "curves", "loops", "rigid"),
     ("images", "orientations", "spaces"),
+    ("measured",),
     ("accuracy", "pictures", "paper"),
     ("scenes", "exercises"),
     ("cli", "lab"),

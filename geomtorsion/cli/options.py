@@ -62,6 +62,44 @@ SpaceOrScene = Annotated[
     argument("SPACE|SCENE|FILE", "A shipped space or scene, a tetrad file or a scene file."),
 ]
 
+SpaceOrMeasured = Annotated[
+    str,
+    argument(
+        "SPACE|FILE",
+        "A shipped space, a tetrad file (TOML), or measured: .npz, .nc, .csv, .ctf, .ang ...",
+    ),
+]
+MeasuredFile = Annotated[
+    str, argument("FILE", "A grid (.npz, .nc, .csv, .h5, .vtk) or orientations (.ctf, .ang).")
+]
+
+# -- what is said about a measured field ----------------------------------------------------------
+
+MeasuredSigma = Annotated[
+    str | None,
+    option(
+        "--sigma",
+        metavar="X",
+        text="Measured: noise of each value (grids) or of an orientation in degrees; or estimate.",
+    ),
+]
+MeasuredThreshold = Annotated[
+    float | None,
+    option(
+        "--threshold",
+        metavar="DEG",
+        text="Orientation maps: neighbours that differ by less are one grain; default: 5.",
+    ),
+]
+MeasuredLaue = Annotated[
+    list[str],
+    option("--laue", metavar="PHASE=GROUP", text="Orientation maps: symmetry of a phase: 1=m-3m"),
+]
+MeasuredOrder = Annotated[
+    int | None,
+    option("--order", metavar="N", text="Grids: order of interpolation, 2, 4, 6 or 8; default: 4."),
+]
+
 # -- how a curve begins ---------------------------------------------------------------------------
 
 Start = Annotated[

@@ -45,6 +45,8 @@ class Style:
     wide: ratio of largest to smallest value from which an axis is logarithmic.
     edges: of a network; more make a picture black.
     line, half, third: letters that fit into a row of a matrix, half of a page and a third of it.
+    arrows: along the longer side of a map; more of them hide it. panel: height of a map, inches.
+    broad: largest ratio of its sides.
     unfolded: components of a list before the rest is folded away.
     """
 
@@ -68,6 +70,9 @@ class Style:
     half: int = 34
     third: int = 20
     unfolded: int = 40
+    arrows: int = 22
+    panel: float = 4.4
+    broad: float = 2.2
 
 
 STYLE = Style()

@@ -14,19 +14,30 @@ import typer
 
 from geomtorsion.checks import cut
 from geomtorsion.cli.exits import ExitCode
-from geomtorsion.cli.options import SpaceOrFile, directory, option
+from geomtorsion.cli.measured import identity_frame, measured_burgers, opened
+from geomtorsion.cli.options import (
+    MeasuredLaue,
+    MeasuredOrder,
+    MeasuredSigma,
+    MeasuredThreshold,
+    SpaceOrMeasured,
+    directory,
+    option,
+)
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
 from geomtorsion.errors import GeomtorsionError, LoopError, MissingExtraError, MissingValueError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import BurgersVector, Loop, burgers_vector, exact_burgers_vector
 from geomtorsion.loops.loop_files import (
+    KINDS,
     LoopFile,
     loop_from_data,
     loops_from_json,
     number_of,
     read_loops,
 )
+from geomtorsion.measured import is_measured
 from geomtorsion.pictures.loops import draw_closure
 from geomtorsion.pictures.style import save
 
@@ -50,7 +61,7 @@ class Form(StrEnum):
 
 
 def burgers(
-    source: SpaceOrFile,
+    source: SpaceOrMeasured,
     circle: Annotated[
         Texts, option(metavar="CENTRE:RADIUS[:PLANE]", text="A circle: 0.3,1,0.2:1e-8:phi1,phi2")
     ] = [],
@@ -69,6 +80,9 @@ def burgers(
     spline: Annotated[
         Texts, option(metavar="POINT;POINT;...", text="A spline through points.")
     ] = [],
+    any_kind: Annotated[
+        Texts, option("--loop", metavar="'KIND TEXT'", text="Any of these, as in 'circle 20,30:8'.")
+    ] = [],
     interval: Annotated[
         str, typer.Option(metavar="START,END", help="Bounds of s in --curve.")
     ] = "0,2*pi",
@@ -80,6 +94,10 @@ def burgers(
     accuracy: Annotated[
         float | None, option(metavar="X", text="Wanted relative error; default: 1e-12.")
     ] = None,
+    sigma: MeasuredSigma = None,
+    threshold: MeasuredThreshold = None,
+    order: MeasuredOrder = None,
+    laue: MeasuredLaue = [],
     exact: Annotated[bool, typer.Option("--exact", help="A closed form, not numbers.")] = False,
     form: Annotated[
         Form, typer.Option("--format", help="text to read, json for programs.")
@@ -101,8 +119,21 @@ def burgers(
       geomtorsion burgers screw_dislocation --set b=1 --polygon '1,0,0;0,1,0;-1,-1,0'
       geomtorsion burgers heisenberg --curve 'cos(s);sin(2*s);0' --exact
       geomtorsion burgers so3 --loops loops.json --format json | jq .results
+      geomtorsion burgers map.ctf --loop "circle 20,30:8" -o out
     """
-    space = open_space(source)
+    measured = is_measured(source)
+    field, name = None, source
+    if measured:
+        refuse_options({"--set": values, "--accuracy": accuracy, "--exact": exact}, measured)
+        with working(Path(source).name):
+            field = opened(source, sigma, threshold, order, laue)
+        frame = identity_frame(field.names)
+    else:
+        refuse_options(
+            {"--sigma": sigma, "--threshold": threshold, "--order": order, "--laue": laue}, measured
+        )
+        space = open_space(source)
+        frame, name = space.frame, space.name
     given = {
         "circle": circle, "ellipse": ellipse, "polygon": polygon,
         "plaquette": plaquette, "curve": curve, "spline": spline,
@@ -110,24 +141,28 @@ def burgers(
     wanted: list[Loop] = []
     parameters: Values = {}
     for path in loops:
-        read = _read(space.frame, path)
+        read = _read(frame, path)
         wanted += read.loops
         parameters |= read.parameters
         accuracy = read.accuracy if accuracy is None else accuracy
     parameters |= exact_assignments(values)
-    wanted += _described(space.frame, given, interval)
+    wanted += _described(frame, given, interval)
+    wanted += (_named_kind(frame, text, interval) for text in any_kind)
     if not wanted:
         raise typer.BadParameter("no loop was given: use --circle, --polygon, ... or --loops FILE")
+    if field is not None:
+        measured_burgers(field, wanted, output, plain=form is Form.json)
+        return
     accuracy = ACCURACY if accuracy is None else accuracy
     results: list[dict[str, Any]] = []
     vectors: list[BurgersVector | None] = []
     complete = True
-    with working(f"{space.name}: {len(wanted)} loops") as progress:
+    with working(f"{name}: {len(wanted)} loops") as progress:
         try:
             for k, loop in enumerate(wanted, 1):
                 progress(f"loop {k}")
                 try:
-                    result, vector = _solved(space.frame, loop, accuracy, parameters, exact)
+                    result, vector = _solved(frame, loop, accuracy, parameters, exact)
                 except MissingValueError as error:
                     raise MissingValueError(f"{error} Here: --set NAME=VALUE.") from None
                 except GeomtorsionError as error:
@@ -140,7 +175,7 @@ def burgers(
         except KeyboardInterrupt:
             complete = False
     document = {
-        "space": space.name,
+        "space": name,
         "parameters": {name: str(value) for name, value in parameters.items()},
         "complete": complete,
         "results": results,
@@ -183,14 +218,39 @@ def _described(frame: Frame, given: Mapping[str, Texts], interval: str) -> Itera
             yield loop_from_data(frame, loop_data(kind, text, interval), f"--{kind} {cut(text)}")
 
 
-def loop_data(kind: str, text: str, interval: str) -> dict[str, Any]:
-    """The loop that `--kind TEXT` means, as `loop_from_data` takes it."""
+def _named_kind(frame: Frame, text: str, interval: str) -> Loop:
+    """The loop that `--loop "KIND TEXT"` means."""
+    kind, _, rest = text.strip().partition(" ")
+    if kind not in KINDS or not rest.strip():
+        raise LoopError(
+            f"--loop {cut(text)}: one of {', '.join(KINDS)} and its numbers were needed. Write "
+            "--loop 'circle 20,30:8'."
+        )
+    typed = f"--loop {cut(text)}"
+    return loop_from_data(frame, loop_data(kind, rest.strip(), interval, typed), typed)
+
+
+def refuse_options(given: Mapping[str, object], measured: bool) -> None:
+    """Refuse options that belong to the other kind of source."""
+    for name, value in given.items():
+        if value is not None and value is not False and value != []:
+            other = "spaces given by formulas" if measured else "measured fields"
+            this = "measured" if measured else "a space"
+            raise LoopError(f"{name}: it belongs to {other}, but the source is {this}. Drop it.")
+
+
+def loop_data(kind: str, text: str, interval: str, option: str = "") -> dict[str, Any]:
+    """The loop that `--kind TEXT` means, as `loop_from_data` takes it.
+
+    option: how it was typed, for messages, if not so.
+    """
     inner: dict[str, Any]
     if kind in FIELDS:
         keys, fields = FIELDS[kind], _split(text, ":")
         if not 2 <= len(fields) <= 3:
             wanted = f"{keys[0].upper()}:{keys[1].upper()}[:PLANE]"
-            raise LoopError(f"--{kind} {cut(text)}: {wanted} was needed, {len(fields)} parts came.")
+            typed = option or f"--{kind} {cut(text)}"
+            raise LoopError(f"{typed}: {wanted} was needed, {len(fields)} parts came.")
         inner = {key: _split(field, ",") for key, field in zip(keys, fields, strict=False)}
         if kind == "circle":
             inner["radius"] = fields[1]

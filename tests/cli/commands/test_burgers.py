@@ -1,13 +1,17 @@
 """The command `burgers`: text and JSON, files and pipes, failures and where they go."""
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from geomtorsion.loops import BurgersVector
 from tests.cli import running
+from tests.measured.test_opening import grid
+from tests.orientations.test_map_files import ctf, write
 
 
 def run(*arguments: str, code: int = 0, given: str = "") -> Any:
@@ -142,3 +146,76 @@ def test_a_missing_parameter_is_named() -> None:
     result = run("screw_dislocation", "--circle", "0,0,0:1", code=2)
     assert "contains b" in result.stderr
     assert "--set" in result.stderr
+
+
+def test_any_kind_of_loop_by_one_option() -> None:
+    """--loop "circle ..." is --circle, with errors that show what was typed."""
+    found = data("heisenberg", "--loop", "circle 0,0,0:1/2", "--circle", "0,0,0:1/2")["results"]
+    assert found[0]["vector"] == found[1]["vector"]
+    assert "--loop round 1: one of circle, ellipse" in run(
+        "heisenberg", "--loop", "round 1", code=2
+    ).stderr  # fmt: skip
+    assert "--loop circle 1,2: CENTRE:RADIUS" in run(
+        "heisenberg", "--loop", "circle 1,2", code=2
+    ).stderr  # fmt: skip
+
+
+def wall_file(folder: Path) -> str:
+    """A tilt wall of 2 degrees in the middle of 12 x 14 pixels, steps of 0.5 um."""
+    angles = np.zeros((12, 14, 3))
+    angles[..., 0] = np.where(np.arange(14) < 7, 359.0, 1.0)
+    return str(write(folder, ctf(angles), "wall.ctf"))
+
+
+def test_a_measured_grid(tmp_path) -> None:
+    """Torsion 1 everywhere: b is the area; json, picture and words."""
+    path = str(grid(tmp_path, sigma=1e-3, unit="nm"))
+    out = tmp_path / "o"
+    found = data(path, "--loop", "plaquette 1,1:2,1", "--circle", "2,3:1.5", "-o", str(out))
+    assert [one["vector"][0] for one in found["results"]] == pytest.approx([7.0685835, 2.0])
+    assert all(one["significant"] for one in found["results"])
+    assert json.loads((out / "burgers.json").read_text()) == found
+    assert (out / "circuits.png").read_bytes().startswith(b"\x89PNG")
+    said = run(path, "--circle", "2,3:1.5", "--sigma", "estimate").stdout
+    assert "the median of sixth differences" in said
+    assert "b = (7.06858) nm" in said
+
+
+def test_a_measured_orientation_map(tmp_path) -> None:
+    """A circuit round a tilt wall: b/L = 2 sin(theta/2), in crystal and specimen axes."""
+    path = wall_file(tmp_path)
+    found = data(path, "--loop", "plaquette 1,1:4,3", "--sigma", "0.01")["results"][0]
+    assert found["magnitude"] == pytest.approx(6 * math.sin(math.radians(1)), rel=1e-6)
+    assert math.hypot(*found["specimen"]) == pytest.approx(found["magnitude"])
+    assert found["phase"] == "Nickel"
+    said = run(path, "--loop", "plaquette 1,1:4,3", "--sigma", "0.01").stdout
+    assert "in specimen axes" in said
+    assert "more than noise explains" in said
+
+
+def test_measured_circuits_that_fail(tmp_path) -> None:
+    """Alone it is an error with pixels and a remedy; among others it is told in its place."""
+    path = wall_file(tmp_path)
+    options = ("--threshold", "1.5", "--sigma", "0.01", "--loop", "circle 3.5,3:2")
+    message = run(path, *options, code=2).stderr
+    assert "lies in grain 0" in message
+    assert "threshold above 1.5" in message
+    found = data(path, *options, "--loop", "circle 1.5,2:1", code=1)["results"]
+    assert found[0]["kind"] == "OrientationError"
+    assert "vector" in found[1]
+    assert "failed" in run(path, *options, "--loop", "circle 1.5,2:1", code=1).stdout
+
+
+@pytest.mark.parametrize(
+    ("source", "options", "words"),
+    [
+        ("measured", ("--exact",), "--exact: it belongs to spaces given by formulas"),
+        ("measured", ("--set", "a=1"), "--set: it belongs to spaces"),
+        ("heisenberg", ("--sigma", "1"), "--sigma: it belongs to measured fields"),
+        ("heisenberg", ("--threshold", "1"), "--threshold: it belongs to measured fields"),
+    ],
+)
+def test_options_of_the_other_kind(tmp_path, source, options, words) -> None:
+    """They are refused by name."""
+    name = str(grid(tmp_path)) if source == "measured" else source
+    assert words in run(name, "--circle", "0,0,0:1", *options, code=2).stderr

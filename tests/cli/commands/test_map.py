@@ -1,23 +1,16 @@
-"""The command `map`: text and data, files, circles that fail, bad input."""
+"""The command `map`: what it says and writes of grids and orientation maps, and what it refuses."""
 
+import csv
 import json
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from tests.cli import running
+from tests.measured.test_opening import grid
+from tests.orientations.synthetic import noisy_wall, real
 from tests.orientations.test_map_files import ctf, write
-
-
-@pytest.fixture
-def scan(tmp_path: Path) -> str:
-    """A bent crystal beside a grain that is turned by 30 degrees."""
-    angles = np.zeros((20, 30, 3))
-    angles[..., 0] = 0.2 * np.arange(30)
-    angles[:, 20:, 0] += 30
-    return str(write(tmp_path, ctf(angles), "scan.ctf"))
 
 
 def run(*arguments: str, code: int = 0) -> Any:
@@ -25,57 +18,135 @@ def run(*arguments: str, code: int = 0) -> Any:
     return running.run("map", *arguments, code=code)
 
 
-def test_text_and_data(scan: str) -> None:
-    """The density of the bend, in words and as data."""
-    shown = run(scan, "--size", "4", "--sigma", "0.01").stdout
-    assert "2 grains at 5 degrees" in shown
-    assert "squares of 4 x 4 cells stay in one grain" in shown
+@pytest.fixture
+def wall(tmp_path):
+    """A tilt wall of 2 degrees with noise of 0.1, as a .ctf file with steps of 0.5 um."""
+    return write(tmp_path, ctf(noisy_wall(2.0, (24, 30), 0.1, 3)), "wall.ctf")
+
+
+def test_a_grid_as_table_arrays_and_picture(tmp_path):
+    """Torsion 1 everywhere: |b| per area is 1; all files are there and agree."""
+    said = run(str(grid(tmp_path, sigma=1e-3, unit="nm")), "--size", "2", "-o", str(tmp_path / "o"))
+    assert "largest 1 1/nm" in said.stdout
+    assert "99 circuits of 2 x 2 cells" in said.stdout
+    out = tmp_path / "o"
+    lines = (out / "map.csv").read_text().splitlines()
+    rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+    assert len(rows) == 99
+    assert [float(row["b_per_area"]) for row in rows] == pytest.approx([1.0] * 99)
+    assert (rows[1]["x_centre"], rows[1]["y_centre"]) == ("0.5", "1.0")
+    with np.load(out / "map.npz") as arrays:
+        assert arrays["density"] == pytest.approx(1.0)
+        assert arrays["significance"].min() > 100
+        assert str(arrays["unit"]) == "nm"
+    found = json.loads((out / "map.json").read_text())
+    assert found["largest"] == pytest.approx(1.0)
+    assert found["significant"] == found["known"] == 99
+    assert (out / "map.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_an_orientation_map(wall, tmp_path):
+    """The wall stands out of the noise: b per area is 2 sin(1 degree) / side."""
+    said = run(str(wall), "--size", "8", "-o", str(tmp_path / "o"), "--format", "svg")
+    assert "1 grain at 5 degrees" in said.stdout
+    found = json.loads((tmp_path / "o/map.json").read_text())
+    assert found["largest"] == pytest.approx(2 * np.sin(np.radians(1)) / 4, rel=0.2)
+    assert abs(found["place"][0] - 7.25) <= 2
+    assert 0 < found["significant"] < found["known"]
+    assert (tmp_path / "o/map.svg").stat().st_size > 1000
+
+
+def test_grains_are_not_crossed(wall):
+    """With a threshold below the wall, circuits that cross it are counted as missing."""
+    said = run(str(wall), "--size", "4", "--threshold", "1.5")
+    assert "more cross a boundary" in said.stdout
+    assert "no circuit of this size is left" in run(
+        str(wall), "--size", "20", "--threshold", "1.5"
+    ).stdout  # fmt: skip
+
+
+def test_without_matplotlib(tmp_path, no_pictures):
+    """Tables are written all the same."""
+    said = run(str(grid(tmp_path)), "-o", str(tmp_path / "o"), "--size", "2")
+    assert (tmp_path / "o/map.csv").is_file()
+    assert "pip install geomtorsion[plots]" in said.stderr
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--size", "80"), "--size: a whole number from 1 to 23"),
+        (("--size", "0"), "--size"),
+        (("--sigma", "much"), "--sigma: a number of 0 or more, or estimate"),
+        (("--sigma", "-1"), "--sigma: standard deviations of 0 or more"),
+        (("--threshold", "nan"), "--threshold: a finite number"),
+        (("--order", "4"), "--order: it belongs to sampled frames"),
+        (("--plane", "x,z"), "--plane: two of the axes x, y were needed"),
+        (("--plane", "y,x"), "--plane: an orientation map has one plane"),
+    ],
+)
+def test_wrong_options_are_named(wall, options, words):
+    """Each as it is typed."""
+    assert words in run(str(wall), *options, code=2).stderr
+
+
+def test_damaged_files_name_their_line(tmp_path):
+    """A truncated map and a missing one."""
+    path = write(tmp_path, ctf()[:-3], "cut.ctf")
+    assert "cut.ctf" in run(str(path), code=2).stderr
+    lines = ctf()
+    lines[20] = lines[20].replace("\t", " x", 1)
+    assert "line 21" in run(str(write(tmp_path, lines, "bad.ctf")), code=2).stderr
+    assert "cannot be read" in run(str(tmp_path / "none.ang"), code=2).stderr
+    assert "no such file" in run(str(tmp_path / "none.npz"), code=2).stderr
+
+
+def test_the_steel(tmp_path):
+    """144 grains at 3 degrees, and circuits within them."""
+    said = run(str(real("sdss_ferrite_austenite.ang")), "--size", "4", "--threshold", "3").stdout
+    assert "144 grains at 3 degrees" in said
+    assert "3,286 circuits of 4 x 4 cells" in said
+
+
+@pytest.fixture
+def scan(tmp_path):
+    """A bent crystal beside a grain that is turned by 30 degrees."""
+    angles = np.zeros((20, 30, 3))
+    angles[..., 0] = 0.2 * np.arange(30)
+    angles[:, 20:, 0] += 30
+    return str(write(tmp_path, ctf(angles), "scan.ctf"))
+
+
+def test_data_of_a_bent_crystal(scan):
+    """The density of the bend; squares in the two grains."""
     found = json.loads(run(scan, "--size", "4", "--sigma", "0.01", "--json").stdout)
-    assert found["median_per_area"] == pytest.approx(np.radians(0.2) / 0.5, rel=1e-5)
-    assert found["clean"] == 16 * (16 + 6)
+    assert found["median"] == pytest.approx(np.radians(0.2) / 0.5, rel=1e-5)
+    assert found["known"] == 16 * (16 + 6)
 
 
-def test_circles(scan: str) -> None:
+def test_circles(scan, tmp_path):
     """One within a grain; one across the boundary fails in its place, with pixels."""
     arguments = (scan, "--sigma", "0.01", "--circle", "4,4:2", "--circle", "10,4:2")
-    found = json.loads(run(*arguments, "--json", code=1).stdout)
+    found = json.loads(run(*arguments, "--json", "-o", str(tmp_path / "o"), code=1).stdout)
     good, bad = found["circles"]
-    assert good["size"] / good["area"] == pytest.approx(np.radians(0.4), rel=1e-4)
+    assert good["magnitude"] / good["area"] == pytest.approx(np.radians(0.4), rel=1e-4)
     assert "lies in grain 0" in bad["failed"]
+    assert (tmp_path / "o/circuits.png").stat().st_size > 5000
     shown = run(*arguments, code=1).stdout
     assert "in specimen axes" in shown
     assert "failed: the circuit crosses a boundary" in shown
 
 
-def test_what_is_written(scan: str, tmp_path: Path) -> None:
-    """Arrays, data and two pictures."""
-    out = tmp_path / "out"
-    run(scan, "--size", "4", "--sigma", "0.01", "--circle", "4,4:2", "-o", str(out))
-    with np.load(out / "map.npz", allow_pickle=False) as content:
-        assert content["vectors"].shape == (16, 26, 3)
-        assert content["clean"].sum() == json.loads((out / "map.json").read_text("utf-8"))["clean"]
-    assert (out / "squares.png").stat().st_size > 5000
-    assert (out / "grains.png").stat().st_size > 5000
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("--circle", "4,4"), "X,Y:RADIUS was needed"),
-        (("--circle", "a,b:c"), "X,Y:RADIUS was needed"),
-        (("--size", "40"), "size: a whole number from 1 to 19"),
-        (("--sigma", "-1"), "standard deviations of 0 or more"),
+        (("--circle", "4,4"), "--circle 4,4: CENTRE:RADIUS"),
+        (("--circle", "a,b:c"), "--circle a,b:c"),
         (("--threshold", "0"), "threshold: a positive number"),
-        (("--laue", "cubic"), "PHASE=GROUP was needed"),
+        (("--laue", "cubic"), "--laue cubic: PHASE=GROUP was needed"),
         (("--laue", "1=cubic"), "'cubic' is not known"),
     ],
 )
-def test_bad_options(scan: str, arguments: tuple[str, ...], message: str) -> None:
+def test_more_wrong_options(scan, arguments, message):
     """Each is refused with what was needed."""
     assert message in " ".join(run(scan, *arguments, code=2).stderr.split())
-
-
-def test_a_damaged_file(tmp_path: Path) -> None:
-    """The message names file and line."""
-    path = write(tmp_path, ctf()[:-3], "scan.ctf")
-    assert "scan.ctf: line 32" in " ".join(run(str(path), code=2).stderr.split())

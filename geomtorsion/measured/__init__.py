@@ -1,0 +1,18 @@
+"""Measured: measured fields of any kind, as commands and pictures ask for them."""
+
+from geomtorsion.measured.crystal_field import CrystalField
+from geomtorsion.measured.opening import SUFFIXES, is_measured, open_measured
+from geomtorsion.measured.results import Backdrop, Closure, Measured, Survey
+from geomtorsion.measured.sampled_field import SampledField
+
+__all__ = [
+    "SUFFIXES",
+    "Backdrop",
+    "Closure",
+    "CrystalField",
+    "Measured",
+    "SampledField",
+    "Survey",
+    "is_measured",
+    "open_measured",
+]

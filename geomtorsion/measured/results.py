@@ -1,0 +1,201 @@
+"""Results: what every measured field gives: closures of circuits, surveys, what they lie on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from scipy.special import chdtri
+
+from geomtorsion.loops import Loop
+
+
+@dataclass(frozen=True, eq=False)
+class Closure:
+    """Burgers vector of one circuit.
+
+    path: the circuit as it was taken, in the first two coordinates, shape (2, k).
+    vector: b^i, shape (rows,), in `vector_unit`; components: what its entries are called.
+    noise: root mean square of |b| by noise alone. grid_error: of interpolation and quadrature.
+    significance: |b| in units of its errors; noise alone gives sqrt(rows) or so.
+    arrow: the part of b in the plane of the map, shape (2,), or None.
+    area: enclosed, signed, in the square of `unit`. more: name -> further facts, for JSON and text.
+    """
+
+    name: str
+    path: np.ndarray
+    vector: np.ndarray
+    components: tuple[str, ...]
+    noise: float
+    grid_error: float
+    significance: float
+    area: float
+    arrow: np.ndarray | None
+    unit: str
+    vector_unit: str
+    more: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def magnitude(self) -> float:
+        """|b|, in `vector_unit`."""
+        return float(np.linalg.norm(self.vector))
+
+    @property
+    def is_significant(self) -> bool:
+        """Whether noise gives as much in less than one circuit of a thousand."""
+        return self.significance > noise_level(len(self.vector))
+
+    def to_json(self) -> dict[str, Any]:
+        """All of it as plain data; an infinite significance (no noise) is None."""
+        finite = np.isfinite(self.significance)
+        return {
+            "loop": self.name,
+            "vector": self.vector.tolist(),
+            "components": list(self.components),
+            "magnitude": self.magnitude,
+            "noise": self.noise,
+            "grid_error": self.grid_error,
+            "significance": self.significance if finite else None,
+            "significant": self.is_significant,
+            "area": self.area,
+            "unit": self.unit,
+            "vector_unit": self.vector_unit,
+            **self.more,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Survey:
+    """Burgers vectors of circuits of one size at every place.
+
+    size: cells along both sides. centres: coordinates of the middles of the circuits, shapes (p,)
+        and (q,). names: of the two axes. layers: where the planes lie, one text each.
+    vectors: b^i, shape (rows, p, q, layers), NaN where nothing is known; components: their names.
+    arrows: the part of b in the plane of the map, shape (2, p, q, layers), or None.
+    sigma: root mean square of |b| by noise alone; grid_error: of interpolation; significance: |b|
+        in units of its errors; shape (p, q, layers) each.
+    area: of one circuit. unit, vector_unit: of lengths, and of b.
+    missing: why circuits are missing, in words. down: whether pictures show y downwards.
+    """
+
+    size: tuple[int, int]
+    centres: tuple[np.ndarray, np.ndarray]
+    names: tuple[str, str]
+    layers: tuple[str, ...]
+    vectors: np.ndarray
+    components: tuple[str, ...]
+    arrows: np.ndarray | None
+    sigma: np.ndarray
+    grid_error: np.ndarray
+    significance: np.ndarray
+    area: float
+    unit: str
+    vector_unit: str
+    missing: str
+    down: bool = False
+
+    @property
+    def known(self) -> np.ndarray:
+        """Where a circuit has a Burgers vector, shape (p, q, layers)."""
+        return np.isfinite(self.vectors).all(axis=0)
+
+    @property
+    def density(self) -> np.ndarray:
+        """|b| per area, shape (p, q, layers)."""
+        return np.linalg.norm(self.vectors, axis=0) / self.area
+
+    @property
+    def floor(self) -> np.ndarray:
+        """What noise alone makes of `density`, shape (p, q, layers)."""
+        return self.sigma / self.area
+
+    @property
+    def level(self) -> float:
+        """The significance that noise alone passes in one circuit of a thousand."""
+        return noise_level(len(self.vectors))
+
+    @property
+    def significant(self) -> np.ndarray:
+        """Where |b| is more than noise explains, shape (p, q, layers)."""
+        with np.errstate(invalid="ignore"):
+            return np.asarray(self.significance > self.level)
+
+    @property
+    def density_unit(self) -> str:
+        """The unit of `density`."""
+        if not self.unit:
+            return self.vector_unit
+        return (
+            f"1/{self.unit}"
+            if self.unit == self.vector_unit
+            else (f"{self.vector_unit}/{self.unit}^2")
+        )
+
+    @property
+    def strongest_layer(self) -> int:
+        """Number of the layer with the largest density."""
+        found = np.where(self.known, self.density, -1.0).max(axis=(0, 1))
+        return int(np.argmax(found))
+
+
+@dataclass(frozen=True, eq=False)
+class Backdrop:
+    """What lies below circuits in a picture.
+
+    centres: of the pixels along both axes. values: shape (p, q), NaN where nothing is known.
+    labels: whether the values are numbers of grains rather than sizes. title: what is shown.
+    """
+
+    centres: tuple[np.ndarray, np.ndarray]
+    values: np.ndarray
+    labels: bool
+    title: str
+
+
+class Measured(Protocol):
+    """A measured field, whatever it was measured by."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the axes."""
+        ...
+
+    @property
+    def unit(self) -> str:
+        """Of lengths."""
+        ...
+
+    @property
+    def down(self) -> bool:
+        """Whether pictures show y downwards."""
+        ...
+
+    @property
+    def about(self) -> tuple[str, ...]:
+        """What it is, in lines: its size, its noise and where that is known from."""
+        ...
+
+    def closure(self, loop: Loop) -> Closure:
+        """Burgers vector of a circuit."""
+        ...
+
+    def survey(self, size: int, plane: tuple[int, int] = (0, 1)) -> Survey:
+        """Burgers vectors of square circuits of so many cells at every place."""
+        ...
+
+    def backdrop(self) -> Backdrop | None:
+        """What a picture shows below circuits, if it is a plane."""
+        ...
+
+
+def noise_level(rows: int, share: float = 1e-3) -> float:
+    """The length that normal noise of `rows` components passes in this share of all circuits.
+
+    Examples
+    --------
+    >>> round(noise_level(1), 3), round(noise_level(3), 3)
+    (3.291, 4.033)
+    """
+    return float(np.sqrt(chdtri(rows, share)))

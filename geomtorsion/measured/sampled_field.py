@@ -1,0 +1,116 @@
+"""Sampled field: a sampled frame as a measured field."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from geomtorsion.loops import Loop, SampledFrame
+from geomtorsion.measured.results import Backdrop, Closure, Survey
+
+
+@dataclass(frozen=True, eq=False)
+class SampledField:
+    """A coframe on a grid of two axes or more; see `Measured`."""
+
+    frame: SampledFrame
+    down: bool = False
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the axes."""
+        return tuple(self.frame.names)
+
+    @property
+    def unit(self) -> str:
+        """Of lengths."""
+        return self.frame.unit
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """Names of the components of b."""
+        return tuple(f"b{k}" for k in range(self.frame.rows))
+
+    @property
+    def about(self) -> tuple[str, ...]:
+        """What it is, and where its noise is known from."""
+        noise = self.frame.sigma_source or "not known: errors are those of the grid alone"
+        source = (f"source: {self.frame.source}",) if self.frame.source else ()
+        return (repr(self.frame), f"noise: {noise}", *source)
+
+    def closure(self, loop: Loop) -> Closure:
+        """Burgers vector of a loop."""
+        b = self.frame.burgers(loop)
+        return Closure(
+            name=loop.name or "loop",
+            path=_closed(loop.points())[:2],
+            vector=b.vector,
+            components=self.components,
+            noise=float(np.linalg.norm(b.sigmas)),
+            grid_error=b.interpolation_error + b.quadrature_error,
+            significance=b.significance,
+            area=float(np.asarray(loop.area, dtype=float)[0, 1]),
+            arrow=b.vector[:2] if len(b.vector) > 1 else None,
+            unit=self.unit,
+            vector_unit=b.unit,
+        )
+
+    def survey(self, size: int, plane: tuple[int, int] = (0, 1)) -> Survey:
+        """Burgers vectors of squares of size x size cells at every place of every layer."""
+        frame = self.frame
+        found = frame.burgers_map(size, plane)
+        others = [k for k in range(frame.dimension) if k not in plane]
+        order = [*plane, *others]
+        places = [found.known.shape[k] for k in order]
+
+        def laid(values: np.ndarray) -> np.ndarray:
+            """Axes of the plane first, all others as layers."""
+            full = np.broadcast_to(values, (*values.shape[: -frame.dimension], *found.known.shape))
+            ahead = full.ndim - frame.dimension
+            turned = full.transpose(*range(ahead), *(ahead + k for k in order))
+            return turned.reshape(*full.shape[:ahead], *places[:2], -1)
+
+        centres = []
+        for k, cells, count in zip(plane, found.size, places, strict=False):
+            start, step = frame.axes[k][0], frame.steps[k]
+            centres.append(start + step * (np.arange(count) + cells / 2))
+        layers = [
+            ", ".join(
+                f"{frame.names[k]} = {value:.6g}" for k, value in zip(others, values, strict=True)
+            )
+            for values in product(*(frame.axes[k] for k in others))
+        ]
+        vectors = laid(found.vectors)
+        flat = set(plane) == {0, 1} and frame.rows > 1
+        return Survey(
+            size=found.size,
+            centres=(centres[0], centres[1]),
+            names=(frame.names[plane[0]], frame.names[plane[1]]),
+            layers=tuple(layers),
+            vectors=vectors,
+            components=self.components,
+            arrows=vectors[list(plane)] if flat else None,
+            sigma=np.linalg.norm(laid(found.sigmas), axis=0),
+            grid_error=laid(found.interpolation),
+            significance=laid(found.significance),
+            area=found.area,
+            unit=self.unit,
+            vector_unit=frame.vector_unit,
+            missing="touch a hole",
+        )
+
+    def backdrop(self) -> Backdrop | None:
+        """|b| per area of every cell; holes stay blank."""
+        if self.frame.dimension != 2:
+            return None
+        found = self.survey(1)
+        unit = f" ({found.density_unit})" if found.density_unit else ""
+        title = f"|b| per area of each cell{unit}"
+        return Backdrop(found.centres, found.density[..., 0], False, title)
+
+
+def _closed(points: np.ndarray) -> np.ndarray:
+    """A curve led back to its first point."""
+    return np.concatenate([points, points[:, :1]], axis=1)

@@ -1,0 +1,269 @@
+"""Measured: maps of |b| per area with their significance, and circuits on what was measured."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from geomtorsion.measured import Backdrop, Closure, Measured, Survey
+from geomtorsion.pictures.loops import GAP, START
+from geomtorsion.pictures.network import SOFT
+from geomtorsion.pictures.style import (
+    FAINT,
+    STYLE,
+    captioned,
+    mathematics,
+    new_figure,
+    number,
+    quiet,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# Pale neighbours that differ: grains stay behind what is drawn on them.
+GRAINS = ("#cfe3f2", "#f6dcc4", "#d5ead9", "#e9d6e6", "#f5efc3", "#dcdfe4", "#f2d3d3", "#cfe8e8")
+
+
+def draw_survey(survey: Survey, layer: int | None = None) -> Figure:
+    """|b| per area with arrows of its part in the plane, and its significance beside it.
+
+    Arrows stand where |b| is more than noise explains. In the second panel white is the
+    significance that noise alone passes in one circuit of a thousand.
+
+    Parameters
+    ----------
+    layer
+        Number of the layer; without it that of the largest |b|.
+
+    Returns
+    -------
+    A matplotlib figure.
+
+    Raises
+    ------
+    MissingExtraError
+        matplotlib is not installed.
+    """
+    chosen = survey.strongest_layer if layer is None else layer
+    corners = tuple(_edges(line) for line in survey.centres)
+    width = STYLE.panel * _ratio(corners) + 1.5
+    figure = new_figure(2 * width, STYLE.panel + 1.7)
+    left, right = figure.subplots(1, 2)
+    density = survey.density[..., chosen]
+    mesh = left.pcolormesh(*corners, density.T, cmap="viridis", **_shades(survey, density))
+    unit = f" in {survey.density_unit}" if survey.density_unit else ""
+    figure.colorbar(mesh, ax=left, shrink=0.86).ax.tick_params(labelsize=8)
+    left.set_title(f"|b| per area{unit}", fontsize=11)
+    if survey.arrows is not None:
+        _arrows(left, survey, chosen)
+    top = 2 * survey.level
+    significance = survey.significance[..., chosen]
+    mesh = right.pcolormesh(*corners, significance.T, cmap="RdBu_r", vmin=0, vmax=top)
+    above = bool((significance[survey.known[..., chosen]] > top).any())
+    bar = figure.colorbar(mesh, ax=right, shrink=0.86, extend="max" if above else "neither")
+    bar.ax.tick_params(labelsize=8)
+    right.set_title("|b| in units of its errors", fontsize=11)
+    for axes in (left, right):
+        _place(axes, survey.names, survey.unit, corners, down=survey.down)
+    captioned(figure, _said(survey, chosen))
+    return figure
+
+
+def draw_circuits(measured: Measured, closures: Sequence[Closure]) -> Figure:
+    """Circuits on what was measured (grains, or |b| per cell), b as arrows from their middles.
+
+    Returns
+    -------
+    A matplotlib figure.
+
+    Raises
+    ------
+    MissingExtraError
+        matplotlib is not installed.
+    """
+    backdrop = measured.backdrop()
+    points = np.concatenate([one.path for one in closures], axis=1)
+    around = np.stack([np.nanmin(points, axis=1), np.nanmax(points, axis=1)], axis=1)
+    corners = tuple(around) if backdrop is None else tuple(map(_edges, backdrop.centres))
+    figure = new_figure(STYLE.panel * _ratio(corners) + 2.2, STYLE.panel + 1.0)
+    axes = figure.subplots()
+    if backdrop is None:
+        quiet(axes)
+    else:
+        _draw_backdrop(figure, axes, backdrop, corners)
+    longest = max((float(np.hypot(*one.arrow)) for one in closures if one.arrow is not None),
+                  default=0.0)  # fmt: skip
+    # The longest arrow is half as long as the widest circuit, and can be seen.
+    widest = max(
+        float(np.ptp(one.path[:, np.isfinite(one.path[0])], axis=1).max()) for one in closures
+    )
+    extent = max(abs(float(line[-1] - line[0])) for line in corners)
+    reach = max(widest, extent / STYLE.arrows * 4) / 2
+    for one in closures:
+        axes.plot(*one.path, color=START, linewidth=1.6, solid_capstyle="round", zorder=4)
+        low, high = np.nanmin(one.path, axis=1), np.nanmax(one.path, axis=1)
+        middle = (low + high) / 2
+        if one.arrow is not None and longest > 0:
+            step = one.arrow / longest * reach
+            colour = GAP if one.is_significant else SOFT
+            # Heads shrink with short arrows, so that these show their sense as well.
+            axes.quiver(
+                *middle,
+                *step,
+                color=colour,
+                angles="xy",
+                scale_units="xy",
+                scale=1,
+                width=0.006,
+                minlength=0,
+                zorder=5,
+            )
+        noise = f" ± {one.noise:.2g}" if one.noise else ""
+        text = f"|b| = {one.magnitude:.3g}{noise} {one.vector_unit}".rstrip()
+        axes.annotate(
+            text,
+            (middle[0], low[1] if measured.down else high[1]),
+            (0, 5),
+            textcoords="offset points",
+            ha="center",
+            fontsize=8.5,
+            zorder=6,
+            bbox={"boxstyle": "round,pad=0.2", "fc": "white", "ec": FAINT, "alpha": 0.9},
+        )
+    names = (measured.names[0], measured.names[1])
+    _place(axes, names, measured.unit, corners, down=measured.down)
+    said = "Arrows show the part of b in the plane of the map, to one scale"
+    captioned(figure, [f"{said}; grey ones are not more than noise explains."])
+    return figure
+
+
+def _draw_backdrop(
+    figure: Figure, axes: Axes, backdrop: Backdrop, corners: tuple[np.ndarray, ...]
+) -> None:
+    """Grains in pale colours, or sizes in greys with a bar."""
+    axes.set_facecolor("#8b8f96")
+    if backdrop.labels:
+        from matplotlib.colors import ListedColormap
+
+        shades = np.mod(backdrop.values, len(GRAINS))
+        look: dict[str, Any] = {"cmap": ListedColormap(GRAINS), "vmin": -0.5, "vmax": 7.5}
+        axes.pcolormesh(*corners, shades.T, **look)
+        _draw_boundaries(axes, backdrop.values, corners)
+    else:
+        mesh = axes.pcolormesh(*corners, backdrop.values.T, cmap="Greys", vmin=0)
+        figure.colorbar(mesh, ax=axes, shrink=0.86).ax.tick_params(labelsize=8)
+    axes.set_title(backdrop.title, fontsize=11)
+
+
+def _draw_boundaries(axes: Axes, labels: np.ndarray, corners: tuple[np.ndarray, ...]) -> None:
+    """Thin lines between pixels of different grains."""
+    from matplotlib.collections import LineCollection
+
+    x, y = corners
+    known = np.nan_to_num(labels, nan=-1.0)
+    p, q = np.nonzero(known[1:] != known[:-1])
+    upright = [np.stack([x[p + 1], y[q]], -1), np.stack([x[p + 1], y[q + 1]], -1)]
+    p, q = np.nonzero(known[:, 1:] != known[:, :-1])
+    level = [np.stack([x[p], y[q + 1]], -1), np.stack([x[p + 1], y[q + 1]], -1)]
+    segments = np.concatenate([np.stack(upright, 1), np.stack(level, 1)])
+    axes.add_collection(LineCollection(list(segments), colors=SOFT, linewidths=0.6, zorder=2))
+
+
+def _shades(survey: Survey, density: np.ndarray) -> dict[str, Any]:
+    """Limits of the colours: logarithmic from the noise floor where the largest is far above it."""
+    known = survey.known
+    if not known.any():
+        return {}
+    floor, largest = float(np.median(survey.floor[known])), float(np.nanmax(density, initial=0.0))
+    if floor > 0 and largest > STYLE.wide * floor:
+        from matplotlib.colors import LogNorm
+
+        return {"norm": LogNorm(floor, largest)}
+    return {"vmin": 0.0, "vmax": largest or 1.0}
+
+
+def _arrows(axes: Axes, survey: Survey, layer: int) -> None:
+    """The part of b in the plane, at some places where it is significant."""
+    count = max(survey.known.shape[:2])
+    apart = -(-count // STYLE.arrows)
+    first = apart // 2
+    part = (slice(first, None, apart), slice(first, None, apart))
+    vectors = survey.arrows[:, *part, layer] if survey.arrows is not None else np.zeros((2, 0, 0))
+    shown = (survey.significant & survey.known)[..., layer][part]
+    if not shown.any():
+        return
+    lengths = np.where(shown, np.hypot(*vectors), 0.0)
+    if lengths.max() == 0:
+        return
+    places = np.meshgrid(*(line[first::apart] for line in survey.centres), indexing="ij")
+    steps = [abs(float(line[1] - line[0])) if len(line) > 1 else 1.0 for line in survey.centres]
+    # All are as long, and hardly reach to the next: colours show the size.
+    far = lengths[shown] > 0
+    scale = apart * min(steps) / np.where(far, lengths[shown], 1.0)
+    axes.quiver(
+        *(place[shown] for place in places),
+        *(vector[shown] * scale for vector in vectors),
+        angles="xy",
+        scale_units="xy",
+        scale=1,
+        color="white",
+        edgecolor=START,
+        linewidth=0.5,
+        width=0.005,
+        pivot="middle",
+        zorder=5,
+    )
+
+
+def _edges(centres: np.ndarray) -> np.ndarray:
+    """Edges between equally spaced middles."""
+    step = float(centres[1] - centres[0]) if len(centres) > 1 else 1.0
+    return np.append(centres, centres[-1] + step) - step / 2
+
+
+def _ratio(corners: tuple[np.ndarray, ...]) -> float:
+    """Width over height, within bounds."""
+    wide, high = (abs(float(line[-1] - line[0])) for line in corners)
+    return float(np.clip(wide / high, 1 / STYLE.broad, STYLE.broad)) if high and wide else 1.0
+
+
+def _place(
+    axes: Axes, names: tuple[str, str], unit: str, corners: tuple[np.ndarray, ...], *, down: bool
+) -> None:
+    """Equal scales, names of the axes, and y downwards where instruments show it so."""
+    over = f" / {unit}" if unit else ""
+    axes.set_xlabel(mathematics(names[0]) + over)
+    axes.set_ylabel(mathematics(names[1]) + over)
+    axes.set_aspect("equal")
+    axes.set_xlim(*sorted((corners[0][0], corners[0][-1])))
+    low, high = sorted((corners[1][0], corners[1][-1]))
+    axes.set_ylim(*((high, low) if down else (low, high)))
+    axes.locator_params(nbins=6)
+    axes.set_facecolor("#8b8f96")
+
+
+def _said(survey: Survey, layer: int) -> list[str]:
+    """What the picture shows, in numbers."""
+    known = survey.known[..., layer]
+    count, found = int(known.sum()), int((survey.significant[..., layer] & known).sum())
+    sides = " x ".join(map(str, survey.size))
+    where = f" at {survey.layers[layer]}" if survey.layers[layer] else ""
+    lines = [
+        (
+            f"Circuits of {sides} cells{where}: {found:,} of {count:,} are more than noise "
+            f"explains (white: {number(round(survey.level, 2))}, noise passes it 1 in 1000 times)."
+        )
+    ]
+    if count < known.size:
+        lines.append(f"Grey: {known.size - count:,} circuits {survey.missing}.")
+    if count:
+        floor = float(np.median(survey.floor[..., layer][known]))
+        unit = f" {survey.density_unit}" if survey.density_unit else ""
+        lines.append(
+            f"Noise alone makes {floor:.2g}{unit}; arrows: the sense of b in the plane of the map."
+        )
+    return lines

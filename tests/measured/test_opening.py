@@ -1,0 +1,74 @@
+"""Opening: files are told by name and content; options that do not belong are named."""
+
+import re
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import FileFormatError, GridError, OrientationError
+from geomtorsion.loops import SampledFrame
+from geomtorsion.measured import CrystalField, SampledField, is_measured, open_measured
+from tests.orientations.test_map_files import ctf, write
+
+
+def grid(folder, name="field.npz", **options):
+    """A plane grid of constant torsion 1, as a file."""
+    axes = [np.linspace(0, 5, 11), np.linspace(0, 6, 13)]
+    x, y = np.meshgrid(*axes, indexing="ij")
+    SampledFrame(axes, np.array([[-y, x]]) / 2, **options).save(folder / name)
+    return folder / name
+
+
+@pytest.mark.parametrize("name", ["a.npz", "a.nc", "a.csv"])
+def test_grids_of_every_kind(tmp_path, name):
+    """What is saved is opened; its noise is that of the file."""
+    field = open_measured(grid(tmp_path, name, sigma=0.25, unit="nm"))
+    assert isinstance(field, SampledField)
+    assert field.unit == "nm"
+    assert field.frame.sigma.max() == 0.25
+
+
+def test_noise_is_given_or_estimated(tmp_path):
+    """Without noise in the file it is estimated, and said so; a given value wins."""
+    path = grid(tmp_path)
+    assert "median of sixth differences" in open_measured(path).about[1]
+    assert open_measured(path, sigma=0.5).frame.sigma.max() == 0.5
+    assert open_measured(path, order=2).frame.order == 2
+
+
+def test_orientation_maps(tmp_path):
+    """A .ctf file becomes a crystal field with a threshold and a noise."""
+    path = write(tmp_path, ctf(), "a.ctf")
+    field = open_measured(path, sigma=0.5, threshold=7)
+    assert isinstance(field, CrystalField)
+    assert field.map.threshold == 7
+    assert "0.5 degrees in Nickel (given)" in field.about[2]
+
+
+def test_content_against_name(tmp_path):
+    """A renamed file is told by its first bytes, with the remedy."""
+    path = grid(tmp_path).rename(tmp_path / "map.ctf")
+    with pytest.raises(FileFormatError, match=re.escape("ending in .npz, but its name ends in")):
+        open_measured(path)
+    path = write(tmp_path, ctf(), "map.txt")
+    assert is_measured(path)
+    with pytest.raises(FileFormatError, match=re.escape("ending in .ctf") + ".*Rename it"):
+        open_measured(path)
+
+
+def test_names_that_mean_nothing(tmp_path):
+    """Spaces are none, and unknown ends are refused."""
+    assert not is_measured("so3")
+    (tmp_path / "a.txt").write_text("nothing")
+    with pytest.raises(FileFormatError, match="a name ending in"):
+        open_measured(tmp_path / "a.txt")
+
+
+def test_options_that_do_not_belong(tmp_path):
+    """Each is named, with what to do."""
+    with pytest.raises(GridError, match="threshold: it belongs to orientation maps.*Leave it out"):
+        open_measured(grid(tmp_path), threshold=3)
+    with pytest.raises(OrientationError, match="order: it belongs to sampled frames"):
+        open_measured(write(tmp_path, ctf(), "a.ctf"), order=4)
+    with pytest.raises(OrientationError, match="sigma"):
+        open_measured(write(tmp_path, ctf(), "a.ctf"), sigma="guess")

@@ -1,0 +1,56 @@
+"""Pictures of measured fields: what panels, arrows and captions show."""
+
+import numpy as np
+import pytest
+
+from geomtorsion.loops import Loop
+from geomtorsion.measured import CrystalField
+from geomtorsion.pictures.measured import draw_circuits, draw_survey
+from tests.measured.test_sampled_field import field
+from tests.orientations.synthetic import wall
+
+
+def test_a_survey_shows_density_and_significance():
+    """Two panels with the values of the survey; arrows where b is significant."""
+    survey = CrystalField(wall(2.0, (20, 30), 0.5, sigma=0.01)).survey(4)
+    left, right = draw_survey(survey).axes[:2]
+    shown = np.asarray(left.collections[0].get_array()).reshape(16, 26)
+    assert shown == pytest.approx(survey.density[..., 0].T)
+    assert right.collections[0].get_clim() == (0, 2 * survey.level)
+    quiver = left.collections[1]
+    assert 0 < quiver.N < survey.significant.sum()
+    assert np.hypot(quiver.U, quiver.V) == pytest.approx(np.hypot(quiver.U, quiver.V)[0])
+    low, high = left.get_ylim()
+    assert low > high
+
+
+def test_a_survey_far_above_its_noise_is_logarithmic():
+    """From the noise floor to the largest value."""
+    survey = field(sigma=1e-5).survey(2)
+    norm = draw_survey(survey).axes[0].collections[0].norm
+    assert norm.vmin == pytest.approx(float(np.median(survey.floor)))
+    assert type(norm).__name__ == "LogNorm"
+    assert type(draw_survey(field(sigma=0.1).survey(2)).axes[0].collections[0].norm).__name__ == (
+        "Normalize"
+    )
+
+
+def test_nothing_known_is_grey():
+    """A survey whose circuits all touch a hole is drawn, and says so."""
+    mask = np.zeros((11, 13), dtype=bool)
+    mask[::2, ::2] = True
+    figure = draw_survey(field(mask=mask, sigma=0.1, order=2).survey(3))
+    assert "touch a hole" in figure.texts[0].get_text()
+
+
+@pytest.mark.parametrize("kind", ["grid", "map"])
+def test_circuits_stand_on_what_was_measured(kind):
+    """The circuit as a line, b beside it with its noise."""
+    measured = field(sigma=0.01) if kind == "grid" else CrystalField(wall(2.0, (20, 30), 0.5))
+    if kind == "map":
+        measured = CrystalField(wall(2.0, (20, 30), 0.5, sigma=0.01))
+    found = measured.closure(Loop.circle([2.5, 3], 1.5))
+    axes = draw_circuits(measured, [found]).axes[0]
+    assert np.asarray(axes.lines[0].get_xdata()) == pytest.approx(found.path[0], nan_ok=True)
+    texts = [text.get_text() for text in axes.texts]
+    assert any(f"|b| = {found.magnitude:.3g} ±" in text for text in texts)
