@@ -49,7 +49,7 @@ class MapFile:
 
 
 def read_map_file(path: str | Path, laue: Mapping[int, str] | None = None) -> MapFile:
-    """An orientation map from a .ctf or .ang file; .h5 and others through orix.
+    """An orientation map from a .ctf or .ang file.
 
     laue: number of a phase -> name of its Laue group, instead of what the file says.
 

@@ -18,6 +18,7 @@ from geomtorsion.orientations.circuits import Circuit, windings
 from geomtorsion.orientations.lattice_edges import GrainMap, grains_of
 from geomtorsion.orientations.map_files import MapFile, read_map_file
 from geomtorsion.orientations.noise import estimated_covariance, given_covariance, spread_of
+from geomtorsion.orientations.orix_files import SUFFIXES, read_orix
 from geomtorsion.orientations.phases import Phase
 from geomtorsion.orientations.results import (
     CircuitMap,
@@ -145,7 +146,7 @@ class OrientationMap:
         threshold: float = 5.0,
         sigma: float | Sequence[float] | None = None,
     ) -> OrientationMap:
-        """From a .ctf or .ang file; lengths in um.
+        """From a .ctf or .ang file, or HDF5 where orix is installed; lengths in um.
 
         Parameters
         ----------
@@ -164,7 +165,9 @@ class OrientationMap:
             The file is truncated, has wrong columns, mixed steps or an unknown phase; the message
             names file, line and remedy.
         """
-        return cls._from_file(read_map_file(path, laue), axes, threshold, sigma)
+        is_orix = Path(path).suffix.lower() in SUFFIXES
+        file = read_orix(Path(path), laue or {}) if is_orix else read_map_file(path, laue)
+        return cls._from_file(file, axes, threshold, sigma)
 
     @classmethod
     def _from_file(

@@ -1,0 +1,36 @@
+"""Orix files: a map that orix wrote, where it is installed; what is said where it is not."""
+
+import sys
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import FileFormatError, MissingExtraError
+from geomtorsion.orientations import OrientationMap
+from tests.orientations.synthetic import bent
+from tests.orientations.test_map_files import ang, write
+
+
+def test_without_orix(tmp_path, monkeypatch):
+    """The message names the extra, and another way."""
+    monkeypatch.setitem(sys.modules, "orix", None)
+    with pytest.raises(MissingExtraError, match=r"geomtorsion\[ebsd\].*\.ctf or \.ang"):
+        OrientationMap.read(tmp_path / "a.h5")
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_both_readers_agree(tmp_path):
+    """An .ang file read by orix, written as HDF5 and read back, against our own reader."""
+    orix = pytest.importorskip("orix.io")
+    path = write(tmp_path, ang(bent((12, 14), 0.1)), "a.ang")
+    orix.save(str(tmp_path / "a.h5"), orix.load(str(path)))
+    ours, theirs = (OrientationMap.read(tmp_path / name, sigma=0) for name in ("a.ang", "a.h5"))
+    assert theirs.steps == pytest.approx(ours.steps)
+    (phase,) = theirs.phases.values()
+    assert (phase.laue, phase.lengths) == ("m-3m", (3.52, 3.52, 3.52))
+    squares = ours.burgers_map(5), theirs.burgers_map(5)
+    assert squares[0].specimen == pytest.approx(squares[1].specimen, abs=1e-7)
+    assert np.nanmax(squares[0].per_area) > 1e-3
+    (tmp_path / "b.h5").write_bytes(b"nothing")
+    with pytest.raises(FileFormatError, match="b.h5: orix cannot read"):
+        OrientationMap.read(tmp_path / "b.h5")
