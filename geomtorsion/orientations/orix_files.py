@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +30,7 @@ def read_orix(path: Path, laue: Mapping[int, str]) -> MapFile:
     """
     try:
         # GPL: imported where it is installed, and never needed for anything else.
-        from orix import io
+        io = import_module("orix.io")
     except ImportError:
         raise MissingExtraError(
             f"{path.name}: HDF5 files need orix, which is not installed. Run `pip install "
