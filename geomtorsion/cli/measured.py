@@ -29,13 +29,13 @@ def opened(
     sigma: str | None,
     threshold: float | None,
     order: int | None = None,
-    laue: Sequence[str] = (),
+    laue: Sequence[str] | None = None,
 ) -> Measured:
     """The measured field in a file; errors about an option name it as it is typed."""
     value = None if sigma is None else _sigma(sigma)
     try:
         return open_measured(
-            source, sigma=value, threshold=threshold, order=order, laue=_symmetries(laue)
+            source, sigma=value, threshold=threshold, order=order, laue=_symmetries(laue or ())
         )
     except (GridError, OrientationError) as error:
         dashes = "--" if str(error).startswith(OPTIONS) else ""

@@ -92,7 +92,7 @@ MeasuredThreshold = Annotated[
     ),
 ]
 MeasuredLaue = Annotated[
-    list[str],
+    list[str] | None,
     option("--laue", metavar="PHASE=GROUP", text="Orientation maps: symmetry of a phase: 1=m-3m"),
 ]
 MeasuredOrder = Annotated[

@@ -99,7 +99,7 @@ class Survey:
     @property
     def known(self) -> np.ndarray:
         """Where a circuit has a Burgers vector, shape (p, q, layers)."""
-        return np.isfinite(self.vectors).all(axis=0)
+        return np.asarray(np.isfinite(self.vectors).all(axis=0))
 
     @property
     def density(self) -> np.ndarray:

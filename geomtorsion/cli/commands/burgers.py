@@ -97,7 +97,7 @@ def burgers(
     sigma: MeasuredSigma = None,
     threshold: MeasuredThreshold = None,
     order: MeasuredOrder = None,
-    laue: MeasuredLaue = [],
+    laue: MeasuredLaue = None,
     exact: Annotated[bool, typer.Option("--exact", help="A closed form, not numbers.")] = False,
     form: Annotated[
         Form, typer.Option("--format", help="text to read, json for programs.")

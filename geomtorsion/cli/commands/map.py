@@ -62,7 +62,7 @@ def map(
     ] = None,
     form: Pictures = PictureFormat.png,
 ) -> None:
-    """Map the Burgers vectors of a measured field: |b| per area, and whether it is more than noise.
+    """Map |b| per area of a measured field, and whether it is more than noise.
 
     FILE holds a grid (coframe or distortion: .npz, .nc, .csv, .h5, .vtk, .vtu) or an orientation
     map (.ctf, .ang). Square circuits of one size are taken at every place.
@@ -73,10 +73,6 @@ def map(
       geomtorsion map steel.ang --size 4 --threshold 3 -o steel-map
       geomtorsion map distortion.npz --size 2 --sigma 0.001
     """
-    if circle is None:
-        circle = []
-    if laue is None:
-        laue = []
     with working(Path(source).name) as progress:
         field = opened(source, sigma, threshold, order, laue)
         progress(f"circuits of {size} x {size} cells")
@@ -89,7 +85,7 @@ def map(
     frame = identity_frame(field.names)
     loops = [
         loop_from_data(frame, loop_data("circle", text, ""), f"--circle {cut(text)}")
-        for text in circle
+        for text in circle or []
     ]
     results, found, _ = closures_of(field, loops, alone=False)
     document = {"about": list(about), **summary(survey), "circles": results}
