@@ -40,7 +40,8 @@ def ask_the_boundary(net: gt.DislocationNetwork, apart: float) -> None:
     (family,) = net.families()
     print(f"{len(net.lines)} lines of b = {family.name}: all screw ({family.screw:.0%})")
     assert family.screw == 1
-    height = net.box.vectors[2, 2]
+    assert net.box is not None
+    height = float(np.asarray(net.box.vectors)[2, 2])
     print(
         f"density {net.density:.6f}, of two sets of lines: 2 / (d h) = {2 / (apart * height):.6f}"
     )
@@ -74,11 +75,12 @@ def ask_a_simulation(path: Path) -> None:
     print(f"  b at the nodes sums to {abs(net.arrays.excess).max():.0e} at most")
     for family in net.families():
         print(f"  {family.name}: {family.density:.3e} per unit^2, {family.screw:.0%} screw")
-    sides = np.asarray(net.box.vectors)
+    assert net.box is not None
+    sides, corner = np.asarray(net.box.vectors), np.asarray(net.box.origin)
     for axis in range(3):
         # A face of the periodic box: what pierces it is the mean Nye tensor times its area.
         one, two = sides[(axis + 1) % 3], sides[(axis + 2) % 3]
-        face = gt.Loop.plaquette(net.box.origin + 0.1, (1, 1), plane=(one, two))
+        face = gt.Loop.plaquette(corner + 0.1, (1, 1), plane=(one, two))
         found = net.around(face)
         wanted = net.nye @ np.cross(one, two)
         print(

@@ -1,5 +1,8 @@
 """Canary cases: one call that works for every public function, class and method of values."""
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportArgumentType=false, reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -41,7 +44,7 @@ for _k, _place in enumerate([(0, 0), (1, 0), (0, 1)]):
     TRIANGLE.add_node(_k, position=_place)
 nx.add_cycle(TRIANGLE, range(3))
 NETWORK = gt.Network(PLANE, TRIANGLE)
-TRIANGLE = str(Path(__file__).parent / "data" / "triangle.data")
+TRIANGLE_FILE = str(Path(__file__).parent / "data" / "triangle.data")
 RING = gt.LineArrays(
     [[1, 1, 2], [3, 1, 2], [2, 3, 2]], [[0, 1], [1, 2], [2, 0]], [[0, 0, 1]] * 3,
     gt.Box.of_bounds([0, 0, 0], [4, 4, 4]),
@@ -324,7 +327,8 @@ def public_methods() -> list[Case]:
             tolerance=1e-9),
         _of("DislocationNetwork.of_opendis", gt.DislocationNetwork.of_opendis,
             data=PLACED.opendis()),
-        _of("DislocationNetwork.read", gt.DislocationNetwork.read, path=TRIANGLE, periodic=True),
+        _of("DislocationNetwork.read", gt.DislocationNetwork.read, path=TRIANGLE_FILE,
+            periodic=True),
         _of("DislocationNetwork.around", PLACED.around, loop=gt.Loop.circle([1, 1, 1], 0.5),
             lattice=[[1, 0, 0], [0, 1, 0], [0, 0, 1]]),
         _of("DislocationNetwork.families", PLACED.families, symmetry="cubic"),

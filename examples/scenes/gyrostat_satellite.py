@@ -35,7 +35,9 @@ def main(arguments: list[str] | None = None) -> None:
     )
     shipped = gt.scenes.load("gyrostat_satellite")
     assert scene == shipped.with_values({"gravity_gradient.rate": RATE, "start.omega[2]": RATE})
-    assert math.isclose(shipped.keyed["gravity_gradient"].rate, RATE, rel_tol=1e-15)
+    gradient = shipped.keyed["gravity_gradient"]
+    assert isinstance(gradient, gt.effects.GravityGradient)
+    assert math.isclose(float(gradient.rate), RATE, rel_tol=1e-15)
 
     result = scene.with_values(t=options.orbits * 95 * 60).run()
     print(result)

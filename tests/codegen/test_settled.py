@@ -1,5 +1,8 @@
 """Settled: right beside removable singularities and zeros, and as fast as before elsewhere."""
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportArgumentType=false
+
 import numpy as np
 import pytest
 import sympy as sp

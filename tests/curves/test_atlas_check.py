@@ -1,5 +1,8 @@
 """Atlases are checked: shipped ones here, those of users when they are given."""
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportArgumentType=false
+
 import pytest
 import sympy as sp
 

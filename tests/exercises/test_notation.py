@@ -1,5 +1,8 @@
 """Notation: right answers in odd forms are right, or it is said exactly how to write them."""
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportOptionalMemberAccess=false, reportOptionalSubscript=false
+
 import contextlib
 import re
 import time

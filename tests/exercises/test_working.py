@@ -1,5 +1,8 @@
 """Worked solutions: each question is answered by a step, in a way apart from the library's."""
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportOperatorIssue=false
+
 import re
 import time
 

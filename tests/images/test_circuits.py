@@ -1,5 +1,8 @@
 """Circuits: exact whole numbers, and never a confident wrong one."""
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportArgumentType=false
+
 from functools import cache
 
 import numpy as np

@@ -1,5 +1,8 @@
 """Image files: TIFF and PNG come back as they were; what is damaged is refused in our words."""
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportAttributeAccessIssue=false
+
 import builtins
 import pickle
 import struct

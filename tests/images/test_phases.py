@@ -1,5 +1,8 @@
 """Phases: coframe, strain and rotation of images whose fields are known."""
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportPossiblyUnboundVariable=false
+
 import time
 from functools import cache
 

@@ -1,5 +1,8 @@
 """Files that are given to the page: recognised by content, read, or refused in a sentence."""
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportArgumentType=false
+
 from __future__ import annotations
 
 import base64

@@ -1,5 +1,8 @@
 """Boxes: volume, nearest images, and what is refused."""
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportArgumentType=false
+
 import numpy as np
 import pytest
 

@@ -1,5 +1,8 @@
 """Circuits round lines of networks: exact sums, lattices, and lines that end."""
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportArgumentType=false, reportOptionalIterable=false, reportOptionalMemberAccess=false
+
 from fractions import Fraction as F
 
 import networkx as nx

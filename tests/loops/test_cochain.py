@@ -1,5 +1,8 @@
 """Cochains: values on edges, their sums, closures and coboundaries; whole numbers stay exact."""
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportOptionalMemberAccess=false, reportOptionalOperand=false
+
 from fractions import Fraction
 
 import networkx as nx

@@ -1,5 +1,8 @@
 """Complexes: boundaries as whole numbers, the boundary of a boundary is nothing."""
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportArgumentType=false, reportOptionalMemberAccess=false
+
 from math import comb, prod
 
 import numpy as np

@@ -1,5 +1,8 @@
 """Lines as arrays: images, lengths, character, sums at nodes, and what is refused."""
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportArgumentType=false
+
 import numpy as np
 import pytest
 

@@ -1,5 +1,8 @@
 """Families of Burgers vectors, and whole multiples of lattice vectors."""
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportArgumentType=false, reportOperatorIssue=false
+
 from itertools import permutations, product
 
 import numpy as np

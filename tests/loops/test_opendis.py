@@ -1,5 +1,8 @@
 """OpenDiS arrays: there and back, and what is refused."""
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportArgumentType=false, reportAttributeAccessIssue=false, reportOptionalMemberAccess=false
+
 import numpy as np
 import pytest
 

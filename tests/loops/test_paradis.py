@@ -1,5 +1,8 @@
 """ParaDiS files: what is written reads back; the real network; damage is named by its line."""
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportArgumentType=false, reportCallIssue=false, reportOptionalMemberAccess=false
+
 from pathlib import Path
 
 import numpy as np

@@ -1,5 +1,8 @@
 """Sampled frames: orders, errors that hold, Nye tensor, files."""
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportArgumentType=false, reportCallIssue=false
+
 from typing import Any
 
 import numpy as np

@@ -1,5 +1,8 @@
 """Crystal field: tilt walls and real maps through the interface of measured fields."""
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportOptionalIterable=false, reportOptionalMemberAccess=false
+
 import numpy as np
 import pytest
 

@@ -1,5 +1,8 @@
 """Opening: files are told by name and content; options that do not belong are named."""
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportAttributeAccessIssue=false
+
 import re
 
 import numpy as np

@@ -1,5 +1,8 @@
 """Sampled field: closures and surveys of grids against closed forms."""
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportOptionalMemberAccess=false
+
 import numpy as np
 import pytest
 

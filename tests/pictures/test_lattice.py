@@ -1,5 +1,8 @@
 """Lattice: six panels that show what they say."""
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportArgumentType=false, reportAttributeAccessIssue=false, reportOperatorIssue=false, reportOptionalMemberAccess=false
+
 import numpy as np
 import pytest
 

@@ -1,5 +1,8 @@
 """Pictures of line networks: lines in their box, families, circuits, broken nodes."""
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportArgumentType=false, reportAttributeAccessIssue=false
+
 import numpy as np
 import pytest
 

@@ -1,5 +1,8 @@
 """Pictures of measured fields: what panels, arrows and captions show."""
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportAttributeAccessIssue=false
+
 import numpy as np
 import pytest
 

@@ -4,6 +4,9 @@ The scene assembles forces and moments in the body and projects them (Kane); the
 varies a Lagrangian over the six-dimensional frame. They share no code; their difference is zero.
 """
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportAttributeAccessIssue=false
+
 import pytest
 import sympy as sp
 

@@ -1,5 +1,8 @@
 """Charts of Kerr's space: no digits cancel near axis, horizons and a = M; closed forms behind."""
 
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportArgumentType=false, reportOptionalMemberAccess=false
+
 from itertools import product
 
 import mpmath
