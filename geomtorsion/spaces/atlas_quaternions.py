@@ -87,4 +87,6 @@ def quaternions(frame: Frame) -> Atlas:
         TransitionMap(home, "quaternion", q, tuple(there), sample=here),
         TransitionMap("quaternion", home, QUATERNION, tuple(back), (), angles, sample, written),
     )
-    return Atlas(home, makers, lambda: maps)
+    # Angles of the three-sphere hold nearly everywhere; its motions begin in them.
+    order = (home, "quaternion") if home == "s3" else ()
+    return Atlas(home, makers, lambda: maps, order)
