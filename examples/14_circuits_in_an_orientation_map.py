@@ -80,12 +80,14 @@ def main(arguments: list[str] | None = None) -> None:
         shown = gt.OrientationMap.read(options.file)
         tell(shown, options.size)
     if options.pictures:
-        from geomtorsion.pictures.orientations import draw_grains, draw_orientations
+        from geomtorsion.measured import CrystalField
+        from geomtorsion.pictures.measured import draw_circuits, draw_survey
 
         options.pictures.mkdir(parents=True, exist_ok=True)
-        squares = shown.burgers_map(options.size)
-        draw_orientations(shown, squares).savefig(options.pictures / "squares.png")
-        draw_grains(made, b).savefig(options.pictures / "wall.png")
+        squares = CrystalField(shown).survey(options.size)
+        draw_survey(squares).savefig(options.pictures / "squares.png")
+        wall = CrystalField(made)
+        draw_circuits(wall, [wall.closure(b.circuit)]).savefig(options.pictures / "wall.png")
         print(f"wrote squares.png and wall.png into {options.pictures}")
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from geomtorsion.errors import OrientationError
 from geomtorsion.loops import Loop
 from geomtorsion.measured.results import Backdrop, Closure, Survey
-from geomtorsion.orientations import OrientationMap
+from geomtorsion.orientations import Circuit, OrientationMap
 
 COMPONENTS = ("b1", "b2", "b3")
 
@@ -57,9 +57,9 @@ class CrystalField:
             texts.append(f"{degrees:.3g} degrees in {self.map.phases[number].name}")
         return ", ".join(texts)
 
-    def closure(self, loop: Loop) -> Closure:
+    def closure(self, loop: Loop | Circuit) -> Closure:
         """Burgers vector of the circuit from pixel to pixel round the cells of a loop."""
-        circuit = self.map.circuit(loop)
+        circuit = loop if isinstance(loop, Circuit) else self.map.circuit(loop)
         b = self.map.burgers(circuit)
         more = {
             "specimen": b.specimen.tolist(),

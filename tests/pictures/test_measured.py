@@ -5,10 +5,13 @@
 
 import numpy as np
 import pytest
+from matplotlib.collections import LineCollection
 
 from geomtorsion.loops import Loop
 from geomtorsion.measured import CrystalField
+from geomtorsion.orientations import Circuit, OrientationMap
 from geomtorsion.pictures.measured import draw_circuits, draw_survey
+from geomtorsion.pictures.style import save
 from tests.measured.test_sampled_field import field
 from tests.orientations.synthetic import wall
 
@@ -57,3 +60,31 @@ def test_circuits_stand_on_what_was_measured(kind):
     assert np.asarray(axes.lines[0].get_xdata()) == pytest.approx(found.path[0], nan_ok=True)
     texts = [text.get_text() for text in axes.texts]
     assert any(f"|b| = {found.magnitude:.3g} ±" in text for text in texts)
+
+
+def test_boundaries_of_grains_and_circuits_step_by_step(tmp_path):
+    """Twelve sides between two grains and four round a hole; a circuit given pixel by pixel."""
+    angles = np.zeros((12, 16, 3))
+    angles[..., 0] = 0.3 * np.arange(16)
+    angles[:, 11:, 0] += 30
+    angles[5, 2] = np.nan
+    bent = CrystalField(OrientationMap.from_euler(angles, 0.5, "m-3m", sigma=0.05))
+    found = bent.closure(Circuit.square((1, 4), 5))
+    assert np.isnan(found.path[0]).sum() == 20
+    figure = draw_circuits(bent, [found])
+    axes = figure.axes[0]
+    assert axes.get_title() == "grains at 5 degrees"
+    (sides,) = [one for one in axes.collections if isinstance(one, LineCollection)]
+    assert len(sides.get_segments()) == 16
+    save(figure, tmp_path / "b.svg")
+    assert (tmp_path / "b.svg").stat().st_size > 10_000
+
+
+def test_a_map_without_clean_circuits():
+    """Nothing to show is shown as nothing, without a warning."""
+    angles = np.zeros((6, 6, 3))
+    angles[..., 0] = 40 * (np.indices((6, 6)).sum(axis=0) % 2)
+    crystal = OrientationMap.from_euler(angles, 0.5, "m-3m", sigma=1)
+    survey = CrystalField(crystal).survey(2)
+    assert not survey.known.any()
+    assert "cross a boundary" in draw_survey(survey).texts[0].get_text()
