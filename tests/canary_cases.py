@@ -1,8 +1,5 @@
 """Canary cases: one call that works for every public function, class and method of values."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
-# pyright: reportArgumentType=false, reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Callable

@@ -1,8 +1,5 @@
 """Signs: textbook edge and screw made of atoms, and each convention's own recipe on them."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
-# pyright: reportArgumentType=false
-
 from __future__ import annotations
 
 from itertools import pairwise

@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from geomtorsion import checks
 from geomtorsion.conventions import burgers
@@ -62,7 +63,7 @@ class ChainSums:
     images: np.ndarray
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, init=False)
 class Cochain:
     """Values on the edges of a network, such as steps measured from atom to atom.
 
@@ -107,23 +108,31 @@ class Cochain:
 
     complex: Complex
     values: np.ndarray
-    errors: np.ndarray | None = None
-    degree: int = 1
+    errors: np.ndarray | None
+    degree: int
 
-    def __post_init__(self) -> None:
-        """Check shapes and numbers once."""
-        checks.instance(self.complex, Complex, "complex", NetworkError)
-        checks.count(self.degree, "degree", NetworkError, 0, len(NAMES) - 1)
-        count, name = self.complex.size(self.degree), NAMES[self.degree]
-        values = value_rows(self.values, name, count)
-        object.__setattr__(self, "values", values)
-        if self.errors is None:
+    def __init__(
+        self,
+        complex: Complex,
+        values: ArrayLike,
+        errors: ArrayLike | None = None,
+        degree: int = 1,
+    ) -> None:
+        def put(name: str, value: object) -> None:
+            object.__setattr__(self, name, value)
+
+        put("complex", checks.instance(complex, Complex, "complex", NetworkError))
+        put("degree", checks.count(degree, "degree", NetworkError, 0, len(NAMES) - 1))
+        count = complex.size(degree)
+        put("values", value_rows(values, NAMES[degree], count))
+        put("errors", None)
+        if errors is None:
             return
-        errors = checks.array(self.errors, "errors", NetworkError, shape=(count,))
-        if (errors < 0).any():
-            k = int(np.argmax(errors < 0))
-            raise NetworkError(f"errors[{k}] = {errors[k]:g}: bounds of zero or more were needed.")
-        object.__setattr__(self, "errors", errors)
+        bounds = checks.array(errors, "errors", NetworkError, shape=(count,))
+        if (bounds < 0).any():
+            k = int(np.argmax(bounds < 0))
+            raise NetworkError(f"errors[{k}] = {bounds[k]:g}: bounds of zero or more were needed.")
+        put("errors", bounds)
 
     # -- makers -----------------------------------------------------------------------------------
 
@@ -131,8 +140,8 @@ class Cochain:
     def of_edges(
         cls,
         pairs: np.ndarray | Sequence[Sequence[int]],
-        values: np.ndarray | Sequence[Sequence[float]],
-        errors: np.ndarray | Sequence[float] | None = None,
+        values: ArrayLike,
+        errors: ArrayLike | None = None,
         *,
         images: np.ndarray | Sequence[Sequence[int]] | None = None,
         nodes: int | None = None,
@@ -162,7 +171,7 @@ class Cochain:
         ([[4]], [[1]])
         """
         made = Complex.of_edges(pairs, nodes, images, labels)
-        return cls(made, value_rows(values, NAMES[1], len(made.pairs)), errors)  # type: ignore[arg-type]
+        return cls(made, value_rows(values, NAMES[1], len(made.pairs)), errors)
 
     @classmethod
     def of_graph(
@@ -211,7 +220,7 @@ class Cochain:
             np.array(pairs, dtype=np.int64).reshape(-1, 2), len(labels), images, labels
         )  # fmt: skip
         vectors = [data[value] for _, _, data in rows]
-        return cls(made, vectors, errors if any(errors) else None)  # type: ignore[arg-type]
+        return cls(made, vectors, errors if any(errors) else None)
 
     @classmethod
     def between(
@@ -235,7 +244,7 @@ class Cochain:
         >>> Cochain.between(ring, [[0], [4], [5]], [[10]]).values.ravel().tolist()
         [4, 1, 5]
         """
-        steps = cls(complex, positions, degree=0).coboundary()  # type: ignore[arg-type]
+        steps = cls(complex, positions, degree=0).coboundary()
         images = complex.images
         if not images.shape[1]:
             return steps

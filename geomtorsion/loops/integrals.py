@@ -258,13 +258,13 @@ def _cancelled(forms: Forms, points: np.ndarray, values: np.ndarray) -> float:
     A denominator that is small because terms cancel has few digits, and a rounding of the point
     need not show it: the largest entries are compared with exact ones.
     """
-    sizes = None if forms.poles is None else forms.poles.sizes
-    if sizes is None:
+    poles = forms.poles
+    if poles is None or poles.sizes is None:
         return 0.0
     largest = np.abs(values).max(axis=0)
     worst = 0.0
     for k in np.argsort(largest)[-EVERY:]:
-        exact = sizes(*points[:, k], *forms.poles.numbers)  # type: ignore[union-attr]
+        exact = poles.sizes(*points[:, k], *poles.numbers)
         missed = np.abs(np.abs(values[:, k]) - exact).max()
         worst = max(worst, float(missed / np.maximum(exact.max(), np.finfo(float).tiny)))
     # A few places stand for all: the next may have been less lucky.

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from geomtorsion import checks
 from geomtorsion.errors import NetworkError
@@ -16,7 +17,7 @@ from geomtorsion.loops.complexes import Complex
 from geomtorsion.loops.rows import listed, whole
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class LineArrays:
     """Straight dislocation lines between nodes in three dimensions, each described once.
 
@@ -39,43 +40,51 @@ class LineArrays:
     positions: np.ndarray
     pairs: np.ndarray
     burgers: np.ndarray
-    box: Box | None = None
-    images: np.ndarray | None = None
-    labels: Sequence[Hashable] = ()
-    constraints: np.ndarray | None = None
-    planes: np.ndarray | None = None
+    box: Box | None
+    images: np.ndarray
+    labels: Sequence[Hashable]
+    constraints: np.ndarray
+    planes: np.ndarray | None
 
-    def __post_init__(self) -> None:
-        """Check shapes and numbers once."""
-
+    def __init__(
+        self,
+        positions: ArrayLike,
+        pairs: ArrayLike,
+        burgers: ArrayLike,
+        box: Box | None = None,
+        images: ArrayLike | None = None,
+        labels: Sequence[Hashable] = (),
+        constraints: ArrayLike | None = None,
+        planes: ArrayLike | None = None,
+    ) -> None:
         def put(name: str, value: object) -> None:
             object.__setattr__(self, name, value)
 
-        put("positions", checks.array(self.positions, "positions", NetworkError, shape=(None, 3)))
+        put("positions", checks.array(positions, "positions", NetworkError, shape=(None, 3)))
         count = len(self.positions)
-        put("pairs", whole(self.pairs, "pairs", 2))
-        put("burgers", checks.array(self.burgers, "burgers", NetworkError, shape=(None, None)))
+        put("pairs", whole(pairs, "pairs", 2))
+        put("burgers", checks.array(burgers, "burgers", NetworkError, shape=(None, None)))
         if len(self.burgers) != len(self.pairs):
             raise NetworkError(
                 f"burgers: one row for each of {len(self.pairs)} lines was needed, but "
                 f"{len(self.burgers)} came."
             )
-        if self.box is not None:
-            checks.instance(self.box, Box, "box", NetworkError)
-        put("labels", listed(self.labels, "labels") or range(count))
-        given = np.zeros(count, np.int64) if self.constraints is None else self.constraints
+        put("box", None if box is None else checks.instance(box, Box, "box", NetworkError))
+        put("labels", listed(labels, "labels") or range(count))
+        given = np.zeros(count, np.int64) if constraints is None else constraints
         column = [[x] for x in checks.entries(checks.rows(given), "constraints", NetworkError)]
         put("constraints", whole(column, "constraints", 1).ravel())
-        if len(self.constraints) != count:  # type: ignore[arg-type]
+        if len(self.constraints) != count:
             raise NetworkError(
                 f"constraints: one for each of {count} nodes was needed, but "
-                f"{len(self.constraints)} came."  # type: ignore[arg-type]
+                f"{len(self.constraints)} came."
             )
-        if self.planes is not None:
+        put("planes", None)
+        if planes is not None:
             shape = (len(self.pairs), 3)
-            put("planes", checks.array(self.planes, "planes", NetworkError, shape=shape))
+            put("planes", checks.array(planes, "planes", NetworkError, shape=shape))
         Complex(count, self.pairs, np.zeros((len(self.pairs), 0), np.int64), labels=self.labels)
-        put("images", self._found_images())
+        put("images", self._found_images(images))
         with np.errstate(over="ignore", invalid="ignore"):
             extent = float(self.lengths.sum()) * float(np.abs(self.burgers).max(initial=0.0))
         if not extent < np.inf:
@@ -83,14 +92,14 @@ class LineArrays:
                 "lengths of lines leave the range of floats. Give positions in other units."
             )
 
-    def _found_images(self) -> np.ndarray:
+    def _found_images(self, given: ArrayLike | None) -> np.ndarray:
         """Images as given, or the nearest."""
         if self.box is None:
-            if self.images is not None and np.size(self.images):
+            if given is not None and np.size(given):
                 raise NetworkError("images: lines have periodic images, but no box came. Give it.")
             return np.zeros((len(self.pairs), 0), dtype=np.int64)
-        if self.images is not None:
-            found = whole(self.images, "images", 3)
+        if given is not None:
+            found = whole(given, "images", 3)
             if found[:, ~np.asarray(self.box.periodic)].any():
                 raise NetworkError(
                     "images: a line leaves the box along an edge that is not periodic. "

@@ -1,8 +1,5 @@
 """Synthetic networks of lines with known answers."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
-# pyright: reportArgumentType=false
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,7 @@
 """Circuits round lines of networks: exact sums, lattices, and lines that end."""
 
 # Tests give what users give, wrong things included, and read what may be missing.
-# pyright: reportArgumentType=false, reportOptionalIterable=false, reportOptionalMemberAccess=false
+# pyright: reportArgumentType=false, reportOptionalIterable=false
 
 from fractions import Fraction as F
 

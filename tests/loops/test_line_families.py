@@ -1,7 +1,7 @@
 """Families of Burgers vectors, and whole multiples of lattice vectors."""
 
 # Tests give what users give, wrong things included, and read what may be missing.
-# pyright: reportArgumentType=false, reportOperatorIssue=false
+# pyright: reportOperatorIssue=false
 
 from itertools import permutations, product
 

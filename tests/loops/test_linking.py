@@ -1,7 +1,7 @@
 """Linking: crossings with spanning surfaces against closed forms, Gauss's integral and periods."""
 
 # Tests give what users give, wrong things included, and read what may be missing.
-# pyright: reportArgumentType=false, reportOptionalMemberAccess=false
+# pyright: reportOptionalMemberAccess=false
 
 from itertools import islice
 

@@ -1,7 +1,7 @@
 """Pictures of line networks: lines in their box, families, circuits, broken nodes."""
 
 # Tests give what users give, wrong things included, and read what may be missing.
-# pyright: reportArgumentType=false, reportAttributeAccessIssue=false
+# pyright: reportAttributeAccessIssue=false
 
 import numpy as np
 import pytest
