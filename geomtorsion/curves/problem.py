@@ -26,6 +26,7 @@ from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.numbers import Numbers, Real, floats, perturbed, precision_of
+from geomtorsion.ode.roots import nearest_to_zero
 from geomtorsion.ode.terms import expression, symbol_table
 from geomtorsion.ode.trajectory import Event, Segment, Stage, State, Trajectory
 
@@ -308,9 +309,7 @@ class CurveProblem:
                 chart.at_edges(numbers | dict(zip(chart.names, place, strict=False)))
                 for place in (floats(list(state)), start)
             )
-            # Where a root has no value any more, that is the edge.
-            shares = np.nan_to_num(np.abs(here / there), nan=0.0)
-            return "stuck", edges[int(shares.argmin())].words
+            return "stuck", edges[nearest_to_zero(here, there)].words
 
         return ending
 

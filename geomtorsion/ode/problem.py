@@ -22,6 +22,7 @@ from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.numbers import Numbers, Real, mpf, perturbed
 from geomtorsion.ode.rates import CLOCK, Rates
+from geomtorsion.ode.roots import nearest_to_zero
 from geomtorsion.ode.system import System
 from geomtorsion.ode.trajectory import Event, Segment, Stage, State, Trajectory
 from geomtorsion.precision import working_precision
@@ -261,8 +262,7 @@ class ODE:
         here, there = (
             made(*[float(x) for x in row[: self.size]], *numbers, time) for row in (state, start)
         )
-        shares = np.nan_to_num(np.abs(here / there), nan=0.0)
-        nearest = int(shares.argmin()) - (self.rates.stop is not None)
+        nearest = nearest_to_zero(here, there) - (self.rates.stop is not None)
         return ("stopped", "") if nearest < 0 else ("stuck", f"{self.rates.roots[nearest]} = 0")
 
     def first_stage(self, precision: int, perturbation: float) -> Stage:

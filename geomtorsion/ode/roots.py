@@ -93,3 +93,13 @@ def _bisected(function: Values, low: np.ndarray, high: np.ndarray, sign: np.ndar
         before = np.sign(function(middle)) == sign
         low, high = np.where(before, middle, low), np.where(before, high, middle)
     return high
+
+
+def nearest_to_zero(here: np.ndarray, before: np.ndarray) -> int:
+    """Which of several values has come nearest to zero, each measured by what it was before.
+
+    What has no value any more is there.
+    """
+    with np.errstate(all="ignore"):
+        shares = np.nan_to_num(np.abs(here / before), nan=0.0)
+    return int(shares.argmin())
