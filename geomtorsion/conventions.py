@@ -199,6 +199,21 @@ def burgers(vector: Sequence[Any] | np.ndarray, name: str) -> np.ndarray:
     return signs[known] * found
 
 
+class Signed:
+    """A result with a Burgers vector `vector`, which it gives in other conventions of sign, too."""
+
+    # Some have the vector as a field, some work it out: no one type says so.
+    def in_convention(self: Any, name: str) -> np.ndarray:
+        """The vector in another convention of sign, such as "FS/RH"; see `conventions.burgers`.
+
+        Raises
+        ------
+        UnknownNameError
+            No convention has this name; the message lists them.
+        """
+        return burgers(self.vector, name)
+
+
 def convention(name: str) -> Convention:
     """The convention of this name.
 

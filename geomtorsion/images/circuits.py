@@ -8,13 +8,13 @@ import numpy as np
 from scipy import special
 
 from geomtorsion import checks
-from geomtorsion.conventions import burgers
+from geomtorsion.conventions import Signed
 from geomtorsion.errors import ImageError, LoopError
 from geomtorsion.loops import Cochain, Loop
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LatticeBurgers:
+class LatticeBurgers(Signed):
     """The Burgers vector of a circuit through a lattice image.
 
     whole: in lattice vectors, whole numbers, shape (2,).
@@ -43,16 +43,6 @@ class LatticeBurgers:
     def magnitude(self) -> float:
         """Length of the vector."""
         return float(np.hypot(*self.vector))
-
-    def in_convention(self, name: str) -> np.ndarray:
-        """The vector in another convention of sign, such as "FS/RH"; see `conventions.burgers`.
-
-        Raises
-        ------
-        UnknownNameError
-            No convention has this name; the message lists them.
-        """
-        return burgers(self.vector, name)
 
     def __repr__(self) -> str:
         return (

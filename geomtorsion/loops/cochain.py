@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geomtorsion import checks
-from geomtorsion.conventions import burgers
+from geomtorsion.conventions import Signed
 from geomtorsion.errors import NetworkError
 from geomtorsion.loops.complexes import Complex
 from geomtorsion.loops.rows import check_sums, largest, listed, value_rows
@@ -27,7 +27,7 @@ Cycle = tuple[Hashable, ...]
 
 
 @dataclass(frozen=True, eq=False)
-class CycleBurgers:
+class CycleBurgers(Signed):
     """What a cycle of a network misses.
 
     cycle: nodes in order; vector: b^i, shape (n,); error: bound on its largest component.
@@ -44,10 +44,6 @@ class CycleBurgers:
     def vanishes(self) -> bool:
         """Whether the vector is zero within its error."""
         return bool(abs(self.vector).max() <= self.error)
-
-    def in_convention(self, name: str) -> np.ndarray:
-        """The vector in another convention of sign, such as "FS/RH"; see `conventions.burgers`."""
-        return burgers(self.vector, name)
 
 
 @dataclass(frozen=True, eq=False)

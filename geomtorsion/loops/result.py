@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import mpmath
 import numpy as np
 
-from geomtorsion.conventions import burgers
+from geomtorsion.conventions import Signed
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import planes
 from geomtorsion.loops.arcs import Number, Parameters
@@ -49,7 +49,7 @@ class Check:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class BurgersVector:
+class BurgersVector(Signed):
     """The Burgers vector of one loop, frame components.
 
     frame, loop: what it belongs to.
@@ -162,16 +162,6 @@ class BurgersVector:
         )
         values = dict(zip((s.name for s in self.frame.coordinates), place, strict=True))
         return self.frame.legs.at(self._named(values)) @ self.vector
-
-    def in_convention(self, name: str) -> np.ndarray:
-        """The vector in another convention of sign, such as "FS/RH"; see `conventions.burgers`.
-
-        Raises
-        ------
-        UnknownNameError
-            No convention has this name; the message lists them.
-        """
-        return burgers(self.vector, name)
 
     def screw(self, direction: Sequence[float]) -> np.ndarray:
         """The part of b along a direction (frame components), as of a screw dislocation.

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.conventions import burgers
+from geomtorsion.conventions import Signed
 from geomtorsion.errors import OrientationError
 from geomtorsion.orientations.circuits import Circuit
 from geomtorsion.orientations.phases import Phase
@@ -41,7 +41,7 @@ class FamilyLines:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MapBurgers:
+class MapBurgers(Signed):
     """Burgers vector of a circuit in an orientation map.
 
     Equation
@@ -69,10 +69,6 @@ class MapBurgers:
     def specimen(self) -> np.ndarray:
         """b in specimen axes (those of the map), shape (3,), in `unit`."""
         return self.rotation @ self.vector
-
-    def in_convention(self, name: str) -> np.ndarray:
-        """b in crystal axes in another convention of sign, such as "FS/RH", shape (3,)."""
-        return burgers(self.vector, name)
 
     @property
     def size(self) -> float:

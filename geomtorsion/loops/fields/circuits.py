@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geomtorsion.conventions import burgers
+from geomtorsion.conventions import Signed
 from geomtorsion.errors import GridError
 from geomtorsion.loops.arcs import SAME_POINT, Arc, Part
 from geomtorsion.loops.fields.grid import ORDERS, Grid
@@ -47,7 +47,7 @@ class Field:
 
 
 @dataclass(frozen=True, eq=False)
-class SampledBurgers:
+class SampledBurgers(Signed):
     """Burgers vector of a loop through a sampled frame.
 
     vector: b^i, shape (rows,), in `unit`.
@@ -88,16 +88,6 @@ class SampledBurgers:
         with np.errstate(divide="ignore", invalid="ignore"):
             shares = np.where(self.vector == 0, 0.0, np.abs(self.vector) / sigmas)
         return float(np.sqrt((shares**2).sum()))
-
-    def in_convention(self, name: str) -> np.ndarray:
-        """The vector in another convention of sign, such as "FS/RH"; see `conventions.burgers`.
-
-        Raises
-        ------
-        UnknownNameError
-            No convention has this name; the message lists them.
-        """
-        return burgers(self.vector, name)
 
     def __repr__(self) -> str:
         parts = ", ".join(f"{x:.6g}" for x in self.vector.tolist())
