@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy  # loads its parts when they are asked for
 
 from geomtorsion.errors import LoopError, ShapeError
 
@@ -217,8 +218,6 @@ def logarithm(turn: np.ndarray) -> np.ndarray:
             power = power @ square
             total = total + power / k
         return 2 * total
-    from scipy.linalg import logm  # 0.16 s, and large angles alone need it
-
     if np.linalg.eigvals(identity + turn).real.min() < 0:
         # A real root of the map exists only away from negative eigenvalues.
         values = np.linalg.eigvals(identity + turn)
@@ -227,5 +226,5 @@ def logarithm(turn: np.ndarray) -> np.ndarray:
                 "the rotation has no single real logarithm: it is half a turn in some plane. "
                 "Use .rotation, or .angle and .axis."
             )
-    found = np.array(logm(identity + turn))
+    found = np.array(scipy.linalg.logm(identity + turn))
     return found if np.iscomplexobj(turn) else np.real(found)

@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+import scipy  # loads its parts when they are asked for
 from numpy.typing import ArrayLike
 
 from geomtorsion import checks
@@ -381,8 +382,6 @@ class Cochain:
 
     def _chains(self, chains: csr_array | np.ndarray | Mapping[int, int]) -> csr_array:
         """Chains as a sparse matrix of whole numbers."""
-        from scipy.sparse import csr_array, issparse  # 0.26 s, and networks alone need it
-
         count, name = len(self.values), NAMES[self.degree]
         if isinstance(chains, Mapping):
             for k in chains:
@@ -397,15 +396,16 @@ class Cochain:
                 signs = np.zeros(0, dtype=np.int64)
             if signs.ndim != 1 or signs.dtype.kind not in "iu":
                 raise NetworkError("chain: whole multiples were needed: {edge: 1, other edge: -1}.")
-            return csr_array((signs, (np.zeros_like(columns), columns)), shape=(1, count))
-        table = chains if issparse(chains) else np.atleast_2d(np.asarray(chains))
+            entries = signs, (np.zeros_like(columns), columns)
+            return scipy.sparse.csr_array(entries, shape=(1, count))
+        table = chains if scipy.sparse.issparse(chains) else np.atleast_2d(np.asarray(chains))
         if table.shape[-1] != count or table.dtype.kind not in "iu":
             raise NetworkError(
                 f"chains: whole numbers of shape (chains, {count}) were needed, but {table.dtype} "
                 f"of shape {table.shape} came."
             )
         # A copy, since sums of doubled entries would be made in the matrix that was given.
-        found = csr_array(table, copy=True)
+        found = scipy.sparse.csr_array(table, copy=True)
         found.sum_duplicates()
         return found
 

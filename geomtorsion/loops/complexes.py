@@ -9,6 +9,7 @@ from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import scipy  # loads its parts when they are asked for
 
 from geomtorsion import checks
 from geomtorsion.errors import NetworkError
@@ -188,8 +189,6 @@ class Complex:
         NetworkError
             Two neighbours are not joined by an edge.
         """
-        from scipy.sparse import csr_array  # 0.26 s, and complexes with faces alone need it
-
         rows: list[np.ndarray] = []
         if isinstance(cycles, np.ndarray):
             corners = whole(cycles, "cycles")
@@ -207,7 +206,7 @@ class Complex:
             count = len(rows)
         edges, senses = self.steps(starts, ends)
         table = (senses, (owner, edges))
-        faces = csr_array(table, shape=(count, len(self.pairs)))
+        faces = scipy.sparse.csr_array(table, shape=(count, len(self.pairs)))
         return Complex(self.nodes, self.pairs, self.images, faces, None, self.labels)
 
     # -- boundaries -------------------------------------------------------------------------------
@@ -238,12 +237,12 @@ class Complex:
     @cached_property
     def _differences(self) -> csr_array:
         """Second node minus first, shape (edges, nodes)."""
-        from scipy.sparse import csr_array  # as above
-
         count = len(self.pairs)
         signs = np.tile(np.array([-1, 1]), count)
         start = np.arange(0, 2 * count + 1, 2)
-        found = csr_array((signs, self.pairs.flatten(), start), shape=(count, self.nodes))
+        found = scipy.sparse.csr_array(
+            (signs, self.pairs.flatten(), start), shape=(count, self.nodes)
+        )
         # An edge that ends where it begins, in another image, has both its signs in one place.
         found.sum_duplicates()
         return found
@@ -334,9 +333,7 @@ def _check_table(table: Any, subject: str) -> None:
     """Refuse what is no sparse matrix of whole numbers."""
     if table is None:
         return
-    from scipy.sparse import issparse  # as above
-
-    if not (issparse(table) and table.dtype.kind in "iu"):
+    if not (scipy.sparse.issparse(table) and table.dtype.kind in "iu"):
         raise NetworkError(
             f"{subject}: a sparse matrix of whole numbers was needed, but {checks.shown(table)} "
             "came. .with_faces(cycles) makes one."
@@ -353,8 +350,6 @@ def sides_of(simplices: np.ndarray) -> tuple[np.ndarray, csr_array]:
 
     The boundary of (a, b, c, ...) is (b, c, ...) - (a, c, ...) + (a, b, ...) - ...
     """
-    from scipy.sparse import csr_array  # as above
-
     count, corners = len(simplices), simplices.shape[1]
     order = np.argsort(simplices, axis=1)
     rows = np.take_along_axis(simplices, order, axis=1)
@@ -367,7 +362,7 @@ def sides_of(simplices: np.ndarray) -> tuple[np.ndarray, csr_array]:
     sides, which = every[first], key
     signs = np.concatenate([(-1) ** k * odd for k in range(corners)])
     owner = np.tile(np.arange(count), corners)
-    return sides, csr_array((signs, (owner, which.ravel())), shape=(count, len(sides)))
+    return sides, scipy.sparse.csr_array((signs, (owner, which.ravel())), shape=(count, len(sides)))
 
 
 def _parity(order: np.ndarray) -> np.ndarray:
@@ -380,8 +375,6 @@ def _parity(order: np.ndarray) -> np.ndarray:
 
 def _grid(kind: type[Complex], sizes: tuple[int, ...], around: list[bool]) -> Complex:
     """The complex of a grid; see Complex.grid."""
-    from scipy.sparse import csr_array  # as above
-
     number = np.arange(int(np.prod(sizes))).reshape(sizes)
     axes = range(len(sizes))
 
@@ -423,7 +416,7 @@ def _grid(kind: type[Complex], sizes: tuple[int, ...], around: list[bool]) -> Co
         made = None
         if rows and shape[0]:
             every = tuple(np.concatenate(x) for x in (signs, rows, columns))
-            made = csr_array((every[0], (every[1], every[2])), shape=shape)
+            made = scipy.sparse.csr_array((every[0], (every[1], every[2])), shape=shape)
         boundaries.append(made)
     offsets = np.concatenate(images)[:, [k for k in axes if around[k]]]
     faces, cells = boundaries

@@ -7,6 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
+import scipy  # loads its parts when they are asked for
 
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import planes
@@ -105,13 +106,11 @@ def plaquette(corner: Point, steps: Sequence[Number], plane: Plane) -> Part:
 
 def spline(points: Sequence[Point] | np.ndarray, centre: Point | None, size: Number) -> Part:
     """Periodic cubic spline through points; see Loop.spline."""
-    from scipy.interpolate import CubicSpline  # 0.44 s, and splines alone need it
-
     place, scale, offsets, _ = _offsets(points, centre, size, "points", "point")
     closed = np.vstack([offsets, offsets[:1]])
     chords = np.linalg.norm(np.diff(closed, axis=0), axis=1)
     knots = np.concatenate([[0.0], np.cumsum(chords)])
-    pieces = CubicSpline(knots, closed, bc_type="periodic").c
+    pieces = scipy.interpolate.CubicSpline(knots, closed, bc_type="periodic").c
     # From powers of the chord length to powers of s in 0..1 on each piece.
     powers = chords[None, :] ** np.arange(3, -1, -1)[:, None]
     scaled = (pieces * powers[:, :, None]).transpose(1, 2, 0)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+import scipy  # loads its parts when they are asked for
 
 from geomtorsion.errors import LimitError, NetworkError
 from geomtorsion.geometry import Frame
@@ -203,8 +204,6 @@ def _of_cells(
     net: Network, cells: Sequence[Sequence[Sequence[Hashable]]]
 ) -> tuple[Complex, list[np.ndarray]]:
     """Given cells, and the corners of their faces, each once."""
-    from scipy.sparse import csr_array  # 0.26 s, and networks alone need it
-
     plain = net.edges.complex
     known: dict[frozenset[Hashable], int] = {}
     faces: list[Face] = []
@@ -222,7 +221,7 @@ def _of_cells(
     corners = [np.array([plain.number(node) for node in face]) for face in faces]
     if not rows:
         return plain, corners
-    table = csr_array((senses, (rows, columns)), shape=(len(cells), len(faces)))
+    table = scipy.sparse.csr_array((senses, (rows, columns)), shape=(len(cells), len(faces)))
     return replace(plain.with_faces(faces), cells=table), corners
 
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy  # loads its parts when they are asked for
 
 from geomtorsion import checks
 from geomtorsion.errors import GridError
@@ -42,15 +43,10 @@ def holes_of(grid: Grid) -> tuple[Hole, ...]:
     """All holes, in the order of their first nodes."""
     if not grid.has_holes:
         return ()
-    # 0.2 s, and grids with holes alone need them.
-    from scipy.ndimage import label
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     # Round periodic axes one more node is laid on each side, so that neighbours are neighbours.
     ends = [(int(wraps), int(wraps)) for wraps in grid.periodic]
     padded = np.pad(grid.holes, ends, mode="wrap")
-    labels, _ = label(padded, np.ones((3,) * grid.dimension))
+    labels, _ = scipy.ndimage.label(padded, np.ones((3,) * grid.dimension))
     nodes = np.argwhere(padded)
     names = labels[tuple(nodes.T)]
     nodes = (nodes - [low for low, _ in ends]) % np.array(grid.shape)
@@ -58,8 +54,10 @@ def holes_of(grid: Grid) -> tuple[Hole, ...]:
     keys = np.ravel_multi_index(tuple(nodes.T), grid.shape)
     unique, where = np.unique(keys, return_inverse=True)
     size = len(unique) + labels.max() + 1
-    links = coo_array((np.ones(len(where)), (where, len(unique) + names)), shape=(size, size))
-    groups = connected_components(links, directed=False)[1][: len(unique)]
+    links = scipy.sparse.coo_array(
+        (np.ones(len(where)), (where, len(unique) + names)), shape=(size, size)
+    )
+    groups = scipy.sparse.csgraph.connected_components(links, directed=False)[1][: len(unique)]
     _, first, which = np.unique(groups, return_index=True, return_inverse=True)
     order = np.argsort(np.argsort(first))
     found = []

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy  # loads its parts when they are asked for
 
 from geomtorsion.errors import FileFormatError, MissingExtraError
 from geomtorsion.loops.fields.contents import (
@@ -51,8 +52,6 @@ def read_netcdf(path: Path) -> Contents:
 
 def _classic(path: Path) -> Contents:
     """A classic file, by scipy."""
-    from scipy.io import netcdf_file  # 0.2 s, and this format alone needs it
-
     with path.open("rb") as stream:
         if stream.read(4) == HDF5:
             raise MissingExtraError(
@@ -61,7 +60,7 @@ def _classic(path: Path) -> Contents:
             )
 
     def load() -> tuple[dict[str, np.ndarray], dict[str, tuple[str, ...]], dict[str, Any]]:
-        with netcdf_file(path, mmap=False) as data:
+        with scipy.io.netcdf_file(path, mmap=False) as data:
             arrays = {name: variable[:].copy() for name, variable in data.variables.items()}
             sizes = {name: variable.dimensions for name, variable in data.variables.items()}
             texts = {
@@ -93,9 +92,7 @@ def _options(path: Path, sigma: np.ndarray | None, texts: Any) -> dict[str, Any]
 
 def write_netcdf(path: Path, contents: Contents) -> None:
     """A classic file, which every library reads."""
-    from scipy.io import netcdf_file  # as above
-
-    with netcdf_file(path, "w") as data:
+    with scipy.io.netcdf_file(path, "w") as data:
         for name, axis in zip(contents.names, contents.axes, strict=True):
             data.createDimension(name, len(axis))
             data.createVariable(name, "d", (name,))[:] = axis

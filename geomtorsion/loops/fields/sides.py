@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+import scipy  # loads its parts when they are asked for
 
 from geomtorsion.loops.fields.circuits import Field
 from geomtorsion.loops.fields.grid import Grid
@@ -153,11 +154,11 @@ class _Rules:
 
 def _windows(places: np.ndarray, lines: int, count: int, edges: int, periodic: bool) -> csr_array:
     """Sums of edges that begin at places of a table (edges, lines), as a sparse matrix."""
-    from scipy.sparse import csr_array  # 0.15 s, and grids alone need it
-
     first, line = np.divmod(places, lines)
     columns = first[:, None] + np.arange(edges)
     columns = (columns % count if periodic else columns) * lines + line[:, None]
     indptr = np.arange(0, columns.size + 1, edges)
     ones = np.ones(columns.size)
-    return csr_array((ones, columns.ravel(), indptr), shape=(len(places), count * lines))
+    return scipy.sparse.csr_array(
+        (ones, columns.ravel(), indptr), shape=(len(places), count * lines)
+    )

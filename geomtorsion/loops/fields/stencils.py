@@ -9,6 +9,7 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
+import scipy  # loads its parts when they are asked for
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -120,8 +121,6 @@ class Rule:
 
     def _sparse(self, weights_of: Callable[[int], np.ndarray], points: int) -> csr_array:
         """The rule as a matrix on columns that are nodes, or edges between them."""
-        from scipy.sparse import csr_array  # 0.15 s, and grids alone need it
-
         lines = self.holes.shape[1]
         tables = {n: weights_of(n) for n in np.unique(self.used).tolist() if n}
         width = max((table.shape[1] for table in tables.values()), default=1)
@@ -136,7 +135,7 @@ class Rule:
         columns = columns * lines + np.arange(lines)[:, None]
         indptr = np.arange(0, weights.size + 1, width)
         shape = (self.used.size, points * lines)
-        return csr_array((weights.ravel(), columns.ravel(), indptr), shape=shape)
+        return scipy.sparse.csr_array((weights.ravel(), columns.ravel(), indptr), shape=shape)
 
     def __call__(self, values: np.ndarray, axis: int) -> np.ndarray:
         """The rule along one axis of an array of shape (rows, grid...)."""
