@@ -3,7 +3,6 @@
 # Tests give what users give, wrong things included, and read what may be missing.
 # pyright: reportPossiblyUnboundVariable=false
 
-import time
 from functools import cache
 
 import numpy as np
@@ -140,15 +139,13 @@ def test_resolution_is_one_spacing_and_grows_with_noise():
     assert gt.LatticeImage(image.values).phases(resolution=5).resolution == 5
 
 
-def test_a_megapixel_takes_less_than_three_seconds():
-    """Spots, phases, coframe and a circuit, in time of this process."""
+def test_a_megapixel():
+    """Spots, phases, coframe and a circuit; what it costs stands in the benchmarks."""
     image = made(512, "square")
     picture = gt.LatticeImage(np.kron(np.ones((2, 2)), image.values))
-    start = time.process_time()
     phases = picture.phases()
     assert np.isfinite(phases.coframe).any()
     phases.burgers(gt.Loop.circle([256, 256], 100))
-    assert time.process_time() - start < 3
     assert phases.waves.shape == (2, 1024, 1024)
 
 

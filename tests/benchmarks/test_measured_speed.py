@@ -1,0 +1,56 @@
+"""Speed of measured fields and lattice images: a million nodes or pixels.
+
+pytest tests/benchmarks/test_measured_speed.py
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from pytest_benchmark.fixture import BenchmarkFixture
+
+import geomtorsion as gt
+from tests.images.atoms import crystal
+
+SIDE = 1000
+
+
+def noisy_field(*, holes: bool) -> gt.SampledFrame:
+    """A perfect crystal in space on a plane of SIDE^2 nodes, with noise and perhaps holes."""
+    rng = np.random.default_rng(0)
+    values = np.eye(3)[:, :, None, None] + rng.normal(0, 0.01, (3, 3, SIDE, SIDE))
+    mask = rng.random((SIDE, SIDE)) < 1e-3 if holes else None
+    line = np.arange(SIDE, dtype=float)
+    return gt.SampledFrame((line, line), values, sigma=0.01, mask=mask)
+
+
+@pytest.mark.parametrize("size", [1, 8, 64])
+@pytest.mark.parametrize("holes", [False, True], ids=["whole", "holes"])
+def test_all_circuits_of_a_size(benchmark: BenchmarkFixture, size: int, holes: bool) -> None:
+    """|b| of every square, with its noise."""
+    field = noisy_field(holes=holes)
+    found = benchmark.pedantic(lambda: field.burgers_map(size), rounds=2)
+    # Noise is all there is.
+    assert np.nanmedian(found.significance) == pytest.approx(np.sqrt(3), rel=0.15)
+
+
+def test_nye_tensor(benchmark: BenchmarkFixture) -> None:
+    """The Nye tensor at every node."""
+
+    def setup() -> tuple[tuple[gt.SampledFrame], dict[str, object]]:
+        # It is worked out once for each field.
+        return (noisy_field(holes=False),), {}
+
+    assert np.isfinite(benchmark.pedantic(lambda field: field.nye, setup=setup, rounds=2)).all()
+
+
+def test_a_lattice_image_of_a_megapixel(benchmark: BenchmarkFixture) -> None:
+    """Spots, phases, coframe and a circuit, from the pixels on."""
+    values = np.kron(np.ones((2, 2)), crystal(512, "square").values)
+
+    def work() -> gt.LatticeBurgers:
+        phases = gt.LatticeImage(values).phases()
+        assert np.isfinite(phases.coframe).any()
+        return phases.burgers(gt.Loop.circle([256, 256], 100))
+
+    assert benchmark.pedantic(work, rounds=2).whole.any()
