@@ -24,7 +24,7 @@ from tests.browser import Watched
 from tests.lab.maps import STEP, TILT, TWIST, bomb, saved, twisted, wall_ctf
 from tests.lab.serving import served
 from tests.lab.session import Session, run
-from tests.orientations.synthetic import real
+from tests.real import real
 
 
 class Trap:
@@ -174,7 +174,7 @@ def test_a_session_gives_good_maps_and_bad_ones(tmp_path: Path):
 @pytest.mark.parametrize("name", ["si_wafer.ctf", "sdss_ferrite_austenite.ang"])
 def test_measured_maps_are_read(name: str):
     """The real files, where they are."""
-    assert isinstance(read_map(real(name).read_bytes(), "given"), OrientationMap)
+    assert isinstance(read_map(real(f"ebsd/{name}").read_bytes(), "given"), OrientationMap)
 
 
 @pytest.mark.parametrize("width", [1280, 400])

@@ -1,12 +1,11 @@
 """Synthetic networks of lines with known answers."""
 
-from pathlib import Path
-
 import numpy as np
 
 from geomtorsion.loops import Box, LineArrays
 
-REAL = Path(__file__).parents[2] / "../shared/data/networks/180chains_16.10e.data"
+# A measured one, beside the project.
+REAL = "networks/180chains_16.10e.data"
 
 
 def rings(count: int, seed: int, size: float = 10.0, sides: int = 12) -> LineArrays:

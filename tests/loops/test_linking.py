@@ -14,6 +14,7 @@ from geomtorsion.loops import Box, LineArrays, Loop, burgers_vector, parallel_di
 from geomtorsion.loops.linking import crossings
 from geomtorsion.loops.paradis import read_paradis
 from tests.loops.synthetic_networks import REAL, rings, straight
+from tests.real import real
 
 PLACES = [(0.3, 0.4), (-2.2, 1.7), (1.6, -2.4)]
 VECTORS = [(0.0, 0.0, 1.0), (0.5, -0.25, 0.0), (1.0, 2.0, -3.0)]
@@ -143,10 +144,9 @@ def test_a_face_of_the_box_is_pierced_as_often_as_lines_wind_round_it():
         assert found.any()
 
 
-@pytest.mark.skipif(not REAL.is_file(), reason="the measured network is not here")
 def test_the_faces_of_the_real_network():
     """The same law for a simulated network of 5,930 lines."""
-    lines = read_paradis(REAL)
+    lines = read_paradis(real(REAL))
     for axis in range(3):
         found, wanted = face(lines, [1.1, 2.2, 3.3], axis)
         assert found == pytest.approx(wanted, abs=1e-6)

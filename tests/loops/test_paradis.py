@@ -11,6 +11,7 @@ import pytest
 from geomtorsion.errors import FileFormatError, NetworkError
 from geomtorsion.loops import Box, DislocationNetwork, LineArrays
 from tests.loops.synthetic_networks import REAL, rings
+from tests.real import real
 
 SMALL = (Path(__file__).parents[1] / "data" / "triangle.data").read_text("utf-8")
 
@@ -89,10 +90,9 @@ def test_what_such_a_file_cannot_hold_is_refused(tmp_path):
     assert not (tmp_path / "a.data").exists()
 
 
-@pytest.mark.skipif(not REAL.is_file(), reason="the measured network is not here")
 def test_the_real_network(tmp_path):
     """5,055 nodes and 5,930 lines; sums at nodes of at most 4e-11; all b in the fcc lattice."""
-    net = DislocationNetwork.read(REAL)
+    net = DislocationNetwork.read(real(REAL))
     assert (len(net.graph), len(net.lines)) == (5055, 5930)
     assert np.abs(net.arrays.excess).max() <= 4.1e-11
     assert net.node_rule() == ()

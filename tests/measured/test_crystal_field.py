@@ -9,7 +9,8 @@ import pytest
 from geomtorsion.errors import OrientationError
 from geomtorsion.loops import Loop
 from geomtorsion.measured import CrystalField, open_measured
-from tests.orientations.synthetic import real, wall
+from tests.orientations.synthetic import wall
+from tests.real import real
 
 
 def test_a_tilt_wall():
@@ -37,7 +38,7 @@ def test_a_plane_is_refused():
 
 def test_silicon_shows_nothing_but_noise():
     """The wafer: at 8 pixels at most 6e-5 per um, and no circuit is significant."""
-    field = open_measured(real("si_wafer.ctf"))
+    field = open_measured(real("ebsd/si_wafer.ctf"))
     survey = field.survey(8)
     assert np.sqrt(np.mean(survey.density**2)) < 6.5e-5
     assert not survey.significant.any()

@@ -1,24 +1,9 @@
-"""Synthetic: orientation maps with known answers, and the real ones where they are."""
-
-from pathlib import Path
+"""Synthetic: orientation maps with known answers."""
 
 import numpy as np
-import pytest
 from scipy.spatial.transform import Rotation
 
 from geomtorsion.orientations import OrientationMap, Phase
-
-REAL = next(
-    (p / "shared/data/ebsd" for p in Path(__file__).parents if (p / "shared/data/ebsd").is_dir()),
-    Path("/work/shared/data/ebsd"),
-)
-
-
-def real(name: str) -> Path:
-    """A measured map; the test is skipped where it is missing."""
-    if not (REAL / name).is_file():
-        pytest.skip(f"{name} is not here")
-    return REAL / name
 
 
 def euler(rotations: Rotation, shape: tuple[int, int]) -> np.ndarray:

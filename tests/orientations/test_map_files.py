@@ -6,7 +6,8 @@ import pytest
 from geomtorsion.errors import FileFormatError
 from geomtorsion.orientations import OrientationMap
 from geomtorsion.orientations.map_files import read_map_file
-from tests.orientations.synthetic import bent, real
+from tests.orientations.synthetic import bent
+from tests.real import real
 
 ANGLES = bent((4, 5), 0.5)
 
@@ -154,11 +155,11 @@ def test_a_user_may_say_the_symmetry(tmp_path):
 
 def test_real_files():
     """Their sizes, phases and steps, as their headers say."""
-    silicon = read_map_file(real("si_wafer.ctf"))
+    silicon = read_map_file(real("ebsd/si_wafer.ctf"))
     assert silicon.phase.shape == (35, 48)
     assert silicon.steps == (2.0, 2.0)
     assert (silicon.phase == 2).all()
-    steel = read_map_file(real("sdss_ferrite_austenite.ang"))
+    steel = read_map_file(real("ebsd/sdss_ferrite_austenite.ang"))
     assert steel.phase.shape == (100, 117)
     assert [phase.name[:7] for phase in steel.phases.values()] == ["austeni", "ferrite"]
     assert np.bincount(steel.phase.ravel()).tolist() == [0, 5657, 6043]

@@ -14,8 +14,9 @@ from geomtorsion.orientations import (
     Phase,
     laue_group,
 )
-from tests.orientations.synthetic import NICKEL, bent, bunge, euler, noisy_wall, real, wall
+from tests.orientations.synthetic import NICKEL, bent, bunge, euler, noisy_wall, wall
 from tests.orientations.test_map_files import ctf, write
+from tests.real import real
 
 
 @pytest.mark.parametrize("degrees", [1, 5, 15])
@@ -264,7 +265,7 @@ def test_axes_of_the_angles(tmp_path):
 
 def test_silicon():
     """A wafer without dislocations: noise falls with the size; sigma is its scatter."""
-    wafer = OrientationMap.read(real("si_wafer.ctf"))
+    wafer = OrientationMap.read(real("ebsd/si_wafer.ctf"))
     assert wafer.grains.count == 1
     published = {2: 3.4e-4, 4: 1.3e-4, 8: 5.5e-5, 16: 2.1e-5, 30: 1.7e-5}
     for size, expected in published.items():
@@ -280,7 +281,7 @@ def test_silicon():
 
 def test_steel():
     """144 grains at 3 degrees; the clean circuits of each large one agree with single ones."""
-    steel = OrientationMap.read(real("sdss_ferrite_austenite.ang"), threshold=3)
+    steel = OrientationMap.read(real("ebsd/sdss_ferrite_austenite.ang"), threshold=3)
     assert steel.grains.count == 144
     found = steel.burgers_map(5)
     corners = steel.grain[:-5, :-5]

@@ -9,8 +9,9 @@ import pytest
 
 from tests.cli import running
 from tests.measured.test_opening import grid
-from tests.orientations.synthetic import noisy_wall, real
+from tests.orientations.synthetic import noisy_wall
 from tests.orientations.test_map_files import ctf, write
+from tests.real import real
 
 
 def run(*arguments: str, code: int = 0) -> Any:
@@ -103,7 +104,9 @@ def test_damaged_files_name_their_line(tmp_path):
 
 def test_the_steel(tmp_path):
     """144 grains at 3 degrees, and circuits within them."""
-    said = run(str(real("sdss_ferrite_austenite.ang")), "--size", "4", "--threshold", "3").stdout
+    said = run(
+        str(real("ebsd/sdss_ferrite_austenite.ang")), "--size", "4", "--threshold", "3"
+    ).stdout
     assert "144 grains at 3 degrees" in said
     assert "3,286 circuits of 4 x 4 cells" in said
 
