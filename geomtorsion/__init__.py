@@ -1,5 +1,6 @@
 """Give it any tetrad; get its geometry, its motions and its defects: exactly and fast."""
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion import conventions, errors, spaces
@@ -283,8 +284,6 @@ if not TYPE_CHECKING:
 
     def __getattr__(name: str) -> Any:
         """A name of a later floor, imported on first use."""
-        from importlib import import_module
-
         if name == "__version__":
             return _version()
         if name in _PACKAGES:
@@ -299,6 +298,7 @@ if not TYPE_CHECKING:
 
 def _version() -> str:
     """The version, which stands in pyproject.toml alone."""
+    # Loading this takes as long as a short solution, and few ask.
     from importlib.metadata import PackageNotFoundError, version
 
     try:

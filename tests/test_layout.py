@@ -33,7 +33,7 @@ ROOT = TESTS.parent
 # Lowest floor first; packages on one floor do not know each other.
 FLOORS = (
     ("errors",),
-    ("checks", "copies", "precision"),
+    ("checks", "copies", "precision", "progress"),
     ("conventions", "files"),
     ("npz",),
     ("exact",),
@@ -61,7 +61,7 @@ LONGEST = 500
 # What is to come down: each is lowered as soon as less has been reached.
 CEILINGS = {
     "files in rings": 55,
-    "inner imports without a reason": 17,
+    "inner imports without a reason": 0,
     "percent of Any": 3.6,
     "tuned constants": 200,
     "tests of no module": 34,

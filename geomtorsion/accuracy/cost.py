@@ -111,6 +111,7 @@ class CostTable:
         MissingExtraError
             matplotlib is not installed.
         """
+        # Whoever reads tables alone needs no matplotlib.
         from geomtorsion.pictures.costs import work_precision_picture
 
         return work_precision_picture(self)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import mpmath
 import numpy as np
+import scipy  # loads its parts when they are asked for
 import sympy as sp
 
 from geomtorsion import checks
@@ -219,8 +220,6 @@ def _quad(
     frame: Frame, loop: Loop, parameters: Mapping[Any, Any] | None, asked: float
 ) -> tuple[Any, int, float]:
     """scipy.integrate.quad on every component of every side."""
-    from scipy.integrate import quad
-
     compiled = forms(frame, parameters)
     total, error, spent = np.zeros(frame.dimension), 0.0, 0
     with warnings.catch_warnings():
@@ -229,7 +228,7 @@ def _quad(
         for part in loop.parts:
             for side in part.arcs:
                 for i in range(frame.dimension):
-                    value, bound, info = quad(
+                    value, bound, info = scipy.integrate.quad(
                         lambda s, part=part, side=side, i=i: line_at(
                             compiled, part, *side.shape(np.array([s]))
                         )[i, 0],

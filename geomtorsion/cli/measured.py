@@ -12,7 +12,7 @@ import typer
 
 from geomtorsion.checks import cut, shown
 from geomtorsion.cli.exits import ExitCode
-from geomtorsion.cli.terminal import bar, working, wrapped
+from geomtorsion.cli.terminal import working, wrapped
 from geomtorsion.errors import GeomtorsionError, GridError, OrientationError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop
@@ -20,6 +20,7 @@ from geomtorsion.measured import Closure, Measured, Survey, open_measured
 from geomtorsion.measured.writing import summary, write_arrays, write_table
 from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from geomtorsion.pictures.style import can_draw, save
+from geomtorsion.progress import bar
 
 OPTIONS = ("sigma", "threshold", "order", "laue")
 

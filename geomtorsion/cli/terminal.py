@@ -1,4 +1,4 @@
-"""terminal: what it can show, lines that fit, and progress where somebody watches."""
+"""terminal: what it can show, lines that fit, and the step that is being computed."""
 
 from __future__ import annotations
 
@@ -6,11 +6,8 @@ import sys
 import textwrap
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Protocol
 
 WIDTH = 88
-# Below this part of a run its beginning (reading, compiling) still decides the time left.
-EARLIEST = 0.02
 
 
 def shows_greek() -> bool:
@@ -45,54 +42,3 @@ def working(what: str) -> Iterator[Callable[[str], object]]:
 
     with Console(stderr=True).status(f"{what}: reading (Ctrl-C stops)") as status:
         yield lambda step: status.update(f"{what}: {step} (Ctrl-C stops)")
-
-
-class Show(Protocol):
-    """Takes the part that is done, from 0 to 1, and perhaps what is being done."""
-
-    def __call__(self, done: float, what: str = "") -> None:
-        """Show it."""
-        ...
-
-
-@contextmanager
-def bar(what: str) -> Iterator[Show | None]:
-    """Show a progress bar; the result, called with the part done, is None if nobody watches."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    # As above: only where somebody watches.
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn
-
-    columns = (
-        "{task.description} (Ctrl-C stops)",
-        "{task.percentage:3.0f} %",
-        "{task.fields[left]}",
-    )
-    first, *others = map(TextColumn, columns)
-    with Progress(
-        first, BarColumn(), *others, console=Console(stderr=True), transient=True
-    ) as shown:
-        number = shown.add_task(what, total=1.0, left="")
-        (task,) = shown.tasks
-
-        def show(done: float, what: str = what) -> None:
-            left = time_left(done, task.elapsed or 0.0)
-            shown.update(number, completed=done, description=what, left=left)
-
-        yield show
-
-
-def time_left(done: float, elapsed: float) -> str:
-    """The time that the rest takes if it goes on as it went on average, or nothing at first.
-
-    Examples
-    --------
-    >>> time_left(0.25, 30.0), time_left(0.5, 3600.0), time_left(0.0, 5.0)
-    ('90 s left', '60 min left', '')
-    """
-    if done < EARLIEST:
-        return ""
-    seconds = elapsed * (1 - done) / done
-    return f"{seconds:.0f} s left" if seconds < 600 else f"{seconds / 60:.0f} min left"

@@ -83,6 +83,7 @@ def application(address: Address, sessions: int = PAGE.sessions) -> Any:
         marimo is not installed.
     """
     try:
+        # An extra, and 0.5 s.
         import marimo
     except ImportError:
         raise MissingExtraError(
@@ -125,6 +126,7 @@ def serve(
     """
     address = address.guarded()
     app = application(address, sessions)
+    # It comes with marimo, whose absence has been told by now.
     import uvicorn
 
     taken = _socket(address)

@@ -19,8 +19,8 @@ from geomtorsion.loops.forms import Forms, forms
 from geomtorsion.loops.integrals import Places, agreement, by_levels
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.poles import NEAR_POLE
-from geomtorsion.loops.progress import counted
 from geomtorsion.loops.quadrature import PIECE
+from geomtorsion.progress import PATIENCE, bar
 
 # Loops that are treated together: so many that the points of each need a few pieces.
 TOGETHER = PIECE // 32
@@ -332,13 +332,14 @@ def _map(
     )
     done = points = 0
     try:
-        with counted(f"{count} loops", count) as advance:
+        with bar(f"{count} loops", count, patience=PATIENCE) as show:
             for first in range(0, count, TOGETHER):
                 chosen = slice(first, first + TOGETHER)
                 block, more = family.measured(places[:, chosen], sizes[:, chosen])
                 found.fill(chosen, block)
                 done, points = min(count, first + TOGETHER), points + more
-                advance(block.errors.size)
+                if show is not None:
+                    show(done)
     except KeyboardInterrupt:
         # What is finished is worth more than the interruption; `complete` says that it came.
         pass

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
@@ -19,15 +18,13 @@ from geomtorsion.ode.scaling import member_units, scaled_system
 from geomtorsion.ode.system import System
 
 # Called with the number of members that are done.
-Show: TypeAlias = Callable[[int], None] | None
+Show: TypeAlias = Callable[[float], None] | None
 # Systems of at most so many states take two registers at a time.
 FEW = 4
 # After so many steps one looks which members still get anywhere.
 MOST_STEPS = 20_000
 # States in one stacked Runge-Kutta system: larger ones leave the cache and set BLAS threads off.
 STACKED = 6144
-# Seconds between two reports of progress.
-OFTEN = 0.2
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,7 +157,7 @@ def _by_heyoka(
     ends, clocks = calls.times[-1], np.zeros((count, width))
     several = len(calls.times) > 2
     found = np.full((count, len(calls.times) if several else 1, size, width), np.nan)
-    last, done = time.perf_counter(), 0
+    done = 0
     # Beyond a guard steps may become as small as they like; without one, motions just go on.
     most = MOST_STEPS if crossed is not None else 0
     # Members whose guard has fallen in this call, for each output; heyoka keeps copies of its own.
@@ -186,8 +183,7 @@ def _by_heyoka(
                     crossed[index[k * width + np.array(sorted(members))]] = True
                     members.clear()
             done = k + 1
-            if show is not None and time.perf_counter() - last > OFTEN:
-                last = time.perf_counter()
+            if show is not None:
                 show(min(done * width, len(result)))
     finally:
         # Also after Ctrl-C: what is done is kept.

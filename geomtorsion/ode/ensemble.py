@@ -30,8 +30,8 @@ from geomtorsion.ode.error_estimate import (
     rounding,
 )
 from geomtorsion.ode.members import Members, Rows, run_members
-from geomtorsion.ode.progress import Bar
 from geomtorsion.ode.trajectory import Trajectory, integrate
+from geomtorsion.progress import PATIENCE, bar
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,12 +206,10 @@ def solve_many(
     members = problem.members(starts, velocities, frame_velocities)
     number = len(members)
     some = np.unique(np.linspace(0, number - 1, min(check or number, number)).astype(int))
-    show = Bar(number, progress)
     job = _Job(problem, members, grid, solver, accuracy)
-    try:
+    patience = 0.0 if progress else PATIENCE
+    with bar(f"{number} members", number, wanted=progress, patience=patience) as show:
         errors, rows, tolerance = job.run(some, show)
-    finally:
-        show.close()
     return Ensemble(
         problem,
         times,

@@ -16,7 +16,6 @@ from geomtorsion.ode.checkpoint import PARTS, Checkpoint, fingerprint
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.error_estimate import Verified, verified
-from geomtorsion.ode.progress import Report
 from geomtorsion.ode.solution import DOUBLE, Cost, Problem, Solution
 from geomtorsion.ode.trajectory import Stage, Trajectory, integrate
 
@@ -214,3 +213,29 @@ def _remedy(engine: Engine | None) -> str:
     if engine is None and not is_available():
         return "Install heyoka (geomtorsion[fast]) for more digits, or ask for fewer."
     return "Ask for less, for a shorter time, or use Taylor(precision=113) or more."
+
+
+class Report:
+    """How much of a solution is done, told from the times that its runs have reached.
+
+    Two runs are needed at least; each takes half of what is left.
+    """
+
+    def __init__(self, progress: Callable[[float], object], end: float) -> None:
+        self.progress = progress
+        self.end = end
+        self.left = 2.0
+        self.told = 0.0
+
+    def next_run(self) -> Callable[[float], None]:
+        """What is to be called with the times that the next run reaches."""
+        self.left = left = self.left / 2
+
+        def watch(time: float) -> None:
+            part = 1 - left + 0.5 * left * min(time / self.end, 1.0)
+            # Engines call this at every step; a bar shows no less than a thousandth.
+            if part - self.told >= 0.001:
+                self.told = part
+                self.progress(part)
+
+        return watch

@@ -147,6 +147,7 @@ def _draw_backdrop(
     """Grains in pale colours, or sizes in greys with a bar."""
     axes.set_facecolor("#8b8f96")
     if backdrop.labels:
+        # An extra: without matplotlib this module can still be imported.
         from matplotlib.colors import ListedColormap
 
         shades = np.mod(backdrop.values, len(GRAINS))
@@ -161,6 +162,7 @@ def _draw_backdrop(
 
 def _draw_boundaries(axes: Axes, labels: np.ndarray, corners: tuple[np.ndarray, ...]) -> None:
     """Thin lines between pixels of different grains."""
+    # Whoever has axes has matplotlib.
     from matplotlib.collections import LineCollection
 
     x, y = corners
@@ -180,6 +182,7 @@ def _shades(survey: Survey, density: np.ndarray) -> dict[str, Any]:
         return {}
     floor, largest = float(np.median(survey.floor[known])), float(np.nanmax(density, initial=0.0))
     if floor > 0 and largest > STYLE.wide * floor:
+        # An extra, as above.
         from matplotlib.colors import LogNorm
 
         return {"norm": LogNorm(floor, largest)}

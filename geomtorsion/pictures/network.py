@@ -160,7 +160,7 @@ def _places(
     plane: tuple[int, int],
 ) -> dict[Hashable, tuple[float, float]]:
     """Where the nodes are drawn."""
-    import networkx as nx
+    import networkx as nx  # 0.15 s, and networks without places alone need it
 
     # A layout is made up only where no node has a place: half of each would mislead.
     given = positions or dict(net.graph.nodes(data="position"))

@@ -106,6 +106,7 @@ def widest_gap(space: Space) -> BurgersVector:
 
 def _img(figure: Figure, says: str) -> str:
     """A picture inside the page."""
+    # Whoever has a figure has matplotlib.
     import matplotlib as mpl
 
     data = BytesIO()

@@ -111,6 +111,7 @@ def write_film(
     figure = new_figure(4.6, 4.8)
     # The frames are drawn one by one: a layout engine would make them jitter.
     figure.set_layout_engine("none")
+    # Whoever has a figure has matplotlib.
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     FigureCanvasAgg(figure)
@@ -159,6 +160,7 @@ def _writer(path: Path) -> FFMpegWriter | PillowWriter:
     if kind not in FORMS:
         raise FileFormatError(f"{path.name}: a film is a .gif or an .mp4. Name it like that.")
     try:
+        # An extra: its absence is an error that names it.
         from matplotlib.animation import FFMpegWriter, PillowWriter
     except ImportError:
         raise MissingExtraError(
@@ -179,6 +181,7 @@ class _Stage:
     def __init__(
         self, axes: Axes3D, turn: np.ndarray, positions: ArrayLike | None, sides: np.ndarray
     ) -> None:
+        # Whoever has axes has matplotlib.
         from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
         self.turn = turn

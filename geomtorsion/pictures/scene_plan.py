@@ -79,6 +79,7 @@ def plan_picture(
 
 
 def _box(axes: Axes, place: tuple[float, float], text: str, fill: str, reason: str | None) -> None:
+    # Whoever has axes has matplotlib.
     from matplotlib.patches import FancyBboxPatch
 
     x, y = place

@@ -134,6 +134,7 @@ def can_draw() -> bool:
 
 def save(figure: Figure, path: Path, dpi: int = STYLE.resolution) -> None:
     """Write a figure in the format of its suffix, the same bytes each time."""
+    # An extra: without matplotlib this module can still be imported.
     import matplotlib as mpl
 
     blank = {"png": {"Software": None}, "svg": {"Date": None, "Creator": None}}
@@ -206,6 +207,7 @@ def arrow(axes: Axes, start: Point, end: Point, color: str, width: float = 1.5) 
 
 def space_box(axes: Axes3D, labels: Sequence[str], low: np.ndarray, high: np.ndarray) -> None:
     """Axes in space with few numbers, level names and no walls, round what is drawn."""
+    # Whoever has axes has matplotlib.
     from matplotlib.ticker import MaxNLocator
 
     names = (axes.set_xlabel, axes.set_ylabel, axes.set_zlabel)

@@ -111,17 +111,14 @@ def test_an_interruption_keeps_what_is_done(so3: Frame, monkeypatch: pytest.Monk
     """Ctrl-C in the middle: the finished part comes back, the rest is NaN."""
 
     @contextmanager
-    def interrupted(what: str, total: int) -> Iterator[Callable[[int], object]]:
-        calls: list[int] = []
-
-        def advance(done: int) -> None:
-            calls.append(done)
-            if len(calls) == 2:
+    def interrupted(what: str, total: int, *, patience: float) -> Iterator[Callable[[int], object]]:
+        def show(done: int) -> None:
+            if done == 20:
                 raise KeyboardInterrupt
 
-        yield advance
+        yield show
 
-    monkeypatch.setattr(maps, "counted", interrupted)
+    monkeypatch.setattr(maps, "bar", interrupted)
     monkeypatch.setattr(maps, "TOGETHER", 10)
     centres, radii = random_circles(45)
     found = burgers_vectors(so3, centres, radii)

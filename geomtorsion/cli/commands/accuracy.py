@@ -27,12 +27,13 @@ from geomtorsion.cli.options import (
 )
 from geomtorsion.cli.problems import engine_of, start_lines, start_options
 from geomtorsion.cli.scene_sources import is_scene, open_scene, space_or_hint
-from geomtorsion.cli.terminal import bar, working
+from geomtorsion.cli.terminal import working
 from geomtorsion.cli.values import numbers
 from geomtorsion.errors import StartError
 from geomtorsion.ode import Engine
 from geomtorsion.pictures.pair_solving import pair_problems
 from geomtorsion.pictures.style import can_draw, save
+from geomtorsion.progress import bar
 from geomtorsion.scenes.accuracy_table import scene_accuracy
 
 

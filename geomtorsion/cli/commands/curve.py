@@ -26,11 +26,12 @@ from geomtorsion.cli.options import (
 from geomtorsion.cli.problems import engine_of, start_lines, start_options
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.tables import right_aligned, some_rows
-from geomtorsion.cli.terminal import bar, working
+from geomtorsion.cli.terminal import working
 from geomtorsion.pictures.curve_files import write_curves
 from geomtorsion.pictures.pair import Pair
 from geomtorsion.pictures.pair_solving import solve_pair
 from geomtorsion.pictures.style import can_draw
+from geomtorsion.progress import bar
 
 # Characters of a number, and the most coordinates that both curves show in one row.
 WIDTH, SIDE_BY_SIDE = 11, 4

@@ -25,10 +25,11 @@ from geomtorsion.cli.options import (
 from geomtorsion.cli.problems import engine_of
 from geomtorsion.cli.scene_sources import open_scene, start_angles
 from geomtorsion.cli.tables import right_aligned, some_rows
-from geomtorsion.cli.terminal import bar, working
+from geomtorsion.cli.terminal import working
 from geomtorsion.errors import CheckpointError, StuckError
 from geomtorsion.ode import Engine
 from geomtorsion.pictures.style import can_draw
+from geomtorsion.progress import bar
 from geomtorsion.scenes import Scene, SceneResult
 from geomtorsion.scenes.checkpoint import partial_result
 from geomtorsion.scenes.saving import write_run, write_scene_film

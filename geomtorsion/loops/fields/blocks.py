@@ -27,7 +27,7 @@ from geomtorsion.loops.fields.cells import circuits, torsion
 from geomtorsion.loops.fields.circuits import Field
 from geomtorsion.loops.fields.grid import Grid, check_order, periodic_axes
 from geomtorsion.loops.fields.sources import Source
-from geomtorsion.loops.progress import counted
+from geomtorsion.progress import PATIENCE, bar
 
 LEDGER = "ledger.json"
 
@@ -247,9 +247,10 @@ def blocked_map(
     checks.count(workers, "workers", GridError, 1)
     _open_ledger(made)
     left = [number for number in made.numbers if not made.file(number).is_file()]
-    with counted(f"{len(left)} blocks", len(left)) as advance:
-        for _ in _run(made, left, workers, client):
-            advance(1)
+    with bar(f"{len(left)} blocks", len(left), patience=PATIENCE) as show:
+        for done, _ in enumerate(_run(made, left, workers, client), 1):
+            if show is not None:
+                show(done)
     return made
 
 

@@ -10,9 +10,9 @@ import typer
 from geomtorsion.checks import cut
 from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.options import argument, option
-from geomtorsion.cli.terminal import bar
 from geomtorsion.cli.values import parts
 from geomtorsion.exercises import grading
+from geomtorsion.progress import bar
 
 
 def grade(

@@ -4,7 +4,7 @@ import pytest
 
 from geomtorsion.curves import geodesic
 from geomtorsion.ode import ODE, Stiff, solve
-from geomtorsion.ode.progress import Report
+from geomtorsion.ode.solve import Report
 from geomtorsion.spaces import load
 from tests.ode.engines import ENGINES
 

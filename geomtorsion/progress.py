@@ -1,0 +1,97 @@
+"""Progress: a bar on standard error, where somebody watches."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
+
+# Below this part of a run its beginning (reading, compiling) still decides the time left.
+EARLIEST = 0.02
+# Functions of the library show progress of work that takes longer than this, in seconds.
+PATIENCE = 2.0
+
+
+class Show(Protocol):
+    """Takes what is done, from 0 to the total, and perhaps what is being done."""
+
+    def __call__(self, done: float, what: str = "") -> None:
+        """Show it."""
+        ...
+
+
+@contextmanager
+def bar(
+    what: str, total: float = 1.0, *, wanted: bool | None = None, patience: float = 0.0
+) -> Iterator[Show | None]:
+    """Show a progress bar; the result is None if nobody watches.
+
+    total: of what the result is called with.
+    wanted: None shows it on a terminal; True shows it anywhere, and leaves it there.
+    patience: seconds after which it appears.
+    """
+    if not (sys.stderr.isatty() if wanted is None else wanted):
+        yield None
+        return
+    began = time.perf_counter()
+    shown = None if patience else _opened(what, total, kept=bool(wanted))
+    last = 0.0
+
+    def show(done: float, what: str = what) -> None:
+        nonlocal shown, last
+        # Some call this at every step; a bar shows no less than a thousandth.
+        if done < total and done - last < 0.001 * total:
+            return
+        last = done
+        if shown is None:
+            if time.perf_counter() - began < patience:
+                return
+            shown = _opened(what, total, kept=bool(wanted))
+        (task,) = shown.tasks
+        elapsed = time.perf_counter() - began
+        left = time_left(done / total, elapsed)
+        shown.update(task.id, completed=done, description=what, left=left)
+
+    try:
+        yield show
+    finally:
+        if shown is not None:
+            shown.stop()
+
+
+def _opened(what: str, total: float, *, kept: bool) -> Progress:
+    """A bar that is drawn from now on; kept: it stays when the work is done."""
+    # rich takes a tenth of a second to load, and is used only where somebody watches.
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn
+
+    shown = Progress(
+        TextColumn("{task.description} (Ctrl-C stops)"),
+        BarColumn(),
+        TextColumn("{task.percentage:3.0f} %"),
+        TextColumn("{task.fields[left]}"),
+        console=Console(stderr=True),
+        transient=not kept,
+    )
+    shown.add_task(what, total=total, left="")
+    shown.start()
+    return shown
+
+
+def time_left(done: float, elapsed: float) -> str:
+    """The time that the rest takes if it goes on as it went on average, or nothing at first.
+
+    Examples
+    --------
+    >>> time_left(0.25, 30.0), time_left(0.5, 3600.0), time_left(0.0, 5.0)
+    ('90 s left', '60 min left', '')
+    """
+    if done < EARLIEST:
+        return ""
+    seconds = elapsed * (1 - done) / done
+    return f"{seconds:.0f} s left" if seconds < 600 else f"{seconds / 60:.0f} min left"
