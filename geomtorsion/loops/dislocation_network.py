@@ -19,47 +19,18 @@ from geomtorsion.loops.circuit import CircuitBurgers, circuit_burgers
 from geomtorsion.loops.complexes import Complex
 from geomtorsion.loops.line_arrays import LineArrays
 from geomtorsion.loops.line_families import Lattice, LineFamily, line_families
+from geomtorsion.loops.line_files import lines_text, read_lines
+from geomtorsion.loops.line_table import line_table, node_table
 from geomtorsion.loops.loop import Loop
+from geomtorsion.loops.node_violation import CONSTRAINTS, NodeViolation
 from geomtorsion.loops.opendis import arrays_of_opendis, opendis_of_arrays
-from geomtorsion.loops.paradis import a_path, paradis_text, read_paradis
-from geomtorsion.loops.reactions import (
-    Reaction,
-    Vector,
-    exact_vector,
-    size,
-    total,
-    vanishes,
-    written,
-)
+from geomtorsion.loops.polylines import Polyline, polylines
+from geomtorsion.loops.reactions import Reaction, Vector, exact_vector, size, total, vanishes
 
 if TYPE_CHECKING:
     import networkx as nx
 
 Line = tuple[Hashable, Hashable, Hashable]
-# Numbers that ParaDiS and OpenDiS give nodes.
-CONSTRAINTS = {1: "surface", 5: "surface", 6: "surface", 7: "pinned", 8: "surface"}
-
-
-@dataclass(frozen=True)
-class NodeViolation:
-    """A node at which b is not conserved.
-
-    node: which; excess: sum of b of the lines that leave minus those that arrive, shape (n,).
-    constraint: the number that a simulation gives the node; 7: it is pinned.
-    """
-
-    node: Hashable
-    excess: Vector
-    constraint: int = 0
-
-    @property
-    def missing(self) -> Vector:
-        """The b of a line that would have to leave the node for b to be conserved, shape (n,)."""
-        return tuple(-x if x else x for x in self.excess)
-
-    def __str__(self) -> str:
-        pinned = " (it is pinned)" if CONSTRAINTS.get(self.constraint) == "pinned" else ""
-        return f"node {self.node!r}{pinned}: b out minus b in = {written(self.excess)}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,8 +121,13 @@ class DislocationNetwork:
         return cls(graph)
 
     @classmethod
-    def of_arrays(cls, lines: LineArrays, tolerance: float = 1e-9) -> DislocationNetwork:
-        """From lines as arrays; nodes at a surface may end lines.
+    def of_arrays(
+        cls,
+        lines: LineArrays,
+        tolerance: float = 1e-9,
+        burgers: Sequence[Sequence[Number]] | None = None,
+    ) -> DislocationNetwork:
+        """From lines as arrays; nodes at a surface may end lines. burgers: b exactly, if known.
 
         Examples
         --------
@@ -177,7 +153,8 @@ class DislocationNetwork:
             )
             for label, x, c in zip(labels, places, numbers, strict=True)
         )
-        columns = [map(tuple, lines.burgers.tolist()), map(tuple, lines.image_list)]
+        vectors = lines.burgers.tolist() if burgers is None else burgers
+        columns = [map(tuple, vectors), map(tuple, lines.image_list)]
         names = ["burgers", "image"]
         if lines.planes is not None:
             columns.append(map(tuple, lines.planes.tolist()))
@@ -190,31 +167,34 @@ class DislocationNetwork:
 
     @classmethod
     def read(cls, path: str | PathLike[str], periodic: bool = True) -> DislocationNetwork:
-        """Read a ParaDiS or ExaDiS .data file; nothing in it is ever run as code.
+        """Read a ParaDiS or ExaDiS .data, OVITO .ca or .json file; nothing in it is run as code.
 
         Parameters
         ----------
         periodic
-            Whether the box repeats along its edges, which such a file does not say.
+            Whether the box repeats along its edges, which a .data file does not say.
 
         Raises
         ------
         FileFormatError
             The file is missing, truncated or malformed; the message names the line.
         """
-        return cls.of_arrays(read_paradis(path, periodic))
+        lines, burgers = read_lines(path, periodic)
+        return cls.of_arrays(lines, burgers=burgers)
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write a ParaDiS .data file that reads as the same network, digit by digit.
+        """Write a file by the end of its name: .vtk, OVITO .ca, .json, and else ParaDiS .data.
+
+        All but .vtk, which has no box, read as the same network, digit by digit.
 
         Raises
         ------
         NetworkError
-            Nodes have no positions, there is no box along the coordinates, b has not three
-            components, or a line is longer than half a period.
+            Nodes have no positions, there is no box that the format needs, b has not three
+            components, or a line is too long for .data, which keeps no images.
         """
-        target = Path(a_path(path))
-        target.write_text(paradis_text(self.arrays), "ascii")
+        text = lines_text(path, self.arrays, self.polylines, [b for *_, b in self.lines])
+        Path(path).write_text(text, "utf-8")
 
     @classmethod
     def of_opendis(cls, data: Mapping[str, Any]) -> DislocationNetwork:
@@ -259,7 +239,7 @@ class DislocationNetwork:
             raise NetworkError(f"line {a!r} -> {b!r} has no image. Give all lines one, or none.")
         planes = [data.get("plane") for *_, data in edges]
         columns: dict[str, Any] = {
-            "positions": [data["position"] for _, data in nodes],
+            "positions": [data["position"] for _, data in nodes] or np.zeros((0, 3)),
             "pairs": pairs.reshape(-1, 2),
             "burgers": [[float(x) for x in b["burgers"]] for *_, b in edges] or np.zeros((0, 3)),
             "images": images,
@@ -274,6 +254,30 @@ class DislocationNetwork:
         return tuple(
             (u, v, k, d["burgers"]) for u, v, k, d in self.graph.edges(keys=True, data=True)
         )
+
+    @cached_property
+    def polylines(self) -> tuple[Polyline, ...]:
+        """Lines from junction to junction, or closed, or through the box; see `Polyline`.
+
+        Raises
+        ------
+        NetworkError
+            Nodes have no positions.
+        """
+        surface = [bool(data.get("surface")) for _, data in self.graph.nodes(data=True)]
+        vectors = [b for *_, b in self.lines]
+        return polylines(self.arrays, vectors, surface, self.tolerance)
+
+    def to_networkx(self) -> nx.MultiDiGraph:
+        """A copy of the graph that may be changed."""
+        import networkx as nx  # as above
+
+        return nx.MultiDiGraph(self.graph)
+
+    def __str__(self) -> str:
+        if any(data.get("position") is None for _, data in self.graph.nodes(data=True)):
+            return node_table(self.lines, len(self.junctions))
+        return line_table(self.arrays, self.polylines, len(self.junctions))
 
     @property
     def junctions(self) -> tuple[Hashable, ...]:
@@ -422,7 +426,7 @@ class DislocationNetwork:
         """The same network with one line described the other way: sense and b both turned round."""
         b = self._burgers(line)
         start, end, key = line
-        graph = self._open()
+        graph = self.to_networkx()
         data = dict(graph.edges[start, end, key])
         graph.remove_edge(start, end, key)
         data["burgers"] = tuple(-x for x in b)
@@ -441,7 +445,7 @@ class DislocationNetwork:
         """
         reaction = Reaction([self._burgers(line)], parts, self.tolerance)
         start, end, key = line
-        graph = self._open()
+        graph = self.to_networkx()
         data = dict(graph.edges[start, end, key])
         graph.remove_edge(start, end, key)
         for b in reaction.after:
@@ -467,7 +471,7 @@ class DislocationNetwork:
         if junction in self.graph:
             raise NetworkError(f"node {junction!r} exists already; name a new junction.")
         joint = total([one, two])
-        graph = self._open()
+        graph = self.to_networkx()
         for start, end, key in (first, second):
             data = dict(graph.edges[start, end, key])
             graph.remove_edge(start, end, key)
@@ -482,12 +486,6 @@ class DislocationNetwork:
             return self.graph.has_edge(*line)
         except TypeError:
             return False
-
-    def _open(self) -> nx.MultiDiGraph:
-        """A copy of the graph that may be changed."""
-        import networkx as nx  # as above
-
-        return nx.MultiDiGraph(self.graph)
 
     def _burgers(self, line: Line) -> Vector:
         """The Burgers vector of a line that exists."""

@@ -1,0 +1,96 @@
+"""Crystal Analysis files: what OVITO wrote is read; damage is named by its line."""
+
+# Networks take any names of nodes; checkers know no mapping with just some of them.
+# pyright: reportArgumentType=false
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import FileFormatError, NetworkError
+from geomtorsion.loops import Box, DislocationNetwork, LineArrays
+from geomtorsion.loops.crystal_analysis import crystal_analysis_text
+
+# Two Shockley partials of a relaxed edge dislocation in copper, as OVITO 3.17.2 wrote them.
+FILE = Path(__file__).parents[1] / "data" / "partials.ca"
+
+
+def test_a_file_of_ovito():
+    """Its own lengths and Burgers vectors in space; the sum is that of the perfect dislocation."""
+    net = DislocationNetwork.read(FILE)
+    one, two = net.polylines
+    assert [one.ends, two.ends] == ["periodic", "periodic"]
+    # From OVITO's lines: length, spatial_burgers_vector.
+    assert (one.length, two.length) == pytest.approx((13.300066173820596, 13.304972137132118))
+    assert np.array(one.burgers) == pytest.approx((-1.27834940, 0, -0.737910748), abs=3e-6)
+    assert np.array(two.burgers) == pytest.approx((-1.27834892, 0, 0.737911105), abs=3e-6)
+    assert np.add(one.burgers, two.burgers) == pytest.approx([-3.615 / 2**0.5, 0, 0], abs=2e-3)
+    assert net.box is not None
+    assert np.asarray(net.box.periodic).tolist() == [False, False, True]
+
+
+def test_units_of_the_lattice_and_families(tmp_path: Path):
+    """b in units of the lattice stands in the file, with the matrix that leads back to space."""
+    matrix = 3.615 * np.linalg.qr(np.arange(9.0).reshape(3, 3) ** 2 + np.eye(3))[0]
+    box = Box.of_bounds([0, 0, 0], [9, 9, 9])
+    b = matrix @ [0.5, -0.5, 0]
+    net = DislocationNetwork.of_arrays(LineArrays([[1, 1, 1]], [[0, 0]], [b], box, [[0, 0, 1]]))
+    text = crystal_analysis_text(net.arrays, net.polylines, "fcc", matrix)
+    assert "1/2<110> (Perfect)" in text
+    rows = text.splitlines()
+    local = np.array(rows[rows.index("DISLOCATIONS 1") + 2].split(), dtype=float)
+    assert local == pytest.approx([0.5, -0.5, 0], abs=1e-14)
+    (tmp_path / "a.ca").write_text(text)
+    (back,) = DislocationNetwork.read(tmp_path / "a.ca").polylines
+    assert np.array(back.burgers) == pytest.approx(b, abs=1e-14)
+
+
+def test_three_lines_at_a_node_and_an_end_at_a_surface(tmp_path: Path):
+    """A ring of three ends is a junction, one of itself alone an end at a surface."""
+    places = {"j": (2, 2, 2), "a": (1, 1, 1), "b": (3, 1, 1), "c": (2, 3, 3)}
+    lines = [("a", "j", (1, 0, 0)), ("b", "j", (0, 1, 0)), ("j", "c", (1, 1, 0))]
+    graph = DislocationNetwork.of_lines(lines, surface="abc", positions=places).to_networkx()
+    net = DislocationNetwork(graph, box=Box.of_bounds([0, 0, 0], [4, 4, 4], periodic=False))
+    net.save(tmp_path / "a.ca")
+    rows = (tmp_path / "a.ca").read_text().splitlines()
+    rings = rows[rows.index("DISLOCATION_JUNCTIONS") + 1 :]
+    assert len(rings) == 6
+    assert sum(row == f"{1 - k % 2} {k // 2}" for k, row in enumerate(rings)) == 3
+    back = DislocationNetwork.read(tmp_path / "a.ca")
+    assert len(back.junctions) == 1
+    assert back.node_rule() == ()
+    assert sorted(one.ends for one in back.polylines) == sorted(one.ends for one in net.polylines)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("CA_FILE_VERSION 6", "ITEM: TIMESTEP", "line 1: CA_FILE_VERSION was needed"),
+        ("CA_FILE_VERSION 6", "CA_FILE_VERSION 4", "line 1: version 5 or 6"),
+        ("DISLOCATIONS 2", "DISLOCATIONS 3", "dislocation 2"),
+        ("DISLOCATIONS 2", "DISLOCATIONS 99999999999", "line 17.: .*whole number below"),
+        ("-0.1666666624", "nan", "finite numbers were needed, but 'nan"),
+        ("0 1\n1 1\n", "0 1\n", "the file ends"),
+        ("1 1\n", "1 7\n", "whole number below 2"),
+        ("0 1\n1 1\n", "0 0\n1 1\n", "form no ring"),
+        ("DISLOCATION_JUNCTIONS", "# ", "DISLOCATION_JUNCTIONS was needed"),
+        ("SIMULATION_CELL_MATRIX", "# ", "SIMULATION_CELL_MATRIX is missing"),
+    ],
+)  # fmt: skip
+def test_damage_is_named(tmp_path: Path, old: str, new: str, message: str):
+    """An error of our own that names the file and, where there is one, the line."""
+    text = FILE.read_text()
+    assert old in text
+    (tmp_path / "a.ca").write_text(text.replace(old, new, 1))
+    with pytest.raises(FileFormatError, match=f"a.ca.*{message}"):
+        DislocationNetwork.read(tmp_path / "a.ca")
+
+
+def test_a_matrix_or_a_lattice_that_is_none():
+    """Singular, or of a name that OVITO does not know."""
+    net = DislocationNetwork.read(FILE)
+    with pytest.raises(NetworkError, match="in one plane"):
+        crystal_analysis_text(net.arrays, net.polylines, "fcc", np.ones((3, 3)))
+    with pytest.raises(NetworkError, match="lattice: one of"):
+        crystal_analysis_text(net.arrays, net.polylines, "quasi")
