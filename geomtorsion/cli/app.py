@@ -12,7 +12,7 @@ from geomtorsion.cli.lazy import SETTINGS, LazyGroup
 class Commands(LazyGroup):
     """The commands: the module geomtorsion.cli.commands.NAME holds the function NAME."""
 
-    package = "geomtorsion.cli.commands"
+    module = "geomtorsion.cli.commands.{}"
     summaries: ClassVar = {
         "spaces": "List the shipped spaces.",
         "geometry": "Show metric, connections, torsion and curvature.",

@@ -29,12 +29,12 @@ SETTINGS: dict[str, Any] = {
 class LazyGroup(TyperGroup):
     """A group that lists its commands from a table and imports the one that is called.
 
-    package: the modules of the commands stand here.
-    summaries: name of a command, and of its module and function -> what help says of it.
+    module: where the function of a command stands, with {} in the place of its name.
+    summaries: name of a command, and of its function -> what help says of it.
     settings: name -> settings of its context, where they are not the usual ones.
     """
 
-    package: ClassVar[str]
+    module: ClassVar[str]
     summaries: ClassVar[Mapping[str, str]]
     settings: ClassVar[Mapping[str, dict[str, Any]]] = {}
 
@@ -48,7 +48,7 @@ class LazyGroup(TyperGroup):
             if near := near_names(cmd_name, self.summaries):
                 ctx.fail(f"No such command {cmd_name!r}. Did you mean {near!r}?")
             return None
-        found = getattr(import_module(f"{self.package}.{cmd_name}"), cmd_name)
+        found = getattr(import_module(self.module.format(cmd_name)), cmd_name)
         if isinstance(found, typer.Typer):
             return get_command(found)
         return _command(found, self.settings.get(cmd_name))

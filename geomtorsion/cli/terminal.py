@@ -1,11 +1,13 @@
-"""terminal: what it can show, lines that fit, and the step that is being computed."""
+"""terminal: what it can show, lines and rows that fit, and the step that is being computed."""
 
 from __future__ import annotations
 
 import sys
 import textwrap
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+
+import numpy as np
 
 WIDTH = 88
 
@@ -42,3 +44,26 @@ def working(what: str) -> Iterator[Callable[[str], object]]:
 
     with Console(stderr=True).status(f"{what}: reading (Ctrl-C stops)") as status:
         yield lambda step: status.update(f"{what}: {step} (Ctrl-C stops)")
+
+
+# Rows that fit below each other with what stands around them.
+ROWS = 9
+
+
+def some_rows(count: int) -> list[int]:
+    """Rows that are shown of so many, evenly spread from the first to the last.
+
+    Examples
+    --------
+    >>> some_rows(401)
+    [0, 50, 100, 150, 200, 250, 300, 350, 400]
+    >>> some_rows(3)
+    [0, 1, 2]
+    """
+    shown = np.linspace(0, count - 1, min(ROWS, count))
+    return np.unique(shown.round().astype(int)).tolist()
+
+
+def right_aligned(cells: Iterable[str], width: int) -> str:
+    """Cells of one width in a line."""
+    return "".join(cell.rjust(width) for cell in cells)

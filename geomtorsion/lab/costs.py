@@ -17,7 +17,7 @@ from geomtorsion.lab.top import made, scene_of
 from geomtorsion.loops import Loop
 from geomtorsion.pictures.pair_solving import pair_problems
 from geomtorsion.pictures.style import number
-from geomtorsion.scenes.accuracy_table import scene_accuracy
+from geomtorsion.scenes.solve import scene_accuracy
 from geomtorsion.spaces.first_motions import first_motion
 
 if TYPE_CHECKING:

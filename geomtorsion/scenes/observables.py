@@ -8,11 +8,12 @@ from functools import partial
 
 import numpy as np
 import sympy as sp
+from numpy.typing import ArrayLike
 
 from geomtorsion.checks import did_you_mean
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.rigid import attitude
-from geomtorsion.scenes import body_angles
+from geomtorsion.rigid.attitude import euler_from_quaternion
 from geomtorsion.scenes.assembly import WORK, Assembly
 from geomtorsion.scenes.context import (
     ATTITUDE,
@@ -21,6 +22,76 @@ from geomtorsion.scenes.context import (
     VELOCITY,
     VERTICAL,
 )
+
+
+def nutation(vertical: ArrayLike) -> np.ndarray:
+    """phi2, the angle between the third body axis and the vertical n, shape (m,), rad.
+
+    Equation
+    --------
+    phi2 = atan2(|(n1, n2)|, n3): as accurate at 0 and pi as elsewhere
+
+    Examples
+    --------
+    >>> nutation([[1e-9, 0, 1.0]]).tolist()
+    [1e-09]
+    """
+    n = np.asarray(vertical, dtype=float)
+    return np.arctan2(np.hypot(n[..., 0], n[..., 1]), n[..., 2])
+
+
+def spin(vertical: ArrayLike) -> np.ndarray:
+    """phi1, the angle of rotation about the third body axis, without jumps, shape (m,), rad.
+
+    Equation
+    --------
+    n = (-sin phi2 cos phi1, sin phi2 sin phi1, cos phi2)
+
+    Examples
+    --------
+    >>> spin([[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).round(6).tolist()
+    [0.0, 1.570796]
+    """
+    n = np.asarray(vertical, dtype=float)
+    # Adding 0.0 turns -0.0 into 0.0, whose angle is 0 and not pi.
+    return np.unwrap(np.arctan2(n[..., 1], -n[..., 0] + 0.0), axis=0)
+
+
+def precession(quaternion: ArrayLike) -> np.ndarray:
+    """phi3, the angle of the third body axis about the vertical, without jumps, shape (m,), rad."""
+    return euler_from_quaternion(quaternion, continuous=True)[..., 2]
+
+
+def unspun(vectors: ArrayLike) -> np.ndarray:
+    """Components along the line of the tilt, the line of nodes and the third body axis.
+
+    These axes follow the third body axis without spinning with it: Rz(phi3) Ry(phi2) of the
+    paper's angles. Where it is vertical, phi1 counts as 0.
+
+    Parameters
+    ----------
+    vectors
+        shape (m, 6): a vector in body axes and the vertical n in body axes.
+
+    Returns
+    -------
+    Array, shape (m, 3): Rz(phi1) v.
+
+    Examples
+    --------
+    >>> unspun([[1.0, 0.0, 5.0, 0.0, 1.0, 0.0]]).round(12).tolist()  # phi1 is a right angle
+    [[0.0, 1.0, 5.0]]
+    """
+    table = np.asarray(vectors, dtype=float)
+    v, n = table[..., :3], table[..., 3:]
+    size = np.hypot(n[..., 0], n[..., 1])
+    # Upright, phi1 has no meaning by itself; 0 keeps the vector as it is.
+    upright = size == 0
+    safe = np.where(upright, 1.0, size)
+    cos, sin = np.where(upright, 1.0, -n[..., 0] / safe), n[..., 1] / safe
+    rows = (cos * v[..., 0] - sin * v[..., 1], sin * v[..., 0] + cos * v[..., 1], v[..., 2])
+    return np.stack(rows, -1) + 0.0
+
 
 Ingredients = Callable[[Assembly], tuple[sp.Expr, ...]]
 Finish = Callable[[np.ndarray], np.ndarray]
@@ -63,13 +134,13 @@ def _table() -> tuple[Observable, ...]:
         q("omega", "angular velocity, body axes", "rad/s", AXES, lambda a: tuple(a.omega)),
         q("omega_space", "angular velocity, space axes", "rad/s", SPACE, in_space("omega")),
         q("omega_axis", f"angular velocity, {body_axis}", "rad/s", AXES,
-          with_vertical("omega"), body_angles.unspun),
+          with_vertical("omega"), unspun),
         q("angular_momentum", "angular momentum, body axes", "N m s", AXES,
           lambda a: tuple(a.angular_momentum)),
         q("angular_momentum_space", "angular momentum, space axes", "N m s", SPACE,
           in_space("angular_momentum")),
         q("angular_momentum_axis", f"angular momentum, {body_axis}", "N m s", AXES,
-          with_vertical("angular_momentum"), body_angles.unspun),
+          with_vertical("angular_momentum"), unspun),
         q("quaternion", "attitude, body to space, scalar first", "", ("0", *AXES),
           lambda _: tuple(QUATERNION)),
         q("matrix", "attitude as rotation matrix, body to space", "",
@@ -77,11 +148,11 @@ def _table() -> tuple[Observable, ...]:
           lambda _: tuple(QUATERNION), attitude.matrix_from_quaternion),
         euler("euler", attitude.PAPER),
         q("nutation", "angle between the third body axis and the vertical", "rad", (),
-          lambda _: tuple(VERTICAL), body_angles.nutation),
+          lambda _: tuple(VERTICAL), nutation),
         q("spin", "angle of rotation about the third body axis, phi1", "rad", (),
-          lambda _: tuple(VERTICAL), body_angles.spin),
+          lambda _: tuple(VERTICAL), spin),
         q("precession", "angle of the third body axis about the vertical, phi3", "rad", (),
-          lambda _: tuple(QUATERNION), body_angles.precession),
+          lambda _: tuple(QUATERNION), precession),
         q("axis", "axis of symmetry (else third body axis) in space", "", SPACE,
           lambda a: tuple(ATTITUDE * sp.Matrix(_axis(a)))),
         q("vertical", "upward direction, body axes", "", AXES, lambda _: tuple(VERTICAL)),

@@ -14,7 +14,7 @@ from geomtorsion.pictures.scene_over_time import change_picture, trust_picture, 
 from geomtorsion.pictures.scene_path import path_picture
 from geomtorsion.pictures.style import number, save
 from geomtorsion.scenes.observables import FINE
-from geomtorsion.scenes.selection_drawing import selection_figure
+from geomtorsion.scenes.selection import selection_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

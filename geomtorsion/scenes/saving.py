@@ -15,7 +15,7 @@ from geomtorsion.pictures.scene_film import block_sides, write_film
 from geomtorsion.pictures.style import save
 from geomtorsion.scenes.observables import FINE
 from geomtorsion.scenes.plotting import album
-from geomtorsion.scenes.table import write_csv
+from geomtorsion.scenes.result import write_csv
 from geomtorsion.scenes.writing import write_file
 
 if TYPE_CHECKING:

@@ -18,11 +18,11 @@ from geomtorsion.ode import solve_many
 from geomtorsion.ode.tables import pandas_table
 from geomtorsion.pictures.scene_sweep import sweep_picture
 from geomtorsion.pictures.style import STYLE, number, save
-from geomtorsion.scenes.closed_form import checked_states, closed_form
 from geomtorsion.scenes.context import Number
 from geomtorsion.scenes.metrics import Measure, SweepRun, Values, measures, only_words, quantities
 from geomtorsion.scenes.observables import FINE
-from geomtorsion.scenes.table import write_csv
+from geomtorsion.scenes.result import write_csv
+from geomtorsion.scenes.solve import checked_states, closed_form
 from geomtorsion.scenes.to_ode import observed, parameters_of, start_of
 
 if TYPE_CHECKING:

@@ -3,15 +3,23 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
 import pytest
 import sympy as sp
+from sympy.physics.mechanics import (
+    KanesMethod,
+    Point,
+    ReferenceFrame,
+    RigidBody,
+    dynamicsymbols,
+    inertia,
+)
 
 from geomtorsion.errors import SceneError
 from geomtorsion.scenes import Body, Scene, State, effects
-from geomtorsion.scenes.assembly import assemble
-from geomtorsion.scenes.context import Context
+from geomtorsion.scenes.assembly import assemble, gathered
+from geomtorsion.scenes.context import OMEGA, Context
 from geomtorsion.scenes.effects import Constraint, Contribution, Effect
-from geomtorsion.scenes.kane import gathered
 
 
 @dataclass(frozen=True)
@@ -125,3 +133,139 @@ def test_names_of_parameters():
     assert context.parameter("k", 2) == sp.Symbol("k_spring2")
     assert context.switchable("on", 0) == sp.Symbol("on")
     assert context.values["k_spring2"] == 2
+
+
+E = effects
+MASS, MOMENTS, G = 2.0, (1.0, 1.6, 2.1), 9.81
+PHI = dynamicsymbols("phi1:4")
+SPEEDS = dynamicsymbols("w1:4")
+
+
+def turning():
+    """Space frame, body frame in the paper's angles, Rz(phi3) Ry(phi2) Rz(phi1), its relations."""
+    space, body = ReferenceFrame("N"), ReferenceFrame("B")
+    body.orient_body_fixed(space, (PHI[2], PHI[1], PHI[0]), "ZYZ")
+    rate = body.ang_vel_in(space)
+    relations = [
+        rate.dot(axis) - w for axis, w in zip((body.x, body.y, body.z), SPEEDS, strict=True)
+    ]
+    body.set_ang_vel(space, SPEEDS[0] * body.x + SPEEDS[1] * body.y + SPEEDS[2] * body.z)
+    return space, body, relations
+
+
+def solved(method, table):
+    """Accelerations at numbers, from mass matrix and forcing."""
+    matrix = np.array(method.mass_matrix.xreplace(table).evalf().tolist(), dtype=float)
+    right = np.array(method.forcing.xreplace(table).evalf().tolist(), dtype=float)
+    return np.linalg.solve(matrix, right).ravel()
+
+
+def random_numbers(seed):
+    """Angles and angular velocity."""
+    rng = np.random.default_rng(seed)
+    return rng.uniform([0, 0.3, 0], [6, 2.8, 6]), rng.normal(size=3)
+
+
+def rates(scene, names, **values):
+    """Rates of states from a scene at its start, which is given by `values`."""
+    moved = Scene(scene.body, scene.effects, State(**values), scene.watch, scene.t)
+    start, parameters = moved.numbers
+    table = {sp.Symbol(k): sp.Float(float(v), 30) for k, v in {**parameters, **start}.items()}
+    return [float(moved.equations[name].xreplace(table)) for name in names]
+
+
+def test_a_heavy_asymmetric_top_with_skew_inertia():
+    """A pivot, gravity and a moment of the body; products of inertia too."""
+    tensor = [[1.2, 0.1, -0.2], [0.1, 1.6, 0.3], [-0.2, 0.3, 2.1]]
+    arm = (0.3, -0.2, 0.5)
+    scene = Scene(
+        Body(MASS, inertia=tensor),
+        [E.Gravity(G), E.Pivot(arm), E.AngularDamping((0.1, 0.2, 0.3))],
+        State(omega=(0, 0, 1), euler=(0, 1, 0)), ["omega"], 1,
+    )  # fmt: skip
+    space, body, relations = turning()
+    fixed, centre = Point("O"), Point("C")
+    fixed.set_vel(space, 0)
+    centre.set_pos(fixed, arm[0] * body.x + arm[1] * body.y + arm[2] * body.z)
+    centre.v2pt_theory(fixed, space, body)
+    dyadic = inertia(body, 1.2, 1.6, 2.1, 0.1, 0.3, -0.2)
+    top = RigidBody("top", centre, body, MASS, (dyadic, centre))
+    damping = -sum((c * w * axis for c, w, axis in zip(
+        (0.1, 0.2, 0.3), SPEEDS, (body.x, body.y, body.z), strict=True)), 0 * body.x)  # fmt: skip
+    method = KanesMethod(space, q_ind=PHI, u_ind=SPEEDS, kd_eqs=relations)
+    method.kanes_equations([top], [(centre, -MASS * G * space.z), (body, damping)])
+    for seed in range(4):
+        angles, omega = random_numbers(seed)
+        theirs = solved(method, dict(zip((*PHI, *SPEEDS), (*angles, *omega), strict=True)))
+        ours = rates(scene, ["Omega1", "Omega2", "Omega3"], omega=omega, euler=angles)
+        assert abs(theirs - ours).max() < 1e-12 * abs(theirs).max()
+
+
+@pytest.mark.parametrize("shape", ["disc", "ball"])
+def test_a_rolling_disc_and_a_rolling_ball_with_unequal_moments(shape):
+    """The velocity of the centre follows from the point of contact; gravity acts."""
+    r = 0.4
+    scene = Scene(
+        Body(MASS, MOMENTS), [E.Rolling(r, shape), E.Gravity(G), E.LinearDrag(0.3)],
+        State(omega=(0, 0, 1), euler=(0, 1, 0)), ["omega"], 1,
+    )  # fmt: skip
+    space, body, relations = turning()
+    contact, centre = Point("K"), Point("C")
+    contact.set_vel(space, 0)
+    # In the disc: from the axis of nodes a quarter turn on, up the slope.
+    tilted = ReferenceFrame("L")
+    tilted.orient_body_fixed(space, (PHI[2], PHI[1], 0), "ZYZ")
+    upward = -tilted.x if shape == "disc" else space.z
+    centre.set_pos(contact, r * upward)
+    centre.set_vel(space, (body.ang_vel_in(space)).cross(r * upward))
+    wheel = RigidBody("wheel", centre, body, MASS, (inertia(body, *MOMENTS), centre))
+    method = KanesMethod(space, q_ind=PHI, u_ind=SPEEDS, kd_eqs=relations)
+    pull = -MASS * G * space.z - 0.3 * centre.vel(space)
+    method.kanes_equations([wheel], [(centre, pull)])
+    for seed in range(3):
+        angles, omega = random_numbers(seed)
+        theirs = solved(method, dict(zip((*PHI, *SPEEDS), (*angles, *omega), strict=True)))
+        ours = rates(scene, ["Omega1", "Omega2", "Omega3"], omega=omega, euler=angles)
+        assert abs(theirs - ours).max() < 1e-11 * abs(theirs).max()
+
+
+def test_a_sleigh_with_its_centre_off_the_blade():
+    """Chaplygin's sleigh with arm (a, b), drag and a spring at the centre of mass."""
+    a, b, drag, stiff = 0.3, -0.2, 0.4, 3.0
+    scene = Scene(
+        Body(MASS, MOMENTS),
+        [E.KnifeEdge((a, b, 0), speed=1.5), E.LinearDrag(drag), E.Spring(stiff)],
+        State(omega=(0, 0, 0.7), euler=(0.4, 0, 0), position=(0.5, -0.3, 0)), ["omega"], 1,
+    )  # fmt: skip
+    angle, x, y, u, w = dynamicsymbols("angle x y u w")
+    space = ReferenceFrame("N")
+    body = space.orientnew("B", "Axis", (angle, space.z))
+    body.set_ang_vel(space, w * space.z)
+    origin, blade, centre = Point("O"), Point("A"), Point("C")
+    origin.set_vel(space, 0)
+    centre.set_pos(origin, x * space.x + y * space.y)
+    blade.set_vel(space, u * body.x)
+    blade.set_pos(centre, -a * body.x - b * body.y)
+    velocity = u * body.x + (w * space.z).cross(a * body.x + b * body.y)
+    centre.set_vel(space, velocity)
+    sled = RigidBody("sled", centre, body, MASS, (inertia(body, *MOMENTS), centre))
+    relations = [
+        angle.diff() - w,
+        x.diff() - velocity.dot(space.x),
+        y.diff() - velocity.dot(space.y),
+    ]
+    method = KanesMethod(space, q_ind=[angle, x, y], u_ind=[u, w], kd_eqs=relations)
+    pull = -drag * velocity - stiff * (x * space.x + y * space.y)
+    method.kanes_equations([sled], [(centre, pull)])
+    theirs = solved(method, {angle: 0.4, x: 0.5, y: -0.3, u: 1.5, w: 0.7})
+    values = {"omega": (0, 0, 0.7), "euler": (0.4, 0, 0), "position": (0.5, -0.3, 0)}
+    assert abs(theirs - rates(scene, ["u", "Omega3"], **values)).max() < 1e-13 * abs(theirs).max()
+
+
+def test_short_sums_are_gathered_and_long_ones_left():
+    """Products of short sums are multiplied out, so that like terms meet; long ones cost more."""
+    for count, factored in ((3, False), (40, True)):
+        series = " + ".join(f"y**{k}" for k in range(1, count))
+        effect = E.BodyMoment((f"(x + 1)*({series})", 0, 0))
+        rate = assemble(Body(moments=(1, 2, 3)), {"body_moment": effect}).rates[OMEGA[0]]
+        assert (sp.Symbol("x") + 1 in rate.atoms(sp.Add)) == factored

@@ -8,9 +8,9 @@ import pytest
 from geomtorsion.errors import SceneError
 from geomtorsion.ode import RungeKutta
 from geomtorsion.scenes import Body, Scene, SceneResult, State, load
-from geomtorsion.scenes.accuracy_table import scene_accuracy
 from geomtorsion.scenes.plotting import album, finely, plot
 from geomtorsion.scenes.saving import write_run
+from geomtorsion.scenes.solve import scene_accuracy
 
 pytest.importorskip("matplotlib")
 

@@ -25,16 +25,15 @@ from geomtorsion.cli.options import (
     option,
     say_written,
 )
-from geomtorsion.cli.problems import engine_of, start_lines, start_options
 from geomtorsion.cli.scene_sources import is_scene, open_scene, space_or_hint
 from geomtorsion.cli.terminal import working
-from geomtorsion.cli.values import numbers
+from geomtorsion.cli.values import engine_of, numbers, start_lines, start_options
 from geomtorsion.errors import StartError
 from geomtorsion.ode import Engine
 from geomtorsion.pictures.pair_solving import pair_problems
 from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.progress import bar
-from geomtorsion.scenes.accuracy_table import scene_accuracy
+from geomtorsion.scenes.solve import scene_accuracy
 
 
 class Curve(StrEnum):

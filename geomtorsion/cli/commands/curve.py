@@ -23,10 +23,9 @@ from geomtorsion.cli.options import (
     directory,
     say_written,
 )
-from geomtorsion.cli.problems import engine_of, start_lines, start_options
 from geomtorsion.cli.sources import open_space
-from geomtorsion.cli.tables import right_aligned, some_rows
-from geomtorsion.cli.terminal import working
+from geomtorsion.cli.terminal import right_aligned, some_rows, working
+from geomtorsion.cli.values import engine_of, start_lines, start_options
 from geomtorsion.pictures.curve_files import write_curves
 from geomtorsion.pictures.pair import Pair
 from geomtorsion.pictures.pair_solving import solve_pair

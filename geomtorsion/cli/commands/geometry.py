@@ -8,10 +8,7 @@ from typing import Annotated
 
 import typer
 
-from geomtorsion.cli.formats.latex import latex_of
-from geomtorsion.cli.formats.mathematica import mathematica_of
-from geomtorsion.cli.formats.numpy_code import python_of
-from geomtorsion.cli.formats.text import text_of
+from geomtorsion.cli.formats import latex_of, mathematica_of, python_of, text_of
 from geomtorsion.cli.options import Basis, BasisOption, SpaceOrFile
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import shows_greek, working

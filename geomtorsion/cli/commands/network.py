@@ -14,8 +14,7 @@ from geomtorsion.checks import cut
 from geomtorsion.cli.commands.burgers import Form, loop_data
 from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.options import argument, directory, option
-from geomtorsion.cli.tables import ROWS
-from geomtorsion.cli.terminal import working
+from geomtorsion.cli.terminal import ROWS, working
 from geomtorsion.errors import GeomtorsionError, MissingExtraError, NetworkError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import DislocationNetwork, LineFamily, Loop

@@ -22,18 +22,17 @@ from geomtorsion.cli.options import (
     option,
     say_written,
 )
-from geomtorsion.cli.problems import engine_of
 from geomtorsion.cli.scene_sources import open_scene, start_angles
-from geomtorsion.cli.tables import right_aligned, some_rows
-from geomtorsion.cli.terminal import working
+from geomtorsion.cli.terminal import right_aligned, some_rows, working
+from geomtorsion.cli.values import engine_of
 from geomtorsion.errors import CheckpointError, StuckError
 from geomtorsion.ode import Engine
 from geomtorsion.pictures.style import can_draw
 from geomtorsion.progress import bar
 from geomtorsion.scenes import Scene, SceneResult
 from geomtorsion.scenes.checkpoint import partial_result
+from geomtorsion.scenes.result import write_csv
 from geomtorsion.scenes.saving import write_run, write_scene_film
-from geomtorsion.scenes.table import write_csv
 
 CHECKPOINT, PARTIAL = "checkpoint.npz", "partial.csv"
 # Columns of the table that are shown in the terminal, and the least width of one.

@@ -8,7 +8,7 @@ import numpy
 import pytest
 import sympy
 
-from geomtorsion.cli.formats.text import text_of
+from geomtorsion.cli.formats import text_of
 from geomtorsion.exact import parse_expression
 from geomtorsion.pictures.quantities import chosen_quantities
 from geomtorsion.spaces import load

@@ -8,7 +8,7 @@ import pytest
 
 import geomtorsion as gt
 from geomtorsion.scenes import effects as E
-from geomtorsion.scenes.closed_form import ClosedForm
+from geomtorsion.scenes.solve import ClosedForm
 from tests.ode.engines import every_engine
 
 SKEW = np.array([[0.12, 0.01, -0.015], [0.01, 0.16, 0.02], [-0.015, 0.02, 0.2]])

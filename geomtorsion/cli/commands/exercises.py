@@ -1,4 +1,4 @@
-"""exercises: the list, and the commands for one exercise or for a course."""
+"""exercises: the list, and the group of their commands."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from geomtorsion.exercises.registry import CHAPTERS, EXERCISES
 class ExerciseCommands(LazyGroup):
     """The commands below `geomtorsion exercises`."""
 
-    package = "geomtorsion.cli.commands.exercises"
+    module = "geomtorsion.cli.commands.exercise_commands"
     summaries: ClassVar = {
         "show": "Show an exercise: what is given and what is asked.",
         "hint": "Give hints, one step at a time.",

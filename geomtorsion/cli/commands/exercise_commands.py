@@ -1,0 +1,269 @@
+"""exercise_commands: show, hint, solution, check, sheet and grade.
+
+Apart from the list of exercises, which needs none of what these load.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from geomtorsion.checks import cut
+from geomtorsion.cli.exits import ExitCode
+from geomtorsion.cli.options import Number, Seed, argument, directory, option, say_written
+from geomtorsion.cli.terminal import shows_greek, working, wrapped
+from geomtorsion.cli.values import parts
+from geomtorsion.errors import FileFormatError
+from geomtorsion.exercises import grading, load
+from geomtorsion.exercises.diagnoses import TITLES
+from geomtorsion.exercises.examiner import Examiner
+from geomtorsion.exercises.prompts import how_to_answer
+from geomtorsion.exercises.prose import text_of
+from geomtorsion.exercises.registry import CHAPTERS
+from geomtorsion.exercises.sheets import write_sheet
+from geomtorsion.exercises.submission import loaded, read_submission
+from geomtorsion.exercises.verdict import Verdict
+from geomtorsion.progress import bar
+
+
+def show(number: Number, seed: Seed = 0) -> None:
+    """Show an exercise: what is given and what is asked.
+
+    \b
+    Examples:
+      geomtorsion exercises show 3.2
+      geomtorsion exercises show 3.2 --seed 7
+    """
+    exercise = load(number, seed)
+    typer.echo(typer.style(f"{exercise.number}  {exercise.title}", bold=True))
+    typer.echo(f"{exercise.chapter}; {exercise.level}; seed {exercise.seed}\n")
+    typer.echo(wrapped(text_of(exercise.statement)))
+    for question in exercise.questions:
+        typer.echo()
+        name = typer.style(question.name, bold=True)
+        points = f" ({question.points} points)" if question.points > 1 else ""
+        typer.echo(f"{name}{points}: " + wrapped(text_of(question.prompt), len(question.name) + 2))
+        typer.echo(wrapped(f"  Answer: {text_of(how_to_answer(question, options=False))}"))
+        for key, meaning in question.options.items():
+            typer.echo(f"    {key}: {meaning}")
+    again = f" --seed {seed}" if seed else ""
+    hints = len(exercise.hints)
+    typer.echo(f"\n{hints} hints: `geomtorsion exercises hint {number}{again}`.")
+
+
+def hint(
+    number: Number,
+    seed: Seed = 0,
+    step: Annotated[int, typer.Option(metavar="K", min=1, help="Show hints up to this one.")] = 1,
+) -> None:
+    """Give hints, one step at a time.
+
+    \b
+    Examples:
+      geomtorsion exercises hint 3.2
+      geomtorsion exercises hint 3.2 --step 2
+    """
+    exercise = load(number, seed)
+    for place, text in enumerate(exercise.hints[:step], 1):
+        typer.echo(wrapped(f"{place}. {text_of(text)}"))
+    # One at a time: the next is asked for by its number.
+    if step < len(exercise.hints):
+        again = f" --seed {seed}" if seed else ""
+        typer.echo(f"Next: `geomtorsion exercises hint {number}{again} --step {step + 1}`.")
+
+
+def solution(number: Number, seed: Seed = 0) -> None:
+    """Solve an exercise step by step, for the teacher.
+
+    \b
+    Examples:
+      geomtorsion exercises solution 3.2
+      geomtorsion exercises solution 3.2 --seed 7
+    """
+    exercise = load(number, seed)
+    typer.echo(typer.style(f"{exercise.number}  {exercise.title}, seed {seed}", bold=True))
+    for place, step in enumerate(exercise.worked, 1):
+        typer.echo(f"\n{place}. " + wrapped(text_of(step.text), 3))
+    typer.echo("\nAnswers, as they are checked:")
+    for name, answer in exercise.answers().items():
+        typer.echo(wrapped(f"  {name}: {answer}", len(name) + 4))
+
+
+# Keys at the top of a file that are no answers.
+ABOUT = ("student", "name", "seed")
+Answers = dict[str, Any]
+
+
+def check(
+    number: Number,
+    answers: Annotated[
+        list[str] | None,
+        argument("[QUESTION=]ANSWER", "An answer; with several questions one each, name=answer."),
+    ] = None,
+    file: Annotated[
+        Path | None, option("--file", metavar="FILE", text="Answers in a TOML file.")
+    ] = None,
+    seed: Annotated[
+        int | None, option(metavar="N", text="Which variant; default: that of the file, or 0.")
+    ] = None,
+    seconds: Annotated[
+        float, typer.Option(metavar="S", min=0.1, help="How long checking may take.")
+    ] = 20.0,
+) -> None:
+    """Check answers, and name the likely mistake; ends with 1 if one is wrong.
+
+    \b
+    Examples:
+      geomtorsion exercises check 3.2 "cos(phi2)/sin(phi2)"
+      geomtorsion exercises check 3.3 "ricci=[[1/R^2, 0], [0, sin(r/R)^2]]" "scalar=2/R^2"
+      geomtorsion exercises check 3.2 --file answers.toml
+    """
+    if (file is None) == (not answers):
+        raise FileFormatError(
+            "either an answer or --file was needed. Write the answer in quotes after the number, "
+            f'as in: geomtorsion exercises check {number} "..."'
+        )
+    if file is not None:
+        given: object
+        given, own = _from_file(number, file)
+        seed = own if seed is None else seed
+    else:
+        given = _from_words([q.name for q in load(number, seed or 0).questions], answers or [])
+    with Examiner(seconds) as examiner:
+        verdict = examiner.check(number, given, seed or 0)
+    _say(verdict)
+    if not verdict.right:
+        raise typer.Exit(ExitCode.failed)
+
+
+def _from_file(number: str, file: Path) -> tuple[object, int]:
+    """The answers to one exercise in a file, and its seed; 0 if it has none."""
+    data = loaded(file)
+    read = read_submission(file)
+    if number in read.answers:
+        found = read.answers[number]
+    elif "answers" not in data:
+        found = {key: x for key, x in data.items() if key not in ABOUT}
+    else:
+        raise FileFormatError(
+            f'{file.name}: it answers nothing of exercise {number}. Write [answers."{number}"].'
+        )
+    return found, read.seed or 0
+
+
+def _from_words(names: list[str], words: list[str]) -> Answers:
+    """Answers by question, from words name=answer or a single answer."""
+    found: Answers = {}
+    for place, word in enumerate(words):
+        name, sign, answer = word.partition("=")
+        if sign and name.strip() in names:
+            found[name.strip()] = answer.strip()
+        else:
+            found[names[min(place, len(names) - 1)]] = word
+    return found
+
+
+def _say(verdict: Verdict) -> None:
+    """The verdict in colours, and in signs where the terminal has them."""
+    for question in verdict.questions:
+        if shows_greek():
+            sign = "✓" if question.right else "✗"
+        else:
+            sign = "right" if question.right else "wrong"
+        colour = typer.colors.GREEN if question.right else typer.colors.RED
+        kind = f" [{TITLES[question.diagnosis]}]" if question.diagnosis else ""
+        said = question.message.removeprefix(f"{question.name}: ")
+        message = said if "\n" in said else text_of(said)
+        lead = f"{sign} {question.name}{kind}: "
+        typer.echo(typer.style(sign, fg=colour) + lead[len(sign) :] + wrapped(message, len(lead)))
+    for note in verdict.notes:
+        typer.echo(note)
+    if len(verdict.questions) > 1:
+        typer.echo(f"{verdict.earned:g} of {verdict.points} points")
+
+
+def sheet(
+    chapter: Annotated[str, argument("CHAPTER", "1 to 7, or all.")],
+    output: Annotated[Path, directory("Made if it is missing.")],
+    seed: Annotated[int, typer.Option(metavar="N", help="Which variant.")] = 0,
+) -> None:
+    """Write a chapter for students, and its solutions for the teacher.
+
+    For students: a page (HTML with MathML, no network needed), a Jupyter notebook, and a file to
+    fill in. For the teacher, in the directory `teacher`: solutions and the mistakes to expect.
+
+    \b
+    Examples:
+      geomtorsion exercises sheet 2 -o sheets
+      geomtorsion exercises sheet all -o sheets --seed 7
+    """
+    chapters = [number for number, _ in CHAPTERS] if chapter == "all" else [chapter]
+    with working("exercises") as progress:
+        for number in chapters:
+            say_written(write_sheet(number, output, seed, progress))
+
+
+def grade(
+    folder: Annotated[Path, argument("FOLDER", "One TOML file of answers per student.")],
+    output: Annotated[
+        Path,
+        typer.Option(
+            "-o", "--output", metavar="FILE", help="Table of marks: CSV, or JSON by its name."
+        ),
+    ] = Path("marks.csv"),
+    only: Annotated[
+        str | None,
+        option(
+            metavar="NUMBER,...", text="Exercises that count; default: all that anybody answered."
+        ),
+    ] = None,
+    seed: Annotated[
+        int | None, option(metavar="N", text="Variant that everybody must have worked on.")
+    ] = None,
+    seconds: Annotated[
+        float,
+        typer.Option(metavar="S", min=0.1, help="How long the answers to one exercise may take."),
+    ] = 10.0,
+) -> None:
+    """Grade a folder of answers.
+
+    Nothing in a file is ever run as code; a broken or hostile one is reported and costs no one else
+    their marks. The table is written after each student: a second run goes on where the first was
+    stopped. A row says how many questions were answered, which exercises count, and what to look
+    at: no seed, a name that no question has, two files of one student. Ends with 1 if somebody's
+    file needs a look.
+
+    \b
+    Examples:
+      geomtorsion exercises grade answers -o marks.csv
+      geomtorsion exercises grade answers -o marks.csv --only 2.2,3.3,5.4
+    """
+    numbers = None if only is None else list(parts(only))
+    if not folder.is_dir():
+        raise NotADirectoryError(20, "a folder of TOML files was needed", str(folder))
+    with bar("grading") as show:
+
+        def progress(done: int, total: int, name: str) -> None:
+            if show is not None:
+                show(done / total, f"{done} of {total} {name or 'graded'}")
+
+        marks = grading.grade(
+            folder, output, numbers, seed=seed, seconds=seconds, progress=progress
+        )
+    # A long reason is cut here: it stands in the table in full.
+    for row in marks.rows:
+        if row["remarks"] or row["status"] != grading.GRADED:
+            reason = row["remarks"] or row["diagnoses"]
+            typer.echo(f"{row['file']}: {row['status']}: {cut(reason, 100)}", err=True)
+    if marks.chosen == grading.OCCURRING:
+        typer.echo(
+            f"counted: {', '.join(marks.numbers) or 'nothing'}, whatever anybody answered; "
+            "--only says which exercises count"
+        )
+    fine = len(marks.rows) - len(marks.troubled)
+    kept = f", {marks.kept} of them before" if marks.kept else ""
+    typer.echo(f"graded {fine} of {len(marks.rows)} students{kept}: {output}")
+    if marks.troubled:
+        raise typer.Exit(ExitCode.failed)

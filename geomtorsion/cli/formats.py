@@ -1,0 +1,240 @@
+"""formats: the components of a space as text, LaTeX, Mathematica rules and NumPy functions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+import sympy
+import typer
+from sympy.core.function import AppliedUndef
+from sympy.printing.mathematica import MCodePrinter
+from sympy.printing.numpy import NumPyPrinter
+
+from geomtorsion.pictures.labels import text_label, text_marks
+from geomtorsion.pictures.quantities import Quantity
+from geomtorsion.pictures.sections import aligned
+from geomtorsion.pictures.text import expression_text, plain_text
+from geomtorsion.spaces.space import Space
+
+# Letters with bars stand first: without, their bars would be left over.
+_ASCII = {
+    "Γ\u0304": "Gamma_bar", "R\u0304": "R_bar", "Γ": "Gamma", "Φ": "Phi", "δ": "delta",
+    "η": "eta", "ω": "omega", "∂": "d", "∧": "^", "θ": "theta",
+}  # fmt: skip
+
+
+def text_of(
+    space: Space, quantities: Sequence[Quantity], *, greek: bool = True, every: bool = False
+) -> str:
+    """A heading and the quantities, one paragraph each; `every` shows what symmetry repeats."""
+    parts = [_heading(space, greek=greek)]
+    parts += [_paragraph(chosen, greek=greek, every=every) for chosen in quantities]
+    return "\n\n".join(parts)
+
+
+def in_ascii(text: str) -> str:
+    """Symbols of the catalogue in letters that every terminal has."""
+    for symbol, name in _ASCII.items():
+        text = text.replace(symbol, name)
+    return text
+
+
+def _heading(space: Space, *, greek: bool) -> str:
+    frame, n = space.frame, space.frame.dimension
+
+    def written(expressions: Iterable[sympy.Basic]) -> str:
+        return ", ".join(expression_text(part, greek=greek) for part in expressions)
+
+    title = space.name if space.title == space.name else f"{space.name}: {space.title}"
+    facts = [f"coordinates {written(frame.coordinates)}"]
+    facts += [f"parameters {written(frame.parameters)}"] * bool(frame.parameters)
+    facts += [f"domain {written(frame.domain)}"] * bool(frame.domain)
+    diagonal = [frame.eta[i, i] for i in range(n)]
+    if len(frame.eta.components.nonzero) == n and set(diagonal) <= {1, -1}:
+        facts.append("signature " + "".join("+" if sign == 1 else "-" for sign in diagonal))
+    else:
+        rows = ("[" + written(frame.eta[i, j] for j in range(n)) + "]" for i in range(n))
+        facts.append(f"frame metric [{', '.join(rows)}]")
+    facts += [
+        f"root {written([b.radical])} read as {written([b.read_as])}: right where {b.condition}"
+        for b in frame.field.branches
+    ]
+    return "\n".join([typer.style(title, bold=True), *facts])
+
+
+def _paragraph(chosen: Quantity, *, greek: bool, every: bool) -> str:
+    entry, tensor = chosen.entry, chosen.tensor
+    adapted = str if greek else in_ascii
+    symbol, label = adapted(entry.symbol), adapted(chosen.text_label)
+    title = typer.style(entry.title, bold=True)
+    components = chosen.nonzero if every else chosen.independent
+    if not components:
+        return f"{title}  {label} = 0"
+    if not tensor.slots:
+        value = expression_text(components[()].sympy, greek=greek)
+        return f"{title}  {symbol} = {value}"
+    # Equal signs stand below each other.
+    lines = [f"{title}  {label}   [{adapted(entry.equation)}]"]
+    labels = {
+        index: text_label(symbol, text_marks(tensor, index, greek=greek), tensor.slots)
+        for index in components
+    }
+    width = max(map(_width, labels.values()))
+    for index, element in components.items():
+        gap = " " * (width - _width(labels[index]))
+        lines.append(f"  {labels[index]}{gap} = {expression_text(element.sympy, greek=greek)}")
+    total = len(chosen.nonzero)
+    if total > len(components):
+        rest = total - len(components)
+        lines.append(f"  ({rest} more follow{'s' * (rest == 1)} by symmetry)")
+    return "\n".join(lines)
+
+
+def _width(label: str) -> int:
+    """Columns that a label takes: a bar above a letter takes none."""
+    return len(label) - label.count("\u0304")
+
+
+def latex_of(space: Space, quantities: Sequence[Quantity], *, every: bool = False) -> str:
+    """One align* environment for each quantity; needs amsmath."""
+    parts = [f"% {space.name}: {space.title}\n% needs \\usepackage{{amsmath}}"]
+    parts += [aligned(chosen, every=every) for chosen in quantities]
+    return "\n\n".join(parts)
+
+
+# Single capitals that Mathematica has taken for itself.
+_CAPITALS = frozenset("CDEIKNO")
+
+
+def mathematica_of(space: Space, quantities: Sequence[Quantity]) -> str:
+    """One assignment for each quantity: a sparse array with indices from 1."""
+    parts = [f"(* {space.name}: {space.title}; indices count from 1 *)"]
+    parts += [_assignment(space, chosen) for chosen in quantities]
+    return "\n\n".join(parts)
+
+
+def _assignment(space: Space, chosen: Quantity) -> str:
+    entry, tensor = chosen.entry, chosen.tensor
+    first, *rest = entry.name.split("_")
+    name = first + "".join(part.capitalize() for part in rest)
+    comment = f"(* {entry.title}, slots {tensor.slots or 'none'} *)"
+    printer = _MathematicaPrinter()
+    written = {i: printer.doprint(_renamed(x.sympy)) for i, x in chosen.nonzero.items()}
+    if not tensor.slots:
+        return f"{comment}\n{name} = {written.get((), '0')};"
+    rules = [
+        f"{{{', '.join(str(k + 1) for k in index)}}} -> {value}" for index, value in written.items()
+    ]
+    size = ", ".join([str(space.frame.dimension)] * len(tensor.slots))
+    body = ",\n  ".join(rules)
+    return f"{comment}\n{name} = SparseArray[{{\n  {body}}}, {{{size}}}];"
+
+
+def _renamed(expression: sympy.Expr) -> sympy.Expr:
+    """The expression with symbols that Mathematica accepts: no underscores, no taken letters."""
+    names = {}
+    for symbol in expression.free_symbols:
+        name = symbol.name.replace("_", "")
+        name = f"{name}symbol" if name in _CAPITALS else name
+        if name != symbol.name:
+            names[symbol] = sympy.Symbol(name)
+    return expression.xreplace(names)
+
+
+class _MathematicaPrinter(MCodePrinter):
+    """sympy's printer, with derivatives that are not held."""
+
+    def _print_Derivative(self, expr: sympy.Derivative) -> str:
+        by = [f"{{{self._print(v)}, {int(count)}}}" for v, count in expr.variable_count]
+        return f"D[{self._print(expr.expr)}, {', '.join(by)}]"
+
+
+# Names that the written functions use themselves.
+_OWN_NAMES = ("numpy", "result")
+# Symbols, unknown functions and derivatives by the names of the arguments that stand for them.
+Names = Mapping[sympy.Basic, str]
+
+
+def python_of(space: Space, quantities: Sequence[Quantity]) -> str:
+    """A module with one function for each quantity; its arguments are numbers or arrays."""
+    title = f"{space.name}: {space.title}".replace("\\", "/").replace('"', "'")
+    head = f'"""{title}. Exact components, computed by geomtorsion."""\n\nimport numpy\n'
+    return "\n\n".join([head, *(_function(space, chosen) for chosen in quantities)])
+
+
+def _function(space: Space, chosen: Quantity) -> str:
+    """Source of one function."""
+    frame = space.frame
+    components = {index: element.sympy for index, element in chosen.nonzero.items()}
+    arguments = _arguments([*frame.coordinates, *frame.parameters], components.values())
+    renamed = {old: sympy.Symbol(new) for old, new in arguments.items()}
+    shared, values = sympy.cse(
+        [_replaced(value, renamed) for value in components.values()],
+        symbols=sympy.numbered_symbols("_t"),
+    )
+    printer = NumPyPrinter()
+    names = ", ".join(arguments.values())
+    kind = "complex" if frame.complex else "float"
+    rank = len(chosen.tensor.slots)
+    size = f"({frame.dimension},) * {rank}" if rank else "()"
+    lines = [
+        f"def {chosen.entry.name}({names}):",
+        f'    """{_description(chosen, arguments)}"""',
+        f"    {names}, = ({_each('numpy.asarray({}, ' + kind + ')', arguments)},)",
+        f"    shape = numpy.broadcast_shapes({_each('{}.shape', arguments)})",
+        f"    result = numpy.zeros(shape + {size}, {kind})",
+    ]
+    lines += [f"    {symbol} = {printer.doprint(value)}" for symbol, value in shared]
+    for index, value in zip(components, values, strict=True):
+        place = ", ".join(["...", *map(str, index)])
+        lines.append(f"    result[{place}] = {printer.doprint(value)}")
+    return "\n".join([*lines, "    return result\n"])
+
+
+def _each(pattern: str, arguments: Names) -> str:
+    """The pattern for each argument, separated by commas."""
+    return ", ".join(pattern.format(name) for name in arguments.values())
+
+
+def _description(chosen: Quantity, arguments: Names) -> str:
+    """Docstring of a function: what it is, its axes, and what replaces unknown functions."""
+    axes = ", ".join(chosen.letters)
+    text = f"{chosen.entry.title} {chosen.text_label}: {chosen.entry.equation}"
+    if axes:
+        text += f"; last axes ({axes}), slots {chosen.tensor.slots}"
+    unknown = [f"{new} is {plain_text(old)}" for old, new in arguments.items() if not old.is_Symbol]
+    return ". ".join([text, *unknown]) + "."
+
+
+def _arguments(
+    symbols: Sequence[sympy.Symbol], values: Iterable[sympy.Expr]
+) -> dict[sympy.Basic, str]:
+    """Arguments of a function: symbols, then the unknown functions and derivatives that occur."""
+    found: set[sympy.Basic] = set()
+    for value in values:
+        found |= value.atoms(AppliedUndef, sympy.Derivative)
+    # A function that occurs only inside a derivative is no argument by itself.
+    functions = sorted(found, key=lambda part: (part.is_Derivative, str(part)))
+    arguments: dict[sympy.Basic, str] = {}
+    for part in (*symbols, *functions):
+        name = _identifier(part)
+        while name in arguments.values() or name in _OWN_NAMES:
+            name += "_"
+        arguments[part] = name
+    return arguments
+
+
+def _identifier(part: sympy.Basic) -> str:
+    """A Python name for a symbol, a function a(t) or a derivative: a, a_t, a_t_t."""
+    if part.is_Symbol:
+        return NumPyPrinter().doprint(part)
+    if not part.is_Derivative:
+        return part.func.__name__
+    by = [variable.name for variable, count in part.variable_count for _ in range(int(count))]
+    return "_".join([part.expr.func.__name__, *by])
+
+
+def _replaced(value: sympy.Expr, renamed: Mapping[sympy.Basic, sympy.Symbol]) -> sympy.Expr:
+    """The expression in terms of the arguments; derivatives before the functions inside them."""
+    order = sorted(renamed, key=lambda part: (not part.is_Derivative, -len(str(part))))
+    return value.xreplace({part: renamed[part] for part in order})

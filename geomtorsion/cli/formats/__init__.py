@@ -1,1 +1,0 @@
-"""formats: the components of a space as text, LaTeX, NumPy functions and Mathematica rules."""
