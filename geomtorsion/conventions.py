@@ -145,7 +145,7 @@ BURGERS = (
         "right-handed circuit, from S to F: the sum of the images of its steps, the integral of e",
     ),
     BurgersConvention(
-        ("FS/RH", "RH/FS", "SF/LH", "LH/SF", "OVITO"),
+        ("FS/RH", "RH/FS", "SF/LH", "LH/SF"),
         -1,
         "right-handed circuit, from F to S, or left-handed, from S to F; a right-handed screw has "
         "b along its sense, an edge its extra half plane towards (sense) x b",
@@ -155,6 +155,12 @@ BURGERS = (
         -1,
         "right-handed closed integral of du, u from the perfect place of an atom to its real one: "
         "e = dx - du",
+    ),
+    BurgersConvention(
+        ("OVITO",),
+        1,
+        "as found in what OVITO 3.17 answers: a right-handed screw has b against the sense in "
+        "which its points run",
     ),
     BurgersConvention(
         ("MTEX", "weighted Burgers vector"),

@@ -49,6 +49,8 @@ EXERCISES: tuple[tuple[str, str, str, str], ...] = (
     ("5.3", "closure.rotations", "A loop in the rotations", "exercise"),
     ("5.4", "closure.dislocation", "Round a dislocation", "exercise"),
     ("5.5", "closure.frank", "Carried round on the sphere", "exercise"),
+    ("5.6", "closure.screw_atoms", "Round a screw, atom by atom", "exercise"),
+    ("5.7", "closure.half_plane", "An edge and its half plane", "warm-up"),
     ("6.1", "principle.euler", "Euler's equations", "warm-up"),
     ("6.2", "principle.moment", "The moment of the weight", "exercise"),
     ("6.3", "principle.variation", "Varying in a frame", "exercise"),

@@ -189,3 +189,27 @@ def test_costs():
     assert solution("7.3", "length")[()] == pytest.approx(growth, rel=1e-6)
     names = ("omega", "angles", "quaternion", "straightest")
     assert [solution("7.4", name)[()] for name in names] == [3, 6, 7, 3]
+
+
+def test_a_right_handed_screw_from_atom_to_atom():
+    """b = a/2 <111> against the line, as conventions.py has it: SF/RH is minus the textbook's."""
+    half = sp.Rational(1, 2)
+    assert equal(solution("5.6", "burgers"), {(k,): -half for k in range(3)})
+    assert solution("5.6", "length") == {(): sp.sqrt(3) / 2}
+    assert solution("5.6", "handed") == {(): "right"}
+    for seed in range(1, 12):
+        b = solution("5.6", "burgers", seed)
+        assert {abs(x) for x in b.values()} == {half}
+        assert len(b) == 3
+
+
+def test_the_half_plane_lies_where_conventions_say():
+    """The textbook's b, minus that of SF/RH, turned by a right angle points to the half plane."""
+    directions = {"above": (0, 1), "below": (0, -1), "left": (-1, 0), "right": (1, 0)}
+    for seed in range(20):
+        b = solution("5.7", "burgers", seed)
+        textbook = [-int(b.get((k,), 0)) for k in (0, 1)]
+        towards = (-textbook[1], textbook[0])
+        planes = max(map(abs, textbook))
+        place = solution("5.7", "place", seed)[()]
+        assert towards == tuple(planes * x for x in directions[place])

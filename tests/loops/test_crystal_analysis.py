@@ -1,7 +1,7 @@
 """Crystal Analysis files: what OVITO wrote is read; damage is named by its line."""
 
 # Networks take any names of nodes; checkers know no mapping with just some of them.
-# pyright: reportArgumentType=false
+# pyright: reportArgumentType=false, reportCallIssue=false
 
 from pathlib import Path
 
