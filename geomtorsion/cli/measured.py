@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +15,7 @@ import typer
 from geomtorsion.checks import cut, shown
 from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.terminal import working, wrapped
-from geomtorsion.errors import GeomtorsionError, GridError, OrientationError
+from geomtorsion.errors import GeomtorsionError, GridError, ImageError, OrientationError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop
 from geomtorsion.measured import Closure, Measured, Survey, open_measured
@@ -22,25 +24,71 @@ from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.progress import bar
 
-OPTIONS = ("sigma", "threshold", "order", "laue")
+# What stands on a command line without its dashes in messages of the library.
+OPTIONS = tuple("sigma threshold order laue size plane spots resolution blocks".split())
+_SIZE = re.compile(r"((?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*([^0-9.].*)?")
 
 
-def opened(
-    source: str,
-    sigma: str | None,
-    threshold: float | None,
-    order: int | None = None,
-    laue: Sequence[str] | None = None,
-) -> Measured:
+@dataclass(frozen=True)
+class Reading:
+    """Options about how a measured file is read, as they are typed."""
+
+    sigma: str | None = None
+    threshold: float | None = None
+    order: int | None = None
+    laue: Sequence[str] = ()
+    pixel: str | None = None
+    spots: str | None = None
+    resolution: float | None = None
+
+    @property
+    def given(self) -> dict[str, object]:
+        """The options that were typed, by name."""
+        return {f"--{name}": value for name, value in vars(self).items() if value not in (None, ())}
+
+
+def opened(source: str, reading: Reading) -> Measured:
     """The measured field in a file; errors about an option name it as it is typed."""
-    value = None if sigma is None else _sigma(sigma)
+    value = None if reading.sigma is None else _sigma(reading.sigma)
     try:
         return open_measured(
-            source, sigma=value, threshold=threshold, order=order, laue=_symmetries(laue or ())
+            source,
+            sigma=value,
+            threshold=reading.threshold,
+            order=reading.order,
+            laue=_symmetries(reading.laue),
+            pixel=None if reading.pixel is None else _pixel(reading.pixel),
+            spots=None if reading.spots is None else _spots(reading.spots),
+            resolution=reading.resolution,
         )
-    except (GridError, OrientationError) as error:
-        dashes = "--" if str(error).startswith(OPTIONS) else ""
-        raise type(error)(f"{dashes}{error}") from None
+    except (GridError, OrientationError, ImageError) as error:
+        raise dashed(error) from None
+
+
+def dashed(error: GeomtorsionError) -> GeomtorsionError:
+    """The same error; where it begins with the name of an option, as this is typed."""
+    return type(error)(f"--{error}") if str(error).startswith(OPTIONS) else error
+
+
+def _pixel(text: str) -> tuple[float, str]:
+    """Size and unit of a pixel."""
+    found = _SIZE.fullmatch(text.strip())
+    if found is None or not 0 < float(found[1]) < np.inf:
+        raise ImageError(
+            f"--pixel {cut(text)}: a size with its unit was needed, as in --pixel 0.03nm."
+        )
+    return float(found[1]), (found[2] or "").strip() or "px"
+
+
+def _spots(text: str) -> list[list[float]]:
+    """Two Bragg spots."""
+    try:
+        return [[float(x) for x in part.split(",")] for part in text.split(";")]
+    except ValueError:
+        raise ImageError(
+            f"--spots {cut(text)}: two spots in cycles per unit were needed, as in --spots "
+            "'4,0;0,4'."
+        ) from None
 
 
 def _symmetries(texts: Sequence[str]) -> dict[int, str]:
@@ -146,6 +194,11 @@ def explain(result: dict[str, Any]) -> None:
         typer.secho(wrapped(f"  failed: {result['failed']}"), fg=typer.colors.RED)
         return
     unit = f" {result['vector_unit']}" if result["vector_unit"] else ""
+    if "whole" in result:
+        typer.echo(
+            f"  b = ({_row(result['whole'])}) lattice vectors; the chance that noise has changed "
+            f"it is {result['chance']:.1g}"
+        )
     where = " in crystal axes" if "specimen" in result else ""
     typer.echo(f"  b = ({_row(result['vector'])}){unit}{where}, |b| = {result['magnitude']:.6g}")
     if "specimen" in result:
@@ -154,6 +207,9 @@ def explain(result: dict[str, Any]) -> None:
         typer.echo(f"  b = ({_row(result['lattice'])}) lattice vectors a, b, c")
     if "grain" in result:
         typer.echo(f"  in grain {result['grain']}, {result['phase']}, {result['steps']} steps")
+    if "whole" in result:
+        typer.echo(f"  its length is known to {result['grid_error']:.2g}{unit}")
+        return
     typer.echo(f"  noise {result['noise']:.2g}, error of the grid {result['grid_error']:.2g}")
     significance = result["significance"]
     much = "without noise" if significance is None else f"{significance:.3g} times its errors"

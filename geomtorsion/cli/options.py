@@ -66,11 +66,16 @@ SpaceOrMeasured = Annotated[
     str,
     argument(
         "SPACE|FILE",
-        "A shipped space, a tetrad file (TOML), or measured: .npz, .nc, .csv, .ctf, .ang ...",
+        "A shipped space, a tetrad file (TOML), or measured: .npz, .csv, .ctf, .ang, .png, .tif ...",
     ),
 ]
 MeasuredFile = Annotated[
-    str, argument("FILE", "A grid (.npz, .nc, .csv, .h5, .vtk) or orientations (.ctf, .ang).")
+    str,
+    argument(
+        "FILE",
+        "A grid (.npz, .nc, .csv, .h5, .vtk), orientations (.ctf, .ang, .h5) or an image (.png, "
+        ".tif, .npy).",
+    ),
 ]
 
 # -- what is said about a measured field ----------------------------------------------------------
@@ -98,6 +103,23 @@ MeasuredLaue = Annotated[
 MeasuredOrder = Annotated[
     int | None,
     option("--order", metavar="N", text="Grids: order of interpolation, 2, 4, 6 or 8; default: 4."),
+]
+
+MeasuredPixel = Annotated[
+    str | None,
+    option("--pixel", metavar="SIZE", text="Images: size of a pixel with its unit: 0.03nm"),
+]
+MeasuredSpots = Annotated[
+    str | None,
+    option(
+        "--spots",
+        metavar="G;G",
+        text="Images: two Bragg spots in cycles per unit, '4,0;0,4'; default: found.",
+    ),
+]
+MeasuredResolution = Annotated[
+    float | None,
+    option("--resolution", metavar="X", text="Images: length over which phases are averaged."),
 ]
 
 # -- how a curve begins ---------------------------------------------------------------------------

@@ -4,5 +4,6 @@ from geomtorsion.images.circuits import LatticeBurgers
 from geomtorsion.images.lattice_image import LatticeImage
 from geomtorsion.images.phases import LatticePhases
 from geomtorsion.images.spots import Spots
+from geomtorsion.images.squares import LatticeCircuits
 
-__all__ = ["LatticeBurgers", "LatticeImage", "LatticePhases", "Spots"]
+__all__ = ["LatticeBurgers", "LatticeCircuits", "LatticeImage", "LatticePhases", "Spots"]

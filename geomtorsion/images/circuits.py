@@ -64,19 +64,28 @@ def wound(phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return sums.vectors[0], steps - 2 * np.pi * whole
 
 
-def clicks(ratio: np.ndarray, steps: np.ndarray, blur: float) -> float:
-    """Chance that noise adds a whole turn to a phase along a path: expected clicks, at most one.
+def expected_clicks(ratio: np.ndarray, steps: np.ndarray, blur: float, axis: int) -> np.ndarray:
+    """How many whole turns noise is expected to add along each step, in either sense.
 
     Rice, "Noise in FM receivers" (1963), for a carrier in noise: r erfc(sqrt(rho)) of both senses
     for each unit of length, and |f| exp(-rho) more where the carrier is off by f; rho is the power
     of the carrier over that of the noise, r the rms frequency of the noise, here
-    1 / (2 sqrt(2) pi blur).
+    1 / (2 sqrt(2) pi blur). Both are means of the two ends of the step.
+
+    ratio: amplitude over noise at each pixel; steps: of the phase between pixels, without turns.
     """
     rms = 1 / (np.sqrt(8) * np.pi * blur)
     # From here on erfc is below all doubles.
     ratio = np.minimum(ratio, 30.0)
-    off = np.abs(steps) / (2 * np.pi)
-    return min(1.0, float((rms * special.erfc(ratio) + off * np.exp(-(ratio**2))).sum()))
+    still, drowned = (_means(x, axis) for x in (special.erfc(ratio), np.exp(-(ratio**2))))
+    return rms * still + np.abs(steps) / (2 * np.pi) * drowned
+
+
+def _means(values: np.ndarray, axis: int) -> np.ndarray:
+    """Means of neighbours."""
+    count = values.shape[axis]
+    one, other = (np.take(values, range(k, count - 1 + k), axis) for k in (0, 1))
+    return (one + other) / 2
 
 
 def pixel_path(loop: Loop, step: float, shape: tuple[int, ...], unit: str) -> np.ndarray:

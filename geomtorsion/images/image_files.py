@@ -1,9 +1,8 @@
-"""Image files: pixels from TIFF, PNG and hyperspy signals; nothing in them is ever evaluated."""
+"""Image files: pixels from TIFF, PNG, NPY and hyperspy signals; nothing is ever evaluated."""
 
 from __future__ import annotations
 
 import math
-import sys
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,7 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.errors import FileFormatError, ImageError, LimitError, MissingExtraError
 
-KINDS = {".tif": "tifffile", ".tiff": "tifffile", ".png": "PIL.Image"}
+KINDS = {".tif": "tifffile", ".tiff": "tifffile", ".png": "PIL.Image", ".npy": "numpy"}
 
 
 def read_pixels(path: Path, page: int = 0) -> np.ndarray:
@@ -31,7 +30,7 @@ def read_pixels(path: Path, page: int = 0) -> np.ndarray:
     checks.count(page, "page", ImageError)
     if path.suffix.lower() not in KINDS:
         raise FileFormatError(
-            f"{path}: .tif, .tiff or .png was needed, but the name ends in {path.suffix!r}. Give "
+            f"{path}: .tif, .tiff, .png or .npy was needed, but the name ends in {path.suffix!r}. Give "
             "arrays in memory to LatticeImage(array)."
         )
     if not path.is_file():
@@ -44,7 +43,7 @@ def read_pixels(path: Path, page: int = 0) -> np.ndarray:
             f"{path}: reading it needs {name.partition('.')[0]}, which is not installed. "
             "Run `pip install geomtorsion[images]`; arrays need nothing."
         ) from None
-    load = _tiff if name == "tifffile" else _png
+    load = {"tifffile": _tiff, "PIL.Image": _png, "numpy": _npy}[name]
     try:
         found = load(library, path, page)
     except (FileFormatError, LimitError, MemoryError):
@@ -81,6 +80,19 @@ def _png(library: Any, path: Path, page: int) -> np.ndarray:
         return np.asarray(file if grey else file.convert("RGB"))
 
 
+def _npy(library: Any, path: Path, page: int) -> np.ndarray:
+    """An array, or one of a stack; nothing in the file is unpickled."""
+    # Mapped: its size is known before memory is taken.
+    found = library.load(path, mmap_mode="r", allow_pickle=False)
+    stack = found if found.ndim == 3 and found.shape[2] > 4 else found[None]
+    if page >= len(stack):
+        raise FileFormatError(
+            f"{path}: page {page} was asked for, but the file has {len(stack)}, counted from 0."
+        )
+    check_size(path, stack[page].shape)
+    return np.asarray(stack[page])
+
+
 def check_size(subject: object, shape: tuple[int, ...]) -> None:
     """Refuse, before memory is taken, an image whose phases would need too much of it.
 
@@ -110,30 +122,35 @@ def _grey(found: np.ndarray, path: Path) -> np.ndarray:
 def pixels_of_signal(signal: Any) -> tuple[np.ndarray, float, str]:
     """Grey values, size of a pixel and its unit, of a hyperspy signal.
 
+    Anything with the same attributes will do: `data`, and `axes_manager` with `signal_axes` (of
+    `scale` and `units`) and `navigation_size`. hyperspy itself is never imported.
+
     Raises
     ------
     ImageError
         It is no signal of two axes, or its pixels are not square.
     """
-    # Whoever has a signal has loaded hyperspy; it is never loaded for anybody else.
-    library = sys.modules.get("hyperspy.signal")
-    if library is None or not isinstance(signal, library.BaseSignal):
+    try:
+        manager = signal.axes_manager
+        axes, frames = tuple(manager.signal_axes), manager.navigation_size
+        given = [(axis.scale, axis.units) for axis in axes]
+        data = signal.data
+    except (AttributeError, TypeError):
         raise ImageError(
             f"signal: a hyperspy signal was needed, but {checks.shown(signal)} came. Give arrays "
             "to LatticeImage(array)."
-        )
-    axes = signal.axes_manager.signal_axes
-    if len(axes) != 2 or signal.axes_manager.navigation_size > 1:
+        ) from None
+    if len(axes) != 2 or checks.count(frames, "navigation_size", ImageError) > 1:
         raise ImageError(
             f"signal: one image was needed, but {checks.shown(signal)} came. Choose one: "
             "signal.inav[0]."
         )
-    steps = [abs(checks.number(axis.scale, "scale", ImageError)) for axis in axes]
-    if abs(steps[0] - steps[1]) > 1e-3 * steps[0] or str(axes[0].units) != str(axes[1].units):
+    steps = [abs(checks.number(scale, "scale", ImageError)) for scale, _ in given]
+    units = [unit if isinstance(unit, str) else "px" for _, unit in given]
+    if abs(steps[0] - steps[1]) > 1e-3 * steps[0] or units[0] != units[1]:
         raise ImageError(
-            f"signal: square pixels were needed, but they are {steps[0]:.6g} by {steps[1]:.6g}. "
-            "Resample it: signal.rebin(...)."
+            f"signal: square pixels were needed, but they are {steps[0]:.6g} {units[0]} by "
+            f"{steps[1]:.6g} {units[1]}. Resample it: signal.rebin(...)."
         )
-    known = isinstance(axes[0].units, str)
-    values = np.asarray(signal.data, dtype=float)
-    return values.reshape(values.shape[-2:]), steps[0], axes[0].units if known else "px"
+    values = checks.array(data, "signal.data", ImageError)
+    return values.reshape(values.shape[-2:]), steps[0], units[0]

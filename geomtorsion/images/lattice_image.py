@@ -97,14 +97,14 @@ class LatticeImage:
     def read(
         cls, path: str | Path, step: float = 1.0, unit: str = "px", *, page: int = 0
     ) -> LatticeImage:
-        """From a TIFF or PNG file; colours become grey.
+        """From a TIFF, PNG or NPY file; colours become grey.
 
         Parameters
         ----------
         step, unit
             Size of a pixel: what microscopes write into files differs too much to be trusted.
         page
-            Which one, of a TIFF with several.
+            Which one, of a TIFF with several or an array of shape (pages, rows, columns).
 
         Raises
         ------

@@ -10,8 +10,9 @@ from scipy import fft
 
 from geomtorsion import checks
 from geomtorsion.errors import GridError, ImageError
-from geomtorsion.images.circuits import LatticeBurgers, clicks, pixel_path, wound
+from geomtorsion.images.circuits import LatticeBurgers, expected_clicks, pixel_path, wound
 from geomtorsion.images.spots import Spots
+from geomtorsion.images.squares import LatticeCircuits, squares_of
 from geomtorsion.loops import Cochain, Complex, Loop, SampledFrame
 
 
@@ -80,6 +81,14 @@ class LatticePhases:
         """Standard deviation of the Gaussian over which the phases were averaged, in units."""
         return self.blur * self.step
 
+    @property
+    def doubt(self) -> float:
+        """Relative error of lattice vectors: spots are known to a third of a pixel of the transform.
+
+        g is known to that over its length.
+        """
+        return 1 / (3 * min(self.waves.shape[1:]) * float(np.hypot(*self.found.vectors.T).min()))
+
     # -- what is seen where -----------------------------------------------------------------------
 
     @cached_property
@@ -104,6 +113,11 @@ class LatticePhases:
         shares = [np.sqrt(s) / b for s, b in zip(narrow, self.borders, strict=True)]
         one = np.multiply.outer(*shares) / (np.sqrt(4 * np.pi) * self.blur)
         return self.found.noise[:, None, None] * one
+
+    @cached_property
+    def ratio(self) -> np.ndarray:
+        """Amplitudes in units of their noise, ratio[i, x, y]."""
+        return self.amplitude / np.maximum(self.noise, TINY)
 
     @cached_property
     def levels(self) -> np.ndarray:
@@ -221,8 +235,8 @@ class LatticePhases:
                 f"cannot be seen ({len(crossed)} of {len(path)} pixels). Lead it round."
             )
         whole, steps = wound(self.phase[:, x, y])
-        ratio = self.amplitude[:, x, y] / np.maximum(self.noise[:, x, y], TINY)
-        chance = clicks(ratio[:, 1:], steps, self.blur)
+        ratio = self.ratio[:, x, y]
+        chance = min(1.0, float(expected_clicks(ratio, steps, self.blur, 1).sum()))
         weakest = path[int(ratio.min(axis=0).argmin())]
         if chance > limit:
             raise ImageError(
@@ -231,13 +245,26 @@ class LatticePhases:
                 f"{self._place(weakest)}. Lead the circuit elsewhere, make it shorter, or give a "
                 f"larger resolution than {self.resolution:.3g}."
             )
-        # The spots are known to a third of a pixel of the transform: g to that over its length.
-        doubt = 1 / (3 * min(self.waves.shape[1:]) * np.hypot(*self.found.vectors.T).min())
-        error = float(np.abs(whole) @ np.hypot(*self.lattice.T) * doubt)
+        error = float(np.abs(whole) @ np.hypot(*self.lattice.T) * self.doubt)
         low = (self.step * weakest).tolist()
         return LatticeBurgers(
             whole, chance, self.lattice, self.unit, error, path, (low[0], low[1])
         )  # fmt: skip
+
+    def burgers_map(self, size: int) -> LatticeCircuits:
+        """Burgers vectors of the square circuits of size x size pixels at every place.
+
+        Whole numbers, the same as `burgers` gives for each of them. The cost does not grow with
+        the size.
+
+        Raises
+        ------
+        ImageError
+            The size is not from 2 to what the image holds.
+        """
+        n = checks.count(size, "size", ImageError, 2, min(self.waves.shape[1:]) - 1)
+        found = squares_of(self.phase, self.ratio, self.holes, self.blur, n)
+        return LatticeCircuits(n, *found, self.lattice, self.step, self.unit)
 
     def _place(self, pixel: np.ndarray) -> str:
         """A pixel as a place in messages."""

@@ -1,6 +1,7 @@
 """Measured: measured fields of any kind, as commands and pictures ask for them."""
 
 from geomtorsion.measured.crystal_field import CrystalField
+from geomtorsion.measured.lattice_field import LatticeField
 from geomtorsion.measured.opening import SUFFIXES, is_measured, open_measured
 from geomtorsion.measured.results import Backdrop, Closure, Measured, Survey
 from geomtorsion.measured.sampled_field import SampledField
@@ -10,6 +11,7 @@ __all__ = [
     "Backdrop",
     "Closure",
     "CrystalField",
+    "LatticeField",
     "Measured",
     "SampledField",
     "Survey",

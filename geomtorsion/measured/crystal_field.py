@@ -122,7 +122,7 @@ class CrystalField:
         rows, columns = self.map.shape
         values = np.where(self.map.grain < 0, np.nan, self.map.grain).T
         title = f"grains at {self.map.threshold:g} degrees"
-        return Backdrop(self._lines(columns, rows), values, True, title)
+        return Backdrop(self._lines(columns, rows), values, "grains", title)
 
     def _lines(self, columns: int, rows: int) -> tuple[np.ndarray, np.ndarray]:
         """Coordinates of columns and rows; of hexagonal grids those between even and odd rows."""

@@ -2,22 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 from geomtorsion import checks
 from geomtorsion.checks import shown
-from geomtorsion.errors import FileFormatError, GridError, OrientationError
+from geomtorsion.errors import FileFormatError, GridError, ImageError, OrientationError
+from geomtorsion.images import LatticeImage
+from geomtorsion.images.image_files import KINDS as PICTURES
 from geomtorsion.loops import SampledFrame
 from geomtorsion.loops.grid_files import FORMATS
 from geomtorsion.measured.crystal_field import CrystalField
+from geomtorsion.measured.lattice_field import LatticeField
 from geomtorsion.measured.results import Measured
 from geomtorsion.measured.sampled_field import SampledField
 from geomtorsion.orientations import OrientationMap
 
 ORIENTATIONS = (".ctf", ".ang")
-SUFFIXES = (*FORMATS, *ORIENTATIONS)
+IMAGES = tuple(PICTURES)
+HDF5 = (".h5", ".hdf5")
+SUFFIXES = (*FORMATS, *ORIENTATIONS, *IMAGES)
+# Kind of a file -> the options that it takes, what it is called, and its errors.
+OPTIONS = {
+    "grid": ("sigma", "order"),
+    "map": ("threshold", "laue", "sigma"),
+    "image": ("pixel", "spots", "resolution"),
+}
+KINDS = {
+    "grid": "sampled frames",
+    "map": "orientation maps (.ctf, .ang)",
+    "image": f"lattice images ({', '.join(IMAGES)})",
+}
+KIND = {"grid": "a sampled frame", "map": "an orientation map", "image": "an image"}
+ERRORS = {"grid": GridError, "map": OrientationError, "image": ImageError}
 # First bytes -> what such files end in. Text (CSV, .ang) has no bytes of its own.
 BEGINNINGS: dict[bytes, tuple[str, ...]] = {
     b"Channel Text File": (".ctf",),
@@ -26,6 +46,10 @@ BEGINNINGS: dict[bytes, tuple[str, ...]] = {
     b"CDF\x01": (".nc", ".cdf", ".netcdf"),
     b"CDF\x02": (".nc", ".cdf", ".netcdf"),
     b"# vtk DataFile": (".vtk",),
+    b"\x89PNG": (".png",),
+    b"II*\x00": (".tif", ".tiff"),
+    b"MM\x00*": (".tif", ".tiff"),
+    b"\x93NUMPY": (".npy",),
 }
 LONGEST = max(map(len, BEGINNINGS))
 
@@ -49,6 +73,9 @@ def open_measured(
     threshold: float | None = None,
     order: int | None = None,
     laue: Mapping[int, str] | None = None,
+    pixel: tuple[float, str] | None = None,
+    spots: Sequence[Sequence[float]] | None = None,
+    resolution: float | None = None,
 ) -> Measured:
     """The measured field in a file.
 
@@ -63,12 +90,16 @@ def open_measured(
         Of interpolation, of sampled frames.
     laue
         Of orientation maps: number of a phase -> name of its Laue group.
+    pixel
+        Of images: size of a pixel, and the unit in which it is given.
+    spots, resolution
+        Of images: see `LatticeImage.phases`.
 
     Raises
     ------
     FileFormatError
         The file is missing or damaged, or its content is of another kind than its name says.
-    GridError, OrientationError
+    GridError, OrientationError, ImageError
         An option does not belong to this kind of file, or has no such value.
     """
     path = Path(path)
@@ -83,20 +114,49 @@ def open_measured(
             f"{path.name}: a name ending in {', '.join(SUFFIXES)} was needed, but "
             f"{shown(path.suffix)} came. Rename or export the file."
         )
-    if suffix in ORIENTATIONS:
-        return _orientations(path, sigma, threshold, order, laue)
-    if threshold is not None or laue:
-        name = "laue" if threshold is None else "threshold"
-        raise GridError(
-            f"{name}: it belongs to orientation maps (.ctf, .ang), but {path.name} holds a "
-            "sampled frame. Leave it out."
-        )
+    kind = _kind(path)
+    options = {
+        "sigma": sigma, "threshold": threshold, "order": order, "laue": laue or None,
+        "pixel": pixel, "spots": spots, "resolution": resolution,
+    }  # fmt: skip
+    given = {name: value for name, value in options.items() if value is not None}
+    for name in given:
+        if name not in OPTIONS[kind]:
+            owner = next(k for k, names in OPTIONS.items() if name in names)
+            raise ERRORS[kind](
+                f"{name}: it belongs to {KINDS[owner]}, but {path.name} holds {KIND[kind]}. Leave "
+                "it out."
+            )
+    if kind == "image":
+        return _image(path, pixel, spots, resolution)
+    if kind == "map":
+        return _orientations(path, given)
     frame = SampledFrame.read(path, 4 if order is None else order)
     if sigma is not None:
         frame = replace(frame, sigma=sigma)
     elif frame.sigma is None:
         frame = replace(frame, sigma="estimate")
     return SampledField(frame)
+
+
+def _kind(path: Path) -> str:
+    """What a file holds, by the end of its name; of HDF5 by what is in it."""
+    suffix = path.suffix.lower()
+    if suffix in IMAGES:
+        return "image"
+    if suffix in HDF5 and path.is_file() and not _has_grid(path):
+        return "map"
+    return "map" if suffix in ORIENTATIONS else "grid"
+
+
+def _has_grid(path: Path) -> bool:
+    """Whether an HDF5 file may hold a sampled frame; if it cannot be opened, its reader says so."""
+    try:
+        h5py = import_module("h5py")
+        with h5py.File(path, "r") as file:
+            return "coframe" in file or "distortion" in file
+    except (ImportError, OSError):
+        return True
 
 
 def _ends(path: Path) -> tuple[str, ...]:
@@ -109,22 +169,21 @@ def _ends(path: Path) -> tuple[str, ...]:
     return found[0] if found else ()
 
 
-def _orientations(
-    path: Path,
-    sigma: float | str | None,
-    threshold: float | None,
-    order: int | None,
-    laue: Mapping[int, str] | None,
-) -> Measured:
+def _orientations(path: Path, given: dict[str, Any]) -> Measured:
     """An orientation map."""
-    if order is not None:
-        raise OrientationError(
-            f"order: it belongs to sampled frames, but {path.name} holds an orientation map, whose "
-            "circuits run from pixel to pixel. Leave it out."
-        )
+    sigma = given.get("sigma")
     if isinstance(sigma, str):
         checks.choice(sigma, ["estimate"], "sigma", OrientationError)
-        sigma = None
-    if threshold is None:
-        return CrystalField(OrientationMap.read(path, laue=laue, sigma=sigma))
-    return CrystalField(OrientationMap.read(path, laue=laue, sigma=sigma, threshold=threshold))
+        given = {**given, "sigma": None}
+    return CrystalField(OrientationMap.read(path, **given))
+
+
+def _image(
+    path: Path,
+    pixel: tuple[float, str] | None,
+    spots: Sequence[Sequence[float]] | None,
+    resolution: float | None,
+) -> Measured:
+    """A picture of a lattice, with its phases."""
+    image = LatticeImage.read(path, *(pixel or ()))
+    return LatticeField(image, image.phases(spots, resolution))

@@ -45,7 +45,7 @@ class Closure:
     @property
     def is_significant(self) -> bool:
         """Whether noise gives as much in less than one circuit of a thousand."""
-        return self.significance > noise_level(len(self.vector))
+        return bool(self.significance > noise_level(len(self.vector)))
 
     def to_json(self) -> dict[str, Any]:
         """All of it as plain data; an infinite significance (no noise) is None."""
@@ -114,7 +114,7 @@ class Survey:
     @property
     def level(self) -> float:
         """The significance that noise alone passes in one circuit of a thousand."""
-        return noise_level(len(self.vectors))
+        return float(noise_level(len(self.vectors)))
 
     @property
     def significant(self) -> np.ndarray:
@@ -145,12 +145,13 @@ class Backdrop:
     """What lies below circuits in a picture.
 
     centres: of the pixels along both axes. values: shape (p, q), NaN where nothing is known.
-    labels: whether the values are numbers of grains rather than sizes. title: what is shown.
+    kind: "grains", whose numbers the values are, "sizes" from zero on, or "image", grey values.
+    title: what is shown.
     """
 
     centres: tuple[np.ndarray, np.ndarray]
     values: np.ndarray
-    labels: bool
+    kind: str
     title: str
 
 
@@ -190,12 +191,12 @@ class Measured(Protocol):
         ...
 
 
-def noise_level(rows: int, share: float = 1e-3) -> float:
+def noise_level(rows: int, share: Any = 1e-3) -> Any:
     """The length that normal noise of `rows` components passes in this share of all circuits.
 
     Examples
     --------
-    >>> round(noise_level(1), 3), round(noise_level(3), 3)
+    >>> float(noise_level(1).round(3)), float(noise_level(3).round(3))
     (3.291, 4.033)
     """
-    return float(np.sqrt(chdtri(rows, share)))
+    return np.sqrt(chdtri(rows, share))

@@ -108,7 +108,7 @@ class SampledField:
         found = self.survey(1)
         unit = f" ({found.density_unit})" if found.density_unit else ""
         title = f"|b| per area of each cell{unit}"
-        return Backdrop(found.centres, found.density[..., 0], False, title)
+        return Backdrop(found.centres, found.density[..., 0], "sizes", title)
 
 
 def _closed(points: np.ndarray) -> np.ndarray:

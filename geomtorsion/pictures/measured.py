@@ -54,7 +54,11 @@ def draw_survey(survey: Survey, layer: int | None = None) -> Figure:
     figure = new_figure(2 * width, STYLE.panel + 1.7)
     left, right = figure.subplots(1, 2)
     density = survey.density[..., chosen]
-    mesh = left.pcolormesh(*corners, density.T, cmap="viridis", **_shades(survey, density))
+    shades = _shades(survey, density)
+    if "norm" in shades:
+        # What is below the noise floor has its colour, zero too.
+        density = np.maximum(density, shades["norm"].vmin)
+    mesh = left.pcolormesh(*corners, density.T, cmap="viridis", rasterized=True, **shades)
     unit = f" in {survey.density_unit}" if survey.density_unit else ""
     figure.colorbar(mesh, ax=left, shrink=0.86).ax.tick_params(labelsize=8)
     left.set_title(f"|b| per area{unit}", fontsize=11)
@@ -62,7 +66,9 @@ def draw_survey(survey: Survey, layer: int | None = None) -> Figure:
         _arrows(left, survey, chosen)
     top = 2 * survey.level
     significance = survey.significance[..., chosen]
-    mesh = right.pcolormesh(*corners, significance.T, cmap="RdBu_r", vmin=0, vmax=top)
+    mesh = right.pcolormesh(
+        *corners, significance.T, cmap="RdBu_r", vmin=0, vmax=top, rasterized=True
+    )
     above = bool((significance[survey.known[..., chosen]] > top).any())
     bar = figure.colorbar(mesh, ax=right, shrink=0.86, extend="max" if above else "neither")
     bar.ax.tick_params(labelsize=8)
@@ -104,7 +110,9 @@ def draw_circuits(measured: Measured, closures: Sequence[Closure]) -> Figure:
     extent = max(abs(float(line[-1] - line[0])) for line in corners)
     reach = max(widest, extent / STYLE.arrows * 4) / 2
     for one in closures:
-        axes.plot(*one.path, color=START, linewidth=1.6, solid_capstyle="round", zorder=4)
+        # Bright below dark: seen on whatever lies under it.
+        for colour, width in (("white", 3.4), (START, 1.6)):
+            axes.plot(*one.path, color=colour, linewidth=width, solid_capstyle="round", zorder=4)
         low, high = np.nanmin(one.path, axis=1), np.nanmax(one.path, axis=1)
         middle = (low + high) / 2
         if one.arrow is not None and longest > 0:
@@ -124,6 +132,8 @@ def draw_circuits(measured: Measured, closures: Sequence[Closure]) -> Figure:
             )
         noise = f" ± {one.noise:.2g}" if one.noise else ""
         text = f"|b| = {one.magnitude:.3g}{noise} {one.vector_unit}".rstrip()
+        if "whole" in one.more:
+            text = f"b = ({', '.join(map(str, one.more['whole']))}) lattice vectors"
         axes.annotate(
             text,
             (middle[0], low[1] if measured.down else high[1]),
@@ -144,18 +154,20 @@ def draw_circuits(measured: Measured, closures: Sequence[Closure]) -> Figure:
 def _draw_backdrop(
     figure: Figure, axes: Axes, backdrop: Backdrop, corners: tuple[np.ndarray, ...]
 ) -> None:
-    """Grains in pale colours, or sizes in greys with a bar."""
+    """Grains in pale colours, sizes in greys with a bar, or a picture as it is."""
     axes.set_facecolor("#8b8f96")
-    if backdrop.labels:
+    if backdrop.kind == "image":
+        axes.pcolormesh(*corners, backdrop.values.T, cmap="gray", rasterized=True)
+    elif backdrop.kind == "grains":
         # An extra: without matplotlib this module can still be imported.
         from matplotlib.colors import ListedColormap
 
         shades = np.mod(backdrop.values, len(GRAINS))
         look: dict[str, Any] = {"cmap": ListedColormap(GRAINS), "vmin": -0.5, "vmax": 7.5}
-        axes.pcolormesh(*corners, shades.T, **look)
+        axes.pcolormesh(*corners, shades.T, rasterized=True, **look)
         _draw_boundaries(axes, backdrop.values, corners)
     else:
-        mesh = axes.pcolormesh(*corners, backdrop.values.T, cmap="Greys", vmin=0)
+        mesh = axes.pcolormesh(*corners, backdrop.values.T, cmap="Greys", vmin=0, rasterized=True)
         figure.colorbar(mesh, ax=axes, shrink=0.86).ax.tick_params(labelsize=8)
     axes.set_title(backdrop.title, fontsize=11)
 

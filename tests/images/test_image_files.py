@@ -153,17 +153,11 @@ class Signal:
         self.axes_manager = Axis(signal_axes=axes, navigation_size=navigation)
 
 
-@pytest.fixture
-def hyperspy(monkeypatch):
-    """A module in the place of hyperspy.signal, with our class as its base of all signals."""
-    module = types.ModuleType("hyperspy.signal")
-    module.BaseSignal = Signal
-    monkeypatch.setitem(sys.modules, "hyperspy.signal", module)
-
-
-@pytest.mark.usefixtures("hyperspy")
 def test_signals_bring_their_scale():
-    """And are refused where they are no single image of square pixels."""
+    """And are refused where they are no single image of square pixels.
+
+    Our class has the attributes of a hyperspy signal; hyperspy itself is tried below.
+    """
     image = gt.LatticeImage.of_signal(Signal(GREY, 0.05, 0.05))
     assert (image.step, image.unit, image.values.shape) == (0.05, "nm", GREY.shape)
     for signal, match in (
@@ -175,10 +169,54 @@ def test_signals_bring_their_scale():
             gt.LatticeImage.of_signal(signal)
 
 
-def test_what_is_no_signal_is_refused():
-    """With or without hyperspy."""
+@pytest.mark.parametrize("given", [GREY, None, "signal", object(), Signal])
+def test_what_is_no_signal_is_refused(given):
+    """Arrays, and a class in the place of a signal."""
     with pytest.raises(ImageError, match="a hyperspy signal was needed"):
-        gt.LatticeImage.of_signal(GREY)
+        gt.LatticeImage.of_signal(given)
+
+
+def test_signals_with_odd_contents_are_refused():
+    """Text in the place of pixels and of scales."""
+    with pytest.raises(ImageError, match="scale: a"):
+        gt.LatticeImage.of_signal(Signal(GREY, "x", "x"))
+    with pytest.raises(ImageError, match="signal.data: an array of real numbers"):
+        gt.LatticeImage.of_signal(Signal([["a"]], 1.0, 1.0))
+
+
+def test_signals_of_hyperspy():
+    """The real ones, where hyperspy is installed; its scale and unit are kept."""
+    signals = pytest.importorskip("hyperspy.signals")
+    signal = signals.Signal2D(GREY.astype(float))
+    assert gt.LatticeImage.of_signal(signal).unit == "px"
+    for axis in signal.axes_manager.signal_axes:
+        axis.scale, axis.units = 0.05, "nm"
+    image = gt.LatticeImage.of_signal(signal)
+    assert (image.step, image.unit) == (0.05, "nm")
+    assert (image.values == GREY).all()
+    with pytest.raises(ImageError, match="one image was needed"):
+        gt.LatticeImage.of_signal(signals.Signal2D(np.stack([GREY, GREY])))
+
+
+@pytest.mark.parametrize("dtype", ["uint8", "int32", "float32", "float64"])
+def test_arrays_come_back(tmp_path, dtype):
+    """NPY files, of one image or of a stack."""
+    np.save(tmp_path / "image.npy", GREY.astype(dtype))
+    assert (gt.LatticeImage.read(tmp_path / "image.npy").values == GREY).all()
+    np.save(tmp_path / "stack.npy", np.stack([GREY, GREY[::-1]]))
+    assert (gt.LatticeImage.read(tmp_path / "stack.npy", page=1).values == GREY[::-1]).all()
+    with pytest.raises(FileFormatError, match="page 2 was asked for, but the file has 2"):
+        gt.LatticeImage.read(tmp_path / "stack.npy", page=2)
+
+
+@pytest.mark.parametrize(
+    "array", [np.array([{}]), np.array("text"), np.zeros(5), np.zeros((40, 40), complex)]
+)
+def test_arrays_that_are_no_images_are_refused(tmp_path, array):
+    """Objects, which would have to be unpickled, text, a line, complex numbers."""
+    np.save(tmp_path / "odd.npy", array)
+    with pytest.raises(FileFormatError, match=r"odd\.npy"):
+        gt.LatticeImage.read(tmp_path / "odd.npy")
 
 
 def test_nothing_is_unpickled(tmp_path, monkeypatch):

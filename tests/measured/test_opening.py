@@ -8,9 +8,17 @@ import re
 import numpy as np
 import pytest
 
-from geomtorsion.errors import FileFormatError, GridError, OrientationError
+import geomtorsion as gt
+from geomtorsion.errors import FileFormatError, GridError, ImageError, OrientationError
 from geomtorsion.loops import SampledFrame
-from geomtorsion.measured import CrystalField, SampledField, is_measured, open_measured
+from geomtorsion.measured import (
+    CrystalField,
+    LatticeField,
+    SampledField,
+    is_measured,
+    open_measured,
+)
+from tests.images.atoms import crystal
 from tests.orientations.test_map_files import ctf, write
 
 
@@ -75,3 +83,40 @@ def test_options_that_do_not_belong(tmp_path):
         open_measured(write(tmp_path, ctf(), "a.ctf"), order=4)
     with pytest.raises(OrientationError, match="sigma"):
         open_measured(write(tmp_path, ctf(), "a.ctf"), sigma="guess")
+
+
+def test_images(tmp_path):
+    """An array of grey values becomes a lattice field; what belongs to others is refused."""
+    image = crystal(96, "square", dislocated=False)
+    path = tmp_path / "atoms.npy"
+    np.save(path, image.values)
+    field = open_measured(path, pixel=(0.05, "nm"), spots=image.vectors / 0.05, resolution=0.5)
+    assert isinstance(field, LatticeField)
+    assert (field.unit, field.phases.resolution) == ("nm", 0.5)
+    with pytest.raises(ImageError, match="sigma: it belongs to sampled frames.*an image"):
+        open_measured(path, sigma=1)
+    with pytest.raises(GridError, match="pixel: it belongs to lattice images"):
+        open_measured(grid(tmp_path), pixel=(1, "nm"))
+    np.save(path, np.random.default_rng(0).normal(size=(128, 128)))
+    with pytest.raises(ImageError, match="no lattice that can be seen"):
+        open_measured(path)
+
+
+def test_hdf5_is_told_by_what_is_in_it(tmp_path):
+    """A sampled frame by its data set; anything else is asked of orix."""
+    h5py = pytest.importorskip("h5py")
+    assert isinstance(open_measured(grid(tmp_path, "field.h5")), SampledField)
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file["numbers"] = np.arange(5)
+    with pytest.raises(gt.GeomtorsionError, match=r"orix|coframe"):
+        open_measured(tmp_path / "other.h5")
+
+
+def test_orientations_in_hdf5(tmp_path):
+    """A map that orix writes is a crystal field."""
+    io = pytest.importorskip("orix.io")
+    path = write(tmp_path, ctf(), "a.ctf")
+    io.save(str(tmp_path / "a.h5"), io.load(str(path)))
+    field = open_measured(tmp_path / "a.h5", threshold=7)
+    assert isinstance(field, CrystalField)
+    assert field.map.shape == open_measured(path).map.shape

@@ -14,11 +14,14 @@ import typer
 
 from geomtorsion.checks import cut
 from geomtorsion.cli.exits import ExitCode
-from geomtorsion.cli.measured import identity_frame, measured_burgers, opened
+from geomtorsion.cli.measured import Reading, identity_frame, measured_burgers, opened
 from geomtorsion.cli.options import (
     MeasuredLaue,
     MeasuredOrder,
+    MeasuredPixel,
+    MeasuredResolution,
     MeasuredSigma,
+    MeasuredSpots,
     MeasuredThreshold,
     SpaceOrMeasured,
     directory,
@@ -98,6 +101,9 @@ def burgers(
     threshold: MeasuredThreshold = None,
     order: MeasuredOrder = None,
     laue: MeasuredLaue = None,
+    pixel: MeasuredPixel = None,
+    spots: MeasuredSpots = None,
+    resolution: MeasuredResolution = None,
     exact: Annotated[bool, typer.Option("--exact", help="A closed form, not numbers.")] = False,
     form: Annotated[
         Form, typer.Option("--format", help="text to read, json for programs.")
@@ -120,18 +126,18 @@ def burgers(
       geomtorsion burgers heisenberg --curve 'cos(s);sin(2*s);0' --exact
       geomtorsion burgers so3 --loops loops.json --format json | jq .results
       geomtorsion burgers map.ctf --loop "circle 20,30:8" -o out
+      geomtorsion burgers lattice.tif --pixel 0.032nm --loop "circle 4,4:2.5"
     """
     measured = is_measured(source)
     field, name = None, source
+    reading = Reading(sigma, threshold, order, tuple(laue or ()), pixel, spots, resolution)
     if measured:
         refuse_options({"--set": values, "--accuracy": accuracy, "--exact": exact}, measured)
         with working(Path(source).name):
-            field = opened(source, sigma, threshold, order, laue)
+            field = opened(source, reading)
         frame = identity_frame(field.names)
     else:
-        refuse_options(
-            {"--sigma": sigma, "--threshold": threshold, "--order": order, "--laue": laue}, measured
-        )
+        refuse_options(reading.given, measured)
         space = open_space(source)
         frame, name = space.frame, space.name
     given = {

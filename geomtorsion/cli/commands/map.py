@@ -12,7 +12,9 @@ from geomtorsion.checks import cut, shown
 from geomtorsion.cli.commands.burgers import loop_data
 from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.measured import (
+    Reading,
     closures_of,
+    dashed,
     explain,
     identity_frame,
     opened,
@@ -24,7 +26,10 @@ from geomtorsion.cli.options import (
     MeasuredFile,
     MeasuredLaue,
     MeasuredOrder,
+    MeasuredPixel,
+    MeasuredResolution,
     MeasuredSigma,
+    MeasuredSpots,
     MeasuredThreshold,
     PictureFormat,
     Pictures,
@@ -32,7 +37,7 @@ from geomtorsion.cli.options import (
     option,
 )
 from geomtorsion.cli.terminal import working, wrapped
-from geomtorsion.errors import GridError, OrientationError
+from geomtorsion.errors import GridError, ImageError, OrientationError
 from geomtorsion.loops.loop_files import loop_from_data
 from geomtorsion.measured.writing import summary
 from geomtorsion.pictures.measured import draw_circuits
@@ -51,6 +56,9 @@ def map(
     threshold: MeasuredThreshold = None,
     order: MeasuredOrder = None,
     laue: MeasuredLaue = None,
+    pixel: MeasuredPixel = None,
+    spots: MeasuredSpots = None,
+    resolution: MeasuredResolution = None,
     circle: Annotated[
         list[str] | None, option(metavar="X,Y:RADIUS", text="A circle in the map as well: 20,30:8")
     ] = None,
@@ -64,23 +72,25 @@ def map(
 ) -> None:
     """Map |b| per area of a measured field, and whether it is more than noise.
 
-    FILE holds a grid (coframe or distortion: .npz, .nc, .csv, .h5, .vtk, .vtu) or an orientation
-    map (.ctf, .ang). Square circuits of one size are taken at every place.
+    FILE holds a grid (coframe or distortion: .npz, .nc, .csv, .h5, .vtk, .vtu), an orientation map
+    (.ctf, .ang, .h5) or a picture of a lattice (.png, .tif, .npy). Square circuits of one size are
+    taken at every place.
 
     \b
     Examples:
       geomtorsion map wafer.ctf --size 8 -o wafer-map
       geomtorsion map steel.ang --size 4 --threshold 3 -o steel-map
       geomtorsion map distortion.npz --size 2 --sigma 0.001
+      geomtorsion map lattice.tif --pixel 0.032nm --size 40 -o image-map
     """
+    reading = Reading(sigma, threshold, order, tuple(laue or ()), pixel, spots, resolution)
     with working(Path(source).name) as progress:
-        field = opened(source, sigma, threshold, order, laue)
+        field = opened(source, reading)
         progress(f"circuits of {size} x {size} cells")
         try:
             survey = field.survey(size, _plane(plane, field.names))
-        except (GridError, OrientationError) as error:
-            dashes = "--" if str(error).startswith(("size", "plane")) else ""
-            raise type(error)(f"{dashes}{error}") from None
+        except (GridError, OrientationError, ImageError) as error:
+            raise dashed(error) from None
         about = field.about
     frame = identity_frame(field.names)
     loops = [

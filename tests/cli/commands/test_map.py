@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.cli import running
+from tests.images.atoms import crystal
 from tests.measured.test_opening import grid
 from tests.orientations.synthetic import noisy_wall
 from tests.orientations.test_map_files import ctf, write
@@ -153,3 +154,43 @@ def test_circles(scan, tmp_path):
 def test_more_wrong_options(scan, arguments, message):
     """Each is refused with what was needed."""
     assert message in " ".join(run(scan, *arguments, code=2).stderr.split())
+
+
+@pytest.fixture
+def lattice(tmp_path):
+    """Atoms 0.4 nm apart round an edge dislocation, as a TIFF file."""
+    tifffile = pytest.importorskip("tifffile")
+    path = tmp_path / "lattice.tif"
+    tifffile.imwrite(path, crystal(256, "square", turned=0.0).noisy(0.5, 1).astype("float32"))
+    return str(path)
+
+
+def test_an_image(lattice, tmp_path):
+    """Whole numbers round the core, in words, table and pictures."""
+    options = ("--pixel", "0.05nm", "--size", "40", "--circle", "6.4,6.4:3")
+    said = run(lattice, *options, "-o", str(tmp_path / "o")).stdout
+    assert "b = (-1, 0) lattice vectors; the chance that noise has changed it" in said
+    assert "lattice vectors (0.40" in said
+    found = json.loads((tmp_path / "o/map.json").read_text())
+    assert found["largest"] == pytest.approx(0.4 / 4, rel=0.01)
+    assert found["circles"][0]["whole"] == [-1, 0]
+    assert (tmp_path / "o/circuits.png").stat().st_size > 5000
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--pixel", "nm"), "--pixel nm: a size with its unit was needed"),
+        (("--pixel", "0nm"), "--pixel 0nm: a size with its unit"),
+        (("--spots", "1,a"), "--spots 1,a: two spots"),
+        (("--spots", "0.1,0"), "--spots: "),
+        (("--resolution", "-1"), "--resolution: a positive number"),
+        (("--sigma", "1"), "--sigma: it belongs to sampled frames"),
+        (("--threshold", "1"), "--threshold: it belongs to orientation maps"),
+        (("--size", "1"), "--size: a whole number from 2"),
+        (("--plane", "y,x"), "--plane: an image has one plane"),
+    ],
+)
+def test_wrong_options_of_images(lattice, arguments, message):
+    """Each is refused as it was typed."""
+    assert message in " ".join(run(lattice, *arguments, code=2).stderr.split())
