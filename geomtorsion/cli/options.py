@@ -66,7 +66,7 @@ SpaceOrMeasured = Annotated[
     str,
     argument(
         "SPACE|FILE",
-        "A shipped space, a tetrad file (TOML), or measured: .npz, .csv, .ctf, .ang, .png, .tif ...",
+        "A shipped space, a tetrad file (TOML), or measured: .npz, .csv, .ctf, .ang, .png ...",
     ),
 ]
 MeasuredFile = Annotated[

@@ -15,8 +15,10 @@ from geomtorsion.errors import FileFormatError, ImageError, LimitError, MissingE
 KINDS = {".tif": "tifffile", ".tiff": "tifffile", ".png": "PIL.Image", ".npy": "numpy"}
 
 
-def read_pixels(path: Path, page: int = 0) -> np.ndarray:
+def read_pixels(path: Path, page: int = 0, most: int | None = None) -> np.ndarray:
     """Grey values of an image file, shape (rows, columns).
+
+    most: pixels that it may have; without it as many as there is room for.
 
     Raises
     ------
@@ -30,8 +32,8 @@ def read_pixels(path: Path, page: int = 0) -> np.ndarray:
     checks.count(page, "page", ImageError)
     if path.suffix.lower() not in KINDS:
         raise FileFormatError(
-            f"{path}: .tif, .tiff, .png or .npy was needed, but the name ends in {path.suffix!r}. Give "
-            "arrays in memory to LatticeImage(array)."
+            f"{path}: .tif, .tiff, .png or .npy was needed, but the name ends in {path.suffix!r}. "
+            "Give arrays in memory to LatticeImage(array)."
         )
     if not path.is_file():
         raise FileFormatError(f"{path}: there is no such file.")
@@ -45,7 +47,7 @@ def read_pixels(path: Path, page: int = 0) -> np.ndarray:
         ) from None
     load = {"tifffile": _tiff, "PIL.Image": _png, "numpy": _npy}[name]
     try:
-        found = load(library, path, page)
+        found = load(library, path, page, most)
     except (FileFormatError, LimitError, MemoryError):
         raise
     # Decoders fail in all the ways there are when bytes are wrong, some with errors of their own.
@@ -57,30 +59,32 @@ def read_pixels(path: Path, page: int = 0) -> np.ndarray:
     return _grey(found, path)
 
 
-def _tiff(library: Any, path: Path, page: int) -> np.ndarray:
+def _tiff(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
     """One page of a TIFF file."""
     with library.TiffFile(path) as file:
         count = len(file.pages)
+        if not count:
+            raise FileFormatError(f"{path}: it holds no image; it is truncated. Export it again.")
         if page >= count:
             raise FileFormatError(
                 f"{path}: page {page} was asked for, but the file has {count}, counted from 0."
             )
         found = file.pages[page]
-        check_size(path, found.shape)
+        check_size(path, found.shape, most)
         return np.asarray(found.asarray(maxworkers=1))
 
 
-def _png(library: Any, path: Path, page: int) -> np.ndarray:
+def _png(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
     """A PNG file, of any depth."""
     if page:
         raise FileFormatError(f"{path}: page {page} was asked for, but a PNG file has one, page 0.")
     with library.open(path, formats=("PNG",)) as file:
-        check_size(path, file.size)
+        check_size(path, file.size, most)
         grey = file.mode in ("1", "L", "I", "I;16", "F")
         return np.asarray(file if grey else file.convert("RGB"))
 
 
-def _npy(library: Any, path: Path, page: int) -> np.ndarray:
+def _npy(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
     """An array, or one of a stack; nothing in the file is unpickled."""
     # Mapped: its size is known before memory is taken.
     found = library.load(path, mmap_mode="r", allow_pickle=False)
@@ -89,11 +93,11 @@ def _npy(library: Any, path: Path, page: int) -> np.ndarray:
         raise FileFormatError(
             f"{path}: page {page} was asked for, but the file has {len(stack)}, counted from 0."
         )
-    check_size(path, stack[page].shape)
+    check_size(path, stack[page].shape, most)
     return np.asarray(stack[page])
 
 
-def check_size(subject: object, shape: tuple[int, ...]) -> None:
+def check_size(subject: object, shape: tuple[int, ...], most: int | None = None) -> None:
     """Refuse, before memory is taken, an image whose phases would need too much of it.
 
     Raises
@@ -102,6 +106,11 @@ def check_size(subject: object, shape: tuple[int, ...]) -> None:
         It has too many pixels.
     """
     count = math.prod(map(int, shape[:2]))
+    if most is not None and count > most:
+        raise LimitError(
+            f"{subject}: the image has {count:,} pixels; up to {most:,} are taken. Cut it into "
+            "parts."
+        )
     # Two complex waves, the spectrum that they come from, and the image itself.
     checks.check_room(7 * count, f"{subject}: an image of {count:,} pixels", "Cut it into parts.")
 

@@ -83,10 +83,7 @@ class LatticePhases:
 
     @property
     def doubt(self) -> float:
-        """Relative error of lattice vectors: spots are known to a third of a pixel of the transform.
-
-        g is known to that over its length.
-        """
+        """Relative error of lattice vectors: a third of a pixel of the transform over |g|."""
         return 1 / (3 * min(self.waves.shape[1:]) * float(np.hypot(*self.found.vectors.T).min()))
 
     # -- what is seen where -----------------------------------------------------------------------

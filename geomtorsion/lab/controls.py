@@ -28,6 +28,9 @@ BODIES = {"so3": 3, "so3_zxz": 3, "so3_xyz": 3, "so3_zyx": 3, "so3_quaternion": 
 
 # What a space of a list is where the address of the page names none.
 FIRST_LOOP, FIRST_PATH = "so3", "r3xso3"
+# Thresholds of grains, degrees, and what stands for no other symmetry than that of the file.
+THRESHOLDS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.5, 10.0, 15.0, 20.0)
+AS_IN_FILE = "as in the file"
 # Moments of inertia (kg m^2), angular velocity (rad/s), tilt (rad) and time (s) of the top.
 BODY = {"I": (1.0, 2.0, 3.0), "w": (0.1, 2.0, 0.1), "tilt": 0.3, "t": 12.0}
 _ANGLES = ("phi", "theta", "psi", "chi", "yaw", "pitch", "roll")
@@ -114,9 +117,28 @@ def kept_loop(
 
 def upload(mo: ModuleType) -> ui.file:
     """A field for one file of a map; what is longer than it says does not come in."""
-    ends = [".npz", ".csv", ".ctf", ".ang", ".txt"]
-    label = f"a map, up to {PAGE.upload / 1e6:g} MB"
+    ends = ".npz .csv .ctf .ang .txt .png .tif .tiff .npy".split()
+    label = f"a file, up to {PAGE.upload / 1e6:g} MB"
     return mo.ui.file(ends, kind="button", max_size=PAGE.upload, label=label)
+
+
+def map_settings(mo: ModuleType, facts: Json) -> ui.dictionary:
+    """How a file of orientations is read: grains, the phase that is shown, its symmetry."""
+    known = facts.get("settings") or {}
+    if not known:
+        return mo.ui.dictionary({})
+    phases = {"all": 0} | {f"{number}: {name}": number for number, name in known["phases"]}
+    groups = {AS_IN_FILE: ""} | {name: name for name in known["groups"]}
+    return mo.ui.dictionary(
+        {
+            "threshold": mo.ui.slider(
+                steps=list(THRESHOLDS), value=known["threshold"], show_value=True,
+                label="grains differ by, in degrees",
+            ),
+            "phase": mo.ui.dropdown(phases, value="all", label="phase"),
+            "laue": mo.ui.dropdown(groups, value=AS_IN_FILE, label="its Laue group"),
+        }
+    )  # fmt: skip
 
 
 def map_measure(mo: ModuleType) -> ui.radio:
@@ -129,6 +151,7 @@ def map_places(mo: ModuleType, facts: Json, measured: bool) -> ui.dictionary:
     """A slider for each coordinate of the middle of a square, one for its side."""
     if "shape" not in facts:
         return mo.ui.dictionary({})
+    least = facts["least"]
     sliders = {}
     for name, count, start, step, at in zip(
         facts["names"], facts["shape"], facts["starts"], facts["steps"], facts["middle"],
@@ -142,10 +165,10 @@ def map_places(mo: ModuleType, facts: Json, measured: bool) -> ui.dictionary:
             show_value=True,
         )
     step = abs(facts["steps"][0]) if measured else 1
-    sides = _stations(step, facts["most"], step)
+    sides = _stations(least * step, facts["most"] - least + 1, step)
     sliders["side"] = mo.ui.slider(
         steps=sides,
-        value=sides[facts["side"] - 1],
+        value=sides[facts["side"] - least],
         label=f"side{_map_unit(facts, measured)}",
         show_value=True,
     )

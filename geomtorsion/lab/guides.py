@@ -110,13 +110,17 @@ GUIDES: Mapping[str, Guide] = {
 # The part of the tab for loops that takes a file.
 MEASURED = Guide(
     "A measured map: a grid of a coframe or distortion (NPZ or CSV, as SampledFrame.save writes "
-    "it) or an orientation map (.ctf, .ang). Colours show |b| per area of square circuits of one "
-    f"size, each at its middle; the frame is the circuit whose b is given. Up to "
-    f"{PAGE.upload / 1e6:g} MB and {PAGE.nodes:,} nodes; the file stays in the memory of the "
-    "machine that serves this page.",
+    "it), an orientation map (.ctf, .ang) or a picture of a lattice (PNG, TIFF, NPY). Colours show "
+    "|b| per area of square circuits of one size, each at its middle; a picture is shown as it is. "
+    "The frame is the circuit whose b is given. Up to "
+    f"{PAGE.upload / 1e6:g} MB, {PAGE.nodes:,} nodes or {PAGE.pixels:,} pixels; the file stays in "
+    "the memory of the machine that serves this page.",
     "put the circuit round a bright spot, then beside it; make it larger and see the noise per "
-    "area fall; lead it across a grain boundary or the edge of a hole, and read what is said.",
+    "area fall; lead it across a grain boundary or the edge of a hole, and read what is said; in a "
+    "picture b is made of whole numbers: look where they change.",
     {
+        "whole numbers": "how often the phases of two waves of the lattice turn along the circuit: "
+        "in a picture b is exact, but for the chance that noise turns a phase once more.",
         "noise": "one standard deviation of each component, from the noise of every node or pixel, "
         "added up along this very circuit.",
         "interpolation": "what another order of interpolation between the nodes would change.",

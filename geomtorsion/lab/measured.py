@@ -1,51 +1,24 @@
-"""measured: a square circuit in a map that somebody gives: its Burgers vector, errors, picture."""
+"""measured: a square circuit in a map or image that is given: Burgers vector, errors, picture."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
-import numpy as np
-
-from geomtorsion.errors import GeomtorsionError
+from geomtorsion.errors import FileFormatError, GeomtorsionError
 from geomtorsion.exercises.worker_pool import Json
-from geomtorsion.lab.numbers import raised, table
+from geomtorsion.lab.given import Given, Shown, given_of
 from geomtorsion.lab.plot import Look, Plot
-from geomtorsion.lab.raster import address, colours, png, scale
+from geomtorsion.lab.raster import address, png, scale
 from geomtorsion.lab.settings import PAGE
 from geomtorsion.lab.uploads import read_map, title_of
-from geomtorsion.loops import Loop, SampledFrame
-from geomtorsion.orientations import Circuit, OrientationMap
-from geomtorsion.pictures.style import number
 
 # Bright with a dark edge: seen on every colour of the map.
 LINE, EDGE = Look("#ffffff", "", "", 2.4), Look("#a3201a", "", "", 5.0)
 
 
-@dataclass(frozen=True)
-class Found:
-    """Burgers vector of one circuit.
-
-    vector, noise: by component; heads: what these are. interpolation: of the largest component,
-    None where it is far below the noise. unit: of all. significance: |b| against its errors.
-    told: what else is to be said.
-    """
-
-    vector: Sequence[float]
-    noise: Sequence[float]
-    heads: Sequence[str]
-    interpolation: float | None
-    unit: str
-    significance: float
-    told: str
-
-    @property
-    def size(self) -> float:
-        """|b|."""
-        return float(np.linalg.norm(self.vector))
-
-
-def map_facts(content: bytes, name: str) -> Json:
+def map_facts(
+    content: bytes, name: str, threshold: float | None = None, phase: int = 0, laue: str = ""
+) -> Json:
     """What a map is, and where circuits may lie in it.
 
     Parameters
@@ -54,12 +27,16 @@ def map_facts(content: bytes, name: str) -> Json:
         The bytes of the file; what they are is seen in them.
     name
         Of the file, for messages.
+    threshold, phase, laue
+        Of orientation maps: grains differ by more, degrees; the phase that colours show, 0 for all;
+        its Laue group, empty as in the file.
 
     Returns
     -------
     sentence: what it is. shape: nodes along x and y. starts, steps: coordinates of the first node
     and from one to the next, in `unit`. names: of the axes. middle, side: of the first circuit,
-    numbers of nodes and of cells; most: cells that its side may have.
+    numbers of nodes and of cells; most: cells that its side may have. settings: what can be chosen
+    about how the file is read. problem: why it can only be read with another choice.
 
     Raises
     ------
@@ -77,38 +54,47 @@ def map_facts(content: bytes, name: str) -> Json:
     ([9, 8], [4, 4], 1, 7)
     """
     title = title_of(name)
-    found = read_map(content, title)
-    shape, starts, steps, names = _layout(found)
-    if isinstance(found, OrientationMap):
-        phases = ", ".join(phase.name for phase in found.phases.values())
-        what = f"an orientation map of {shape[1]} × {shape[0]} pixels ({phases})"
-    else:
-        noise = "unknown" if found.sigma is None else found.sigma_source
-        holes = f"; holes: {len(found.holes)}" if found.holes else ""
-        sizes = " × ".join(str(len(axis)) for axis in found.axes)
-        what = f"a sampled frame of {sizes} nodes; its noise: {noise}{holes}"
-        if len(found.axes) > 2:
-            what += "; circuits lie in the middle of its other axes"
-    most = min(shape) - 1
-    return {
-        "sentence": f"{title} is {what}.",
-        "unit": found.unit,
-        "shape": list(shape),
-        "starts": starts,
-        "steps": steps,
-        "names": list(names),
-        "middle": [n // 2 for n in shape],
-        "side": max(1, min(shape) // PAGE.parts),
+    problem = ""
+    try:
+        found = _read(content, title, threshold, phase, laue)
+    except FileFormatError as error:
+        # With any symmetry for its phases the file may be sound all the same.
+        if laue or "its symmetry is not known" not in str(error):
+            raise
+        found = _read(content, title, threshold, 0, "-1")
+        problem = f"{str(error).partition(' Give it')[0]} Choose a Laue group below."
+    layout = found.layout
+    most = min(layout.shape) - 1
+    facts = {
+        "sentence": f"{title} is {found.about}.",
+        "unit": layout.unit,
+        "shape": list(layout.shape),
+        "starts": list(layout.starts),
+        "steps": list(layout.steps),
+        "names": list(layout.names),
+        "middle": [n // 2 for n in layout.shape],
+        "side": max(found.least, min(layout.shape) // PAGE.parts),
+        "least": found.least,
         "most": most,
+        "settings": found.settings,
     }
+    return facts | {"problem": problem} if problem else facts
 
 
-def map_circuit(content: bytes, name: str, centre: Sequence[int], side: int) -> Json:
+def map_circuit(
+    content: bytes,
+    name: str,
+    centre: Sequence[int],
+    side: int,
+    threshold: float | None = None,
+    phase: int = 0,
+    laue: str = "",
+) -> Json:
     """A square circuit in a map, and |b| per area of all circuits of its size.
 
     Parameters
     ----------
-    content, name
+    content, name, threshold, phase, laue
         As for `map_facts`.
     centre
         The node in its middle, numbers along x and y from 0.
@@ -133,146 +119,38 @@ def map_circuit(content: bytes, name: str, centre: Sequence[int], side: int) -> 
     >>> [round(x, 9) for x in found["b"]]
     [9.0]
     """
-    found = read_map(content, title_of(name))
+    found = _read(content, title_of(name), threshold, phase, laue)
     corner = [int(k) - int(side) // 2 for k in centre]
-    if isinstance(found, OrientationMap):
-        squares = found.burgers_map(side)
-        density = squares.per_area.T
-    else:
-        cells = found.burgers_map(side)
-        others = tuple(len(axis) // 2 for axis in found.axes[2:])
-        sizes = np.sqrt((cells.vectors**2).sum(axis=0)) / cells.area
-        density = sizes[(slice(None), slice(None), *others)]
-    reply: dict[str, object] = {"picture": _picture(found, density, corner, side)}
+    reply: dict[str, object] = {"picture": _picture(found, found.shown(side), corner, side)}
     try:
-        if isinstance(found, OrientationMap):
-            one = _of_map(found, corner, side)
-        else:
-            one = _of_frame(found, corner, side)
+        return reply | found.circuit(corner, side)
     except GeomtorsionError as error:
         return {**reply, "refused": str(error)}
-    return {
-        **reply,
-        "sentence": _sentence(one, side),
-        "table": _table(one),
-        "b": list(one.vector),
-        "noise": list(one.noise),
-        "interpolation": one.interpolation,
-        "unit": one.unit,
-    }
 
 
-def _layout(
-    found: SampledFrame | OrientationMap,
-) -> tuple[tuple[int, int], list[float], list[float], tuple[str, str]]:
-    """Nodes along x and y, coordinates of the first node, steps, names of the axes."""
-    if isinstance(found, OrientationMap):
-        rows, columns = found.shape
-        return (columns, rows), [0.0, 0.0], [float(x) for x in found.steps], ("x", "y")
-    x, y = found.axes[:2]
-    starts, steps = [float(x[0]), float(y[0])], [float(found.steps[0]), float(found.steps[1])]
-    return (len(x), len(y)), starts, steps, (found.names[0], found.names[1])
+def _read(content: bytes, title: str, threshold: float | None, phase: int, laue: str) -> Given:
+    """What is in the file, read as was chosen."""
+    return given_of(read_map(content, title, threshold, (laue, phase) if laue else None), phase)
 
 
-def _of_map(found: OrientationMap, corner: Sequence[int], side: int) -> Found:
-    """A circuit in an orientation map: crystal axes, lengths in the unit of the map."""
-    column, row = corner
-    b = found.burgers(Circuit.square((row, column), side))
-    noise = np.sqrt(np.diagonal(b.rotation.T @ b.covariance @ b.rotation).clip(0))
-    told = (
-        f"Grain {b.grain}, {b.phase.name}; components along the axes of the crystal. The error of "
-        "interpolation is far below the noise."
-    )
-    heads = [f"b{raised(k)}" for k in range(3)]
-    return Found(b.vector.tolist(), noise.tolist(), heads, None, b.unit, b.significance, told)
-
-
-def _of_frame(found: SampledFrame, corner: Sequence[int], side: int) -> Found:
-    """A circuit in a sampled frame, from x to y."""
-    low = [float(a[0]) + h * k for a, h, k in zip(found.axes, found.steps, corner, strict=False)]
-    high = [a + h * side for a, h in zip(low, found.steps, strict=False)]
-    (x0, x1), (y0, y1) = (sorted(pair) for pair in zip(low, high, strict=True))
-    rest = [float(axis[len(axis) // 2]) for axis in found.axes[2:]]
-    corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
-    b = found.burgers(Loop.polygon([[*point, *rest] for point in corners], name="square"))
-    told = "" if found.sigma is not None else "Nothing is known of the noise of this map."
-    heads = [f"b{raised(k)}" for k in range(found.rows)]
-    other = b.interpolation_error + b.quadrature_error
-    return Found(b.vector.tolist(), b.sigmas.tolist(), heads, other, b.unit, b.significance, told)
-
-
-def _sentence(one: Found, side: int) -> str:
-    """What the circuit has, in words."""
-    unit = f" {one.unit}" if one.unit else ""
-    noise = float(np.max(one.noise))
-    said = f"Circuit of {side} × {side} cells: |b| = {one.size:.4g}{unit}"
-    said += f"; noise {noise:.1e}{unit} in its noisiest component"
-    if one.interpolation is not None:
-        said += f", interpolation {one.interpolation:.1e}{unit}"
-    if np.isfinite(one.significance):
-        # Noise alone: |b| against sigma is the root of the number of components.
-        alone = len(one.vector) ** 0.5
-        times = number(float(f"{one.significance:.3g}"))
-        said += f". Against its errors |b| is {times}; errors alone give {alone:.1f}"
-    return f"{said}. {one.told}".rstrip()
-
-
-def _table(one: Found) -> str:
-    """Component by component, with both errors."""
-    other = "–" if one.interpolation is None else f"{one.interpolation:.1e}"
-    rows = [
-        [head, number(float(f"{value:.5g}")), f"{sigma:.1e}", other]
-        for head, value, sigma in zip(one.heads, one.vector, one.noise, strict=True)
-    ]
-    unit = f" in {one.unit}" if one.unit else ""
-    heads = ("", "b", "noise", "interpolation")
-    return table(heads, rows, f"Burgers vector of the circuit{unit}")
-
-
-def _picture(
-    found: SampledFrame | OrientationMap, density: np.ndarray, corner: Sequence[int], side: int
-) -> str:
-    """The map with the circuit, each circuit of its size at its middle; below it the scale."""
-    shape, starts, steps, names = _layout(found)
-    whole = np.full(shape, np.nan)
-    half = side // 2
-    whole[half : half + density.shape[0], half : half + density.shape[1]] = density
-    known = density[np.isfinite(density)]
-    most = float(known.max()) if known.size else 0.0
-    # Pixels run as coordinates do, also where an axis descends.
-    turned = whole[:: int(np.sign(steps[0])), :: int(np.sign(steps[1]))]
-    pixels = png(colours(turned.T, most))
-    unit = f" in {found.unit}" if found.unit else ""
-    labels = (f"{names[0]}{unit}", f"{names[1]}{unit}")
-    plot = Plot(f"|b| per area, circuits of {side} × {side} cells", labels, equal=True)
+def _picture(found: Given, shown: Shown, corner: Sequence[int], side: int) -> str:
+    """The map with the circuit; below it the scale."""
+    layout = found.layout
+    (x, y), (dx, dy) = layout.starts, layout.steps
+    unit = f" in {layout.unit}" if layout.unit else ""
+    labels = (f"{layout.names[0]}{unit}", f"{layout.names[1]}{unit}")
+    plot = Plot(shown.title, labels, equal=True)
 
     def at(i: float, k: float) -> tuple[float, float]:
-        return starts[0] + steps[0] * i, starts[1] + steps[1] * k
+        return x + dx * i, y + dy * k
 
     # A value at even sides stands for the node in the middle, and covers a step about it.
-    shift = 0.0 if side % 2 == 0 else 0.5
-    ends = zip(
-        at(shift - 0.5, shift - 0.5),
-        at(shape[0] - 0.5 + shift, shape[1] - 0.5 + shift),
-        strict=True,
-    )
+    shift = 0.5 * (shown.side % 2)
+    last = (layout.shape[0] - 0.5 + shift, layout.shape[1] - 0.5 + shift)
+    ends = zip(at(shift - 0.5, shift - 0.5), at(*last), strict=True)
     (left, right), (bottom, top) = (sorted(pair) for pair in ends)
-    plot.picture((left, bottom), (right, top), address(pixels))
+    plot.picture((left, bottom), (right, top), address(png(shown.pixels)))
     i, k = corner
     square = [at(i, k), at(i + side, k), at(i + side, k + side), at(i, k + side), at(i, k)]
     plot.line(square, EDGE).line(square, LINE)
-    vectors = found.unit if isinstance(found, OrientationMap) else found.vector_unit
-    return plot.svg() + scale(most, _density_unit(vectors, found.unit))
-
-
-def _density_unit(vectors: str, lengths: str) -> str:
-    """The unit of b per area.
-
-    Examples
-    --------
-    >>> _density_unit("um", "um"), _density_unit("nm", "um"), _density_unit("", "")
-    ('1/um', 'nm/um²', '')
-    """
-    if not lengths or not vectors:
-        return ""
-    return f"1/{lengths}" if vectors == lengths else f"{vectors}/{lengths}²"
+    return plot.svg() + ("" if shown.most is None else scale(shown.most, shown.unit))

@@ -194,23 +194,49 @@ def _(given, mo, runner):
 
 
 @app.cell
+def _(controls, map_facts, mo):
+    map_settings = controls.map_settings(mo, map_facts)
+    return (map_settings,)
+
+
+@app.cell
 def _(controls, map_facts, map_measure, mo):
+    # What is chosen about grains and symmetry does not move the circuit.
     map_places = controls.map_places(mo, map_facts, map_measure.value)
     return (map_places,)
 
 
 @app.cell
-def _(map_facts, map_measure, map_places, mo, tab, views):
+def _(map_facts, map_file, map_measure, map_places, map_settings, mo, runner, tab, views):
     mo.stop(tab.value != views.LOOPS)
-    _controls = [map_measure, *map_places.values()] if map_places.value else []
-    mo.Html(views.map_told(map_facts) + views.controls(_controls, "measured"))
-    return
+    map_said = map_facts
+    if map_settings.value:
+        _chosen = map_settings.value
+        map_said = runner.ask("map_facts", map_file.contents, name=map_file.name, **_chosen)
+    _controls = [*map_settings.values(), map_measure, *map_places.values()]
+    mo.Html(
+        views.map_told(map_said) + views.controls(_controls if map_places.value else [], "measured")
+    )
+    return (map_said,)
 
 
 @app.cell
-def _(controls, map_facts, map_file, map_measure, map_places, mo, runner, tab, views):
-    mo.stop(tab.value != views.LOOPS or not map_places.value)
-    _case = controls.map_case(map_facts, map_places.value, map_measure.value)
+def _(
+    controls,
+    map_facts,
+    map_file,
+    map_measure,
+    map_places,
+    map_said,
+    map_settings,
+    mo,
+    runner,
+    tab,
+    views,
+):
+    # Where it cannot be read as was chosen, that has been said.
+    mo.stop(tab.value != views.LOOPS or not map_places.value or "problem" in map_said)
+    _case = controls.map_case(map_facts, map_places.value, map_measure.value) | map_settings.value
     map_reply = runner.ask("map_circuit", map_file.contents, name=map_file.name, **_case)
     mo.Html(views.measured(map_reply))
     return

@@ -12,7 +12,9 @@ class Settings:
     sessions: open at once. body: bytes of one request; a whole tetrad is a hundredth of that.
     upload: bytes of one file that is given to the page, a map of some 70,000 pixels as text: all
     sessions together then keep a few hundred megabytes. unpacked: bytes in a packed one.
-    nodes: of a map, so that a circuit is computed while one waits. title: letters of its name.
+    nodes: of a map, so that a circuit is computed while one waits; pixels: of a lattice image, as
+    many as a camera of 1024 x 1024 has. phases: numbers of phases for which a symmetry can be
+    chosen. title: letters of its name.
     request: characters of one request; the largest tetrad of the page has 36 entries.
     address: characters of one text that is kept in the address of the page.
     answer: characters of one answer to an exercise. dimensions: coordinates of a typed tetrad;
@@ -31,8 +33,9 @@ class Settings:
     digits: of each. film: seconds that a film lasts. film_points: of its curves.
     least_times, most_times, each_turn: times at which a top is computed, and for each turn.
     reach: steps that a slider goes to either side of the start; step: the usual size of one.
-    radius: of the first loop. parts: of the shorter side of a map, of which the side of the first
-    circuit is one: more noise if it is smaller, more grains if it is larger.
+    across: pixels of a picture that is sent. radius: of the first loop. parts: of the shorter side
+    of a map, of which the side of the first circuit is one: more noise if it is smaller, more
+    grains if it is larger.
     fastest: speed along a frame vector, and its step. zero: a value within so many errors of zero
     is shown as zero. nothing: an error of rounding is drawn here on a logarithmic axis.
     """
@@ -42,6 +45,9 @@ class Settings:
     upload: int = 4_000_000
     unpacked: int = 64_000_000
     nodes: int = 250_000
+    pixels: int = 1_048_576
+    phases: int = 32
+    across: int = 400
     title: int = 60
     request: int = 24_000
     address: int = 4000

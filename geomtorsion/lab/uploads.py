@@ -1,4 +1,4 @@
-"""uploads: bytes of a file that somebody gives, recognised by what is in them, read as a map."""
+"""uploads: bytes of a file that somebody gives, recognised by what is in them, read."""
 
 from __future__ import annotations
 
@@ -10,24 +10,30 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from geomtorsion.errors import FileFormatError, GeomtorsionError, GridError, LimitError
+from geomtorsion.images import LatticeImage
+from geomtorsion.images.image_files import read_pixels
 from geomtorsion.lab.settings import PAGE
 from geomtorsion.loops import SampledFrame
+from geomtorsion.measured import LatticeField
 from geomtorsion.orientations import OrientationMap
 
 # First bytes of formats that are something else -> what they are.
 _OTHERS: dict[bytes, str] = {
-    b"\x89PNG": "a picture (PNG)",
-    b"II*\x00": "a picture (TIFF)",
-    b"MM\x00*": "a picture (TIFF)",
-    b"\xff\xd8\xff": "a picture (JPEG)",
+    b"\xff\xd8\xff": "a picture whose details were thrown away (JPEG)",
     b"\x89HDF": "HDF5 or NetCDF",
     b"CDF": "NetCDF",
     b"\x80": "a pickle, which nobody here opens",
-    b"\x93NUMPY": "a single array (NPY)",
+}
+# First bytes of pictures of lattices -> how their files end.
+_IMAGES: dict[bytes, str] = {
+    b"\x89PNG": ".png",
+    b"II*\x00": ".tif",
+    b"MM\x00*": ".tif",
+    b"\x93NUMPY": ".npy",
 }
 NEEDED = (
-    "a sampled frame (NPZ or CSV, as SampledFrame.save writes them) or an orientation map (.ctf or "
-    ".ang) was needed"
+    "a sampled frame (NPZ or CSV, as SampledFrame.save writes them), an orientation map (.ctf or "
+    ".ang) or a picture of a lattice (PNG, TIFF, NPY) was needed"
 )
 # What a file is called while it is read: messages name it as its owner does.
 _STEM = "given-map"
@@ -50,6 +56,9 @@ def kind_of(content: bytes) -> str:
     """
     if content.startswith((b"PK\x03\x04", b"PK\x05\x06")):
         return ".npz"
+    for begin, end in _IMAGES.items():
+        if content.startswith(begin):
+            return end
     for begin, what in _OTHERS.items():
         if content.startswith(begin):
             raise FileFormatError(f"{NEEDED}, but the file is {what}. Save the map in one of them.")
@@ -84,8 +93,13 @@ def title_of(name: str) -> str:
 
 
 @lru_cache(maxsize=2)
-def read_map(content: bytes, title: str) -> SampledFrame | OrientationMap:
+def read_map(
+    content: bytes, title: str, threshold: float | None = None, laue: tuple[str, int] | None = None
+) -> SampledFrame | OrientationMap | LatticeField:
     """The map in a file; the last two stay, since a slider asks for the same one again.
+
+    threshold: of grains, degrees. laue: a Laue group instead of what the file says, and the number
+    of the phase that has it, 0 for all. Both are about orientation maps alone.
 
     Raises
     ------
@@ -99,7 +113,11 @@ def read_map(content: bytes, title: str) -> SampledFrame | OrientationMap:
         path = Path(folder, _STEM + kind)
         path.write_bytes(content)
         try:
-            found = OrientationMap.read(path) if kind in (".ctf", ".ang") else _frame(path)
+            if kind in _IMAGES.values():
+                return _lattice(path)
+            found = (
+                _orientations(path, threshold, laue) if kind in (".ctf", ".ang") else _frame(path)
+            )
         except GeomtorsionError as error:
             said = str(error).replace(str(path), title).replace(path.name, title)
             # Of the same class: a limit stays a limit.
@@ -116,6 +134,24 @@ def read_map(content: bytes, title: str) -> SampledFrame | OrientationMap:
     if len(shape) < 2:
         raise GridError(f"{title}: two axes or more were needed, but the map has one.")
     return found
+
+
+def _lattice(path: Path) -> LatticeField:
+    """A picture of a lattice, with its phases; sizes are in pixels."""
+    image = LatticeImage(read_pixels(path, most=PAGE.pixels))
+    return LatticeField(image, image.phases())
+
+
+def _orientations(
+    path: Path, threshold: float | None, laue: tuple[str, int] | None
+) -> OrientationMap:
+    """An orientation map."""
+    groups = {}
+    if laue is not None:
+        group, number = laue
+        groups = dict.fromkeys([number] if number else range(1, PAGE.phases + 1), group)
+    chosen = {} if threshold is None else {"threshold": threshold}
+    return OrientationMap.read(path, laue=groups, **chosen)
 
 
 def _frame(path: Path) -> SampledFrame:

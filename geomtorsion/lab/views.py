@@ -125,9 +125,9 @@ def loop_below(reply: Json) -> str:
 
 
 def map_field(field: object) -> str:
-    """What a map of one's own is for, and the field that takes it."""
+    """What a map or image of one's own is for, and the field that takes it."""
     text = (
-        f'<h2>A map of your own</h2><p class="guide">{escape(MEASURED.seen)}</p>'
+        f'<h2>A map or an image of your own</h2><p class="guide">{escape(MEASURED.seen)}</p>'
         f'<p class="guide"><strong>Try:</strong> {escape(MEASURED.tried)}</p>'
     )
     return wrapped(f'<div class="measured">{text}<div class="controls">{field}</div></div>')

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -41,7 +40,7 @@ class LatticeField:
         """Of lengths."""
         return self.image.unit
 
-    @cached_property
+    @property
     def about(self) -> tuple[str, ...]:
         """What it is, its lattice, and where it cannot be seen."""
         rows = ", ".join(f"({x:.4g}, {y:.4g})" for x, y in self.phases.lattice.tolist())
@@ -49,8 +48,10 @@ class LatticeField:
         return (
             repr(self.image),
             f"lattice vectors {rows} {self.unit}, averaged over {self.phases.resolution:.3g}",
-            f"amplitudes {strength[0]:.3g} and {strength[1]:.3g} times their noise; holes: "
-            f"{float(self.phases.holes.mean()):.1%} of the pixels",
+            (
+                f"amplitudes {strength[0]:.3g} and {strength[1]:.3g} times their noise; holes: "
+                f"{float(self.phases.holes.mean()):.1%} of the pixels"
+            ),
         )
 
     def closure(self, loop: Loop) -> Closure:

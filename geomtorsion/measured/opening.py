@@ -185,5 +185,6 @@ def _image(
     resolution: float | None,
 ) -> Measured:
     """A picture of a lattice, with its phases."""
-    image = LatticeImage.read(path, *(pixel or ()))
+    step, unit = pixel or (1.0, "px")
+    image = LatticeImage.read(path, step, unit)
     return LatticeField(image, image.phases(spots, resolution))

@@ -7,8 +7,11 @@ import zipfile
 from pathlib import Path
 
 import numpy as np
+import tifffile
+from PIL import Image
 
 from geomtorsion import SampledFrame
+from tests.images.atoms import crystal
 
 # b per area of the twisted map, and the angle between the halves of the wall, degrees.
 TWIST, TILT = 2.0, 4.0
@@ -54,4 +57,18 @@ def bomb() -> bytes:
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("coframe.npy", bytes(100_000_000))
+    return stream.getvalue()
+
+
+def atoms(end: str) -> bytes:
+    """Atoms 8 pixels apart round an edge dislocation in the middle, as a picture of 256 x 256."""
+    values = crystal(256, "square", turned=0.0).noisy(0.3, 1)
+    grey = np.rint(np.interp(values, (values.min(), values.max()), (0, 255))).astype(np.uint8)
+    stream = io.BytesIO()
+    if end == ".npy":
+        np.save(stream, values)
+    elif end == ".png":
+        Image.fromarray(grey).save(stream, "PNG")
+    else:
+        tifffile.imwrite(stream, grey)
     return stream.getvalue()

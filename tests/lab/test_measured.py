@@ -13,7 +13,7 @@ from geomtorsion import SampledFrame
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.lab.controls import map_case
 from geomtorsion.lab.measured import map_circuit, map_facts
-from tests.lab.maps import STEP, TILT, TWIST, saved, twisted, wall_ctf
+from tests.lab.maps import STEP, TILT, TWIST, atoms, saved, twisted, wall_ctf
 
 
 @pytest.mark.parametrize("end", [".npz", ".csv"])
@@ -104,3 +104,46 @@ def test_three_axes_are_seen_in_their_middle(tmp_path: Path):
     content = saved(volume, tmp_path, ".npz")
     assert "middle" in map_facts(content, "a")["sentence"]
     assert map_circuit(content, "a", [4, 4], 2)["b"] == pytest.approx([3 * 4.0])
+
+
+def test_whole_numbers_of_a_picture():
+    """Round the core (-1, 0), beside it nothing, whatever the size; outside a refusal."""
+    content = atoms(".npy")
+    facts = map_facts(content, "atoms.npy")
+    assert (facts["shape"], facts["least"], facts["settings"]) == ([256, 256], 2, {})
+    for side in (40, 61):
+        found = map_circuit(content, "a", [128, 128], side)
+        assert found["b"] == [-1, 0]
+        assert max(found["noise"]) < 1e-3
+        assert "exactly" in found["sentence"]
+        assert map_circuit(content, "a", [60, 190], side)["b"] == [0, 0]
+    assert "leaves the image" in map_circuit(content, "a", [3, 3], 40)["refused"]
+    # Through the core: a hole.
+    assert "hole" in map_circuit(content, "a", [148, 128], 40)["refused"]
+    assert found["picture"].count("<svg") == 1
+
+
+def test_choices_about_orientations():
+    """A threshold, a Laue group for all phases or one, and the phase that is shown."""
+    content = wall_ctf()
+    known = map_facts(content, "a")["settings"]
+    assert known["phases"] == [[1, "Nickel"]]
+    assert len(known["groups"]) == 11
+    assert "2 grains at 1°" in map_facts(content, "a", threshold=1.0)["sentence"]
+    assert "Nickel: 4/m" in map_facts(content, "a", laue="4/m", phase=1)["sentence"]
+    assert "boundary" in map_circuit(content, "a", [12, 10], 6, threshold=1.0)["refused"]
+    with pytest.raises(GeomtorsionError, match="Laue group"):
+        map_facts(content, "a", laue="cubic")
+
+
+def test_a_file_without_a_symmetry_asks_for_one():
+    """What can be read is told, with the remedy of the page; with a group all is well."""
+    content = wall_ctf().replace(b"Nickel\t11", b"Nickel\t0")
+    facts = map_facts(content, "wall.ctf")
+    assert "Choose a Laue group below" in facts["problem"]
+    assert "laue={" not in facts["problem"]
+    assert facts["shape"] == [24, 20]
+    assert facts["settings"]["groups"]
+    assert "problem" not in map_facts(content, "wall.ctf", laue="m-3m")
+    found = map_circuit(content, "wall.ctf", [12, 10], 6, laue="m-3m")
+    assert np.linalg.norm(found["b"]) == pytest.approx(6 * 2 * sin(radians(TILT) / 2), rel=1e-6)

@@ -19,12 +19,17 @@ from geomtorsion import SampledFrame
 from geomtorsion.errors import FileFormatError, GeomtorsionError, LimitError
 from geomtorsion.lab.settings import PAGE
 from geomtorsion.lab.uploads import kind_of, read_map
+from geomtorsion.measured import LatticeField
 from geomtorsion.orientations import OrientationMap
 from tests.browser import Watched
-from tests.lab.maps import STEP, TILT, TWIST, bomb, saved, twisted, wall_ctf
+from tests.lab.maps import STEP, TILT, TWIST, atoms, bomb, saved, twisted, wall_ctf
 from tests.lab.serving import served
 from tests.lab.session import Session, run
 from tests.real import real
+
+# How wide an element is, and whether nothing is wider than the window.
+WIDTH = "e => e.getBoundingClientRect().width"
+WIDE = "() => document.documentElement.scrollWidth <= document.documentElement.clientWidth"
 
 
 class Trap:
@@ -38,6 +43,13 @@ def objects() -> bytes:
     """An archive whose array holds pickled objects."""
     stream = io.BytesIO()
     np.savez(stream, axis_x=np.arange(5.0), axis_y=np.arange(5.0), coframe=np.array([Trap()]))
+    return stream.getvalue()
+
+
+def npy(array: np.ndarray) -> bytes:
+    """An array as the bytes of an .npy file."""
+    stream = io.BytesIO()
+    np.save(stream, array)
     return stream.getvalue()
 
 
@@ -66,7 +78,14 @@ def test_an_orientation_map_is_read():
     [
         (b"", "empty"),
         (b"  \n\n", "empty"),
-        (b"\x89PNG\r\n\x1a\n" + bytes(50), "picture"),
+        (b"\x89PNG\r\n\x1a\n" + bytes(50), "truncated"),
+        (b"II*\x00" + bytes(50), "truncated"),
+        (b"\x93NUMPY" + bytes(50), "truncated"),
+        (npy(np.array([Trap()])), "map.npz"),
+        (npy(np.zeros((2000, 2000), np.uint8)), "up to 1,048,576 are taken"),
+        (npy(np.full((64, 64), np.nan)), "not finite"),
+        (npy(np.random.default_rng(0).normal(size=(64, 64))), "no lattice that can be seen"),
+        (b"\xff\xd8\xff" + bytes(50), "JPEG"),
         (pickle.dumps(Trap()), "pickle"),
         (objects(), "map.npz"),
         (bomb(), "unpacks up to"),
@@ -80,7 +99,7 @@ def test_an_orientation_map_is_read():
         (wall_ctf()[:900].replace(b"XCells\t24", b"XCells\t9999999999"), "XCells"),
         (b"# HEADER\n 1 2 3 4 5 6 7 8\n", "map.npz"),
     ],
-    ids=range(15),
+    ids=range(22),
 )
 def test_hostile_and_damaged_files_are_refused(content: bytes, said: str):
     """An error of our own that says what is wrong, and no path of this machine."""
@@ -103,6 +122,14 @@ def test_a_file_cut_anywhere_is_refused_or_read(tmp_path: Path, end: str):
             refused += 1
     # A table of nodes is a table of fewer nodes, with holes, wherever a line ends.
     assert refused >= (20 if end != ".csv" else 5)
+
+
+@pytest.mark.parametrize("end", [".npy", ".png", ".tif"])
+def test_a_picture_of_a_lattice_is_read(end: str):
+    """In every format, with its lattice, whatever its name."""
+    found = read_map(atoms(end), "data.csv")
+    assert isinstance(found, LatticeField)
+    assert np.hypot(*found.phases.lattice.T) == pytest.approx([8, 8], rel=0.01)
 
 
 def test_a_map_with_too_many_nodes_is_refused():
@@ -142,7 +169,7 @@ def test_a_session_gives_good_maps_and_bad_ones(tmp_path: Path):
         async with Session(url) as session:
             await session.shown("Cartan connection")
             await session.set(session.element("marimo-tabs"), "1")
-            await session.shown("A map of your own")
+            await session.shown("A map or an image of your own")
             field = session.element("marimo-file")
             await give(session, field, "twisted.npz", frame)
             await session.shown("twisted.npz is a sampled frame of 24 × 20 nodes")
@@ -159,6 +186,9 @@ def test_a_session_gives_good_maps_and_bad_ones(tmp_path: Path):
             # What no browser sends: the page goes on as if nothing had come.
             for odd in (5, [["a", "no base64"]], [[1, 2]], [[]]):
                 await session.set(field, odd)
+            await give(session, field, "atoms.png", atoms(".png"))
+            await session.shown("atoms.png is a picture of 256 × 256 pixels")
+            seen["whole"] = (await session.shown(r"b = \(([0-9−, ]+)\) in lattice vectors"))[1]
             await give(session, field, "wall.ctf", wall_ctf())
             await session.shown("wall.ctf is an orientation map of 20 × 24 pixels")
             seen["wall"] = (await session.shown("Nickel; components along the axes"))[0]
@@ -169,12 +199,64 @@ def test_a_session_gives_good_maps_and_bad_ones(tmp_path: Path):
     # The first circuit has an eighth of the shorter side.
     assert float(seen["frame"]) == pytest.approx(TWIST * (2 * STEP) ** 2)
     assert seen["wall"]
+    # The first circuit runs through the middle of the picture, round the core.
+    assert seen["whole"] == "−1, 0"
 
 
 @pytest.mark.parametrize("name", ["si_wafer.ctf", "sdss_ferrite_austenite.ang"])
 def test_measured_maps_are_read(name: str):
     """The real files, where they are."""
     assert isinstance(read_map(real(f"ebsd/{name}").read_bytes(), "given"), OrientationMap)
+
+
+@pytest.mark.parametrize("width", [1280, 400])
+def test_a_picture_of_a_lattice_in_a_browser(lab: Watched, tmp_path: Path, width: int):
+    """The file chosen, the circuit moved off the core: other whole numbers."""
+    page: Any = lab.page
+    page.set_viewport_size({"width": width, "height": 900})
+    lab.tab("Loops")
+    page.wait_for_selector("#loop svg")
+    file = tmp_path / "atoms.png"
+    file.write_bytes(atoms(".png"))
+    page.locator("input[type=file]").set_input_files(str(file))
+    lab.says("#map-facts", "atoms.png is a picture of 256 × 256 pixels of a lattice")
+    lab.says("#map-said", "b = (−1, 0) in lattice vectors, exactly")
+    assert page.locator("#map svg image").first.evaluate(WIDTH) > 150
+    assert page.locator("#map svg polyline").count() == 2
+    slider = page.get_by_role("slider", name="middle x in pixels")
+    slider.focus()
+    page.keyboard.press("Home")
+    lab.says("#map-said", "leaves the image")
+    assert page.evaluate(WIDE)
+    page.screenshot(path=str(tmp_path / f"image-{width}.png"), full_page=True)
+
+
+@pytest.mark.parametrize("width", [1280, 400])
+def test_grains_and_symmetry_are_chosen_in_a_browser(lab: Watched, tmp_path: Path, width: int):
+    """A finer threshold splits the wall; another Laue group does too; the circuit stays."""
+    page: Any = lab.page
+    page.set_viewport_size({"width": width, "height": 900})
+    lab.tab("Loops")
+    page.wait_for_selector("#loop svg")
+    file = tmp_path / "wall.ctf"
+    file.write_bytes(wall_ctf())
+    page.locator("input[type=file]").set_input_files(str(file))
+    lab.says("#map-facts", "(Nickel: m-3m), 1 grain at 5°")
+    slider = page.get_by_role("slider", name="grains differ by, in degrees")
+    slider.focus()
+    page.keyboard.press("Home")
+    lab.says("#map-facts", "2 grains at 0.5°")
+    lab.says("#map-said", "crosses a boundary")
+    page.keyboard.press("End")
+    lab.says("#map-facts", "1 grain at 20°")
+    page.get_by_label("its Laue group").select_option("mmm")
+    lab.says("#map-facts", "(Nickel: mmm), 2 grains at 20°")
+    page.get_by_label("phase", exact=True).select_option("1: Nickel")
+    page.get_by_label("its Laue group").select_option("4/m")
+    lab.says("#map-facts", "(Nickel: 4/m), 1 grain at 20°")
+    lab.says("#map-said", "Circuit of 2 × 2 cells: |b| =")
+    assert page.evaluate(WIDE)
+    page.screenshot(path=str(tmp_path / f"grains-{width}.png"), full_page=True)
 
 
 @pytest.mark.parametrize("width", [1280, 400])
@@ -187,17 +269,16 @@ def test_a_map_in_a_browser(lab: Watched, tmp_path: Path, width: int):
     file = tmp_path / "wall.ctf"
     file.write_bytes(wall_ctf())
     page.locator("input[type=file]").set_input_files(str(file))
-    lab.says("#map-facts", "wall.ctf is an orientation map of 20 × 24 pixels (Nickel)")
+    lab.says("#map-facts", "wall.ctf is an orientation map of 20 × 24 pixels (Nickel: m-3m)")
     b = 2 * 2 * sin(radians(TILT) / 2)
     lab.says("#map-said", f"Circuit of 2 × 2 cells: |b| = {b:.4g} um")
     image = page.locator("#map svg image").first
-    assert image.evaluate("e => e.getBoundingClientRect().width") > 150
+    assert image.evaluate(WIDTH) > 150
     slider = page.get_by_role("slider", name="side in pixels")
     slider.focus()
     page.keyboard.press("ArrowRight")
     lab.says("#map-said", f"Circuit of 3 × 3 cells: |b| = {1.5 * b:.4g} um")
-    wide = "() => document.documentElement.scrollWidth <= document.documentElement.clientWidth"
-    assert page.evaluate(wide)
+    assert page.evaluate(WIDE)
     page.screenshot(path=str(tmp_path / f"map-{width}.png"), full_page=True)
     page.locator("#map").scroll_into_view_if_needed()
     page.screenshot(path=str(tmp_path / f"seen-{width}.png"))

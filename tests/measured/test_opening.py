@@ -90,7 +90,9 @@ def test_images(tmp_path):
     image = crystal(96, "square", dislocated=False)
     path = tmp_path / "atoms.npy"
     np.save(path, image.values)
-    field = open_measured(path, pixel=(0.05, "nm"), spots=image.vectors / 0.05, resolution=0.5)
+    field = open_measured(
+        path, pixel=(0.05, "nm"), spots=(image.vectors / 0.05).tolist(), resolution=0.5
+    )
     assert isinstance(field, LatticeField)
     assert (field.unit, field.phases.resolution) == ("nm", 0.5)
     with pytest.raises(ImageError, match="sigma: it belongs to sampled frames.*an image"):
