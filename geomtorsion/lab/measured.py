@@ -123,7 +123,7 @@ def map_circuit(
     corner = [int(k) - int(side) // 2 for k in centre]
     reply: dict[str, object] = {"picture": _picture(found, found.shown(side), corner, side)}
     try:
-        return reply | found.circuit(corner, side)
+        return {**reply, **found.circuit(corner, side)}
     except GeomtorsionError as error:
         return {**reply, "refused": str(error)}
 

@@ -150,8 +150,9 @@ def _orientations(
     if laue is not None:
         group, number = laue
         groups = dict.fromkeys([number] if number else range(1, PAGE.phases + 1), group)
-    chosen = {} if threshold is None else {"threshold": threshold}
-    return OrientationMap.read(path, laue=groups, **chosen)
+    if threshold is None:
+        return OrientationMap.read(path, laue=groups)
+    return OrientationMap.read(path, laue=groups, threshold=threshold)
 
 
 def _frame(path: Path) -> SampledFrame:
