@@ -8,18 +8,103 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from geomtorsion.action.adapted_frame import AdaptedFrame, adapted_frame
-from geomtorsion.action.hamel_coefficients import HamelCoefficients, coefficients_of
-from geomtorsion.action.solving import Quotient, quotients
 from geomtorsion.action.tangent_bundle import TangentBundle
 from geomtorsion.errors import KineticMatrixError, LimitError, UndecidedError
-from geomtorsion.geometry.matrices import dependence, determinant, inverse
+from geomtorsion.geometry import Tensor, cartan
+from geomtorsion.geometry.matrices import blocks, dependence, determinant, inverse
+from geomtorsion.geometry.symmetry import Index, antisymmetric
 
 if TYPE_CHECKING:
     import sympy as sp
 
-    from geomtorsion.action.principles import Principle
-    from geomtorsion.exact import Element
-    from geomtorsion.geometry import Connection
+    from geomtorsion.action.lagrange import Principle
+    from geomtorsion.exact import Element, Field
+    from geomtorsion.geometry import Connection, Frame
+
+Matrix = Mapping[tuple[int, int], "Element"]
+Quotient = tuple["Element", "Element"]
+
+
+def quotients(field: Field, matrix: Matrix, right: Sequence[Element]) -> list[Quotient]:
+    """x_i = above_i / below_i with M x = right, for a symmetric regular matrix, block by block.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from geomtorsion.exact import Field
+    >>> a, b = sp.symbols("a b")
+    >>> field = Field([a, b])
+    >>> matrix = {(0, 0): field.read(a), (0, 1): field.one}
+    >>> matrix |= {(1, 0): field.one, (1, 1): field.read(b)}
+    >>> quotients(field, matrix, [field.one, field.zero])
+    [(Element(b), Element(a*b - 1)), (Element(-1), Element(a*b - 1))]
+    """
+    n = len(right)
+    found: dict[int, Quotient] = {}
+    for rows, columns in blocks(matrix, n):
+        if len(rows) == 1:
+            found[columns[0]] = (right[rows[0]], matrix[rows[0], columns[0]])
+            continue
+        size = len(rows)
+        terms: list[list] = [[] for _ in rows]
+        whole: list = []
+        for r, row in enumerate(rows):
+            for c, column in enumerate(columns):
+                others = _part(matrix, rows[:r] + rows[r + 1 :], columns[:c] + columns[c + 1 :])
+                cofactor = determinant(field, others, size - 1)
+                sign = -1 if (r + c) % 2 else 1
+                terms[c].append((sign, cofactor, right[row]))
+                if r == 0 and (row, column) in matrix:
+                    whole.append((sign, cofactor, matrix[row, column]))
+        below = field.sum(whole)
+        for c, column in enumerate(columns):
+            found[column] = (field.sum(terms[c]), below)
+    return [found[i] for i in range(n)]
+
+
+def _part(
+    matrix: Matrix, rows: Sequence[int], columns: Sequence[int]
+) -> dict[tuple[int, int], Element]:
+    """The matrix of some rows and columns, numbered anew."""
+    return {
+        (r, c): matrix[row, column]
+        for r, row in enumerate(rows)
+        for c, column in enumerate(columns)
+        if (row, column) in matrix
+    }
+
+
+HamelCoefficients = Mapping[Index, "Element"]
+
+
+def coefficients_of(
+    frame: Frame, principle: Principle, connection: Connection | None = None
+) -> HamelCoefficients:
+    """A_kj^i at (k, j, i), with  delta-bar u^i = d/dt dPhi^i + A_kj^i u^j dPhi^k.
+
+    u^i = e^i_mu q'^mu gives  delta u^i - d/dt (e^i_mu dq^mu)
+    = (d_mu e^i_nu - d_nu e^i_mu) dq^mu q'^nu: the curl of the coframe, in the frame C_kj^i.
+    Where the image closes, the torsion 2 S_kj^i of its connection goes off again: all of it for
+    the Cartan connection of the frame, which is taken if none is given.
+    """
+    if not principle.frame_curl:
+        return {}
+    curl = frame.anholonomy
+    if not principle.image_torsion:
+        return curl.components.nonzero
+    torsion = torsion_over(frame, connection).in_frame()
+    return (curl - torsion).components.nonzero
+
+
+def torsion_over(frame: Frame, connection: Connection | None) -> Tensor:
+    """2 S_ab^c of a connection, slots ddu, over a frame that may live in another field."""
+    if connection is None:
+        return cartan(frame).torsion.T
+    torsion = connection.torsion.T
+    if torsion.frame is frame:
+        return torsion
+    values = {index: value.sympy for index, value in torsion.components.nonzero.items()}
+    return Tensor(frame, "ddu", values, antisymmetric(3), "T", "torsion (2S)")
 
 
 @dataclass(frozen=True, eq=False)

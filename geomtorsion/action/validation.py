@@ -10,7 +10,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from geomtorsion import checks
-from geomtorsion.action.symbols import MotionSymbols, symbols_of
+from geomtorsion.action.tangent_bundle import MotionSymbols, symbols_of
 from geomtorsion.checks import near_names
 from geomtorsion.errors import ConstraintError, LagrangianError, ShapeError
 from geomtorsion.exact import parse_expression

@@ -3,9 +3,8 @@
 from sympy import Rational, Symbol, pi, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.domain import box
 from geomtorsion.spaces.patterns import matrix
-from geomtorsion.spaces.space import KnownAnswer, Space
+from geomtorsion.spaces.space import KnownAnswer, Space, box
 
 
 def space(name: str, title: str) -> Space:

@@ -15,8 +15,7 @@ from geomtorsion.codegen import numpy_function
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.exact import Field
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.atlas_curvilinear import spherical
-from geomtorsion.spaces.atlas_rotations import EULER, from_angles, rotation
+from geomtorsion.spaces.atlases import EULER, from_angles, rotation, spherical
 from geomtorsion.spaces.registry import load
 
 Symbols = tuple[sp.Symbol, ...]

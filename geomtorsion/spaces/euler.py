@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from sympy import Expr, Rational, Symbol, cos, pi, sin, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.domain import box
 from geomtorsion.spaces.patterns import alternating, diagonal
-from geomtorsion.spaces.space import KnownAnswer, Space
+from geomtorsion.spaces.space import KnownAnswer, Space, box
 
 
 @dataclass(frozen=True)

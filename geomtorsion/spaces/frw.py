@@ -3,9 +3,8 @@
 from sympy import Function, Rational, Symbol, cos, oo, pi, sin, sqrt, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.domain import box
 from geomtorsion.spaces.patterns import antisymmetric, diagonal
-from geomtorsion.spaces.space import KnownAnswer, Space
+from geomtorsion.spaces.space import KnownAnswer, Space, box
 
 SOURCE = "C. W. Misner, K. S. Thorne, J. A. Wheeler, Gravitation (1973), chapter 27"
 

@@ -3,9 +3,8 @@
 from sympy import I, Rational, cos, oo, pi, sin, sqrt, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.domain import box
 from geomtorsion.spaces.patterns import antisymmetric, matrix
-from geomtorsion.spaces.space import KnownAnswer, Space
+from geomtorsion.spaces.space import KnownAnswer, Space, box
 
 
 def space(name: str, title: str) -> Space:

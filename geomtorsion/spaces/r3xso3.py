@@ -5,9 +5,8 @@ from itertools import permutations
 from sympy import LeviCivita, Matrix, Rational, cos, diag, pi, sin, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.domain import box
 from geomtorsion.spaces.patterns import antisymmetric, diagonal
-from geomtorsion.spaces.space import KnownAnswer, Space
+from geomtorsion.spaces.space import KnownAnswer, Space, box
 
 
 def space(name: str, title: str) -> Space:

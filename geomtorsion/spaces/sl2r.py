@@ -3,9 +3,8 @@
 from sympy import Rational, cos, oo, pi, sin, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.domain import box
 from geomtorsion.spaces.patterns import alternating, antisymmetric, diagonal
-from geomtorsion.spaces.space import KnownAnswer, Space
+from geomtorsion.spaces.space import KnownAnswer, Space, box
 
 HALF = Rational(1, 2)
 
