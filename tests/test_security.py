@@ -19,7 +19,7 @@ import geomtorsion as gt
 from geomtorsion import exercises, scenes, spaces
 from geomtorsion.cli.app import app
 from geomtorsion.errors import GeomtorsionError
-from geomtorsion.exercises.submission import read_submission
+from geomtorsion.exercises.grading import read_submission
 from geomtorsion.loops.loop_files import read_loops
 from tests import canary_cases
 from tests.canary import EVENT, PAYLOAD, WATCH, leaves, payloads, poisoned

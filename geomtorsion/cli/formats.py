@@ -10,7 +10,7 @@ from sympy.core.function import AppliedUndef
 from sympy.printing.mathematica import MCodePrinter
 from sympy.printing.numpy import NumPyPrinter
 
-from geomtorsion.pictures.labels import text_label, text_marks
+from geomtorsion.pictures.latex import text_label, text_marks
 from geomtorsion.pictures.quantities import Quantity
 from geomtorsion.pictures.sections import aligned
 from geomtorsion.pictures.text import expression_text, plain_text

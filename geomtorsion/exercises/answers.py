@@ -15,7 +15,7 @@ from geomtorsion.exact import parse_expression
 from geomtorsion.exercises.entries import flat, index, kind, table_or_list
 from geomtorsion.exercises.limits import ANSWER, MOST, check_constants
 from geomtorsion.exercises.notation import written_out
-from geomtorsion.exercises.prompts import advice, example, shown_name
+from geomtorsion.exercises.question import advice, example, shown_name
 from geomtorsion.pictures.text import expression_text
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from geomtorsion.exercises.answers import expression
 from geomtorsion.exercises.domain import Domain
 from geomtorsion.exercises.entries import split_outside
 from geomtorsion.exercises.limits import MOST, check_weight
-from geomtorsion.exercises.prompts import plain_name, shown_name
+from geomtorsion.exercises.question import plain_name, shown_name
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Element

@@ -6,8 +6,7 @@ import re
 from collections.abc import Callable
 from html import escape
 
-from geomtorsion.pictures.formula import EMPTY, FUNCTIONS, Node, tree_of
-from geomtorsion.pictures.mathml import mathml
+from geomtorsion.pictures.formula import EMPTY, FUNCTIONS, Node, mathml, tree_of
 
 _MARKS = {"˙": "\u0307", "¨": "\u0308", "¯": "\u0304", "^": "\u0302", "~": "\u0303"}
 _SPACED = "=+-∧×≤≥≠→≈<>"

@@ -4,7 +4,97 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from types import MappingProxyType
 from typing import Any
+
+# Code -> what the mistake is, in a few words.
+TITLES: Mapping[str, str] = MappingProxyType(
+    {
+        "factor": "a factor 2",
+        "sign": "the sign",
+        "permuted": "indices permuted",
+        "levi-civita": "Levi-Civita instead of Cartan",
+        "cartan": "Cartan instead of Levi-Civita",
+        "inverse": "the inverse is missing",
+        "basis": "frame and coordinate components confused",
+        "direction": "the loop run the other way",
+        "axes": "body and space axes confused",
+        "degrees": "degrees for radians",
+        "domain": "right on a part of the domain only",
+        "naive": "the naive variation",
+        "principle": "the other action principle",
+        "forgotten": "something is forgotten",
+        "another": "another quantity",
+        "counted": "indices counted from 0",
+        "unit": "another unit",
+        "rounded": "rounded too early",
+        "incomplete": "some components are wrong",
+        "empty": "no answer",
+        "unreadable": "cannot be read",
+        "too large": "too large to be checked",
+    }
+)
+# Code -> what is said to a student, if the exercise says nothing of its own.
+MESSAGES: Mapping[str, str] = MappingProxyType(
+    {
+        "factor": "It is off by a factor 2.",
+        "sign": "The sign is wrong.",
+        "permuted": "The components are right, but their indices stand in another order.",
+        "levi-civita": "That is what the Levi-Civita connection of the metric gives; the question "
+        "is about the Cartan connection of the frame.",
+        "cartan": "That is what the Cartan connection of the frame gives; the question is about "
+        "the Levi-Civita connection of the metric.",
+        "inverse": "An inverse is missing: the coframe stands where its inverse, the legs, should, "
+        "or the other way round.",
+        "basis": "That is in another basis: frame components and coordinate components have been "
+        "exchanged. Look at where each index is to be taken.",
+        "direction": "The loop was run through the other way.",
+        "axes": "That is seen from the other axes: body axes and space axes have been exchanged.",
+        "degrees": "An angle in degrees was taken for one in radians, or the other way round.",
+        "domain": "That is right on a part of the domain only: a root has the wrong sign on the "
+        "rest of it.",
+        "branch": "That is right on a part of the domain only: an inverse function gives its "
+        "principal value, which is another one on the rest of it.",
+        "naive": "That is what varying in the frame as if its forms were closed would give. The "
+        "gyroscopic terms are missing.",
+        "principle": "That follows from the other action principle: look again at where the "
+        "variations close.",
+        "forgotten": "A term is missing.",
+        "another": "That is something else than what is asked for.",
+        "counted": "Indices are counted from 1 here; yours seem to be counted from 0.",
+        "unit": "The number has another unit than the question asks for.",
+        "rounded": "Close, but not within the tolerance: rounded too early?",
+    }
+)
+# What a sign or a factor 2 comes from where torsion is asked for, and only there.
+TORSION: Mapping[str, str] = MappingProxyType(
+    {
+        "sign": "Which lower index of the connection differentiates? Here it is the first; books "
+        "that put it last have the opposite torsion.",
+        "factor": "Is there a half to keep or to drop, as in $S = T/2$?",
+    }
+)
+# The same where the connection itself is asked for.
+CONNECTION: Mapping[str, str] = MappingProxyType(
+    {
+        "sign": r"Were the legs differentiated instead of the forms? "
+        r"$E_i{}^c\,\partial_a e^i{}_b = -e^i{}_b\,\partial_a E_i{}^c$.",
+        "permuted": "The order is $a, b, c$: the direction of differentiation, the index of the "
+        "form, the upper index.",
+    }
+)
+
+
+def message_of(code: str, remarks: Mapping[str, str]) -> str:
+    """What is said about a mistake: the same for every exercise, then its own remark.
+
+    Examples
+    --------
+    >>> message_of("sign", {}), message_of("factor", {"factor": "A half?"})
+    ('The sign is wrong.', 'It is off by a factor 2. A half?')
+    """
+    return f"{MESSAGES[code]} {remarks.get(code, '')}".strip()
+
 
 Json = Mapping[str, Any]
 

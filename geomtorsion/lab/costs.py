@@ -15,7 +15,7 @@ from geomtorsion.lab.settings import PAGE
 from geomtorsion.lab.space_info import space_of
 from geomtorsion.lab.top import made, scene_of
 from geomtorsion.loops import Loop
-from geomtorsion.pictures.pair_solving import pair_problems
+from geomtorsion.pictures.pair import pair_problems
 from geomtorsion.pictures.style import number
 from geomtorsion.scenes.solve import scene_accuracy
 from geomtorsion.spaces.first_motions import first_motion

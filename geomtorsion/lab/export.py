@@ -13,7 +13,7 @@ from geomtorsion.lab import views
 from geomtorsion.lab.controls import path_case
 from geomtorsion.lab.space_info import space_info
 from geomtorsion.lab.tasks import task
-from geomtorsion.pictures.math_font import FONT_SOURCE, font_face
+from geomtorsion.pictures.formula import FONT_SOURCE, font_face
 from geomtorsion.pictures.text import greek_name
 
 Progress = Callable[[str], object]

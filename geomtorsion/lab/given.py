@@ -11,7 +11,7 @@ import numpy as np
 
 from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.lab.numbers import raised, table
-from geomtorsion.lab.raster import colours
+from geomtorsion.lab.plot import colours
 from geomtorsion.lab.settings import PAGE
 from geomtorsion.loops import Loop, SampledFrame
 from geomtorsion.measured import LatticeField

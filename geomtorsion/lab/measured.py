@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from geomtorsion.errors import FileFormatError, GeomtorsionError
 from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.lab.given import Given, Shown, given_of
-from geomtorsion.lab.plot import Look, Plot
-from geomtorsion.lab.raster import address, png, scale
+from geomtorsion.lab.plot import Look, Plot, address, png, scale
 from geomtorsion.lab.settings import PAGE
 from geomtorsion.lab.uploads import read_map, title_of
 

@@ -13,7 +13,7 @@ from geomtorsion.lab.plot import LOOKS, Look, Plot
 from geomtorsion.lab.settings import PAGE
 from geomtorsion.lab.space_info import space_of
 from geomtorsion.lab.turning import Curve, Film, thinned, turnable
-from geomtorsion.pictures.pair_solving import solve_pair
+from geomtorsion.pictures.pair import solve_pair
 from geomtorsion.pictures.style import number
 from geomtorsion.pictures.text import greek_name
 

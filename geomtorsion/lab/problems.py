@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from geomtorsion import exercises
 from geomtorsion.errors import LimitError
-from geomtorsion.exercises.prompts import how_to_answer, symbol_names
 from geomtorsion.exercises.prose import html_of
+from geomtorsion.exercises.question import how_to_answer, symbol_names
 from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.lab.settings import PAGE
 

@@ -2,21 +2,248 @@
 
 from __future__ import annotations
 
+import asyncio
 import ipaddress
 import secrets
 import socket
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable, Iterable, Mapping, MutableMapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
+from urllib.parse import SplitResult, urlsplit
 
 from geomtorsion.errors import LimitError, MissingExtraError
 from geomtorsion.exercises.worker_pool import Json
-from geomtorsion.lab.access import LOOPBACK, AccessControl
 from geomtorsion.lab.settings import PAGE
 from geomtorsion.lab.tasks import common_runner
 from geomtorsion.lab.views import copying
-from geomtorsion.pictures.math_font import font_face
+from geomtorsion.pictures.formula import font_face
+
+Scope = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
+Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
+App = Callable[[Scope, Receive, Send], Awaitable[None]]
+
+# The browser itself is told to load nothing from anywhere else.
+POLICY = (
+    "default-src 'self'; script-src 'self' 'unsafe-inline' 'unsafe-eval' blob:; "
+    "style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; font-src 'self' data:; "
+    "connect-src 'self'; worker-src 'self' blob:; frame-src 'self' data: blob:; "
+    "object-src 'none'; base-uri 'self'; form-action 'self'"
+)
+LOOPBACK = ("127.0.0.1", "localhost", "::1")
+# Where the values of controls arrive; a file is one, so that here requests may be longer.
+CONTROL = "/api/kernel/set_ui_element_value"
+# (method, path) -> what the page uses it for. Nothing else is answered, whatever marimo has: a
+# path that ends with * stands for all that begin so.
+ROUTES: Mapping[tuple[str, str], str] = {
+    ("GET", "/"): "the page itself",
+    ("GET", "/assets/*"): "scripts, styles and fonts of marimo's front end",
+    ("GET", "/favicon.ico"): "the icon of the window",
+    ("GET", "/apple-touch-icon.png"): "the icon on a telephone",
+    ("GET", "/manifest.json"): "the page as it is kept on a telephone",
+    ("GET", "/public-files-sw.js"): "a script that the front end registers when it begins",
+    ("GET", "/health"): "whether the server is still there, asked when the page begins",
+    ("GET", "/auth/login"): "where a token is asked for, if there is one",
+    ("POST", "/auth/login"): "the token that was typed",
+    ("POST", CONTROL): "a slider was moved, a text typed, a file of a map given",
+    ("WEBSOCKET", "/ws"): "the session: what the cells show",
+}
+# How the message begins that ends the first run of a session, or says that it goes on.
+_BEGUN = ('{"op": "completed-run"', '{"op": "reconnected"')
+_FULL = (
+    "<!doctype html><meta charset=utf-8><title>Torsion lab</title><p>The lab is full: {most} pages "
+    "are open. Close one and load this page again.</p>"
+)
+
+
+class AccessControl:
+    """An ASGI application before another: hosts, origins, sizes and the number of sessions.
+
+    hosts: names by which the page may be called; empty: any. A page of another site that is open
+    in the same browser has another origin, and is refused. ending: awaited before the server ends.
+    """
+
+    def __init__(
+        self,
+        app: App,
+        hosts: Iterable[str] = LOOPBACK,
+        sessions: int = PAGE.sessions,
+        ending: Callable[[], Awaitable[None]] | None = None,
+    ) -> None:
+        self.app = app
+        self.ending = ending
+        self.hosts = frozenset(hosts)
+        self.sessions = sessions
+        self.open = 0
+        self._opening = asyncio.Lock()
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Refuse a request, or hand it on."""
+        if scope["type"] == "lifespan":
+            await self._life(receive, send)
+            return
+        headers = {
+            key.decode("latin-1").lower(): value.decode("latin-1")
+            for key, value in scope["headers"]
+        }
+        reason = self._refused(scope, headers)
+        if scope["type"] == "websocket":
+            await self._session(scope, receive, send, reason)
+        elif reason:
+            await _tell(send, *reason)
+        elif scope["path"] == "/":
+            # The page is read anew for each browser, see `_opened`.
+            async with self._opening:
+                await self.app(scope, _bounded(receive, most_bytes(scope)), _guarded(send))
+        else:
+            await self.app(scope, _bounded(receive, most_bytes(scope)), _guarded(send))
+
+    async def _life(self, receive: Receive, send: Send) -> None:
+        """Begin and end of the server."""
+        await receive()
+        await send({"type": "lifespan.startup.complete"})
+        await receive()
+        if self.ending is not None:
+            await self.ending()
+        await send({"type": "lifespan.shutdown.complete"})
+
+    def _refused(self, scope: Scope, headers: dict[str, str]) -> tuple[int, str] | None:
+        """Status and reason, or None for a request that may pass."""
+        host = headers.get("host", "")
+        name = _split(f"//{host}").hostname or ""
+        if self.hosts and name not in self.hosts:
+            return 421, f"This page is not served as {name!r}."
+        origin = headers.get("origin", "")
+        # The scheme may be changed on the way, the host and port may not.
+        if origin not in ("", "null") and _split(origin).netloc != host:
+            return 403, "Requests of other pages are not answered."
+        if origin == "null" and scope.get("method", "GET") not in ("GET", "HEAD"):
+            return 403, "Requests of pages without a name are not answered."
+        if not is_used(scope):
+            return 404, "The page has no use for this."
+        length = headers.get("content-length", "0")
+        most = most_bytes(scope)
+        if not length.isdecimal() or len(length) > 12 or int(length) > most:
+            return 413, f"A request may have {most:,} bytes."
+        if scope["type"] == "http" and scope["path"] == "/" and self.open >= self.sessions:
+            return 503, _FULL.format(most=self.sessions)
+        return None
+
+    async def _session(
+        self, scope: Scope, receive: Receive, send: Send, reason: tuple[int, str] | None
+    ) -> None:
+        """One session, counted from its start to its end."""
+        if reason or self.open >= self.sessions:
+            await receive()
+            await send({"type": "websocket.close", "code": 1013, "reason": "the lab is full"})
+            return
+        self.open += 1
+        try:
+            await self._opened(scope, receive, send)
+        finally:
+            self.open -= 1
+
+    async def _opened(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """A session that is read and run through before the next one begins to be.
+
+        marimo compiles the page in a thread for each session, and in Python before 3.13 two threads
+        that call `ast.parse` at once can fail ("AST constructor recursion depth mismatch").
+        """
+        begun = asyncio.Event()
+
+        async def watched(message: MutableMapping[str, Any]) -> None:
+            text = message.get("text") or ""
+            if text.startswith(_BEGUN):
+                begun.set()
+            await send(message)
+
+        async with self._opening:
+            session = asyncio.ensure_future(self.app(scope, receive, watched))
+            waiting = asyncio.create_task(begun.wait())
+            both = (session, waiting)
+            await asyncio.wait(both, timeout=PAGE.opening, return_when=asyncio.FIRST_COMPLETED)
+            waiting.cancel()
+        await session
+
+
+def is_used(scope: Scope) -> bool:
+    """Whether a request is one of `ROUTES`.
+
+    Examples
+    --------
+    >>> is_used({"type": "http", "method": "GET", "path": "/assets/index.js"})
+    True
+    >>> is_used({"type": "http", "method": "POST", "path": "/api/home/workspace_files"})
+    False
+    """
+    method = "WEBSOCKET" if scope["type"] == "websocket" else scope.get("method", "GET")
+    # What may be read may be asked about.
+    method = "GET" if method == "HEAD" else method
+    path = scope["path"]
+    for allowed, pattern in ROUTES:
+        head = pattern.removesuffix("*")
+        if method == allowed and (path == head or (head != pattern and path.startswith(head))):
+            return True
+    return False
+
+
+def most_bytes(scope: Scope) -> int:
+    """How many bytes a request may have: more only where files arrive.
+
+    Examples
+    --------
+    >>> most_bytes({"path": CONTROL}) > most_bytes({"path": "/auth/login"}) == PAGE.body
+    True
+    """
+    return PAGE.carried if scope["path"] == CONTROL else PAGE.body
+
+
+def _split(address: str) -> SplitResult:
+    """An address in its parts, which are empty where it is none."""
+    try:
+        return urlsplit(address)
+    except ValueError:
+        return SplitResult("", "", "", "", "")
+
+
+def _bounded(receive: Receive, most: int) -> Receive:
+    """A body that ends where it becomes too long, whatever its header says."""
+    seen = 0
+
+    async def bounded() -> MutableMapping[str, Any]:
+        nonlocal seen
+        message = await receive()
+        seen += len(message.get("body", b""))
+        return {"type": "http.disconnect"} if seen > most else message
+
+    return bounded
+
+
+def _guarded(send: Send) -> Send:
+    """An answer with the policy in its head."""
+
+    async def guarded(message: MutableMapping[str, Any]) -> None:
+        if message["type"] == "http.response.start":
+            more = [
+                (b"content-security-policy", POLICY.encode()),
+                (b"referrer-policy", b"no-referrer"),
+                (b"x-content-type-options", b"nosniff"),
+            ]
+            message = {**message, "headers": [*message.get("headers", []), *more]}
+        await send(message)
+
+    return guarded
+
+
+async def _tell(send: Send, status: int, text: str) -> None:
+    """A short answer in words."""
+    kind = b"text/html; charset=utf-8" if text.startswith("<") else b"text/plain; charset=utf-8"
+    await send(
+        {"type": "http.response.start", "status": status, "headers": [(b"content-type", kind)]}
+    )
+    await send({"type": "http.response.body", "body": text.encode()})
+
 
 # What the tabs begin with; the motions among it are compiled.
 _SO3 = {"space": "so3", "velocity": [0.4, 0.3, 1.0], "t": 5.0}

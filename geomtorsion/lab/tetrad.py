@@ -16,8 +16,7 @@ from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.geometry import Frame
 from geomtorsion.lab import views
 from geomtorsion.lab.settings import PAGE
-from geomtorsion.pictures.catalogue import SECTIONS
-from geomtorsion.pictures.quantities import chosen_quantities
+from geomtorsion.pictures.quantities import SECTIONS, chosen_quantities
 from geomtorsion.pictures.sections import aligned, section
 from geomtorsion.spaces.space import Space
 

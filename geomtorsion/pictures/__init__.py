@@ -19,10 +19,9 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.costs import draw_loop_costs, work_precision_picture
     from geomtorsion.pictures.curve_files import curve_pictures
     from geomtorsion.pictures.development import draw_development
-    from geomtorsion.pictures.line_network import draw_lines
     from geomtorsion.pictures.loops import draw_closure, draw_map
-    from geomtorsion.pictures.network import draw_dislocations, draw_network
-    from geomtorsion.pictures.pair_solving import solve_pair
+    from geomtorsion.pictures.network import draw_dislocations, draw_lines, draw_network
+    from geomtorsion.pictures.pair import solve_pair
     from geomtorsion.pictures.report import write_report
     from geomtorsion.pictures.style import can_draw, save
 
@@ -33,12 +32,12 @@ _HOMES = {
     "draw_closure": "loops",
     "draw_development": "development",
     "draw_dislocations": "network",
-    "draw_lines": "line_network",
+    "draw_lines": "network",
     "draw_loop_costs": "costs",
     "draw_map": "loops",
     "draw_network": "network",
     "save": "style",
-    "solve_pair": "pair_solving",
+    "solve_pair": "pair",
     "work_precision_picture": "costs",
     "write_report": "report",
 }

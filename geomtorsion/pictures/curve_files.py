@@ -36,7 +36,7 @@ def curve_pictures(pair: Pair) -> dict[str, tuple[Draw, str]]:
     Examples
     --------
     >>> from geomtorsion.ode import RungeKutta
-    >>> from geomtorsion.pictures.pair_solving import solve_pair
+    >>> from geomtorsion.pictures.pair import solve_pair
     >>> from geomtorsion.spaces import load
     >>> list(curve_pictures(solve_pair(load("so3"), engine=RungeKutta())))
     ['paths', 'attitude', 'coordinates', 'distance', 'quality']
@@ -68,7 +68,7 @@ def write_curves(
     >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
     >>> from geomtorsion.ode import RungeKutta
-    >>> from geomtorsion.pictures.pair_solving import solve_pair
+    >>> from geomtorsion.pictures.pair import solve_pair
     >>> from geomtorsion.spaces import load
     >>> pair = solve_pair(load("s2"), engine=RungeKutta(), samples=5)
     >>> with TemporaryDirectory() as folder:

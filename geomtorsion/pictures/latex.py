@@ -1,15 +1,20 @@
-r"""latex: expressions, names and definitions as LaTeX, the one source of typeset mathematics."""
+"""latex: expressions, names and definitions as LaTeX, the one source of typeset mathematics."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from itertools import groupby
+from typing import TYPE_CHECKING
 
 import sympy
 from sympy.core.function import AppliedUndef
 from sympy.printing.latex import LatexPrinter
 
-from geomtorsion.pictures.text import GREEK, MOST_PRIMES, ordered_terms, to_sympy
+from geomtorsion.pictures.text import GREEK, MOST_PRIMES, greek_name, ordered_terms, to_sympy
+
+if TYPE_CHECKING:
+    from geomtorsion.geometry import Tensor
 
 _NUMBERED = re.compile(r"(\D+?)_?([0-9]+)")
 # What identities in plain text call some letters, as in Gamma_bar_ab^c.
@@ -150,3 +155,72 @@ class _Printer(LatexPrinter):
 
 
 _NAMED = "sin cos tan cot sec csc sinh cosh tanh coth ln arcsin arccos arctan".split()
+
+
+Index = tuple[int, ...]
+
+
+def letters(slots: str) -> list[str]:
+    """A letter for each slot: a, b, c, ... for coordinates, i, j, k, ... for frame vectors.
+
+    Examples
+    --------
+    >>> letters("dDU")
+    ['a', 'i', 'j']
+    """
+    coordinate, frame = iter("abcdefgh"), iter("ijklmnpq")
+    return [next(frame) if slot in "DU" else next(coordinate) for slot in slots]
+
+
+def text_label(symbol: str, marks: Sequence[str], slots: str) -> str:
+    """Symbol with marks below and above, in order.
+
+    Examples
+    --------
+    >>> text_label("Γ", ["t", "r", "t"], "ddu"), text_label("Γ", ["φ1", "φ2", "φ1"], "ddu")
+    ('Γ_{tr}^t', 'Γ_{φ1 φ2}^{φ1}')
+    """
+    parts = [symbol]
+    for up, run in _runs(marks, slots):
+        joined = ("" if all(len(mark) == 1 for mark in run) else " ").join(run)
+        parts.append(f"{'^' if up else '_'}{joined if len(joined) == 1 else f'{{{joined}}}'}")
+    return "".join(parts)
+
+
+def latex_label(symbol: str, marks: Sequence[str], slots: str) -> str:
+    """Symbol with marks below and above, each kept in its own column.
+
+    Examples
+    --------
+    >>> latex_label("S", ["t", "r", "t"], "ddu")
+    'S_{t r}{}^{t}'
+    """
+    parts = [symbol]
+    for number, (up, run) in enumerate(_runs(marks, slots)):
+        gap = "{}" if number else ""
+        parts.append(f"{gap}{'^' if up else '_'}{{{' '.join(run)}}}")
+    return "".join(parts)
+
+
+def text_marks(tensor: Tensor, index: Index, *, greek: bool = True) -> list[str]:
+    """Index values as text: names of coordinates, numbers of frame vectors counted from 1."""
+    names = [symbol.name for symbol in tensor.frame.coordinates]
+    shown = [greek_name(name) for name in names] if greek else names
+    return [str(k + 1) if slot in "DU" else shown[k] for slot, k in _places(tensor, index)]
+
+
+def latex_marks(tensor: Tensor, index: Index) -> list[str]:
+    """Index values in LaTeX: names of coordinates, numbers of frame vectors from 1, with a hat."""
+    names = [latex_name(symbol.name) for symbol in tensor.frame.coordinates]
+    return [rf"\hat{{{k + 1}}}" if slot in "DU" else names[k] for slot, k in _places(tensor, index)]
+
+
+def _places(tensor: Tensor, index: Index) -> list[tuple[str, int]]:
+    return list(zip(tensor.slots, index, strict=True))
+
+
+def _runs(marks: Sequence[str], slots: str) -> list[tuple[bool, list[str]]]:
+    """Marks that stand side by side, with whether they stand above."""
+    pairs = list(zip(slots, marks, strict=True))
+    runs = groupby(pairs, key=lambda pair: pair[0] in "uU")
+    return [(up, [mark for _, mark in run]) for up, run in runs]

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import sympy as sp
+from sympy import Derivative
 
-from geomtorsion.curves import CurveProblem, distance_apart
-from geomtorsion.errors import ChartEdgeError
-from geomtorsion.ode import Solution
+from geomtorsion.curves import CurveProblem, autoparallel, distance_apart, geodesic
+from geomtorsion.errors import AccuracyError, ChartEdgeError, StartError
+from geomtorsion.geometry import cartan
+from geomtorsion.ode import Engine, Solution, solve
+from geomtorsion.ode.asked import check_memory
 from geomtorsion.spaces.embeddings import Embedding, embedding_of
+from geomtorsion.spaces.first_motions import first_motion
 
 if TYPE_CHECKING:
     from geomtorsion.spaces.space import Space
@@ -131,3 +135,171 @@ class Pair:
                     table[f"{curve} u{k}"] = solution.frame_velocity[:, k]
         table["distance"] = self.distance
         return table
+
+
+# Smooth to the eye at the width of a page, and a table that can still be read.
+SAMPLES = 401
+ACCURACY = 1e-10
+
+
+def solve_pair(
+    space: Space,
+    start: Sequence[float] | None = None,
+    velocity: Sequence[float] | None = None,
+    *,
+    frame_velocity: Sequence[float] | None = None,
+    t: float | None = None,
+    parameters: Mapping[str, float] | None = None,
+    moments: Sequence[float] | None = None,
+    accuracy: float = ACCURACY,
+    engine: Engine | None = None,
+    samples: int = SAMPLES,
+    progress: Callable[[float, str], object] | None = None,
+) -> Pair:
+    """Solve both motions; what is not given is chosen, and the result says so.
+
+    Parameters
+    ----------
+    space
+        its own connection defines what is straight, else the Cartan connection of the frame.
+    start, velocity, frame_velocity, parameters
+        q^mu; q'^mu or u^i; values by name.
+    t
+        last value of the curve parameter.
+    moments
+        kinetic metric of the geodesic, one number for each frame vector; that of the frame
+        if None.
+    progress
+        called with the part that is done, from 0 to 1, and the name of the motion being solved.
+
+    Raises
+    ------
+    GeomtorsionError
+        the motion cannot begin like this, or not be solved so accurately. A motion that runs out
+        of its chart is no error: it is kept as far as it went.
+
+    Examples
+    --------
+    >>> from geomtorsion.ode import RungeKutta
+    >>> from geomtorsion.spaces import load
+    >>> pair = solve_pair(load("flat_polar"), [1, 0], [0, 1], t=1, engine=RungeKutta(), samples=3)
+    >>> pair.distance.round(6).tolist()
+    [0.0, 0.124154, 0.488547]
+    """
+    problems, chosen, last = pair_problems(
+        space,
+        start,
+        velocity,
+        frame_velocity=frame_velocity,
+        t=t,
+        parameters=parameters,
+        moments=moments,
+    )
+    times = _times(last, samples)
+    stops: dict[str, str] = {}
+    found = {}
+    for number, (name, problem) in enumerate(problems.items(), 1):
+        report = None
+        if progress is not None:
+            report = _share(progress, number - 1, len(problems), name)
+        found[name] = _solved(name, problem, times, accuracy, engine, stops, report)
+    return Pair(space, found["autoparallel"], found["geodesic"], chosen, stops)
+
+
+def pair_problems(
+    space: Space,
+    start: Sequence[float] | None = None,
+    velocity: Sequence[float] | None = None,
+    *,
+    frame_velocity: Sequence[float] | None = None,
+    t: float | None = None,
+    parameters: Mapping[str, float] | None = None,
+    moments: Sequence[float] | None = None,
+) -> tuple[dict[str, CurveProblem], tuple[str, ...], float]:
+    """Both problems by name, what was chosen because it was not given, and the last time.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> problems, chosen, last = pair_problems(load("s2"), t=3)
+    >>> list(problems), chosen, last
+    (['autoparallel', 'geodesic'], ('start', 'velocity', 'parameters'), 3.0)
+    """
+    # What is missing is chosen by the space itself, so that every space shows something.
+    refuse_unknown_functions(space)
+    first = first_motion(space.frame)
+    given = {"start": start, "velocity": velocity or frame_velocity, "t": t}
+    chosen = [name for name, value in given.items() if value is None]
+    numbers = dict(first.parameters) | dict(parameters or {})
+    if set(first.parameters) - set(parameters or {}):
+        chosen.append("parameters")
+    if velocity is None and frame_velocity is None:
+        frame_velocity = first.frame_velocity
+    begin: dict[str, Any] = {
+        "start": first.start if start is None else start,
+        "velocity": velocity,
+        "frame_velocity": frame_velocity,
+        "parameters": numbers,
+    }
+    problems = {
+        "autoparallel": autoparallel(space.connection or cartan(space.frame), **begin),
+        "geodesic": geodesic(space.frame, metric=moments, **begin),
+    }
+    return problems, tuple(chosen), first.t if t is None else float(t)
+
+
+def refuse_unknown_functions(space: Space) -> None:
+    """A motion needs numbers: a frame that contains an unknown function has none."""
+    names = [
+        str(generator.shown)
+        for generator in space.frame.field.generators
+        if generator.kind == "jet" and not isinstance(generator.shown, Derivative)
+    ]
+    if names:
+        raise StartError(
+            f"{space.name} contains the unknown function {names[0]}, so its motions have no "
+            "numbers. Write a tetrad file with a formula in its place."
+        )
+
+
+def _times(t: float, samples: int) -> np.ndarray:
+    """Evenly spaced times from 0 on."""
+    if samples < 2:
+        raise StartError(f"{samples} samples were asked for; two at least are needed.")
+    if t == 0:
+        raise StartError("t = 0 was given; a motion needs some time. Give t > 0 or t < 0.")
+    check_memory(samples, 2)
+    return np.linspace(0.0, float(t), samples)
+
+
+def _share(
+    progress: Callable[[float, str], object], before: int, count: int, name: str
+) -> Callable[[float], None]:
+    """Progress of one motion as that of all."""
+
+    def report(part: float) -> None:
+        progress((before + part) / count, name)
+
+    report(0.0)
+    return report
+
+
+def _solved(
+    name: str,
+    problem: CurveProblem,
+    times: np.ndarray,
+    accuracy: float,
+    engine: Engine | None,
+    stops: dict[str, str],
+    report: Callable[[float], object] | None,
+) -> Solution:
+    """The solution, as far as it goes."""
+    try:
+        return solve(problem, times, accuracy, engine, progress=report)
+    except ChartEdgeError as error:
+        if not isinstance(error.solution, Solution) or len(error.solution.times) < 2:
+            raise
+        stops[name] = str(error).removesuffix(" What was computed is in the error's `solution`.")
+        return error.solution
+    except AccuracyError as error:
+        raise AccuracyError(f"{name}: {error}") from None

@@ -8,9 +8,14 @@ from typing import TYPE_CHECKING
 
 import sympy
 
-from geomtorsion.pictures.labels import latex_label, latex_marks
-from geomtorsion.pictures.latex import equation_latex, latex_matrix, latex_text
-from geomtorsion.pictures.mathml import mathml
+from geomtorsion.pictures.formula import mathml
+from geomtorsion.pictures.latex import (
+    equation_latex,
+    latex_label,
+    latex_marks,
+    latex_matrix,
+    latex_text,
+)
 from geomtorsion.pictures.style import STYLE
 from geomtorsion.pictures.text import expression_text
 

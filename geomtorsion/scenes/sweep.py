@@ -16,7 +16,7 @@ from geomtorsion import checks
 from geomtorsion.errors import AccuracyError, SceneError, StartError, StuckError
 from geomtorsion.ode import solve_many
 from geomtorsion.ode.tables import pandas_table
-from geomtorsion.pictures.scene_sweep import sweep_picture
+from geomtorsion.pictures.scene_over_time import sweep_picture
 from geomtorsion.pictures.style import STYLE, number, save
 from geomtorsion.scenes.context import Number
 from geomtorsion.scenes.metrics import Measure, SweepRun, Values, measures, only_words, quantities

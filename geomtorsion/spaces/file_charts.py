@@ -14,7 +14,7 @@ from geomtorsion.curves.atlas_check import check_atlas
 from geomtorsion.errors import CoordinateError, FileFormatError
 from geomtorsion.files import Decimal
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.files import Vocabulary, array, texts, vocabulary
+from geomtorsion.spaces.vocabulary import Vocabulary, array, texts, vocabulary
 
 # Of a chart, and of the coordinates of the file.
 EDGE_KEYS = ("edge", "margin")

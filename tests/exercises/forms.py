@@ -7,8 +7,7 @@ from random import Random
 import sympy as sp
 
 from geomtorsion.exercises.answers import answer_text
-from geomtorsion.exercises.prompts import shown_name
-from geomtorsion.exercises.question import Question
+from geomtorsion.exercises.question import Question, shown_name
 from geomtorsion.pictures.text import expression_text
 
 

@@ -5,13 +5,13 @@ import sympy as sp
 
 from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.exercises.answers import answer_text, components, expression
+from geomtorsion.exercises.checking import numbers
 from geomtorsion.exercises.domain import Domain
 from geomtorsion.exercises.entries import index
 from geomtorsion.exercises.equations import equations
-from geomtorsion.exercises.numbers import numbers
-from geomtorsion.exercises.prompts import plain_name
 from geomtorsion.exercises.question import (
     Question,
+    plain_name,
 )
 
 x, y = sp.symbols("x y", real=True)

@@ -9,7 +9,7 @@ from geomtorsion import exercises
 from geomtorsion.exercises import registry
 from geomtorsion.exercises.answers import answer_text, component_text
 from geomtorsion.exercises.checking import check_question
-from geomtorsion.exercises.diagnoses import TITLES
+from geomtorsion.exercises.verdict import TITLES
 from tests.exercises.forms import another_form
 
 SEEDS = range(5)

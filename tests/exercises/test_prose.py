@@ -6,9 +6,9 @@ import pytest
 import sympy
 
 from geomtorsion import exercises
-from geomtorsion.exercises.diagnoses import MESSAGES
 from geomtorsion.exercises.prose import html_of, plain_of, text_of
 from geomtorsion.exercises.tex import tex
+from geomtorsion.exercises.verdict import MESSAGES
 
 
 def texts(number: str, seed: int) -> list[str]:

@@ -9,8 +9,8 @@ import pytest
 
 from geomtorsion import exercises
 from geomtorsion.errors import UnknownNameError
+from geomtorsion.exercises.grading import read_submission
 from geomtorsion.exercises.sheets import write_sheet
-from geomtorsion.exercises.submission import read_submission
 
 
 class Outline(HTMLParser):

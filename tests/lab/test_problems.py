@@ -3,7 +3,7 @@
 import pytest
 
 from geomtorsion import exercises
-from geomtorsion.exercises.prompts import shown_name
+from geomtorsion.exercises.question import shown_name
 from geomtorsion.lab.problems import answer, statement
 from geomtorsion.lab.settings import PAGE
 

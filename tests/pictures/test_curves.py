@@ -6,7 +6,7 @@ import pytest
 from geomtorsion.ode import RungeKutta
 from geomtorsion.pictures.curve_files import curve_pictures
 from geomtorsion.pictures.curves import caption, continued
-from geomtorsion.pictures.pair_solving import solve_pair
+from geomtorsion.pictures.pair import solve_pair
 from geomtorsion.pictures.sphere import parted, towards
 from geomtorsion.pictures.style import SERIES, STROKES, mathematics, number, save
 from geomtorsion.spaces import load, names

@@ -8,9 +8,8 @@ from geomtorsion.errors import AccuracyError, ShapeError, StartError
 from geomtorsion.geometry import cartan
 from geomtorsion.ode import RungeKutta, solve
 from geomtorsion.pictures.curve_files import metadata
-from geomtorsion.pictures.error_over_time import error_over_time
-from geomtorsion.pictures.pair import Pair
-from geomtorsion.pictures.pair_solving import solve_pair
+from geomtorsion.pictures.curves import error_over_time
+from geomtorsion.pictures.pair import Pair, solve_pair
 from geomtorsion.spaces import load, read_file
 
 ENGINE = RungeKutta()

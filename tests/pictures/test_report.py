@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from geomtorsion.pictures.catalogue import CATALOGUE, CONNECTION
+from geomtorsion.pictures.quantities import CATALOGUE, CONNECTION
 from geomtorsion.pictures.report import write_report
 from geomtorsion.spaces import load, read_file
-from tests.pictures.test_mathml import parsed
+from tests.pictures.test_formula import parsed
 
 DATA = Path(__file__).parent.parent / "data"
 VOID = {"meta", "br", "link", "img", "hr", "input"}

@@ -27,8 +27,7 @@ from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import right_aligned, some_rows, working
 from geomtorsion.cli.values import engine_of, start_lines, start_options
 from geomtorsion.pictures.curve_files import write_curves
-from geomtorsion.pictures.pair import Pair
-from geomtorsion.pictures.pair_solving import solve_pair
+from geomtorsion.pictures.pair import Pair, solve_pair
 from geomtorsion.pictures.style import can_draw
 from geomtorsion.progress import bar
 

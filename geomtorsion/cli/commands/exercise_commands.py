@@ -17,14 +17,13 @@ from geomtorsion.cli.terminal import shows_greek, working, wrapped
 from geomtorsion.cli.values import parts
 from geomtorsion.errors import FileFormatError
 from geomtorsion.exercises import grading, load
-from geomtorsion.exercises.diagnoses import TITLES
 from geomtorsion.exercises.examiner import Examiner
-from geomtorsion.exercises.prompts import how_to_answer
+from geomtorsion.exercises.grading import loaded, read_submission
 from geomtorsion.exercises.prose import text_of
+from geomtorsion.exercises.question import how_to_answer
 from geomtorsion.exercises.registry import CHAPTERS
 from geomtorsion.exercises.sheets import write_sheet
-from geomtorsion.exercises.submission import loaded, read_submission
-from geomtorsion.exercises.verdict import Verdict
+from geomtorsion.exercises.verdict import TITLES, Verdict
 from geomtorsion.progress import bar
 
 

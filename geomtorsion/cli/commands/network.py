@@ -19,7 +19,7 @@ from geomtorsion.errors import GeomtorsionError, MissingExtraError, NetworkError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import DislocationNetwork, LineFamily, Loop
 from geomtorsion.loops.loop_files import loop_from_data
-from geomtorsion.pictures.line_network import draw_lines
+from geomtorsion.pictures.network import draw_lines
 from geomtorsion.pictures.style import save
 
 Texts = list[str]

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from geomtorsion.ode import RungeKutta
-from geomtorsion.pictures.pair_solving import solve_pair
+from geomtorsion.pictures.pair import solve_pair
 from geomtorsion.spaces import load
 from tests.cli.running import run
 

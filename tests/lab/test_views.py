@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from geomtorsion.lab.guides import GUIDES
 from geomtorsion.lab.space_info import typable
-from geomtorsion.lab.views import LOOPS, PATHS, TABS, TOP, intro, words
+from geomtorsion.lab.views import GUIDES, LOOPS, PATHS, TABS, TOP, intro, words
 
 TERMS = {
     LOOPS: ("b", "2 S A", "flux of torsion"),

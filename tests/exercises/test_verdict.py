@@ -5,8 +5,8 @@ import sympy as sp
 
 from geomtorsion import exercises
 from geomtorsion.exercises.checking import check_question
-from geomtorsion.exercises.diagnoses import TITLES, TORSION, message_of
 from geomtorsion.exercises.question import ANGLES
+from geomtorsion.exercises.verdict import TITLES, TORSION, message_of
 
 SEEDS = range(6)
 NUMBERS = exercises.names()
