@@ -166,6 +166,7 @@ def loops() -> str:
             f'<input type="range" data-slides="loops-{name}" min="0" max="{len(RADII) - 1}" '
             f'value="4"></label><div id="loops-{name}">{"".join(slides)}</div>'
         )
+    parts.append(_nameless(views.atoms(task("atoms")())))
     return "".join(parts)
 
 

@@ -167,6 +167,13 @@ def _(loop_reply, mo, tab, views):
     return
 
 
+@app.cell
+def _(mo, runner, tab, views):
+    mo.stop(tab.value != views.LOOPS)
+    mo.Html(views.atoms(runner.ask("atoms")))
+    return
+
+
 # -- loops in a map that is given ---------------------------------------------------------------
 
 

@@ -47,6 +47,7 @@ TASKS: Mapping[str, Task] = {
     "space_info": _task("space_info", "space_info", 10),
     "tetrad": _task("tetrad", "tetrad", 10),
     "loop": _task("closure_failure", "closure_failure", 8),
+    "atoms": _task("atoms", "atoms", 10),
     "map_facts": _task("measured", "map_facts", 20),
     "map_circuit": _task("measured", "map_circuit", 20),
     "paths": _task("paths", "paths", 12),

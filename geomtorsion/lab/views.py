@@ -112,6 +112,19 @@ GUIDES: Mapping[str, Guide] = {
 }
 
 # The part of the tab for loops that takes a file.
+ATOMS = Guide(
+    "A square lattice with an edge dislocation, as elasticity bends it. Each bond is read as the "
+    "nearest lattice vector; beside it stands what the same steps are in a perfect lattice. What "
+    "is missing there to a circuit that closes in the crystal is b, in whole numbers.",
+    "press Show a circuit; then click one of your own, far from the core, close to it, beside it; "
+    "take two opposite dislocations and go round one, the other, and both.",
+    {
+        "extra half plane": "the column of atoms that ends at the core: on its side a circuit has "
+        "a step more, and that is the step that is missing on the other.",
+        "core": "where the bonds are so bent that no lattice vector is clearly the nearest; "
+        "circuits stay outside of it, and it does not matter which way they take.",
+    },
+)
 MEASURED = Guide(
     "A measured map: a grid of a coframe or distortion (NPZ or CSV, as SampledFrame.save writes "
     "it), an orientation map (.ctf, .ang) or a picture of a lattice (PNG, TIFF, NPY). Colours show "
@@ -246,6 +259,17 @@ def loop(reply: Json) -> str:
 def loop_below(reply: Json) -> str:
     """The numbers of a loop, and its words."""
     return wrapped(f'<div class="later">{reply.get("table", "")}{words(LOOPS)}</div>')
+
+
+def atoms(reply: Json) -> str:
+    """A crystal in which circuits are clicked, and what to try there."""
+    if reply.get("problem"):
+        return wrapped(problem(reply))
+    text = (
+        f'<h2>From atom to atom</h2><p class="guide">{escape(ATOMS.seen)}</p>'
+        f'<p class="guide"><strong>Try:</strong> {escape(ATOMS.tried)}</p>'
+    )
+    return wrapped(f'<div class="atoms" id="atoms">{text}{framed(reply)}</div>{_terms(ATOMS)}')
 
 
 def map_field(field: object) -> str:
