@@ -25,7 +25,9 @@ from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.progress import bar
 
 # What stands on a command line without its dashes in messages of the library.
-OPTIONS = tuple("sigma threshold order laue size plane spots resolution blocks".split())
+OPTIONS = tuple(
+    "sigma threshold order laue size plane spots resolution blocks steps workers".split()
+)
 _SIZE = re.compile(r"((?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*([^0-9.].*)?")
 
 
@@ -49,7 +51,7 @@ class Reading:
 
 def opened(source: str, reading: Reading) -> Measured:
     """The measured field in a file; errors about an option name it as it is typed."""
-    value = None if reading.sigma is None else _sigma(reading.sigma)
+    value = None if reading.sigma is None else sigma_of(reading.sigma)
     try:
         return open_measured(
             source,
@@ -104,7 +106,7 @@ def _symmetries(texts: Sequence[str]) -> dict[int, str]:
     return found
 
 
-def _sigma(text: str) -> float | str:
+def sigma_of(text: str) -> float | str:
     """A number, or the word that asks for an estimate."""
     if text == "estimate":
         return text
@@ -240,9 +242,9 @@ def write_survey(
     return paths
 
 
-def survey_lines(survey: Survey) -> list[str]:
-    """A survey in words."""
-    found = summary(survey)
+def survey_lines(survey: Survey, found: dict[str, Any] | None = None) -> list[str]:
+    """A survey in words; found: its numbers, where they are those of a larger one."""
+    found = found or summary(survey)
     sides = " x ".join(map(str, survey.size))
     missing = found["circuits"] - found["known"]
     lines = [f"{found['known']:,} circuits of {sides} cells"]

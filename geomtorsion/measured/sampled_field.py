@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -76,12 +77,8 @@ class SampledField:
         for k, cells, count in zip(plane, found.size, places, strict=False):
             start, step = frame.axes[k][0], frame.steps[k]
             centres.append(start + step * (np.arange(count) + cells / 2))
-        layers = [
-            ", ".join(
-                f"{frame.names[k]} = {value:.6g}" for k, value in zip(others, values, strict=True)
-            )
-            for values in product(*(frame.axes[k] for k in others))
-        ]
+        beyond = [frame.names[k] for k in others]
+        layers = [layer_names(beyond, at) for at in product(*(frame.axes[k] for k in others))]
         vectors = laid(found.vectors)
         flat = set(plane) == {0, 1} and frame.rows > 1
         return Survey(
@@ -109,6 +106,11 @@ class SampledField:
         unit = f" ({found.density_unit})" if found.density_unit else ""
         title = f"|b| per area of each cell{unit}"
         return Backdrop(found.centres, found.density[..., 0], "sizes", title)
+
+
+def layer_names(names: Sequence[str], values: Sequence[float]) -> str:
+    """Where a plane lies, in words."""
+    return ", ".join(f"{name} = {x:.6g}" for name, x in zip(names, values, strict=True))
 
 
 def _closed(points: np.ndarray) -> np.ndarray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -10,7 +11,7 @@ import typer
 
 from geomtorsion.checks import cut, shown
 from geomtorsion.cli.commands.burgers import loop_data
-from geomtorsion.cli.exits import ExitCode
+from geomtorsion.cli.exits import ExitCode, stopped
 from geomtorsion.cli.measured import (
     Reading,
     closures_of,
@@ -19,6 +20,7 @@ from geomtorsion.cli.measured import (
     identity_frame,
     opened,
     say_on_error,
+    sigma_of,
     survey_lines,
     write_survey,
 )
@@ -37,10 +39,11 @@ from geomtorsion.cli.options import (
     option,
 )
 from geomtorsion.cli.terminal import working, wrapped
-from geomtorsion.errors import GridError, ImageError, OrientationError
+from geomtorsion.errors import CheckpointError, GridError, ImageError, OrientationError
 from geomtorsion.loops.loop_files import loop_from_data
+from geomtorsion.measured.in_blocks import BLOCKS, BlockedRun, is_array, open_in_blocks
 from geomtorsion.measured.writing import summary
-from geomtorsion.pictures.measured import draw_circuits
+from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from geomtorsion.pictures.style import can_draw, save
 
 
@@ -62,6 +65,23 @@ def map(
     circle: Annotated[
         list[str] | None, option(metavar="X,Y:RADIUS", text="A circle in the map as well: 20,30:8")
     ] = None,
+    blocks: Annotated[
+        int | None,
+        option(metavar="N", text="Grids: in blocks of N places a side, kept in DIR until all are."),
+    ] = None,
+    steps: Annotated[
+        str | None, option(metavar="DX,DY", text="Fields in .npy and .zarr: steps of the axes.")
+    ] = None,
+    unit: Annotated[
+        str, typer.Option(metavar="UNIT", help="Fields in .npy and .zarr: of the axes.")
+    ] = "",
+    workers: Annotated[int, typer.Option(metavar="N", help="Processes that compute blocks.")] = 1,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with the map in blocks that was stopped in DIR.")
+    ] = False,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Begin anew where a map was stopped in DIR.")
+    ] = False,
     as_json: Annotated[
         bool, typer.Option("--json", help="Results as data on standard output.")
     ] = False,
@@ -76,15 +96,31 @@ def map(
     (.ctf, .ang, .h5) or a picture of a lattice (.png, .tif, .npy). Square circuits of one size are
     taken at every place.
 
+    A field in an array (.npy of shape (rows, columns, grid...), .zarr) may be larger than memory:
+    it is done in blocks, which stay in DIR when the command is stopped or killed; with --resume it
+    goes on from there, to the same result bit by bit.
+
     \b
     Examples:
       geomtorsion map wafer.ctf --size 8 -o wafer-map
       geomtorsion map steel.ang --size 4 --threshold 3 -o steel-map
       geomtorsion map distortion.npz --size 2 --sigma 0.001
       geomtorsion map lattice.tif --pixel 0.032nm --size 40 -o image-map
+      geomtorsion map field.zarr --steps 0.5,0.5 --unit um --workers 2 -o field-map
     """
     reading = Reading(sigma, threshold, order, tuple(laue or ()), pixel, spots, resolution)
-    with working(Path(source).name) as progress:
+    path = Path(source)
+    if blocks is not None or resume or is_array(path):
+        wanted = Blocks(blocks, steps, unit, workers, resume, overwrite)
+        _in_blocks(path, reading, wanted, size, plane, output, form, as_json=as_json, circle=circle)
+        return
+    refuse = {"--steps": steps, "--unit": unit or None, "--overwrite": overwrite or None}
+    for name, value in refuse.items():
+        if value is not None:
+            raise GridError(
+                f"{name}: it belongs to maps in blocks. Leave it out, or give --blocks."
+            )
+    with working(path.name) as progress:
         field = opened(source, reading)
         progress(f"circuits of {size} x {size} cells")
         try:
@@ -113,6 +149,83 @@ def map(
         say_on_error(written)
     if len(found) < len(loops):
         raise typer.Exit(ExitCode.failed)
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Options of maps in blocks, as they are typed."""
+
+    block: int | None
+    steps: str | None
+    unit: str
+    workers: int
+    resume: bool
+    overwrite: bool
+
+
+def _in_blocks(
+    path: Path,
+    reading: Reading,
+    wanted: Blocks,
+    size: int,
+    plane: str | None,
+    output: Path | None,
+    form: PictureFormat,
+    *,
+    as_json: bool,
+    circle: list[str] | None,
+) -> None:
+    """A map that is kept block by block."""
+    others = {k: v for k, v in reading.given.items() if k not in ("--sigma", "--order")}
+    for name in [*others, *(["--circle"] if circle else [])]:
+        raise GridError(f"{name}: it does not belong to maps in blocks. Leave it out.")
+    if output is None:
+        raise CheckpointError(f"{path.name}: blocks are kept in a directory: name it with -o.")
+    try:
+        steps = None if wanted.steps is None else _numbers(wanted.steps)
+        sigma = None if reading.sigma is None else sigma_of(reading.sigma)
+        with working(path.name):
+            field = open_in_blocks(
+                path, steps=steps, unit=wanted.unit, sigma=sigma, order=reading.order
+            )
+        run = BlockedRun.begin(
+            field, output, wanted.block, size, _plane(plane, field.names),
+            resume=wanted.resume, overwrite=wanted.overwrite,
+        )  # fmt: skip
+        made = run.compute(wanted.workers)
+    except (GridError, OrientationError, ImageError) as error:
+        raise dashed(error) from None
+    except KeyboardInterrupt:
+        done = len(list((output / BLOCKS).glob("block-*.npy")))
+        stopped(f"; {done} blocks are in {output / BLOCKS}; go on with --resume")
+        raise typer.Exit(ExitCode.interrupted) from None
+    with working("writing") as progress:
+        progress("map.npy")
+        found = run.finish(made)
+        progress("summary and picture")
+        survey, numbers = found.survey()
+        document = {"about": list(field.about), **numbers, "circles": []}
+        written = [found.path, output / "map.json"]
+        written[1].write_text(json.dumps(document, indent=2) + "\n", "utf-8")
+        if can_draw():
+            written.append(output / f"map.{form.value}")
+            save(draw_survey(survey), written[-1])
+    if as_json:
+        typer.echo(json.dumps(document, indent=2))
+    else:
+        lines = (*field.about, *survey_lines(survey, numbers))
+        typer.echo("\n".join(wrapped(line) for line in lines))
+    say_on_error(written)
+
+
+def _numbers(text: str) -> list[float]:
+    """Numbers with commas between them."""
+    try:
+        return [float(x) for x in text.split(",")]
+    except ValueError:
+        raise GridError(
+            f"steps: numbers were needed, as in 0.5,0.5, but {shown(text)} came."
+        ) from None
 
 
 def _plane(text: str | None, names: tuple[str, ...]) -> tuple[int, int]:

@@ -1,0 +1,349 @@
+"""In blocks: a map of a sampled field, block by block in a folder, stopped and taken up again."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.errors import CheckpointError, FileFormatError, GeomtorsionError, GridError
+from geomtorsion.files import read_json_text, read_text
+from geomtorsion.loops import BlockMap, blocked_map
+from geomtorsion.loops.fields.sources import Source
+from geomtorsion.measured.opening import open_measured
+from geomtorsion.measured.results import Survey, noise_level
+from geomtorsion.measured.sampled_field import SampledField, layer_names
+from geomtorsion.measured.writing import summary
+
+# What the folder of blocks is called, and what it says of the run that fills it.
+BLOCKS, RUN = "blocks", "run.json"
+# Nodes of a block where nobody says how many: some ten megabytes with its halo.
+NODES = 2**18
+# Places along an axis of a picture: more than it has pixels.
+DRAWN = 1000
+
+
+@dataclass(frozen=True, eq=False)
+class BlockedField:
+    """A sampled field, in memory or larger, of which a map is made in blocks.
+
+    given: values of shape (rows, columns, grid...), an array or the path of an .npy or Zarr array.
+    starts, steps: coordinates of the first node and from one to the next. names: of the axes.
+    sigma: noise of every value. digest: of the file.
+    """
+
+    given: Any
+    starts: tuple[float, ...]
+    steps: tuple[float, ...]
+    names: tuple[str, ...]
+    sigma: float
+    order: int
+    periodic: tuple[bool, ...]
+    unit: str
+    vector_unit: str
+    digest: str
+
+    @property
+    def about(self) -> tuple[str, ...]:
+        """What it is."""
+        shape = Source.of(self.given, None).shape
+        sizes = " x ".join(map(str, shape[2:]))
+        noise = f"{self.sigma:.3g}" if self.sigma else "not known: errors are those of the grid"
+        return (f"a field of {sizes} nodes, {shape[0]} rows, in blocks", f"noise: {noise}")
+
+    @property
+    def block(self) -> int:
+        """Places along the side of a block, where nobody says how many."""
+        return round(NODES ** (1 / len(self.names)))
+
+
+def open_in_blocks(
+    path: Path,
+    *,
+    steps: Sequence[float] | None = None,
+    unit: str = "",
+    sigma: float | str | None = None,
+    order: int | None = None,
+) -> BlockedField:
+    """The field in an .npy or Zarr array, or in any file of a sampled frame.
+
+    steps, unit: of the axes, of arrays, which do not say them.
+
+    Raises
+    ------
+    FileFormatError
+        The file is missing or damaged.
+    GridError
+        It is no grid, or its noise is not the same everywhere.
+    """
+    if is_array(path):
+        shape = Source.of(path, None).shape[2:]
+        d = len(shape)
+        spacing = (1.0,) * d if steps is None else checks.numbers(steps, d, "steps", GridError)
+        if isinstance(sigma, str):
+            raise GridError(
+                "sigma: of a field in blocks it is not estimated: a number of 0 or more was "
+                "needed. Estimate it from a part, or leave it out."
+            )
+        noise = 0.0 if sigma is None else checks.number(sigma, "sigma", GridError)
+        return BlockedField(
+            str(path), (0.0,) * d, tuple(map(float, spacing)), tuple("xyzuvw"[:d]), noise,
+            4 if order is None else order, (False,) * d, unit, unit, digest_of(path),
+        )  # fmt: skip
+    if steps is not None:
+        raise GridError(f"steps: {path.name} says them itself. Leave them out.")
+    field = open_measured(path, sigma=sigma, order=order)
+    if not isinstance(field, SampledField):
+        raise GridError(
+            f"blocks: they belong to sampled frames, but {path.name} is something else, of which a "
+            "map is made at once. Leave out blocks and resume."
+        )
+    frame = field.frame
+    levels = np.zeros(1) if frame.sigma is None else np.unique(frame.sigma)
+    if len(levels) > 1:
+        raise GridError(
+            "sigma: of a field in blocks the noise must be the same everywhere, but that of the "
+            f"file is {levels[0]:.3g} to {levels[-1]:.3g}. Give one number."
+        )
+    # Blocks are listed as coordinates increase; circuits run so anyway.
+    starts = tuple(float(min(axis[0], axis[-1])) for axis in frame.axes)
+    turned = tuple(slice(None, None, -1 if step < 0 else 1) for step in frame.steps)
+    values = np.where(np.asarray(frame.mask), np.nan, frame.coframe)[(..., *turned)]
+    steps = tuple(abs(float(x)) for x in frame.steps)
+    return BlockedField(
+        values, starts, steps, tuple(frame.names), float(levels[0]), frame.order,
+        tuple(frame.periodic), frame.unit, frame.vector_unit, digest_of(path),
+    )  # fmt: skip
+
+
+def is_array(path: Path) -> bool:
+    """Whether a file is an array that is only read in parts: Zarr, or .npy of four axes or more."""
+    if path.suffix.lower() == ".zarr":
+        return True
+    if path.suffix.lower() != ".npy" or not path.is_file():
+        return False
+    try:
+        return np.load(path, mmap_mode="r", allow_pickle=False).ndim > 3
+    except (OSError, ValueError, EOFError):
+        return False
+
+
+def digest_of(path: Path) -> str:
+    """Of the bytes of a file; of a folder of its files and their sizes."""
+    if path.is_dir():
+        files = sorted(one for one in path.rglob("*") if one.is_file())
+        listed = [f"{one.relative_to(path)} {one.stat().st_size}" for one in files]
+        return hashlib.sha256("\n".join(listed).encode()).hexdigest()
+    if not path.is_file():
+        raise FileFormatError(f"{path}: there is no such file.")
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+@dataclass(frozen=True, eq=False)
+class BlockedRun:
+    """A map of a field in blocks, which are kept in a folder until all are done.
+
+    folder: of the results; blocks stand in a folder of their own in it.
+    """
+
+    field: BlockedField
+    folder: Path
+    block: int
+    size: int
+    plane: tuple[int, int]
+
+    @classmethod
+    def begin(
+        cls,
+        field: BlockedField,
+        folder: Path,
+        block: int | None,
+        size: int,
+        plane: tuple[int, int],
+        *,
+        resume: bool,
+        overwrite: bool,
+    ) -> BlockedRun:
+        """A new run, or one that was stopped.
+
+        Raises
+        ------
+        CheckpointError
+            The folder holds a run that was stopped and nobody said what to do with it; or none, or
+            another one, to go on with.
+        """
+        kept = folder / BLOCKS / RUN
+        if overwrite:
+            _clear(folder)
+        said: dict[str, Any] = {}
+        if kept.is_file():
+            if not resume:
+                raise CheckpointError(
+                    f"{folder} holds a map that was stopped. Give --resume to go on with it, or "
+                    "--overwrite to begin anew."
+                )
+            found = read_json_text(read_text(kept), str(kept))
+            said = found if isinstance(found, dict) else {}
+        elif resume:
+            raise CheckpointError(
+                f"{folder} holds no map that was stopped. Leave out --resume to begin one."
+            )
+        if block is None:
+            given = said.get("block")
+            block = given if isinstance(given, int) else field.block
+        run = cls(field, folder, block, size, plane)
+        if said and said != run.described:
+            differ = [key for key, value in run.described.items() if said.get(key) != value]
+            raise CheckpointError(
+                f"{folder} holds a map of another run: {', '.join(differ)} differ. Give the same "
+                "file and options, or --overwrite to begin anew."
+            )
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        kept.write_text(json.dumps(run.described), "utf-8")
+        return run
+
+    @property
+    def described(self) -> dict[str, Any]:
+        """What a run must have in common with the one that it takes up."""
+        return {
+            "file": self.field.digest,
+            "block": self.block,
+            "size": self.size,
+            "plane": list(self.plane),
+            "sigma": self.field.sigma,
+            "order": self.field.order,
+            "steps": list(self.field.steps),
+        }
+
+    def compute(self, workers: int = 1) -> BlockMap:
+        """All blocks that are missing."""
+        field = self.field
+        try:
+            return blocked_map(
+                field.given, self.folder / BLOCKS, field.steps, self.block, self.size, self.plane,
+                field.order, periodic=field.periodic, sigma=field.sigma, workers=workers,
+            )  # fmt: skip
+        except GeomtorsionError:
+            # What cannot be done at all leaves nothing to go on with.
+            if not any((self.folder / BLOCKS).glob("block-*.npy")):
+                _clear(self.folder)
+            raise
+
+    def finish(self, made: BlockMap) -> BlockedSurvey:
+        """The map as one array on disk, map.npy; the blocks go."""
+        rows = made.source.shape[0]
+        path = self.folder / "map.npy"
+        whole = np.lib.format.open_memmap(path, "w+", float, (rows + 1, *made.places))
+        for number, values in made:
+            whole[(slice(None), *(slice(*ends) for ends in made.span(number)))] = values
+        whole.flush()
+        _clear(self.folder)
+        return BlockedSurvey(self.field, path, self.size, self.plane)
+
+
+def _clear(folder: Path) -> None:
+    """Remove blocks, and nothing else."""
+    inner = folder / BLOCKS
+    for pattern in ("block-*.npy", "block-*.part", "ledger*", RUN):
+        for path in inner.glob(pattern):
+            path.unlink()
+    if inner.is_dir() and not any(inner.iterdir()):
+        inner.rmdir()
+
+
+@dataclass(frozen=True, eq=False)
+class BlockedSurvey:
+    """A finished map on disk: b^i of every circuit and, last, its error, (rows + 1, places...)."""
+
+    field: BlockedField
+    path: Path
+    size: int
+    plane: tuple[int, int]
+
+    @cached_property
+    def values(self) -> np.ndarray:
+        """The array, of which parts are read."""
+        return np.load(self.path, mmap_mode="r", allow_pickle=False)
+
+    @property
+    def area(self) -> float:
+        """Of one circuit."""
+        one, two = (abs(self.field.steps[k]) for k in self.plane)
+        return one * two * self.size**2
+
+    def survey(self) -> tuple[Survey, dict[str, Any]]:
+        """A thinned survey for a picture, of the layer of the largest b, and a summary of all.
+
+        Errors of a map in blocks, of the largest component, hold noise and grid together: as if all
+        components had as much, they stand as `sigma`.
+        """
+        field, values = self.field, self.values
+        rows = len(values) - 1
+        others = [k for k in range(len(field.names)) if k not in self.plane]
+        counts, best = np.zeros(2, dtype=np.int64), (-1.0, (0,) * (values.ndim - 1))
+        # Slab by slab along the first axis: never all at once.
+        for k in range(values.shape[1]):
+            b, error = values[:rows, k], values[rows, k]
+            sizes = np.linalg.norm(b, axis=0)
+            known = np.isfinite(sizes)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                far = sizes / error > noise_level(rows)
+            counts += (int(known.sum()), int((far & known).sum()))
+            if known.any():
+                place = np.unravel_index(int(np.nanargmax(sizes)), sizes.shape)
+                if sizes[place] > best[0]:
+                    best = float(sizes[place]), (k, *map(int, place))
+        at = best[1]
+        cut: list[Any] = [at[k] for k in range(len(at))]
+        every = [-(-values.shape[k + 1] // DRAWN) for k in self.plane]
+        for k, step in zip(self.plane, every, strict=True):
+            cut[k] = slice(None, None, step)
+        part = np.asarray(values[(slice(None), *cut)])
+        if self.plane[0] > self.plane[1]:
+            part = part.swapaxes(1, 2)
+        part = part[..., None]
+        half = self.size / 2
+        first, second = (
+            field.starts[k] + field.steps[k] * (half + step * np.arange(n))
+            for k, step, n in zip(self.plane, every, part.shape[1:3], strict=True)
+        )
+        vectors, error = part[:rows], part[rows]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            sizes = np.linalg.norm(vectors, axis=0)
+            significance = np.where(sizes == 0, 0.0, sizes / error)
+        flat = set(self.plane) == {0, 1} and rows > 1
+        layer = layer_names([field.names[k] for k in others],
+                            [field.starts[k] + field.steps[k] * at[k] for k in others])  # fmt: skip
+        survey = Survey(
+            size=(self.size, self.size),
+            centres=(first, second),
+            names=(field.names[self.plane[0]], field.names[self.plane[1]]),
+            layers=(layer,),
+            vectors=vectors,
+            components=tuple(f"b{k}" for k in range(rows)),
+            arrows=vectors[list(self.plane)] if flat else None,
+            sigma=error * np.sqrt(rows),
+            grid_error=np.zeros_like(error),
+            significance=significance,
+            area=self.area,
+            unit=field.unit,
+            vector_unit=field.vector_unit,
+            missing="touch a hole",
+        )
+        found = summary(survey) | {
+            "circuits": int(np.prod(values.shape[1:])),
+            "known": int(counts[0]),
+            "significant": int(counts[1]),
+        }
+        if counts[0]:
+            place = [field.starts[k] + field.steps[k] * (at[k] + half) for k in self.plane]
+            found |= {"largest": best[0] / self.area, "place": place, "layer": layer}
+        return survey, found

@@ -1,0 +1,137 @@
+"""In blocks: the same map as at once; killed and taken up again, the same bits."""
+
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import CheckpointError, FileFormatError, GridError
+from geomtorsion.loops import SampledFrame
+from geomtorsion.measured import open_measured
+from geomtorsion.measured.in_blocks import BLOCKS, BlockedRun, is_array, open_in_blocks
+from tests.measured.test_opening import grid
+
+ROOT = Path(__file__).parents[2]
+
+
+def values(shape: tuple[int, int] = (60, 50)) -> np.ndarray:
+    """A coframe with torsion, noise and a hole."""
+    x, y = np.meshgrid(*(np.arange(float(n)) for n in shape), indexing="ij")
+    found = np.array([[1 - y / 50, x / 50], [0 * x, 1 + np.sin(x / 7)]])
+    found += 1e-3 * np.random.default_rng(2).normal(size=found.shape)
+    found[:, :, 20:25, 10:16] = np.nan
+    return found
+
+
+def run(path: Path, folder: Path, block: int | None, size: int = 4, **options: bool) -> BlockedRun:
+    """A run that is begun, or taken up."""
+    given = {"resume": False, "overwrite": False} | options
+    field = open_in_blocks(path)
+    return BlockedRun.begin(field, folder, block, size, (0, 1), **given)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_map_in_blocks_is_that_at_once(tmp_path, turned):
+    """Values, places, units, the largest and the counts; axes that descend as well."""
+    axes = [0.5 * np.arange(60.0), 0.5 * np.arange(50.0)]
+    whole = values()
+    if turned:
+        axes[1], whole = axes[1][::-1], whole[..., ::-1]
+    path = tmp_path / "field.npz"
+    SampledFrame(axes, whole, sigma=1e-3, unit="um").save(path)
+    made = run(path, tmp_path / "o", 17)
+    found = made.finish(made.compute())
+    survey, numbers = found.survey()
+    once = open_measured(path).survey(4)
+    at = np.s_[:, :, ::-1] if turned else np.s_[:, :, :]
+    assert survey.vectors == pytest.approx(once.vectors[at], abs=1e-12, nan_ok=True)
+    assert survey.centres[1] == pytest.approx(np.sort(once.centres[1]))
+    assert numbers["known"] == once.known.sum() < once.known.size
+    assert numbers["largest"] == pytest.approx(np.nanmax(once.density))
+    assert (survey.unit, survey.density_unit) == ("um", "1/um")
+    assert not (tmp_path / "o" / BLOCKS).exists()
+
+
+def test_a_volume_and_its_strongest_layer(tmp_path):
+    """A plane of a grid of three axes: the picture is of the layer in which b is largest."""
+    axes = [np.arange(9.0), np.arange(10.0), np.arange(7.0)]
+    x, y, z = np.meshgrid(*axes, indexing="ij")
+    SampledFrame(axes, np.array([[-y * z, x * z, 0 * z]]) / 2, sigma=0.1).save(tmp_path / "v.npz")
+    made = run(tmp_path / "v.npz", tmp_path / "o", 4, size=2)
+    survey, numbers = made.finish(made.compute()).survey()
+    assert survey.layers == ("z = 6",)
+    assert numbers["largest"] == pytest.approx(6.0)
+    assert numbers["circuits"] == 7 * 8 * 7
+
+
+@pytest.mark.parametrize("end", [".npy", ".zarr"])
+def test_killed_and_taken_up_again(tmp_path, end):
+    """The command, killed while it works, then --resume: bit by bit the map of one run."""
+    path = tmp_path / f"field{end}"
+    if end == ".npy":
+        np.save(path, values((160, 120)))
+    else:
+        zarr = pytest.importorskip("zarr")
+        made = zarr.open_array(str(path), mode="w", shape=(2, 2, 160, 120), chunks=(2, 2, 50, 50),
+                               dtype="float64")  # fmt: skip
+        made[:] = values((160, 120))
+    command = [sys.executable, "-m", "geomtorsion", "map", str(path), "--size", "5", "--sigma",
+               "0.001", "--blocks", "10", "-o"]  # fmt: skip
+    out = tmp_path / "out"
+    began = subprocess.Popen([*command, str(out)], cwd=ROOT)
+    for _ in range(3000):
+        if len(list((out / BLOCKS).glob("block-*.npy"))) > 20:
+            break
+        time.sleep(0.02)
+    began.send_signal(signal.SIGKILL)
+    assert began.wait() == -signal.SIGKILL
+    kept = {file: file.stat().st_mtime_ns for file in (out / BLOCKS).glob("block-*.npy")}
+    assert 20 < len(kept) < 192
+    assert not (out / "map.npy").exists()
+    refused = subprocess.run([*command, str(out)], cwd=ROOT, capture_output=True, check=False)
+    assert refused.returncode == 2
+    assert b"--resume" in refused.stderr
+    again = [word for word in command if word not in ("--blocks", "10")]
+    subprocess.run([*again, str(out), "--resume"], cwd=ROOT, check=True, capture_output=True)
+    subprocess.run([*command, str(tmp_path / "one")], cwd=ROOT, check=True, capture_output=True)
+    one, two = (folder / "map.npy" for folder in (out, tmp_path / "one"))
+    assert one.read_bytes() == two.read_bytes()
+    assert (out / "map.json").read_bytes() == (tmp_path / "one" / "map.json").read_bytes()
+    assert not (out / BLOCKS).exists()
+
+
+def test_a_run_is_taken_up_as_it_was(tmp_path):
+    """Another file or size is refused; begun anew it is not."""
+    path = grid(tmp_path, sigma=0.1)
+    with pytest.raises(CheckpointError, match="no map that was stopped"):
+        run(path, tmp_path / "o", 5, resume=True)
+    run(path, tmp_path / "o", 5)
+    with pytest.raises(CheckpointError, match="--resume to go on with it"):
+        run(path, tmp_path / "o", 5)
+    with pytest.raises(CheckpointError, match="another run: size differ"):
+        run(path, tmp_path / "o", None, size=2, resume=True)
+    assert run(path, tmp_path / "o", None, resume=True).block == 5
+    with pytest.raises(CheckpointError, match="file, sigma differ"):
+        run(grid(tmp_path, "b.npz", sigma=0.2), tmp_path / "o", None, resume=True)
+    assert run(path, tmp_path / "o", 7, overwrite=True).block == 7
+
+
+def test_what_is_no_field_is_refused(tmp_path):
+    """Pictures, noise that differs from place to place, missing files, steps that are known."""
+    np.save(tmp_path / "image.npy", np.zeros((40, 40)))
+    assert not is_array(tmp_path / "image.npy")
+    np.save(tmp_path / "field.npy", values())
+    assert is_array(tmp_path / "field.npy")
+    with pytest.raises(GridError, match="sigma: .* not estimated"):
+        open_in_blocks(tmp_path / "field.npy", sigma="estimate")
+    sigmas = np.linspace(1, 2, 11 * 13).reshape(11, 13)
+    with pytest.raises(GridError, match="the same everywhere, but .* 1 to 2"):
+        open_in_blocks(grid(tmp_path, sigma=sigmas))
+    with pytest.raises(GridError, match="steps: field.npz says them itself"):
+        open_in_blocks(tmp_path / "field.npz", steps=[1, 1])
+    with pytest.raises(FileFormatError, match="no such file"):
+        open_in_blocks(tmp_path / "none.zarr")
