@@ -3,7 +3,7 @@
 from geomtorsion.measured.crystal_field import CrystalField
 from geomtorsion.measured.lattice_field import LatticeField
 from geomtorsion.measured.opening import SUFFIXES, is_measured, open_measured
-from geomtorsion.measured.results import Backdrop, Closure, Measured, Survey
+from geomtorsion.measured.results import Backdrop, Closure, Measured, Section, Survey
 from geomtorsion.measured.sampled_field import SampledField
 
 __all__ = [
@@ -14,6 +14,7 @@ __all__ = [
     "LatticeField",
     "Measured",
     "SampledField",
+    "Section",
     "Survey",
     "is_measured",
     "open_measured",

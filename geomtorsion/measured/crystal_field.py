@@ -8,7 +8,7 @@ import numpy as np
 
 from geomtorsion.errors import OrientationError
 from geomtorsion.loops import Loop
-from geomtorsion.measured.results import Backdrop, Closure, Survey
+from geomtorsion.measured.results import PLANE, Backdrop, Closure, Section, Survey
 from geomtorsion.orientations import Circuit, OrientationMap
 
 COMPONENTS = ("b1", "b2", "b3")
@@ -117,7 +117,7 @@ class CrystalField:
             down=True,
         )
 
-    def backdrop(self) -> Backdrop:
+    def backdrop(self, section: Section = PLANE) -> Backdrop:
         """The map of grains."""
         rows, columns = self.map.shape
         values = np.where(self.map.grain < 0, np.nan, self.map.grain).T

@@ -9,7 +9,7 @@ import numpy as np
 from geomtorsion.errors import ImageError
 from geomtorsion.images import LatticeImage, LatticePhases
 from geomtorsion.loops import Loop
-from geomtorsion.measured.results import Backdrop, Closure, Survey, noise_level
+from geomtorsion.measured.results import PLANE, Backdrop, Closure, Section, Survey, noise_level
 
 COMPONENTS = ("bx", "by")
 # As for single circuits: a number is not told where noise changes it more often.
@@ -108,6 +108,6 @@ class LatticeField:
             missing="touch a hole, or noise may change their numbers",
         )
 
-    def backdrop(self) -> Backdrop:
+    def backdrop(self, section: Section = PLANE) -> Backdrop:
         """The picture itself."""
         return Backdrop(self.image.axes, self.image.field, "image", "image and circuits")

@@ -12,15 +12,27 @@ from scipy.special import chdtri
 from geomtorsion.loops import Loop
 
 
+@dataclass(frozen=True)
+class Section:
+    """A plane through what was measured: two axes, and where it lies on all others, in order."""
+
+    plane: tuple[int, int] = (0, 1)
+    at: tuple[float, ...] = ()
+
+
+# The plane of what has no other.
+PLANE = Section()
+
+
 @dataclass(frozen=True, eq=False)
 class Closure:
     """Burgers vector of one circuit.
 
-    path: the circuit as it was taken, in the first two coordinates, shape (2, k).
+    path: the circuit as it was taken, in the plane of its section, shape (2, k).
     vector: b^i, shape (rows,), in `vector_unit`; components: what its entries are called.
     noise: root mean square of |b| by noise alone. grid_error: of interpolation and quadrature.
     significance: |b| in units of its errors; noise alone gives sqrt(rows) or so.
-    arrow: the part of b in the plane of the map, shape (2,), or None.
+    arrow: the part of b in that plane, shape (2,), or None.
     area: enclosed, signed, in the square of `unit`. more: name -> further facts, for JSON and text.
     """
 
@@ -36,6 +48,7 @@ class Closure:
     unit: str
     vector_unit: str
     more: Mapping[str, Any] = field(default_factory=dict)
+    section: Section = PLANE
 
     @property
     def magnitude(self) -> float:
@@ -186,8 +199,8 @@ class Measured(Protocol):
         """Burgers vectors of square circuits of so many cells at every place."""
         ...
 
-    def backdrop(self) -> Backdrop | None:
-        """What a picture shows below circuits, if it is a plane."""
+    def backdrop(self, section: Section = PLANE) -> Backdrop:
+        """What a picture shows below the circuits of a section."""
         ...
 
 

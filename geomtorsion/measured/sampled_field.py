@@ -9,7 +9,7 @@ from itertools import product
 import numpy as np
 
 from geomtorsion.loops import Loop, SampledFrame
-from geomtorsion.measured.results import Backdrop, Closure, Survey
+from geomtorsion.measured.results import PLANE, Backdrop, Closure, Section, Survey
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,19 +44,30 @@ class SampledField:
     def closure(self, loop: Loop) -> Closure:
         """Burgers vector of a loop."""
         b = self.frame.burgers(loop)
+        points, area = _closed(loop.points()), np.asarray(loop.area, dtype=float)
+        section = self._section(points, area)
+        plane = list(section.plane)
         return Closure(
             name=loop.name or "loop",
-            path=_closed(loop.points())[:2],
+            path=points[plane],
             vector=b.vector,
             components=self.components,
             noise=float(np.linalg.norm(b.sigmas)),
             grid_error=b.interpolation_error + b.quadrature_error,
             significance=b.significance,
-            area=float(np.asarray(loop.area, dtype=float)[0, 1]),
-            arrow=b.vector[:2] if len(b.vector) > 1 else None,
+            area=float(area[section.plane]),
+            arrow=b.vector[plane] if len(b.vector) > max(plane) else None,
+            section=section,
             unit=self.unit,
             vector_unit=b.unit,
         )
+
+    def _section(self, points: np.ndarray, area: np.ndarray) -> Section:
+        """The plane in which a loop has its largest area, through the middle of the loop."""
+        one, two = np.unravel_index(int(np.abs(np.triu(area)).argmax()), area.shape)
+        plane = (int(one), int(two)) if one != two else (0, 1)
+        others = [k for k in range(self.frame.dimension) if k not in plane]
+        return Section(plane, tuple(points[others].mean(axis=1).tolist()))
 
     def survey(self, size: int, plane: tuple[int, int] = (0, 1)) -> Survey:
         """Burgers vectors of squares of size x size cells at every place of every layer."""
@@ -98,14 +109,21 @@ class SampledField:
             missing="touch a hole",
         )
 
-    def backdrop(self) -> Backdrop | None:
-        """|b| per area of every cell; holes stay blank."""
-        if self.frame.dimension != 2:
-            return None
-        found = self.survey(1)
+    def backdrop(self, section: Section = PLANE) -> Backdrop:
+        """|b| per area of every cell, in the layer next to the section; holes stay blank."""
+        frame = self.frame
+        found = self.survey(1, section.plane)
+        others = [k for k in range(frame.dimension) if k not in section.plane]
+        middles = [float(np.mean(frame.axes[k])) for k in others]
+        at = [
+            int(np.abs(np.asarray(frame.axes[k]) - x).argmin())
+            for k, x in zip(others, section.at or middles, strict=True)
+        ]
+        layer = int(np.ravel_multi_index(at, [len(frame.axes[k]) for k in others])) if at else 0
         unit = f" ({found.density_unit})" if found.density_unit else ""
-        title = f"|b| per area of each cell{unit}"
-        return Backdrop(found.centres, found.density[..., 0], "sizes", title)
+        where = f", {found.layers[layer]}" if at else ""
+        title = f"|b| per area of each cell{unit}{where}"
+        return Backdrop(found.centres, found.density[..., layer], "sizes", title)
 
 
 def layer_names(names: Sequence[str], values: Sequence[float]) -> str:

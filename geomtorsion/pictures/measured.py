@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion.measured import Backdrop, Closure, Measured, Survey
+from geomtorsion.measured import Backdrop, Closure, Measured, Section, Survey
 from geomtorsion.pictures.loops import GAP, START
 from geomtorsion.pictures.network import SOFT
 from geomtorsion.pictures.style import (
@@ -17,13 +17,14 @@ from geomtorsion.pictures.style import (
     mathematics,
     new_figure,
     number,
-    quiet,
 )
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+# Sections that stand in one row.
+PANELS = 3
 # Pale neighbours that differ: grains stay behind what is drawn on them.
 GRAINS = ("#cfe3f2", "#f6dcc4", "#d5ead9", "#e9d6e6", "#f5efc3", "#dcdfe4", "#f2d3d3", "#cfe8e8")
 
@@ -80,7 +81,9 @@ def draw_survey(survey: Survey, layer: int | None = None) -> Figure:
 
 
 def draw_circuits(measured: Measured, closures: Sequence[Closure]) -> Figure:
-    """Circuits on what was measured (grains, or |b| per cell), b as arrows from their middles.
+    """Circuits on what was measured (grains, a picture, |b| per cell), with b as arrows.
+
+    In grids of three axes and more: on the section in which they lie, one panel each.
 
     Returns
     -------
@@ -91,18 +94,38 @@ def draw_circuits(measured: Measured, closures: Sequence[Closure]) -> Figure:
     MissingExtraError
         matplotlib is not installed.
     """
-    backdrop = measured.backdrop()
-    points = np.concatenate([one.path for one in closures], axis=1)
-    around = np.stack([np.nanmin(points, axis=1), np.nanmax(points, axis=1)], axis=1)
-    corners = tuple(around) if backdrop is None else tuple(map(_edges, backdrop.centres))
-    figure = new_figure(STYLE.panel * _ratio(corners) + 2.2, STYLE.panel + 1.0)
-    axes = figure.subplots()
-    if backdrop is None:
-        quiet(axes)
-    else:
-        _draw_backdrop(figure, axes, backdrop, corners)
+    sections: dict[Section, list[Closure]] = {}
+    for one in closures:
+        sections.setdefault(one.section, []).append(one)
+    backdrops = [measured.backdrop(section) for section in sections]
+    edges = [tuple(map(_edges, one.centres)) for one in backdrops]
+    across = min(len(edges), PANELS)
+    down = -(-len(edges) // across)
+    width = STYLE.panel * max(map(_ratio, edges)) + 2.2
+    figure = new_figure(across * width, down * STYLE.panel + 1.0)
     longest = max((float(np.hypot(*one.arrow)) for one in closures if one.arrow is not None),
                   default=0.0)  # fmt: skip
+    for k, (section, group) in enumerate(sections.items()):
+        axes = figure.add_subplot(down, across, k + 1)
+        _draw_backdrop(figure, axes, backdrops[k], edges[k])
+        _draw_group(axes, group, edges[k], longest, down=measured.down)
+        one, two = section.plane
+        names = (measured.names[one], measured.names[two])
+        _place(axes, names, measured.unit, edges[k], down=measured.down)
+    said = "Arrows show the part of b in the plane of the map, to one scale"
+    captioned(figure, [f"{said}; grey ones are not more than noise explains."])
+    return figure
+
+
+def _draw_group(
+    axes: Axes,
+    closures: Sequence[Closure],
+    corners: tuple[np.ndarray, ...],
+    longest: float,
+    *,
+    down: bool,
+) -> None:
+    """The circuits of one section; longest: the arrow that is drawn longest of all."""
     # The longest arrow is half as long as the widest circuit, and can be seen.
     widest = max(
         float(np.ptp(one.path[:, np.isfinite(one.path[0])], axis=1).max()) for one in closures
@@ -136,7 +159,7 @@ def draw_circuits(measured: Measured, closures: Sequence[Closure]) -> Figure:
             text = f"b = ({', '.join(map(str, one.more['whole']))}) lattice vectors"
         axes.annotate(
             text,
-            (middle[0], low[1] if measured.down else high[1]),
+            (middle[0], low[1] if down else high[1]),
             (0, 5),
             textcoords="offset points",
             ha="center",
@@ -144,11 +167,6 @@ def draw_circuits(measured: Measured, closures: Sequence[Closure]) -> Figure:
             zorder=6,
             bbox={"boxstyle": "round,pad=0.2", "fc": "white", "ec": FAINT, "alpha": 0.9},
         )
-    names = (measured.names[0], measured.names[1])
-    _place(axes, names, measured.unit, corners, down=measured.down)
-    said = "Arrows show the part of b in the plane of the map, to one scale"
-    captioned(figure, [f"{said}; grey ones are not more than noise explains."])
-    return figure
 
 
 def _draw_backdrop(

@@ -64,7 +64,27 @@ def test_layers_of_three_axes():
     assert other.names == ("y", "z")
     assert other.vectors[0, :, :, 4] == pytest.approx(-4)
     assert other.layers[4] == "x = 4"
-    assert cube.backdrop() is None
+
+
+def test_circuits_in_three_axes_lie_on_a_section():
+    """The plane of the largest area through the middle of the circuit, next to its layer."""
+    axes = [np.arange(7.0), np.arange(8.0), np.arange(6.0)]
+    x, y, z = np.meshgrid(*axes, indexing="ij")
+    values = np.array([[0 * x, x * z, 0 * x], [y, 0 * x, 0 * x], [0 * x, -z * x, 0 * x]])
+    cube = SampledField(SampledFrame(axes, values, sigma=0.01))
+    found = cube.closure(Loop.circle([4.2, 3, 2], 1.5, plane=(1, 2)))
+    assert found.section.plane == (1, 2)
+    assert found.section.at == pytest.approx((4.2,))
+    assert np.hypot(found.path[0] - 3, found.path[1] - 2) == pytest.approx(1.5, abs=1e-9)
+    # The coframe x z dy has the torsion -x in y and z.
+    assert found.vector[0] == pytest.approx(-4.2 * found.area, rel=1e-3)
+    assert found.arrow == pytest.approx(found.vector[1:])
+    below = cube.backdrop(found.section)
+    assert "x = 4" in below.title
+    assert below.values.shape == (7, 5)
+    assert below.values == pytest.approx(np.sqrt(2) * 4)
+    # Without a section the middle of the third axis.
+    assert "z = 2" in cube.backdrop().title
 
 
 def test_holes_stay_blank():

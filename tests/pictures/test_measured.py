@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from matplotlib.collections import LineCollection
 
-from geomtorsion.loops import Loop
-from geomtorsion.measured import CrystalField
+from geomtorsion.loops import Loop, SampledFrame
+from geomtorsion.measured import CrystalField, SampledField
 from geomtorsion.orientations import Circuit, OrientationMap
 from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from geomtorsion.pictures.style import save
@@ -88,3 +88,19 @@ def test_a_map_without_clean_circuits():
     survey = CrystalField(crystal).survey(2)
     assert not survey.known.any()
     assert "cross a boundary" in draw_survey(survey).texts[0].get_text()
+
+
+def test_circuits_of_a_volume_stand_on_their_sections():
+    """Two circuits in two planes: a panel each, with the section below it."""
+    axes = [np.arange(7.0), np.arange(8.0), np.arange(6.0)]
+    x, _y, z = np.meshgrid(*axes, indexing="ij")
+    cube = SampledField(SampledFrame(axes, np.array([[0 * x, x * z, 0 * x]]), sigma=0.01))
+    loops = [Loop.circle([4, 3, 2], 1.5, plane=plane) for plane in ((1, 2), (0, 1), (1, 2))]
+    figure = draw_circuits(cube, [cube.closure(loop) for loop in loops])
+    panels = [axes for axes in figure.axes if axes.lines]
+    assert [axes.get_title() for axes in panels] == [
+        "|b| per area of each cell, x = 4",
+        "|b| per area of each cell, z = 2",
+    ]
+    assert [len(axes.lines) for axes in panels] == [4, 2]
+    assert panels[0].get_ylabel() == "$z$"
