@@ -248,11 +248,12 @@ class LatticePhases:
             whole, chance, self.lattice, self.unit, error, path, (low[0], low[1])
         )  # fmt: skip
 
-    def burgers_map(self, size: int) -> LatticeCircuits:
+    def burgers_map(self, size: int, risk: float = 0.05) -> LatticeCircuits:
         """Burgers vectors of the square circuits of size x size pixels at every place.
 
         Whole numbers, the same as `burgers` gives for each of them. The cost does not grow with
-        the size.
+        the size. risk: as for `burgers`; where the chance of a wrong number is larger, nothing is
+        known.
 
         Raises
         ------
@@ -260,8 +261,9 @@ class LatticePhases:
             The size is not from 2 to what the image holds.
         """
         n = checks.count(size, "size", ImageError, 2, min(self.waves.shape[1:]) - 1)
+        limit = checks.positive(risk, "risk", ImageError)
         found = squares_of(self.phase, self.ratio, self.holes, self.blur, n)
-        return LatticeCircuits(n, *found, self.lattice, self.step, self.unit)
+        return LatticeCircuits(n, *found, limit, self.lattice, self.step, self.unit)
 
     def _place(self, pixel: np.ndarray) -> str:
         """A pixel as a place in messages."""

@@ -16,7 +16,7 @@ class LatticeCircuits:
     size: pixels along a side. whole: in lattice vectors, whole numbers, whole[i, x, y] for the
         circuit whose lower left corner is pixel (x, y), run anticlockwise.
     clear: whether the circuit touches no hole, clear[x, y].
-    chances: that noise has changed each number, chances[i, x, y].
+    chances: that noise has changed each number, chances[i, x, y]. risk: the largest accepted.
     lattice: the lattice vectors, rows, shape (2, 2), in `unit`. step: size of a pixel.
     """
 
@@ -24,9 +24,20 @@ class LatticeCircuits:
     whole: np.ndarray
     clear: np.ndarray
     chances: np.ndarray
+    risk: float
     lattice: np.ndarray
     step: float
     unit: str
+
+    @property
+    def chance(self) -> np.ndarray:
+        """That noise has changed one of the numbers of a circuit, chance[x, y]."""
+        return np.minimum(self.chances.sum(axis=0), 1.0)
+
+    @property
+    def known(self) -> np.ndarray:
+        """Where the numbers are to be trusted, known[x, y]."""
+        return self.clear & (self.chance <= self.risk)
 
     @property
     def vectors(self) -> np.ndarray:

@@ -17,6 +17,7 @@ from geomtorsion.errors import CheckpointError, FileFormatError, GeomtorsionErro
 from geomtorsion.files import read_json_text, read_text
 from geomtorsion.loops import BlockMap, blocked_map
 from geomtorsion.loops.fields.sources import Source
+from geomtorsion.loops.quadrature import PIECE
 from geomtorsion.measured.opening import open_measured
 from geomtorsion.measured.results import Survey, noise_level
 from geomtorsion.measured.sampled_field import SampledField, layer_names
@@ -25,9 +26,7 @@ from geomtorsion.measured.writing import summary
 # What the folder of blocks is called, and what it says of the run that fills it.
 BLOCKS, RUN = "blocks", "run.json"
 # Nodes of a block where nobody says how many: some ten megabytes with its halo.
-NODES = 2**18
-# Places along an axis of a picture: more than it has pixels.
-DRAWN = 1000
+NODES = 8 * PIECE
 
 
 @dataclass(frozen=True, eq=False)
@@ -279,9 +278,10 @@ class BlockedSurvey:
         one, two = (abs(self.field.steps[k]) for k in self.plane)
         return one * two * self.size**2
 
-    def survey(self) -> tuple[Survey, dict[str, Any]]:
+    def survey(self, drawn: int = 1000) -> tuple[Survey, dict[str, Any]]:
         """A thinned survey for a picture, of the layer of the largest b, and a summary of all.
 
+        drawn: places along an axis at most; pictures have no more pixels.
         Errors of a map in blocks, of the largest component, hold noise and grid together: as if all
         components had as much, they stand as `sigma`.
         """
@@ -303,7 +303,7 @@ class BlockedSurvey:
                     best = float(sizes[place]), (k, *map(int, place))
         at = best[1]
         cut: list[Any] = [at[k] for k in range(len(at))]
-        every = [-(-values.shape[k + 1] // DRAWN) for k in self.plane]
+        every = [-(-values.shape[k + 1] // drawn) for k in self.plane]
         for k, step in zip(self.plane, every, strict=True):
             cut[k] = slice(None, None, step)
         part = np.asarray(values[(slice(None), *cut)])

@@ -12,8 +12,6 @@ from geomtorsion.loops import Loop
 from geomtorsion.measured.results import PLANE, Backdrop, Closure, Section, Survey, noise_level
 
 COMPONENTS = ("bx", "by")
-# As for single circuits: a number is not told where noise changes it more often.
-RISK = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +54,7 @@ class LatticeField:
 
     def closure(self, loop: Loop) -> Closure:
         """Burgers vector of a loop: whole numbers, or a refusal."""
-        b = self.phases.burgers(loop, RISK)
+        b = self.phases.burgers(loop)
         noise = float(np.sqrt(b.chance) * np.hypot(*b.lattice.T).max())
         x, y = b.path.T * self.image.step
         return Closure(
@@ -82,8 +80,7 @@ class LatticeField:
         if plane != (0, 1):
             raise ImageError("plane: an image has one plane, x and y. Leave the option out.")
         found = self.phases.burgers_map(size)
-        chance = np.minimum(found.chances.sum(axis=0), 1.0)
-        known = found.clear & (chance <= RISK)
+        known, chance = found.known, found.chance
         vectors = np.where(known, found.vectors, np.nan)
         lengths = np.hypot(*found.lattice.T)[:, None, None]
         sigma = np.sqrt((lengths**2 * found.chances).sum(axis=0))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Sections that stand in one row.
-PANELS = 3
 # Pale neighbours that differ: grains stay behind what is drawn on them.
 GRAINS = ("#cfe3f2", "#f6dcc4", "#d5ead9", "#e9d6e6", "#f5efc3", "#dcdfe4", "#f2d3d3", "#cfe8e8")
 
@@ -99,7 +98,7 @@ def draw_circuits(measured: Measured, closures: Sequence[Closure]) -> Figure:
         sections.setdefault(one.section, []).append(one)
     backdrops = [measured.backdrop(section) for section in sections]
     edges = [tuple(map(_edges, one.centres)) for one in backdrops]
-    across = min(len(edges), PANELS)
+    across = math.ceil(math.sqrt(len(edges)))
     down = -(-len(edges) // across)
     width = STYLE.panel * max(map(_ratio, edges)) + 2.2
     figure = new_figure(across * width, down * STYLE.panel + 1.0)
