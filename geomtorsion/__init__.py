@@ -29,7 +29,7 @@ from geomtorsion.spaces import read_file as read
 if TYPE_CHECKING:
     __version__: str
     # For editors and checkers of types, which do not ask for names one by one.
-    from geomtorsion import exercises, images, pictures, scenes
+    from geomtorsion import crystals, exercises, images, pictures, scenes
     from geomtorsion.accuracy import (
         CostRow,
         CostTable,
@@ -166,7 +166,7 @@ _LATER = {
     ),
 }  # fmt: skip
 # Packages that are asked for by name, as spaces is.
-_PACKAGES = ("exercises", "images", "pictures", "scenes")
+_PACKAGES = ("crystals", "exercises", "images", "pictures", "scenes")
 _HOME = {name: package for package, names in _LATER.items() for name in names}
 
 __all__ = [
@@ -238,6 +238,7 @@ __all__ = [
     "conserved_quantities",
     "contract",
     "conventions",
+    "crystals",
     "develop",
     "develop_path",
     "develop_period",

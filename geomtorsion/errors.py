@@ -150,6 +150,10 @@ class NetworkError(GeomtorsionError, ValueError):
     """A network of paths or dislocation lines lacks data or violates a conservation law."""
 
 
+class CrystalError(GeomtorsionError, ValueError):
+    """Atoms form no crystal, or not the one that was named: the message says what fits."""
+
+
 class GridError(GeomtorsionError, ValueError):
     """A sampled frame has no regular grid, holds no finite values, or is left by a loop."""
 

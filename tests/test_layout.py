@@ -40,7 +40,7 @@ FLOORS = (
     ("codegen",),
     ("geometry", "ode"),
     ("action", "curves", "loops", "rigid"),
-    ("images", "orientations", "spaces"),
+    ("crystals", "images", "orientations", "spaces"),
     ("measured",),
     ("accuracy", "pictures", "paper"),
     ("scenes", "exercises"),

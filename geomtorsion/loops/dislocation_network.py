@@ -22,6 +22,7 @@ from geomtorsion.loops.line_families import Lattice, LineFamily, line_families
 from geomtorsion.loops.line_files import lines_text, read_lines
 from geomtorsion.loops.line_table import line_table, node_table
 from geomtorsion.loops.loop import Loop
+from geomtorsion.loops.network_lines import DislocationLine, line_arrays
 from geomtorsion.loops.node_violation import CONSTRAINTS, NodeViolation
 from geomtorsion.loops.opendis import arrays_of_opendis, opendis_of_arrays
 from geomtorsion.loops.polylines import Polyline, polylines
@@ -193,7 +194,7 @@ class DislocationNetwork:
             Nodes have no positions, there is no box that the format needs, b has not three
             components, or a line is too long for .data, which keeps no images.
         """
-        text = lines_text(path, self.arrays, self.polylines, [b for *_, b in self.lines])
+        text = lines_text(path, self.arrays, self.polylines, self._vectors)
         Path(path).write_text(text, "utf-8")
 
     @classmethod
@@ -215,44 +216,32 @@ class DislocationNetwork:
 
     @cached_property
     def arrays(self) -> LineArrays:
-        """Positions, pairs, Burgers vectors and images as arrays, lines in the order of `lines`.
+        """Positions, pairs, Burgers vectors and images as arrays, in the order of `lines`; lines
+        along several points as straight pieces.
 
         Raises
         ------
         NetworkError
             A node has no position in three dimensions, or there are images, but no box.
         """
-        nodes = self.graph.nodes(data=True)
-        for node, data in nodes:
-            if data.get("position") is None:
-                raise NetworkError(
-                    f"node {checks.shown(node)} has no position. Give all of them: "
-                    "of_lines(..., positions={node: (x, y, z)})."
-                )
-        numbers = {node: k for k, node in enumerate(self.graph)}
-        edges = list(self.graph.edges(data=True))
-        pairs = np.array([(numbers[a], numbers[b]) for a, b, _ in edges], dtype=np.int64)
-        known = ["image" in data for *_, data in edges]
-        images = [data.get("image") for *_, data in edges] if all(known) and edges else None
-        if any(known) and images is None:
-            a, b, _ = edges[known.index(False)]
-            raise NetworkError(f"line {a!r} -> {b!r} has no image. Give all lines one, or none.")
-        planes = [data.get("plane") for *_, data in edges]
-        columns: dict[str, Any] = {
-            "positions": [data["position"] for _, data in nodes] or np.zeros((0, 3)),
-            "pairs": pairs.reshape(-1, 2),
-            "burgers": [[float(x) for x in b["burgers"]] for *_, b in edges] or np.zeros((0, 3)),
-            "images": images,
-            "constraints": [data.get("constraint", 0) for _, data in nodes],
-            "planes": None if None in planes or not planes else planes,
-        }
-        return LineArrays(box=self.box, labels=list(self.graph), **columns)
+        return self._pieces[0]
+
+    @cached_property
+    def _pieces(self) -> tuple[LineArrays, list[int]]:
+        """Straight pieces, and the line to which each belongs."""
+        return line_arrays(self.graph, self.box)
 
     @property
-    def lines(self) -> tuple[tuple[Hashable, Hashable, Hashable, Vector], ...]:
-        """All lines: start, end, key, b."""
+    def _vectors(self) -> list[Vector]:
+        """b of each straight piece, exact where that of its line is."""
+        return [self.lines[k].burgers for k in self._pieces[1]]
+
+    @cached_property
+    def lines(self) -> tuple[DislocationLine, ...]:
+        """All lines: tuples of start, end, key and b, which know their length and more."""
         return tuple(
-            (u, v, k, d["burgers"]) for u, v, k, d in self.graph.edges(keys=True, data=True)
+            DislocationLine.of(self.graph, (u, v, k), d, self.box)
+            for u, v, k, d in self.graph.edges(keys=True, data=True)
         )
 
     @cached_property
@@ -265,11 +254,12 @@ class DislocationNetwork:
             Nodes have no positions.
         """
         surface = [bool(data.get("surface")) for _, data in self.graph.nodes(data=True)]
-        vectors = [b for *_, b in self.lines]
-        return polylines(self.arrays, vectors, surface, self.tolerance)
+        # Points along a line are nodes of the pieces behind those of the graph.
+        surface += [False] * (len(self.arrays.positions) - len(surface))
+        return polylines(self.arrays, self._vectors, surface, self.tolerance)
 
     def to_networkx(self) -> nx.MultiDiGraph:
-        """A copy of the graph that may be changed."""
+        """A copy of the graph that may be changed: nodes have `position`, edges `burgers`."""
         import networkx as nx  # as above
 
         return nx.MultiDiGraph(self.graph)
@@ -365,8 +355,7 @@ class DislocationNetwork:
             Lines end between the two surfaces, so that b depends on the surface; or nodes have no
             positions, or a b is no vector of the lattice.
         """
-        vectors = [b for *_, b in self.lines]
-        return circuit_burgers(self.arrays, vectors, loop, lattice, self.tolerance)
+        return circuit_burgers(self.arrays, self._vectors, loop, lattice, self.tolerance)
 
     def families(self, symmetry: str = "cubic") -> tuple[LineFamily, ...]:
         """Lines by the family of their b: how many, length, density, screw share; longest first.

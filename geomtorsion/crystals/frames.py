@@ -1,0 +1,185 @@
+"""Frames: orientation and lattice constant of a crystal, found from its neighbour vectors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy  # loads its parts when they are asked for
+
+from geomtorsion.crystals.lattices import LATTICES, Lattice, lattice_named
+from geomtorsion.crystals.method import METHOD
+from geomtorsion.crystals.triangulation import Cell
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """How a crystal lies in the specimen.
+
+    lattice: which, with c/a of hcp; constant: lattice constant a, coordinates.
+    orient: crystal axes from specimen axes, a rotation, shape (3, 3): v_crystal = orient @ v.
+    """
+
+    lattice: Lattice
+    orient: np.ndarray
+    constant: float
+
+    def values(self, vectors: np.ndarray) -> np.ndarray:
+        """Vectors of the specimen along the crystal axes, in units of the lattice, (k, 3)."""
+        return vectors @ (self.orient.T / (self.constant * np.array(self.lattice.units)))
+
+    def vectors(self, values: np.ndarray) -> np.ndarray:
+        """Lattice vectors as vectors of the specimen, shape (k, 3)."""
+        return (values * (self.constant * np.array(self.lattice.units))) @ self.orient
+
+    def apart(self, vectors: np.ndarray, labels: np.ndarray) -> np.ndarray:
+        """Distance of vectors from their labels, coordinates."""
+        return np.linalg.norm(vectors - self.vectors(labels), axis=1)
+
+
+def neighbour_vectors(
+    places: np.ndarray, cell: Cell, count: int, atoms: np.ndarray, reach: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Numbers of the nearest neighbours of some atoms, and vectors to them, nearest first."""
+    points, numbers, _ = cell.with_ghosts(places, reach)
+    tree = scipy.spatial.cKDTree(points)
+    _, near = tree.query(places[atoms], k=count + 1)
+    near = near[:, 1:]
+    return numbers[near], points[near] - places[atoms][:, None]
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """How well neighbours fit a frame.
+
+    kind: of each atom, 0 or 1: which of the two sets of neighbour vectors it has, shape (atoms,).
+    labels: the neighbour vector nearest to each, whole numbers, shape (atoms, k, 3).
+    whole: atoms whose neighbours are all different neighbour vectors, shape (atoms,).
+    misfit: root mean square distance over the neighbour distance, shape (atoms,).
+    """
+
+    kind: np.ndarray
+    labels: np.ndarray
+    whole: np.ndarray
+    misfit: np.ndarray
+
+
+def fitted(frame: Frame, vectors: np.ndarray) -> Fit:
+    """Neighbour vectors, shape (atoms, k, 3), held against those of the perfect crystal."""
+    lattice = frame.lattice
+    count, k, _ = vectors.shape
+    at = vectors.reshape(-1, 3) @ (frame.orient.T / frame.constant)
+    found = []
+    for template in lattice.neighbours:
+        ideal = template * np.array(lattice.units)
+        # The nearest is that with the largest 2 x.t - t.t.
+        closeness = 2 * at @ ideal.T - (ideal**2).sum(axis=1)
+        which = closeness.argmax(axis=1)
+        apart = ((at - ideal[which]) ** 2).sum(axis=1).reshape(count, k)
+        which = which.reshape(count, k)
+        filled = np.zeros((count, k), dtype=bool)
+        filled[np.arange(count)[:, None], which] = True
+        found.append((filled.all(axis=1), apart.mean(axis=1), template[which]))
+    kind = np.zeros(count, dtype=np.int64)
+    if len(found) == 2:
+        kind = (found[1][1] < found[0][1]).astype(np.int64)
+    pick = [np.choose(kind, [x[m] for x in found]) for m in (0, 1)]
+    labels = np.where(kind[:, None, None] == 0, found[0][2], found[-1][2])
+    return Fit(kind, labels, pick[0].astype(bool), np.sqrt(pick[1]) / lattice.nearest)
+
+
+def _seeded(lattice: Lattice, vectors: np.ndarray) -> Frame:
+    """The frame of one atom, from its neighbour vectors alone, shape (k, 3)."""
+    ideal = lattice.neighbours[0] * np.array(lattice.units)
+    scale = np.linalg.norm(vectors, axis=1).mean() / np.linalg.norm(ideal, axis=1).mean()
+    r = vectors / scale
+    unit = r / np.linalg.norm(r, axis=1)[:, None]
+    other = int(np.abs(unit @ unit[0]).argmin())
+    directions = ideal / np.linalg.norm(ideal, axis=1)[:, None]
+    angle = unit[0] @ unit[other]
+    # Any pair of neighbour vectors with about this angle may be these two.
+    cosines = directions @ directions.T
+    first, second = np.nonzero((np.abs(cosines - angle) < 0.5) & (np.abs(cosines) < 0.9))
+    here = _triads(unit[:1], unit[other : other + 1])[0]
+    turns = np.swapaxes(_triads(directions[first], directions[second]), 1, 2) @ here
+    at = np.einsum("nij,kj->nki", turns, r)
+    apart = ((at[:, :, None] - ideal) ** 2).sum(axis=3).min(axis=2).sum(axis=1)
+    return Frame(lattice, turns[apart.argmin()], float(scale))
+
+
+def _triads(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Orthonormal rows along the first vectors and in the plane of both, shape (n, 3, 3)."""
+    normal = np.cross(first, second)
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    return np.stack([first, np.cross(normal, first), normal], axis=1)
+
+
+def refined(
+    frame: Frame, vectors: np.ndarray, keep_orient: bool = False, keep_constant: bool = False
+) -> Frame:
+    """The frame that fits neighbour vectors best, in the sense of least squares."""
+    for _ in range(10):
+        fit = fitted(frame, vectors)
+        labels, r = fit.labels.reshape(-1, 3), vectors.reshape(-1, 3)
+        near = frame.apart(r, labels) < frame.constant * frame.lattice.nearest / 2
+        ideal, r = labels[near] * np.array(frame.lattice.units), r[near]
+        if len(r) < 3:
+            return frame
+        orient, constant, lattice = frame.orient, frame.constant, frame.lattice
+        if not keep_orient:
+            u, _, v = np.linalg.svd(ideal.T @ r)
+            orient = u @ np.diag([1.0, 1.0, np.linalg.det(u @ v)]) @ v
+        if not keep_constant:
+            at = r @ orient.T
+            constant = float((at * ideal).sum() / (ideal**2).sum())
+            if lattice.name == "hcp":
+                across, along = (
+                    float((at * ideal)[:, k].sum() / (ideal**2)[:, k].sum())
+                    for k in (slice(0, 2), slice(2, 3))
+                )
+                ratio = 2 * lattice.units[2] * along / across
+                lattice, constant = lattice_named("hcp", ratio), across
+        change = np.abs(orient - frame.orient).max() + abs(constant / frame.constant - 1)
+        frame = Frame(lattice, orient, constant)
+        if change < 1e-12:
+            break
+    return frame
+
+
+def single_frame(
+    lattice: Lattice,
+    vectors: np.ndarray,
+    orient: np.ndarray | None = None,
+    constant: float | None = None,
+) -> tuple[Frame, Fit]:
+    """The frame into which most atoms fit, of those that single atoms suggest, and how they fit."""
+    k = lattice.shells
+    vectors = vectors[:, :k]
+    if orient is not None:
+        ideal = np.linalg.norm(lattice.neighbours[0] * np.array(lattice.units), axis=1).mean()
+        scale = constant or float(np.linalg.norm(vectors, axis=2).mean() / ideal)
+        best = Frame(lattice, orient, scale)
+    else:
+        chosen = vectors[
+            np.linspace(0, len(vectors) - 1, min(METHOD.seeds, len(vectors))).astype(int)
+        ]
+        every = [refined(_seeded(lattice, one), one[None]) for one in chosen]
+        scores = [float(np.minimum(fitted(frame, chosen).misfit, 0.5).mean()) for frame in every]
+        best = every[int(np.argmin(scores))]
+        if constant is not None:
+            best = Frame(best.lattice, best.orient, constant)
+    best = refined(best, vectors, orient is not None, constant is not None)
+    return best, fitted(best, vectors)
+
+
+def sampled(count: int) -> np.ndarray:
+    """Numbers of atoms that stand for all."""
+    if count <= METHOD.sample:
+        return np.arange(count)
+    return np.sort(np.random.default_rng(0).choice(count, METHOD.sample, replace=False))
+
+
+def likely_lattice(vectors: np.ndarray) -> tuple[Frame, Fit]:
+    """The frame of the lattice into which most atoms fit."""
+    found = [single_frame(lattice, vectors) for lattice in LATTICES.values()]
+    return max(found, key=lambda pair: (pair[1].whole.mean(), -pair[1].misfit.mean()))

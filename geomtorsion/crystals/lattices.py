@@ -1,0 +1,182 @@
+"""Lattices: nearest lattice vectors in closed form, as whole numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from itertools import product
+from math import sqrt
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.errors import CrystalError
+
+# No lattice vector is perpendicular to it: it tells which of v and -v is decoded.
+_SIDE = np.array([1.0, np.sqrt(2) - 1, np.sqrt(3) - np.sqrt(2)])
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """A lattice as a rectangular cell with more than one point in it, and perhaps a basis.
+
+    name: "fcc", "bcc", "hcp" or "diamond".
+    units: what whole numbers count along each crystal axis, in lattice constants a, shape (3,).
+    period: the rectangular cell in these units, shape (3,).
+    points: the lattice points in it, in these units.
+    basis: from an atom of the first kind to the nearest of the second, or () where all are alike.
+    shells: how many neighbours an atom has in the shells that tell the lattice.
+
+    Examples
+    --------
+    >>> LATTICES["fcc"].decode(np.array([[0.9, 0.2, 0.1], [2.2, 0.1, -0.1]])).tolist()
+    [[1, 0, 1], [2, 0, 0]]
+    """
+
+    name: str
+    units: tuple[float, float, float]
+    period: tuple[int, int, int]
+    points: tuple[tuple[int, int, int], ...]
+    basis: tuple[int, ...]
+    shells: int
+
+    def decode(self, values: np.ndarray, shift: np.ndarray | None = None) -> np.ndarray:
+        """The nearest lattice vectors, shape (k, 3), whole numbers.
+
+        Of a rectangular lattice with several points in its cell it is the best of one rounding for
+        each point. decode(-v) = -decode(v), in ties, too.
+
+        Parameters
+        ----------
+        values
+            Vectors along the crystal axes in units of `units`, shape (k, 3).
+        shift
+            Sublattice of the second atom less that of the first: -1, 0 or 1, shape (k,).
+        """
+        side = np.where(values @ _SIDE < 0, -1.0, 1.0)
+        y = values * side[:, None]
+        move = None
+        if self.basis and shift is not None:
+            move = (side * shift)[:, None] * np.array(self.basis, dtype=float)
+            y = y - move
+        period, best, found = np.array(self.period, dtype=float), None, y
+        scale = np.array(self.units)
+        for point in np.array(self.points, dtype=float):
+            near = np.rint((y - point) / period) * period + point
+            apart = (((near - y) * scale) ** 2).sum(axis=1)
+            if best is None:
+                best, found = apart, near
+            else:
+                closer = apart < best
+                best = np.where(closer, apart, best)
+                found = np.where(closer[:, None], near, found)
+        if move is not None:
+            found = found + move
+        return (found * side[:, None]).astype(np.int64)
+
+    @cached_property
+    def neighbours(self) -> tuple[np.ndarray, ...]:
+        """Vectors to the neighbours in `shells`, for each kind of atom, shape (shells, 3)."""
+        near = self._near(self.shells)
+        return (near,) if not self.basis else (near, -near)
+
+    @cached_property
+    def nearest(self) -> float:
+        """Distance of nearest neighbours over the lattice constant."""
+        return float(np.linalg.norm(self._near(1)[0] * self.units))
+
+    @cached_property
+    def atom_volume(self) -> float:
+        """Volume of an atom over the cube of the lattice constant."""
+        cell = float(np.prod(np.array(self.period) * self.units))
+        return cell / (len(self.points) * (2 if self.basis else 1))
+
+    @cached_property
+    def translations(self) -> np.ndarray:
+        """Three short vectors that span the lattice, as rows, shape (3, 3), whole numbers."""
+        return _shortest_basis(self._around(np.zeros(3)), np.array(self.units), self._cell)
+
+    @property
+    def _cell(self) -> float:
+        """Volume of a primitive cell, in units."""
+        return float(np.prod(self.period)) / len(self.points)
+
+    def _around(self, offset: np.ndarray) -> np.ndarray:
+        """Lattice vectors plus an offset in the cells next to the origin."""
+        cells = np.array(list(product((-2, -1, 0, 1, 2), repeat=3))) * self.period
+        return (cells[:, None] + np.array(self.points) + offset).reshape(-1, 3)
+
+    def _near(self, count: int) -> np.ndarray:
+        """The nearest neighbours of an atom of the first kind, whole numbers."""
+        sites = [self._around(np.zeros(3))]
+        if self.basis:
+            sites.append(self._around(np.array(self.basis)))
+        every = np.concatenate(sites)
+        sizes = np.linalg.norm(every * self.units, axis=1)
+        order = np.lexsort((*every.T, sizes.round(9)))
+        # The first is the atom itself.
+        return every[order[1 : count + 1]].astype(np.int64)
+
+    def fractions(self, values: np.ndarray) -> tuple[Fraction, ...]:
+        """A lattice vector in lattice constants; of hcp along a1, a2 and c."""
+        x = [Fraction(int(v)) for v in values]
+        if self.name == "hcp":
+            # Units are a/2, sqrt(3) a/6 and c/2; a2 is at 120 degrees to a1.
+            second = x[1] / 3
+            return (x[0] / 2 + second / 2, second, x[2] / 2)
+        return tuple(
+            v * Fraction(u).limit_denominator(4) for v, u in zip(x, self.units, strict=True)
+        )
+
+
+def _shortest_basis(vectors: np.ndarray, units: np.ndarray, volume: float) -> np.ndarray:
+    """The first three of the shortest vectors that span a cell of a volume."""
+    sizes = np.linalg.norm(vectors * units, axis=1)
+    short = vectors[np.lexsort((*vectors.T, sizes.round(9)))][1:60]
+    first = short[0]
+    for second in short:
+        for third in short:
+            if abs(abs(np.linalg.det(np.array([first, second, third]))) - volume) < 0.5:
+                return np.array([first, second, third], dtype=np.int64)
+    raise AssertionError("a lattice has a basis of short vectors")
+
+
+def _hcp(ratio: float) -> Lattice:
+    """hcp in its rectangular cell a, sqrt(3) a, c."""
+    return Lattice(
+        "hcp",
+        (0.5, sqrt(3) / 6, ratio / 2),
+        (2, 6, 2),
+        ((0, 0, 0), (1, 3, 0)),
+        (0, 2, 1),
+        12,
+    )
+
+
+_CORNERS = ((0, 0, 0), (0, 1, 1), (1, 0, 1), (1, 1, 0))
+LATTICES = {
+    "fcc": Lattice("fcc", (0.5, 0.5, 0.5), (2, 2, 2), _CORNERS, (), 12),
+    "bcc": Lattice("bcc", (0.5, 0.5, 0.5), (2, 2, 2), ((0, 0, 0), (1, 1, 1)), (), 14),
+    "hcp": _hcp(sqrt(8 / 3)),
+    "diamond": Lattice(
+        "diamond",
+        (0.25, 0.25, 0.25),
+        (4, 4, 4),
+        tuple((2 * x, 2 * y, 2 * z) for x, y, z in _CORNERS),
+        (1, 1, 1),
+        16,
+    ),
+}
+
+
+def lattice_named(name: object, ratio: float | None = None) -> Lattice:
+    """The lattice of a name; ratio: c/a of hcp, the ideal one if not given.
+
+    Raises
+    ------
+    CrystalError
+        There is none of this name.
+    """
+    checks.choice(name, tuple(LATTICES), "lattice", CrystalError)
+    return _hcp(ratio) if name == "hcp" and ratio is not None else LATTICES[str(name)]

@@ -1,0 +1,210 @@
+"""Lines: from torsion on faces to dislocation lines with junctions, lengths and images."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from geomtorsion.crystals.torsion import Torsion, components
+
+
+@dataclass(frozen=True, eq=False)
+class Strand:
+    """A dislocation line between two nodes, or one that closes.
+
+    start, end: numbers of its nodes; equal where it closes, there or in another image.
+    burgers: whole numbers, shape (3,); path: positions, unwrapped, shape (k, 3).
+    image: how many periods further its end is meant, shape (3,).
+    """
+
+    start: int
+    end: int
+    burgers: np.ndarray
+    path: np.ndarray
+    image: np.ndarray
+
+    @property
+    def length(self) -> float:
+        """Length along the path."""
+        return length_of(self.path)
+
+    def reversed(self, vectors: np.ndarray) -> Strand:
+        """The same line in the other sense, from where its end lies in the cell."""
+        path = self.path[::-1] - self.image @ vectors
+        return Strand(self.end, self.start, -self.burgers, path, -self.image)
+
+
+def length_of(path: np.ndarray) -> float:
+    """Length along points, shape (k, 3)."""
+    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+
+
+@dataclass(frozen=True, eq=False)
+class DualGraph:
+    """Faces with torsion as edges from one tetrahedron to the next.
+
+    pairs: tetrahedra at both sides, those behind a surface as new nodes, shape (n, 2).
+    burgers: whole numbers, shape (n, 3); images: of the second node for the first, shape (n, 3).
+    places: of nodes, shape (nodes, 3); surface: whether a node lies on a surface.
+    """
+
+    pairs: np.ndarray
+    burgers: np.ndarray
+    images: np.ndarray
+    places: np.ndarray
+    surface: np.ndarray
+
+    @classmethod
+    def of(cls, torsion: Torsion) -> DualGraph:
+        """The torsion as a graph; nodes are numbered anew."""
+        _rows, sides, images = torsion.mesh.faces
+        values = torsion.values
+        chosen = np.flatnonzero(values.any(axis=1) & (sides >= 0).any(axis=1))
+        pairs, shift, b = sides[chosen].copy(), images[chosen].copy(), values[chosen]
+        outside = (pairs < 0).any(axis=1)
+        edge = chosen[outside]
+        inner = sides[edge].max(axis=1)
+        count = len(torsion.mesh.corners)
+        pairs[outside] = np.where(
+            pairs[outside] < 0, count + np.arange(len(edge))[:, None], pairs[outside]
+        )
+        # The end lies in the face, next to the one tetrahedron that there is.
+        shift[outside] = 0
+        places = np.concatenate([torsion.mesh.centres, torsion.mesh.centres[inner]])
+        used, local = np.unique(pairs, return_inverse=True)
+        return cls(local.reshape(-1, 2), b, shift, places[used], used >= count)
+
+
+def flux(graph: DualGraph, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Component of each node, and sum of b (x) dl over each, shape (components, 3, 3).
+
+    It is the integral of the Nye tensor: b (x) L on a line of period L, zero on closed lines.
+    """
+    number = components(len(graph.places), graph.pairs)
+    a, b = graph.pairs.T
+    steps = graph.places[b] - graph.places[a] + graph.images @ vectors
+    sums = np.zeros((number.max(initial=-1) + 1, 3, 3))
+    np.add.at(sums, number[a], graph.burgers[:, :, None] * steps[:, None, :])
+    return number, sums
+
+
+def strands(graph: DualGraph, vectors: np.ndarray) -> list[Strand]:
+    """Chains of nodes at which two edges of one b meet, each as one line."""
+    count = len(graph.places)
+    around: list[list[tuple[int, int]]] = [[] for _ in range(count)]
+    for k, (a, b) in enumerate(graph.pairs.tolist()):
+        around[a].append((k, 1))
+        around[b].append((k, -1))
+    passed = [
+        len(x) == 2 and x[0][0] != x[1][0] and not s
+        for x, s in zip(around, graph.surface.tolist(), strict=True)
+    ]
+    done = np.zeros(len(graph.pairs), dtype=bool)
+    found = []
+
+    def follow(first: int, sense: int) -> Strand:
+        """Along a line until a node where it ends, or where it began."""
+        edge, going = first, sense
+        start = int(graph.pairs[edge, 0 if going > 0 else 1])
+        offset = np.zeros(3, dtype=np.int64)
+        path = [graph.places[start]]
+        while True:
+            done[edge] = True
+            node = int(graph.pairs[edge, 1 if going > 0 else 0])
+            offset = offset + going * graph.images[edge]
+            path.append(graph.places[node] + offset @ vectors)
+            if not passed[node] or node == start:
+                break
+            one, other = around[node]
+            edge, going = other if one[0] == edge else one
+        return Strand(start, node, sense * graph.burgers[first], np.array(path), offset)
+
+    for node in range(count):
+        if not passed[node]:
+            for edge, sense in around[node]:
+                if not done[edge]:
+                    found.append(follow(edge, sense))
+    for edge in range(len(done)):
+        if not done[edge]:
+            found.append(follow(edge, 1))
+    return found
+
+
+def simplified(
+    found: list[Strand], surface: np.ndarray, vectors: np.ndarray, width: float
+) -> list[Strand]:
+    """Lines between junctions nearer to each other than a width become one junction.
+
+    What is smaller is inside of a core, where lines cannot be told apart. Sums of b at the
+    junctions stay what they are.
+    """
+    lines = dict(enumerate(found))
+    short = sorted(
+        (k for k, one in lines.items() if one.start != one.end and one.length < width),
+        key=lambda k: lines[k].length,
+    )
+    for k in short:
+        line = lines[k]
+        if line.start == line.end or surface[[line.start, line.end]].any():
+            continue
+        gone, kept = line.end, line.start
+        del lines[k]
+        # The node that goes lies where the line begins, so many periods back.
+        place, offset = line.path[0] - line.image @ vectors, line.image
+        for m, other in list(lines.items()):
+            if gone in (other.start, other.end):
+                lines[m] = _moved(other, gone, kept, place, offset, vectors)
+    rings = [k for k, one in lines.items() if one.start == one.end and not one.image.any()]
+    touched = _degrees(lines)
+    for k in rings:
+        if lines[k].length < 2 * width and touched[lines[k].start] > 2:
+            del lines[k]
+    return _joined(lines, surface, vectors)
+
+
+def _degrees(lines: dict[int, Strand]) -> dict[int, int]:
+    """How many ends of lines lie at each node."""
+    count: dict[int, int] = {}
+    for line in lines.values():
+        for node in (line.start, line.end):
+            count[node] = count.get(node, 0) + 1
+    return count
+
+
+def _moved(
+    line: Strand, gone: int, kept: int, place: np.ndarray, offset: np.ndarray, vectors: np.ndarray
+) -> Strand:
+    """A line whose ends at one node now lie at another, `place` for the one in the cell."""
+    start, end, path, image = line.start, line.end, line.path, line.image
+    if end == gone:
+        path = np.concatenate([path, [place + image @ vectors]])
+        end, image = kept, image - offset
+    if start == gone:
+        path = np.concatenate([[place], path]) + offset @ vectors
+        start, image = kept, image + offset
+    return Strand(start, end, line.burgers, path, image)
+
+
+def _joined(lines: dict[int, Strand], surface: np.ndarray, vectors: np.ndarray) -> list[Strand]:
+    """Lines of one b that meet at a node where nothing else does become one."""
+    at: dict[int, list[int]] = {}
+    for k, line in lines.items():
+        for node in (line.start, line.end):
+            at.setdefault(node, []).append(k)
+    for node in list(at):
+        ends = at[node]
+        if len(ends) != 2 or ends[0] == ends[1] or surface[node]:
+            continue
+        first, second = (lines[k] for k in ends)
+        if first.end != node:
+            first = first.reversed(vectors)
+        if second.start != node:
+            second = second.reversed(vectors)
+        path = np.concatenate([first.path, second.path[1:] + first.image @ vectors])
+        image = first.image + second.image
+        made = Strand(first.start, second.end, first.burgers, path, image)
+        lines[ends[0]] = made
+        del lines[ends[1]], at[node]
+        at[second.end] = [ends[0] if k == ends[1] else k for k in at[second.end]]
+    return list(lines.values())

@@ -1,0 +1,33 @@
+"""Method: the lengths and shares that decide what belongs to a core, all in one place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Method:
+    """What decides where a crystal ends and how lines are drawn; b depends on none of it.
+
+    reach: radius of the largest empty sphere of a crystal with a vacancy in it, in neighbour
+        distances; what is larger is a void, or lies outside.
+    jitter: share of that radius by which atoms are moved, so that those on exact lattice sites have
+        one Delaunay triangulation, the same in every image.
+    sound: a line through triangles without torsion and doubt counts as so many times as long: lines
+        stay where the crystal is torn.
+    width: of a core, in neighbour distances: lines have no shorter waves, closed lines of less than
+        twice this length are point defects, nearer junctions are one.
+    share: no more than this share of the atoms of a liquid have neighbours like those of a crystal.
+    seeds, sample: atoms that suggest an orientation, and atoms that decide.
+    """
+
+    reach: float = 1.5
+    jitter: float = 1e-5
+    sound: float = 2.0
+    width: float = 2.0
+    share: float = 0.1
+    seeds: int = 16
+    sample: int = 2000
+
+
+METHOD = Method()

@@ -1,0 +1,204 @@
+"""Torsion: the coboundary of bond labels, and the shortest lines that carry it.
+
+A label that noise has turned into a neighbouring lattice vector puts a ring of torsion round its
+bond. Other labels inside a core are as good as long as no circuit on its surface changes: of all of
+them those with the least energy b^2 are taken, which leaves nothing of rings and straight lines of
+dislocations. No label of a bond that reaches out of a core is touched, so that Burgers vectors
+stay.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy  # loads its parts when they are asked for
+
+from geomtorsion.crystals.lattices import Lattice
+from geomtorsion.crystals.method import METHOD
+from geomtorsion.crystals.triangulation import Triangulation
+
+# Boundary of a face with its edges (ij, ik, jk).
+BOUNDARY = np.array([1, -1, 1])
+
+
+@dataclass(frozen=True, eq=False)
+class Torsion:
+    """Labels on the edges of a triangulation and what they miss round each face.
+
+    labels: lattice vectors, whole numbers, shape (edges, 3).
+    doubtful: edges that lie further from their label than half the neighbour distance, (edges,).
+    """
+
+    mesh: Triangulation
+    lattice: Lattice
+    labels: np.ndarray
+    doubtful: np.ndarray
+
+    @property
+    def values(self) -> np.ndarray:
+        """T = de: closure failure of each face, shape (faces, 3)."""
+        rows = self.mesh.faces[0]
+        return self.labels[rows[:, 0]] - self.labels[rows[:, 1]] + self.labels[rows[:, 2]]
+
+    @property
+    def torn(self) -> np.ndarray:
+        """Tetrahedra with torsion in a face, shape (cells,) of truth values."""
+        _, sides, _ = self.mesh.faces
+        found = np.zeros(len(self.mesh.corners), dtype=bool)
+        touched = sides[self.values.any(axis=1)].ravel()
+        found[touched[touched >= 0]] = True
+        return found
+
+    def relaxed(self) -> Torsion:
+        """The same torsion, but for what closes on the surfaces of cores, on the shortest lines.
+
+        Cores are first what is torn or doubtful; then whatever has an atom in common with the
+        torsion that is left: a ring that no circuit outside of its own atoms sees is a point
+        defect.
+        """
+        torn = self.torn
+        if not torn.any():
+            return self
+        rows, sides, images = self.mesh.faces
+        sound = ~(self.values.any(axis=1) | self.doubtful[rows].any(axis=1))
+        a, b = sides.T
+        steps = self.mesh.centres[b] - self.mesh.centres[a] + images @ self.mesh.cell.vectors
+        sizes = np.where((sides < 0).any(axis=1), 0.0, np.linalg.norm(steps, axis=1))
+        # Slivers have no length at all: a share of the mean keeps lines from running to and fro.
+        weights = (sizes + 0.1 * sizes.mean()) * np.where(sound, METHOD.sound, 1.0)
+        doubtful = self.doubtful[self.mesh.edges[2]].any(axis=1)
+        found = self._within(torn | doubtful, weights, descend=True)
+        atoms = np.zeros(len(self.mesh.places), dtype=bool)
+        atoms[self.mesh.corners[found.torn].ravel()] = True
+        return found._within(atoms[self.mesh.corners].any(axis=1), weights)
+
+    def _within(self, bad: np.ndarray, weights: np.ndarray, descend: bool = False) -> Torsion:
+        """Shortest lines inside cores: bad tetrahedra that hang together, with torsion in them."""
+        rows, sides, _ = self.mesh.faces
+        joined = (sides >= 0).all(axis=1) & bad[sides].all(axis=1)
+        number = components(len(bad), sides[joined])
+        real = np.zeros(number.max(initial=-1) + 1, dtype=bool)
+        real[number[self.torn]] = True
+        core = np.where(bad & real[number], number, -1)
+        free = np.ones(len(self.labels), dtype=bool)
+        free[self.mesh.edges[2][core < 0].ravel()] = False
+        if not descend:
+            return self.shortest(core, free, weights)
+        labels = self.labels.copy()
+        # Most of what noise does is undone here, one bond at a time.
+        _descend(labels, rows[free[rows].any(axis=1)], free, self.lattice)
+        return replace(self, labels=labels).shortest(core, free, weights)
+
+    def shortest(self, core: np.ndarray, free: np.ndarray, weights: np.ndarray) -> Torsion:
+        """Of all labels of free edges, those with the shortest lines: a linear program per core.
+
+        Torsion in each direction of a basis is as long as the faces that it runs through; the
+        matrix of boundaries makes the best solution whole.
+        """
+        rows, sides, _ = self.mesh.faces
+        values = self.values
+        torn = values.any(axis=1)
+        touched = np.unique(core[sides[torn]].ravel())
+        touched = touched[touched >= 0]
+        labels = self.labels.copy()
+        inside = free[rows].any(axis=1)
+        of_face = np.where(sides[:, 0] >= 0, core[sides[:, 0]], core[sides[:, 1]])
+        other = np.where(sides[:, 1] >= 0, core[sides[:, 1]], of_face)
+        of_face = np.maximum(of_face, other)
+        order = np.flatnonzero(inside & np.isin(of_face, touched))
+        order = order[np.argsort(of_face[order], kind="stable")]
+        breaks = np.flatnonzero(np.diff(of_face[order])) + 1
+        for mine in np.split(order, breaks):
+            if not torn[mine].any():
+                continue
+            change = _program(values[mine], rows[mine], free, weights[mine], self.lattice)
+            if change is not None:
+                labels[change[0]] -= change[1]
+        return replace(self, labels=labels)
+
+
+def _program(
+    values: np.ndarray, rows: np.ndarray, free: np.ndarray, weights: np.ndarray, lattice: Lattice
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """Free edges and what to subtract from their labels for the shortest lines of one core."""
+    basis = np.linalg.inv(lattice.translations)
+    parts = np.rint(values @ basis)
+    edges, local = np.unique(rows, return_inverse=True)
+    local = local.reshape(rows.shape)
+    use = free[edges]
+    number = np.cumsum(use) - 1
+    face, side = np.nonzero(use[local])
+    count, many = int(use.sum()), len(rows)
+    matrix = scipy.sparse.coo_array(
+        (BOUNDARY[side].astype(float), (face, number[local[face, side]])), shape=(many, count)
+    )
+    one = scipy.sparse.eye_array(many)
+    table = scipy.sparse.hstack([matrix, one, -one]).tocsc()
+    cost = np.concatenate([np.zeros(count), weights, weights])
+    bounds = np.array([(-np.inf, np.inf)] * count + [(0, np.inf)] * (2 * many))
+    found = np.zeros((count, 3))
+    for k in range(3):
+        if not parts[:, k].any():
+            continue
+        done = scipy.optimize.linprog(cost, A_eq=table, b_eq=parts[:, k], bounds=bounds)
+        if done.status != 0:
+            return None
+        found[:, k] = done.x[:count]
+    whole = np.rint(found)
+    after = parts - matrix @ whole
+    if (weights @ np.abs(after)).sum() >= (weights @ np.abs(parts)).sum() - 1e-9:
+        return None
+    return edges[use], (whole @ lattice.translations).astype(np.int64)
+
+
+def components(count: int, pairs: np.ndarray) -> np.ndarray:
+    """Number of the connected component of each of so many nodes."""
+    # Keys of both ends in one number need 64 bits: scipy keeps rows and columns apart.
+    table = scipy.sparse.coo_array(
+        (np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 1])), shape=(count, count)
+    )
+    return scipy.sparse.csgraph.connected_components(table, directed=False)[1].astype(np.int64)
+
+
+def _descend(labels: np.ndarray, faces: np.ndarray, free: np.ndarray, lattice: Lattice) -> None:
+    """Change labels of free edges as long as the sum of squares of torsion falls.
+
+    Changing one by d changes the sum by n d^2 - 2 d.S, with S the torsion of its n faces along the
+    edge: best is the lattice vector nearest to S/n. Edges without a common face change at once.
+    """
+    scale = np.array(lattice.units) ** 2
+    used, local = np.unique(faces, return_inverse=True)
+    local = local.reshape(faces.shape)
+    open_edge = free[used]
+    values = labels[used]
+    degree = np.bincount(local.ravel(), minlength=len(used))
+    while True:
+        torsion = values[local[:, 0]] - values[local[:, 1]] + values[local[:, 2]]
+        torn = np.flatnonzero(torsion.any(axis=1))
+        near = np.unique(local[torn])
+        near = near[open_edge[near]]
+        if not len(near):
+            break
+        total = np.zeros((len(used), 3))
+        for k in range(3):
+            np.add.at(total, local[torn, k], BOUNDARY[k] * torsion[torn])
+        change = lattice.decode(total[near] / degree[near, None])
+        gain = 2 * (change * total[near] * scale).sum(axis=1)
+        gain -= degree[near] * (change**2 * scale).sum(axis=1)
+        good = gain > 1e-9
+        if not good.any():
+            break
+        near, change, gain = near[good], change[good], gain[good]
+        # The best of all edges of a face goes first; the number decides between equals.
+        rank = np.empty(len(near), dtype=np.int64)
+        rank[np.lexsort((near, gain))] = np.arange(1, len(near) + 1)
+        of_edge = np.zeros(len(used), dtype=np.int64)
+        of_edge[near] = rank
+        best = of_edge[local].max(axis=1)
+        beaten = np.zeros(len(used), dtype=bool)
+        for k in range(3):
+            beaten[local[of_edge[local[:, k]] < best, k]] = True
+        chosen = ~beaten[near]
+        values[near[chosen]] -= change[chosen]
+    labels[used] = values

@@ -1,0 +1,218 @@
+"""Triangulation: Delaunay tetrahedra of atoms in a cell, periodic along any of its edges."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+import scipy  # loads its parts when they are asked for
+
+from geomtorsion.crystals.method import METHOD
+from geomtorsion.errors import CrystalError
+
+# Corners of the faces of a tetrahedron, the one left out first to last: its boundary is
+# sum of (-1)^k face_k.
+FACES = ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2))
+EDGES = tuple(combinations(range(4), 2))
+SIGNS = np.array([1, -1, 1, -1])
+
+
+@dataclass(frozen=True, eq=False)
+class Cell:
+    """A cell with atoms in it.
+
+    vectors: its edges as rows, shape (3, 3); of an open box without any, unit vectors.
+    periodic: along which edges it repeats, shape (3,).
+    """
+
+    vectors: np.ndarray
+    periodic: np.ndarray
+
+    @cached_property
+    def inverse(self) -> np.ndarray:
+        """Takes coordinates to shares of the edges: x @ inverse."""
+        return np.linalg.inv(self.vectors)
+
+    @cached_property
+    def heights(self) -> np.ndarray:
+        """Distance of opposite sides, shape (3,)."""
+        return 1.0 / np.linalg.norm(self.inverse, axis=0)
+
+    def wrapped(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Positions inside the cell along its periodic edges, and the periods added to each."""
+        if not self.periodic.any():
+            return positions, np.zeros(positions.shape, dtype=np.int64)
+        moved = -np.floor(positions @ self.inverse) * self.periodic
+        return positions + moved @ self.vectors, moved.astype(np.int64)
+
+    def with_ghosts(
+        self, places: np.ndarray, width: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Wrapped positions and their images as far as `width` outside the cell.
+
+        Returns positions, number of the atom and image of each; the atoms themselves come first.
+        """
+        numbers = np.arange(len(places), dtype=np.int64)
+        offsets = np.zeros((len(places), 3), dtype=np.int64)
+        for k in np.flatnonzero(self.periodic):
+            share = places @ self.inverse[:, k]
+            margin = width / self.heights[k]
+            parts = [(places, numbers, offsets)]
+            for m in range(1, int(np.ceil(margin)) + 1):
+                for sign in (1, -1):
+                    at = share + sign * m
+                    chosen = (at < 1 + margin) if sign > 0 else (at > -margin)
+                    moved = offsets[chosen].copy()
+                    moved[:, k] += sign * m
+                    place = places[chosen] + sign * m * self.vectors[k]
+                    parts.append((place, numbers[chosen], moved))
+            places, numbers, offsets = (np.concatenate(x) for x in zip(*parts, strict=True))
+        return places, numbers, offsets
+
+
+@dataclass(frozen=True, eq=False)
+class Triangulation:
+    """Tetrahedra with their faces and edges, each once in a periodic cell.
+
+    Corners, and with them all senses, are in the order of the numbers of the atoms.
+
+    corners: atoms of each tetrahedron, shape (k, 4); offsets: their images, the first being in the
+        cell, shape (k, 4, 3).
+    places: positions in the cell, shape (atoms, 3); cell: the cell.
+    senses: 1 or -1, the sign of the volume spanned by the corners, shape (k,).
+    """
+
+    corners: np.ndarray
+    offsets: np.ndarray
+    places: np.ndarray
+    cell: Cell
+    senses: np.ndarray
+
+    @cached_property
+    def edges(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Atoms of each edge, shape (n, 2); image of the second, (n, 3); edges of each
+        tetrahedron, (k, 6)."""
+        pairs = np.concatenate([self.corners[:, list(e)] for e in EDGES])
+        images = np.concatenate([self.offsets[:, b] - self.offsets[:, a] for a, b in EDGES])
+        first, which = distinct(np.concatenate([pairs, images], axis=1))
+        return pairs[first], images[first], which.reshape(6, -1).T
+
+    @cached_property
+    def faces(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Edges of each face, shape (n, 3): its boundary is the first plus the third minus the
+        second; tetrahedra at its two sides, -1 where there is none, (n, 2): its normal points from
+        the first to the second; image of the second for the first in its place, (n, 3)."""
+        edge_of = {pair: k for k, pair in enumerate(EDGES)}
+        of_cell = self.edges[2]
+        count = len(self.corners)
+        rows = np.concatenate(
+            [of_cell[:, [edge_of[(a, b)], edge_of[(a, c)], edge_of[(b, c)]]] for a, b, c in FACES]
+        )
+        # Three edges can be those of two faces only in a cell of one atom or so: images tell.
+        bases = np.concatenate([self.offsets[:, f[0]] for f in FACES])
+        first, which = distinct(rows)
+        owner = np.tile(np.arange(count), 4)
+        outwards = np.repeat(SIGNS, count) * np.tile(self.senses, 4)
+        sides = np.full((len(first), 2), -1, dtype=np.int64)
+        base = np.zeros((len(first), 2, 3), dtype=np.int64)
+        slot = (outwards < 0).astype(int)
+        sides[which, slot] = owner
+        base[which, slot] = bases
+        images = base[:, 0] - base[:, 1]
+        return rows[first], sides, images
+
+    @cached_property
+    def centres(self) -> np.ndarray:
+        """Centre of gravity of each tetrahedron, shape (k, 3)."""
+        shift = self.offsets.mean(axis=1) @ self.cell.vectors
+        return self.places[self.corners].mean(axis=1) + shift
+
+
+def distinct(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """First occurrence of each different row of whole numbers, and which of them each row is."""
+    low = rows.min(axis=0, initial=0)
+    span = rows.max(axis=0, initial=0) - low + 1
+    keys, room = [np.zeros(len(rows), dtype=np.int64)], 1
+    for k in range(rows.shape[1]):
+        # As many columns in one key as 63 bits hold.
+        if room * int(span[k]) >= 2**62:
+            keys.append(np.zeros(len(rows), dtype=np.int64))
+            room = 1
+        keys[-1] = keys[-1] * span[k] + (rows[:, k] - low[k])
+        room *= int(span[k])
+    if len(keys) == 1:
+        _, first, which = np.unique(keys[0], return_index=True, return_inverse=True)
+        return first, which
+    order = np.lexsort(keys[::-1])
+    new = np.zeros(len(rows), dtype=bool)
+    new[:1] = True
+    for key in keys:
+        new[1:] |= np.diff(key[order]) != 0
+    which = np.empty(len(rows), dtype=np.int64)
+    which[order] = np.cumsum(new) - 1
+    return order[new], which
+
+
+def triangulated(
+    places: np.ndarray, cell: Cell, reach: float, wanted: np.ndarray | None = None
+) -> Triangulation:
+    """Delaunay tetrahedra with empty spheres up to a radius, periodic where the cell is.
+
+    Parameters
+    ----------
+    places
+        Positions in the cell (wrapped), shape (atoms, 3).
+    reach
+        Radius of the largest empty sphere that a tetrahedron may have: what is larger is a void, or
+        lies outside the crystal.
+    wanted
+        Atoms whose tetrahedra are asked for, shape (atoms,) of truth values; all if not given.
+        Atoms further than twice the reach from them need not be there.
+
+    Raises
+    ------
+    CrystalError
+        All atoms lie in one plane.
+    """
+    noise = np.random.default_rng(0).uniform(-1, 1, places.shape)
+    moved = places + METHOD.jitter * reach * noise
+    points, numbers, images = cell.with_ghosts(moved, 2 * reach)
+    if len(points) < 5:
+        raise CrystalError(
+            f"positions: atoms that fill space were needed, but {len(places)} came. Give more."
+        )
+    try:
+        found = scipy.spatial.Delaunay(points)
+    except scipy.spatial.QhullError:
+        raise CrystalError(
+            "positions: atoms that fill space were needed, but they lie in a plane. Give more."
+        ) from None
+    simplices = found.simplices
+    inside = simplices.min(axis=1) < len(places)
+    if wanted is not None:
+        inside &= wanted[numbers[simplices]].any(axis=1)
+    simplices = simplices[inside].astype(np.int64)
+    # Corners in the order of atoms, and of images where one atom comes twice.
+    span = 2 * np.abs(images).max(initial=0) + 1
+    code = ((images[:, 0] * span) + images[:, 1]) * span + images[:, 2]
+    rank = np.lexsort((code, numbers))
+    place = np.empty(len(rank), dtype=np.int64)
+    place[rank] = np.arange(len(rank))
+    simplices = rank[np.sort(place[simplices], axis=1)]
+    # Each is found in several images: that whose first corner is in the cell is kept.
+    simplices = simplices[simplices[:, 0] < len(places)]
+    sides = points[simplices[:, 1:]] - points[simplices[:, :1]]
+    volume = np.linalg.det(sides)
+    squares = (sides**2).sum(axis=2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        middle = np.cross(sides[:, 1], sides[:, 2]) * squares[:, :1]
+        middle += np.cross(sides[:, 2], sides[:, 0]) * squares[:, 1:2]
+        middle += np.cross(sides[:, 0], sides[:, 1]) * squares[:, 2:]
+        small = np.linalg.norm(middle, axis=1) <= 2 * reach * np.abs(volume)
+    kept = simplices[small]
+    offsets = images[kept]
+    return Triangulation(
+        numbers[kept], offsets, places, cell, np.sign(volume[small]).astype(np.int64)
+    )
