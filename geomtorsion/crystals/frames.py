@@ -118,8 +118,13 @@ def refined(
     frame: Frame, vectors: np.ndarray, keep_orient: bool = False, keep_constant: bool = False
 ) -> Frame:
     """The frame that fits neighbour vectors best, in the sense of least squares."""
-    for _ in range(10):
+    before = None
+    # Labels are exchanged a few times at most; without a crystal it may go on.
+    for _ in range(5):
         fit = fitted(frame, vectors)
+        if before is not None and (fit.labels == before).all():
+            break
+        before = fit.labels
         labels, r = fit.labels.reshape(-1, 3), vectors.reshape(-1, 3)
         near = frame.apart(r, labels) < frame.constant * frame.lattice.nearest / 2
         ideal, r = labels[near] * np.array(frame.lattice.units), r[near]
@@ -139,10 +144,7 @@ def refined(
                 )
                 ratio = 2 * lattice.units[2] * along / across
                 lattice, constant = lattice_named("hcp", ratio), across
-        change = np.abs(orient - frame.orient).max() + abs(constant / frame.constant - 1)
         frame = Frame(lattice, orient, constant)
-        if change < 1e-12:
-            break
     return frame
 
 
@@ -160,9 +162,8 @@ def single_frame(
         scale = constant or float(np.linalg.norm(vectors, axis=2).mean() / ideal)
         best = Frame(lattice, orient, scale)
     else:
-        chosen = vectors[
-            np.linspace(0, len(vectors) - 1, min(METHOD.seeds, len(vectors))).astype(int)
-        ]
+        spread = np.linspace(0, len(vectors) - 1, min(METHOD.seeds, len(vectors)))
+        chosen = vectors[spread.astype(int)]
         every = [refined(_seeded(lattice, one), one[None]) for one in chosen]
         scores = [float(np.minimum(fitted(frame, chosen).misfit, 0.5).mean()) for frame in every]
         best = every[int(np.argmin(scores))]

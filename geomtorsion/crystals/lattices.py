@@ -31,7 +31,7 @@ class Lattice:
     Examples
     --------
     >>> LATTICES["fcc"].decode(np.array([[0.9, 0.2, 0.1], [2.2, 0.1, -0.1]])).tolist()
-    [[1, 0, 1], [2, 0, 0]]
+    [[1, 1, 0], [2, 0, 0]]
     """
 
     name: str

@@ -125,10 +125,9 @@ def strands(graph: DualGraph, vectors: np.ndarray) -> list[Strand]:
             for edge, sense in around[node]:
                 if not done[edge]:
                     found.append(follow(edge, sense))
-    for edge in range(len(done)):
-        if not done[edge]:
-            found.append(follow(edge, 1))
-    return found
+    # What is left is closed; each call follows a whole ring.
+    rings = (follow(edge, 1) for edge in range(len(done)) if not done[edge])
+    return [*found, *rings]
 
 
 def simplified(
