@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from fractions import Fraction
 from math import gcd
 
@@ -24,36 +25,35 @@ def network_of(torsion: Torsion, frame: Frame) -> DislocationNetwork:
     graph = DualGraph.of(torsion)
     width = METHOD.width * frame.lattice.nearest * frame.constant
     found = nx.MultiDiGraph()
-    lines = strands(graph, cell.vectors)
-    for strand in simplified(lines, graph.surface, cell.vectors, width):
-        path = smoothed(strand.path, strand.image @ cell.vectors, strand.start == strand.end, width)
-        closed = strand.start == strand.end and not strand.image.any()
-        if closed and length_of(path) < 2 * width:
+    lines = simplified(strands(graph, cell.vectors), graph.surface, cell.vectors, width)
+    ends = Counter(node for line in lines for node in (line.start, line.end))
+    numbers: dict[int, int] = {}
+    for line in lines:
+        alone = line.start == line.end and ends[line.start] == 2
+        path = smoothed(line.path, alone, width)
+        if alone and not line.image.any() and length_of(path) < 2 * width:
             # No wider than a core: a point defect.
             continue
-        if strand.start == strand.end and strand.start not in found:
-            # Nothing but the line itself says where it begins.
-            found.add_node(strand.start, position=tuple(path[0].tolist()), surface=False)
-        for node in (strand.start, strand.end):
-            if node not in found:
-                place = tuple(graph.places[node].tolist())
-                found.add_node(node, position=place, surface=bool(graph.surface[node]))
-        b = frame.vectors(strand.burgers[None])[0]
+        for node in (line.start, line.end):
+            if node not in numbers:
+                numbers[node] = len(numbers)
+                # Of a line without junctions only the line itself says where it begins.
+                place = path[0] if alone else graph.places[node]
+                outside = bool(graph.surface[node])
+                found.add_node(numbers[node], position=tuple(place.tolist()), surface=outside)
         found.add_edge(
-            strand.start,
-            strand.end,
-            burgers=tuple(b.tolist()),
-            burgers_lattice=frame.lattice.fractions(strand.burgers),
-            family=family(frame.lattice, strand.burgers),
+            numbers[line.start],
+            numbers[line.end],
+            burgers=tuple(frame.vectors(line.burgers[None])[0].tolist()),
+            burgers_lattice=frame.lattice.fractions(line.burgers),
+            family=family(frame.lattice, line.burgers),
             path=path,
-            image=tuple(strand.image.tolist()),
+            image=tuple(line.image.tolist()),
         )
-    named = nx.convert_node_labels_to_integers(found)
-    origin = np.zeros(3)
-    return DislocationNetwork(named, box=Box(cell.vectors, origin, cell.periodic))
+    return DislocationNetwork(found, box=Box(cell.vectors, periodic=cell.periodic))
 
 
-def smoothed(path: np.ndarray, period: np.ndarray, closed: bool, width: float) -> np.ndarray:
+def smoothed(path: np.ndarray, closed: bool, width: float) -> np.ndarray:
     """A path without waves shorter than a width; its ends stay unless it closes.
 
     Points at equal distances, less the straight line from the first to the last, are a periodic

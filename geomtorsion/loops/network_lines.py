@@ -58,9 +58,9 @@ class DislocationLine(tuple[Hashable, Hashable, Hashable, Vector]):
         return self[3]
 
     @property
-    def burgers_lattice(self) -> Vector | None:
-        """b along the axes of the crystal in lattice constants, exact, if it is known."""
-        return self.data.get("burgers_lattice")
+    def burgers_lattice(self) -> Vector:
+        """b along the axes of the crystal in lattice constants, exact; () if it is not known."""
+        return self.data.get("burgers_lattice", ())
 
     @property
     def family(self) -> str | None:
@@ -68,9 +68,9 @@ class DislocationLine(tuple[Hashable, Hashable, Hashable, Vector]):
         return self.data.get("family")
 
     @property
-    def image(self) -> tuple[int, ...] | None:
-        """How many periods further the end is meant, shape (3,); None: none is given."""
-        return self.data.get("image")
+    def image(self) -> tuple[int, ...]:
+        """How many periods further the end is meant, shape (3,); (): it is not given."""
+        return self.data.get("image", ())
 
     @cached_property
     def path(self) -> np.ndarray:
@@ -91,9 +91,7 @@ class DislocationLine(tuple[Hashable, Hashable, Hashable, Vector]):
             )
         found = checks.array(ends, "positions", NetworkError, shape=(2, None))
         if self.box is not None:
-            image = self.image
-            if image is None:
-                image = tuple(self.box.images(found[1:] - found[:1])[0].tolist())
+            image = self.image or self.box.images(found[1:] - found[:1])[0]
             found[1] += np.array(image) @ np.asarray(self.box.vectors)
         return found
 
@@ -107,7 +105,7 @@ class DislocationLine(tuple[Hashable, Hashable, Hashable, Vector]):
         """ "closed": ends where it begins; "periodic": ends there in another image; "surface": an
         end lies on a surface; "joined": both ends are junctions."""
         if self[0] == self[1]:
-            return "periodic" if any(self.image or ()) else "closed"
+            return "periodic" if any(self.image) else "closed"
         return "surface" if any(node.get("surface") for node in self.ends) else "joined"
 
     @property

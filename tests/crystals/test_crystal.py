@@ -55,7 +55,7 @@ def test_shared_files_give_their_lines(name):
         for line in net.lines:
             assert sorted(map(abs, line.burgers_lattice)) == size
             assert line.kind == "periodic"
-            assert np.linalg.norm(line.burgers) == pytest.approx(
+            assert np.linalg.norm(np.array(line.burgers, float)) == pytest.approx(
                 np.linalg.norm(truth["b_cart"]), rel=0.01
             )
     if name == "al_edge_dipole":
@@ -94,5 +94,9 @@ def test_the_sign_is_that_of_the_conventions():
     truth = json.loads(real(TRUTH).read_text())["cu_edge110"]
     (line,) = Crystal(*atoms_of("cu_edge110")).dislocations().lines
     along = np.sign(line.image[2])
-    assert along * np.array(line.burgers) == pytest.approx(-np.array(truth["b_cart"]), abs=0.01)
-    assert gt.conventions.burgers(line.burgers, "OVITO") == pytest.approx(-np.array(line.burgers))
+    assert along * np.array(line.burgers, float) == pytest.approx(
+        -np.array(truth["b_cart"]), abs=0.01
+    )
+    assert gt.conventions.burgers(line.burgers, "OVITO") == pytest.approx(
+        -np.array(line.burgers, float)
+    )
