@@ -57,7 +57,7 @@ class Torsion:
         torsion that is left: a ring that no circuit outside of its own atoms sees is a point
         defect.
         """
-        torn: np.ndarray = self.torn
+        torn = self.torn
         if not torn.any():
             return self
         rows, sides, images = self.mesh.faces
@@ -67,8 +67,8 @@ class Torsion:
         sizes = np.where((sides < 0).any(axis=1), 0.0, np.linalg.norm(steps, axis=1))
         # Slivers have no length at all: a share of the mean keeps lines from running to and fro.
         weights = (sizes + 0.1 * sizes.mean()) * np.where(sound, METHOD.sound, 1.0)
-        doubtful: np.ndarray = self.doubtful[self.mesh.edges[2]].any(axis=1)
-        found = self._within(np.logical_or(torn, doubtful), weights, descend=True)
+        doubtful = self.doubtful[self.mesh.edges[2]].any(axis=1)
+        found = self._within(np.asarray(torn | doubtful), weights, descend=True)
         atoms = np.zeros(len(self.mesh.places), dtype=bool)
         atoms[self.mesh.corners[found.torn].ravel()] = True
         return found._within(atoms[self.mesh.corners].any(axis=1), weights)
@@ -98,7 +98,7 @@ class Torsion:
         """
         rows, sides, _ = self.mesh.faces
         values = self.values
-        torn: np.ndarray = values.any(axis=1)
+        torn = np.any(values, axis=1)
         touched = np.unique(core[sides[torn]].ravel())
         touched = touched[touched >= 0]
         labels = self.labels.copy()
