@@ -6,6 +6,7 @@ it by turns would each restore what the other had set, for good.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from threading import RLock
@@ -13,6 +14,15 @@ from threading import RLock
 import flint
 import mpmath
 
+# The distance from 1 to the next double; rounding changes a number by half of it at most.
+EPS = sys.float_info.epsilon
+# By so much numbers printed with seven digits may miss what they should be: what is nearer is taken
+# for rounded, what is farther for a mistake.
+PRINTED = 1e-6
+# And by so much those that came out of a calculation with doubles: a few thousand roundings.
+CALCULATED = 1e-12
+# Bits of constants that are worked out once: two doubles, and as many again to spare.
+CONSTANT_BITS = 180
 _LOCK = RLock()
 
 

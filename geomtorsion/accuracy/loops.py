@@ -15,8 +15,9 @@ import scipy  # loads its parts when they are asked for
 import sympy as sp
 
 from geomtorsion import checks
+from geomtorsion.accuracy.cost import ACCURACIES, LONG_ENOUGH
 from geomtorsion.errors import LoopError
-from geomtorsion.loops import burgers_vector
+from geomtorsion.loops import burgers_vector, integrals
 from geomtorsion.loops.arcs import exact_number
 from geomtorsion.loops.exact_integral import pieces, pulled_back
 from geomtorsion.loops.forms import forms
@@ -28,12 +29,10 @@ if TYPE_CHECKING:
     from geomtorsion.loops import Loop
 
 POINTS = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)
-TOLERANCES = (1e-3, 1e-6, 1e-9, 1e-12)
 RULES = ("trapezoid", "Gauss", "Clenshaw-Curtis", "scipy.quad", "flux", "burgers_vector")
-RAYS = 6
+# Points on a ray from the centre, as the flux rule takes them at first.
+RAYS = integrals.RAYS[0][1]
 DIGITS = 50
-# A time is the best of several runs, as long as they take less than this.
-PATIENCE = 0.02
 Nodes = Callable[[int], tuple[np.ndarray, np.ndarray]]
 
 
@@ -179,7 +178,7 @@ def reference(
 def _best_time(run: Callable[[], Any]) -> float:
     """The shortest of several runs."""
     best, spent = float("inf"), 0.0
-    while spent < PATIENCE:
+    while spent < LONG_ENOUGH:
         start = time.perf_counter()
         run()
         used = time.perf_counter() - start
@@ -196,9 +195,9 @@ def _runs(
 ) -> list[tuple[Callable[[], tuple[Any, int, float | None]], int, float | None]]:
     """Ready calls of one rule, with their number of points and the accuracy asked for."""
     if rule == "burgers_vector":
-        return [(partial(_ours, frame, loop, parameters, asked), 0, asked) for asked in TOLERANCES]
+        return [(partial(_ours, frame, loop, parameters, asked), 0, asked) for asked in ACCURACIES]
     if rule == "scipy.quad":
-        return [(partial(_quad, frame, loop, parameters, asked), 0, asked) for asked in TOLERANCES]
+        return [(partial(_quad, frame, loop, parameters, asked), 0, asked) for asked in ACCURACIES]
     nodes: Nodes = {"Gauss": _gauss, "Clenshaw-Curtis": _clenshaw_curtis}.get(rule, _equal)
     if rule == "flux":
         nodes = _equal if loop.parts[0].arcs[0].is_periodic else _gauss

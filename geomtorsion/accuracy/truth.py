@@ -12,12 +12,14 @@ from geomtorsion.curves import CurveProblem
 from geomtorsion.curves.linear import closed_form
 from geomtorsion.ode import ODE, Engine, RungeKutta, Solution, Taylor
 from geomtorsion.ode.engines import Run
+from geomtorsion.ode.engines.scipy_steps import FLOOR
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.error_estimate import difference
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory, integrate
+from geomtorsion.precision import EPS
 
-# Far below anything that double precision can show, and what scipy can reach.
-QUADRUPLE_TOLERANCE, FINEST_DOUBLE = 1e-28, 2.3e-14
+# As far below the rounding of doubles as that is below 1, and above that of quadruple numbers.
+QUADRUPLE_TOLERANCE = EPS * EPS
 # Function of times that gives exact states, one row for each time.
 States = Callable[[np.ndarray], Any]
 
@@ -49,7 +51,7 @@ def truth_of(problem: CurveProblem | ODE, grid: np.ndarray, exact: States | None
         assert states is not None
         return Truth("the closed form", problem, _tabulated(problem, grid, label, states))
     engine: Engine = RungeKutta()
-    tolerance, name = FINEST_DOUBLE, "the finest Runge-Kutta solution"
+    tolerance, name = FLOOR, "the finest Runge-Kutta solution"
     if is_available():
         engine, tolerance, name = Taylor(113), QUADRUPLE_TOLERANCE, "quadruple precision"
     stage = problem.first_stage(engine.precision, 0.0)

@@ -8,14 +8,11 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Protocol
 
 from geomtorsion.codegen import Products
+from geomtorsion.ode.rates import SMALL
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Element
     from geomtorsion.geometry import Connection, Frame
-
-# Weights with short numerator and denominator are compiled in; others are given at run
-# time, so that one compiled integrator serves all moments of inertia.
-SHORT = 64
 
 
 @dataclass(frozen=True)
@@ -208,7 +205,7 @@ class Geodesic:
 
 def _is_short(weight: Fraction) -> bool:
     """Whether a weight is compiled in."""
-    return max(abs(weight.numerator), weight.denominator) <= SHORT
+    return max(abs(weight.numerator), weight.denominator) <= SMALL
 
 
 def _cyclic(frame: Frame) -> tuple[int, ...]:

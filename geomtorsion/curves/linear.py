@@ -11,12 +11,10 @@ import numpy as np
 from geomtorsion.codegen import graph
 from geomtorsion.curves.equations import derivative
 from geomtorsion.ode.numbers import Real, mpf
-from geomtorsion.precision import working_precision
+from geomtorsion.precision import CONSTANT_BITS, working_precision
 
 if TYPE_CHECKING:
     from geomtorsion.curves.problem import CurveProblem
-
-BITS = 160
 
 
 def closed_form(
@@ -38,31 +36,31 @@ def closed_form(
     >>> chart, round(float(states([0.5])[0][0]), 9) == round(cos(0.75), 9)
     ('quaternion', True)
     """
-    stage = problem.first_stage(BITS, 0.0)
+    stage = problem.first_stage(CONSTANT_BITS, 0.0)
     equations = problem.equations(stage.label)
     slopes = [derivative(rate, name) for rate in equations.rates for name in equations.states]
     if any(derivative(slope, name) for slope in slopes for name in equations.states):
         return None
     arguments = (*equations.states, *equations.parameters)
     n = len(equations.states)
-    values: list[Real] = [0] * n + [mpf(x, BITS) for x in stage.parameters]
-    entries = graph(arguments, slopes, factor=False).exactly(values, BITS)
-    offset = graph(arguments, equations.rates, factor=False).exactly(values, BITS)
-    with working_precision(BITS):
+    values: list[Real] = [0] * n + [mpf(x, CONSTANT_BITS) for x in stage.parameters]
+    entries = graph(arguments, slopes, factor=False).exactly(values, CONSTANT_BITS)
+    offset = graph(arguments, equations.rates, factor=False).exactly(values, CONSTANT_BITS)
+    with working_precision(CONSTANT_BITS):
         # One more row carries the constant part of the rates.
         matrix = mpmath.zeros(n + 1, n + 1)
         for k in range(n):
             for j in range(n):
-                matrix[k, j] = mpf(entries[k * n + j], BITS)
-            matrix[k, n] = mpf(offset[k], BITS)
-        start = mpmath.matrix([*(mpf(x, BITS) for x in stage.start), 1])
+                matrix[k, j] = mpf(entries[k * n + j], CONSTANT_BITS)
+            matrix[k, n] = mpf(offset[k], CONSTANT_BITS)
+        start = mpmath.matrix([*(mpf(x, CONSTANT_BITS) for x in stage.start), 1])
 
     def states(times: Sequence[float] | np.ndarray) -> list[list[mpmath.mpf]]:
         """States at times of the problem, as mpmath numbers, one list per time."""
-        with working_precision(BITS):
+        with working_precision(CONSTANT_BITS):
             found = []
             for t in times:
-                scaled = matrix * (mpf(t, BITS) * mpf(problem.time_unit, BITS))
+                scaled = matrix * (mpf(t, CONSTANT_BITS) * mpf(problem.time_unit, CONSTANT_BITS))
                 end = mpmath.expm(scaled, method="taylor") * start
                 found.append([end[k] for k in range(n)])
         return found

@@ -11,13 +11,12 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.errors import BranchError, MissingValueError, SingularPointError, StartError
 from geomtorsion.ode.numbers import Real, checked_numbers, floats
+from geomtorsion.precision import CALCULATED
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
 
 CAUSAL = ("timelike", "null", "spacelike")
-# A velocity is null where its norm is this part of its terms, or less.
-NULL = 1e-12
 
 
 def checked_parameters(frame: Frame, parameters: Mapping[Any, Any] | None) -> dict[str, Real]:
@@ -97,7 +96,8 @@ def check_causal(frame: Frame, velocity: Sequence[Real], causal: str | None) -> 
         raise StartError(f"causal={causal!r} needs a metric with time; this one is Euclidean.")
     u = np.array([float(x) for x in velocity])
     norm, size = float(u @ eta @ u), float(abs(eta).max() * (u @ u))
-    is_null = abs(norm) <= NULL * size
+    # Null as far as rounding can tell: the norm is nothing against its terms.
+    is_null = abs(norm) <= CALCULATED * size
     found = "null" if is_null else ("timelike" if norm < 0 else "spacelike")
     if found != causal:
         raise StartError(

@@ -11,7 +11,7 @@ import sympy
 from geomtorsion.checks import expression
 from geomtorsion.errors import ExpressionError, GeomtorsionError, LimitError
 from geomtorsion.exercises.limits import check_weight
-from geomtorsion.exercises.numeric import at_point, at_points, at_points_with_size
+from geomtorsion.exercises.numeric import DIGITS, at_point, at_points, at_points_with_size
 
 if TYPE_CHECKING:
     from geomtorsion.exercises.domain import Domain, Point
@@ -32,8 +32,8 @@ ROUNDING = 1e-9
 TOO_LARGE = 1e6
 # What no answer needs on its way to a finite value.
 BEYOND = 1e120
-# Numbers of 200 digits that differ by more than this are different.
-SURE = 1e-30
+# Half of the digits may have cancelled on the way; what differs in the others is different.
+SURE = 10.0 ** (-DIGITS // 2)
 
 
 def compare(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> str:

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
     from geomtorsion.loops import BurgersVector
 
-ACCURACY = 1e-12
 PATH, IMAGE = LOOKS[0], LOOKS[2]
 GAP = Look("#C24E00", "", "triangle", 3.4)
 START = Look("#222222", "", "dot")
@@ -55,7 +54,7 @@ def closure_failure(
     values = dict(first_motion(frame).parameters)
     first, second = plane
     loop = Loop.circle([float(x) for x in centre], float(radius), (first, second))
-    b = burgers_vector(frame, loop, ACCURACY, parameters=values)
+    b = burgers_vector(frame, loop, parameters=values)
     expected = density(frame, b, first, second)
     names = [greek_name(symbol.name) for symbol in frame.coordinates]
     # Enough points for a smooth curve at 520 pixels, few enough to send with each move of a slider.

@@ -9,9 +9,8 @@ import numpy as np
 import scipy  # loads its parts when they are asked for
 
 from geomtorsion.errors import LoopError, ShapeError
+from geomtorsion.precision import PRINTED
 
-# A linear part stretches if it changes lengths by more than this share of what it turns.
-ROTATION = 1e-6
 # Where the parts of a loop cancel, rounding alone is left of the turn.
 ROUNDING = 64 * float(np.finfo(float).eps)
 
@@ -175,7 +174,8 @@ class AffineMap:
         """The turn, where it belongs to a rotation."""
         turn = self.turn
         stretch = np.abs(turn + turn.T + turn @ turn.T).max(initial=0.0)
-        if not stretch <= ROTATION * float(np.abs(turn).max(initial=0.0)) + ROUNDING:
+        # It stretches if it changes lengths by more than it should as a share of what it turns.
+        if not stretch <= PRINTED * float(np.abs(turn).max(initial=0.0)) + ROUNDING:
             raise LoopError(
                 "the linear part is no rotation: the connection does not keep Euclidean lengths. "
                 "Use .frank, the logarithm, which has a meaning for boosts and shears as well."

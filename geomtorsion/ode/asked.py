@@ -9,8 +9,9 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.errors import AccuracyError, StartError, TimeError
 
-# Samples of a solution that is asked for at one time only.
-SAMPLES = 65
+# A motion is divided into so many parts where nobody says how many: samples of a solution that is
+# asked for at one time only, pieces that are kept as it goes, places to look at its error between.
+PARTS = 64
 
 
 def checked_accuracy(accuracy: object) -> float:
@@ -35,7 +36,7 @@ def checked_engine(engine: object) -> None:
 @lru_cache(maxsize=64)
 def _samples(last: float) -> np.ndarray:
     """Even samples up to a time; not to be written to."""
-    grid = np.linspace(0.0, last, SAMPLES) if last else np.zeros(1)
+    grid = np.linspace(0.0, last, PARTS + 1) if last else np.zeros(1)
     grid.flags.writeable = False
     return grid
 

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from geomtorsion.ode.solution import Problem
 
 FORMAT = 2
-# A run is cut into so many parts, always at the same times, so that it can go on from any.
-PARTS = 64
 # Writing may take this part of the time.
 SHARE = 0.1
 _FIELDS = ("steps", "evaluations", "outcome", "reason", "compile_seconds", "run_seconds")

@@ -15,12 +15,11 @@ from geomtorsion.ode.events import At, When
 from geomtorsion.ode.numbers import Numbers, Real
 from geomtorsion.ode.rates import Rates, default_groups
 from geomtorsion.ode.terms import expression, number, symbol_table
+from geomtorsion.precision import PRINTED
 
 if TYPE_CHECKING:
     from geomtorsion.ode.problem import ODE, Terms
 
-# A start that should have length one may miss it by this much, and is then made so.
-NEARLY_UNIT = 1e-6
 Given = tuple[
     Rates, tuple[Real, ...], "dict[str, Real]", "dict[str, Terms]", "dict[str, Terms]",
     tuple[At, ...],
@@ -201,7 +200,7 @@ def check_lengths(
     """Refuse a start whose length is not one where it should be."""
     for names in normalized:
         length = math.hypot(*(float(start[states.index(name)]) for name in names))
-        if abs(length - 1) > NEARLY_UNIT:
+        if abs(length - 1) > PRINTED:
             raise StartError(
                 f"{', '.join(names)} should have length 1 together; the start has {length:.9g}. "
                 "Divide them by that."
@@ -248,7 +247,7 @@ def _check_many_lengths(problem: ODE, states: np.ndarray) -> None:
     for names in problem.normalized:
         places = [problem.states.index(name) for name in names]
         lengths = np.sqrt((states[:, places] ** 2).sum(axis=1))
-        if (np.abs(lengths - 1) > NEARLY_UNIT).any():
+        if (np.abs(lengths - 1) > PRINTED).any():
             k = int(np.argmax(np.abs(lengths - 1)))
             raise StartError(
                 f"starts[{k}]: {', '.join(names)} should have length 1 together, not "

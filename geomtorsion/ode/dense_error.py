@@ -6,16 +6,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geomtorsion.ode.asked import PARTS
 from geomtorsion.ode.error_estimate import SAFETY, difference
 from geomtorsion.ode.trajectory import Trajectory
 
 if TYPE_CHECKING:
     from geomtorsion.ode.solution import Solution
 
-# So many places are looked at in all, and so many at least between each two times.
-PLACES, LEAST = 96, 3
-# Where the first of them lies, in units of their distance: off the middle and off the ends.
-SHIFT = 0.382
+# So many places are looked at between each two times, at least.
+LEAST = 3
+# Where the first of them lies, in units of their distance: at the golden section, off the middle
+# and off the ends.
+SHIFT = (3 - 5**0.5) / 2
 
 
 def error_between(solution: Solution) -> float:
@@ -29,7 +31,7 @@ def error_between(solution: Solution) -> float:
     knots = np.unique(knots[np.abs(knots) <= abs(reached)])
     if len(knots) < 2:
         return solution.error
-    count = max(LEAST, -(-PLACES // (len(knots) - 1)))
+    count = max(LEAST, -(-PARTS // (len(knots) - 1)))
     parts = (np.arange(count) + SHIFT) / count
     times = (knots[:-1, None] + parts * np.diff(knots)[:, None]).ravel()
     gap = difference(solution.problem, _sampled(one, times), _sampled(two, times))

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
+import sys
 from collections.abc import Callable
 from typing import TypeAlias
 
 import numpy as np
 
-# Halvings until a double is found.
-HALVINGS = 60
+from geomtorsion.precision import EPS
+
 # Two crossings may hide where a parabola through three places comes this near to zero.
 NEAR = 0.3
-# Golden sections until the lowest place between three is found.
-SECTIONS = 80
+GOLDEN = (np.sqrt(5) - 1) / 2
+# Golden sections until the lowest place between three is found as exactly as doubles allow.
+SECTIONS = math.ceil(math.log(EPS) / math.log(GOLDEN))
 
 Values: TypeAlias = Callable[[np.ndarray], np.ndarray]
 
@@ -58,9 +61,8 @@ def _with_valleys(
         return times, values
     sign, low, high = signs[place], times[place - 1], times[place + 1]
     through, found = np.zeros(len(place)), np.zeros(len(place), dtype=bool)
-    golden = (np.sqrt(5) - 1) / 2
     for _ in range(SECTIONS):
-        first, second = high - golden * (high - low), low + golden * (high - low)
+        first, second = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
         one, two = sign * function(first), sign * function(second)
         for at, value in ((first, one), (second, two)):
             through = np.where(~found & (value < 0), at, through)
@@ -86,7 +88,8 @@ def _bisected(function: Values, low: np.ndarray, high: np.ndarray, sign: np.ndar
     """The crossings between pairs of times, all at once."""
     if not len(low):
         return low
-    for _ in range(HALVINGS):
+    # Each halving adds a digit of a double.
+    for _ in range(sys.float_info.mant_dig):
         middle = low + (high - low) / 2
         if ((middle == low) | (middle == high)).all():
             break

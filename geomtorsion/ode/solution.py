@@ -16,6 +16,7 @@ from geomtorsion.ode import dense_error, event_times
 from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.tables import pandas_table
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory
+from geomtorsion.precision import EPS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from geomtorsion.errors import GeomtorsionError
 
 # Doubles hold numbers to this part; solutions to a finer accuracy keep their longer numbers.
-DOUBLE = 2.0**-53
+DOUBLE = EPS / 2
 
 
 class Problem(Protocol):

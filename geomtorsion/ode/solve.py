@@ -11,8 +11,14 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import AccuracyError, StartError
-from geomtorsion.ode.asked import check_memory, checked_accuracy, checked_engine, checked_times
-from geomtorsion.ode.checkpoint import PARTS, Checkpoint, fingerprint
+from geomtorsion.ode.asked import (
+    PARTS,
+    check_memory,
+    checked_accuracy,
+    checked_engine,
+    checked_times,
+)
+from geomtorsion.ode.checkpoint import Checkpoint, fingerprint
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.error_estimate import Verified, verified

@@ -22,9 +22,6 @@ from geomtorsion.spaces.first_motions import first_motion
 if TYPE_CHECKING:
     from geomtorsion.spaces.space import Space
 
-# Two curves are one if they are within so many times the accuracy asked for.
-WITHIN = 10.0
-
 
 @dataclass(frozen=True, eq=False)
 class Pair:
@@ -110,7 +107,8 @@ class Pair:
     def coincide(self) -> bool:
         """Whether the two are the same as far as their errors can tell."""
         size = float(np.abs(self.coordinates["geodesic"]).max()) or 1.0
-        return float(self.distance.max()) <= WITHIN * self.straight.accuracy * size
+        # Each of the two may be off by the accuracy.
+        return float(self.distance.max()) <= 2 * self.straight.accuracy * size
 
     @property
     def times(self) -> np.ndarray:
@@ -137,11 +135,6 @@ class Pair:
         return table
 
 
-# Smooth to the eye at the width of a page, and a table that can still be read.
-SAMPLES = 401
-ACCURACY = 1e-10
-
-
 def solve_pair(
     space: Space,
     start: Sequence[float] | None = None,
@@ -151,9 +144,9 @@ def solve_pair(
     t: float | None = None,
     parameters: Mapping[str, float] | None = None,
     moments: Sequence[float] | None = None,
-    accuracy: float = ACCURACY,
+    accuracy: float = 1e-10,
     engine: Engine | None = None,
-    samples: int = SAMPLES,
+    samples: int = 401,
     progress: Callable[[float, str], object] | None = None,
 ) -> Pair:
     """Solve both motions; what is not given is chosen, and the result says so.

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from geomtorsion import checks
 from geomtorsion.errors import ShapeError, StartError, UnknownNameError
+from geomtorsion.precision import EPS, PRINTED
 
 Array = NDArray[np.float64]
 # One component of a quaternion: a number, an array of them, or an expression.
@@ -29,12 +30,9 @@ _SMALL = tuple(
     if letters[0] != letters[1] != letters[2]
 )  # fmt: skip
 CONVENTIONS: tuple[str, ...] = (*_SMALL, *(name.upper() for name in _SMALL))
-# Attitudes printed with seven digits are this far from a unit quaternion or a rotation matrix: what
-# is nearer is taken for rounded, what is farther for a mistake.
-ROUNDED = 1e-6
 # Two components of a quaternion that are this small, relative to the other two, hold no angle any
-# more: they come from sums of terms of size 1, each rounded at 1e-16.
-LOCKED = 1e-14
+# more: they are sums of terms of size 1 that were rounded some dozens of times on the way.
+LOCKED = 64 * EPS
 
 
 def checked_convention(name: object) -> str:
@@ -317,7 +315,7 @@ def checked_quaternion(quaternion: object) -> Array:
     length = float(np.linalg.norm(q))
     if length == 0:
         raise StartError("the quaternion is 0, which is no attitude. (1, 0, 0, 0) turns nothing.")
-    if abs(length - 1) > ROUNDED:
+    if abs(length - 1) > PRINTED:
         shown = ", ".join(f"{x:.9g}" for x in q / length)
         raise StartError(
             f"the quaternion has length {length:.9g}; an attitude has length 1. "
@@ -336,7 +334,7 @@ def checked_matrix(matrix: object) -> Array:
     """
     r = _numbers(matrix, (3, 3), "matrix", "3 x 3 numbers, body to space")
     excess = float(np.abs(r.T @ r - np.eye(3)).max())
-    if excess > ROUNDED:
+    if excess > PRINTED:
         raise StartError(
             f"the attitude matrix is no rotation: R^T R differs from 1 by {excess:.3g}. "
             "Its columns are the body axes in space: orthogonal, of length 1."

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,8 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-SPLITTER = 134217729.0  # 2^27 + 1 [Dekker1971]
+# 2^27 + 1: it cuts the 53 bits of a double into two halves [Dekker1971].
+SPLITTER = 2.0 ** (sys.float_info.mant_dig // 2 + 1) + 1
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from geomtorsion.errors import StartError, TimeError
 from geomtorsion.ode.numbers import checked_numbers, floats
-from geomtorsion.precision import ball_precision
+from geomtorsion.precision import EPS, PRINTED, ball_precision
 from geomtorsion.rigid.attitude import product, rotated
 from geomtorsion.rigid.double_double import DoubleDouble, reduced, turns
 from geomtorsion.rigid.free_top_series import Constants, constants, functions, is_steady
@@ -55,10 +55,10 @@ def tilted(momentum: NDArray[Any], precession: NDArray[Any], top: Constants) -> 
     return turned
 
 
-UNIT = 1e-9  # a start attitude further from unit length than this is refused
 FULL = 4 * math.pi  # quaternions come back after two turns
 WIDE = 1e75  # products of four moments or rates between 1/WIDE and WIDE are doubles
-FLIPS = 2.0**51  # beyond so many half periods doubles no longer tell them apart
+# Beyond so many half periods doubles no longer tell one from the next.
+FLIPS = 0.5 / EPS
 
 
 @dataclass(frozen=True)
@@ -298,7 +298,7 @@ def free_top(moments: object, omega: object, quaternion: object = (1.0, 0.0, 0.0
     if not all(1 / WIDE <= x <= WIDE for x in (*sizes, max(map(abs, rates)) or 1.0)):
         raise StartError(f"moments or rates are beyond {WIDE:g} or its inverse. Use other units.")
     length = math.hypot(*start)
-    if not abs(length - 1) <= UNIT:
+    if not abs(length - 1) <= PRINTED:
         raise StartError(
             f"the quaternion {start} has length {length:.9g}; an attitude has length 1. "
             "Divide it by its length."

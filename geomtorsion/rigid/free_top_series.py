@@ -10,14 +10,11 @@ from typing import TYPE_CHECKING, Any
 import flint
 import numpy as np
 
-from geomtorsion.precision import ball_precision
+from geomtorsion.precision import CONSTANT_BITS, EPS, ball_precision
 from geomtorsion.rigid.double_double import DoubleDouble
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-# Bits of the constants: twice a double, and as many again to spare.
-BITS = 180
 
 
 @dataclass(frozen=True)
@@ -121,7 +118,9 @@ def constants(moments: tuple[float, ...], omega: tuple[float, ...]) -> Constants
     sign_b = -parity * s * sign_a * sign_c
 
     # The third kind loses as many bits as |n| has, twice over.
-    bits = BITS + 2 * max(0, (1 - n).numerator.bit_length() - (1 - n).denominator.bit_length())
+    bits = CONSTANT_BITS + 2 * max(
+        0, (1 - n).numerator.bit_length() - (1 - n).denominator.bit_length()
+    )
     with ball_precision(bits):
         pi = flint.arb.pi()
         momentum = _root(ia**2 * wa**2 + ib**2 * wb**2 + ic**2 * wc**2)
@@ -186,8 +185,8 @@ def _third_kind(complement2: Fraction, n: Fraction) -> Any:
     return flint.acb.elliptic_rj(0, _real(complement2), 1, _real(1 - n)).real
 
 
-# exp(-38) is below rounding. The nome is at most exp(-pi): at most four terms are needed.
-SMALL = 38.0
+# exp(-SMALL) is below rounding. The nome is at most exp(-pi): at most four terms are needed.
+SMALL = -math.log(EPS / 8)
 
 
 def functions(u: NDArray[np.float64], top: Constants) -> tuple[Any, Any, Any, Any]:

@@ -11,10 +11,8 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import BodyError
+from geomtorsion.precision import CALCULATED
 from geomtorsion.scenes.context import Number
-
-# A plate has A + B = C; rounding may leave it this much (relative to C) on the wrong side.
-ROUNDING = 1e-12
 
 
 def positive(value: Number, name: str, unit: str) -> Number:
@@ -40,7 +38,7 @@ def checked_tensor(inertia: Any) -> tuple[tuple[Number, ...], ...]:
     )
     if not np.isfinite(matrix).all():
         raise BodyError(f"inertia contains a number that is not finite: {matrix.tolist()}.")
-    if np.abs(matrix - matrix.T).max() > ROUNDING * np.abs(matrix).max():
+    if np.abs(matrix - matrix.T).max() > CALCULATED * np.abs(matrix).max():
         i, j = np.unravel_index(int(np.abs(matrix - matrix.T).argmax()), (3, 3))
         raise BodyError(
             f"inertia is not symmetric: [{i}][{j}] = {matrix[i, j]:.6g}, "
@@ -61,7 +59,8 @@ def checked_tensor(inertia: Any) -> tuple[tuple[Number, ...], ...]:
 def check_triangle(moments: Sequence[float], what: str) -> None:
     """The largest moment is at most the sum of the others: I1 + I2 - I3 = 2 sum m z^2 >= 0."""
     small, middle, large = sorted(moments)
-    if large > (small + middle) + ROUNDING * large:
+    # A plate has A + B = C, and rounding may leave it a little on the wrong side.
+    if large > (small + middle) + CALCULATED * large:
         raise BodyError(
             f"{what}: principal moments {_listed(moments)} are impossible, for "
             f"{large:.6g} > {small:.6g} + {middle:.6g}. No distribution of mass has them; "

@@ -12,7 +12,7 @@ import numpy as np
 from geomtorsion.pictures.scene_attitude import axes_picture, axis_picture, cones_picture
 from geomtorsion.pictures.scene_over_time import change_picture, trust_picture, watched_picture
 from geomtorsion.pictures.scene_path import path_picture
-from geomtorsion.pictures.style import number, save
+from geomtorsion.pictures.style import FLAT, number, save
 from geomtorsion.scenes.observables import FINE
 from geomtorsion.scenes.selection import selection_figure
 
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 Draw = Callable[["SceneResult"], "Figure"]
 # Effects that are no mechanics: with them a scene is compared with the one without.
 LAWS = frozenset({"naive", "torsion"})
-# Directions that change by less than this (relative) are taken to stay.
-STEADY = 1e-6
 
 
 def plot(result: SceneResult, path: str | Path | None = None) -> Figure:
@@ -75,7 +73,7 @@ def _turns(omega: np.ndarray | None) -> bool:
     """Whether an angular velocity changes its direction in the body."""
     if omega is None or not np.abs(omega).max():
         return False
-    return bool(np.abs(np.cross(omega, omega[0])).max() > STEADY * np.abs(omega).max() ** 2)
+    return bool(np.abs(np.cross(omega, omega[0])).max() > FLAT * np.abs(omega).max() ** 2)
 
 
 def finely(result: SceneResult, *names: str) -> list[Any]:

@@ -11,6 +11,7 @@ import sympy as sp
 from geomtorsion.checks import expression as expression_of
 from geomtorsion.errors import SceneError, StartError
 from geomtorsion.ode import ODE, At, When
+from geomtorsion.precision import PRINTED
 from geomtorsion.rigid import attitude
 from geomtorsion.scenes.assembly import by_quaternion
 from geomtorsion.scenes.conserved import invariants
@@ -28,9 +29,6 @@ if TYPE_CHECKING:
     from geomtorsion.scenes.scene import Scene
     from geomtorsion.scenes.selection import StateSelection
     from geomtorsion.scenes.state import State
-
-# A start that contradicts a constraint by less than this (relative) is taken for rounded.
-ROUNDED = 1e-9
 
 
 # -- a scene as equations -------------------------------------------------------------------------
@@ -159,7 +157,7 @@ def _check_constrained(
                 return
             allowed.append(float(tie.subs({s: values[s.name] for s in tie.free_symbols})))
         size = max(1e-300, *(abs(float(x)) for x in (*given, *allowed)))
-        if any(abs(a - float(b)) > ROUNDED * size for a, b in zip(allowed, given, strict=True)):
+        if any(abs(a - float(b)) > PRINTED * size for a, b in zip(allowed, given, strict=True)):
             shown = ", ".join(f"{x:.6g}" for x in allowed)
             raise SceneError(
                 f"the start has {name} = {tuple(given)}, but the constraint makes it ({shown}). "

@@ -12,7 +12,7 @@ from geomtorsion.curves.map_functions import MapFunctions
 from geomtorsion.curves.transition import GAIN
 from geomtorsion.geometry import Frame
 
-# Ingoing angles are left where the sine of the colatitude is below this.
+# So near to an axis its angles are left: by the sine of the colatitude, or in units of length.
 AXIS = 0.1
 # Either stereographic chart may be entered at the equator, where its edge is at one.
 FAR = 1 / (2 * GAIN)

@@ -11,7 +11,7 @@ from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap, Written, singl
 from geomtorsion.curves.map_functions import MapFunctions
 from geomtorsion.geometry import Frame
 from geomtorsion.rigid.attitude import hamilton_product, rotation_rows
-from geomtorsion.spaces.atlas_kerr import kerr
+from geomtorsion.spaces.atlas_kerr import AXIS, kerr
 from geomtorsion.spaces.registry import load
 from geomtorsion.spaces.space import Space
 
@@ -210,10 +210,6 @@ def quaternions(frame: Frame) -> Atlas:
     return Atlas(home, makers, lambda: maps, order)
 
 
-# Motions leave polar coordinates this near to the axis, if another chart is allowed.
-NEAR = 0.1
-
-
 def sphere(frame: Frame) -> Atlas:
     """A second compass whose pole lies on the first one's equator."""
     theta, phi = frame.coordinates
@@ -291,7 +287,7 @@ def cartesian(frame: Frame) -> Atlas:
     unit = Frame(plain, sp.eye(len(plain)).tolist(), name="cartesian")
     makers = {
         "cartesian": lambda: Chart.of(unit, keeps_frame=False),
-        home: lambda: Chart.of(frame, edge=edge(*q), margin=NEAR),
+        home: lambda: Chart.of(frame, edge=edge(*q), margin=AXIS),
     }
     maps = (
         TransitionMap(home, "cartesian", q, there(*q)),

@@ -44,7 +44,6 @@ from geomtorsion.measured import is_measured
 from geomtorsion.pictures.loops import draw_closure
 from geomtorsion.pictures.style import save
 
-ACCURACY = 1e-12
 MOST_PICTURES = 12
 # Kinds of loops whose fields are separated by colons, and what the fields are called.
 FIELDS = {
@@ -159,7 +158,6 @@ def burgers(
     if field is not None:
         measured_burgers(field, wanted, output, plain=form is Form.json)
         return
-    accuracy = ACCURACY if accuracy is None else accuracy
     results: list[dict[str, Any]] = []
     vectors: list[BurgersVector | None] = []
     complete = True
@@ -273,14 +271,15 @@ def _split(text: str, separator: str) -> list[str]:
 
 
 def _solved(
-    frame: Frame, loop: Loop, accuracy: float, parameters: Values, exact: bool
+    frame: Frame, loop: Loop, accuracy: float | None, parameters: Values, exact: bool
 ) -> tuple[dict[str, Any], BurgersVector | None]:
     """The result of one loop as plain data, and as an object for the picture."""
     if exact:
         closed = exact_burgers_vector(frame, loop)
         formula = [str(x) for x in closed.vector]
         return {"loop": loop.name, "exact": formula, "seconds": closed.seconds}, None
-    vector = burgers_vector(frame, loop, accuracy, parameters=parameters)
+    asked: dict[str, Any] = {} if accuracy is None else {"accuracy": accuracy}
+    vector = burgers_vector(frame, loop, **asked, parameters=parameters)
     return vector.to_json(), vector
 
 

@@ -1,5 +1,6 @@
 """7.1: how many digits a tiny loop loses."""
 
+import sys
 from functools import cache
 from math import log10
 from random import Random
@@ -11,7 +12,7 @@ from geomtorsion.spaces import load
 
 PLACES = 5
 # Digits that double precision has.
-ALL_DIGITS = 16
+ALL_DIGITS = sys.float_info.dig + 1
 
 
 def make(draw: Random, seed: int) -> Variant:

@@ -10,8 +10,6 @@ from geomtorsion.geometry import cartan
 from geomtorsion.ode import solve
 from geomtorsion.spaces import load
 
-ACCURACY = 1e-8
-
 
 def make(draw: Random, seed: int) -> Variant:
     """A ship on the unit sphere; the seed chooses where, whither and how far."""
@@ -26,10 +24,10 @@ def make(draw: Random, seed: int) -> Variant:
 
     @cache
     def longitude(problem: CurveProblem) -> float:
-        return float(solve(problem, [last], ACCURACY).coordinates[-1, 1])
+        return float(solve(problem, [last]).coordinates[-1, 1])
 
     def gap() -> float:
-        one, two = (solve(p, [last], ACCURACY).coordinates[-1] for p in (steered, great))
+        one, two = (solve(p, [last]).coordinates[-1] for p in (steered, great))
         cosine = cos(one[0]) * cos(two[0]) + sin(one[0]) * sin(two[0]) * cos(one[1] - two[1])
         return float(max(-1.0, min(1.0, cosine)))
 

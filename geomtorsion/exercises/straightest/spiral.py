@@ -10,8 +10,6 @@ from geomtorsion.geometry import cartan
 from geomtorsion.ode import solve
 from geomtorsion.spaces import load
 
-ACCURACY = 1e-8
-
 
 def make(draw: Random, seed: int) -> Variant:
     """Radius, speeds and time; the seed chooses them."""
@@ -53,7 +51,7 @@ def _number(
 
     @cache
     def at_end(problem: CurveProblem) -> float:
-        return float(solve(problem, [last], ACCURACY).coordinates[-1, k])
+        return float(solve(problem, [last]).coordinates[-1, k])
 
     return Question(
         name=name,

@@ -12,7 +12,7 @@ from scipy.integrate import DOP853
 from geomtorsion.codegen import Graph, compiled
 from geomtorsion.ode.system import System
 
-STAGES = 12
+STAGES = DOP853.n_stages
 # Rates whose source has more characters than this are called, not written into the step.
 LONGEST_SOURCE = 4000
 

@@ -13,10 +13,11 @@ from geomtorsion.errors import LimitError
 from geomtorsion.ode.engines.dop853 import STAGES
 from geomtorsion.ode.engines.stepper import STALL
 from geomtorsion.ode.system import ScalarRates, System
+from geomtorsion.precision import EPS
 
 METHODS = {"DOP853": DOP853, "Radau": Radau, "LSODA": LSODA}
-# scipy accepts no smaller relative tolerance.
-FLOOR = 2.3e-14
+# scipy accepts no smaller relative tolerance: it is its own rule.
+FLOOR = 100 * EPS
 
 
 class Piece:
