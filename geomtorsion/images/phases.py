@@ -148,6 +148,18 @@ class LatticePhases:
         return found
 
     @cached_property
+    def spread(self) -> np.ndarray:
+        """Standard deviation of the coframe by noise, along x or y, spread[i, x, y].
+
+        Equation
+        --------
+        A share s / (sqrt(2) A) of the noise s of a wave of amplitude A turns its phase, and a
+        Gaussian of deviation r makes the slope of that 1 / (sqrt(2) r) times as large.
+        """
+        slope = 1 / (2 * self.blur * np.maximum(self.ratio, TINY))
+        return slope / (2 * np.pi * self.step)
+
+    @cached_property
     def distortion(self) -> np.ndarray:
         """beta^a_mu = d_mu u^a in x and y, distortion[a, mu, x, y]: from the mean lattice.
 
@@ -174,8 +186,9 @@ class LatticePhases:
     def sampled(self, order: int = 4, *, lengths: bool = False) -> SampledFrame:
         """The coframe as a sampled frame without the margin: maps, loops, Nye tensor.
 
-        Its holes are those of the phases. It has no sigma: noise of neighbours is not independent
-        here, but the same over the resolution.
+        Its holes are those of the phases, its sigma is their noise. Noise of neighbours is the same
+        over the resolution here, and that of a gradient, which closes: of single values and of
+        strains sigma holds, of circuits it is a bound far above the scatter.
 
         Parameters
         ----------
@@ -197,9 +210,14 @@ class LatticePhases:
         keep = slice(self.margin, -self.margin)
         values = np.eye(2)[:, :, None, None] - self.distortion if lengths else self.coframe
         axes = [self.step * np.arange(n)[keep] for n in sizes]
+        sigma = np.where(self.holes, 0.0, self.spread)
+        if lengths:
+            parts = np.einsum("ia,ixy->axy", self.lattice**2, sigma**2)
+            sigma = np.sqrt(parts)
+        sigma = np.broadcast_to(sigma[:, None], values.shape)
         made = f"phases of an image, averaged over {self.resolution:.3g} {self.unit}"
         return SampledFrame(
-            axes, values[:, :, keep, keep], order, unit=self.unit,
+            axes, values[:, :, keep, keep], order, unit=self.unit, sigma=sigma[..., keep, keep],
             vector_unit=self.unit if lengths else "lattice vectors", source=made,
         )  # fmt: skip
 

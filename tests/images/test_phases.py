@@ -181,3 +181,23 @@ def test_resolutions_that_are_none_are_refused(resolution):
     """Not positive, finer than a pixel, or as large as the image."""
     with pytest.raises(ImageError, match="resolution"):
         gt.LatticeImage(made(256, "square").values).phases(resolution=resolution)
+
+
+@pytest.mark.parametrize("lengths", [False, True])
+def test_sigma_of_a_sampled_frame_is_the_scatter_of_its_values(lengths):
+    """Over seeds, node by node; and circuits scatter far less than their noise told."""
+    y, x = np.mgrid[159:-1:-1, 0:160]
+    waves = np.cos(2 * np.pi * x / 8) + np.cos(2 * np.pi * (y / 7 + x / 60))
+    spots = np.array([[1 / 8, 0], [1 / 60, 1 / 7]]) / 0.1
+    every, told, sums, noise = [], [], [], []
+    for seed in range(40):
+        grey = waves + 0.4 * np.random.default_rng(seed).normal(size=x.shape)
+        frame = gt.LatticeImage(grey, 0.1, "nm").phases(spots, 0.6).sampled(lengths=lengths)
+        every.append(frame.coframe)
+        told.append(frame.sigma)
+        b = frame.burgers(gt.Loop.polygon([[4, 4], [11, 4], [11, 11], [4, 11]]))
+        sums.append(b.vector)
+        noise.append(b.sigmas)
+    scatter = np.sqrt(np.var(every, axis=0).mean(axis=(2, 3)))
+    assert np.sqrt(np.mean(np.square(told), axis=(0, 3, 4))) == pytest.approx(scatter, rel=0.15)
+    assert (np.std(sums, axis=0) < np.mean(noise, axis=0)).all()
