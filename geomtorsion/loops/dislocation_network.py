@@ -18,7 +18,7 @@ from geomtorsion.loops.box import Box
 from geomtorsion.loops.circuit import CircuitBurgers, circuit_burgers
 from geomtorsion.loops.complexes import Complex
 from geomtorsion.loops.line_arrays import LineArrays
-from geomtorsion.loops.line_families import Lattice, LineFamily, line_families
+from geomtorsion.loops.line_families import Lattice, LineFamily, Symmetry, line_families
 from geomtorsion.loops.line_files import lines_text, read_lines
 from geomtorsion.loops.line_table import line_table, node_table
 from geomtorsion.loops.loop import Loop
@@ -344,8 +344,8 @@ class DislocationNetwork:
         loop
             A closed path in the coordinates of the nodes; it may leave the box.
         lattice
-            Lattice vectors as rows, shape (n, n), or "sc", "fcc", "bcc" in units of the shortest:
-            b is then given in whole multiples of them, too, exactly.
+            Lattice vectors as rows, shape (n, n), or "sc", "fcc", "bcc", "hcp" in units of the
+            shortest: b is then given in whole multiples of them, too, exactly.
 
         Raises
         ------
@@ -357,13 +357,14 @@ class DislocationNetwork:
         """
         return circuit_burgers(self.arrays, self._vectors, loop, lattice, self.tolerance)
 
-    def families(self, symmetry: str = "cubic") -> tuple[LineFamily, ...]:
+    def families(self, symmetry: Symmetry = "cubic") -> tuple[LineFamily, ...]:
         """Lines by the family of their b: how many, length, density, screw share; longest first.
 
         Parameters
         ----------
         symmetry
-            "cubic": what permutes and reverses axes; "none": b and -b alone.
+            "cubic": what permutes and reverses axes; "hexagonal": a prism about z, a along x;
+            "none": b and -b alone; or matrices, shape (k, n, n).
 
         Raises
         ------

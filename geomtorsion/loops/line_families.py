@@ -17,9 +17,12 @@ LATTICES = {
     "sc": np.eye(3),
     "fcc": np.array([[0, 1, 1], [1, 0, 1], [1, 1, 0]]) / np.sqrt(2),
     "bcc": np.array([[-1, 1, 1], [1, -1, 1], [1, 1, -1]]) / np.sqrt(3),
+    # Ideal: c / a of real crystals differs; give rows then.
+    "hcp": np.array([[1, 0, 0], [-0.5, np.sqrt(0.75), 0], [0, 0, np.sqrt(8 / 3)]]),
 }
-SYMMETRIES = ("cubic", "none")
+SYMMETRIES = ("cubic", "hexagonal", "none")
 Lattice = str | Sequence[Sequence[float]] | np.ndarray
+Symmetry = str | Sequence[Sequence[Sequence[float]]] | np.ndarray
 
 
 @dataclass(frozen=True)
@@ -46,15 +49,17 @@ class LineFamily:
 
 
 def line_families(
-    lines: LineArrays, symmetry: str = "cubic", tolerance: float = 1e-6
+    lines: LineArrays, symmetry: Symmetry = "cubic", tolerance: float = 1e-6
 ) -> tuple[tuple[LineFamily, ...], np.ndarray]:
     """Families, the longest first, and the number of the family of each line, shape (lines,).
 
     Parameters
     ----------
     symmetry
-        "cubic": the 48 operations that permute and reverse axes; "none": b and -b alone, since
-        both describe one line.
+        "cubic": the 48 operations that permute and reverse axes (fcc, bcc, diamond);
+        "hexagonal": the 24 of a prism about z whose edge lies along x (hcp: a along x); "none": b
+        and -b alone, since both describe one line. Or matrices, shape (k, n, n), such as those of
+        a crystal that lies otherwise in the box; -1 is added.
     tolerance
         Share of the largest b within which components count as equal.
 
@@ -67,7 +72,6 @@ def line_families(
     >>> found.name, found.length, found.screw
     ('1 <1 0 0>', 5.0, 0.4)
     """
-    checks.choice(symmetry, SYMMETRIES, "symmetry", NetworkError)
     # Of very many lines few differ in b.
     vectors, which = np.unique(lines.burgers, axis=0, return_inverse=True)
     dimension = vectors.shape[1]
@@ -95,31 +99,56 @@ def line_families(
         mine = family == k
         length = float(lengths[mine].sum())
         screw = float(screws[mine] @ lengths[mine]) / length if length else 0.0
-        b = np.abs(vectors[mine][0]) if symmetry == "cubic" else vectors[mine][0]
-        shown = (
-            tuple(sorted(b.tolist(), reverse=True)) if symmetry == "cubic" else tuple(b.tolist())
-        )
+        shown = _largest(orbit @ vectors[mine][0]) if len(orbit) > 2 else vectors[mine][0]
         density = None if volume is None else length / volume
-        found.append(
-            LineFamily(_name(shown, symmetry), shown, int(mine.sum()), length, density, screw)
-        )
+        b = tuple(shown.tolist())
+        marks = "<>" if len(orbit) > 2 else "[]"
+        found.append(LineFamily(_name(b, marks), b, int(mine.sum()), length, density, screw))
     rank = sorted(range(count), key=lambda k: (-found[k].length, found[k].name))
     place = np.argsort(np.array(rank, dtype=np.int64))
     return tuple(found[k] for k in rank), place[family] if count else family
 
 
-def _operations(symmetry: str, dimension: int) -> np.ndarray:
+def _operations(symmetry: Symmetry, dimension: int) -> np.ndarray:
     """Operations of a symmetry, shape (k, n, n)."""
+    if not isinstance(symmetry, str):
+        shape = (None, dimension, dimension)
+        given = checks.array(symmetry, "symmetry", NetworkError, shape=shape)
+        gram = np.einsum("kij,kil->kjl", given, given)
+        if not np.allclose(gram, np.eye(dimension), atol=1e-6):
+            raise NetworkError(
+                "symmetry: rotations and reflections were needed, but a matrix is not orthogonal. "
+                "Give them in the axes in which b is given."
+            )
+        return np.concatenate([given, -given, [np.eye(dimension), -np.eye(dimension)]])
+    checks.choice(symmetry, SYMMETRIES, "symmetry", NetworkError)
     if symmetry == "none":
         return np.array([np.eye(dimension), -np.eye(dimension)])
+    if symmetry == "hexagonal":
+        if dimension != 3:
+            raise NetworkError(
+                f"symmetry: hexagonal means three components of b, but {dimension} came. Give "
+                "matrices."
+            )
+        angles = np.pi / 3 * np.arange(6)
+        turns = np.array([[[np.cos(t), -np.sin(t)], [np.sin(t), np.cos(t)]] for t in angles])
+        flat = np.concatenate([turns, turns @ np.diag([1.0, -1.0])])
+        made = np.zeros((24, 3, 3))
+        made[:, :2, :2], made[:12, 2, 2], made[12:, 2, 2] = np.tile(flat, (2, 1, 1)), 1.0, -1.0
+        return made
     rows = permutations(np.eye(dimension))
     signs = list(product((1.0, -1.0), repeat=dimension))
     return np.array([np.array(row) * np.array(sign)[:, None] for row in rows for sign in signs])
 
 
-def _name(vector: Sequence[float], symmetry: str) -> str:
+def _largest(images: np.ndarray) -> np.ndarray:
+    """The image that comes last in the order of dictionaries; rounding decides nothing."""
+    shown = np.round(images / np.abs(images).max(), 6)
+    return images[np.lexsort(shown.T[::-1])[-1]] + 0.0
+
+
+def _name(vector: Sequence[float], marks: str) -> str:
     """A Burgers vector as a length times small whole numbers, where it is."""
-    marks = "<>" if symmetry == "cubic" else "[]"
     least = min(abs(x) for x in vector if abs(x) > 1e-6 * max(map(abs, vector)))
     ratios = [x / least for x in vector]
     if all(abs(x - round(x)) < 1e-4 * max(map(abs, ratios)) and abs(x) < 10 for x in ratios):
@@ -134,7 +163,8 @@ def lattice_coordinates(vectors: np.ndarray, lattice: Lattice, tolerance: float)
     Parameters
     ----------
     lattice
-        Lattice vectors as rows, shape (n, n), or "sc", "fcc", "bcc" in units of the shortest.
+        Lattice vectors as rows, shape (n, n), or "sc", "fcc", "bcc", "hcp" in units of the
+        shortest.
     tolerance
         Share of the largest vector that they may differ from lattice vectors.
 

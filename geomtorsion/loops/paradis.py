@@ -23,6 +23,9 @@ Row = tuple[int, list[str]]
 _TAG = re.compile(r"([0-9]{1,18}),([0-9]{1,18})")
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _WHOLE = re.compile(r"[+-]?[0-9]{1,18}")
+# What the numbers of a file consist of; whether they are numbers is seen as they are read.
+_FLOATS = re.compile(r"[0-9eE.,+\-\s]*")
+_COMMENT = re.compile(r"#[^\n]*")
 
 
 class _Reader:
@@ -99,16 +102,93 @@ def read_paradis(path: str | PathLike[str], periodic: bool = True) -> LineArrays
         reader.fail(f"the network stands in {parts} files. Write it into one, then read that.")
     count = _single(reader, header, "nodeCount")
     low, high = (_corner(reader, header, key) for key in ("minCoordinates", "maxCoordinates"))
-    tags, positions, constraints, arms = _nodes(reader, count)
-    pairs, burgers, planes = _joined(reader.name, tags, arms)
+    found = _all_at_once(text, count)
+    if found is None:
+        # Something is odd: read line by line, it is understood, or the line is named.
+        tags, positions, constraints, arms = _nodes(reader, count)
+        pairs, burgers, planes = _joined(reader.name, tags, arms)
+        places = np.array(positions).reshape(-1, 3)
+        found = list(tags), places, np.array(constraints, dtype=np.int64), pairs, burgers, planes
+    labels, places, numbers, pairs, burgers, planes = found
     try:
         box = Box.of_bounds(low, high, periodic)
-        return LineArrays(
-            np.array(positions).reshape(-1, 3), pairs, burgers, box, None, list(tags),
-            np.array(constraints, dtype=np.int64), planes,
-        )  # fmt: skip
+        return LineArrays(places, pairs, burgers, box, None, labels, numbers, planes)
     except GeomtorsionError as error:
         raise FileFormatError(f"{reader.name}: {error}") from None
+
+
+Table = tuple[list[Tag], np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+
+
+def _all_at_once(text: str, count: int) -> Table | None:
+    """Labels, positions, constraints, pairs, b and planes of a file in which all is as usual.
+
+    Usual are a node, an arm and its plane on a line each, whole numbers where there should be some,
+    and one line of dislocation between two nodes. None where anything is not.
+    """
+    _, found, body = text.partition("nodalData")
+    body = _COMMENT.sub("", body.partition("\n")[2])
+    if not found or not _FLOATS.fullmatch(body):
+        return None
+    try:
+        texts = body.replace(",", " ").split()
+        words = list(map(float, texts))
+    except ValueError:
+        return None
+    node, arm = 7, 8
+    # Where each node begins: two numbers name it, three place it, then come its arms, eight each.
+    starts, at = [], 0
+    for _ in range(count):
+        if at + node > len(words):
+            return None
+        starts.append(at)
+        if not 0 <= words[at + 5] <= len(words):
+            return None
+        at += node + arm * int(words[at + 5])
+    if at != len(words):
+        return None
+    values, heads = np.array(words), np.array(starts, dtype=np.int64)
+    nodes = values[heads[:, None] + np.arange(node)]
+    counts = nodes[:, 5].astype(np.int64)
+    inner = np.ones(len(values), dtype=bool)
+    inner[heads[:, None] + np.arange(node)] = False
+    arms = values[inner].reshape(-1, arm)
+    inside = np.flatnonzero(inner).reshape(-1, arm)[:, :2]
+    named = heads[:, None] + np.array([0, 1, 5, 6])
+    whole = np.concatenate([named.ravel(), inside.ravel()]).astype(np.int64)
+    if not all(texts[k].isdigit() for k in whole.tolist()) or not np.isfinite(values).all():
+        return None
+    # Beyond this doubles are no longer all whole numbers.
+    if values[whole].max() > 2.0**53 or body.count(",") != count + len(arms):
+        return None
+    if sum(map(bool, map(str.strip, body.split("\n")))) != count + 2 * len(arms):
+        return None
+    names = np.concatenate([nodes[:, :2], arms[:, :2]]).astype(np.int64)
+    places, burgers, planes = nodes[:, 2:5], arms[:, 2:5], arms[:, 5:]
+    _, first_at, ids = np.unique(names, axis=0, return_index=True, return_inverse=True)
+    node_of = np.full(len(first_at), -1)
+    own, others = ids.ravel()[:count], ids.ravel()[count:]
+    node_of[own] = np.arange(count)
+    owner, other = np.repeat(np.arange(count), counts), node_of[others]
+    odd = len(np.unique(own)) < count or (other < 0).any() or (owner == other).any()
+    if odd or not burgers.any(axis=1).all():
+        return None
+    low, high = np.minimum(owner, other), np.maximum(owner, other)
+    there, back = (np.flatnonzero(side) for side in (owner < other, owner > other))
+    there_order = there[np.lexsort((high[there], low[there]))]
+    back_order = back[np.lexsort((high[back], low[back]))]
+    keys = [np.stack([low[k], high[k]], axis=1) for k in (there_order, back_order)]
+    if keys[0].shape != keys[1].shape or (keys[0] != keys[1]).any():
+        return None
+    if len(keys[0]) > 1 and (np.diff(keys[0], axis=0) == 0).all(axis=1).any():
+        return None
+    gaps = np.abs(burgers[there_order] + burgers[back_order]).max(axis=1, initial=0.0)
+    if (gaps > 1e-6 * np.abs(burgers[there_order]).max(axis=1, initial=0.0)).any():
+        return None
+    pairs = np.stack([owner[there], other[there]], axis=1)
+    labels = [(a, b) for a, b in names[:count].tolist()]
+    kinds = nodes[:, 6].astype(np.int64)
+    return labels, places, kinds, pairs, burgers[there], planes[there]
 
 
 def a_path(path: object) -> str | PathLike[str]:

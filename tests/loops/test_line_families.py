@@ -57,7 +57,7 @@ def test_the_mean_nye_tensor_of_one_line():
 @pytest.mark.parametrize("name", list(LATTICES))
 def test_whole_multiples_of_lattice_vectors(name):
     """Random lattice vectors come back; shortest ones have length one."""
-    assert np.linalg.norm(LATTICES[name], axis=1) == pytest.approx(1)
+    assert np.linalg.norm(LATTICES[name], axis=1).min() == pytest.approx(1)
     wanted = np.random.default_rng(3).integers(-4, 5, (40, 3))
     found = lattice_coordinates(wanted @ LATTICES[name], name, 1e-9)
     assert (found == wanted).all()
@@ -69,7 +69,45 @@ def test_what_is_no_lattice_vector_is_refused():
         lattice_coordinates(np.array([[0.5, 0.5, 0]]), "sc", 1e-9)
     with pytest.raises(NetworkError, match="one plane"):
         lattice_coordinates(np.eye(3), [[1, 0, 0], [0, 1, 0], [1, 1, 0]], 1e-9)
-    with pytest.raises(NetworkError, match="sc, fcc, bcc"):
-        lattice_coordinates(np.eye(3), "hcp", 1e-9)
-    with pytest.raises(NetworkError, match="cubic, none"):
-        network([[1, 0, 0]], [[0, 0, 1]]).families("hexagonal")
+    with pytest.raises(NetworkError, match="sc, fcc, bcc, hcp"):
+        lattice_coordinates(np.eye(3), "wurtzite", 1e-9)
+    with pytest.raises(NetworkError, match="cubic, hexagonal, none"):
+        network([[1, 0, 0]], [[0, 0, 1]]).families("trigonal")
+    with pytest.raises(NetworkError, match="a matrix is not orthogonal"):
+        network([[1, 0, 0]], [[0, 0, 1]]).families(2 * np.eye(3)[None])
+
+
+def test_families_of_bcc():
+    """All <111>/2 and all <100>, in units of the shortest, with a density each."""
+    glide = np.array(list(product((1, -1), repeat=3))) / np.sqrt(3)
+    cubes = np.concatenate([np.eye(3), -np.eye(3)]) * 2 / np.sqrt(3)
+    net = network(np.concatenate([glide, cubes]), [[0, 0, 2]] * 14)
+    found = {one.name: (one.lines, one.density) for one in net.families()}
+    assert found == {
+        "0.5774 <1 1 1>": (8, pytest.approx(0.016)),
+        "1.155 <1 0 0>": (6, pytest.approx(0.012)),
+    }
+
+
+def test_families_of_hcp():
+    """<a>, <c> and <c + a> stand apart; a cubic symmetry would mix and split them."""
+    turns = np.radians(60 * np.arange(6))
+    a = np.stack([np.cos(turns), np.sin(turns), 0 * turns], axis=1)
+    c = np.array([[0, 0, 1.59], [0, 0, -1.59]])
+    both = np.concatenate([a + c[0], a + c[1]])
+    net = network(np.concatenate([a, c, both]), [[0, 0, 1]] * 20)
+    found = net.families("hexagonal")
+    assert sorted(one.lines for one in found) == [2, 6, 12]
+    longest = {one.lines: one for one in found}
+    assert longest[6].burgers == pytest.approx((1, 0, 0))
+    assert longest[2].burgers == pytest.approx((0, 0, 1.59))
+    assert longest[12].burgers == pytest.approx((1, 0, 1.59))
+    assert longest[6].name == "1 <1 0 0>"
+    assert len(net.families()) > 3
+    # The same by matrices: a turn by 60 degrees, its powers, and mirrors.
+    turn = np.array([[0.5, -np.sqrt(0.75), 0], [np.sqrt(0.75), 0.5, 0], [0, 0, 1]])
+    matrices = [np.linalg.matrix_power(turn, k) for k in range(6)]
+    matrices += [m @ np.diag([1, -1, 1]) for m in matrices]
+    matrices += [m @ np.diag([1, 1, -1]) for m in matrices]
+    again = net.families(np.array(matrices))
+    assert [(one.lines, one.length) for one in again] == [(one.lines, one.length) for one in found]

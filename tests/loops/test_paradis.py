@@ -150,3 +150,59 @@ def test_a_damaged_head_is_named(small, old, new, message):
     """Keys that are missing, turned round or cut."""
     with pytest.raises(FileFormatError, match=rf"small.data: .*({message})"):
         small(SMALL.replace(old, new, 1))
+
+
+def arms_in_one_line(text: str) -> str:
+    """The same file with b and plane of an arm in one line."""
+    head, key, body = text.partition("nodalData")
+    rows = body.split("\n")
+    for k in range(len(rows) - 1, 0, -1):
+        if len(rows[k].split()) == 3 and len(rows[k - 1].split()) == 4:
+            rows[k - 1 : k + 1] = [f"{rows[k - 1]} {rows[k]}"]
+    return head + key + "\n".join(rows)
+
+
+def test_usual_and_odd_files_read_alike(tmp_path, small):
+    """What is read all at once is what is read line by line, to the last bit."""
+    DislocationNetwork.of_arrays(rings(30, seed=5)).save(tmp_path / "usual.data")
+    text = (tmp_path / "usual.data").read_text()
+    odd = arms_in_one_line(text)
+    assert odd.count("\n") < text.count("\n")
+    one, two = small(text).arrays, small(odd).arrays
+    for name in ("positions", "pairs", "burgers", "images", "constraints", "planes"):
+        assert (getattr(one, name) == getattr(two, name)).all()
+    assert list(one.labels) == list(two.labels)
+
+
+def test_two_lines_between_the_same_nodes(tmp_path):
+    """They cannot be told by their ends alone."""
+    box = Box.of_bounds([0, 0, 0], [4, 4, 4])
+    vectors = [[1, 0, 0], [0, 1, 0]]
+    lines = LineArrays([[1, 1, 1], [2, 1, 1]], [[0, 1], [0, 1]], vectors, box)
+    DislocationNetwork.of_arrays(lines).save(tmp_path / "two.data")
+    back = DislocationNetwork.read(tmp_path / "two.data")
+    assert back.arrays.burgers.tolist() == vectors
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("2 0", "2.0 0", "a whole number was needed"),
+        ("1.0 0.0 0.0", "1_0 0.0 0.0", "a finite number was needed"),
+        ("1.0 0.0 0.0", "1e999 0.0 0.0", "a finite number was needed"),
+        ("0,1", "0,1e0", "a node such as"),
+    ],
+)
+def test_numbers_are_read_strictly(tmp_path, small, old, new, said):
+    """Also where all else is usual."""
+    box = Box.of_bounds([0, 0, 0], [4, 4, 4])
+    corners = [[1, 1, 2], [3, 1, 2], [3, 3, 2]]
+    lines = LineArrays(corners, [[0, 1], [1, 2], [2, 0]], [[0, 0, 1]] * 3, box)
+    DislocationNetwork.of_arrays(lines).save(tmp_path / "a.data")
+    head, key, body = (tmp_path / "a.data").read_text().partition("nodalData")
+    body = body.replace("0.0 0.0 1.0", "1.0 0.0 0.0")
+    body = body.replace("-0.0 -0.0 -1.0", "-1.0 0.0 0.0")
+    assert old in body
+    small(head + key + body)
+    with pytest.raises(FileFormatError, match=said):
+        small(head + key + body.replace(old, new, 1))

@@ -35,10 +35,12 @@ def network(
     ] = [],
     lattice: Annotated[
         str | None,
-        option(metavar="NAME", text="sc, fcc or bcc: b of circuits in whole lattice vectors, too."),
+        option(
+            metavar="NAME", text="sc, fcc, bcc or hcp: b of circuits in whole lattice vectors, too."
+        ),
     ] = None,
     symmetry: Annotated[
-        str, typer.Option(metavar="NAME", help="Of families: cubic, or none.")
+        str, typer.Option(metavar="NAME", help="Of families: cubic, hexagonal or none.")
     ] = "cubic",
     unit: Annotated[
         float | None,
