@@ -12,6 +12,7 @@ from geomtorsion.curves import CurveProblem
 from geomtorsion.curves.linear import closed_form
 from geomtorsion.ode import ODE, Engine, RungeKutta, Solution, Taylor
 from geomtorsion.ode.engines import Run
+from geomtorsion.ode.engines.protocol import WorkLimitError
 from geomtorsion.ode.engines.scipy_steps import FLOOR
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.error_estimate import difference
@@ -55,7 +56,11 @@ def truth_of(problem: CurveProblem | ODE, grid: np.ndarray, exact: States | None
     if is_available():
         engine, tolerance, name = Taylor(113), QUADRUPLE_TOLERANCE, "quadruple precision"
     stage = problem.first_stage(engine.precision, 0.0)
-    return Truth(name, problem, integrate(stage, grid * problem.time_unit, tolerance, engine))
+    try:
+        run = integrate(stage, grid * problem.time_unit, tolerance, engine)
+    except WorkLimitError as limit:
+        raise limit.counted(1 / problem.time_unit, problem.time_name) from None
+    return Truth(name, problem, run)
 
 
 def _tabulated(

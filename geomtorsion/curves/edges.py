@@ -10,6 +10,7 @@ import sympy as sp
 from geomtorsion.errors import ExpressionError, StartError
 from geomtorsion.exact import Element
 from geomtorsion.exact.generators import Generator
+from geomtorsion.ode.edges import changes_with_sign
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -114,13 +115,22 @@ def _of_roots(frame: Frame) -> Iterator[Edge]:
             seen.add(generator)
             if generator.tail is not None:
                 waiting.append(generator.tail)
-            if generator.kind == "root" and not _is_sum_of_squares(generator.tail):
+            if generator.kind == "root" and (
+                not _is_sum_of_squares(generator.tail) or _has_a_kink(frame, generator)
+            ):
                 root = element.field.generator_element(generator)
                 shown = generator.shown
                 yield Edge(root, f"{shown} = 0", f"it needs {shown}", is_root=True)
             elif generator.kind == "log" and isinstance(generator.argument, Element):
                 shown = generator.argument
                 yield Edge(shown, f"{shown} = 0", f"it needs log({shown})")
+            elif generator.kind == "primitive":
+                _, slope, _ = generator.argument
+                # Inverse functions end where their slope has a pole, most of them a root.
+                waiting.append(slope)
+                room = slope.inverse()
+                if generator.shown.func is sp.atanh:
+                    yield Edge(room, f"{room} = 0", f"it needs {generator.shown}")
 
 
 def _is_sum_of_squares(element: Element | None) -> bool:
@@ -136,3 +146,20 @@ def _is_sum_of_squares(element: Element | None) -> bool:
             if any(power and strange for power, strange in zip(powers, odd, strict=True)):
                 return False
     return True
+
+
+def _has_a_kink(frame: Frame, root: Generator) -> bool:
+    """Whether the root of a sum of squares may vanish, and the metric is odd in it.
+
+    Series go on with its other sign beyond the place where it vanishes.
+    """
+    tail = root.tail
+    assert tail is not None
+    field: Tower = tail.field
+    inside = set(frame.coordinates)
+    still = [not g.depends & inside for g in field.generators]
+    for powers in field.lift(tail).to_dict():
+        if all(fixed for power, fixed in zip(powers, still, strict=True) if power):
+            return False
+    entries = frame.metric.nonzero().values()
+    return any(changes_with_sign(entry, root.shown**2) for entry in entries)

@@ -35,9 +35,12 @@ def transport_along(
     try:
         return solve(problem, [float(t)], accuracy, engine).states[-1].reshape(n, n)
     except StuckError as stuck:
-        reached = 0.0 if stuck.solution is None else stuck.solution.trajectory.reached
+        reached, reason = 0.0, str(stuck)
+        if stuck.solution is not None:
+            trajectory = stuck.solution.trajectory
+            reached, reason = trajectory.reached, trajectory.reason
         raise ChartEdgeError(
-            f"the path leaves the chart at s = {reached:.6g} ({stuck}). "
+            f"the path leaves the chart at {problem.time_name} = {reached:.6g} ({reason}). "
             "Lay it inside the domain of the frame."
         ) from None
 

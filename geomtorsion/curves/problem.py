@@ -103,6 +103,11 @@ class CurveProblem:
         return tuple(symbol.name for symbol in self.frame.coordinates)
 
     @property
+    def time_name(self) -> str:
+        """What the curve parameter is called in messages."""
+        return "t"
+
+    @property
     def time_unit(self) -> float:
         """A power of two near the largest frame velocity: time is measured in its inverse."""
         return self._time_unit

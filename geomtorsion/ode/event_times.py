@@ -28,7 +28,8 @@ def event_times(solution: Solution, term: object, direction: int = 0) -> np.ndar
         values = np.concatenate([function(times[k : k + BLOCK]) for k in blocks])
         if not np.isfinite(values).all():
             raise ExpressionError(
-                f"{term!r} has no finite value at t = {times[~np.isfinite(values)][0]:.6g}."
+                f"{term!r} has no finite value at {solution.problem.time_name} = "
+                f"{times[~np.isfinite(values)][0]:.6g}."
             )
         found.append(crossings(function, times, values, direction))
     return np.concatenate(found)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any, TypeAlias
@@ -22,7 +23,7 @@ from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.numbers import Numbers, Real, mpf, perturbed
 from geomtorsion.ode.rates import CLOCK, Rates
-from geomtorsion.ode.roots import nearest_to_zero
+from geomtorsion.ode.roots import shares_left
 from geomtorsion.ode.system import System
 from geomtorsion.ode.trajectory import Event, Segment, Stage, State, Trajectory
 from geomtorsion.precision import working_precision
@@ -157,6 +158,11 @@ class ODE:
         """Names of the states."""
         return self.rates.states
 
+    @property
+    def time_name(self) -> str:
+        """What the time is called in messages."""
+        return self.rates.time
+
     @cached_property
     def size(self) -> int:
         """Number of states."""
@@ -254,16 +260,24 @@ class ODE:
     def _ending(
         self, parameters: Mapping[str, Real], start: list[float], time: float, state: State
     ) -> tuple[str, str]:
-        """How the motion ends: where it stops, or where a root in its rates vanishes."""
-        if not self.rates.roots:
+        """How the motion ends: where it stops, or where a function in its equations ends."""
+        if not self.rates.edges:
             return "stopped", ""
-        made = self.rates.guard_graph.numpy()
+        made = self.rates.guard_graph
         numbers = [float(parameters[name]) for name in self.rates.parameters]
-        here, there = (
-            made(*[float(x) for x in row[: self.size]], *numbers, time) for row in (state, start)
-        )
-        nearest = nearest_to_zero(here, there) - (self.rates.stop is not None)
-        return ("stopped", "") if nearest < 0 else ("stuck", f"{self.rates.roots[nearest]} = 0")
+        rows = [[*[float(x) for x in row[: self.size]], *numbers, time] for row in (state, start)]
+        here, there = (np.array(made.numpy()(*row)) for row in rows)
+        if not np.isfinite(here).all():
+            # Rounding has taken it just beyond; how far it was has a size in complex numbers.
+            with suppress(ZeroDivisionError):
+                here = np.array([float(abs(x)) for x in made.exactly(rows[0])])
+        shares = shares_left(here, there)
+        if self.rates.stop is not None:
+            room, *shares = shares
+            # A stop that vanishes where a function in it ends does so as a power of the edge.
+            if room <= math.sqrt(min(shares)):
+                return "stopped", ""
+        return "stuck", list(self.rates.edges.values())[int(np.argmin(shares))]
 
     def first_stage(self, precision: int, perturbation: float) -> Stage:
         """The motion from t = 0 on; perturbation: the part by which its numbers are changed."""
@@ -540,7 +554,7 @@ class ODE:
         bad = [f"{name}' = {x:.3g}" for name, x in rates if not math.isfinite(x)]
         why = f"{trajectory.reason}; {', '.join(bad)}" if bad else trajectory.reason
         return StuckError(
-            f"the motion cannot go on at t = {reached:.6g}, at {place}: {why}. Stop "
+            f"the motion cannot go on at {self.time_name} = {reached:.6g}, at {place}: {why}. Stop "
             "earlier, or give When(...) for where it ends. What was computed is in the error's "
             "`solution`."
         )

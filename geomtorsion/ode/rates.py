@@ -12,6 +12,7 @@ import sympy as sp
 from geomtorsion.codegen import Graph, graph
 from geomtorsion.copies import only_fields
 from geomtorsion.errors import ExpressionError
+from geomtorsion.ode.edges import edges_of
 from geomtorsion.ode.system import System
 
 # Equations that are kept with their graphs; each is some kilobytes.
@@ -66,27 +67,31 @@ class Rates:
         return any(symbol.name == self.time for term in terms for symbol in term.free_symbols)
 
     @cached_property
-    def _folding(self) -> tuple[_Folding, tuple[sp.Expr, ...], sp.Expr | None]:
+    def _folding(
+        self,
+    ) -> tuple[_Folding, tuple[sp.Expr, ...], sp.Expr | None, tuple[sp.Expr, ...]]:
         names = (*self.states, self.time)
         folding = _Folding(sp.Symbol(name, real=True) for name in names)
         time = sp.Symbol(self.time, real=True)
         ticks = {time: CLOCK * time}
         rates = tuple(folding.folded(x.xreplace(ticks)) for x in self.expressions.values())
         stop = None if self.stop is None else folding.folded(self.stop.xreplace(ticks))
-        return folding, rates, stop
+        edges = tuple(folding.folded(x.xreplace(ticks)) for x in self.edges)
+        return folding, rates, stop, edges
 
     @cached_property
     def system(self) -> System:
         """The equations for an engine; equal ones share it."""
-        _, rates, stop = self._folding
+        _, rates, stop, edges = self._folding
         index = {name: k for k, name in enumerate(self.states)}
         groups = tuple(tuple(index[name] for name in group) for group in self.norm_groups)
-        return _system(self.states, rates, stop, groups, self.time if self.has_clock else "")
+        clock = self.time if self.has_clock else ""
+        return _system(self.states, rates, stop, edges, groups, clock)
 
     @cached_property
     def numbers(self) -> Graph:
         """The run-time numbers of the system, from the parameters."""
-        folding, _, _ = self._folding
+        folding, *_ = self._folding
         known = {symbol.name: value for value, symbol in folding.names.items()}
         wanted = [known.get(name, sp.Symbol(name, real=True)) for name in self.system.parameters]
         return graph(self.parameters, wanted, factor=False)
@@ -97,15 +102,16 @@ class Rates:
         return None if self.stop is None else graph(self.names, [self.stop], factor=False)
 
     @cached_property
-    def roots(self) -> tuple[sp.Expr, ...]:
-        """Roots in the rates that may vanish on the way: beyond, the rates have no value."""
-        return _roots(tuple(self.expressions.values()), {*self.states, self.time})
+    def edges(self) -> Mapping[sp.Expr, str]:
+        """What is positive until a function in the rates or the stop ends, and what ends there."""
+        stop = () if self.stop is None else (self.stop,)
+        return edges_of((*self.expressions.values(), *stop), {*self.states, self.time})
 
     @cached_property
     def guard_graph(self) -> Graph:
-        """The stop, if there is one, and the roots, over states, parameters and time."""
+        """The stop, if there is one, and the edges, over states, parameters and time."""
         stop = [] if self.stop is None else [self.stop]
-        return graph(self.names, [*stop, *self.roots], factor=False)
+        return graph(self.names, [*stop, *self.edges], factor=False)
 
     @cached_property
     def rate_graph(self) -> Graph:
@@ -118,6 +124,7 @@ def _system(
     states: tuple[str, ...],
     rates: tuple[sp.Expr, ...],
     stop: sp.Expr | None,
+    edges: tuple[sp.Expr, ...],
     groups: tuple[tuple[int, ...], ...],
     clock: str,
 ) -> System:
@@ -125,31 +132,17 @@ def _system(
     names = (*states, clock) if clock else states
     terms = (*rates, *((sp.Rational(1, CLOCK),) if clock else ()))
     every = (*terms, *(() if stop is None else (stop,)))
-    free = {symbol.name for term in every for symbol in term.free_symbols}
+    free = {symbol.name for term in (*every, *edges) for symbol in term.free_symbols}
     others = tuple(sorted(free - set(names)))
     where = [*(f"rate of {name}" for name in names), *(["stop"] if stop is not None else [])]
     _check_smooth(every, where)
     if clock:
         groups = (*groups, (len(states),))
     arguments = (*names, *others)
-    guards = [] if stop is None else [stop + TINY]
-    guards += _roots(terms, set(names))
+    guards = [*(() if stop is None else (stop + TINY,)), *edges]
     guard = graph(arguments, guards, others) if guards else None
     made = graph(arguments, list(terms), others)
     return System(names, others, made, groups, guard, None, (clock, CLOCK) if clock else None)
-
-
-def _roots(terms: Sequence[sp.Expr], moving: set[str]) -> tuple[sp.Expr, ...]:
-    """Square roots of what changes on the way and may fall through zero."""
-    found: dict[sp.Expr, None] = {}
-    for term in terms:
-        for power in sp.preorder_traversal(term):
-            if not isinstance(power, sp.Pow) or getattr(power.exp, "q", 1) != 2:
-                continue
-            changes = any(symbol.name in moving for symbol in power.base.free_symbols)
-            if changes and not power.base.is_nonnegative:
-                found[sp.sqrt(power.base)] = None
-    return tuple(found)
 
 
 def _check_smooth(terms: Sequence[sp.Expr], where: Sequence[str]) -> None:

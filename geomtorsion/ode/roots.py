@@ -98,11 +98,12 @@ def _bisected(function: Values, low: np.ndarray, high: np.ndarray, sign: np.ndar
     return high
 
 
-def nearest_to_zero(here: np.ndarray, before: np.ndarray) -> int:
-    """Which of several values has come nearest to zero, each measured by what it was before.
-
-    What has no value any more is there.
-    """
+def shares_left(here: np.ndarray, before: np.ndarray) -> list[float]:
+    """How much is left of each of several values; nothing of what has no value any more."""
     with np.errstate(all="ignore"):
-        shares = np.nan_to_num(np.abs(here / before), nan=0.0)
-    return int(shares.argmin())
+        return np.nan_to_num(np.abs(here / before), nan=0.0).tolist()
+
+
+def nearest_to_zero(here: np.ndarray, before: np.ndarray) -> int:
+    """Which of several values has come nearest to zero, each measured by what it was before."""
+    return int(np.argmin(shares_left(here, before)))

@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from geomtorsion.ode.engines.protocol import Dense, Engine, Run, Watch
+from geomtorsion.ode.engines.protocol import Dense, Engine, Run, Watch, WorkLimitError
 from geomtorsion.ode.numbers import Real, divided, floats, multiplied
 from geomtorsion.ode.system import System
 
@@ -53,15 +53,18 @@ def scaled_run(
         return engine.run(system, start, parameters, times, tolerance, dense=dense, watch=watch)
     unit = units.time
     sizes = units.sizes.tolist()
-    found = engine.run(
-        scaled_system(system),
-        [divided(x, size) for x, size in zip(start, sizes, strict=True)],
-        [*parameters, *units.parameters],
-        times / units.time,
-        tolerance,
-        dense=dense,
-        watch=None if watch is None else lambda t: watch(t * unit),
-    )
+    try:
+        found = engine.run(
+            scaled_system(system),
+            [divided(x, size) for x, size in zip(start, sizes, strict=True)],
+            [*parameters, *units.parameters],
+            times / units.time,
+            tolerance,
+            dense=dense,
+            watch=None if watch is None else lambda t: watch(t * unit),
+        )
+    except WorkLimitError as limit:
+        raise limit.counted(unit) from None
     found.times = times[: len(found.times)]
     found.states = multiplied(found.states, units.sizes)
     found.last = multiplied(np.asarray(found.last)[None, :], units.sizes)[0]

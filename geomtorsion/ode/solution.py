@@ -35,6 +35,11 @@ class Problem(Protocol):
         """Trajectories count time in units of 1/time_unit."""
         ...
 
+    @property
+    def time_name(self) -> str:
+        """What the time is called in messages."""
+        ...
+
     def check_start(self) -> None:
         """Refuse a start from which nothing moves on."""
         ...
@@ -298,8 +303,8 @@ class Solution:
         bad = ~(np.isfinite(flat) & (flat >= low - edge) & (flat <= high + edge))
         if bad.any():
             raise TimeError(
-                f"t = {flat[bad][0]:.6g} lies outside of the solution, which runs from 0 to "
-                f"{last:.6g}. Solve to a later time, or ask within."
+                f"{self.problem.time_name} = {flat[bad][0]:.6g} lies outside of the solution, "
+                f"which runs from 0 to {last:.6g}. Solve to a later time, or ask within."
             )
         found = self.trajectory.at(flat * unit)
         order = np.argsort(np.concatenate([index for _, _, index in found]), kind="stable")
@@ -372,10 +377,10 @@ class Solution:
     def __str__(self) -> str:
         ended = {"stopped": ", where it stops", "stuck": f", stuck: {self.trajectory.reason}"}
         last = float(self.times[-1]) if len(self.times) else 0.0
-        reach = f"to t = {last:.6g}{ended.get(self.outcome, '')}, {len(self.times)} times"
+        reach = f"to {self.problem.time_name} = {last:.6g}{ended.get(self.outcome, '')}"
         lines = [
             str(self.problem),
-            f"{reach}, by {self.engine} ({self.reason})",
+            f"{reach}, {len(self.times)} times, by {self.engine} ({self.reason})",
             f"error below {self.error:.2g} (asked: {self.accuracy:.2g}); {self.cost}",
         ]
         drifts = ", ".join(f"{name} {value:.1e}" for name, value in self.drift.items())

@@ -20,6 +20,7 @@ from geomtorsion.ode.asked import (
 )
 from geomtorsion.ode.checkpoint import Checkpoint, fingerprint
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
+from geomtorsion.ode.engines.protocol import WorkLimitError
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.error_estimate import Verified, verified
 from geomtorsion.ode.solution import DOUBLE, Cost, Problem, Solution
@@ -130,16 +131,19 @@ def _solved(
         ) -> Trajectory:
             stage = problem.first_stage(candidate.precision, part)
             check_memory(len(grid), len(stage.start))
-            return integrate(
-                stage,
-                grid,
-                tolerance,
-                candidate,
-                cuts=cuts,
-                perturbed_at=None if at is None else (at, part),
-                runner=kept and kept.runner(candidate, tolerance, part),
-                watch=report and report.next_run(),
-            )
+            try:
+                return integrate(
+                    stage,
+                    grid,
+                    tolerance,
+                    candidate,
+                    cuts=cuts,
+                    perturbed_at=None if at is None else (at, part),
+                    runner=kept and kept.runner(candidate, tolerance, part),
+                    watch=report and report.next_run(),
+                )
+            except WorkLimitError as limit:
+                raise limit.counted(1 / problem.time_unit, problem.time_name) from None
 
         found = verified(problem, candidate, accuracy, run)
         runs += found.runs

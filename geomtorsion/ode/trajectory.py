@@ -12,7 +12,7 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.copies import only_fields
 from geomtorsion.ode.engines.protocol import STANDSTILL, Dense, Engine, Run, Watch
-from geomtorsion.ode.numbers import Real, perturbed
+from geomtorsion.ode.numbers import Real, floats, perturbed
 from geomtorsion.ode.roots import crossings
 from geomtorsion.ode.scaling import scaled_run
 from geomtorsion.ode.system import System
@@ -370,20 +370,66 @@ def run_stage(
     final = stage.boundary is not None and stage.boundary.then is None
     if system.guard is None or not final or engine.finds_every_root:
         run = scaled_run(engine, system, start, numbers, times, tolerance, watch=watch)
-        if not engine.finds_every_root or not _is_beyond(system, run, numbers):
+        if not engine.finds_every_root or system.guard_is_entire:
+            return run
+        if _is_early(system, stage, run, tolerance):
+            return _looked_at(stage, run, times, tolerance, engine, watch)
+        if not _is_beyond(system, run, numbers):
             return run
     run = scaled_run(engine, system, start, numbers, times, tolerance, dense=True, watch=watch)
     return run if run.dense is None else _ended_earlier(system, run, times, numbers)
 
 
+def _is_early(system: System, stage: Stage, run: Run, tolerance: float) -> bool:
+    """Whether a run was ended where its guard is far from zero yet.
+
+    Series that are cut off before they converge, as those of roots in long steps, vanish anywhere.
+    """
+    if run.outcome != "edge":
+        return False
+    numbers = [float(x) for x in stage.parameters]
+    here, before = (
+        system.guard_at([float(x) for x in state], numbers) for state in (run.last, stage.start)
+    )
+    return here > tolerance * before
+
+
+def _looked_at(
+    stage: Stage, run: Run, times: np.ndarray, tolerance: float, engine: Engine, watch: Watch | None
+) -> Run:
+    """The run ended where the values of its guard, not their series, fall through zero."""
+    system, start, numbers = stage.system, stage.start, stage.parameters
+    begin, end = float(times[0]), float(times[-1])
+    reach = float(run.reached) - begin
+    while True:
+        reach *= 2
+        until = end if abs(reach) >= abs(end - begin) else begin + reach
+        inside = times[np.abs(times - begin) < abs(until - begin)]
+        asked = np.append(inside, until)
+        free = scaled_run(
+            engine, system.unguarded, start, numbers, asked, tolerance, dense=True, watch=watch
+        )
+        found = _ended_earlier(system, free, asked, numbers)
+        if found.outcome == "stuck" or not np.isfinite(floats(found.last)).all():
+            # Where the rates end without it, the series were right to see an end.
+            return run
+        if found.outcome == "edge" or until == end:
+            return found
+
+
 def _is_beyond(system: System, run: Run, numbers: State) -> bool:
     """Whether a run went on where its guard is below zero.
 
-    Series of a guard that have no finite value within a step, as those of roots, are not looked at.
+    Series of a guard that have no finite value within a step, as those of roots, are not looked at,
+    and those that are cut off before they converge vanish later than the guard.
     """
-    if system.guard_is_entire or run.outcome == "edge" or len(run.states) < 2:
-        return False
+    if run.outcome == "beyond":
+        return True
     values = [float(x) for x in numbers]
+    if run.outcome == "edge":
+        return system.guard_at([float(x) for x in run.last], values) < 0
+    if len(run.states) < 2:
+        return False
     room = np.broadcast_to(system.guard_along(run.states.T, values), len(run.states))
     return bool(room[0] > 0 and (room < 0).any())
 
@@ -394,16 +440,20 @@ def _ended_earlier(system: System, run: Run, times: np.ndarray, numbers: State) 
     assert dense is not None
 
     def room(at: np.ndarray) -> np.ndarray:
-        return np.broadcast_to(system.guard_along(dense(at).T, values), len(at))
+        # Far beyond an edge anything may come.
+        with np.errstate(all="ignore"):
+            states = dense(at).astype(float)
+        return np.broadcast_to(system.guard_along(states.T, values), len(at))
 
     begin, end = float(times[0]), float(run.reached)
     looked = close_times(begin, end, run)
     # The last place is where the engine itself has found the end.
     found = crossings(room, looked[:-1], room(looked[:-1]), -1)
     if not len(found):
-        return replace(run, dense=None)
+        outcome = "edge" if run.outcome == "beyond" else run.outcome
+        return replace(run, outcome=outcome, dense=None)
     sign = 1.0 if end >= begin else -1.0
-    keep = sign * np.asarray(run.times) < sign * found[0]
+    keep = sign * np.asarray(run.times).astype(float) < sign * found[0]
     last = dense(found[:1])[0]
     return replace(
         run, times=run.times[keep], states=run.states[keep], reached=float(found[0]), last=last,

@@ -9,6 +9,7 @@ from geomtorsion.curves.edges import edges_of
 from geomtorsion.errors import ChartEdgeError, StartError
 from geomtorsion.geometry import Frame, cartan
 from geomtorsion.ode import Stiff, Taylor, solve, solve_many
+from geomtorsion.ode.engines.taylor import is_available
 from tests.ode.engines import ENGINES as EXPLICIT
 from tests.ode.engines import needs_heyoka
 
@@ -136,6 +137,36 @@ def test_sums_of_squares_are_not_watched():
     assert words == ["sqrt(x + 2) = 0"]
     words = [edge.words for edge in edges_of(Frame([x, y], [[1, 0], [0, 2 + sp.log(x)]]))]
     assert words == ["x = 0"]
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.name)
+@pytest.mark.parametrize("entry", [2 + sp.acos(x), 2 + sp.asin(x), 3 - sp.atanh(x)], ids=str)
+def test_inverse_functions_end(engine, entry):
+    """Straight to x = 1 at t = 1, beyond which the frame has no value; Taylor went to x = 2.5."""
+    frame = Frame([x, y], [[1, 0], [0, entry]])
+    message, t = ended(geodesic(frame, [0.5, 0], [0.5, 0]), 4.0, engine)
+    assert t == pytest.approx(1.0, abs=1e-6)
+    assert "at x = 1, y = 0" in message
+    assert "(1 - x)*(x + 1)" in message
+    everywhere = Frame([x, y], [[1, 0], [0, 4 + sp.atan(x) + sp.asinh(x)]])
+    assert edges_of(everywhere) == ()
+
+
+def test_kinks_on_an_axis():
+    """Attracted by the axis and through it: series go on with the other sign of the radius."""
+    radius = sp.sqrt(x**2 + y**2)
+    frame = Frame([x, y, z], [[1, 0, 0], [0, 1, 0], [0, 0, 1 / (2 + radius)]])
+    assert [edge.words for edge in edges_of(frame)] == ["sqrt(x**2 + y**2) = 0"]
+    through = geodesic(frame, [1, 1, 0], [-1, -1, 0.3])
+    if is_available():
+        message, _ = ended(through, 4.0, Taylor())
+        assert "sqrt(x**2 + y**2) = 0" in message
+    # Passing beside it, scipy gives this; an even function of the radius has no kink.
+    for engine in EXPLICIT:
+        past = solve(geodesic(frame, [1, 1, 0], [-1, -0.9, 0.3]), 4.0, 1e-9, engine=engine)
+        assert past["z"][-1] == pytest.approx(1.51038235183236, abs=2e-9)
+    even = Frame([x, y, z], [[1, 0, 0], [0, 1, 0], [0, 0, sp.cos(radius)]])
+    assert edges_of(even) == ()
 
 
 def test_domains_that_cannot_be_watched():

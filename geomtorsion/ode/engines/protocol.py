@@ -8,6 +8,7 @@ from typing import Protocol, TypeAlias
 
 import numpy as np
 
+from geomtorsion.errors import LimitError
 from geomtorsion.ode.numbers import Real
 from geomtorsion.ode.system import System
 
@@ -27,8 +28,8 @@ class Run:
 
     times, states: where it was asked for and reached; shapes (m,) and (m, size).
     reached, last: time and state at which it ended.
-    outcome: "done", "edge" (the guard fell through zero) or "stuck" (steps became too small, or
-        there was no number).
+    outcome: "done", "edge" (the guard fell through zero), "beyond" (it did so at a place that is
+        still to be found) or "stuck" (steps became too small, or there was no number).
     steps, evaluations: counted; for Taylor series an evaluation is one order of one step.
     compile_seconds, run_seconds: what it cost.
     dense: states at any times; None if not asked for.
@@ -46,6 +47,22 @@ class Run:
     run_seconds: float
     dense: Dense | None = None
     reason: str = ""
+
+
+class WorkLimitError(LimitError):
+    """A run needs more work than it may do.
+
+    args: what there was too much of, the time reached, what to do, the name of the time.
+    """
+
+    def __str__(self) -> str:
+        work, reached, advice, name = self.args
+        return f"more than {work} were needed by {name} = {reached:.6g}. {advice}"
+
+    def counted(self, unit: float, name: str = "t") -> WorkLimitError:
+        """The same in other units of time, whose name may be another one."""
+        work, reached, advice, _ = self.args
+        return WorkLimitError(work, reached * unit, advice, name)
 
 
 class Engine(Protocol):

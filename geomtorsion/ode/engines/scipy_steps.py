@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from scipy.integrate import DOP853, LSODA, Radau
 
-from geomtorsion.errors import LimitError
 from geomtorsion.ode.engines.dop853 import STAGES
-from geomtorsion.ode.engines.stepper import STALL
+from geomtorsion.ode.engines.protocol import WorkLimitError
+from geomtorsion.ode.engines.stepper import STALL, too_many_evaluations
 from geomtorsion.ode.system import ScalarRates, System
 from geomtorsion.precision import EPS
 
@@ -86,6 +86,9 @@ class ScipySteps:
         try:
             with np.errstate(all="ignore"):
                 message = solver.step()
+        except WorkLimitError:
+            # It is a ValueError, too.
+            raise
         except (ValueError, np.linalg.LinAlgError):
             # scipy refuses to solve linear equations with what is no number.
             message = NO_JACOBIAN
@@ -114,10 +117,7 @@ def _counted(function: ScalarRates, most: int, duration: float) -> Any:
             stalled = stalled or abs(t - mark) < 1e-6 * duration
             mark = t
             if calls > most:
-                raise LimitError(
-                    f"more than {most} evaluations of the rates were needed by t = {t:.6g}. "
-                    "Ask for less accuracy or time, use engine=Stiff(), or raise max_evaluations."
-                )
+                raise too_many_evaluations(most, t)
         return y * float("nan") if stalled else function(t, y)
 
     return rates

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion.errors import LimitError
 from geomtorsion.ode.engines.dop853 import STAGES, rows_of, step_of
+from geomtorsion.ode.engines.protocol import WorkLimitError
 from geomtorsion.ode.system import NO_VALUE, System
 
 # Larger systems are faster on arrays.
@@ -68,6 +68,12 @@ class Polynomial:
             y + x * (a + u * (b + x * (c + u * (d + x * (e + u * (f + x * g))))))
             for y, a, b, c, d, e, f, g in zip(self._parts[0], *self._rows, strict=True)
         ]
+
+
+def too_many_evaluations(most: int, time: float) -> WorkLimitError:
+    """The error of a run that evaluates its rates without end."""
+    advice = "Ask for less accuracy or time, use engine=Stiff(), or raise max_evaluations."
+    return WorkLimitError(f"{most} evaluations of the rates", time, advice, "t")
 
 
 class Steps:
@@ -180,11 +186,7 @@ class Steps:
     def _stalls(self) -> bool:
         """Whether time stands still; too many steps are an error."""
         if self.tried * STAGES > self.most:
-            raise LimitError(
-                f"more than {self.most} evaluations of the rates were needed by "
-                f"t = {self.time:.6g}. Ask for less accuracy or time, use engine=Stiff(), or "
-                "raise max_evaluations."
-            )
+            raise too_many_evaluations(self.most, self.time)
         if abs(self.time - self._mark) < 1e-6 * self.duration:
             self.stuck = "time stands still"
             return True

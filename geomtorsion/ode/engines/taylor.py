@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import mpmath
@@ -13,7 +14,7 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.codegen.evaluation import EXACT_BITS
-from geomtorsion.errors import ArgumentError, LimitError
+from geomtorsion.errors import ArgumentError
 from geomtorsion.ode.engines.compiled import (
     Compiled,
     compiled,
@@ -22,7 +23,7 @@ from geomtorsion.ode.engines.compiled import (
     order_of,
     tolerance_of,
 )
-from geomtorsion.ode.engines.protocol import STANDSTILL, Dense, Run, Watch
+from geomtorsion.ode.engines.protocol import STANDSTILL, Dense, Run, Watch, WorkLimitError
 from geomtorsion.ode.numbers import Real, mpf
 from geomtorsion.ode.system import System
 
@@ -163,17 +164,24 @@ class Taylor:
             grid, start = self.array(times), self.array(start)
             numbers = self.array(parameters) if system.parameters else None
             _place(integrator, grid[0], start, numbers)
-            propagated = self._propagated(integrator, grid, kept.optimised, watch)
+            at = partial(_room, system, [float(x) for x in parameters], integrator)
+            room = None if system.guard_is_entire else at
+            propagated = self._propagated(integrator, grid, kept.optimised, watch, room)
             if propagated is None:
                 return None
             states, outcome, steps, reason = propagated
             if outcome == "stuck":
                 place = _last_regular(integrator, grid[0], start, grid[-1], steps)
+                if room is not None:
+                    _place(integrator, grid[0], start, numbers)
+                    edge = _edge_ahead(integrator, place, grid[-1], room, room())
+                    if edge is not None:
+                        outcome, reason, place = "edge", "", edge
                 integrator.time, integrator.state[:] = place
                 lasted = abs(float(place[0] - grid[0]))
                 states = states[np.abs((grid[: len(states)] - grid[0]).astype(float)) <= lasted]
             reached, last = integrator.time, integrator.state.copy()
-            if dense:
+            if dense and reached != grid[0]:
                 # The steps are the same with and without the grid.
                 _place(integrator, grid[0], start, numbers)
                 record = _Record(integrator, grid[0])
@@ -193,11 +201,17 @@ class Taylor:
             )
 
     def _propagated(
-        self, integrator: Any, grid: np.ndarray, optimised: bool, watch: Watch | None
+        self,
+        integrator: Any,
+        grid: np.ndarray,
+        optimised: bool,
+        watch: Watch | None,
+        room: Callable[[], float] | None,
     ) -> tuple[np.ndarray, str, int, str] | None:
         """States on the grid, outcome, steps and reason; ends a run that gets nowhere.
 
         None where a run is long and the code is not optimised.
+        room: the guard, where it may have no series within a step, so that its fall is not seen.
         """
         if grid[0] == grid[-1]:
             return integrator.state.copy()[None, :], "done", 0, ""
@@ -225,18 +239,24 @@ class Taylor:
                 return states, "edge", steps, ""
             if not optimised:
                 return None
+            if room is not None and room() < 0:
+                return np.concatenate(rows), "beyond", steps, ""
             moved = abs(float(integrator.time - before))
             if moved < STANDSTILL * abs(float(grid[-1] - grid[0])):
                 return np.concatenate(rows), "stuck", steps, "the steps became too small"
             if steps > self.max_steps:
-                raise LimitError(
-                    f"more than {self.max_steps} steps were needed by t = {integrator.time:.6g}. "
-                    "Ask for less accuracy or time, use engine=Stiff(), or raise max_steps."
-                )
+                advice = "Ask for less accuracy or time, use engine=Stiff(), or raise max_steps."
+                reached = float(integrator.time)
+                raise WorkLimitError(f"{self.max_steps} steps", reached, advice, "t")
             if watch is not None:
                 watch(float(integrator.time))
             before = integrator.time
             rest = np.concatenate(([before], grid[done:]))
+
+
+def _room(system: System, numbers: Sequence[float], integrator: Any) -> float:
+    """The guard where an integrator has come to."""
+    return system.guard_at(integrator.state.astype(float).tolist(), numbers)
 
 
 def _place(integrator: Any, at: Any, state: np.ndarray, numbers: np.ndarray | None) -> None:
@@ -283,6 +303,40 @@ class _Record:
             return result
 
         return values
+
+
+# The part of itself that is left of a guard where a state has come to its edge to rounding.
+AT_THE_EDGE = 2.0**-26
+
+
+def _edge_ahead(
+    integrator: Any,
+    place: tuple[Any, np.ndarray],
+    end: Any,
+    room: Callable[[], float],
+    first: float,
+) -> tuple[Any, np.ndarray] | None:
+    """Time and state at the edge that the next step leaps over; None where there is no edge.
+
+    place: the last one that is regular; first: the guard at the start.
+    """
+    if not first > 0:
+        return None
+    low, state = place
+    high = end
+    while True:
+        middle = low + (high - low) / 2
+        if middle in (low, high):
+            break
+        _place(integrator, low, state, None)
+        integrator.propagate_until(middle, max_steps=WAY_BACK)
+        arrived = integrator.time == middle and np.isfinite(integrator.state.astype(float)).all()
+        if arrived and room() > 0:
+            low, state = middle, integrator.state.copy()
+        else:
+            high = middle
+    _place(integrator, low, state, None)
+    return (low, state) if room() <= AT_THE_EDGE * first else None
 
 
 # Steps before the end of a run that failed which are tried backwards.

@@ -1,0 +1,115 @@
+"""edges: motions end where functions in their equations, or in their stops, end."""
+
+import math
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from geomtorsion.errors import StuckError
+from geomtorsion.ode import ODE, RungeKutta, Taylor, When, solve
+from tests.ode.engines import every_engine, needs_heyoka
+
+SWING = {"x": "v", "v": "-x"}
+# x = cos(t - 1/2) comes to 1 at t = 1/2 and goes back.
+TOUCHES = {"x": math.cos(0.5), "v": math.sin(0.5)}
+# |t - 1/2| and the like never fall to zero; what series make of them beyond t = 1/2 does.
+KINKED = [
+    "acos(x) + 1/10",
+    "sqrt(1 - x**2) + 1/10",
+    "sqrt(1 - x) + 1/10",
+    "(1 - x**2)**(3/2) + 1/10",
+    "(1 - x)**p + 1/10",
+    "acosh(2 - x) + 1/10",
+    "2 - asin(x)",
+]
+
+
+@every_engine
+@pytest.mark.parametrize("stop", KINKED)
+def test_a_stop_is_not_followed_beyond_its_end(engine, stop):
+    """Before, the series of acos(x) + 1/10 stopped at t = 0.6, where it is 0.2."""
+    problem = ODE.of(SWING, TOUCHES, parameters={"p": 0.5}, events=[When(stop)])
+    with pytest.raises(StuckError, match=r"t = 0\.(5|4999).*= 0") as caught:
+        solve(problem, 5.0, 1e-9, engine=engine)
+    found = caught.value.solution
+    assert found["x"] == pytest.approx(np.cos(found.times - 0.5), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "rate",
+    ["acos(x)", "asin(x)", "acosh(2 - x)", "sqrt(1 - x)", "(1 - x)**p", "atanh(x)", "1/acos(x)"],
+)
+@needs_heyoka
+def test_rates_are_not_followed_beyond_their_end(rate):
+    """y' = acos(cos(t - 1/2)) = |t - 1/2| gave 1.235 for 1.25, and 1/acos(x) a finite y."""
+    problem = ODE.of(SWING | {"y": rate}, TOUCHES | {"y": 0}, parameters={"p": 0.5})
+    with pytest.raises(StuckError, match=r"t = 0\.5, at x = 1.*= 0") as caught:
+        solve(problem, 2.0, 1e-9, engine=Taylor())
+    assert caught.value.solution.times[-1] <= 0.5 + 1e-6
+
+
+@needs_heyoka
+def test_the_tip_of_a_cone():
+    """A motion in the potential sqrt(x**2 + y**2), through its tip: the series goes on down."""
+    rates = {"x": "u", "y": "w", "u": "-x/sqrt(x**2+y**2)", "w": "-y/sqrt(x**2+y**2)"}
+    problem = ODE.of(rates, {"x": 1, "y": 0, "u": 0, "w": 0})
+    with pytest.raises(StuckError, match=r"t = 1\.41421.*sqrt\(x\*\*2 \+ y\*\*2\) = 0"):
+        solve(problem, 2.0, engine=Taylor())
+    # Round it, nothing is in the way; and nothing where no sign of the root shows, or at a pole.
+    assert solve(problem.with_start({"w": 0.5}), 2.0, engine=Taylor()).outcome == "done"
+    for free in ("cos(sqrt(x**2 + y**2))", "x*(x**2 + y**2)**(-3/2)", "sqrt(1 + x**2)"):
+        assert ODE.of({"x": free, "y": 0}, [1, 1]).system.guard is None
+
+
+@every_engine
+@pytest.mark.parametrize(
+    ("stop", "outcome"),
+    [
+        ("sqrt(x)", "stopped"),
+        ("acos(1 - x)", "stopped"),
+        ("sqrt(x) + x**2", "stopped"),
+        ("sqrt(2*x) + 1/10", "stuck"),
+        ("acos(1 - x) + 1/1000", "stuck"),
+        ("x**p + 1", "stuck"),
+    ],
+)
+def test_a_stop_that_vanishes_where_it_ends_is_a_stop(engine, stop, outcome):
+    """x = (1 - t)/2; what is still positive at t = 1 has not fallen, and the error says so."""
+    problem = ODE.of({"x": "-1/2"}, {"x": 0.5}, parameters={"p": 0.5}, events=[When(stop)])
+    if outcome == "stopped":
+        found = solve(problem, 2.0, 1e-9, engine=engine)
+        assert found.outcome == "stopped"
+        assert found.times[-1] == pytest.approx(1.0, abs=1e-12)
+    else:
+        with pytest.raises(StuckError, match="t = 1, at"):
+            solve(problem, 2.0, 1e-9, engine=engine)
+
+
+@needs_heyoka
+def test_a_root_as_stop_in_quadruple_precision():
+    """Places between steps are looked at in doubles there, too."""
+    problem = ODE.of({"x": "-1/2"}, {"x": 0.5}, events=[When("sqrt(x)")])
+    found = solve(problem, 2.0, 1e-9, engine=Taylor(113))
+    assert float(found.times[-1]) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_whole_exponents_have_no_end():
+    """x**q with q = 2 given at run time is watched, but ends nowhere."""
+    problem = ODE.of({"x": "-1", "y": "x**q"}, {"x": 1, "y": 0}, parameters={"q": 2})
+    found = solve(problem, 3.0, engine=RungeKutta())
+    assert found["y"][-1] == pytest.approx(3.0, rel=1e-9)
+
+
+def test_observed_kinks_have_no_false_zeros():
+    """Zeros of what is read off a solution are those of its values."""
+    found = solve(ODE.of(SWING, TOUCHES), 5.0, 1e-9)
+    assert len(found.event_times("acos(x) + 1/10")) == 0
+    assert found.event_times("acos(x) - 1/10") == pytest.approx([0.4, 0.6], abs=1e-8)
+
+
+def test_what_is_watched():
+    """The root of what has to stay positive, once for each function."""
+    x, y = sp.symbols("x y", real=True)
+    problem = ODE.of({"x": sp.acos(x) + sp.asin(x), "y": sp.log(y) + sp.asin(2)}, [0.1, 1])
+    assert [str(edge) for edge in problem.rates.edges] == ["sqrt(1 - x**2)", "sqrt(y)"]
