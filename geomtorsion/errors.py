@@ -119,7 +119,14 @@ class TimeError(GeomtorsionError, ValueError):
 
 
 class AccuracyError(GeomtorsionError, ArithmeticError):
-    """The accuracy asked for is no accuracy, or cannot be reached with the engine asked for."""
+    """The accuracy asked for is no accuracy, or cannot be reached with the engine asked for.
+
+    ensemble: the members of an ensemble that do reach it, or None.
+    """
+
+    def __init__(self, message: str, ensemble: Any = None) -> None:
+        super().__init__(message)
+        self.ensemble: Any = ensemble
 
 
 class ChartEdgeError(GeomtorsionError, ArithmeticError):

@@ -188,7 +188,8 @@ def solve_many(
     StartError, ShapeError, UnknownNameError
         lists of different length or shape, numbers that are not finite, or unknown names.
     AccuracyError
-        the accuracy is not reached by all members that are verified.
+        the accuracy is not reached by all members that are verified; its `ensemble` has those
+        that reach it, and the others as unfinished.
 
     Examples
     --------
@@ -209,8 +210,8 @@ def solve_many(
     job = _Job(problem, members, grid, solver, accuracy)
     patience = 0.0 if progress else PATIENCE
     with bar(f"{number} members", number, wanted=progress, patience=patience) as show:
-        errors, rows, tolerance = job.run(some, show)
-    return Ensemble(
+        errors, rows, tolerance, lacking = job.run(some, show)
+    found = Ensemble(
         problem,
         times,
         errors,
@@ -225,6 +226,9 @@ def solve_many(
         members,
         rows,
     )
+    if lacking:
+        raise AccuracyError(lacking, found)
+    return found
 
 
 def _engine(engine: Engine | None) -> tuple[Engine, str]:
@@ -250,8 +254,8 @@ class _Job:
         self.engine, self.accuracy = engine, accuracy
         self.compile_seconds = self.run_seconds = self.check_seconds = 0.0
 
-    def run(self, some: np.ndarray, show: Show) -> tuple[np.ndarray, Rows, float]:
-        """Errors, states, and the finest tolerance.
+    def run(self, some: np.ndarray, show: Show) -> tuple[np.ndarray, Rows, float, str]:
+        """Errors, states, the finest tolerance, and what is said where accuracy is lacking.
 
         Members that are not verified run at the finest tolerance that those needed which are.
         """
@@ -286,21 +290,22 @@ class _Job:
             tolerance = next_tolerance(self.engine, tolerance, self.accuracy / best)
         if len(some) == number and not finished.any() and not interrupted and not len(pending):
             raise StartError("none of the motions that were checked reaches the last time.")
+        lacking = ""
         if len(pending) and not interrupted:
             got = f"gets to {best:.2g}" if np.isfinite(best) else "gives no two runs to compare"
-            raise AccuracyError(
+            lacking = (
                 f"accuracy {self.accuracy:.3g} was asked for; {self.engine.name} {got} in double "
                 f"precision. {_listed(pending)} Ask for less, or solve one by one with "
                 "Taylor(precision=113)."
             )
         rest = np.setdiff1d(np.arange(number), some)
-        if len(rest) and not interrupted:
+        if len(rest) and not (interrupted or lacking):
             answer = self._timed("run_seconds", rest, used, 0.0, show)
             states[rest], finished[rest] = answer.states, answer.finished
             trajectories |= answer.trajectories
             interrupted = answer.interrupted
         rows = Rows(states, finished, trajectories, interrupted, self.compile_seconds)
-        return errors, rows, used
+        return errors, rows, used, lacking
 
     def _timed(
         self, account: str, index: np.ndarray, tolerance: float, part: float, show: Show

@@ -365,11 +365,7 @@ def _solve_group(
     elif engine is None and closed_form(first) is not None:
         _in_closed_form(scene, members, found)
     else:
-        try:
-            _in_batches(first, members, engine, found)
-        except (AccuracyError, StartError):
-            # One by one there are more digits to be had, and an error names the one that fails.
-            _one_by_one(scene, members, engine, found)
+        _in_batches(scene, members, engine, found)
 
 
 def _sampled(scene: Scene) -> np.ndarray:
@@ -380,8 +376,9 @@ def _sampled(scene: Scene) -> np.ndarray:
 def _in_batches(
     scene: Scene, members: list[_Member], engine: Engine | None, found: _Measured
 ) -> None:
-    """Some motions at a time, by `solve_many`."""
-    ode, times = scene.ode, _sampled(scene)
+    """Some motions at a time, by `solve_many`; those that need more digits one by one."""
+    first = members[0].scene or scene
+    ode, times = first.ode, _sampled(first)
     room = max(LARGEST_BATCH // (len(times) * ode.size), 1)
     for begin in range(0, len(members), room):
         some = members[begin : begin + room]
@@ -390,19 +387,29 @@ def _in_batches(
             name: np.array([float(m.parameters[name]) for m in some])
             for name in ode.rates.parameters
         }
-        solved = solve_many(ode, starts, times, scene.accuracy, engine, progress=False)
-        found.engines.add(solved.engine)
+        again: list[_Member] = []
+        try:
+            solved = solve_many(ode, starts, times, first.accuracy, engine, progress=False)
+        except (AccuracyError, StartError) as error:
+            # One by one there are more digits to be had, and an error names the one that fails.
+            solved = getattr(error, "ensemble", None)
+            if solved is None:
+                _one_by_one(scene, some, engine, found)
+                continue
+            again = [some[k] for k in solved.unfinished]
+        if solved.finished.any():
+            found.engines.add(solved.engine)
         for k, member in enumerate(some):
             if not solved.finished[k]:
-                if solved.interrupted:
-                    continue
-                found.lose(member, "it does not reach the last time")
+                if not (again or solved.interrupted):
+                    found.lose(member, "it does not reach the last time")
                 continue
             own = replace(ode, parameters={**ode.parameters, **member.parameters})
-            values = observed(own, scene.selection, times, solved.states[k])
+            values = observed(own, first.selection, times, solved.states[k])
             found.measure(member, times, values, float(solved.errors[k]))
         if solved.interrupted:
             raise KeyboardInterrupt
+        _one_by_one(scene, again, engine, found)
 
 
 def _in_closed_form(scene: Scene, members: list[_Member], found: _Measured) -> None:

@@ -133,8 +133,11 @@ def test_each_member_has_its_own_error(engine):
         true.append(float((np.abs(many.states[row, -1] - exact) / size).max()))
         assert true[-1] <= 1e-7
         assert many.errors[row] >= 0.5 * true[-1] or true[-1] < 1e-12
-    with pytest.raises(AccuracyError, match=r"That is so for member 3\."):
+    with pytest.raises(AccuracyError, match=r"That is so for member 3\.") as caught:
         solve_many(swing, {"x": heights}, 40.0, 1e-7, engine)
+    # The others are there all the same.
+    assert caught.value.ensemble.unfinished == (3,)
+    assert caught.value.ensemble.error <= 1e-7
     assert solve_many(swing, {"x": np.delete(heights, 3)}, 40.0, 1e-7, engine).error <= 1e-7
 
 

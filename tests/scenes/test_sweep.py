@@ -10,6 +10,7 @@ from geomtorsion.errors import SceneError, StartError, StuckError, UnknownNameEr
 from geomtorsion.ode import RungeKutta
 from geomtorsion.scenes import Body, Scene, State, effects, load
 from geomtorsion.scenes.metrics import SweepRun, measures
+from tests.ode.engines import needs_heyoka
 
 FLIP = "between zeros omega[1]"
 
@@ -221,6 +222,36 @@ def test_each_motion_of_a_sweep_has_its_own_error():
     assert sweep.error == sweep.errors.max() <= sweep.accuracy
     gap = abs(sweep["last omega[0]"][150] - 2 / np.cosh(8)) / 2
     assert gap <= sweep.errors[150] <= 1e-9
+
+
+@needs_heyoka
+def test_only_motions_that_need_more_digits_are_solved_singly(monkeypatch):
+    """Up to t = 22 the one on the separatrix needs more than doubles; it alone is solved again."""
+    scene = Scene(
+        Body(moments=(1, 1, 1), mass=1),
+        [effects.Gravity(2), effects.Pivot((0, 0, -1))],
+        State(omega=(1.5, 0, 0), euler=(0, 0, 0)),
+        t=22,
+        watch=("omega",),
+    )
+    singly = []
+    run = Scene.run
+
+    def counted(self, *arguments, **options):
+        singly.append(float(self.start.omega[0]))
+        return run(self, *arguments, **options)
+
+    monkeypatch.setattr(Scene, "run", counted)
+    shares = []
+    sweep = scene.sweep(
+        {"start.omega[0]": np.linspace(1.5, 2.5, 41)}, "last omega[0]", progress=shares.append
+    )
+    assert singly == [2.0]
+    assert len(shares) == 41
+    assert shares[-1] == 1.0
+    assert (sweep.errors <= sweep.accuracy).all()
+    gap = abs(sweep["last omega[0]"][20] - 2 / np.cosh(22)) / 2
+    assert gap <= sweep.errors[20]
 
 
 def test_each_free_body_of_a_sweep_is_checked():
