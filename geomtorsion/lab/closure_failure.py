@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+import sympy as sp
+from scipy.integrate import cumulative_simpson
 
+from geomtorsion.codegen import graph
 from geomtorsion.exercises.worker_pool import Json
+from geomtorsion.geometry import cartan
 from geomtorsion.lab.numbers import names_text, raised, shown, table
 from geomtorsion.lab.plot import LOOKS, Look, Plot
-from geomtorsion.lab.space_info import space_of
-from geomtorsion.loops import Loop, burgers_vector
+from geomtorsion.lab.settings import PAGE
+from geomtorsion.lab.space_info import POLAR, space_of
+from geomtorsion.loops import Loop, burgers_vector, develop
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.hodograph import Hodograph, hodograph
 from geomtorsion.pictures.style import number
@@ -53,6 +58,8 @@ def closure_failure(
     frame = space_of(space).frame
     values = dict(first_motion(frame).parameters)
     first, second = plane
+    if space in POLAR and centre[0] == 0 and {first, second} == {0, 1}:
+        return _round_the_axis(frame, values, [float(x) for x in centre], float(radius))
     loop = Loop.circle([float(x) for x in centre], float(radius), (first, second))
     b = burgers_vector(frame, loop, parameters=values)
     expected = density(frame, b, first, second)
@@ -67,6 +74,50 @@ def closure_failure(
         "expected": expected,
         "error": float(b.error),
     }
+
+
+def _round_the_axis(
+    frame: Frame, values: Mapping[str, float], centre: Sequence[float], radius: float
+) -> Json:
+    """The same for a circle about the axis of polar coordinates: legs may come back turned."""
+    s = sp.Symbol("s", real=True)
+    begin = centre[1]
+    curve = [sp.Rational(radius), sp.Rational(begin) + s, *map(sp.Rational, centre[2:])]
+    loop = Loop.parametric(curve, s, (0, 2 * sp.pi), periods={1: 2 * sp.pi})
+    found = develop(cartan(frame), loop, parameters=values)
+    angles = begin + np.linspace(0, 2 * np.pi, PAGE.samples)
+    names = [symbol.name for symbol in (*frame.coordinates, *frame.parameters)]
+    legs = graph(names, [frame.coframe[i, 1] for i in range(len(centre))]).numpy()
+    place = [radius, angles, *centre[2:], *(values[p.name] for p in frame.parameters)]
+    rates = [np.broadcast_to(row, PAGE.samples) for row in legs(*place)]
+    image = cumulative_simpson(rates, x=angles, initial=0)
+    circle = list(zip(radius * np.cos(angles), radius * np.sin(angles), strict=True))
+    plot = Plot("The loop about the axis: it closes", ("r cos φ", "r sin φ"), equal=True)
+    plot.line(circle, PATH).sense(circle, PATH).mark((0.0, 0.0), LOOKS[3], "cross", "axis")
+    drawn = list(zip(image[0].tolist(), image[1].tolist(), strict=True))
+    closes = "it closes" if np.hypot(*found.burgers[:2]) <= found.error else "it does not close"
+    gap = Plot(f"Its image in the frame: {closes}", ("X¹", "X²"), equal=True)
+    gap.line(drawn, IMAGE).sense(drawn, IMAGE)
+    if closes != "it closes":
+        gap.arrow(drawn[0], drawn[-1], GAP, "b").mark(drawn[-1], GAP, "triangle", "end")
+    turn = found.angle
+    said = (
+        f"The legs come back turned by {turn:.6g} rad (the Frank vector of the line): this is a "
+        "disclination, and b depends on where the loop begins."
+        if abs(turn) > found.turn_error + found.error
+        else "The legs come back as they were, and b = 0 for circles about the axis; torsion is "
+        "spread about it, so that other loops have a b."
+    )
+    rows = [[f"b{raised(k)}", shown(x, found.error)] for k, x in enumerate(found.burgers)]
+    return {
+        "pictures": [plot.mark(circle[0], START, "dot", "start = end").svg(),
+                     gap.mark(drawn[0], START, "dot", "start").svg()],
+        "table": table(("", "b"), rows, "Burgers vector at the start of the loop"),
+        "sentence": said,
+        "b": found.burgers.tolist(),
+        "expected": [0.0] * len(centre),
+        "error": float(found.error),
+    }  # fmt: skip
 
 
 def density(frame: Frame, b: BurgersVector, first: int, second: int) -> list[float]:

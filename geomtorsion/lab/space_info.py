@@ -30,9 +30,14 @@ _UNDRAWN = ("kerr_kinnersley", "frw", "frw_flat", "s7")
 _UNTYPED = ("kerr_kinnersley", "s7")
 # Where loops begin in spaces with a line: on it, so that the first circle goes round it.
 _LINES: Mapping[str, tuple[float, ...]] = dict.fromkeys(
-    ("screw_dislocation", "screw_core", "edge_dislocation", "edge_dislocation_elastic"),
+    (
+        *("screw_dislocation", "screw_core", "edge_dislocation", "edge_dislocation_elastic"),
+        *("wedge_disclination", "wedge_disclination_periodic"),
+    ),
     (0.0, 0.0, 0.0),
 )
+# Of these the coordinates are polar ones about the line: radius and angle come first.
+POLAR = ("wedge_disclination", "wedge_disclination_periodic")
 
 
 @cache
@@ -100,11 +105,19 @@ def space_info(space: str) -> Json:
         "ranges": ranges,
         "loop_centre": list(centre or first.start),
         # Round a line a loop may go anywhere: the domain keeps to one side of it.
-        "loop_ranges": [[-1.0, 1.0, PAGE.step] for _ in centre] if centre else ranges,
+        "loop_ranges": _loop_ranges(chosen.name, len(centre)) if centre else ranges,
         "velocity": list(first.frame_velocity),
         "t": first.t,
         "planes": [list(pair) for pair in combinations(range(n), 2)],
     }
+
+
+def _loop_ranges(name: str, count: int) -> list[list[float]]:
+    """How far the centre of a loop may go from a line; a radius goes one way only."""
+    found = [[-1.0, 1.0, PAGE.step] for _ in range(count)]
+    if name in POLAR:
+        found[0][0] = 0.0
+    return found
 
 
 def _functions(frame: Frame) -> list[str]:

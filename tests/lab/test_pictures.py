@@ -92,6 +92,29 @@ def test_the_first_loop_goes_round_the_line(name, component):
         assert "all of b sits on the line" in found["sentence"]
 
 
+@pytest.mark.parametrize("name", ["wedge_disclination", "wedge_disclination_periodic"])
+def test_the_first_loop_goes_round_the_axis_of_a_disclination(name):
+    """Legs turned by 2 pi alpha: the image of a circle is a part of a circle, whose chord is b."""
+    known = space_info(name)
+    alpha = known["values"]["alpha"]
+    found = closure_failure(name, known["loop_centre"], 0.3, known["planes"][0])
+    assert len(found["pictures"]) == 2
+    if name == "wedge_disclination":
+        turn = 2 * math.pi * alpha
+        # Seen in the legs with which the loop comes back, which are those of its start turned.
+        assert math.hypot(*found["b"]) == pytest.approx(2 * 0.3 * abs(math.sin(turn / 2)))
+        angle = abs((turn + math.pi) % (2 * math.pi) - math.pi)
+        assert f"turned by {angle:.6g} rad" in found["sentence"]
+        assert "does not close" in found["pictures"][1]
+    else:
+        assert found["b"] == pytest.approx([0, 0, 0], abs=1e-12)
+        assert "The legs come back as they were" in found["sentence"]
+    # Beside the axis a loop is a circle in the coordinates, as elsewhere, and both are regular.
+    assert known["loop_ranges"][0][0] == 0
+    beside = closure_failure(name, [1.0, 1.0, 0.0], 0.3, known["planes"][0])
+    assert beside["error"] < 1e-10
+
+
 def test_a_core_is_seen_from_its_middle():
     """b r^2 / (r^2 + c^2) round the axis of a smooth core."""
     known = space_info("screw_core")

@@ -29,9 +29,7 @@ def reached(problem, t, engine, name="t"):
 @pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.name)
 def test_scaled_runs(engine):
     """x'' = -k^2 x takes the same work by k t = const, though the run counts in other units."""
-    made = [
-        ODE.of({"x": "v", "v": f"-{k}**2*x"}, [1, 0], time="s") for k in ("1", "(10**15)")
-    ]
+    made = [ODE.of({"x": "v", "v": f"-{k}**2*x"}, [1, 0], time="s") for k in ("1", "(10**15)")]
     slow, fast = reached(made[0], 1e5, engine, "s"), reached(made[1], 1e-10, engine, "s")
     assert fast == pytest.approx(slow * 1e-15, rel=0.3)
 
