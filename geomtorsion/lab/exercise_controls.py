@@ -29,19 +29,19 @@ def seed(mo: ModuleType, kept: Kept) -> ui.number:
     return mo.ui.number(0, MOST.seed, 1, value=int(wanted), label="variant")
 
 
-def answers(mo: ModuleType, exercise: Json, kept: Kept) -> ui.form:
-    """A form with a field for each question; its value comes when it is sent."""
+def answers(mo: ModuleType, exercise: Json, kept: Kept) -> ui.batch:
+    """A field for each question; what is in them is checked when it is sent."""
     fields, parts = {}, []
     for number, question in enumerate(exercise.get("questions", ())):
         key = f"q{number}"
-        sent = kept.text(_answer_key(exercise, number), "")
-        fields[key] = _field(mo, question, sent)
+        typed = kept.text(_answer_key(exercise, number), "")
+        fields[key] = _field(mo, question, typed)
         # Braces are places for fields in the template.
         prompt = question["prompt"].replace("{", "{{").replace("}", "}}")
         how = f'<p class="note">{escape(question["how"])}</p>'
         parts.append(f'<div class="sideways">{prompt}{{{key}}}{how}</div>')
     template = mo.Html(f'<div class="lab">{"".join(parts)}</div>')
-    return template.batch(**fields).form(submit_button_label="Check", bordered=False)
+    return template.batch(**fields)
 
 
 def _answer_key(exercise: Json, number: int) -> str:
@@ -49,30 +49,31 @@ def _answer_key(exercise: Json, number: int) -> str:
     return f"answer{exercise['number']}.{exercise['seed']}.{number + 1}"
 
 
-def kept_exercise(exercise: Json, first: str, values: Json | None) -> dict[str, tuple[str, str]]:
-    """What the address keeps of an exercise: which it is, and the answers that were sent."""
+def kept_exercise(exercise: Json, first: str, values: Json) -> dict[str, tuple[str, str]]:
+    """What the address keeps of an exercise: which it is, and the answers as they stand."""
     if "number" not in exercise:
         return {}
-    sent = {
-        _answer_key(exercise, k): (str((values or {}).get(f"q{k}") or ""), "")
-        for k in range(len(exercise["questions"]) if values else 0)
+    typed = {
+        _answer_key(exercise, k): (str(values.get(f"q{k}") or ""), "")
+        for k in range(len(exercise["questions"]))
     }
     return {
         "exercise": (exercise["number"], first),
         "variant": (str(exercise["seed"]), "0"),
-        **sent,
+        **typed,
     }
 
 
-def _field(mo: ModuleType, question: Json, sent: str = "") -> ui.dropdown | ui.text | ui.text_area:
+def _field(mo: ModuleType, question: Json, typed: str = "") -> ui.dropdown | ui.text | ui.text_area:
+    # Each key is sent at once: what is checked is what stands there when the button is pressed.
     label = question["name"] + (f" in {question['unit']}" if question["unit"] else "")
     if question["kind"] == "choice":
         options = {text: key for key, text in question["options"].items()}
-        first = next((text for text, key in options.items() if sent and key == sent), None)
+        first = next((text for text, key in options.items() if typed and key == typed), None)
         return mo.ui.dropdown(options, value=first, label=label)
     if question["kind"] in ("components", "equations"):
-        return mo.ui.text_area(value=sent, label=label, rows=2, full_width=True)
-    return mo.ui.text(value=sent, label=label, full_width=True)
+        return mo.ui.text_area(value=typed, label=label, rows=2, full_width=True, debounce=False)
+    return mo.ui.text(value=typed, label=label, full_width=True, debounce=False)
 
 
 def given(exercise: Json, values: Json) -> dict[str, str]:

@@ -374,38 +374,51 @@ def _(exercise_controls, kept, mo, runner):
 @app.cell
 def _(exercise, exercise_controls, kept, mo, runner, seed):
     stated = runner.ask("exercise", number=exercise.value, seed=int(seed.value or 0))
-    form = exercise_controls.answers(mo, stated, kept)
+    fields = exercise_controls.answers(mo, stated, kept)
+    check = mo.ui.run_button(label="Check")
     hint = exercise_controls.next_hint(mo, stated)
-    return form, hint, stated
+    sent, send = mo.state(None)
+    return check, fields, hint, send, sent, stated
 
 
 @app.cell
-def _(exercise, form, mo, seed, stated, tab, views):
+def _(check, exercise, fields, mo, seed, stated, tab, views):
     mo.stop(tab.value != views.EXERCISES)
     mo.vstack(
         [
             mo.Html(views.controls([exercise, seed])),
             mo.Html(views.exercise(stated)),
-            form,
+            fields,
+            check,
         ]
     )
     return
 
 
 @app.cell
-def _(exercise, exercise_controls, form, keep, mo, runner, stated, tab, views):
+def _(exercise, exercise_controls, fields, keep, mo, stated, tab, views):
     mo.stop(tab.value != views.EXERCISES)
-    keep(
-        mo,
-        exercise_controls.kept_exercise(stated, next(iter(exercise.options.values())), form.value),
-    )
+    # What is typed is kept at once, so that a reload loses nothing.
+    _first = next(iter(exercise.options.values()))
+    keep(mo, exercise_controls.kept_exercise(stated, _first, fields.value))
+    return
+
+
+@app.cell
+def _(check, exercise_controls, fields, send, stated):
+    if check.value and "number" in stated:
+        send(exercise_controls.given(stated, fields.value))
+    return
+
+
+@app.cell
+def _(mo, runner, sent, stated, tab, views):
+    mo.stop(tab.value != views.EXERCISES)
+    _answers = sent()
     _reply = None
-    if form.value is not None:
+    if _answers is not None:
         _reply = runner.ask(
-            "answer",
-            number=stated["number"],
-            seed=stated["seed"],
-            answers=exercise_controls.given(stated, form.value),
+            "answer", number=stated["number"], seed=stated["seed"], answers=_answers
         )
     mo.Html(views.verdict(_reply))
     return

@@ -49,7 +49,7 @@ def edges_of(terms: Iterable[sp.Expr], moving: set[str]) -> Mapping[sp.Expr, str
             elif isinstance(part, sp.Pow):
                 root = sp.sqrt(part.base)
                 if part.exp.is_Rational or isinstance(part.exp, sp.Float):
-                    if _is_even_root(part.exp) and _may_end(term, part):
+                    if _is_even_root(part.exp) and _may_end(term, part, moving):
                         found[root] = f"{root} = 0"
                 elif not (part.exp.is_integer or part.base.is_positive or root.has(sp.Abs)):
                     room = _unless_whole(part.base, part.exp, moving)
@@ -75,15 +75,18 @@ def _unless_whole(base: sp.Expr, exponent: sp.Expr, moving: set[str]) -> sp.Expr
     return broken * base + 1 - broken
 
 
-def _may_end(term: sp.Expr, root: sp.Pow) -> bool:
+def _may_end(term: sp.Expr, root: sp.Pow, moving: set[str]) -> bool:
     """Whether a root may vanish with a finite term around it that its other sign would change.
 
-    That of what may be negative always may; that of a sum of squares only touches zero.
+    That of what may be negative always may; that of a sum of squares only touches zero, and not
+    where one of them does not change.
     """
     base = root.base
     if not base.is_nonnegative:
         return True
     if base.is_positive or root.exp < -sp.S.Half:
+        return False
+    if base.is_Add and not all(_moves(square, moving) for square in base.args):
         return False
     return changes_with_sign(term, base)
 

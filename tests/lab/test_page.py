@@ -156,6 +156,15 @@ def test_a_reload_keeps_tab_and_input(lab: Watched):
     page.reload()
     page.wait_for_selector("#statement")
     assert page.get_by_label("legs").input_value() == "1,1 = 17"
+    # What is being typed and was never sent is not lost either; a verdict comes when asked for.
+    assert page.locator("#verdict").count() == 0
+    page.get_by_label("legs").fill("2,2 = 18")
+    page.wait_for_url("**18*")
+    page.reload()
+    page.wait_for_selector("#statement")
+    assert page.get_by_label("legs").input_value() == "2,2 = 18"
+    page.get_by_role("button", name="Check").click()
+    page.locator("#verdict .wrong").wait_for()
 
 
 def test_a_link_with_nonsense_opens_the_page(watched: Watched, address: str):

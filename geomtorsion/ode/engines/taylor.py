@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -305,10 +306,6 @@ class _Record:
         return values
 
 
-# The part of itself that is left of a guard where a state has come to its edge to rounding.
-AT_THE_EDGE = 2.0**-26
-
-
 def _edge_ahead(
     integrator: Any,
     place: tuple[Any, np.ndarray],
@@ -318,7 +315,8 @@ def _edge_ahead(
 ) -> tuple[Any, np.ndarray] | None:
     """Time and state at the edge that the next step leaps over; None where there is no edge.
 
-    place: the last one that is regular; first: the guard at the start.
+    place: the last one that is regular; first: the guard at the start, of which at an edge no more
+    than half of the digits of rounding is left.
     """
     if not first > 0:
         return None
@@ -336,7 +334,7 @@ def _edge_ahead(
         else:
             high = middle
     _place(integrator, low, state, None)
-    return (low, state) if room() <= AT_THE_EDGE * first else None
+    return (low, state) if room() <= first * math.sqrt(np.finfo(float).eps) else None
 
 
 # Steps before the end of a run that failed which are tried backwards.
