@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geomtorsion import checks
+from geomtorsion.crystals.circuits import AtomCircuits
 from geomtorsion.crystals.frames import (
     Fit,
     Frame,
@@ -142,7 +143,7 @@ class Crystal:
         numbers = sampled(len(self.positions))
         vectors = self._neighbours(16, numbers)
         if name is None:
-            found = likely_lattice(vectors)
+            found = likely_lattice(vectors, orient, constant)
         else:
             found = single_frame(lattice_named(name), vectors, orient, constant)
         share = float(found[1].whole.mean())
@@ -239,6 +240,23 @@ class Crystal:
         frame = self.frame
         doubtful = frame.apart(steps, labels) > frame.constant * frame.lattice.nearest / 2
         return Torsion(self.mesh, frame.lattice, labels, doubtful)
+
+    @cached_property
+    def circuit(self) -> AtomCircuits:
+        """Closed paths from atom to atom: `crystal.circuit(atoms=[...])` through atoms by number,
+        `crystal.circuit.around(point, normal, radius)` along a circle; see `AtomCircuits`.
+
+        Examples
+        --------
+        >>> from itertools import product
+        >>> sites = np.array(list(product(range(12), repeat=3)))
+        >>> crystal = Crystal(sites[sites.sum(axis=1) % 2 == 0] * 1.8, cell=[21.6] * 3)
+        >>> crystal.circuit.around([10, 10, 10], [1, 1, 1], 6).burgers
+        (0.0, 0.0, 0.0)
+        """
+        return AtomCircuits(
+            self._wrapped[0], self._wrapped[1], self._box, self.frame, self._decoded
+        )
 
     # -- dislocations -----------------------------------------------------------------------------
 

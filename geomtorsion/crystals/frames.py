@@ -180,7 +180,9 @@ def sampled(count: int) -> np.ndarray:
     return np.sort(np.random.default_rng(0).choice(count, METHOD.sample, replace=False))
 
 
-def likely_lattice(vectors: np.ndarray) -> tuple[Frame, Fit]:
-    """The frame of the lattice into which most atoms fit."""
-    found = [single_frame(lattice, vectors) for lattice in LATTICES.values()]
+def likely_lattice(
+    vectors: np.ndarray, orient: np.ndarray | None = None, constant: float | None = None
+) -> tuple[Frame, Fit]:
+    """The frame of the lattice into which most atoms fit, in axes that may be given."""
+    found = [single_frame(lattice, vectors, orient, constant) for lattice in LATTICES.values()]
     return max(found, key=lambda pair: (pair[1].whole.mean(), -pair[1].misfit.mean()))

@@ -1,0 +1,185 @@
+"""Atom files: formats that ase reads, damage named by its line, and formats that are refused."""
+
+# Tests give what users give, wrong things included.
+# pyright: reportArgumentType=false
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from geomtorsion.crystals import read, read_all
+from geomtorsion.crystals.atom_files import FORMATS, atom_frames
+from geomtorsion.errors import ArgumentError, FileFormatError, GeomtorsionError
+
+ase_build = pytest.importorskip("ase.build")
+ase_io = pytest.importorskip("ase.io")
+
+
+def copper(shake: float = 0.0):
+    """A small crystal of copper."""
+    atoms = ase_build.bulk("Cu", "fcc", a=3.6, cubic=True) * (4, 4, 4)
+    atoms.positions += shake * np.random.default_rng(3).normal(size=atoms.positions.shape)
+    return atoms
+
+
+DUMP = """ITEM: TIMESTEP
+0
+ITEM: NUMBER OF ATOMS
+{count}
+ITEM: BOX BOUNDS pp pp pp
+1.5 15.9
+0 14.4
+0 14.4
+ITEM: ATOMS id type x y z
+{rows}
+"""
+
+
+def dump(atoms) -> str:
+    """A frame as LAMMPS writes it."""
+    rows = [f"{k} 1 {x} {y} {z}" for k, (x, y, z) in enumerate(atoms.positions.tolist(), 1)]
+    return DUMP.format(count=len(rows), rows="\n".join(reversed(rows)))
+
+
+@pytest.mark.parametrize(
+    "name", ["a.xyz", "POSCAR", "a.cfg", "a.cif", "a.xsf", "a.gro", "a.pdb", "b.lmp", "a.nc"]
+)
+def test_what_ase_writes_is_read(tmp_path: Path, name: str):
+    """The same crystal from each format, with its species."""
+    if name == "a.nc":
+        pytest.importorskip("netCDF4")
+    form = {"b.lmp": "lammps-data", "a.nc": "netcdftrajectory"}.get(name)
+    ase_io.write(tmp_path / name, copper(), format=form)
+    crystal = read(tmp_path / name)
+    assert (crystal.lattice, len(crystal.positions)) == ("fcc", 256)
+    assert crystal.constant == pytest.approx(3.6, rel=2e-4)
+    assert crystal.periodic.all()
+    assert crystal.share == 1.0
+    if name != "b.lmp":
+        assert set(crystal.species or ()) == {"Cu"}
+
+
+def test_a_lammps_dump_of_several_frames(tmp_path: Path):
+    """Frames one after another, atoms in the order of their ids, the lattice frame kept."""
+    texts = [dump(copper(shake)) for shake in (0.0, 0.05, 0.08)]
+    path = tmp_path / "run.dump"
+    path.write_text("".join(texts))
+    found = list(read_all(path))
+    assert [len(one.positions) for one in found] == [256] * 3
+    assert found[0].positions[:4] == pytest.approx(copper().positions[:4])
+    assert {one.lattice for one in found} == {"fcc"}
+    assert all(np.array_equal(one.orient, found[0].orient) for one in found)
+    assert len({one.constant for one in found}) == 1
+    assert read(path, frame=2).positions == pytest.approx(found[2].positions)
+    with pytest.raises(FileFormatError, match="no frame 3"):
+        read(path, frame=3)
+    # Names that say nothing: the beginning does.
+    path.rename(tmp_path / "run.0")
+    assert len(list(atom_frames(tmp_path / "run.0"))) == 3
+
+
+@pytest.mark.parametrize("name", ["a.traj", "a.json", "a.db", "a.pckl", "a.py", "a.gpw"])
+def test_formats_that_may_run_something_are_refused(tmp_path: Path, name: str):
+    """Before anything in them is looked at: nothing is unpickled, nothing is run."""
+    marker = tmp_path / "ran"
+
+    class Payload:
+        def __reduce__(self):
+            return (Path.touch, (marker,))
+
+    path = tmp_path / name
+    if name.endswith((".traj", ".json")):
+        ase_io.write(path, copper())
+    elif name.endswith(".py"):
+        path.write_text(f"open({str(marker)!r}, 'w')\natoms = 1\n")
+    else:
+        path.write_bytes(pickle.dumps(Payload()))
+    with pytest.raises(FileFormatError, match=r"(not read|not known)"):
+        read(path)
+    assert not marker.exists()
+    with pytest.raises(FileFormatError, match="form: one of"):
+        read(path, form="traj")
+
+
+def text_of(tmp_path: Path) -> list[str]:
+    """The lines of an extended XYZ file."""
+    ase_io.write(tmp_path / "good.xyz", copper())
+    return (tmp_path / "good.xyz").read_text().splitlines()
+
+
+@pytest.mark.parametrize(
+    ("line", "new", "message"),
+    [
+        (1, "many", "line 1: the number of atoms"),
+        (1, "300", "line 258: the file ends after 256 of 300 atoms"),
+        (1, "99999999999999", "the file ends after 256"),
+        (1, "200", "line 203: the number of atoms"),
+        (7, "Cu 1.0 2.0", "line 7: a row like the others"),
+        (7, "Cu 1.0 2.0 x3", "line 7: a row like the others"),
+        (7, "", "line 7: a row like the others"),
+        (2, 'Lattice="1 2 3" Properties=species:S:1:pos:R:3', "line 1: extended XYZ was needed"),
+        (2, 'Properties=species:S:1:pos:R:3 pbc="T T T"', "repeat along edge 1"),
+        (9, "Cu nan 0 0", r"frame 0: positions\[6, 0\] = nan"),
+    ],
+)  # fmt: skip
+def test_damage_is_named_by_its_line(tmp_path: Path, line: int, new: str, message: str):
+    """Counts that lie, rows that are short or no numbers, boxes without edges, NaN."""
+    rows = text_of(tmp_path)
+    rows[line - 1] = new
+    (tmp_path / "a.xyz").write_text("\n".join(rows) + "\n")
+    with pytest.raises(GeomtorsionError, match=message):
+        list(read_all(tmp_path / "a.xyz"))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("ITEM: TIMESTEP", "TIMESTEP", "line 1: ITEM: TIMESTEP was needed"),
+        ("ITEM: BOX", "ITEM: CUBE", "ITEM: BOX ... was needed"),
+        ("\n256\n", "\n99999999999\n", "ends after 256 of 99,999,999,999"),
+        ("\n256\n", "\n-1\n", "line 4: the number of atoms"),
+        ("\n7 1 ", "\n7 one ", "line 259: a row like the others"),
+    ],
+)
+def test_damaged_dumps_are_named(tmp_path: Path, old: str, new: str, message: str):
+    """The same for LAMMPS dumps."""
+    text = dump(copper())
+    assert old in text
+    path = tmp_path / "a.dump"
+    path.write_text(text.replace(old, new, 1))
+    with pytest.raises(FileFormatError, match=message):
+        read(path)
+
+
+def test_what_is_no_file_is_told(tmp_path: Path):
+    """Missing, a folder, empty, packed, no name at all."""
+    (tmp_path / "empty.xyz").write_text("")
+    (tmp_path / "a.xyz.gz").write_bytes(b"\x1f\x8b")
+    (tmp_path / "a.unknown").write_text("hello\n")
+    for name, message in (
+        ("none.xyz", "cannot be read"),
+        (".", "no regular file"),
+        ("empty.xyz", "holds no atoms"),
+        ("a.xyz.gz", "compressed"),
+        ("a.unknown", "not known by its name"),
+    ):
+        with pytest.raises(FileFormatError, match=message):
+            read(tmp_path / name)
+    with pytest.raises(ArgumentError, match="name of a file"):
+        read(3)
+    with pytest.raises(FileFormatError, match="frame: a whole number"):
+        read(tmp_path / "empty.xyz", frame=-1)
+    assert "extxyz" in FORMATS
+
+
+def test_a_slab_needs_no_third_edge(tmp_path: Path):
+    """Edges along which nothing repeats may be missing."""
+    atoms = copper()
+    atoms.cell[2] = 0
+    atoms.pbc = (True, True, False)
+    ase_io.write(tmp_path / "slab.xyz", atoms)
+    crystal = read(tmp_path / "slab.xyz")
+    assert crystal.periodic.tolist() == [True, True, False]
+    assert crystal.dislocations().lines == ()
