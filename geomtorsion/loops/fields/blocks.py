@@ -38,7 +38,8 @@ class BlockMap:
 
     folder: of the blocks and the ledger. block: places in each block along each axis.
     size: edges of the circuits, or (0, 0) for torsion at the nodes; plane: the two axes.
-    steps, order, periodic, sigma: as for `SampledFrame`.
+    steps, order, periodic, sigma: as for `SampledFrame`. stride: nodes from one place to the next
+    along each axis.
     """
 
     source: Source
@@ -51,6 +52,7 @@ class BlockMap:
     periodic: tuple[bool, ...]
     sigma: float
     reference: np.ndarray
+    stride: tuple[int, ...]
 
     @property
     def grid_shape(self) -> tuple[int, ...]:
@@ -60,9 +62,16 @@ class BlockMap:
     @cached_property
     def places(self) -> tuple[int, ...]:
         """Places of the map along each axis."""
-        sides = dict(zip(self.plane, self.size, strict=True))
-        pairs = zip(self.grid_shape, self.periodic, strict=True)
-        return tuple(n if wraps else n - sides.get(k, 0) for k, (n, wraps) in enumerate(pairs))
+        every = zip(self.grid_shape, self.periodic, self.stride, strict=True)
+        return tuple(
+            -(-(n if wraps else n - self._sides.get(k, 0)) // stride)
+            for k, (n, wraps, stride) in enumerate(every)
+        )
+
+    @cached_property
+    def _sides(self) -> dict[int, int]:
+        """Edges along the sides of circuits, by axis of the plane."""
+        return dict(zip(self.plane, self.size, strict=True))
 
     @cached_property
     def numbers(self) -> tuple[tuple[int, ...], ...]:
@@ -86,16 +95,9 @@ class BlockMap:
 
     def compute(self, number: tuple[int, ...]) -> tuple[int, ...]:
         """One block: b^i (or torsion), and the error, shape (rows + 1, places...)."""
-        # A stencil beside a hole may lie all on one side.
-        halo = max(self.order, self._other) + (1 if self.size == (0, 0) else -1)
-        sides = dict(zip(self.plane, self.size, strict=True))
-        low, high = [], []
-        for k, (first, last) in enumerate(self.span(number)):
-            n, wraps = self.grid_shape[k], self.periodic[k]
-            begin, end = first - halo, last + sides.get(k, 0) + halo
-            low.append(begin if wraps else max(begin, 0))
-            high.append(end if wraps else min(end, n))
-        values = self.source.read(low, high)[:, : len(self.grid_shape)]
+        low, values = self._read(number, beside_holes=False)
+        if np.isnan(values).any():
+            low, values = self._read(number, beside_holes=True)
         if np.isinf(values).any():
             place = np.argwhere(np.isinf(values))[0, 2:] + low
             raise GridError(
@@ -104,11 +106,45 @@ class BlockMap:
             )
         found = self._of(self._field(values))
         inner = [
-            slice(first - begin, last - begin)
-            for (first, last), begin in zip(self.span(number), low, strict=True)
+            slice(first * stride - begin, (last - 1) * stride + 1 - begin, stride)
+            for (first, last), stride, begin in zip(
+                self.span(number), self.stride, low, strict=True
+            )
         ]
         self._write(number, found[(slice(None), *inner)])
         return number
+
+    def _read(self, number: Sequence[int], beside_holes: bool) -> tuple[list[int], np.ndarray]:
+        """First node along each axis, and the values of all that a block is computed from."""
+        ends = [
+            self._reach(k, first * stride, (last - 1) * stride, beside_holes)
+            for k, ((first, last), stride) in enumerate(
+                zip(self.span(number), self.stride, strict=True)
+            )
+        ]
+        low = [begin for begin, _ in ends]
+        values = self.source.read(low, [end for _, end in ends])
+        return low, values[:, : len(self.grid_shape)]
+
+    def _reach(self, axis: int, first: int, last: int, beside_holes: bool) -> tuple[int, int]:
+        """The first node, and the first one behind, that places from first to last need.
+
+        The halo of centred stencils: order / 2 - 1 nodes for circuits, order / 2 for torsion, none
+        across the plane. At an end of the grid and beside holes they lie on one side.
+        """
+        n, slopes = self.grid_shape[axis], self.size == (0, 0)
+        if axis not in self.plane:
+            return first, last + 1
+        if not slopes:
+            last += self._sides[axis] - 1
+        nodes = max(self.order, self._other) + slopes
+        if beside_holes:
+            begin, end = first - nodes + 2 - slopes, last + nodes
+            return (begin, end) if self.periodic[axis] else (max(begin, 0), min(end, n))
+        begin, end = (k - (nodes - 1) // 2 for k in (first, last))
+        if not self.periodic[axis]:
+            begin, end = (min(max(k, 0), n - nodes) for k in (begin, end))
+        return begin, end + nodes
 
     @property
     def _other(self) -> int:
@@ -180,6 +216,7 @@ class BlockMap:
             "order": self.order,
             "periodic": list(self.periodic),
             "sigma": self.sigma,
+            "stride": list(self.stride),
             "reference": [[float(x).hex() for x in row] for row in self.reference],
         }
 
@@ -200,6 +237,7 @@ def blocked_map(
     shape: Sequence[int] | None = None,
     periodic: Any = (),
     sigma: float = 0.0,
+    stride: int | Sequence[int] = 1,
     workers: int = 1,
     client: Any = None,
 ) -> BlockMap:
@@ -222,6 +260,9 @@ def blocked_map(
         Cells along the sides of the circuits; 0: the torsion at all nodes instead.
     sigma
         Standard deviation of the noise of every value. Rounding is not in the errors.
+    stride
+        Nodes from one place to the next, one number or one for each axis: the size, for circuits
+        that lie side by side.
     workers
         Processes on this machine (the source must then be a path or can be sent to others).
     client
@@ -243,7 +284,7 @@ def blocked_map(
     ...     found, found.read()[0].round(9).max()
     (BlockMap(36 x 26 places, 6 of 6 blocks done), np.float64(16.0))
     """
-    made = _checked(source, folder, steps, block, size, plane, order, shape, periodic, sigma)
+    made = _checked(source, folder, steps, block, size, plane, order, shape, periodic, sigma, stride)
     checks.count(workers, "workers", GridError, 1)
     _open_ledger(made)
     left = [number for number in made.numbers if not made.file(number).is_file()]
@@ -280,6 +321,7 @@ def _checked(
     shape: Sequence[int] | None,
     periodic: Any,
     sigma: float,
+    stride: int | Sequence[int],
 ) -> BlockMap:
     """Everything that was given, looked at once."""
     check_order(order)
@@ -316,7 +358,7 @@ def _checked(
     reference = np.nan_to_num(found.read((0,) * d, (1,) * d).reshape(*found.shape[:2]))[:, :d]
     return BlockMap(
         found, str(folder), tuple(map(float, spacing)), blocks, (sides[0], sides[1]),
-        (pair[0], pair[1]), order, wraps, noise, reference,
+        (pair[0], pair[1]), order, wraps, noise, reference, _several(stride, d, "stride", 1),
     )  # fmt: skip
 
 

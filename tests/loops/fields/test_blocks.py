@@ -65,6 +65,59 @@ def test_three_axes(tmp_path):
     assert np.abs(frame.burgers_map(2, (2, 0)).vectors - one[:-1]).max() < 1e-13
 
 
+@pytest.mark.parametrize("size", [0, (2, 3)])
+def test_places_apart(tmp_path, size):
+    """Every so many nodes: the same bits as all of them, for any size of blocks."""
+    every = blocked_map(HOLED, tmp_path / "every", STEPS, 50, size).read()
+    for k, block in enumerate([50, 4, (3, 2)]):
+        some = blocked_map(HOLED, tmp_path / str(k), STEPS, block, size, stride=(4, 3)).read()
+        assert np.array_equal(some, every[:, ::4, ::3], equal_nan=True)
+
+
+@pytest.mark.parametrize(("size", "less"), [(0, 0), ((3, 5), 1)])
+@pytest.mark.parametrize(("order", "halo"), [(2, 2), (4, 2), (6, 3), (8, 4)])
+@pytest.mark.parametrize("holes", [0, 1])
+def test_halos_are_no_wider_than_stencils(tmp_path, size, less, order, halo, holes):
+    """order / 2 nodes for torsion, one less for circuits; more only in blocks with holes.
+
+    Order 2 is compared with order 4, and needs what that needs.
+    """
+    asked = []
+
+    def source(index):
+        asked.append([(s.start, s.stop) for s in index])
+        values = generated(index)
+        nodes = np.add.outer(*(np.arange(s.start, s.stop) for s in index))
+        values[:, :, nodes < holes] = np.nan
+        return values
+
+    found = blocked_map(
+        source, tmp_path, (1, 1), 10, size, order=order, shape=(1, 2, 100, 100), plane=(1, 0)
+    )
+    sides, wide = (5, 3) if size else (0, 0), halo - less
+    at_the_corner, inside = found.numbers.index((0, 0)), found.numbers.index((5, 4))
+    # At first one node is read everywhere for the reference.
+    assert len(asked) == 1 + len(found.numbers) + holes
+    first = asked[1 + at_the_corner + holes]
+    # Beside a hole a stencil may lie on one side.
+    more = max(order, 4) - 2 * less if holes else wide
+    assert first == [(0, 10 + side + more) for side in sides]
+    around = [(low - wide, low + 10 + side + wide) for low, side in zip((50, 40), sides)]
+    assert asked[1 + inside + holes] == around
+
+
+def test_nothing_is_read_across_the_plane(tmp_path):
+    """Layers of a solid are apart."""
+    asked = []
+
+    def source(index):
+        asked.append([(s.start, s.stop) for s in index])
+        return SOLID[(slice(None), slice(None), *index)]
+
+    blocked_map(source, tmp_path, (1, 1, 1), (99, 99, 1), 2, shape=SOLID.shape)
+    assert asked[1:] == [[(0, 13), (0, 12), (k, k + 1)] for k in range(11)]
+
+
 def test_killed_and_taken_up_again(tmp_path):
     """A process that ends in the middle: what is done stays, the rest follows, the same bits."""
     code = (
@@ -168,6 +221,7 @@ INFINITE[1, 0, 20, 3] = np.inf
         (FLAT, {"size": (0, 2)}, "size: 0 for both"),
         (FLAT, {"plane": (0, 0)}, "two different axes"),
         (FLAT, {"sigma": -1}, "sigma: 0 or more"),
+        (FLAT, {"stride": 0}, "stride: a whole number from 1"),
         (FLAT, {"workers": 0}, "workers: a whole number"),
         (FLAT[:, :, :4], {}, "axis x: 5 points or more"),
         (FLAT.astype(complex), {}, "real numbers"),
