@@ -33,6 +33,10 @@ SCENE = scenes.Scene(
 )
 RESULT = SCENE.run(gt.RungeKutta())
 GRID = gt.SampledFrame([np.arange(9.0), np.arange(9.0)], np.ones((1, 2, 9, 9)))
+_POINTS = np.random.default_rng(0).uniform(-1, 1, (60, 2))
+SCATTERED = gt.ScatteredFrame.from_coframe(
+    _POINTS, np.ones((1, 2, 60)), mask=np.hypot(*_POINTS.T) < 0.3
+)
 HOLED = gt.SampledFrame(GRID.axes, GRID.coframe, mask=np.pad([[True]], 4))
 CRYSTALS = gt.OrientationMap.from_euler(np.zeros((8, 8, 3)), 1.0, "m-3m", sigma=0.1)
 IRON = gt.Phase("iron", "m-3m", (2.87, 2.87, 2.87))
@@ -365,6 +369,19 @@ def public_methods() -> list[Case]:
             axes=[np.arange(9.0), np.arange(9.0)], strain=np.zeros((2, 2, 9, 9)),
             rotation=np.zeros((9, 9)), order=4, names=("x", "y")),
         _of("SampledFrame.burgers", GRID.burgers, loop=gt.Loop.circle([4, 4], 1)),
+        _of("ScatteredFrame.from_coframe", gt.ScatteredFrame.from_coframe, points=_POINTS,
+            coframe=np.ones((1, 2, 60)), order=4, sigma=0.1, mask=np.zeros(60, bool), longest=2.0,
+            boundary=[[-1, -1], [1, -1], [1, 1], [-1, 1]], unit="um", vector_unit="um",
+            source="text"),
+        _of("ScatteredFrame.from_distortion", gt.ScatteredFrame.from_distortion, points=_POINTS,
+            distortion=np.zeros((2, 2, 60)), covariance=np.eye(4)),
+        _of("ScatteredFrame.from_strain_rotation", gt.ScatteredFrame.from_strain_rotation,
+            points=_POINTS, strain=np.zeros((2, 2, 60)), rotation=np.zeros(60)),
+        _of("ScatteredFrame.from_displacement", gt.ScatteredFrame.from_displacement,
+            points=_POINTS, displacement=np.zeros((2, 60)), branch=0.25, sigma=0.1),
+        _of("ScatteredFrame.burgers", SCATTERED.burgers, circuit=gt.Loop.circle([0, 0], 0.6)),
+        _of("ScatteredFrame.burgers_map", SCATTERED.burgers_map, rings=1),
+        _of("ScatteredFrame.loop_around", SCATTERED.loop_around, hole=0, margin=1),
         _of("Solution.at", SOLVED.at, time=0.25),
         _of("Solution[]", lambda name: SOLVED[name], name="x"),
         _of("Solution.event_times", SOLVED.event_times, term="x - 1/2", direction=0),

@@ -28,6 +28,7 @@ from geomtorsion.loops.paths import develop_path, develop_period
 from geomtorsion.loops.reactions import Reaction
 from geomtorsion.loops.result import BurgersVector, Check
 from geomtorsion.loops.sampled import SampledFrame
+from geomtorsion.loops.scattered import ScatteredFrame
 
 __all__ = [
     "AffineMap",
@@ -55,6 +56,7 @@ __all__ = [
     "Part",
     "Reaction",
     "SampledFrame",
+    "ScatteredFrame",
     "blocked_map",
     "burgers_map",
     "burgers_vector",

@@ -35,7 +35,7 @@ def read_grid(path: Path) -> Contents:
     they stand in the file). .h5, .hdf5: the same as data sets (extra `files`). .nc: a variable
     `coframe` or `distortion` with dimensions (row, column, x, y, ...) and a coordinate variable for
     each dimension of the grid. .csv: see `tables.read_csv`. .vtk, .vtu: see `tables.read_vtk`
-    (extra `files`). All may hold sigma, and all but VTK units and periods.
+    (extra `files`). All may hold sigma, units, periods and a source.
 
     Raises
     ------

@@ -8,7 +8,7 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import OrientationError
-from geomtorsion.loops.fields.noise import MEDIAN, SMOOTH
+from geomtorsion.loops.fields.noise import SMOOTH, robust_covariance
 from geomtorsion.orientations.lattice_edges import GrainMap
 from geomtorsion.orientations.symmetry import conjugated
 from geomtorsion.rigid.attitude import product
@@ -31,9 +31,8 @@ def given_covariance(sigma: object) -> np.ndarray:
 def estimated_covariance(grains: GrainMap, chosen: np.ndarray) -> np.ndarray:
     """Covariance of the noise of each orientation as a small rotation in map axes, rad^2, (3, 3).
 
-    Differences of sixth order along rows and columns within grains; the spread of their components
-    in six directions by medians, so that walls and cores do not count (Gnanadesikan and Kettenring
-    1972): C_xy = (s(x + y)^2 - s(x - y)^2) / 4. Pixels are taken to be independent.
+    Differences of sixth order along rows and columns within grains, and medians, so that walls and
+    cores do not count. Pixels are taken to be independent.
 
     chosen: the pixels that count, truth values, shape (rows, columns).
     """
@@ -50,18 +49,7 @@ def estimated_covariance(grains: GrainMap, chosen: np.ndarray) -> np.ndarray:
             f"sigma: {SMOOTH + 1} pixels in a row within a grain are needed to estimate noise, but "
             "there are none. Give sigma in degrees."
         )
-    axes = np.eye(3)
-
-    def spread(direction: np.ndarray) -> float:
-        return float(np.median(np.abs(differences @ direction)) / MEDIAN) ** 2
-
-    found = np.diag([spread(axis) for axis in axes])
-    for i, j in ((0, 1), (0, 2), (1, 2)):
-        shared = (spread(axes[i] + axes[j]) - spread(axes[i] - axes[j])) / 4
-        found[i, j] = found[j, i] = shared
-    # Medians alone do not make sure that no direction has a negative variance.
-    values, vectors = np.linalg.eigh(found)
-    return (vectors * np.maximum(values, 0)) @ vectors.T
+    return robust_covariance(list(differences.T))
 
 
 def _differences(q: np.ndarray, joined: np.ndarray) -> np.ndarray:

@@ -12,6 +12,7 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.errors import GeomtorsionError, OrientationError
 from geomtorsion.loops import Cochain, Loop, SampledFrame
+from geomtorsion.loops.fields.noise import significances
 from geomtorsion.loops.fields.stencils import SLACK
 from geomtorsion.loops.quadrature import PIECE
 from geomtorsion.orientations.circuits import Circuit, windings
@@ -24,7 +25,6 @@ from geomtorsion.orientations.results import (
     CircuitMap,
     MapBurgers,
     angstrom_in,
-    significances,
 )
 from geomtorsion.orientations.step_grid import StepGrid
 from geomtorsion.orientations.symmetry import conjugated

@@ -11,6 +11,7 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.conventions import Signed
 from geomtorsion.errors import OrientationError
+from geomtorsion.loops.fields.noise import significances
 from geomtorsion.orientations.circuits import Circuit
 from geomtorsion.orientations.phases import Phase
 
@@ -197,16 +198,6 @@ class CircuitMap:
             f"CircuitMap({int(self.clean.sum())} of {self.clean.size} circuits of {self.size} x "
             f"{self.size} cells stay in one grain)"
         )
-
-
-def significances(vectors: np.ndarray, covariance: np.ndarray) -> np.ndarray:
-    """sqrt(b C^-1 b), shape (...,); infinite where there is no noise."""
-    values, axes = np.linalg.eigh(covariance)
-    parts = vectors @ axes
-    sizes = np.sqrt(np.maximum(values, 0))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        shares = np.where(parts == 0, 0.0, np.abs(parts) / sizes)
-    return np.sqrt((shares**2).sum(axis=-1))
 
 
 def angstrom_in(unit: str) -> float:

@@ -26,6 +26,7 @@ from geomtorsion.files import read_json_text, read_text
 from geomtorsion.loops.fields.cells import circuits, torsion
 from geomtorsion.loops.fields.circuits import Field
 from geomtorsion.loops.fields.grid import Grid, check_order, periodic_axes
+from geomtorsion.loops.fields.noise import Noise
 from geomtorsion.loops.fields.sources import Source
 from geomtorsion.progress import PATIENCE, bar
 
@@ -159,8 +160,9 @@ class BlockMap:
         bent[:, :, holes] = 0
         axes = tuple(np.arange(float(n)) for n in shape)
         grid = Grid(axes, tuple("xyzuvw"[:d]), (False,) * d, holes, self.steps)
-        variances = np.full((*values.shape[:2], *(1,) * d), self.sigma**2) if self.sigma else None
-        return Field(grid, bent, self.reference, variances, self.order, self._other, 0.0)
+        same = np.full((*values.shape[:2], *(1,) * d), self.sigma)
+        noise = Noise.of_sigma(same) if self.sigma else None
+        return Field(grid, bent, self.reference, noise, self.order, self._other, 0.0)
 
     def _of(self, field: Field) -> np.ndarray:
         """What is asked for, with its error behind it."""
@@ -284,7 +286,9 @@ def blocked_map(
     ...     found, found.read()[0].round(9).max()
     (BlockMap(36 x 26 places, 6 of 6 blocks done), np.float64(16.0))
     """
-    made = _checked(source, folder, steps, block, size, plane, order, shape, periodic, sigma, stride)
+    made = _checked(
+        source, folder, steps, block, size, plane, order, shape, periodic, sigma, stride
+    )
     checks.count(workers, "workers", GridError, 1)
     _open_ledger(made)
     left = [number for number in made.numbers if not made.file(number).is_file()]

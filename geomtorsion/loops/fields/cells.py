@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import product
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geomtorsion.loops.fields.circuits import Field, unexplained
-from geomtorsion.loops.fields.sides import on_grid, sides
-from geomtorsion.loops.fields.stencils import applied
+from geomtorsion.loops.fields.grid import Grid
+from geomtorsion.loops.fields.noise import Noise, along, significances
+from geomtorsion.loops.fields.sides import Spread, on_grid, sides
 from geomtorsion.loops.quadrature import ROUNDING
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -26,6 +33,8 @@ class Plaquettes:
     known: where no side touches a hole, shape of the errors.
     area: of one circuit, positive; plane: the two axes, turned from the first to the second.
     size: edges along both axes of the plane; units: of length and of b.
+    shared: covariance by noise of two components i < j, {(i, j): shape of the errors}; those that
+        are not there are zero.
     """
 
     vectors: np.ndarray
@@ -37,6 +46,7 @@ class Plaquettes:
     known: np.ndarray
     size: tuple[int, int] = (1, 1)
     units: tuple[str, str] = ("", "")
+    shared: Mapping[tuple[int, int], np.ndarray] = field(default_factory=dict)
 
     @property
     def density(self) -> np.ndarray:
@@ -50,14 +60,30 @@ class Plaquettes:
 
     @property
     def significance(self) -> np.ndarray:
-        """|b| against its errors, sqrt(sum (b^i / sigma^i)^2): pure noise gives sqrt(rows) or so.
+        """|b| against its errors, sqrt(b C^-1 b): pure noise gives sqrt(rows) or so.
 
         NaN where nothing is known; infinite where b has no error.
         """
+        if self.shared:
+            return self._joint_significance
         sigmas = np.hypot(self.sigmas, self.interpolation)
         with np.errstate(divide="ignore", invalid="ignore"):
             shares = np.where(self.vectors == 0, 0.0, self.vectors / sigmas)
         return np.sqrt((shares**2).sum(axis=0))
+
+    @property
+    def _joint_significance(self) -> np.ndarray:
+        """The same where components have noise in common."""
+        rows = len(self.vectors)
+        table = np.zeros((*self.known.shape, rows, rows))
+        for i in range(rows):
+            table[..., i, i] = self.sigmas[i] ** 2 + self.interpolation**2
+        for (i, j), c in self.shared.items():
+            table[..., i, j] = table[..., j, i] = np.broadcast_to(c, self.known.shape)
+        found = np.full(self.known.shape, np.nan)
+        known = self.known
+        found[known] = significances(np.moveaxis(self.vectors, 0, -1)[known], table[known])
+        return found
 
     def gnd_density(self, burgers: float) -> np.ndarray:
         """Density of geometrically necessary dislocations of a Burgers vector: |b| / (area b)."""
@@ -74,43 +100,90 @@ class Plaquettes:
 
 
 def circuits(
-    field: Field,
+    sampled: Field,
     plane: tuple[int, int],
     size: tuple[int, int],
     units: tuple[str, str] = ("", ""),
 ) -> Plaquettes:
     """All circuits of a size; the cost grows with its logarithm."""
-    grid, (a, b) = field.grid, plane
-    side_a, side_b = (sides(field, k, m) for k, m in zip(plane, size, strict=True))
+    grid, (a, b) = sampled.grid, plane
+    side_a, side_b = (sides(sampled, k, m) for k, m in zip(plane, size, strict=True))
     area = grid.steps[a] * grid.steps[b] * size[0] * size[1]
     # Along a decreasing axis the circuits run round the other way.
     sign = float(np.sign(area))
 
-    def rounds(one: np.ndarray, two: np.ndarray) -> np.ndarray:
+    def four(one: np.ndarray, two: np.ndarray) -> tuple[np.ndarray, ...]:
         near_a, far_a = _pair(one, b - grid.dimension, size[1], grid.periodic[b])
         near_b, far_b = _pair(two, a - grid.dimension, size[0], grid.periodic[a])
+        return near_a, far_a, near_b, far_b
+
+    def rounds(one: np.ndarray, two: np.ndarray) -> np.ndarray:
+        near_a, far_a, near_b, far_b = four(one, two)
         return sign * ((far_b - near_b) - (far_a - near_a))
 
     def sums(one: np.ndarray, two: np.ndarray) -> np.ndarray:
-        near_a, far_a = _pair(one, b - grid.dimension, size[1], grid.periodic[b])
-        near_b, far_b = _pair(two, a - grid.dimension, size[0], grid.periodic[a])
+        near_a, far_a, near_b, far_b = four(one, two)
         return near_a + far_a + near_b + far_b
+
+    def spread(one: Spread, two: Spread) -> dict[tuple[int, int], np.ndarray]:
+        found = {}
+        for pair in {**one.covariance, **two.covariance}:
+            none = np.zeros((1,) * grid.dimension)
+            found[pair] = sums(one.covariance.get(pair, none), two.covariance.get(pair, none))
+        if sampled.noise is None or not sampled.noise.joins_columns:
+            return found
+        # Two sides that meet have the noise of one node in common.
+        starts, ends = four(one.starts, two.starts), four(one.ends, two.ends)
+        for (i, j), c in _both_ways(sampled.noise, plane).items():
+            at = [
+                _corner(c, grid, dict(zip(plane, zip(shift, size, strict=True), strict=True)))
+                for shift in product((0, size[0]), (0, size[1]))
+            ]
+            here = (
+                -starts[0] * starts[2] * at[0] + starts[1] * ends[2] * at[1]
+                + ends[0] * starts[3] * at[2] - ends[1] * ends[3] * at[3]
+            )  # fmt: skip
+            found[i, j] = found.get((i, j), 0.0) + here
+        return found
 
     vectors = rounds(side_a.values, side_b.values)
     known = sums((~side_a.known).astype(np.int8), (~side_b.known).astype(np.int8)) == 0
     difference = np.abs(rounds(side_a.difference, side_b.difference))
-    sigmas = np.zeros_like(vectors)
-    if field.variances is not None:
-        sigmas += np.sqrt(sums(side_a.variance, side_b.variance))
-        spread = sums(side_a.difference_variance, side_b.difference_variance)
-        difference = unexplained(difference, spread)
+    sigmas, shared = np.zeros_like(vectors), {}
+    if side_a.noise is not None and side_b.noise is not None:
+        here, less = (spread(*both) for both in zip(side_a.noise, side_b.noise, strict=True))
+        for i in range(len(vectors)):
+            # Rounding may leave less than nothing where noise cancels.
+            sigmas[i] += np.sqrt(np.maximum(here.get((i, i), 0.0), 0.0))
+            difference[i] = unexplained(difference[i], less.get((i, i), 0.0))
+        shared = {(i, j): c for (i, j), c in here.items() if i < j}
     interpolation = difference.max(axis=0)
     longest = max(abs(grid.steps[k]) * m for k, m in zip(plane, size, strict=True))
-    interpolation = interpolation + ROUNDING * field.size * longest
+    interpolation = interpolation + ROUNDING * sampled.size * longest
     if grid.has_holes:
         vectors[:, ~known], sigmas[:, ~known], interpolation[~known] = np.nan, np.nan, np.nan
     errors = np.hypot(interpolation, sigmas.max(axis=0))
-    return Plaquettes(vectors, errors, abs(area), plane, sigmas, interpolation, known, size, units)
+    return Plaquettes(
+        vectors, errors, abs(area), plane, sigmas, interpolation, known, size, units, shared
+    )
+
+
+def _both_ways(noise: Noise, plane: tuple[int, int]) -> dict[tuple[int, int], np.ndarray]:
+    """Covariances of the two columns of a plane at a node, by components, in both orders added."""
+    found = noise.between(plane)
+    for pair, c in noise.between(plane[::-1]).items():
+        found[pair] = found[pair] + c if pair in found else c
+    return found
+
+
+def _corner(values: np.ndarray, grid: Grid, shifts: dict[int, tuple[int, int]]) -> np.ndarray:
+    """Values at one corner of all circuits. shifts: axis -> (steps to the corner, size)."""
+    for axis, (by, size) in shifts.items():
+        if values.shape[axis] > 1 and grid.periodic[axis]:
+            values = np.roll(values, -by, axis)
+        elif values.shape[axis] > 1:
+            values = np.take(values, np.arange(by, by + values.shape[axis] - size), axis)
+    return values
 
 
 def _pair(values: np.ndarray, axis: int, apart: int, periodic: bool) -> tuple[np.ndarray, ...]:
@@ -128,32 +201,55 @@ def _pair(values: np.ndarray, axis: int, apart: int, periodic: bool) -> tuple[np
     return near, values[tuple(index)]
 
 
-def torsion(field: Field, plane: tuple[int, int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def torsion(sampled: Field, plane: tuple[int, int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """d_a e_b - d_b e_a at the nodes, its distance from another order, and its sigma.
 
     Shape (rows, grid...) each; NaN where there are not enough known nodes in a row.
     """
-    grid = field.grid
-    found = []
+    grid, noise = sampled.grid, sampled.noise
+    found, weights = [], []
     for k, m in (plane, plane[::-1]):
-        rule = grid.rule(field.order, k, slopes=True)
+        rule = grid.rule(sampled.order, k, slopes=True)
         other = rule.other()
-        step = grid.steps[k]
-        values = field.values[:, m]
-        here, there = (r(values, 1 + k) / step for r in (rule, other))
+        values = sampled.values[:, m]
+        here, there = (r(values, 1 + k) / grid.steps[k] for r in (rule, other))
         here[:, ~on_grid(rule.known, grid.shape, k)] = np.nan
-        spread = [np.zeros(1), np.zeros(1)]
-        if field.variances is not None:
-            variances = np.broadcast_to(field.variances[:, m], values.shape)
-            lines = rule.holes.shape[1]
-            spread = [
-                applied(table.power(2), variances, 1 + k, lines) / step**2
-                for table in (rule.matrix, rule.matrix - other.matrix)
-            ]
-        found.append((here, here - there, *spread))
-    one, two = found
-    curl, difference = one[0] - two[0], np.abs(one[1] - two[1])
-    sigmas = np.sqrt(one[2] + two[2])
-    difference = unexplained(difference, one[3] + two[3])
-    sigmas = np.where(np.isnan(curl), np.nan, np.broadcast_to(sigmas, curl.shape))
-    return curl, difference, sigmas
+        found.append((here, here - there))
+        weights.append([t / grid.steps[k] for t in (rule.matrix, rule.matrix - other.matrix)])
+    curl, difference = (one - two for one, two in zip(*found, strict=True))
+    difference, sigmas = np.abs(difference), np.zeros_like(curl)
+    if noise is not None:
+        for i in range(sampled.rows):
+            variance, less = (
+                _variance(noise, i, grid, plane, pair) for pair in zip(*weights, strict=True)
+            )
+            sigmas[i] = np.sqrt(variance)
+            difference[i] = unexplained(difference[i], less)
+    return curl, difference, np.where(np.isnan(curl), np.nan, sigmas)
+
+
+def _variance(
+    noise: Noise,
+    row: int,
+    grid: Grid,
+    plane: tuple[int, int],
+    matrices: Sequence[csr_array],
+) -> np.ndarray:
+    """Variance of one component of torsion, shape of the grid (or what broadcasts to it)."""
+    if noise.origins and not grid.has_holes:
+        # Differences along two axes commute: the torsion of what they are taken of is none.
+        return np.zeros((1,) * grid.dimension)
+    total = np.zeros(grid.shape)
+    for matrix, (k, m) in zip(matrices, (plane, plane[::-1]), strict=True):
+        variances = noise.at_nodes(row, m, grid.shape)
+        total += along(matrix.power(2), variances, k)
+    if noise.origins:
+        # An upper bound beside holes, as neighbours are not independent.
+        return total
+    # The two derivatives share the node at which they are taken.
+    one, two = (
+        on_grid(t.diagonal().reshape(grid.shape[k], -1), grid.shape, k)
+        for t, k in zip(matrices, plane, strict=True)
+    )
+    shared = _both_ways(noise, plane).get((row, row))
+    return total if shared is None else np.maximum(total - one * two * shared, 0.0)

@@ -11,6 +11,7 @@ from geomtorsion.conventions import Signed
 from geomtorsion.errors import GridError
 from geomtorsion.loops.arcs import SAME_POINT, Arc, Part
 from geomtorsion.loops.fields.grid import ORDERS, Grid
+from geomtorsion.loops.fields.noise import Noise, significances
 from geomtorsion.loops.fields.stencils import SLACK, Blocks
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.quadrature import ROUNDING
@@ -24,13 +25,13 @@ class Field:
     """The values of a coframe on a grid, as integrals use them.
 
     values: e^i_mu without its mean, zero in holes, shape (rows, d, grid...): constant parts close
-    exactly, and need not be rounded. mean: shape (rows, d). variances: of each value, or None.
+    exactly, and need not be rounded. mean: shape (rows, d). noise: of the values, or None.
     """
 
     grid: Grid
     values: np.ndarray
     mean: np.ndarray
-    variances: np.ndarray | None
+    noise: Noise | None
     order: int
     other_order: int
     scale: float | None = None
@@ -54,8 +55,8 @@ class SampledBurgers(Signed):
     interpolation_error: distance from the result with interpolation of another order, without what
     noise explains of that distance. quadrature_error: distance from the result with half as many
     stretches.
-    sigmas: standard deviation of each component by the noise of the nodes, shape (rows,); zero
-    where no sigma of the grid is known.
+    covariance: of the components by the noise of the nodes, shape (rows, rows); zero where no sigma
+    is known.
     order: order of the interpolation; evaluations: points at which it was taken.
     """
 
@@ -64,8 +65,13 @@ class SampledBurgers(Signed):
     quadrature_error: float
     order: int
     evaluations: int
-    sigmas: np.ndarray
+    covariance: np.ndarray
     unit: str = ""
+
+    @property
+    def sigmas(self) -> np.ndarray:
+        """Standard deviation of each component by noise, shape (rows,)."""
+        return np.sqrt(np.diag(self.covariance))
 
     @property
     def noise(self) -> float:
@@ -79,15 +85,13 @@ class SampledBurgers(Signed):
 
     @property
     def significance(self) -> float:
-        """|b| against its error: sqrt(sum (b^i / sigma^i)^2), each sigma^i with its other errors.
+        """|b| against its error: sqrt(b C^-1 b), C the noise, and the other errors in each b^i.
 
         Pure noise in n components gives sqrt(n) or so; without any error it is infinite.
         """
         other = self.interpolation_error + self.quadrature_error
-        sigmas = np.hypot(self.sigmas, other)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            shares = np.where(self.vector == 0, 0.0, np.abs(self.vector) / sigmas)
-        return float(np.sqrt((shares**2).sum()))
+        covariance = self.covariance + other**2 * np.eye(len(self.vector))
+        return float(significances(self.vector, covariance))
 
     def __repr__(self) -> str:
         parts = ", ".join(f"{x:.6g}" for x in self.vector.tolist())
@@ -110,14 +114,13 @@ class _Weights:
         self.keys.append(np.ravel_multi_index(nodes, self.grid.shape))
         self.parts.append(weights)
 
-    def spread(self, variances: np.ndarray) -> np.ndarray:
-        """Variance of the sum, shape (rows,), for independent values at the nodes."""
-        keys, where = np.unique(np.concatenate(self.keys), return_inverse=True)
-        parts = np.concatenate(self.parts, axis=1)
-        total = np.array([np.bincount(where, row, len(keys)) for row in parts])
-        flat = np.broadcast_to(variances, (len(variances), len(parts), *self.grid.shape))
-        nodes = np.unravel_index(keys, self.grid.shape)
-        return np.einsum("mk,imk->i", total**2, flat[(slice(None), slice(None), *nodes)])
+    @property
+    def total(self) -> np.ndarray:
+        """The weight of every node, shape (d, grid...)."""
+        keys, parts = np.concatenate(self.keys), np.concatenate(self.parts, axis=1)
+        count = self.grid.holes.size
+        found = np.array([np.bincount(keys, row, count) for row in parts])
+        return found.reshape(-1, *self.grid.shape)
 
 
 def sampled_burgers(field: Field, loop: Loop, unit: str = "") -> SampledBurgers:
@@ -150,17 +153,17 @@ def sampled_burgers(field: Field, loop: Loop, unit: str = "") -> SampledBurgers:
     # Order 2 is compared with a better one: its own error is that distance, give or take a little.
     safety = 4 / 3 if field.order < field.other_order else 1.0
     difference = np.abs(fine - other)
-    sigmas = np.zeros(field.rows)
-    if field.variances is not None:
-        sigmas = np.sqrt(weights.spread(field.variances))
-        difference = unexplained(difference, differences.spread(field.variances))
+    covariance = np.zeros((field.rows, field.rows))
+    if field.noise is not None:
+        covariance = field.noise.of_sum(weights.total)
+        difference = unexplained(difference, np.diag(field.noise.of_sum(differences.total)))
     return SampledBurgers(
         fine,
         safety * float(difference.max()),
         float(np.abs(fine - coarse).max()) + ROUNDING * field.size * loop.size,
         field.order,
         evaluations,
-        sigmas,
+        covariance,
         unit,
     )
 
@@ -205,7 +208,7 @@ def _both(
     if collected is None:
         return _sum(field, places, blocks, slopes, weights), np.zeros(field.rows)
     other = known.other(blocks, places, field.other_order)
-    if field.variances is not None:
+    if field.noise is not None:
         for sign, chosen in ((1, blocks), (-1, other)):
             for rows, nodes, weight in known.terms(chosen, places):
                 each = part.times * slopes[:, rows] * weights[rows] * weight

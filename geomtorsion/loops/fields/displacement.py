@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +13,9 @@ from geomtorsion.errors import GridError
 from geomtorsion.loops.fields.grid import Grid, numbers
 from geomtorsion.loops.fields.sides import on_grid
 from geomtorsion.loops.fields.stencils import applied
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 # An edge compares itself with the median of so many neighbours: two on each side.
 NEIGHBOURS = 5
@@ -22,12 +26,12 @@ class Distortion:
     """What a displacement has become.
 
     values: d_mu u^i, shape (rows, d, grid...), NaN where it is not known.
-    variances: of the values, for displacements of variance 1 at every node, shape (d, grid...).
+    origins: matrices that take a displacement to its derivative along each axis.
     jumps: the vectors by which it jumps, shape (k, rows); edges: how many jump by each.
     """
 
     values: np.ndarray
-    variances: np.ndarray
+    origins: tuple[csr_array, ...]
     jumps: np.ndarray
     edges: tuple[int, ...]
 
@@ -56,7 +60,7 @@ def distortion_of(displacement: np.ndarray, grid: Grid, order: int, branch: obje
         vectors = _found(steps, bent, grid)
         times = [_nearest(rest, vectors) for rest in bent]
     else:
-        vectors = _given(branch, len(displacement))
+        vectors = lattice_vectors(branch, len(displacement))
         inverse = np.linalg.pinv(vectors.T)
         times = [np.rint(np.einsum("ki,i...->k...", inverse, rest)) for rest in bent]
         times = [np.nan_to_num(number) for number in times]
@@ -94,17 +98,16 @@ def _derived(
     steps: list[np.ndarray], grid: Grid, order: int, vectors: np.ndarray, counts: np.ndarray
 ) -> Distortion:
     """Derivatives at the nodes from differences along the edges."""
-    shape = (len(steps[0]), grid.dimension, *grid.shape)
-    values, variances = np.empty(shape), np.empty(shape[1:])
+    values = np.empty((len(steps[0]), grid.dimension, *grid.shape))
+    origins = []
     for k, step in enumerate(steps):
         rule = grid.rule(order, k, slopes=True)
         lines = rule.holes.shape[1]
         found = applied(rule.matrix_of_steps, np.nan_to_num(step), 1 + k, lines) / grid.steps[k]
         found[:, ~on_grid(rule.known, grid.shape, k)] = np.nan
         values[:, k] = found
-        squares = np.asarray(rule.matrix.power(2).sum(axis=1)).reshape(grid.shape[k], -1)
-        variances[k] = on_grid(squares, grid.shape, k) / grid.steps[k] ** 2
-    return Distortion(values, variances, vectors, tuple(counts.tolist()))
+        origins.append(rule.matrix / grid.steps[k])
+    return Distortion(values, tuple(origins), vectors, tuple(counts.tolist()))
 
 
 def _differences(values: np.ndarray, axis: int, periodic: bool) -> np.ndarray:
@@ -131,8 +134,8 @@ def _medians(steps: np.ndarray, axis: int) -> np.ndarray:
     return np.moveaxis((low + high) / 2, -1, axis)
 
 
-def _given(branch: object, rows: int) -> np.ndarray:
-    """Lattice vectors as rows."""
+def lattice_vectors(branch: object, rows: int) -> np.ndarray:
+    """Lattice vectors as rows, from one length, one vector or several."""
     found = numbers(branch, "branch")
     if found.ndim == 0:
         found = float(found) * np.eye(rows)

@@ -107,7 +107,7 @@ def write_netcdf(path: Path, contents: Contents) -> None:
                 data.createDimension(name, length)
             data.createVariable("sigma", "d", inner)[:] = sigma
         for name, text in _texts(contents).items():
-            setattr(data, name, text)
+            setattr(data, name, text.encode())
 
 
 def _texts(contents: Contents) -> dict[str, str]:

@@ -31,7 +31,7 @@ from geomtorsion.loops.fields.grid import (
     regular_axis,
 )
 from geomtorsion.loops.fields.holes import Hole, holes_of
-from geomtorsion.loops.fields.noise import estimated, sigma_of
+from geomtorsion.loops.fields.noise import Noise, estimated, noise_of, sigma_of
 from geomtorsion.loops.fields.strain import strain_and_rotation
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.grid_files import read_grid, save_grid
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
 
 # What a frame keeps is what came, checked.
-KEPT = "axes coframe names mask sigma periodic vector_unit sigma_source".split()
+KEPT = "axes coframe names mask periodic vector_unit sigma covariance noise sigma_source".split()
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -54,10 +54,12 @@ class Samples:
     # These come in several kinds; kept are arrays, and one truth value for each axis.
     mask: Any = field(default=None, kw_only=True)
     sigma: Any = field(default=None, kw_only=True)
+    covariance: Any = field(default=None, kw_only=True)
     periodic: Any = field(default=(), kw_only=True)
     unit: str = field(default="", kw_only=True)
     vector_unit: str = field(default="", kw_only=True)
     source: str = field(default="", kw_only=True)
+    noise: Noise | None = field(default=None, init=False)
     sigma_source: str = field(default="", init=False)
 
     def __post_init__(self) -> None:
@@ -79,15 +81,9 @@ class Samples:
             values = np.where(unknown, np.nan, values)
         for key in ("unit", "vector_unit"):
             checks.text(getattr(self, key), key, GridError, longest=LONGEST_SHOWN)
-        sigma, said = self.sigma, ""
-        if isinstance(sigma, str):
-            checks.choice(sigma, ["estimate"], "sigma", GridError)
-            sigma = estimated(inner, grid)
-            said = "the median of sixth differences along the axes"
-        elif sigma is not None:
-            sigma = sigma_of(sigma, (len(values), len(axes), *shape), grid)
-            said = "given"
-        found = (axes, values, names, unknown, sigma, wraps, self.vector_unit or self.unit, said)
+        given = noise_of(self.sigma, self.covariance, inner, grid)
+        unit = self.vector_unit or self.unit
+        found = (axes, values, names, unknown, wraps, unit, *given)
         for key, value in zip(KEPT, found, strict=True):
             object.__setattr__(self, key, value)
 
@@ -180,8 +176,8 @@ class Samples:
             become holes.
         options
             mask, periodic, unit, vector_unit, as for `SampledFrame`; sigma: of u at each node,
-            one number or "estimate". Its errors are upper bounds: along a circuit neighbouring
-            differences cancel.
+            one number, an array of the shape of the grid, or "estimate". Along a circuit
+            differences between neighbours cancel, and errors know it.
 
         Examples
         --------
@@ -207,8 +203,8 @@ class Samples:
         blank = cls(lines, np.zeros((1, len(lines), *shape)), order, names, mask=mask, **options)
         found = distortion_of(np.where(mask, np.nan, values), blank._grid, order, branch)
         if sigma is not None:
-            spread = _of_differences(sigma, values, blank._grid) * np.sqrt(found.variances)
-            options["sigma"] = np.broadcast_to(spread, found.values.shape)
+            given = _of_displacement(sigma, values, blank._grid)
+            options["covariance"] = Noise.of_origins(given, found.origins)
         options["source"] = found.said
         return cls.from_distortion(lines, found.values, order, names, **options)
 
@@ -269,7 +265,7 @@ class Samples:
     def save(self, path: str | Path) -> None:
         """Write a file that `read` reads back, of the format that its name ends in.
 
-        VTK holds values and sigma alone, without units and periods.
+        Values, holes, sigma, periods, units and source are kept; of a covariance, sigma alone.
 
         Raises
         ------
@@ -305,13 +301,8 @@ class Samples:
         else:
             mean = values.mean(axis=inner, keepdims=True)
             bent = values - mean
-        variances = None
-        if isinstance(self.sigma, np.ndarray):
-            ones = (1,) * d
-            shape = (*values.shape[:2], *(grid.shape if self.sigma.shape[2:] != ones else ones))
-            variances = np.broadcast_to(self.sigma**2, shape)
         flat = mean.reshape(mean.shape[:2])
-        return Field(grid, bent, flat, variances, self.order, self.other_order)
+        return Field(grid, bent, flat, self.noise, self.order, self.other_order)
 
     @property
     def dimension(self) -> int:
@@ -356,9 +347,10 @@ class Samples:
         return f"SampledFrame({', '.join(parts)})"
 
 
-def _of_differences(sigma: object, displacement: np.ndarray, grid: Grid) -> np.ndarray:
-    """Standard deviations of a displacement, shape (rows or 1, 1, grid or 1...)."""
+def _of_displacement(sigma: object, displacement: np.ndarray, grid: Grid) -> np.ndarray:
+    """Standard deviations of a displacement, shape (rows, grid or 1...)."""
     if isinstance(sigma, str):
         checks.choice(sigma, ["estimate"], "sigma", GridError)
-        return np.moveaxis(estimated(displacement[None], grid), 0, 1)
-    return sigma_of(sigma, (1, 1, *grid.shape), grid)
+        return estimated(displacement[:, None], grid)[:, 0]
+    found = sigma_of(sigma, (len(displacement), 1, *grid.shape), grid)[:, 0]
+    return np.broadcast_to(found, (len(displacement), *found.shape[1:]))

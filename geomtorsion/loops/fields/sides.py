@@ -10,6 +10,7 @@ import scipy  # loads its parts when they are asked for
 
 from geomtorsion.loops.fields.circuits import Field
 from geomtorsion.loops.fields.grid import Grid
+from geomtorsion.loops.fields.noise import Noise
 from geomtorsion.loops.fields.stencils import Rule, applied
 
 if TYPE_CHECKING:
@@ -17,18 +18,31 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
+class Spread:
+    """What noise makes of integrals along sides.
+
+    covariance: {(i, j): of components i and j, shape (sides...)}; starts, ends: weights of the
+    nodes where a side begins and ends, by which two sides that meet there have noise in common,
+    shape (sides...), with axes of length 1 where they do not vary.
+    """
+
+    covariance: dict[tuple[int, int], np.ndarray]
+    starts: np.ndarray
+    ends: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
 class Sides:
     """Integrals along sides of so many edges, one from every node where there is room.
 
-    values, difference (from another order), variance, difference_variance: shape (rows, sides...);
-    known: where no edge touches a hole, shape (sides...).
+    values, difference (from another order): shape (rows, sides...); known: where no edge touches
+    a hole, shape (sides...); noise: of the values, and of the difference, or None.
     """
 
     values: np.ndarray
     difference: np.ndarray
     known: np.ndarray
-    variance: np.ndarray
-    difference_variance: np.ndarray
+    noise: tuple[Spread, Spread] | None
 
 
 def sides(field: Field, axis: int, edges: int) -> Sides:
@@ -40,16 +54,15 @@ def sides(field: Field, axis: int, edges: int) -> Sides:
     values = field.values[:, axis]
     here, there = (step * rule(values, 1 + axis) for rule in (fine, other))
     known = on_grid(fine.known, grid.shape, axis)
-    spread = [np.zeros(1)] * 2
-    if field.variances is not None:
-        rules = _Rules(grid, axis, edges, fine, other, field.order)
-        variances = field.variances[:, axis] * step**2
-        spread = [rules.variance(variances, less_other) for less_other in (False, True)]
+    noise = None
+    if field.noise is not None:
+        rules = _Rules(grid, axis, edges, fine, other, field.order, field.noise)
+        noise = rules.spread(less_other=False), rules.spread(less_other=True)
     return Sides(
         window_sums(here, edges, 1 + axis, periodic),
         window_sums(here - there, edges, 1 + axis, periodic),
         window_sums((~known).astype(np.int32), edges, axis, periodic) == 0,
-        *spread,
+        noise,
     )
 
 
@@ -89,35 +102,72 @@ class _Rules:
     fine: Rule
     other: Rule
     order: int
+    noise: Noise
 
-    def variance(self, variances: np.ndarray, less_other: bool) -> np.ndarray:
-        """Variance of sums of edges (less those of the other rule) for independent nodes.
+    def spread(self, less_other: bool) -> Spread:
+        """Covariance of sums of edges (less those of the other rule) for independent nodes.
 
-        variances: of what is integrated, shape (rows, grid...), where axes may have length 1. Each
-        node counts with the square of all that the sum has of it.
+        Each node counts with the square of all that the sum has of it.
         """
-        along = 1 + self.axis
         points, periodic = self.grid.shape[self.axis], self.grid.periodic[self.axis]
         plain = Rule.of(self.order, np.zeros((points, 1), dtype=bool), periodic)
         matrix = plain.matrix - plain.other().matrix if less_other else plain.matrix
-        lines = np.arange(len(plain.used) - (0 if periodic else self.edges - 1))
-        squares = (_windows(lines, 1, len(plain.used), self.edges, periodic) @ matrix).power(2)
-        if variances.shape[along] == 1:
-            profile = np.asarray(squares.sum(axis=1))
-            found = variances * profile.reshape(-1, *(1,) * (self.grid.dimension - 1 - self.axis))
-        else:
-            found = self._spread(squares, matrix, variances)
-        if not self.grid.has_holes:
-            return found
-        return self._near_holes(found, variances, plain, less_other)
+        origin = self._plain_origin
+        if origin is not None:
+            matrix = matrix @ origin.matrix / self.grid.steps[self.axis]
+        matrix = self.grid.steps[self.axis] * matrix
+        count = len(plain.used) - (0 if periodic else self.edges - 1)
+        rows = _windows(np.arange(count), 1, len(plain.used), self.edges, periodic) @ matrix
+        special = self._beside_holes(plain, less_other) if self.grid.has_holes else None
+        squares = rows.power(2)
+        covariance = {}
+        for pair, c in self.noise.between((self.axis, self.axis)).items():
+            if c.shape[self.axis] == 1:
+                profile = np.asarray(squares.sum(axis=1))
+                found = c * profile.reshape(-1, *(1,) * (self.grid.dimension - 1 - self.axis))
+            else:
+                found = self._summed(squares, matrix, c)
+            if special is not None:
+                places, table = special
+                every = np.broadcast_to(c, self.grid.shape)
+                flat = np.moveaxis(every, self.axis, 0).ravel()
+                found = self._with(found, places, table.power(2) @ flat)
+            covariance[pair] = found
+        if not self.noise.joins_columns:
+            return Spread(covariance, np.zeros(1), np.zeros(1))
+        place = np.arange(count)
+        ends = []
+        for shift in (0, self.edges):
+            found = np.asarray(rows[place, (place + shift) % points]).ravel()
+            found = found.reshape(-1, *(1,) * (self.grid.dimension - 1 - self.axis))
+            found = found.reshape(*(1,) * self.axis, *found.shape)
+            if special is not None:
+                places, table = special
+                lines = self.fine.holes.shape[1]
+                first, line = np.divmod(places, lines)
+                node = (first + shift) % points * lines + line
+                own = np.asarray(table[np.arange(len(places)), node]).ravel()
+                found = self._with(found, places, own)
+            ends.append(found)
+        return Spread(covariance, *ends)
 
-    def _spread(self, squares: csr_array, matrix: csr_array, variances: np.ndarray) -> np.ndarray:
+    @property
+    def _plain_origin(self) -> Rule | None:
+        """The slopes that values are of what noise is in, without any hole."""
+        if not self.noise.origins:
+            return None
+        none = np.zeros((self.grid.shape[self.axis], 1), dtype=bool)
+        return Rule.of(self.order, none, self.grid.periodic[self.axis], slopes=True)
+
+    def _summed(self, squares: csr_array, matrix: csr_array, variances: np.ndarray) -> np.ndarray:
         """The squares of all weights times variances; the inner ones are one sum over a window."""
-        along, margin = 1 + self.axis, self.order + 2
+        along = self.axis
+        # Nodes that an edge beyond the end of a sum reaches, and where rules are one-sided.
+        margin = self.order + 2 + (self.order + 1) * bool(self.noise.origins)
         points, periodic = self.grid.shape[self.axis], self.grid.periodic[self.axis]
         inner = self.edges - 2 * margin + 1
         if inner < 1 or (periodic and self.edges > points - 2 * margin):
-            return applied(squares, variances, along)
+            return applied(squares, variances[None], 1 + along)[0]
         ends = squares.tocoo()
         row, column = ends.coords
         depth = (column - row) % points
@@ -129,27 +179,37 @@ class _Rules:
         sums = window_sums(weighted, inner, along, periodic)
         places = np.arange(squares.shape[0]) + margin
         middle = np.take(sums, places % points if periodic else places, axis=along)
-        return applied(ends, variances, along) + middle
+        return applied(ends, variances[None], 1 + along)[0] + middle
 
-    def _near_holes(
-        self, found: np.ndarray, variances: np.ndarray, plain: Rule, less_other: bool
-    ) -> np.ndarray:
-        """The variances again, where stencils are others near holes: side by side."""
-        grid, along, rule = self.grid, 1 + self.axis, self.fine
-        odd = ((rule.used != plain.used) | (rule.shift != plain.shift)).astype(np.int32)
-        periodic, lines = rule.periodic, rule.holes.shape[1]
-        places = np.flatnonzero(window_sums(odd, self.edges, 0, periodic))
-        count = len(rule.used) - (0 if periodic else self.edges - 1)
-        shape = (*grid.shape[: self.axis], count, *grid.shape[self.axis + 1 :])
-        full = np.broadcast_to(found, (len(found), *shape)).copy()
+    def _beside_holes(self, plain: Rule, less_other: bool) -> tuple[np.ndarray, csr_array]:
+        """Sums of edges that have other stencils near holes: which, and their weights one by one.
+
+        Numbers in a table (sides, lines), and a matrix (numbers, nodes of all lines).
+        """
+        rule = self.fine
+        odd = (rule.used != plain.used) | (rule.shift != plain.shift)
         matrix = rule.matrix - self.other.matrix if less_other else rule.matrix
-        rows = _windows(places, lines, len(rule.used), self.edges, periodic) @ matrix
-        every = np.broadcast_to(variances, (len(variances), *grid.shape))
-        flat = np.moveaxis(every, along, 1).reshape(len(every), -1)
-        inner = np.moveaxis(full, along, 1)
-        table = inner.reshape(len(full), -1)
-        table[:, places] = (rows.power(2) @ flat.T).T
-        return np.moveaxis(table.reshape(inner.shape), 1, along)
+        step = self.grid.steps[self.axis]
+        slopes = self._plain_origin
+        if slopes is not None:
+            # Slopes near holes have other stencils, too.
+            own = self.grid.rule(self.order, self.axis, slopes=True)
+            strange = (own.used != slopes.used) | (own.shift != slopes.shift)
+            odd |= (abs(matrix) @ strange.ravel().astype(float) > 0).reshape(odd.shape)
+            matrix = matrix @ self.noise.origins[self.axis]
+        periodic, lines = rule.periodic, rule.holes.shape[1]
+        places = np.flatnonzero(window_sums(odd.astype(np.int32), self.edges, 0, periodic))
+        found = _windows(places, lines, len(rule.used), self.edges, periodic) @ (step * matrix)
+        return places, found.tocsr()
+
+    def _with(self, found: np.ndarray, places: np.ndarray, own: np.ndarray) -> np.ndarray:
+        """What is the same along lines, on all sides, with some of its own."""
+        grid = self.grid
+        count = len(self.fine.used) - (0 if self.fine.periodic else self.edges - 1)
+        shape = (*grid.shape[: self.axis], count, *grid.shape[self.axis + 1 :])
+        inner = np.moveaxis(np.broadcast_to(found, shape), self.axis, 0).copy()
+        inner.reshape(-1)[places] = own
+        return np.moveaxis(inner, 0, self.axis)
 
 
 def _windows(places: np.ndarray, lines: int, count: int, edges: int, periodic: bool) -> csr_array:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from geomtorsion.checks import cut
-from geomtorsion.errors import FileFormatError, GridError
+from geomtorsion.errors import LONGEST_SHOWN, FileFormatError, GridError
 from geomtorsion.files import read_text
 from geomtorsion.loops.fields.contents import (
     TEXTS,
@@ -189,35 +189,48 @@ def write_csv(path: Path, contents: Contents) -> None:
 def read_vtk(path: Path) -> Contents:
     """Points on a grid, with point data e_0_0, e_0_1, ... (or beta_0_0, ...); by meshio.
 
-    A coordinate that all points share is no axis. Units and periods are not in such files.
+    A coordinate that all points share is no axis. Field data unit, vector_unit, source, periodic
+    and names are texts, as codes of their letters (UTF-8), which is what meshio reads.
     """
     meshio = module("meshio", path)
-    reader = meshio.vtu if path.suffix.lower() == ".vtu" else meshio.vtk
+    xml = path.suffix.lower() == ".vtu"
+    reader = meshio.vtu if xml else meshio.vtk
 
-    def load() -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    def load() -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, str]]:
         try:
             mesh = reader.read(path)
         except meshio.ReadError as error:
             raise ValueError(str(error)) from None
+        codes = mesh.field_data if xml else _legacy_field(path)
+        said = {
+            key: np.asarray(codes[key]).astype(np.uint8).tobytes().decode()
+            for key in (*TEXTS, "periodic", "names")
+            if key in codes and np.size(codes[key]) <= LONGEST_SHOWN
+        }
         return np.asarray(mesh.points, float), {
             str(name): np.asarray(values, float)
             for name, values in mesh.point_data.items()
             if np.ndim(values) == 1 or np.shape(values)[1:] == (1,)
-        }
+        }, said  # fmt: skip
 
-    points, data = guarded(path, load)
+    points, data, said = guarded(path, load)
     columns = {name: values.ravel() for name, values in data.items()}
     wide = [k for k in range(points.shape[1]) if np.ptp(points[:, k]) > 0] if len(points) else []
-    names = ["xyz"[k] for k in wide]
+    names = said.pop("names", "").split()
+    if len(names) != len(wide):
+        names = ["xyz"[k] for k in wide]
     chosen = {name: column for name, column in columns.items() if _COLUMN.fullmatch(name)}
     _, kind = _header(path, [*names, *chosen], 1)
     where = [f"point {k}" for k in range(len(points))]
     places = {name: points[:, k] for name, k in zip(names, wide, strict=True)}
-    return _gridded(path, places, chosen, kind, {}, where)
+    options: dict[str, Any] = dict(said)
+    if "periodic" in said:
+        options["periodic"] = periodic_names(said["periodic"], path)
+    return _gridded(path, places, chosen, kind, options, where)
 
 
 def write_vtk(path: Path, contents: Contents) -> None:
-    """Points, cells and point data, for ParaView and its like; holes are NaN."""
+    """Points, cells, point data and field data, for ParaView and its like; holes are NaN."""
     meshio = module("meshio", path)
     d, shape = len(contents.axes), contents.values.shape[2:]
     if d not in (2, 3):
@@ -236,4 +249,50 @@ def write_vtk(path: Path, contents: Contents) -> None:
     ]
     kind = "quad" if d == 2 else "hexahedron"
     mesh = meshio.Mesh(points, [(kind, np.stack(inner, axis=1))], point_data=columns)
-    (meshio.vtu if path.suffix.lower() == ".vtu" else meshio.vtk).write(path, mesh)
+    xml = path.suffix.lower() == ".vtu"
+    (meshio.vtu if xml else meshio.vtk).write(path, mesh)
+    said = {key: contents.options[key] for key in TEXTS if contents.options.get(key)}
+    if "periodic" in contents.options:
+        pairs = zip(contents.names, contents.options["periodic"], strict=True)
+        said["periodic"] = " ".join(name for name, wraps in pairs if wraps)
+    said["names"] = " ".join(contents.names)
+    _add_field(path, said, xml)
+
+
+def _add_field(path: Path, said: Mapping[str, str], xml: bool) -> None:
+    """Put field data into a file that meshio has written, which it does not write itself."""
+    content = path.read_bytes()
+    codes = {key: text.encode() for key, text in said.items()}
+    if xml:
+        mark, rows = b"<UnstructuredGrid>", [b"<FieldData>"]
+        for key, text in codes.items():
+            numbers = " ".join(map(str, text)).encode()
+            rows.append(
+                b'<DataArray type="UInt8" Name="%b" NumberOfTuples="%d" format="ascii">%b'
+                b"</DataArray>" % (key.encode(), len(text), numbers)
+            )
+        rows.append(b"</FieldData>")
+    else:
+        mark, rows = b"DATASET UNSTRUCTURED_GRID", [b"", b"FIELD FieldData %d" % len(codes)]
+        for key, text in codes.items():
+            rows += [b"%b 1 %d vtktypeuint8" % (key.encode(), len(text)), text]
+    head, found, rest = content.partition(mark)
+    path.write_bytes(head + found + b"\n".join(rows) + rest)
+
+
+def _legacy_field(path: Path) -> dict[str, np.ndarray]:
+    """Field data of letters at the head of a legacy file, which meshio passes over."""
+    found: dict[str, np.ndarray] = {}
+    with path.open("rb") as stream:
+        lines = [stream.readline(LONGEST_SHOWN) for _ in range(5)]
+        words = lines[-1].split()
+        if words[:1] != [b"FIELD"]:
+            return found
+        for _ in range(int(words[2])):
+            name, width, count, kind = stream.readline(LONGEST_SHOWN).split()
+            size = int(width) * int(count)
+            if kind not in (b"vtktypeuint8", b"unsigned_char") or not 0 <= size <= LONGEST_SHOWN:
+                break
+            found[name.decode()] = np.frombuffer(stream.read(size), np.uint8)
+            stream.readline()
+    return found

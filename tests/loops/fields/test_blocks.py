@@ -102,7 +102,9 @@ def test_halos_are_no_wider_than_stencils(tmp_path, size, less, order, halo, hol
     # Beside a hole a stencil may lie on one side.
     more = max(order, 4) - 2 * less if holes else wide
     assert first == [(0, 10 + side + more) for side in sides]
-    around = [(low - wide, low + 10 + side + wide) for low, side in zip((50, 40), sides)]
+    around = [
+        (low - wide, low + 10 + side + wide) for low, side in zip((50, 40), sides, strict=True)
+    ]
     assert asked[1 + inside + holes] == around
 
 

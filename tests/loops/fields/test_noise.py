@@ -78,6 +78,138 @@ def test_sigmas_are_the_sum_over_all_weights(size, order, options):
     assert alone.vector[0] == pytest.approx(found.vectors[(0, *place)], abs=1e-12)
 
 
+def correlated(shape=(2, 2)) -> np.ndarray:
+    """A covariance of all components with each other, of some thousandths."""
+    n = int(np.prod(shape))
+    root = np.random.default_rng(9).normal(size=(n, n))
+    return 1e-4 * (root @ root.T + np.eye(n))
+
+
+HOLES = np.zeros((13, 12), bool)
+HOLES[6, 5:8] = HOLES[2, 9] = HOLES[11, 3] = True
+
+
+@pytest.mark.parametrize("by_node", [False, True])
+@pytest.mark.parametrize(
+    "options", [{}, {"periodic": True}, {"mask": HOLES}], ids=["open", "periodic", "holes"]
+)
+@pytest.mark.parametrize(("size", "order"), [(1, 2), (3, 4), ((4, 7), 8), (10, 4)])
+def test_covariances_are_the_sum_over_all_weights(size, order, options, by_node):
+    """Each component of each node moved by one gives its weight; these and the covariance, C_b."""
+    axes = [np.linspace(0, 1, 13), np.linspace(3, 0, 12)]
+    rng = np.random.default_rng(4)
+    values = rng.random((2, 2, 13, 12))
+    table = correlated()[..., None, None] * np.ones((13, 12))
+    if by_node:
+        table = table * (0.5 + rng.random((13, 12)))
+    given = table if by_node else correlated()
+    frame = SampledFrame(axes, values, order, covariance=given, **options)
+    found = frame.burgers_map(size)
+    place = tuple(np.argwhere(found.known)[len(np.argwhere(found.known)) // 2])
+    weights = np.zeros((2, 2, 2, 13, 12))
+    for mu, *node in np.argwhere(np.ones((2, 13, 12))):
+        moved = np.zeros((2, 2, 13, 12))
+        moved[0, mu, *node] = 1.0
+        one = SampledFrame(axes, moved, order, **options).burgers_map(size)
+        weights[0, 0, mu, *node] = weights[1, 1, mu, *node] = one.vectors[(0, *place)]
+    flat, holes = weights.reshape(2, 4, -1), options.get("mask", np.zeros((13, 12), bool))
+    each = table.reshape(4, 4, -1) * ~holes.ravel()
+    exact = np.einsum("apn,pqn,bqn->ab", flat, each, flat)
+    assert found.sigmas[(slice(None), *place)] == pytest.approx(np.sqrt(np.diag(exact)), rel=1e-9)
+    assert np.broadcast_to(found.shared[0, 1], found.known.shape)[place] == pytest.approx(
+        exact[0, 1], rel=1e-9
+    )
+    m = (size, size) if isinstance(size, int) else size
+    if not any(frame.periodic):
+        corner = [float(axis[k]) for axis, k in zip(axes, place, strict=True)]
+        corner[1] += m[1] * frame.steps[1]
+        loop = Loop.plaquette(corner, [abs(s) * k for s, k in zip(frame.steps, m, strict=True)])
+        alone = frame.burgers(loop)
+        assert alone.covariance == pytest.approx(exact, rel=1e-9)
+        assert alone.vector == pytest.approx(found.vectors[(slice(None), *place)], abs=1e-12)
+        other = alone.interpolation_error + alone.quadrature_error
+        c = alone.covariance + other**2 * np.eye(2)
+        size = np.sqrt(alone.vector @ np.linalg.solve(c, alone.vector))
+        assert alone.significance == pytest.approx(size, rel=1e-9)
+    c = np.diag(exact) * np.eye(2) + exact[0, 1] * np.array([[0, 1], [1, 0]])
+    c += found.interpolation[place] ** 2 * np.eye(2)
+    b = found.vectors[(slice(None), *place)]
+    assert found.significance[place] == pytest.approx(np.sqrt(b @ np.linalg.solve(c, b)), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "options", [{}, {"periodic": True}, {"mask": HOLES}], ids=["open", "periodic", "holes"]
+)
+@pytest.mark.parametrize(("size", "order"), [(1, 2), (3, 4), ((4, 7), 6), (10, 4)])
+def test_noise_of_displacements_is_the_sum_over_all_weights(size, order, options):
+    """Derivatives of neighbours have noise in common: each displacement moved by one says how."""
+    axes = [np.arange(13) / 4, np.arange(12) / 3]
+    rng = np.random.default_rng(5)
+    sigma = 0.01 * (0.5 + rng.random((13, 12)))
+    u = np.zeros((1, 13, 12))
+    frame = SampledFrame.from_displacement(axes, u, order, sigma=sigma, branch=9.0, **options)
+    found = frame.burgers_map(size)
+    total, alone = np.zeros(found.known.shape), 0.0
+    loop = Loop.circle([2.3, 2.7], 0.4)
+    for node in np.argwhere(~options.get("mask", np.zeros((13, 12), bool))):
+        moved = u.copy()
+        moved[0, *node] = sigma[tuple(node)]
+        one = SampledFrame.from_displacement(axes, moved, order, branch=9.0, **options)
+        total += one.burgers_map(size).vectors[0] ** 2
+        alone += one.burgers(loop).vector[0] ** 2
+    known = found.known
+    assert found.sigmas[0][known] == pytest.approx(np.sqrt(total[known]), rel=1e-6, abs=1e-12)
+    assert frame.burgers(loop).noise == pytest.approx(np.sqrt(alone), rel=1e-9)
+    if "mask" not in options:
+        assert frame.nye_noise.max() == 0
+
+
+def test_covariances_are_estimated_from_the_data():
+    """Every pair of components within some per cent, whatever the smooth field; stated how."""
+    rng = np.random.default_rng(6)
+    put_in, axes = correlated(), [np.linspace(0, 1, 90), np.linspace(0, 1, 100)]
+    noise = rng.multivariate_normal(np.zeros(4), put_in, (90, 100))
+    values = np.moveaxis(noise, -1, 0).reshape(2, 2, 90, 100) + np.sin(axes[1])
+    frame = SampledFrame(axes, values, covariance="estimate")
+    scale = np.sqrt(np.outer(np.diag(put_in), np.diag(put_in)))
+    assert np.abs(frame.covariance.reshape(4, 4) - put_in).max() < 0.08 * scale.max()
+    assert "sums and differences" in frame.sigma_source
+    assert frame.burgers(Loop.circle([0.5, 0.5], 0.2)).noise > 0
+
+
+def test_correlated_noise_is_told():
+    """Two hundred fields whose components scatter together: b scatters as its covariance says."""
+    rng = np.random.default_rng(8)
+    found, told = [], None
+    for _ in range(SEEDS):
+        noise = rng.multivariate_normal(np.zeros(4), correlated(), X.shape)
+        values = smooth() + np.moveaxis(noise, -1, 0).reshape(2, 2, *X.shape)
+        told = SampledFrame(AXES, values, covariance=correlated()).burgers(LOOPS["circle"])
+        found.append(told.vector)
+    scatter = np.cov(np.array(found).T)
+    assert told.sigmas == pytest.approx(np.sqrt(np.diag(scatter)), rel=0.2)
+    size = np.sqrt(np.outer(np.diag(scatter), np.diag(scatter)))
+    assert np.abs((told.covariance - scatter) / size).max() < 0.2
+
+
+@pytest.mark.parametrize(
+    ("covariance", "message"),
+    [
+        (np.eye(3), r"covariance: shape \(2, 2, 2, 2\) or \(4, 4\), with or without"),
+        (np.triu(np.ones((4, 4))), "symmetric matrices without negative eigenvalues"),
+        (np.ones((4, 4)) - 2 * np.eye(4), "but the least one is -"),
+        (np.full((4, 4), np.inf), "covariance: finite numbers"),
+        ("guess", "covariance: one of estimate"),
+    ],
+)
+def test_covariances_that_are_none(covariance, message):
+    """Each with its own message; and not both."""
+    with pytest.raises(GridError, match=message):
+        SampledFrame(AXES, smooth(), covariance=covariance)
+    with pytest.raises(GridError, match="one of them says it all"):
+        SampledFrame(AXES, smooth(), covariance=np.eye(4), sigma=0.1)
+
+
 def test_maps_tell_the_scatter():
     """Squares of eight cells, Nye tensor and density of dislocations, over two hundred fields."""
     rng = np.random.default_rng(7)

@@ -5,33 +5,16 @@ import pytest
 
 from geomtorsion.errors import GridError
 from geomtorsion.loops import Loop, SampledFrame
+from tests.loops.edge_dislocation import distortion
 
 AXIS = np.linspace(-2, 2, 50)
 X, Y = np.meshgrid(AXIS, AXIS, indexing="ij")
-R2, NU, B = X**2 + Y**2, 0.3, 0.25
-K = B / (2 * np.pi)
-
-
-def edge() -> np.ndarray:
-    """The distortion of an edge dislocation, d_j u_i from [HirthLothe1982], (3-45), by hand."""
-    c = 1 / (2 * (1 - NU))
-    return K * np.array(
-        [
-            [
-                -Y / R2 + c * Y * (Y**2 - X**2) / R2**2,
-                X / R2 + c * X * (X**2 - Y**2) / R2**2,
-            ],
-            [
-                -(1 - 2 * NU) * c * X / R2 - 2 * c * X * Y**2 / R2**2,
-                -(1 - 2 * NU) * c * Y / R2 + 2 * c * X**2 * Y / R2**2,
-            ],
-        ]
-    )
+R2, B = X**2 + Y**2, 0.25
 
 
 def test_strain_and_rotation_of_an_edge_dislocation():
     """Taken apart and put together: b on a circuit, with the mask over its core."""
-    beta, core = edge(), R2 < 0.2
+    beta, core = distortion(X, Y, B), R2 < 0.2
     strain, rotation = (beta + beta.swapaxes(0, 1)) / 2, (beta - beta.swapaxes(0, 1)) / 2
     for turned in (rotation, rotation[1, 0]):
         grid = SampledFrame.from_strain_rotation([AXIS, AXIS], strain, turned, mask=core)
