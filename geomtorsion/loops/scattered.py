@@ -116,7 +116,7 @@ class ScatteredFrame:
         if order not in (2, 4):
             raise GridError(f"order: 2 or 4 was needed, but {checks.shown(order)} came.")
         values = values[:, :d]
-        mesh, texts = _mesh(places, np.isnan(values).any(axis=(0, 1)), options)
+        mesh, texts = _mesh(places, np.asarray(np.isnan(values).any(axis=(0, 1))), options)
         _check_finite(values, "coframe", mesh)
         mean, steps = values[:, :, mesh.inner].mean(axis=-1), mesh.steps
         base = _rules(mesh)
@@ -201,7 +201,7 @@ class ScatteredFrame:
             raise GridError(
                 f"displacement: shape (rows, {len(places)}) was needed, but {values.shape} came."
             )
-        mesh, texts = _mesh(places, np.isnan(values).any(axis=0), options)
+        mesh, texts = _mesh(places, np.asarray(np.isnan(values).any(axis=0)), options)
         _check_finite(values[:, None], "displacement", mesh)
         a, b = mesh.complex.pairs.T
         steps = (values[:, b] - values[:, a]).T

@@ -12,6 +12,7 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.errors import GeomtorsionError, OrientationError
 from geomtorsion.loops import Cochain, Loop, SampledFrame
+from geomtorsion.loops.fields.circuits import unexplained
 from geomtorsion.loops.fields.noise import significances
 from geomtorsion.loops.fields.stencils import SLACK
 from geomtorsion.loops.quadrature import PIECE
@@ -390,6 +391,8 @@ class OrientationMap:
         first = circuit.starts[0, 0], circuit.starts[0, 1]
         number = int(self.phase[first])
         covariance = spread_of(grid.moments(chain), self.noise[number])
+        spread = np.trace(spread_of(grid.bent_moments(chain), self.noise[number]))
+        bend = unexplained(np.linalg.norm(grid.bend(chain)), spread)
         return MapBurgers(
             circuit=circuit,
             vector=vector,
@@ -399,6 +402,7 @@ class OrientationMap:
             grain=int(self.grain[first]),
             phase=self.phases[number],
             unit=self.unit,
+            interpolation_error=float(bend),
         )
 
     def burgers_map(self, size: int) -> CircuitMap:
@@ -414,21 +418,28 @@ class OrientationMap:
         most = min(self.shape) - 1
         n = checks.count(size, "size", OrientationError, 1, most)
         grid = self._grid
-        vectors, clean = grid.squares(n)
+        vectors, bends, clean = grid.squares(n)
         clean &= self.phase[:-n, :-n] > 0
         vectors[~clean] = np.nan
         corners = self.grains.quaternions[:-n, :-n]
         specimen = np.einsum("...ij,...j->...i", matrix_from_quaternion(corners), vectors)
         sigma, significance = np.full(clean.shape, np.nan), np.full(clean.shape, np.nan)
-        moments = grid.moments(grid.ascending(Circuit.square((0, 0), n)))
+        interpolation = np.full(clean.shape, np.nan)
+        chain = grid.ascending(Circuit.square((0, 0), n))
+        moments, bent = grid.moments(chain), grid.bent_moments(chain)
         for number in self.phases:
             mine = clean & (self.phase[:-n, :-n] == number)
             if mine.any():
                 covariance = spread_of(moments, self.noise[number])
+                spread = np.trace(spread_of(bent, self.noise[number]))
                 sigma[mine] = np.sqrt(np.trace(covariance))
-                significance[mine] = significances(specimen[mine], covariance)
+                interpolation[mine] = unexplained(np.linalg.norm(bends[mine], axis=-1), spread)
+                other = interpolation[mine][:, None, None] ** 2 * np.eye(3)
+                significance[mine] = significances(specimen[mine], covariance + other)
         area = n**2 * self.steps[0] * self.steps[1]
-        return CircuitMap(n, vectors, specimen, clean, area, sigma, significance, self.unit)
+        return CircuitMap(
+            n, vectors, specimen, clean, area, sigma, significance, self.unit, interpolation
+        )
 
     def __repr__(self) -> str:
         rows, columns = self.shape

@@ -54,6 +54,8 @@ class MapBurgers(Signed):
         Burgers vectors of all lines through the circuit.
     rotation: from crystal to specimen at the first pixel of the circuit, shape (3, 3).
     covariance: of b in specimen axes by the noise of the pixels, shape (3, 3), unit squared.
+    interpolation_error: distance from a rule of fourth order along the steps, without what noise
+        explains of it, in `unit`.
     area: enclosed, signed, unit squared. grain: its number. phase: what the grain is.
     """
 
@@ -65,6 +67,7 @@ class MapBurgers(Signed):
     grain: int
     phase: Phase
     unit: str
+    interpolation_error: float = 0.0
 
     @property
     def specimen(self) -> np.ndarray:
@@ -88,13 +91,14 @@ class MapBurgers(Signed):
 
     @property
     def error(self) -> float:
-        """As `sigma`; the error of the trapezoids, (bending x step)^2 / 12, is far below it."""
-        return self.sigma
+        """Noise, as `sigma`, and the error of the trapezoids together, in `unit`."""
+        return float(np.hypot(self.sigma, self.interpolation_error))
 
     @cached_property
     def significance(self) -> float:
-        """Length of b in units of its noise: noise alone gives sqrt(3) or so."""
-        return float(significances(self.specimen[None], self.covariance)[0])
+        """Length of b in units of its errors: noise alone gives sqrt(3) or so."""
+        covariance = self.covariance + self.interpolation_error**2 * np.eye(3)
+        return float(significances(self.specimen[None], covariance)[0])
 
     @cached_property
     def lattice(self) -> np.ndarray:
@@ -171,7 +175,9 @@ class CircuitMap:
         whose first pixel is [row, column], NaN where the circuit crosses a boundary.
     specimen: the same in specimen axes. clean: whether the circuit stays in one grain.
     area: of each, unit squared. sigma: root mean square of |b| by noise alone, by phase,
-        shape (rows, columns). significance: |b| in units of its noise; noise alone gives sqrt(3).
+        shape (rows, columns). interpolation: distance from a rule of fourth order, without what
+        noise explains of it, shape (rows, columns). significance: |b| in units of its errors; noise
+        alone gives sqrt(3).
     """
 
     size: int
@@ -182,6 +188,12 @@ class CircuitMap:
     sigma: np.ndarray
     significance: np.ndarray
     unit: str
+    interpolation: np.ndarray
+
+    @property
+    def errors(self) -> np.ndarray:
+        """Noise, as `sigma`, and interpolation together, shape (rows, columns), in `unit`."""
+        return np.hypot(self.sigma, self.interpolation)
 
     @property
     def per_area(self) -> np.ndarray:

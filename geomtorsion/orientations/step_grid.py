@@ -9,6 +9,7 @@ import numpy as np
 
 from geomtorsion.errors import OrientationError
 from geomtorsion.loops import Cochain
+from geomtorsion.loops.fields.sides import window_sums
 from geomtorsion.orientations.circuits import Circuit
 from geomtorsion.orientations.lattice_edges import GrainMap
 
@@ -69,6 +70,33 @@ class StepGrid:
             way = sign[:, None, None] * self.shift * self.steps[0]
             found += way / 2 * (e[:-1, :, :, 0] + e[1:, :, :, 0])
         return found
+
+    @cached_property
+    def bends(self) -> tuple[np.ndarray, np.ndarray]:
+        """What a rule of fourth order has more than the trapezoid of each step, as right and down.
+
+        (-f_-1 + 13 f_0 + 13 f_1 - f_2) / 24 - (f_0 + f_1) / 2: second differences at both ends,
+        of which one stands for both at the edge of a grain; without any, a step tells nothing.
+        """
+        e, grain = self.coframe, self.grains.grain
+        right = -_bends(self.steps[0] * e[..., 0].swapaxes(0, 1), grain.T).swapaxes(0, 1)
+        if not self.shift:
+            return right, -_bends(self.steps[1] * e[..., 1], grain)
+        # Straight on from row to row, columns move by one at every second row.
+        rows, columns = self.shape
+        down = np.zeros((rows - 1, columns, 3))
+        for first, way in ((0, 1), (1, -1)):
+            shifts = way * ((np.arange(rows) + first) // 2)
+            index = (np.arange(columns) + shifts[:, None]) % columns
+            place = (np.arange(rows)[:, None], index)
+            step = self.steps[1] * e[..., 1] + way * self.shift * self.steps[0] * e[..., 0]
+            # What comes in at the other side is on another line.
+            laps = (np.arange(columns) + shifts[:, None]) // columns
+            mine = grain[place] + (laps - laps.min()) * (grain.max() + 1)
+            found = -_bends(step[place], np.where(grain[place] < 0, -1, mine))
+            back = (np.arange(columns) - shifts[:-1, None]) % columns
+            down[first::2] = found[np.arange(rows - 1)[:, None], back][first::2]
+        return right, down
 
     @property
     def cochain(self) -> Cochain:
@@ -143,6 +171,14 @@ class StepGrid:
         values[~along] = self.down[tuple(chain.starts[~along].T)]
         return chain.times @ values
 
+    def bend(self, chain: Chain) -> np.ndarray:
+        """What the trapezoids of a chain lack, as the bend of the coframe says, shape (3,)."""
+        along, (right, down) = chain.along, self.bends
+        values = np.empty((len(along), 3))
+        values[along] = right[tuple(chain.starts[along].T)]
+        values[~along] = down[tuple(chain.starts[~along].T)]
+        return chain.times @ values
+
     def area(self, chain: Chain) -> float:
         """Half of the sum of x dy - y dx: the area that a chain encloses."""
         one, other = self._places(chain.starts), self._places(chain.ends)
@@ -157,6 +193,18 @@ class StepGrid:
         np.add.at(found[:, :2], where, np.tile(chain.times[:, None] * ways / 2, (2, 1)))
         return found
 
+    def bent_moments(self, chain: Chain) -> np.ndarray:
+        """How each pixel enters `bend` where grains have no edges, shape (pixels, 3)."""
+        ways = chain.times[:, None] * (self._places(chain.ends) - self._places(chain.starts)) / 24
+        one, two = chain.starts, chain.ends
+        # Straight on before the first pixel and behind the second.
+        every = np.concatenate([one, two, 2 * one - two, 2 * two - one])
+        keys = every @ np.array([4 * self.shape[1], 1])
+        _, where = np.unique(keys, return_inverse=True)
+        found = np.zeros((int(where.max()) + 1, 3))
+        np.add.at(found[:, :2], where, np.concatenate([ways, ways, -ways, -ways]))
+        return found
+
     def _places(self, pixels: np.ndarray) -> np.ndarray:
         """x and y of pixels from the first one, shape (k, 2)."""
         rows, columns = pixels.T
@@ -165,29 +213,33 @@ class StepGrid:
 
     # -- all squares ------------------------------------------------------------------------------
 
-    def squares(self, n: int) -> tuple[np.ndarray, np.ndarray]:
-        """Integrals round all squares of n x n cells, and which of them stay in one grain.
+    def squares(self, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Integrals round all squares of n x n cells, their `bend`, and which stay in one grain.
 
-        Sums from the first pixel of each row and column make any size as cheap as a cell.
+        Sums over windows make any size as cheap as a cell.
         """
-        (right, down), (crossed, dropped) = self._sums, self._crossings
-        bottom, side = right[:, n:] - right[:, :-n], down[n:] - down[:-n]
-        vectors = bottom[:-n] - bottom[n:] + side[:, n:] - side[:, :-n]
-        across, along = crossed[:, n:] - crossed[:, :-n], dropped[n:] - dropped[:-n]
-        return vectors, across[:-n] + across[n:] + along[:, n:] + along[:, :-n] == 0
+        vectors = self._rounds(n, self.right, self.down)
+        bends = self._rounds(n, *self.bends)
+        across = window_sums((~self.grains.right).astype(np.int32), n, 1)
+        along = window_sums((~self.grains.down).astype(np.int32), n, 0)
+        clean = across[:-n] + across[n:] + along[:, n:] + along[:, :-n] == 0
+        return vectors, bends, clean
 
-    @cached_property
-    def _sums(self) -> tuple[np.ndarray, np.ndarray]:
-        """Sums of the steps from the first pixel of each row, and of each column."""
-        right, down = (np.zeros((*self.shape, 3)) for _ in range(2))
-        np.cumsum(self.right, axis=1, out=right[:, 1:])
-        np.cumsum(self.down, axis=0, out=down[1:])
-        return right, down
+    @staticmethod
+    def _rounds(n: int, right: np.ndarray, down: np.ndarray) -> np.ndarray:
+        """Sums of steps round all squares."""
+        bottom, side = window_sums(right, n, 1), window_sums(down, n, 0)
+        return bottom[:-n] - bottom[n:] + side[:, n:] - side[:, :-n]
 
-    @cached_property
-    def _crossings(self) -> tuple[np.ndarray, np.ndarray]:
-        """How many steps from the first pixel of each row, and of each column, leave a grain."""
-        right, down = (np.zeros(self.shape, dtype=np.int32) for _ in range(2))
-        np.cumsum(~self.grains.right, axis=1, out=right[:, 1:])
-        np.cumsum(~self.grains.down, axis=0, out=down[1:])
-        return right, down
+
+def _bends(f: np.ndarray, grain: np.ndarray) -> np.ndarray:
+    """A twelfth of the second differences of each step along the first axis, at its ends in mean.
+
+    f: shape (points, lines, 3); grain: shape (points, lines), differences of one grain count.
+    """
+    bend, known = np.zeros_like(f), np.zeros(grain.shape, dtype=bool)
+    bend[1:-1] = f[2:] - 2 * f[1:-1] + f[:-2]
+    known[1:-1] = (grain[2:] == grain[1:-1]) & (grain[:-2] == grain[1:-1]) & (grain[1:-1] >= 0)
+    bend[~known] = 0
+    number = np.maximum(known[:-1].astype(int) + known[1:], 1)
+    return (bend[:-1] + bend[1:]) / (12 * number[..., None])

@@ -230,6 +230,77 @@ def test_hexagonal_grids():
     assert circle.size == pytest.approx(np.radians(0.02) * circle.area, rel=1e-5)
 
 
+def curved(shape, shift, bend):
+    """Turns about an axis that is tilted, by an angle that grows with the third power."""
+    rows, columns = np.indices(shape)
+    height = 0.75**0.5 if shift else 1.0
+    x, y = columns + shift * (rows % 2), height * rows
+    angle = bend * (x**3 - 40 * x**2 + 5 * x * y + y**3 / 2)
+    turns = angle[..., None] * np.array([0.36, 0.48, 0.8])
+    q = np.roll(Rotation.from_rotvec(turns.reshape(-1, 3)).as_quat(), 1, axis=1)
+    return q.reshape(*shape, 4), height
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.5])
+def test_the_error_of_trapezoids_is_told(shift):
+    """Steps cut in four say what the trapezoids lack, and the error told is that, noise apart."""
+    q, height = curved((30, 40), shift, 1e-5)
+    phases = {1: NICKEL}
+    crystal = OrientationMap(q, np.ones((30, 40)), phases, (1.0, height), shift, sigma=0)
+    for circuit in (Circuit.rectangle((4, 3), 12, 20), Circuit.rectangle((0, 0), 29, 10)):
+        found = crystal.burgers(circuit)
+        chain = crystal._grid.chain(circuit)
+        fine = found.vector * 0
+
+        def turn(x, y):
+            angle = 1e-5 * (x**3 - 40 * x**2 + 5 * x * y + y**3 / 2)
+            axis = np.array([0.36, 0.48, 0.8])
+            return Rotation.from_rotvec(angle[..., None] * axis).inv().as_matrix()
+
+        places = [crystal._grid._places(pixels) for pixels in (chain.starts, chain.ends)]
+        nodes, weights = np.polynomial.legendre.leggauss(4)
+        for node, weight in zip((nodes + 1) / 2, weights / 2, strict=True):
+            at = places[0] + node * (places[1] - places[0])
+            e = turn(*at.T)[..., :2]
+            each = np.einsum("kij,kj->ki", e, places[1] - places[0])
+            fine = fine + weight * chain.times @ each
+        away = np.linalg.norm(found.vector - fine)
+        assert away > 1e-5
+        assert found.interpolation_error == pytest.approx(away, rel=0.1)
+        assert found.error == found.interpolation_error
+    squares = crystal.burgers_map(12)
+    one = crystal.burgers(Circuit.square((4, 3), 12))
+    assert squares.interpolation[4, 3] == pytest.approx(one.interpolation_error, rel=1e-9)
+    assert squares.errors[4, 3] == pytest.approx(one.error, rel=1e-9)
+    assert np.isfinite(squares.interpolation[squares.clean]).all()
+
+
+def test_noise_is_no_error_of_trapezoids():
+    """With noise that is told, hardly anything is left for the trapezoids; both stand apart."""
+    rng = np.random.default_rng(2)
+    turns = np.radians(0.3) * rng.standard_normal((900, 3))
+    q = np.roll(Rotation.from_rotvec(turns).as_quat(), 1, axis=1).reshape(30, 30, 4)
+    found = OrientationMap(q, np.ones((30, 30)), {1: NICKEL}, sigma=0.3).burgers_map(6)
+    assert np.median(found.interpolation) < 0.2 * found.sigma[0, 0]
+    assert found.errors == pytest.approx(np.hypot(found.sigma, found.interpolation))
+    assert np.median(found.significance) == pytest.approx(np.sqrt(3), rel=0.2)
+
+
+def test_edges_of_grains_tell_no_error():
+    """Bends that are known on one side alone stand for both; a grain of one step tells nothing."""
+    q, _ = curved((12, 30), 0.0, 1e-5)
+    split = Rotation.from_euler("ZXZ", [20, 20, 0], degrees=True) * Rotation.from_quat(
+        np.roll(q[:, 15:].reshape(-1, 4), -1, axis=1)
+    )
+    two = q.copy()
+    two[:, 15:] = np.roll(split.as_quat(), 1, axis=1).reshape(12, 15, 4)
+    whole = OrientationMap(q, np.ones((12, 30)), {1: NICKEL}, sigma=0)
+    halves = OrientationMap(two, np.ones((12, 30)), {1: NICKEL}, sigma=0)
+    circuit = Circuit.rectangle((2, 2), 8, 12)
+    error = whole.burgers(circuit).interpolation_error
+    assert halves.burgers(circuit).interpolation_error == pytest.approx(error, rel=0.1)
+
+
 def test_a_grain_as_a_sampled_frame():
     """The same squares by both; the boundary is refused by both."""
     angles = bent((12, 15), 0.1)

@@ -155,7 +155,7 @@ def circuits(
         for i in range(len(vectors)):
             # Rounding may leave less than nothing where noise cancels.
             sigmas[i] += np.sqrt(np.maximum(here.get((i, i), 0.0), 0.0))
-            difference[i] = unexplained(difference[i], less.get((i, i), 0.0))
+            difference[i] = unexplained(difference[i], less.get((i, i), np.zeros(1)))
         shared = {(i, j): c for (i, j), c in here.items() if i < j}
     interpolation = difference.max(axis=0)
     longest = max(abs(grid.steps[k]) * m for k, m in zip(plane, size, strict=True))
@@ -171,7 +171,7 @@ def circuits(
 def _both_ways(noise: Noise, plane: tuple[int, int]) -> dict[tuple[int, int], np.ndarray]:
     """Covariances of the two columns of a plane at a node, by components, in both orders added."""
     found = noise.between(plane)
-    for pair, c in noise.between(plane[::-1]).items():
+    for pair, c in noise.between((plane[1], plane[0])).items():
         found[pair] = found[pair] + c if pair in found else c
     return found
 

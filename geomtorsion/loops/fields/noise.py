@@ -187,9 +187,10 @@ def noise_of(
             found = sigma_of(sigma, shape, grid)
         wide = ones if found.shape[2:] == ones else grid.shape
         return found, None, Noise.of_sigma(np.broadcast_to(found, (*shape[:2], *wide))), said
-    said, kept = "given", covariance
+    said = "given"
+    kept: np.ndarray | Noise
     if isinstance(covariance, Noise):
-        noise = covariance
+        kept = noise = covariance
     elif isinstance(covariance, str):
         checks.choice(covariance, ["estimate"], "covariance", GridError)
         kept = estimated_covariance(values, grid)
@@ -198,9 +199,9 @@ def noise_of(
     else:
         kept = covariance_of(covariance, shape, grid)
         noise = Noise.of_covariance(kept)
-    table = [noise.at_nodes(*component, grid.shape) for component in np.ndindex(*shape[:2])]
+    table = [noise.at_nodes(i, k, grid.shape) for i, k in np.ndindex(*shape[:2])]
     found = np.sqrt(np.array(table)).reshape(shape)
-    if sigma is not None and not np.array_equal(sigma, found):
+    if sigma is not None and not np.array_equal(np.asarray(sigma, dtype=object), found):
         raise GridError("sigma and covariance were given: one of them says it all.")
     return found, kept, noise, said
 

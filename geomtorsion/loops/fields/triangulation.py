@@ -241,8 +241,7 @@ class Triangulation:
             self._step(nodes, end, middle, other, tree)
             return
         # Through a point that is as near to four nodes: by way of one that both are joined to.
-        both = [self._beside(node) for node in (nodes[-1], end)]
-        shared = np.intersect1d(*both)
+        shared = np.intersect1d(self._beside(nodes[-1]), self._beside(end))
         if not len(shared):
             raise GridError(
                 f"the loop leads from point {nodes[-1]} to point {end} at {shown(one)}, which no "

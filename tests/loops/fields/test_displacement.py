@@ -84,6 +84,7 @@ def test_noisy_displacements(share, allowed):
     rng = np.random.default_rng(1)
     loop = Loop.circle([0, 0], 2)
     found, told = [], []
+    u, grid = X, None
     for k in range(200):
         u = edge(X, Y) + share * B * rng.standard_normal((2, *X.shape))
         grid = SampledFrame.from_displacement([AXIS, AXIS], u, sigma="estimate", branch=B)
@@ -97,6 +98,7 @@ def test_noisy_displacements(share, allowed):
     scatter = np.sqrt(((np.array(found) - [B, 0]) ** 2).mean(axis=0))
     assert np.mean(told) / scatter == pytest.approx([1, 1], abs=0.2)
     fixed = SampledFrame.from_displacement([AXIS, AXIS], u, sigma=share * B, branch=B)
+    assert grid is not None
     assert grid.sigma[:, :, ~grid.mask].mean() / fixed.sigma[
         :, :, ~fixed.mask
     ].mean() == pytest.approx(1, abs=0.1)

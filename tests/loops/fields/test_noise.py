@@ -186,6 +186,7 @@ def test_correlated_noise_is_told():
         values = smooth() + np.moveaxis(noise, -1, 0).reshape(2, 2, *X.shape)
         told = SampledFrame(AXES, values, covariance=correlated()).burgers(LOOPS["circle"])
         found.append(told.vector)
+    assert told is not None
     scatter = np.cov(np.array(found).T)
     assert told.sigmas == pytest.approx(np.sqrt(np.diag(scatter)), rel=0.2)
     size = np.sqrt(np.outer(np.diag(scatter), np.diag(scatter)))
