@@ -15,7 +15,7 @@ FOLDER = Path(__file__).parent.parent / "examples"
 EXAMPLES = sorted(FOLDER.glob("*.py"))
 SCENES = sorted((FOLDER / "scenes").glob("*.py"))
 ALL = [*EXAMPLES, *SCENES]
-EXPECTED = 15
+EXPECTED = 17
 
 
 def test_examples_are_found_and_numbered():

@@ -392,7 +392,7 @@ class OrientationMap:
         number = int(self.phase[first])
         covariance = spread_of(grid.moments(chain), self.noise[number])
         spread = np.trace(spread_of(grid.bent_moments(chain), self.noise[number]))
-        bend = unexplained(np.linalg.norm(grid.bend(chain)), spread)
+        bend = unexplained(np.asarray(np.linalg.norm(grid.bend(chain))), spread)
         return MapBurgers(
             circuit=circuit,
             vector=vector,
