@@ -26,7 +26,7 @@ from geomtorsion.progress import bar
 
 # What stands on a command line without its dashes in messages of the library.
 OPTIONS = tuple(
-    "sigma threshold order laue size plane spots resolution blocks steps workers".split()
+    "sigma threshold order laue slip size plane spots resolution blocks steps workers".split()
 )
 _SIZE = re.compile(r"((?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*([^0-9.].*)?")
 
@@ -39,6 +39,7 @@ class Reading:
     threshold: float | None = None
     order: int | None = None
     laue: Sequence[str] = ()
+    slip: str | None = None
     pixel: str | None = None
     spots: str | None = None
     resolution: float | None = None
@@ -59,6 +60,7 @@ def opened(source: str, reading: Reading) -> Measured:
             threshold=reading.threshold,
             order=reading.order,
             laue=_symmetries(reading.laue),
+            slip=reading.slip,
             pixel=None if reading.pixel is None else _pixel(reading.pixel),
             spots=None if reading.spots is None else _spots(reading.spots),
             resolution=reading.resolution,
@@ -207,6 +209,11 @@ def explain(result: dict[str, Any]) -> None:
         typer.echo(f"  b = ({_row(result['specimen'])}){unit} in specimen axes")
     if "lattice" in result:
         typer.echo(f"  b = ({_row(result['lattice'])}) lattice vectors a, b, c")
+    for one in result.get("slip", ()):
+        per = f"per {result['unit']}^2"
+        typer.echo(
+            f"  slip {one['family']}: edges {one['edge']:.4g}, screws {one['screw']:.4g} {per}"
+        )
     if "grain" in result:
         typer.echo(f"  in grain {result['grain']}, {result['phase']}, {result['steps']} steps")
     if "whole" in result:

@@ -105,6 +105,14 @@ MeasuredOrder = Annotated[
     option("--order", metavar="N", text="Grids: order of interpolation, 2, 4, 6 or 8; default: 4."),
 ]
 
+MeasuredSlip = Annotated[
+    str | None,
+    option(
+        "--slip",
+        metavar="NAME",
+        text="Orientation maps: densities of slip systems: fcc, bcc, diamond or hcp.",
+    ),
+]
 MeasuredPixel = Annotated[
     str | None,
     option("--pixel", metavar="SIZE", text="Images: size of a pixel with its unit: 0.03nm"),

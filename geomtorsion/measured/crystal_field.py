@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from geomtorsion.errors import OrientationError
 from geomtorsion.loops import Loop
 from geomtorsion.measured.results import PLANE, Backdrop, Closure, Section, Survey
-from geomtorsion.orientations import Circuit, OrientationMap
+from geomtorsion.orientations import Circuit, OrientationMap, slip_families
 
 COMPONENTS = ("b1", "b2", "b3")
 
@@ -22,6 +23,8 @@ class CrystalField:
     """
 
     map: OrientationMap
+    # The structure whose slip systems make up b, if that is asked for.
+    slip: str = ""
     # As instruments show them.
     down: bool = True
 
@@ -61,7 +64,7 @@ class CrystalField:
         """Burgers vector of the circuit from pixel to pixel round the cells of a loop."""
         circuit = loop if isinstance(loop, Circuit) else self.map.circuit(loop)
         b = self.map.burgers(circuit)
-        more = {
+        more: dict[str, Any] = {
             "specimen": b.specimen.tolist(),
             "grain": b.grain,
             "phase": b.phase.name,
@@ -69,6 +72,15 @@ class CrystalField:
         }
         if b.phase.has_lattice:
             more["lattice"] = b.lattice.tolist()
+        if self.slip:
+            more["slip"] = [
+                {
+                    "family": one.family.name,
+                    "edge": float(np.abs(one.edge).sum()),
+                    "screw": float(np.abs(one.screw).sum()),
+                }
+                for one in b.slip(*slip_families(b.phase, self.slip))
+            ]
         ends = np.stack([self._places(circuit.starts), self._places(circuit.ends)], axis=-1)
         gaps = np.full((2, len(circuit.starts), 1), np.nan)
         return Closure(

@@ -20,6 +20,7 @@ from geomtorsion.measured.lattice_field import LatticeField
 from geomtorsion.measured.results import Measured
 from geomtorsion.measured.sampled_field import SampledField
 from geomtorsion.orientations import OrientationMap
+from geomtorsion.orientations.slip import FAMILIES as SLIP
 
 ORIENTATIONS = (".ctf", ".ang")
 IMAGES = tuple(PICTURES)
@@ -28,7 +29,7 @@ SUFFIXES = (*FORMATS, *ORIENTATIONS, *IMAGES)
 # Kind of a file -> the options that it takes, what it is called, and its errors.
 OPTIONS = {
     "grid": ("sigma", "order"),
-    "map": ("threshold", "laue", "sigma"),
+    "map": ("threshold", "laue", "sigma", "slip"),
     "image": ("pixel", "spots", "resolution"),
 }
 KINDS = {
@@ -73,6 +74,7 @@ def open_measured(
     threshold: float | None = None,
     order: int | None = None,
     laue: Mapping[int, str] | None = None,
+    slip: str | None = None,
     pixel: tuple[float, str] | None = None,
     spots: Sequence[Sequence[float]] | None = None,
     resolution: float | None = None,
@@ -90,6 +92,8 @@ def open_measured(
         Of interpolation, of sampled frames.
     laue
         Of orientation maps: number of a phase -> name of its Laue group.
+    slip
+        Of orientation maps: the structure whose slip systems make up b, see `slip_families`.
     pixel
         Of images: size of a pixel, and the unit in which it is given.
     spots, resolution
@@ -116,7 +120,7 @@ def open_measured(
         )
     kind = _kind(path)
     options = {
-        "sigma": sigma, "threshold": threshold, "order": order, "laue": laue or None,
+        "sigma": sigma, "threshold": threshold, "order": order, "laue": laue or None, "slip": slip,
         "pixel": pixel, "spots": spots, "resolution": resolution,
     }  # fmt: skip
     given = {name: value for name, value in options.items() if value is not None}
@@ -175,7 +179,10 @@ def _orientations(path: Path, given: dict[str, Any]) -> Measured:
     if isinstance(sigma, str):
         checks.choice(sigma, ["estimate"], "sigma", OrientationError)
         given = {**given, "sigma": None}
-    return CrystalField(OrientationMap.read(path, **given))
+    slip = given.pop("slip", "")
+    if slip:
+        checks.known_name(slip, SLIP, "slip", OrientationError)
+    return CrystalField(OrientationMap.read(path, **given), slip)
 
 
 def _image(

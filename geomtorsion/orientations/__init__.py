@@ -4,6 +4,7 @@ from geomtorsion.orientations.circuits import Circuit
 from geomtorsion.orientations.orientation_map import OrientationMap
 from geomtorsion.orientations.phases import Phase
 from geomtorsion.orientations.results import CircuitMap, FamilyLines, MapBurgers
+from geomtorsion.orientations.slip import SlipDensity, SlipFamily, slip_families
 from geomtorsion.orientations.symmetry import LAUE_GROUPS, LaueGroup, laue_group
 
 __all__ = [
@@ -15,5 +16,8 @@ __all__ = [
     "MapBurgers",
     "OrientationMap",
     "Phase",
+    "SlipDensity",
+    "SlipFamily",
     "laue_group",
+    "slip_families",
 ]

@@ -103,15 +103,15 @@ class Phase:
         Parameters
         ----------
         vector
-            In units of a, b, c, such as (0.5, 0.5, 0) for <110>/2.
+            In units of a, b, c, such as (0.5, 0.5, 0) for <110>/2; or with the four indices of
+            hexagonal and trigonal cells.
 
         Returns
         -------
         Array of shape (k, 3).
         """
         subject = "Burgers vector of a family"
-        given = checks.array(vector, subject, OrientationError, shape=(3,))
-        one = self.lattice @ given
+        one = self.lattice @ cell_vector(vector, subject, self)
         if not one.any():
             raise OrientationError(f"{subject}: a vector was needed, but 0 came. Give [u, v, w].")
         count = len(self.group.quaternions)
@@ -123,3 +123,39 @@ class Phase:
             if all(min(abs(image - x).max(), abs(image + x).max()) > near for x in found):
                 found.append(image)
         return np.array(found)
+
+
+def cell_vector(
+    given: Sequence[float], subject: str, phase: Phase, *, plane: bool = False
+) -> np.ndarray:
+    """Three indices of a direction or a plane, from three or from Bravais' four.
+
+    Raises
+    ------
+    OrientationError
+        There are not three or four numbers, or four that belong to no such cell.
+
+    Examples
+    --------
+    >>> zinc = Phase("zinc", "6/mmm", (2.66, 2.66, 4.95), (90, 90, 120))
+    >>> cell_vector((1, 1, -2, 0), "direction", zinc).tolist()
+    [3.0, 3.0, 0.0]
+    """
+    found = checks.array(given, subject, OrientationError)
+    if found.shape not in ((3,), (4,)):
+        raise OrientationError(
+            f"{subject}: three indices were needed (or four of a hexagonal cell), but "
+            f"{checks.shown(given)} came."
+        )
+    if len(found) == 3:
+        return found
+    h, k, i, last = found
+    if (
+        phase.laue not in ("-3", "-3m", "6/m", "6/mmm")
+        or abs(h + k + i) > 1e-6 * np.abs(found).max()
+    ):
+        raise OrientationError(
+            f"{subject}: four indices belong to hexagonal and trigonal cells, and the first three "
+            f"add up to zero, but {checks.shown(given)} came for {phase.laue}. Give three."
+        )
+    return np.array([h, k, last]) if plane else np.array([h - i, k - i, last])

@@ -14,6 +14,7 @@ from geomtorsion.errors import OrientationError
 from geomtorsion.loops.fields.noise import significances
 from geomtorsion.orientations.circuits import Circuit
 from geomtorsion.orientations.phases import Phase
+from geomtorsion.orientations.slip import SlipDensity, SlipFamily, densities
 
 # Angstrom in a unit of length.
 UNITS = {"angstrom": 1.0, "nm": 1e1, "um": 1e4, "mm": 1e7, "m": 1e10}
@@ -158,6 +159,44 @@ class MapBurgers(Signed):
             FamilyLines(tuple(float(x) for x in family), part, number)
             for family, part, number in zip(families, found, parts, strict=True)
         )
+
+    def slip(self, *families: SlipFamily) -> tuple[SlipDensity, ...]:
+        """The least density of edges and screws of slip families that has this b per area.
+
+        Parameters
+        ----------
+        families
+            `SlipFamily.of(phase, plane, vector)`, or `slip_families(phase, "bcc")`.
+
+        Returns
+        -------
+        Densities of the systems of each family, in lines per `unit` squared.
+
+        Raises
+        ------
+        OrientationError
+            No family is given, or together they do not make up b.
+
+        Examples
+        --------
+        A wall of edges: two parallel to z for each <100> of b.
+
+        >>> tilted = np.zeros((11, 20, 3))
+        >>> tilted[:, 10:, 0] = 1.0
+        >>> from geomtorsion.orientations import OrientationMap
+        >>> salt = Phase("salt", "m-3m", (4.0, 4.0, 4.0))
+        >>> wall = OrientationMap.from_euler(tilted, 1.0, salt, sigma=0)
+        >>> b = wall.burgers(Circuit.rectangle((0, 5), 10, 10))
+        >>> (found,) = b.slip(SlipFamily.of(salt, (1, 0, 0), (0, 1, 0)))
+        >>> round(found.total * b.area), round(b.size * 1e4 / 4.0)
+        (440, 436)
+        """
+        if not families:
+            raise OrientationError("families: a SlipFamily was needed, but none came.")
+        for one in families:
+            checks.instance(one, SlipFamily, "families", OrientationError)
+        normal = self.rotation.T @ np.array([0.0, 0.0, 1.0])
+        return densities(self.per_area, normal, families, angstrom_in(self.unit))
 
     def __repr__(self) -> str:
         shown = ", ".join(f"{x:.4g}" for x in self.vector.tolist())

@@ -21,6 +21,7 @@ from geomtorsion.cli.options import (
     MeasuredPixel,
     MeasuredResolution,
     MeasuredSigma,
+    MeasuredSlip,
     MeasuredSpots,
     MeasuredThreshold,
     SpaceOrMeasured,
@@ -100,6 +101,7 @@ def burgers(
     threshold: MeasuredThreshold = None,
     order: MeasuredOrder = None,
     laue: MeasuredLaue = None,
+    slip: MeasuredSlip = None,
     pixel: MeasuredPixel = None,
     spots: MeasuredSpots = None,
     resolution: MeasuredResolution = None,
@@ -129,7 +131,7 @@ def burgers(
     """
     measured = is_measured(source)
     field, name = None, source
-    reading = Reading(sigma, threshold, order, tuple(laue or ()), pixel, spots, resolution)
+    reading = Reading(sigma, threshold, order, tuple(laue or ()), slip, pixel, spots, resolution)
     if measured:
         refuse_options({"--set": values, "--accuracy": accuracy, "--exact": exact}, measured)
         with working(Path(source).name):

@@ -31,6 +31,7 @@ from geomtorsion.cli.options import (
     MeasuredPixel,
     MeasuredResolution,
     MeasuredSigma,
+    MeasuredSlip,
     MeasuredSpots,
     MeasuredThreshold,
     PictureFormat,
@@ -59,6 +60,7 @@ def map(
     threshold: MeasuredThreshold = None,
     order: MeasuredOrder = None,
     laue: MeasuredLaue = None,
+    slip: MeasuredSlip = None,
     pixel: MeasuredPixel = None,
     spots: MeasuredSpots = None,
     resolution: MeasuredResolution = None,
@@ -108,7 +110,7 @@ def map(
       geomtorsion map lattice.tif --pixel 0.032nm --size 40 -o image-map
       geomtorsion map field.zarr --steps 0.5,0.5 --unit um --workers 2 -o field-map
     """
-    reading = Reading(sigma, threshold, order, tuple(laue or ()), pixel, spots, resolution)
+    reading = Reading(sigma, threshold, order, tuple(laue or ()), slip, pixel, spots, resolution)
     path = Path(source)
     if blocks is not None or resume or is_array(path):
         wanted = Blocks(blocks, steps, unit, workers, resume, overwrite)

@@ -128,6 +128,18 @@ def test_data_of_a_bent_crystal(scan):
     assert found["known"] == 16 * (16 + 6)
 
 
+def test_slip_systems(scan):
+    """Densities of a family make up the bend: at least |b| per area over |b| of one line."""
+    arguments = (scan, "--sigma", "0.01", "--circle", "4,4:2", "--slip", "fcc")
+    (one,) = json.loads(run(*arguments, "--json").stdout)["circles"]
+    (family,) = one["slip"]
+    assert family["family"] == "{1, 1, 1} <0.5, -0.5, 0>"
+    least = one["magnitude"] / one["area"] / (3.52e-4 * np.sqrt(0.5))
+    assert least <= family["edge"] + family["screw"] < 4 * least
+    assert "slip {1, 1, 1} <0.5, -0.5, 0>: edges" in run(*arguments).stdout
+    assert "'bct' is not known" in run(*arguments[:-1], "bct", code=2).stderr
+
+
 def test_circles(scan, tmp_path):
     """One within a grain; one across the boundary fails in its place, with pixels."""
     arguments = (scan, "--sigma", "0.01", "--circle", "4,4:2", "--circle", "10,4:2")
