@@ -24,7 +24,7 @@ ZINC = Phase("zinc", "6/mmm", (2.66, 2.66, 4.95), (90, 90, 120))
         (NICKEL, "diamond", [12]),
         (IRON, "bcc", [12, 12, 24]),
         (ZINC, "hcp", [3, 3, 6, 6]),
-        (Phase("zinc", "6/mmm", *[(2.66, 2.66, 4.95), (90, 90, 120)], "y"), "hcp", [3, 3, 6, 6]),
+        (Phase("zinc", "6/mmm", (2.66, 2.66, 4.95), (90, 90, 120), "y"), "hcp", [3, 3, 6, 6]),
     ],
 )
 def test_numbers_of_systems(phase, structure, counts):
