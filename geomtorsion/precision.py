@@ -19,10 +19,13 @@ EPS = sys.float_info.epsilon
 # By so much numbers printed with seven digits may miss what they should be: what is nearer is taken
 # for rounded, what is farther for a mistake.
 PRINTED = 1e-6
-# And by so much those that came out of a calculation with doubles: a few thousand roundings.
+# And by so much those that came out of a calculation with doubles: a few thousand roundings. Points
+# nearer than this share of a loop are one point, a velocity with such a norm is null.
 CALCULATED = 1e-12
 # Bits of constants that are worked out once: two doubles, and as many again to spare.
 CONSTANT_BITS = 180
+# Bits of numbers that are no fractions where something is decided exactly: no engine has more.
+EXACT_BITS = 400
 _LOCK = RLock()
 
 

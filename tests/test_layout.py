@@ -60,10 +60,10 @@ LONG: dict[str, str] = {
 LONGEST = 500
 # What is to come down: each is lowered as soon as less has been reached.
 CEILINGS = {
-    "files in rings": 55,
+    "files in rings": 49,
     "inner imports without a reason": 0,
     "percent of Any": 3.6,
-    "tuned constants": 164,
+    "tuned constants": 149,
     "tests of no module": 34,
 }
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")

@@ -12,9 +12,6 @@ from geomtorsion.codegen.functions import FUNCTIONS
 from geomtorsion.codegen.steps import Signed, Step
 from geomtorsion.precision import working_precision
 
-# Bits of numbers that are no fractions: no engine calculates with more.
-EXACT_BITS = 400
-
 Exact = Fraction | mpmath.mpf
 
 

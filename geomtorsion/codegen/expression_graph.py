@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from geomtorsion.codegen.differentiation import jacobian
 from geomtorsion.codegen.emission import Emitter
-from geomtorsion.codegen.evaluation import EXACT_BITS, exact_values
+from geomtorsion.codegen.evaluation import exact_values
 from geomtorsion.codegen.factoring import factor as pull_out
 from geomtorsion.codegen.heyoka_code import Expression, Number, heyoka_expressions
 from geomtorsion.codegen.python_code import Body, compiled, python_body, python_source
@@ -22,6 +22,7 @@ from geomtorsion.codegen.reading import Output, Reader
 from geomtorsion.codegen.steps import Builder, Signed, Step
 from geomtorsion.codegen.term_sizes import above_rounding, term_sizes
 from geomtorsion.copies import only_fields
+from geomtorsion.precision import EXACT_BITS
 
 
 def graph(

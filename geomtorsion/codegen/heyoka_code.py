@@ -9,10 +9,10 @@ from typing import Protocol
 
 from mpmath.libmp import prec_to_dps
 
-from geomtorsion.codegen.evaluation import EXACT_BITS
 from geomtorsion.codegen.functions import FUNCTIONS
 from geomtorsion.codegen.steps import Signed, Step, is_one
 from geomtorsion.errors import ExpressionError
+from geomtorsion.precision import EXACT_BITS
 
 
 class Expression(Protocol):

@@ -13,9 +13,8 @@ from geomtorsion.codegen.balls import ball_values
 from geomtorsion.codegen.expression_graph import Graph
 from geomtorsion.codegen.python_code import compiled, python_body, python_source
 from geomtorsion.codegen.rounding import Bounds, rounding_bounds
+from geomtorsion.precision import CALCULATED
 
-# Largest relative error with which a value is left as it is.
-ENOUGH = 1e-12
 # Points that are worked out at once: what stands between stays in the cache of the processor.
 BLOCK = 8192
 
@@ -53,7 +52,7 @@ class Settled:
         shape = np.broadcast_shapes(*(array.shape for array in arrays))
         values, doubtful = np.empty((size, *shape), dtype=dtype), np.zeros((size, *shape), bool)
         moving = [k for k, known in enumerate(self._bounds.relative) if known is None]
-        roundings = ENOUGH / 2.0**-53
+        roundings = CALCULATED / 2.0**-53
         with np.errstate(all="ignore"):
             for parts, part in _blocks(arrays, shape):
                 found = self._code(*parts)

@@ -13,13 +13,12 @@ from itertools import islice
 import mpmath
 
 from geomtorsion.checks import shown
-from geomtorsion.codegen.evaluation import EXACT_BITS
 from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap
 from geomtorsion.errors import CoordinateError, GeomtorsionError, ShapeError
 from geomtorsion.geometry import Frame
 from geomtorsion.geometry.sampling import candidate_points
 from geomtorsion.ode.numbers import Real, mpf
-from geomtorsion.precision import working_precision
+from geomtorsion.precision import EXACT_BITS, working_precision
 
 # Half of the bits may be lost in between: two analytic functions that agree in so many are equal.
 EQUAL = mpmath.mpf(2) ** (-EXACT_BITS // 2)

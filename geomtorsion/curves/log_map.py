@@ -28,8 +28,6 @@ from geomtorsion.ode.trajectory import integrate
 SHOTS = 40
 # Below this ratio of singular values the end hardly depends on one direction: a conjugate point.
 CONJUGATE = 1e-6
-# Differences for slopes, relative to the velocity.
-NEAR = 1e-3
 # Slopes are taken anew where a shot misses by more than this part of the last miss.
 STALE = 0.05
 
@@ -205,7 +203,8 @@ class _Shooter:
 
     def slopes(self, vector: np.ndarray) -> np.ndarray:
         """d end^mu / d u^i by central differences."""
-        h = NEAR * max(float(np.linalg.norm(vector)), 1e-3)
+        # Ends are off by about the tolerance: here what that does and the third derivative balance.
+        h = self.tolerance ** (1 / 3) * max(float(np.linalg.norm(vector)), 1e-3)
         sides = h * np.eye(len(vector))
         rows = [self.gap(self.end(vector + x), self.end(vector - x)) for x in sides]
         return np.array(rows).T / (2 * h)

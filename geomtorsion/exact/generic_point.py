@@ -11,7 +11,7 @@ import sympy
 from geomtorsion.checks import expression
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.exact.evaluate import LARGEST_BITS, settled_value, values
-from geomtorsion.precision import working_precision
+from geomtorsion.precision import EXACT_BITS, working_precision
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from geomtorsion.exact.generators import Generator
     from geomtorsion.exact.tower import Tower
 
-# Bits of values at the point; zero is accepted at half the bits that evaluation tries at most.
-BITS = 300
 # Points tried before a radicand or the argument of a log is left negative.
 _TRIES = 80
 
@@ -48,7 +46,8 @@ class GenericPoint:
         SingularPointError
             the element is singular there, or its value drowns in cancellation.
         """
-        return settled_value(lambda: self._now(element), BITS, LARGEST_BITS // 2)
+        # Zero is accepted at half of the bits that evaluation tries at most.
+        return settled_value(lambda: self._now(element), EXACT_BITS, LARGEST_BITS // 2)
 
     def _now(self, element: Element) -> mpmath.mpf:
         """The value at the working precision."""
@@ -76,8 +75,8 @@ class GenericPoint:
         except (GeomtorsionError, ArithmeticError, ValueError):
             return True
         real, imaginary = mpmath.re(value), mpmath.im(value)
-        with working_precision(BITS):
-            negligible = mpmath.ldexp(max(abs(real), abs(imaginary)), -BITS // 2)
+        with working_precision(EXACT_BITS):
+            negligible = mpmath.ldexp(max(abs(real), abs(imaginary)), -EXACT_BITS // 2)
             return bool(real > 0 if abs(real) > negligible else imaginary > 0)
 
     def prefer_positive(self, element: Element) -> bool:

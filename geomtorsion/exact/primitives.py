@@ -16,10 +16,9 @@ from flint import fmpq
 
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.generators import Branch, Generator
-from geomtorsion.exact.generic_point import BITS
 from geomtorsion.exact.integers import prime_factors
 from geomtorsion.exact.rational_basis import express
-from geomtorsion.precision import working_precision
+from geomtorsion.precision import EXACT_BITS, working_precision
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -94,7 +93,7 @@ class Primitives:
         if not field.is_complex:
             return value
         try:
-            with working_precision(BITS):
+            with working_precision(EXACT_BITS):
                 excess = field.sample.value(value) - mpmath.log(field.sample.value(element))
                 turns = int(mpmath.nint(mpmath.im(excess) / (2 * mpmath.pi)))
         except (ArithmeticError, ValueError):
@@ -243,7 +242,7 @@ class Primitives:
     def _number(self, name: str, arguments: tuple[Element, ...]) -> mpmath.mpf | None:
         """The value of the function at the sample point, or None."""
         try:
-            with working_precision(BITS):
+            with working_precision(EXACT_BITS):
                 return getattr(mpmath, name)(*map(self._field.sample.value, arguments))
         except (ArithmeticError, ValueError):
             return None
@@ -251,7 +250,7 @@ class Primitives:
     def _constant(self, value: mpmath.mpf, combination: Element) -> Element | None:
         """The constant value - combination where it is a part of pi or a simple logarithm."""
         field = self._field
-        with working_precision(BITS):
+        with working_precision(EXACT_BITS):
             rest = mpmath.mpmathify(value - field.sample.value(combination))
             size = 1 + abs(value)
             if abs(mpmath.im(rest)) > size * _CLOSE:

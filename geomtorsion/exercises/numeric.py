@@ -19,7 +19,6 @@ Arrays = Mapping[sympy.Symbol, np.ndarray]
 DIGITS = 200
 # Binary exponents beyond these are not followed: exp(exp(exp(9))) would take minutes.
 LARGEST_EXPONENT = 4000
-LARGEST_ARGUMENT = 200
 # Name in sympy -> name in NumPy; mpmath calls them as sympy does.
 _NUMPY = {
     "sin": "sin", "cos": "cos", "tan": "tan", "sinh": "sinh", "cosh": "cosh", "tanh": "tanh",
@@ -124,7 +123,8 @@ class _Digits:
         return mpmath.mpc(getattr(mpmath, "fabs" if name == "Abs" else name)(*arguments))
 
     def _check_argument(self, value: Number) -> None:
-        if value and mpmath.mag(value) > LARGEST_ARGUMENT:
+        # A periodic function of a larger argument has no digit that can be trusted.
+        if value and mpmath.mag(value) > DIGITS:
             raise OverflowError("an argument beyond all size")
 
     def checked(self, value: Number) -> Number:

@@ -22,9 +22,6 @@ Number = int | float | complex | Fraction | sp.Basic
 Point = Sequence[Number] | np.ndarray
 Plane = Sequence[int] | Sequence[Point] | np.ndarray
 Parameters = Mapping[str, Number] | Mapping[sp.Symbol, Number] | Mapping[sp.Basic, Number]
-# Points that miss each other by less than this share of the size of a loop are one point: its ends,
-# the base points of two loops, a loop and a singular line that it meets.
-SAME_POINT = 1e-12
 
 
 class Arc(Protocol):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion.errors import NetworkError, SingularPointError
-from geomtorsion.loops.arcs import SAME_POINT, Parameters, Part, Segment, shown
+from geomtorsion.loops.arcs import Parameters, Part, Segment, shown
 from geomtorsion.loops.defects import find_defects, lines_alone
 from geomtorsion.loops.forms import Form, Forms, forms
 from geomtorsion.loops.integrals import line_route
@@ -16,6 +16,7 @@ from geomtorsion.loops.planes import rows
 from geomtorsion.loops.poles import NEAR_POLE, SAMPLES, refuse_poles
 from geomtorsion.loops.quadrature import PIECE, ROUNDING, cut, gauss_pair, graded, halved
 from geomtorsion.loops.winding import nearest
+from geomtorsion.precision import CALCULATED
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
@@ -196,7 +197,7 @@ def _nearest_line(
         one, two = (across @ (points - place).T for points in (starts, ends))
         share, distance = nearest(one, two)
         size = np.maximum(np.abs(one).max(axis=0), np.abs(two).max(axis=0))
-        bad = np.flatnonzero(distance <= SAME_POINT * size)
+        bad = np.flatnonzero(distance <= CALCULATED * size)
         if len(bad):
             k = int(bad[0])
             where = starts[k] + share[k] * (ends[k] - starts[k])

@@ -13,7 +13,6 @@ from sympy.core.function import AppliedUndef
 
 from geomtorsion import checks
 from geomtorsion.codegen import numpy_function
-from geomtorsion.codegen.evaluation import EXACT_BITS
 from geomtorsion.errors import (
     LoopError,
     MissingValueError,
@@ -25,6 +24,7 @@ from geomtorsion.exact.form import Sum, form
 from geomtorsion.loops.arcs import Parameters, shown
 from geomtorsion.loops.defect_lines import Lines
 from geomtorsion.loops.quadrature import ROUNDING
+from geomtorsion.precision import EXACT_BITS
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame

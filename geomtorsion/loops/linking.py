@@ -9,9 +9,10 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import LoopError, NetworkError, SingularPointError
-from geomtorsion.loops.arcs import SAME_POINT, Part, Segment, shown
+from geomtorsion.loops.arcs import Part, Segment, shown
 from geomtorsion.loops.line_arrays import LineArrays
 from geomtorsion.loops.loop import Loop
+from geomtorsion.precision import CALCULATED
 
 
 @dataclass(frozen=True)
@@ -150,7 +151,7 @@ def _polygon(lines: LineArrays, part: Part, near: _Stretches) -> np.ndarray:
     owner, ends = _pieces(part)
     starts, stops, away = _chords(part, owner, ends)
     far = np.abs(lines.positions).max(initial=0.0) + np.abs(part.centre).max()
-    least = SAME_POINT * part.size + 4 * np.finfo(float).eps * float(far)
+    least = CALCULATED * part.size + 4 * np.finfo(float).eps * float(far)
     fine = np.zeros(len(owner), dtype=bool)
     while not fine.all():
         split = np.zeros(len(owner), dtype=bool)
@@ -286,5 +287,5 @@ def _sign(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
     value = (a * cross).sum(axis=-1)
     b, c = np.broadcast_arrays(np.abs(b), np.abs(c))
     size = b[..., [1, 2, 0]] * c[..., [2, 0, 1]] + b[..., [2, 0, 1]] * c[..., [1, 2, 0]]
-    bound = SAME_POINT * (np.abs(a) * size).sum(axis=-1)
+    bound = CALCULATED * (np.abs(a) * size).sum(axis=-1)
     return np.where(np.abs(value) <= bound, 0, np.sign(value)).astype(np.int64)

@@ -11,9 +11,10 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import constructors, parametric, planes
-from geomtorsion.loops.arcs import SAME_POINT, Arc, Number, Parameters, Part, Plane, Point, shown
+from geomtorsion.loops.arcs import Arc, Number, Parameters, Part, Plane, Point, shown
 from geomtorsion.loops.quadrature import integrate
 from geomtorsion.loops.winding import turns_round
+from geomtorsion.precision import CALCULATED
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -281,7 +282,7 @@ class Loop:
         shift = np.array(one.centre) - np.array(two.centre)
         gap = shift + one.size * one.base_offset - two.size * two.base_offset
         rounding = 4 * np.finfo(float).eps * max(np.abs(one.centre).max(), np.abs(two.centre).max())
-        allowed = SAME_POINT * max(one.size, two.size) + (rounding if shift.any() else 0)
+        allowed = CALCULATED * max(one.size, two.size) + (rounding if shift.any() else 0)
         if np.abs(gap).max() > allowed:
             raise LoopError(
                 f"{self.name} starts at {shown(one.base)}, {other.name} at {shown(two.base)}: "

@@ -17,7 +17,6 @@ from geomtorsion.exact.twins import counted_as
 from geomtorsion.geometry.validation import free_symbols
 from geomtorsion.loops import planes
 from geomtorsion.loops.arcs import (
-    SAME_POINT,
     Curve,
     Number,
     Parameters,
@@ -28,11 +27,10 @@ from geomtorsion.loops.arcs import (
     shown,
 )
 from geomtorsion.loops.quadrature import kronrod
+from geomtorsion.precision import CALCULATED
 
 # Prime numbers of samples: a frequency that hides from one shows itself to the next.
 SAMPLES = (251, 1009, 4093, 16381, 65521)
-# A frequency below this share of the largest is rounding.
-NOISE = 1e-11
 Directions = Callable[[Plane, int], tuple[Sequence[sp.Expr], Sequence[sp.Expr]]]
 SMOOTH = frozenset(made for made, _ in FUNCTIONS.values() if isinstance(made, type))
 
@@ -186,7 +184,7 @@ def _check_closed(arc: Curve, part: Part) -> np.ndarray:
     for column, period in part.periods:
         turns[column] = round(part.size * gap[column] / period) * period / part.size
     left = gap - turns
-    if np.abs(left).max() > SAME_POINT * extent:
+    if np.abs(left).max() > CALCULATED * extent:
         more = " beside whole periods" if turns.any() else ""
         raise LoopError(
             f"curve: it does not close: it starts at {shown(first)} and ends at {shown(last)}, the "
@@ -253,6 +251,7 @@ def _highest(arc: Curve, samples: int) -> int | None:
     """The highest frequency that these samples show, None if they resolve none."""
     _, slopes = arc.shape(np.arange(samples) / samples)
     spectrum = np.abs(np.fft.rfft(slopes, axis=1)).max(axis=0)
-    present = np.flatnonzero(spectrum > NOISE * spectrum.max())
+    # A frequency that is nothing against the largest is rounding.
+    present = np.flatnonzero(spectrum > CALCULATED * spectrum.max())
     highest = int(present[-1]) if len(present) else 0
     return highest if highest < samples // 3 else None

@@ -13,12 +13,13 @@ from geomtorsion import checks
 from geomtorsion.errors import LoopError
 from geomtorsion.loops.affine_form import AffineForm
 from geomtorsion.loops.affine_map import AffineMap
-from geomtorsion.loops.arcs import SAME_POINT, Parameters, Part, Segment, shown
+from geomtorsion.loops.arcs import Parameters, Part, Segment, shown
 from geomtorsion.loops.cone import line_rate
 from geomtorsion.loops.development import back_by
 from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.planes import number, vector
 from geomtorsion.loops.transport import STAGES, collocation, increments, transported
+from geomtorsion.precision import CALCULATED
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Connection
@@ -124,7 +125,7 @@ def develop_period(
     for k, period in lengths.items():
         gap[k] -= period * round(gap[k] / period)
     sizes = np.array([lengths.get(k, 1.0) for k in range(frame.dimension)])
-    if (np.abs(gap) > SAME_POINT * np.maximum(np.abs(sizes), np.abs(rows[0]))).any():
+    if (np.abs(gap) > CALCULATED * np.maximum(np.abs(sizes), np.abs(rows[0]))).any():
         raise LoopError(
             f"the path does not close: whole periods from its start {shown(rows[0])} a gap of "
             f"{shown(gap)} is left. Let it end where it began, in every coordinate up to periods."

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from geomtorsion.errors import SingularPointError
-from geomtorsion.loops.arcs import SAME_POINT, Arc, Part, shown
+from geomtorsion.loops.arcs import Arc, Part, shown
 from geomtorsion.loops.forms import Poles
 from geomtorsion.loops.quadrature import NARROWEST, equidistant, graded
+from geomtorsion.precision import CALCULATED
 
 # A denominator goes with the square of the distance; as a share of its largest value on an arc:
-ZERO = SAME_POINT**2
+ZERO = CALCULATED**2
 # Where a denominator falls below this share of its largest value, a loop is looked at by itself.
 NEAR_POLE = 0.05
 # Places on an arc at which denominators are looked at first: those of the coarsest rule.
@@ -65,7 +66,7 @@ def refuse_poles(poles: Poles | None, part: Part) -> tuple[tuple[int, float], ..
 def _is_pole(poles: Poles, part: Part, arc: Arc, place: float) -> bool:
     """Whether forms grow towards a zero of a denominator."""
     sign = 1 if place < 0.5 else -1
-    steps = SAME_POINT**0.5, SAME_POINT
+    steps = CALCULATED**0.5, CALCULATED
     far, near = (part.points(arc, place + sign * step)[0][:, 0] for step in steps)
     return poles.grows(far, near)
 

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from geomtorsion.errors import GeomtorsionError, LoopError, SingularPointError
-from geomtorsion.loops.arcs import SAME_POINT, Arc, Part, Segment, shown
+from geomtorsion.loops.arcs import Arc, Part, Segment, shown
+from geomtorsion.precision import CALCULATED
 
 
 def turns_round(
@@ -73,7 +74,7 @@ def _turned(arc: Arc, across: np.ndarray, offset: np.ndarray) -> tuple[float, fl
         cross = one[0] * two[1] - one[1] * two[0]
         turned = np.arctan2(cross, (one * two).sum(axis=0))
         share, near = nearest(one, two)
-        touching = near <= SAME_POINT
+        touching = near <= CALCULATED
         if touching.any() and (isinstance(arc, Segment) or (high - low).max() < 2.0**-20):
             k = int(np.flatnonzero(touching)[0])
             return angle, float(low[k] + share[k] * (high[k] - low[k]))

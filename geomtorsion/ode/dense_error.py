@@ -8,6 +8,7 @@ import numpy as np
 
 from geomtorsion.ode.asked import PARTS
 from geomtorsion.ode.error_estimate import SAFETY, difference
+from geomtorsion.ode.roots import GOLDEN
 from geomtorsion.ode.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 LEAST = 3
 # Where the first of them lies, in units of their distance: at the golden section, off the middle
 # and off the ends.
-SHIFT = (3 - 5**0.5) / 2
+SHIFT = 1 - GOLDEN
 
 
 def error_between(solution: Solution) -> float:

@@ -27,7 +27,7 @@ ROUNDINGS = 2.0
 AIM = 0.1
 # An error that is less than so many times below what was asked is confirmed by a second finer run,
 # perturbed in another direction: two roundings may agree by chance.
-CLOSE = 10.0
+CLOSE = 1 / AIM
 # A motion goes by fits and starts if this part of its way lies between two of its samples, of
 # which there are so many at least.
 PEAK, FEWEST_SAMPLES = 0.15, 16

@@ -15,8 +15,8 @@ from geomtorsion.errors import ExpressionError
 from geomtorsion.ode.edges import edges_of
 from geomtorsion.ode.system import System
 
-# Equations that are kept with their graphs; each is some kilobytes.
-KEPT = 256
+# Equations that are kept, and what is compiled of them: some hundred kilobytes each.
+KEPT = 128
 # The clock counts in such units of time: its number stays far below all others, and engines that
 # measure errors against the largest state do not lose the small ones in it.
 CLOCK = 2**40

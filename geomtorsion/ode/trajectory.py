@@ -11,6 +11,7 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.copies import only_fields
+from geomtorsion.ode.asked import PARTS
 from geomtorsion.ode.engines.protocol import STANDSTILL, Dense, Engine, Run, Watch
 from geomtorsion.ode.numbers import Real, floats, perturbed
 from geomtorsion.ode.roots import crossings
@@ -20,8 +21,8 @@ from geomtorsion.ode.system import System
 State: TypeAlias = Sequence[Real] | np.ndarray
 # A motion that meets more events than this goes round in circles on the edge of a chart.
 MOST_STAGES = 10_000
-# Places looked at in each step for a guard that falls and rises again, and at least in a run.
-PER_STEP, FEWEST = 8, 64
+# Places looked at in each step for a guard that falls and rises again.
+PER_STEP = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -463,7 +464,7 @@ def _ended_earlier(system: System, run: Run, times: np.ndarray, numbers: State) 
 
 def close_times(begin: float, end: float, run: Run) -> np.ndarray:
     """Times close enough to see what a run did between its steps."""
-    count = max(PER_STEP * run.steps, run.evaluations, FEWEST, 4 * len(run.times))
+    count = max(PER_STEP * run.steps, run.evaluations, PARTS, 4 * len(run.times))
     remedy = "Ask over a shorter time, or solve to a lower accuracy."
     checks.check_room(int(count), f"{int(count):,} times between the steps", remedy)
     return np.linspace(begin, end, int(count) + 1)

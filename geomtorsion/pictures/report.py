@@ -202,8 +202,6 @@ def _anchor(section: str) -> str:
     return "-".join(["about", *section.lower().replace("'", "").split()])
 
 
-# Enough for the eye; `geomtorsion curve` gives more.
-ACCURACY = 1e-8
 # Large enough for a gap that is seen, small enough to stay within a chart.
 RADIUS = 0.25
 NO_PICTURES = (
@@ -216,7 +214,7 @@ def motions_card(space: Space, progress: Callable[[str], object] = lambda _: Non
     progress("motions")
     try:
         # Compiling pays for long motions only; a page has one short one.
-        pair = solve_pair(space, accuracy=ACCURACY, engine=RungeKutta())
+        pair = solve_pair(space, engine=RungeKutta())
         pictures = [_img(draw(pair), says) for draw, says in _chosen(pair)] if can_draw() else []
     except GeomtorsionError as error:
         return f'<section class="card"><p>No motions: {escape(str(error))}</p></section>'

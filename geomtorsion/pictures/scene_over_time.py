@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
 
-# Changes below this share of a value are its rounding: the panel says that it is constant.
-STILL = 1e-9
+# What changes by less than this share of its size is said to be constant.
+STILL = 1e-8
 
 
 def watched_picture(
@@ -123,10 +123,6 @@ def _plain(size: float) -> bool:
     return 1e-3 <= size < 1e5 or size == 0
 
 
-# What changes by less than this, relative, is kept.
-KEPT = 1e-8
-
-
 def trust_picture(
     times: ArrayLike,
     drifts: Mapping[str, ArrayLike],
@@ -221,7 +217,7 @@ def change_picture(
             change = np.linalg.norm(data - data[0], axis=1) / size
             axes.plot(clock[: len(change)], change, **stroke.line, label=law)
             largest = max(largest, float(change.max()))
-        if largest < KEPT:
+        if largest < STILL:
             axes.set_ylim(-0.05, 1.0)
             axes.text(
                 0.99, 0.93, f"kept: changes below {number(float(f'{largest:.0e}') or NOTHING)}",

@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING
 import sympy as sp
 
 from geomtorsion.codegen import graph
-from geomtorsion.codegen.evaluation import EXACT_BITS
 from geomtorsion.errors import GeomtorsionError
-from geomtorsion.precision import working_precision
+from geomtorsion.precision import EXACT_BITS, working_precision
 from geomtorsion.scenes.assembly import WORK, Assembly, by_quaternion
 from geomtorsion.scenes.context import ATTITUDE, QUATERNION, TIME, VERTICAL
 

@@ -11,7 +11,8 @@ import pytest
 import sympy as sp
 
 from geomtorsion.codegen import graph
-from geomtorsion.codegen.evaluation import EXACT_BITS, exact_number, rational
+from geomtorsion.codegen.evaluation import exact_number, rational
+from geomtorsion.precision import EXACT_BITS
 
 x, y = sp.symbols("x y")
 

@@ -23,7 +23,7 @@ from geomtorsion.cli.options import (
     say_written,
 )
 from geomtorsion.cli.scene_sources import open_scene, start_angles
-from geomtorsion.cli.terminal import right_aligned, some_rows, working
+from geomtorsion.cli.terminal import WIDTH, right_aligned, some_rows, working
 from geomtorsion.cli.values import engine_of
 from geomtorsion.errors import CheckpointError, StuckError
 from geomtorsion.ode import Engine
@@ -35,8 +35,8 @@ from geomtorsion.scenes.result import write_csv
 from geomtorsion.scenes.saving import write_run, write_scene_film
 
 CHECKPOINT, PARTIAL = "checkpoint.npz", "partial.csv"
-# Columns of the table that are shown in the terminal, and the least width of one.
-COLUMNS, WIDTH = 7, 13
+# The least width of a column: a number of six digits with its sign and exponent, and a gap.
+COLUMN = 13
 
 
 def run(
@@ -170,9 +170,9 @@ def _partial(scene: Scene, checkpoint: Path, engine: Engine | None) -> str:
 def _summary(result: SceneResult) -> list[str]:
     """What was solved, some rows of the table, and how good they are."""
     table = result.columns()
-    shown = list(table)[:COLUMNS]
+    shown = list(table)[: WIDTH // COLUMN]
     heading, *facts = str(result).splitlines()
-    width = max(WIDTH, *(len(name) + 2 for name in shown))
+    width = max(COLUMN, *(len(name) + 2 for name in shown))
     lines = [heading, "", right_aligned(shown, width)]
     lines += [
         right_aligned((f"{table[name][k]:.6g}" for name in shown), width)

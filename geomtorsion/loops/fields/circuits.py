@@ -9,12 +9,13 @@ import numpy as np
 
 from geomtorsion.conventions import Signed
 from geomtorsion.errors import GridError
-from geomtorsion.loops.arcs import SAME_POINT, Arc, Part
+from geomtorsion.loops.arcs import Arc, Part
 from geomtorsion.loops.fields.grid import ORDERS, Grid
 from geomtorsion.loops.fields.noise import Noise, significances
 from geomtorsion.loops.fields.stencils import SLACK, Blocks
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.quadrature import ROUNDING
+from geomtorsion.precision import CALCULATED
 
 # Gauss points on each stretch: enough for the highest order of interpolation.
 GAUSS = max(ORDERS) // 2 + 2
@@ -146,7 +147,7 @@ def sampled_burgers(field: Field, loop: Loop, unit: str = "") -> SampledBurgers:
             ends = part.points(arc, np.array([0.0, 1.0]))[0]
             gap += part.times * (ends[:, 1] - ends[:, 0])
     fine, other, coarse = found
-    if np.abs(gap).max() > SAME_POINT * loop.size:
+    if np.abs(gap).max() > CALCULATED * loop.size:
         grid.check_periods(gap)
         # Round a period the constant part does not close.
         fine, other, coarse = (x + field.mean @ gap for x in (fine, other, coarse))

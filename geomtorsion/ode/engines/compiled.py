@@ -17,10 +17,9 @@ from typing import Any
 import numpy as np
 
 from geomtorsion.errors import MissingExtraError
+from geomtorsion.ode.rates import KEPT
 from geomtorsion.ode.system import System
 
-# Compiled integrators that are kept; each is some hundred kilobytes.
-KEPT = 128
 # Equations of more values (times the order of the series) are first compiled without optimisation:
 # that takes a tenth of the time, and half the speed is enough for a short run.
 LARGE = 600

@@ -10,6 +10,7 @@ from typing import Any
 from scipy.integrate import DOP853
 
 from geomtorsion.codegen import Graph, compiled
+from geomtorsion.ode.rates import KEPT
 from geomtorsion.ode.system import System
 
 STAGES = DOP853.n_stages
@@ -33,7 +34,7 @@ def rows_of(system: System) -> Callable[..., Any]:
     return _made("rows", system.size, system.rates)
 
 
-@lru_cache(maxsize=128)
+@lru_cache(maxsize=KEPT)
 def _made(name: str, n: int, rates: Graph) -> Callable[..., Any]:
     """A function of the writer; equal rates give the same one."""
     writer = _writer(n, rates)

@@ -16,6 +16,8 @@ from geomtorsion.ode.system import System
 Watch: TypeAlias = Callable[[float], object]
 # A motion that gets no further by this part of its time stands still.
 STANDSTILL = 1e-9
+# Steps between two looks at whether it does.
+STEPS_AT_ONCE = 2_000
 
 # Function of times that gives states, shape (m, size).
 Dense: TypeAlias = Callable[[np.ndarray], np.ndarray]

@@ -10,8 +10,8 @@ import numpy as np
 from scipy.integrate import DOP853, LSODA, Radau
 
 from geomtorsion.ode.engines.dop853 import STAGES
-from geomtorsion.ode.engines.protocol import WorkLimitError
-from geomtorsion.ode.engines.stepper import STALL, too_many_evaluations
+from geomtorsion.ode.engines.protocol import STEPS_AT_ONCE, WorkLimitError
+from geomtorsion.ode.engines.stepper import too_many_evaluations
 from geomtorsion.ode.system import ScalarRates, System
 from geomtorsion.precision import EPS
 
@@ -113,7 +113,7 @@ def _counted(function: ScalarRates, most: int, duration: float) -> Any:
     def rates(t: float, y: np.ndarray) -> Sequence[float] | np.ndarray:
         nonlocal calls, mark, stalled
         calls += 1
-        if calls % (STALL * STAGES) == 0:
+        if calls % (STEPS_AT_ONCE * STAGES) == 0:
             stalled = stalled or abs(t - mark) < 1e-6 * duration
             mark = t
             if calls > most:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from geomtorsion.ode.engines.dop853 import STAGES, rows_of, step_of
-from geomtorsion.ode.engines.protocol import WorkLimitError
+from geomtorsion.ode.engines.protocol import STEPS_AT_ONCE, WorkLimitError
 from geomtorsion.ode.system import NO_VALUE, System
 
 # Larger systems are faster on arrays.
@@ -23,8 +23,6 @@ LARGEST = 24
 SAFETY, SHORTEST, LONGEST = 0.9, 0.2, 10.0
 # So many times are worked out one by one.
 FEW_TIMES = 4
-# Steps between looks at whether time still moves.
-STALL = 2000
 
 
 class Polynomial:
@@ -156,7 +154,7 @@ class Steps:
             h = after - self.time
             size = abs(h)
             self.tried += 1
-            if self.tried % STALL == 0 and self._stalls():
+            if self.tried % STEPS_AT_ONCE == 0 and self._stalls():
                 return None
             try:
                 fifth, third, new, rates, stages = self._step(

@@ -14,7 +14,6 @@ import mpmath
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.codegen.evaluation import EXACT_BITS
 from geomtorsion.errors import ArgumentError
 from geomtorsion.ode.engines.compiled import (
     Compiled,
@@ -24,14 +23,20 @@ from geomtorsion.ode.engines.compiled import (
     order_of,
     tolerance_of,
 )
-from geomtorsion.ode.engines.protocol import STANDSTILL, Dense, Run, Watch, WorkLimitError
+from geomtorsion.ode.engines.protocol import (
+    STANDSTILL,
+    STEPS_AT_ONCE,
+    Dense,
+    Run,
+    Watch,
+    WorkLimitError,
+)
 from geomtorsion.ode.numbers import Real, mpf
 from geomtorsion.ode.system import System
+from geomtorsion.precision import EXACT_BITS
 
 __all__ = ["Taylor", "heyoka", "is_available"]
 
-# Steps between two looks at whether a run gets anywhere.
-STEPS_AT_ONCE = 2_000
 # A run of more steps than this is worth optimised code.
 LONG = 64
 # Below this order steps are no longer in proportion to what the series leave out.
