@@ -12,10 +12,11 @@ import scipy  # loads its parts when they are asked for
 
 from geomtorsion import checks
 from geomtorsion.errors import GridError
-from geomtorsion.loops.arcs import SAME_POINT, shown
+from geomtorsion.loops.arcs import shown
 from geomtorsion.loops.complexes import Complex
 from geomtorsion.loops.fields.grid import numbers
 from geomtorsion.loops.loop import Loop
+from geomtorsion.precision import CALCULATED
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -236,7 +237,7 @@ class Triangulation:
             nodes.append(end)
             return
         middle = (one + other) / 2
-        if np.abs(other - one).max() > SAME_POINT * np.abs(self.points).max():
+        if np.abs(other - one).max() > CALCULATED * np.abs(self.points).max():
             self._step(nodes, int(tree.query(middle)[1]), one, middle, tree)
             self._step(nodes, end, middle, other, tree)
             return
@@ -309,7 +310,7 @@ class Triangulation:
         # More neighbours than a plane has freedom, and not all of them on a line.
         total = np.asarray(table.sum(axis=1)).ravel()
         enough = np.bincount(node, minlength=count) > wide.shape[1]
-        inside = np.flatnonzero(enough & (np.abs(total - 1) < SAME_POINT**0.5))
+        inside = np.flatnonzero(enough & (np.abs(total - 1) < CALCULATED**0.5))
         if not len(inside):
             raise GridError(
                 f"sigma: points with more than {wide.shape[1]} neighbours are needed to estimate "
