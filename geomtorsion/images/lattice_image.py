@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from geomtorsion import checks
 from geomtorsion.errors import ImageError
 from geomtorsion.images.image_files import check_size, pixels_of_signal, read_pixels
 from geomtorsion.images.phases import LatticePhases, lattice_phases
-from geomtorsion.images.spots import SEARCH, Spectrum, Spots, find_spots, measured
+from geomtorsion.images.spots import Spectrum, Spots, find_spots, measured
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -50,6 +50,8 @@ class LatticeImage:
     values: np.ndarray
     step: float = 1.0
     unit: str = "px"
+    # Rows and columns of the smallest image: a lattice of five pixels has its six periods there.
+    least: ClassVar[int] = 32
 
     def __post_init__(self) -> None:
         """Check the array once."""
@@ -58,9 +60,9 @@ class LatticeImage:
             message="{subject}: an array of grey values was needed, but {value} came. Give one "
             "channel: colour[..., 0], or its mean.",
         )  # fmt: skip
-        if min(values.shape) < SEARCH.least:
+        if min(values.shape) < self.least:
             raise ImageError(
-                f"image: {SEARCH.least} rows and columns or more were needed, but {values.shape} "
+                f"image: {self.least} rows and columns or more were needed, but {values.shape} "
                 "came. Give a larger part."
             )
         check_size("image", values.shape)
@@ -187,10 +189,10 @@ class LatticeImage:
             )
         lengths = np.hypot(*pair.T)
         periods = lengths.min() * min(self.values.shape)
-        if periods < SEARCH.periods:
+        if periods < Spectrum.periods:
             raise ImageError(
-                f"spots: {SEARCH.periods} periods across the image or more were needed, but a spot "
-                f"has {periods:.3g}: it lies at the origin. Give cycles per unit, or a larger part."
+                f"spots: {Spectrum.periods} periods across the image or more were needed, but a "
+                f"spot has {periods:.3g}: it lies at the origin. Give cycles per unit, or a larger part."
             )
         if abs(np.linalg.det(pair)) < 1e-6 * lengths.prod():
             raise ImageError(

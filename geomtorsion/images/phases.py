@@ -15,26 +15,6 @@ from geomtorsion.images.spots import Spots
 from geomtorsion.images.squares import LatticeCircuits, squares_of
 from geomtorsion.loops import Cochain, Complex, Loop, SampledFrame
 
-
-@dataclass(frozen=True)
-class Averaging:
-    """How phases are averaged, and where they are trusted.
-
-    clear: amplitude over noise from which on noise turns no phase round (less than once in a
-        million resolutions); the image is averaged until it is reached.
-    coarsest: share of the image beyond which it is not averaged: circuits need room.
-    low: share of the median amplitude below which a place is a hole: a core, a void.
-    reach: standard deviations at which a Gaussian has ended; one whose middle is nearer to the
-        border than half of this has lost more than 2 % there, and belongs to the margin.
-    """
-
-    clear: float = 5.0
-    coarsest: float = 1 / 12
-    low: float = 0.2
-    reach: float = 4.0
-
-
-AVERAGING = Averaging()
 # What is divided by is at least this: a power may vanish.
 TINY = float(np.finfo(float).tiny)
 
@@ -55,6 +35,7 @@ class LatticePhases:
     blur: standard deviation of the Gaussian over which they were averaged, in pixels.
     waves: H_i of each spot, complex, waves[i, x, y].
     borders: share of the Gaussian that lies within the image, by x and by y.
+    low: share of the median amplitude below which a place is a hole: a core, a void.
     """
 
     step: float
@@ -63,6 +44,7 @@ class LatticePhases:
     blur: float
     waves: np.ndarray
     borders: tuple[np.ndarray, np.ndarray]
+    low: float = 0.2
 
     # -- the lattice ------------------------------------------------------------------------------
 
@@ -124,7 +106,7 @@ class LatticePhases:
     @cached_property
     def holes(self) -> np.ndarray:
         """Where an amplitude is low, so that nothing is known: holes[x, y]."""
-        low = self.amplitude < AVERAGING.low * self.levels[:, None, None]
+        low = self.amplitude < self.low * self.levels[:, None, None]
         return low[0] | low[1]
 
     # -- fields -----------------------------------------------------------------------------------
@@ -181,7 +163,8 @@ class LatticePhases:
     @property
     def margin(self) -> int:
         """Pixels at each border whose averages reach beyond it, which `sampled` leaves out."""
-        return int(np.ceil(AVERAGING.reach / 2 * self.blur))
+        # A middle that is nearer to the border than half the reach has lost more than 2 % there.
+        return int(np.ceil(_reach(self.blur) / 2))
 
     def sampled(self, order: int = 4, *, lengths: bool = False) -> SampledFrame:
         """The coframe as a sampled frame without the margin: maps, loops, Nye tensor.
@@ -323,7 +306,7 @@ def lattice_phases(
     if blur is None:
         blur = _resolution(spots, min(field.shape))
     # Zeros behind the border keep opposite sides apart.
-    padded = [fft.next_fast_len(n + int(AVERAGING.reach * blur)) for n in field.shape]
+    padded = [fft.next_fast_len(n + int(_reach(blur))) for n in field.shape]
     spectrum = fft.fft2(field - field.mean(), padded)
     borders = [_inside(n, blur) for n in field.shape]
     lines = [fft.fftfreq(n) for n in padded]
@@ -347,9 +330,14 @@ def lattice_phases(
     return LatticePhases(step, unit, spots, blur, waves, (borders[0], borders[1]))
 
 
+def _reach(blur: float, deviations: float = 4.0) -> float:
+    """Where a Gaussian has ended."""
+    return deviations * blur
+
+
 def _inside(count: int, blur: float) -> np.ndarray:
     """Share of a Gaussian about each of so many pixels that lies within them."""
-    reach = int(np.ceil(AVERAGING.reach * blur))
+    reach = int(np.ceil(_reach(blur)))
     weights = np.exp(-((np.arange(-reach, reach + 1) / blur) ** 2) / 2)
     every = np.concatenate([[0.0], np.cumsum(weights / weights.sum())])
     place = np.arange(count)
@@ -357,11 +345,16 @@ def _inside(count: int, blur: float) -> np.ndarray:
     return above - every[np.maximum(reach - place, 0)]
 
 
-def _resolution(spots: Spots, size: int) -> float:
-    """One lattice spacing; more where amplitudes would not be clear of the noise."""
+def _resolution(spots: Spots, size: int, clear: float = 5.0, coarsest: float = 1 / 12) -> float:
+    """One lattice spacing; more where amplitudes would not be clear of the noise.
+
+    clear: amplitude over noise from which on noise turns no phase round (less than once in a
+    million resolutions). coarsest: share of the image beyond which it is not averaged: circuits
+    need room.
+    """
     spacing = 1.0 / float(np.hypot(*spots.vectors.T).min())
     # A spot without any power asks for more than there is.
     weakest = np.maximum(spots.amplitudes, spots.noise / size)
     ratio = float((spots.noise / np.maximum(weakest, TINY)).max())
-    needed = AVERAGING.clear * ratio / np.sqrt(4 * np.pi)
-    return min(max(spacing, needed), max(spacing, size * AVERAGING.coarsest))
+    needed = clear * ratio / np.sqrt(4 * np.pi)
+    return min(max(spacing, needed), max(spacing, size * coarsest))

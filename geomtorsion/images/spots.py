@@ -12,39 +12,6 @@ from scipy.signal import windows
 from geomtorsion.errors import ImageError
 
 
-@dataclass(frozen=True)
-class Search:
-    """How spots are looked for.
-
-    false_alarm: chance that noise alone, anywhere in an image, is taken for a spot.
-    least: rows and columns of the smallest image; periods: across the smallest, fewer of which
-        have no phase to speak of.
-    smoothing: standard deviation in pixels of the transform over which power is added: a
-        dislocation splits a spot into a ring of about one pixel.
-    collinear: sine of the angle, 10 degrees, between two spots that span a lattice.
-    candidates: spots that are looked at, strongest first: the first orders of any lattice.
-    belonging: share of the power of all spots that has to belong to one lattice.
-    orders: multiples of the two spots among which the others are sought.
-    harmonics: of sharp fringes, which are no second direction even where they are folded back;
-        their power falls with the square of the order, so that fainter ones decide nothing.
-    covered: participation ratio of a lattice in the image, below which a spot comes from edges.
-    """
-
-    false_alarm: float = 1e-4
-    least: int = 32
-    periods: int = 6
-    smoothing: float = 1.5
-    collinear: float = 0.17
-    candidates: int = 16
-    belonging: float = 0.5
-    orders: int = 4
-    harmonics: int = 12
-    covered: float = 0.2
-
-
-SEARCH = Search()
-
-
 @dataclass(frozen=True, eq=False)
 class Spots:
     """Two Bragg spots that span the reciprocal lattice.
@@ -65,11 +32,16 @@ class Spectrum:
     """Power of an image under a Hann window, in units of a white noise of variance one.
 
     power: shape (N_x, N_y); x, y: frequencies of rows and columns in cycles per pixel.
+    smoothing: standard deviation in pixels of the transform over which power is added: a
+        dislocation splits a spot into a ring of about one pixel.
+    periods: across the smaller side that a spot has at least: fewer have no phase to speak of.
     """
 
     power: np.ndarray
     x: np.ndarray
     y: np.ndarray
+    smoothing: float = 1.5
+    periods: int = 6
 
     @classmethod
     def of(cls, field: np.ndarray) -> Spectrum:
@@ -105,11 +77,11 @@ def _taper(count: int) -> np.ndarray:
     return windows.tukey(count, 0.5, sym=False)
 
 
-def find_spots(field: np.ndarray) -> Spots:
+def find_spots(field: np.ndarray, false_alarm: float = 1e-4) -> Spots:
     """The two Bragg spots of an image that span its lattice, each to a third of a pixel.
 
-    A spot stands out of what lies round it by more than noise does anywhere in an image, except
-    once in 10,000. Of the pairs that all other spots are whole multiples of, the strongest is
+    A spot stands out of what lies round it by more than noise does anywhere in an image, except for
+    false alarms. Of the pairs that all other spots are whole multiples of, the strongest is
     taken.
 
     Raises
@@ -118,7 +90,7 @@ def find_spots(field: np.ndarray) -> Spots:
         No spot stands out, or all lie in one direction, or they come from edges and not a lattice.
     """
     spectrum = Spectrum.of(field)
-    places, strengths = _significant(spectrum)
+    places, strengths = _significant(spectrum, false_alarm)
     if not len(places):
         raise ImageError(
             "the image has no lattice that can be seen: no spot of its Fourier transform stands "
@@ -163,7 +135,7 @@ def measured(spectrum: Spectrum, pair: np.ndarray) -> Spots:
         ring = (distance < shortest / 2) & (distance > shortest / 4)
         # The power of noise is exponential: its median is ln 2 of its mean.
         variance = float(np.median(block[ring])) / np.log(2) if ring.any() else 0.0
-        inside = distance < min(shortest / 4, 4 * SEARCH.smoothing * spectrum.pixel)
+        inside = distance < min(shortest / 4, 4 * spectrum.smoothing * spectrum.pixel)
         power = block[inside].sum() - variance * inside.sum()
         # Parseval: the power under the window is A^2 times the number of pixels.
         amplitudes[k] = np.sqrt(max(power, 0.0) / spectrum.power.size)
@@ -176,8 +148,8 @@ def refined(spectrum: Spectrum, place: np.ndarray) -> np.ndarray:
 
     It is the mean gradient of the phase: a dislocation, which splits its spot, does not shift it.
     """
-    reach = 4 * SEARCH.smoothing
-    width = SEARCH.smoothing * spectrum.pixel
+    reach = 4 * spectrum.smoothing
+    width = spectrum.smoothing * spectrum.pixel
     for _ in range(50):
         block, dx, dy = spectrum.around(place, reach)
         weight = np.exp(-(dx**2 + dy**2) / (2 * width**2)) * block
@@ -189,17 +161,22 @@ def refined(spectrum: Spectrum, place: np.ndarray) -> np.ndarray:
     return place
 
 
-def _significant(spectrum: Spectrum) -> tuple[np.ndarray, np.ndarray]:
-    """Places of spots, half of the plane, and their power over the noise, strongest first."""
-    power = ndimage.gaussian_filter(spectrum.power, SEARCH.smoothing, mode="wrap")
+def _significant(
+    spectrum: Spectrum, false_alarm: float, candidates: int = 16
+) -> tuple[np.ndarray, np.ndarray]:
+    """Places of spots, half of the plane, and their power over the noise, strongest first.
+
+    candidates: spots that are looked at: the first orders of any lattice.
+    """
+    power = ndimage.gaussian_filter(spectrum.power, spectrum.smoothing, mode="wrap")
     kx, ky = spectrum.x[:, None], spectrum.y[None, :]
-    least = SEARCH.periods / min(power.shape)
+    least = spectrum.periods / min(power.shape)
     half = (kx > 0) | ((kx == 0) & (ky > 0))
-    reach = int(np.ceil(3 * SEARCH.smoothing))
+    reach = int(np.ceil(3 * spectrum.smoothing))
     peak = ndimage.maximum_filter(power, 2 * reach + 1, mode="wrap") == power
     places = np.argwhere(peak & half & (np.hypot(kx, ky) > least))
-    ranked = places[np.argsort(-power[tuple(places.T)], kind="stable")][: 4 * SEARCH.candidates]
-    limit = _threshold(power.size)
+    ranked = places[np.argsort(-power[tuple(places.T)], kind="stable")][: 4 * candidates]
+    limit = _threshold(power.size, spectrum.smoothing, false_alarm)
     radii = np.hypot(kx, ky)
     found, strengths = [], []
     for i, j in ranked.tolist():
@@ -213,26 +190,29 @@ def _significant(spectrum: Spectrum) -> tuple[np.ndarray, np.ndarray]:
         if power[i, j] > limit * noise:
             found.append(place)
             strengths.append(power[i, j] - noise)
-    return np.array(found[: SEARCH.candidates]), np.array(strengths[: SEARCH.candidates])
+    return np.array(found[:candidates]), np.array(strengths[:candidates])
 
 
-def _threshold(count: int) -> float:
+def _threshold(count: int, smoothing: float, false_alarm: float) -> float:
     """What smoothed noise of mean one exceeds nowhere at so many places, but for false alarms.
 
     A weighted sum of powers is nearly gamma-distributed; the window correlates neighbours.
     """
     weights = np.zeros(33)
     weights[16] = 1.0
-    weights = ndimage.gaussian_filter1d(weights, SEARCH.smoothing)
+    weights = ndimage.gaussian_filter1d(weights, smoothing)
     energy = np.abs(fft.fft(_taper(1024) ** 2)) ** 2
     correlation = np.roll(energy / energy[0], 8)[:17]
     variance = float(weights @ np.convolve(weights, correlation, mode="same")) ** 2
     shape = 1.0 / variance
-    return float(stats.gamma.isf(SEARCH.false_alarm / count, shape) / shape)
+    return float(stats.gamma.isf(false_alarm / count, shape) / shape)
 
 
-def _covers(field: np.ndarray, place: np.ndarray) -> bool:
-    """Whether what makes a spot lies all over the image, by the participation ratio."""
+def _covers(field: np.ndarray, place: np.ndarray, covered: float = 0.2) -> bool:
+    """Whether what makes a spot lies all over the image, by the participation ratio.
+
+    covered: the ratio below which it comes from edges.
+    """
     blur = max(2.0 / float(np.hypot(*place)), 2.0)
     waves = [
         np.exp(-2j * np.pi * k * np.arange(n)) for k, n in zip(place, field.shape, strict=True)
@@ -245,11 +225,23 @@ def _covers(field: np.ndarray, place: np.ndarray) -> bool:
     found = found.reshape(shape[0], every, shape[1], every).mean(axis=(1, 3))
     smooth = ndimage.gaussian_filter(found, blur / every, mode="constant")
     power = smooth.real**2 + smooth.imag**2
-    return bool(power.mean() ** 2 >= SEARCH.covered * (power**2).mean())
+    return bool(power.mean() ** 2 >= covered * (power**2).mean())
 
 
-def _basis(places: np.ndarray, strengths: np.ndarray, pixel: float) -> tuple[int, int] | None:
+def _basis(
+    places: np.ndarray,
+    strengths: np.ndarray,
+    pixel: float,
+    *,
+    collinear: float = 0.17,
+    orders: int = 4,
+    belonging: float = 0.5,
+) -> tuple[int, int] | None:
     """The strongest pair of those that span the most of all spots; None if there is no pair.
+
+    collinear: sine of the angle, 10 degrees, below which two spots span no lattice.
+    orders: multiples of the two among which the others are sought.
+    belonging: share of the power of all spots that has to belong to one lattice.
 
     Raises
     ------
@@ -261,19 +253,19 @@ def _basis(places: np.ndarray, strengths: np.ndarray, pixel: float) -> tuple[int
     for a, b in combinations(range(len(places)), 2):
         first, second = places[a], places[b]
         cross = first[0] * second[1] - first[1] * second[0]
-        collinear = abs(cross) < SEARCH.collinear * np.hypot(*first) * np.hypot(*second)
-        if collinear or harmonic[a] or harmonic[b]:
+        parallel = abs(cross) < collinear * np.hypot(*first) * np.hypot(*second)
+        if parallel or harmonic[a] or harmonic[b]:
             continue
         basis = places[[a, b]]
         multiples = np.round(places @ np.linalg.inv(basis))
         rest = multiples @ basis - places
         slack = pixel * np.maximum(1, np.abs(multiples).sum(axis=1) / 2)
-        near = (np.hypot(*rest.T) < slack) & (np.abs(multiples).max(axis=1) <= SEARCH.orders)
+        near = (np.hypot(*rest.T) < slack) & (np.abs(multiples).max(axis=1) <= orders)
         pairs.append((a, b))
         spanned.append(strengths[near].sum() / strengths.sum())
     if not pairs:
         return None
-    if max(spanned) < SEARCH.belonging:
+    if max(spanned) < belonging:
         raise ImageError(
             "the image has no lattice that can be seen: the spots of its Fourier transform do not "
             "belong together. Cut out a part with one lattice, or give spots=[[x, y], [x, y]]."
@@ -283,9 +275,15 @@ def _basis(places: np.ndarray, strengths: np.ndarray, pixel: float) -> tuple[int
     return max(best, key=lambda pair: (min(strengths[list(pair)]), -sum(pair)))
 
 
-def _harmonics(places: np.ndarray, strengths: np.ndarray, pixel: float) -> np.ndarray:
-    """Which spots are harmonics of the strongest one, perhaps folded back at the end of an axis."""
-    orders = np.arange(-SEARCH.harmonics, SEARCH.harmonics + 1)[:, None]
+def _harmonics(
+    places: np.ndarray, strengths: np.ndarray, pixel: float, harmonics: int = 12
+) -> np.ndarray:
+    """Which spots are harmonics of the strongest one, perhaps folded back at the end of an axis.
+
+    harmonics: orders of sharp fringes, which are no second direction; their power falls with the
+    square of the order, so that fainter ones decide nothing.
+    """
+    orders = np.arange(-harmonics, harmonics + 1)[:, None]
     orders = orders[np.abs(orders[:, 0]) > 1]
     first = int(strengths.argmax())
     rest = places[:, None] - orders * places[first]
@@ -293,5 +291,5 @@ def _harmonics(places: np.ndarray, strengths: np.ndarray, pixel: float) -> np.nd
     near = np.hypot(rest[..., 0], rest[..., 1]) < pixel * np.abs(orders[:, 0]) / 2
     # Twice, since a spot is seldom measured better.
     weak = strengths[:, None] * orders[:, 0] ** 2 < 2 * strengths[first]
-    faint = strengths * SEARCH.harmonics**2 < strengths[first]
+    faint = strengths * harmonics**2 < strengths[first]
     return (near & weak).any(axis=1) | faint
