@@ -117,7 +117,13 @@ class LatticeImage:
         """
         if not isinstance(path, str | Path):
             raise ImageError(f"path: a file name was needed, but {checks.shown(path)} came.")
-        return cls(read_pixels(Path(path), page), step, unit)
+        values = read_pixels(Path(path), page)
+        try:
+            return cls(values, step, unit)
+        except ImageError as error:
+            # What is wrong with the pixels is wrong with the file.
+            named = f"{Path(path).name}: {error}"
+            raise ImageError(named if "image" in str(error)[:10] else str(error)) from None
 
     @classmethod
     def of_signal(cls, signal: Any) -> LatticeImage:
@@ -192,7 +198,8 @@ class LatticeImage:
         if periods < Spectrum.periods:
             raise ImageError(
                 f"spots: {Spectrum.periods} periods across the image or more were needed, but a "
-                f"spot has {periods:.3g}: it lies at the origin. Give cycles per unit, or a larger part."
+                f"spot has {periods:.3g}: it lies at the origin. Give cycles per unit, or a larger "
+                "part."
             )
         if abs(np.linalg.det(pair)) < 1e-6 * lengths.prod():
             raise ImageError(

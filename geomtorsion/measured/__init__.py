@@ -2,7 +2,7 @@
 
 from geomtorsion.measured.crystal_field import CrystalField
 from geomtorsion.measured.lattice_field import LatticeField
-from geomtorsion.measured.opening import SUFFIXES, is_measured, open_measured
+from geomtorsion.measured.opening import SUFFIXES, is_array, is_measured, open_measured
 from geomtorsion.measured.results import Backdrop, Closure, Measured, Section, Survey
 from geomtorsion.measured.sampled_field import SampledField
 
@@ -16,6 +16,7 @@ __all__ = [
     "SampledField",
     "Section",
     "Survey",
+    "is_array",
     "is_measured",
     "open_measured",
 ]

@@ -18,7 +18,7 @@ from geomtorsion.files import read_json_text, read_text
 from geomtorsion.loops import BlockMap, blocked_map
 from geomtorsion.loops.fields.sources import Source
 from geomtorsion.loops.quadrature import PIECE
-from geomtorsion.measured.opening import open_measured
+from geomtorsion.measured.opening import is_array, open_measured
 from geomtorsion.measured.results import Survey, noise_level
 from geomtorsion.measured.sampled_field import SampledField, layer_names
 from geomtorsion.measured.writing import summary
@@ -120,18 +120,6 @@ def open_in_blocks(
         values, starts, steps, tuple(frame.names), float(levels[0]), frame.order,
         tuple(frame.periodic), frame.unit, frame.vector_unit, digest_of(path),
     )  # fmt: skip
-
-
-def is_array(path: Path) -> bool:
-    """Whether a file is an array that is only read in parts: Zarr, or .npy of four axes or more."""
-    if path.suffix.lower() == ".zarr":
-        return True
-    if path.suffix.lower() != ".npy" or not path.is_file():
-        return False
-    try:
-        return np.load(path, mmap_mode="r", allow_pickle=False).ndim > 3
-    except (OSError, ValueError, EOFError):
-        return False
 
 
 def digest_of(path: Path) -> str:

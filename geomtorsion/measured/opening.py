@@ -8,6 +8,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from geomtorsion import checks
 from geomtorsion.checks import shown
 from geomtorsion.errors import FileFormatError, GridError, ImageError, OrientationError
@@ -25,7 +27,7 @@ from geomtorsion.orientations.slip import FAMILIES as SLIP
 ORIENTATIONS = (".ctf", ".ang")
 IMAGES = tuple(PICTURES)
 HDF5 = (".h5", ".hdf5")
-SUFFIXES = (*FORMATS, *ORIENTATIONS, *IMAGES)
+SUFFIXES = (*FORMATS, *ORIENTATIONS, *IMAGES, ".zarr")
 # Kind of a file -> the options that it takes, what it is called, and its errors.
 OPTIONS = {
     "grid": ("sigma", "order"),
@@ -65,6 +67,18 @@ def is_measured(source: str | Path) -> bool:
     """
     path = Path(source)
     return path.suffix.lower() in SUFFIXES or bool(_ends(path))
+
+
+def is_array(path: Path) -> bool:
+    """Whether a file is an array that is only read in parts: Zarr, or .npy of four axes or more."""
+    if path.suffix.lower() == ".zarr":
+        return True
+    if path.suffix.lower() != ".npy" or not path.is_file():
+        return False
+    try:
+        return np.load(path, mmap_mode="r", allow_pickle=False).ndim > 3
+    except (OSError, ValueError, EOFError):
+        return False
 
 
 def open_measured(
@@ -117,6 +131,11 @@ def open_measured(
         raise FileFormatError(
             f"{path.name}: a name ending in {', '.join(SUFFIXES)} was needed, but "
             f"{shown(path.suffix)} came. Rename or export the file."
+        )
+    if is_array(path):
+        raise GridError(
+            f"{path.name}: it holds a field as an array, of which maps are made in blocks: "
+            "geomtorsion map FILE -o DIR. For single circuits save it by SampledFrame.save."
         )
     kind = _kind(path)
     options = {

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.errors import GeomtorsionError, OrientationError
+from geomtorsion.errors import FileFormatError, GeomtorsionError, OrientationError
 from geomtorsion.loops import Cochain, Loop, SampledFrame
 from geomtorsion.loops.fields.circuits import unexplained
 from geomtorsion.loops.fields.noise import significances
@@ -168,6 +168,11 @@ class OrientationMap:
         """
         is_orix = Path(path).suffix.lower() in SUFFIXES
         file = read_orix(Path(path), laue or {}) if is_orix else read_map_file(path, laue)
+        if not (file.phase > 0).any():
+            raise FileFormatError(
+                f"{Path(path).name}: no pixel is indexed: the phase of each is 0, so that nothing "
+                "is known. Export a map with orientations."
+            )
         return cls._from_file(file, axes, threshold, sigma)
 
     @classmethod

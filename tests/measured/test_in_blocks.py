@@ -11,8 +11,8 @@ import pytest
 
 from geomtorsion.errors import CheckpointError, FileFormatError, GridError
 from geomtorsion.loops import SampledFrame
-from geomtorsion.measured import open_measured
-from geomtorsion.measured.in_blocks import BLOCKS, BlockedRun, is_array, open_in_blocks
+from geomtorsion.measured import is_array, is_measured, open_measured
+from geomtorsion.measured.in_blocks import BLOCKS, BlockedRun, open_in_blocks
 from tests.measured.test_opening import grid
 
 ROOT = Path(__file__).parents[2]
@@ -68,7 +68,8 @@ def test_a_volume_and_its_strongest_layer(tmp_path):
     assert numbers["circuits"] == 7 * 8 * 7
 
 
-@pytest.mark.parametrize("end", [".npy", ".zarr"])
+# Both kinds of arrays are killed; the second in longer campaigns.
+@pytest.mark.parametrize("end", [".npy", pytest.param(".zarr", marks=pytest.mark.slow)])
 def test_killed_and_taken_up_again(tmp_path, end):
     """The command, killed while it works, then --resume: bit by bit the map of one run."""
     path = tmp_path / f"field{end}"
@@ -135,3 +136,6 @@ def test_what_is_no_field_is_refused(tmp_path):
         open_in_blocks(tmp_path / "field.npz", steps=[1, 1])
     with pytest.raises(FileFormatError, match="no such file"):
         open_in_blocks(tmp_path / "none.zarr")
+    assert is_measured(tmp_path / "none.zarr")
+    with pytest.raises(GridError, match="maps are made in blocks: geomtorsion map FILE -o DIR"):
+        open_measured(tmp_path / "field.npy")

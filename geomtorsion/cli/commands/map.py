@@ -42,7 +42,8 @@ from geomtorsion.cli.options import (
 from geomtorsion.cli.terminal import working, wrapped
 from geomtorsion.errors import CheckpointError, GridError, ImageError, OrientationError
 from geomtorsion.loops.loop_files import loop_from_data
-from geomtorsion.measured.in_blocks import BLOCKS, BlockedRun, is_array, open_in_blocks
+from geomtorsion.measured import is_array
+from geomtorsion.measured.in_blocks import BLOCKS, BlockedRun, open_in_blocks
 from geomtorsion.measured.writing import summary
 from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from geomtorsion.pictures.style import can_draw, save

@@ -206,3 +206,65 @@ def test_an_image(lattice, tmp_path):
 def test_wrong_options_of_images(lattice, arguments, message):
     """Each is refused as it was typed."""
     assert message in " ".join(run(lattice, *arguments, code=2).stderr.split())
+
+
+def masked(lines: list[str]) -> list[str]:
+    """A .ctf file in which nothing was indexed."""
+    head = next(k for k, line in enumerate(lines) if line.startswith("Phase\t"))
+    rest = ["0" + line[line.index("\t") :] for line in lines[head + 1 :]]
+    return [*lines[: head + 1], *rest]
+
+
+@pytest.mark.parametrize("command", ["map", "burgers"])
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("masked.ctf", "masked.ctf: no pixel is indexed"),
+        ("mixed.ctf", "Steps are mixed"),
+        ("phase.ctf", "phase 7 is not described in the header"),
+        ("nan.npz", "nan.npz: coframe: nothing is known"),
+        ("shape.npz", "shape (rows, 2, 9, 8) was needed"),
+        ("nan.npy", "nan.npy: image[0, 0] = nan is not finite"),
+        ("noise.npy", "no lattice that can be seen"),
+        ("flat.npy", "the image has no lattice"),
+    ],
+)
+def test_bad_files_through_the_commands(tmp_path, command, name, said):
+    """Each is named with what is wrong; the commands end with 2."""
+    lines, path = ctf(), tmp_path / name
+    first = next(k for k, line in enumerate(lines) if line.startswith("Phase\t")) + 5
+    axes = {"axis_x": np.arange(9.0), "axis_y": np.arange(8.0)}
+    fields = lines[first].split("\t")
+    if name == "masked.ctf":
+        write(tmp_path, masked(lines), name)
+    elif name == "mixed.ctf":
+        lines[first] = "\t".join([fields[0], "0.37", *fields[2:]])
+        write(tmp_path, lines, name)
+    elif name == "phase.ctf":
+        lines[first] = "\t".join(["7", *fields[1:]])
+        write(tmp_path, lines, name)
+    elif name == "nan.npz":
+        np.savez(path, coframe=np.full((2, 2, 9, 8), np.nan), **axes)
+    elif name == "shape.npz":
+        np.savez(path, coframe=np.zeros((2, 2, 9, 7)), **axes)
+    else:
+        noise = np.random.default_rng(0).normal(size=(128, 128))
+        np.save(path, {"nan.npy": noise * np.nan, "flat.npy": 0 * noise}.get(name, noise))
+    options = () if command == "map" else ("--loop", "circle 3,3:1")
+    told = " ".join(running.run(command, str(path), *options, code=2).stderr.split())
+    assert said in told
+
+
+@pytest.mark.parametrize(
+    ("loop", "words"),
+    [
+        ("circle 900,900:2", ("leaves",)),
+        ("circle 3,3:300", ("leaves",)),
+        ("circle 3,3,1:2", ("two coordinates", "3 coordinates", "in 2")),
+    ],
+)
+def test_loops_outside_through_the_commands(scan, lattice, tmp_path, loop, words):
+    """In every kind of file, and with a coordinate too many."""
+    for file in (scan, lattice, str(grid(tmp_path))):
+        told = running.run("burgers", file, "--loop", loop, code=2).stderr
+        assert any(word in told for word in words), told
