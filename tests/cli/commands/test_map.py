@@ -233,7 +233,7 @@ def test_bad_files_through_the_commands(tmp_path, command, name, said):
     """Each is named with what is wrong; the commands end with 2."""
     lines, path = ctf(), tmp_path / name
     first = next(k for k, line in enumerate(lines) if line.startswith("Phase\t")) + 5
-    axes = {"axis_x": np.arange(9.0), "axis_y": np.arange(8.0)}
+    x, y = np.arange(9.0), np.arange(8.0)
     fields = lines[first].split("\t")
     if name == "masked.ctf":
         write(tmp_path, masked(lines), name)
@@ -244,9 +244,9 @@ def test_bad_files_through_the_commands(tmp_path, command, name, said):
         lines[first] = "\t".join(["7", *fields[1:]])
         write(tmp_path, lines, name)
     elif name == "nan.npz":
-        np.savez(path, coframe=np.full((2, 2, 9, 8), np.nan), **axes)
+        np.savez(path, coframe=np.full((2, 2, 9, 8), np.nan), axis_x=x, axis_y=y)
     elif name == "shape.npz":
-        np.savez(path, coframe=np.zeros((2, 2, 9, 7)), **axes)
+        np.savez(path, coframe=np.zeros((2, 2, 9, 7)), axis_x=x, axis_y=y)
     else:
         noise = np.random.default_rng(0).normal(size=(128, 128))
         np.save(path, {"nan.npy": noise * np.nan, "flat.npy": 0 * noise}.get(name, noise))
