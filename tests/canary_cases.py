@@ -54,6 +54,10 @@ PLACED = gt.DislocationNetwork.of_arrays(RING)
 _Y, _X = np.mgrid[63:-1:-1, 0:64]
 PICTURE = np.cos(np.pi * _X / 3) + np.cos(np.pi * _Y / 3)
 PHASES = gt.LatticeImage(PICTURE).phases()
+ATOM_FILE = Path(__file__).parent / "data" / "tungsten.xyz"
+CORNERS = np.argwhere(np.ones((4, 4, 4)))
+ATOMS = 3.2 * np.concatenate([CORNERS, CORNERS + 0.5])
+IRON_ATOMS = gt.crystals.Crystal(ATOMS, np.diag([12.8] * 3))
 LINES = gt.DislocationNetwork.of_lines([("a", "b", (1, 0, 0)), ("b", "a", (1, 0, 0))])
 EXERCISE = exercises.load("3.2", 1)
 ANSWERS = {question.name: "1" for question in EXERCISE.questions}
@@ -203,6 +207,14 @@ def public_functions() -> list[Case]:
         _public("OrientationMap", quaternions=CRYSTALS.quaternions, phase=CRYSTALS.phase,
                 phases={1: IRON}, steps=(1, 1), shift=0, threshold=5, sigma=0.1, unit="um"),
         _public("LatticeImage", values=PICTURE, step=1, unit="nm"),
+        _of("crystals.Crystal", gt.crystals.Crystal, positions=ATOMS, cell=np.diag([12.8] * 3),
+            periodic=(True, True, True), lattice="bcc", orient=np.eye(3), constant=3.2,
+            species=["W"] * len(ATOMS)),
+        _of("crystals.read", gt.crystals.read, path=str(ATOM_FILE), frame=0, lattice="bcc",
+            orient=np.eye(3), constant=3.2, form="extxyz"),
+        _of("Crystal.circuit", IRON_ATOMS.circuit, atoms=[0, 1, 8, 7]),
+        _of("Crystal.circuit.around", IRON_ATOMS.circuit.around, point=[6, 6, 6],
+            normal=[0, 0, 1], radius=4.0),
         _public(
             "SampledFrame", axes=[np.arange(9.0), np.arange(9.0)],
             coframe=np.ones((1, 2, 9, 9)), order=4, names=("x", "y"),

@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 import geomtorsion
 from geomtorsion.cli.app import app
 from geomtorsion.spaces import read_file
+from tests.crystals.making import copper_screw, written
 from tests.orientations.synthetic import bent
 from tests.orientations.test_map_files import ctf, write
 
@@ -72,9 +73,10 @@ def test_commands_are_found():
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_commands_run(command, tmp_path, monkeypatch):
-    """Each command ends well and says something; the scan that one reads is a bent crystal."""
+    """Each command ends well and says something; some read a bent crystal, or atoms."""
     monkeypatch.chdir(tmp_path)
     write(tmp_path, ctf(bent((12, 14), 0.1)), "scan.ctf")
+    written(tmp_path, copper_screw())
     result = CliRunner().invoke(app, shlex.split(command)[1:])
     assert result.exit_code == 0, result.output
     assert result.output.strip()

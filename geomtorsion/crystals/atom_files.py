@@ -302,3 +302,21 @@ def _data(atoms: Atoms, where: str) -> AtomData:
         species=tuple(atoms.get_chemical_symbols()),
         where=where,
     )
+
+
+def frame_count(path: str | PathLike[str], form: str | None = None) -> int:
+    """How many frames a file has; of formats whose frames are not told apart by their lines, 1.
+
+    Raises
+    ------
+    FileFormatError
+        The file is missing, or its frames are not whole.
+    """
+    file = Path(path)
+    _regular(file)
+    kind = _form_of(file, form)
+    if kind not in ("extxyz", "xyz", "lammps-dump-text"):
+        return 1
+    blocks = _xyz_blocks if kind != "lammps-dump-text" else _dump_blocks
+    with file.open(encoding="utf-8", errors="replace") as stream:
+        return sum(1 for _ in blocks(file.name, stream))

@@ -61,7 +61,7 @@ def read(
     found = next(islice(atom_frames(path, form), number, None), None)
     if found is None:
         raise FileFormatError(f"{path}: it has no frame {number}; they are counted from 0.")
-    return _crystal(found, lattice, orient, constant)
+    return crystal_of(found, lattice, orient, constant)
 
 
 def read_all(
@@ -79,12 +79,12 @@ def read_all(
     `read`.
     """
     for data in atom_frames(path, form):
-        crystal = _crystal(data, lattice, orient, constant)
+        crystal = crystal_of(data, lattice, orient, constant)
         lattice, orient, constant = crystal.lattice, crystal.orient, crystal.constant
         yield crystal
 
 
-def _crystal(
+def crystal_of(
     data: AtomData, lattice: str | None, orient: ArrayLike | None, constant: float | None
 ) -> Crystal:
     """The crystal of a frame; what is wrong with it is told with its file."""

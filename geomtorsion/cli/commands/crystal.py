@@ -1,0 +1,271 @@
+"""crystal: from atoms to dislocation lines, for a person or for a pipeline."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+
+from geomtorsion.checks import cut
+from geomtorsion.cli.commands.burgers import Form
+from geomtorsion.cli.crystal_page import crystal_page
+from geomtorsion.cli.exits import ExitCode, stopped
+from geomtorsion.cli.options import argument, directory, option
+from geomtorsion.cli.terminal import some_rows
+from geomtorsion.conventions import burgers
+from geomtorsion.crystals import LATTICES
+from geomtorsion.crystals.reports import Json, followed
+from geomtorsion.crystals.trajectories import Wanted, forget, is_begun, reports
+from geomtorsion.errors import CheckpointError, CrystalError, GeomtorsionError, MissingExtraError
+from geomtorsion.loops import DislocationNetwork
+from geomtorsion.loops.crystal_analysis import crystal_analysis_text
+from geomtorsion.pictures.network import draw_lines
+from geomtorsion.pictures.style import save
+from geomtorsion.progress import bar
+
+FRAMES = "frames"
+
+
+def crystal(
+    file: Annotated[
+        Path, argument("FILE", "Atoms: extended XYZ, LAMMPS dump or data, POSCAR, CIF ...")
+    ],
+    lattice: Annotated[
+        str | None, option(metavar="NAME", text=f"{', '.join(LATTICES)}; found if not given.")
+    ] = None,
+    orient: Annotated[
+        str | None,
+        option(
+            metavar="X;Y;Z",
+            text="Crystal directions along x, y and z: '1,-1,0;1,1,1;-1,-1,2'; found if not given.",
+        ),
+    ] = None,
+    constant: Annotated[
+        float | None, option(metavar="A", text="Lattice constant; found if not given.")
+    ] = None,
+    read_as: Annotated[
+        str | None, option("--read-as", metavar="NAME", text="Format of FILE, as ase calls it.")
+    ] = None,
+    partials: Annotated[
+        bool, typer.Option("--partials", help="Tell partial dislocations of a fault apart.")
+    ] = False,
+    convention: Annotated[
+        str, typer.Option(metavar="NAME", help="Sign of b: SF/RH, FS/RH, OVITO, Hirth-Lothe.")
+    ] = "SF/RH",
+    form: Annotated[
+        Form, typer.Option("--format", help="text to read, json for programs.")
+    ] = Form.text,
+    output: Annotated[
+        Path | None,
+        directory("Write crystal.json, lines for OVITO, ParaView and ParaDiS, and pictures there."),
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with the trajectory that was stopped in DIR.")
+    ] = False,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Begin anew where one was stopped in DIR.")
+    ] = False,
+) -> None:
+    """Find the dislocation lines of a crystal, with their Burgers vectors.
+
+    b is given in lattice constants along the crystal's axes, exactly, and in the coordinates of the
+    file. A trajectory is done frame by frame in the axes of its first frame; lines keep their
+    numbers in time. With -o every frame stays in DIR when the command is stopped or killed; with
+    --resume it goes on, to the same bits.
+
+    \b
+    Examples:
+      geomtorsion crystal cu_edge.xyz -o out
+      geomtorsion crystal w.dump --lattice bcc --orient '1,1,-2;-1,1,0;1,1,1' -o out
+      geomtorsion crystal run.xyz --format json | jq '.frames[].lines[].burgers_lattice'
+    """
+    # A sign that nobody knows is told before anything is computed.
+    burgers([0], convention)
+    wanted = Wanted(lattice, _axes(orient), constant, read_as, partials, convention)
+    folder = _folder(output, resume=resume, overwrite=overwrite)
+    found: list[Json] = []
+    made: list[Callable[[], DislocationNetwork]] = []
+    with bar(file.name) as progress:
+
+        def seen(done: int, total: int) -> None:
+            if progress is not None:
+                progress(done / max(total, 1), f"{file.name}: frame {done + 1} of {total}")
+
+        try:
+            for report, lines in reports(file, wanted, folder, seen):
+                found.append(report)
+                # The last frame alone is written as lines.
+                made = [lines]
+        except KeyboardInterrupt:
+            stopped(f"; {len(found)} frames are in {folder}; go on with --resume" if folder else "")
+            raise typer.Exit(ExitCode.interrupted) from None
+    document = {"file": file.name, "frames": followed(found)}
+    typer.echo(json.dumps(document, indent=1) if form is Form.json else _text(document))
+    if output is not None:
+        _save(document, made[0](), output)
+        if folder is not None:
+            forget(folder)
+
+
+def _axes(text: str | None) -> tuple[tuple[float, ...], ...] | None:
+    """The rotation that three crystal directions along x, y and z say: they are its columns."""
+    if text is None:
+        return None
+    message = f"--orient {cut(text)}: three directions such as 1,-1,0;1,1,1;-1,-1,2 were needed"
+    try:
+        rows = np.array([[float(x) for x in part.split(",")] for part in text.split(";")])
+    except ValueError:
+        raise CrystalError(f"{message}, but numbers are missing or are none.") from None
+    if rows.shape != (3, 3) or not np.isfinite(rows).all() or not rows.any(axis=1).all():
+        raise CrystalError(f"{message}, three numbers each, none of them 0,0,0.")
+    unit = rows / np.linalg.norm(rows, axis=1)[:, None]
+    if np.abs(unit @ unit.T - np.eye(3)).max() > 1e-6 or np.linalg.det(unit) < 0:
+        raise CrystalError(f"{message}, at right angles to each other and right-handed.")
+    return tuple(map(tuple, unit.T.tolist()))
+
+
+def _folder(output: Path | None, *, resume: bool, overwrite: bool) -> Path | None:
+    """Where frames are kept; refuse to run over what was not finished."""
+    if resume and overwrite:
+        raise CheckpointError("--overwrite begins anew, --resume does not: give one of them.")
+    if output is None:
+        if resume or overwrite:
+            raise CheckpointError("--resume and --overwrite are about a directory: name it by -o.")
+        return None
+    folder = output / FRAMES
+    begun = is_begun(folder)
+    if begun and overwrite:
+        forget(folder)
+    elif begun and not resume:
+        raise CheckpointError(
+            f"{folder} holds a trajectory that was stopped. Give --resume to go on with it, or "
+            "--overwrite to begin anew."
+        )
+    elif resume and not begun:
+        raise CheckpointError(f"{folder} holds nothing that was stopped. Leave out --resume.")
+    return folder
+
+
+def _text(document: Json) -> str:
+    """The frames in words and columns."""
+    frames = document["frames"]
+    first = frames[0]
+    axes = ", ".join(
+        f"{name} along [{_row(column)}]"
+        for name, column in zip("xyz", np.array(first["orient"]).T, strict=True)
+    )
+    rows = [
+        typer.style(document["file"], bold=True),
+        (
+            f"  {first['atoms']:,} atoms: {first['lattice']}, a = {first['constant']:.6g}; the "
+            f"neighbours of {first['share']:.1%} fit"
+        ),
+        f"  {axes}",
+    ]
+    several = len(frames) > 1
+    if several:
+        rows.append(f"  {len(frames)} frames, in the axes of the first")
+    table = [_columns(line, frame, several) for frame in frames for line in frame["lines"]]
+    if not table:
+        return "\n".join([*rows, "", "  no dislocation line"])
+    heads = ["line", f"b / a ({first['convention']})", "b", "family", "length", "ends"]
+    if several:
+        heads.insert(0, "frame")
+    shown = [heads, *(table[k] for k in some_rows(len(table)))]
+    widths = [max(len(row[k]) for row in shown) for k in range(len(heads))]
+    rows.append("")
+    rows += [
+        "  " + "  ".join(word.ljust(w) for word, w in zip(row, widths, strict=True)).rstrip()
+        for row in shown
+    ]
+    if len(shown) <= len(table):
+        rows.append(f"  {len(shown) - 1} of {len(table):,} rows; -o DIR writes all")
+    if not several:
+        rows += ["", f"  length {first['length']:.6g} in all, {first['junctions']} junctions"]
+        rows += [_loop(line) for line in first["lines"] if "inserted" in line]
+    return "\n".join(rows)
+
+
+def _columns(line: Json, frame: Json, several: bool) -> list[str]:
+    """One line as a row of the table."""
+    row = [
+        str(line["track"]),
+        f"({', '.join(line['burgers_lattice'])})",
+        f"({_row(line['burgers'])})",
+        line["family"],
+        f"{line['length']:.6g}",
+        line["kind"],
+    ]
+    return [str(frame["frame"]), *row] if several else row
+
+
+def _row(values: Any) -> str:
+    """Numbers with four digits of a thousandth; minus zero is zero."""
+    return ", ".join(f"{round(float(x), 4) + 0.0:g}" for x in values)
+
+
+def _loop(line: Json) -> str:
+    """What a closed line encloses."""
+    count = line["inserted"]
+    what = "interstitials" if count > 0 else "vacancies"
+    return f"  line {line['track']} encloses b . A = {abs(count):.4g} {what}"
+
+
+def _save(document: Json, net: DislocationNetwork, folder: Path) -> None:
+    """JSON of all frames, tracks of several, and the last one as lines and pictures."""
+    folder.mkdir(parents=True, exist_ok=True)
+    frames, name = document["frames"], document["file"]
+    written = [folder / "crystal.json", folder / "crystal.html"]
+    written[0].write_text(json.dumps(document, indent=1) + "\n", "utf-8")
+    title = name if len(frames) == 1 else f"{name}, frame {frames[-1]['frame']}"
+    written[1].write_text(crystal_page(frames[-1], title), "utf-8")
+    if len(frames) > 1:
+        written.append(folder / "tracks.csv")
+        _write_tracks(frames, written[-1])
+    left_out = []
+    if net.lines:
+        for end in (".vtk", ".data"):
+            try:
+                net.save(folder / f"lines{end}")
+                written.append(folder / f"lines{end}")
+            except GeomtorsionError as error:
+                left_out.append(f"no lines{end}: {error}")
+        written.append(folder / "lines.ca")
+        written[-1].write_text(_for_ovito(frames[-1], net), "utf-8")
+        try:
+            save(draw_lines(net), folder / "crystal.png")
+            written.append(folder / "crystal.png")
+        except MissingExtraError as error:
+            left_out.append(f"no picture: {error}")
+    for text in left_out:
+        typer.echo(text, err=True)
+    typer.echo(f"wrote {', '.join(map(str, written))}", err=True)
+
+
+def _for_ovito(frame: Json, net: DislocationNetwork) -> str:
+    """Lines with b in lattice constants and its family, as OVITO shows them."""
+    lattice = frame["lattice"]
+    # What OVITO calls Cartesian axes of hcp are other ones: those of the file serve there.
+    cubic = lattice in ("fcc", "bcc", "diamond")
+    matrix = frame["constant"] * np.array(frame["orient"]).T if cubic else None
+    return crystal_analysis_text(net.arrays, net.polylines, lattice if cubic else "", matrix)
+
+
+def _write_tracks(frames: list[Json], path: Path) -> None:
+    """One row for each line of each frame."""
+    with path.open("w", encoding="utf-8", newline="") as stream:
+        table = csv.writer(stream)
+        table.writerow(["frame", "track", "b1", "b2", "b3", "family", "length", "kind"])
+        for frame in frames:
+            for line in frame["lines"]:
+                table.writerow(
+                    [
+                        frame["frame"], line["track"], *line["burgers_lattice"], line["family"],
+                        repr(line["length"]), line["kind"],
+                    ]
+                )  # fmt: skip

@@ -1,0 +1,177 @@
+"""Reports: what is found in a crystal as plain data, frame by frame, and lines followed in time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import scipy  # loads its parts when they are asked for
+
+from geomtorsion.conventions import burgers
+from geomtorsion.crystals.crystal import Crystal
+from geomtorsion.loops import DislocationNetwork
+from geomtorsion.loops.network_lines import DislocationLine
+
+# A frame, or a line in it, as JSON has it.
+Json = dict[str, Any]
+
+
+def crystal_report(crystal: Crystal, net: DislocationNetwork, convention: str = "SF/RH") -> Json:
+    """A crystal and its dislocation lines as plain data; every number to the last digit.
+
+    Parameters
+    ----------
+    convention
+        Of the sign of b; see `conventions.burgers`.
+
+    Returns
+    -------
+    atoms, lattice, constant, orient, share, cell, periodic: of the crystal. length, junctions,
+    nye: of all lines. lines: of each burgers (coordinates), burgers_lattice (fractions as text, in
+    lattice constants), family, length, kind, path, and of closed ones `inserted`, how many atoms
+    their half plane has: less than none for vacancies.
+
+    Raises
+    ------
+    UnknownNameError
+        No convention has this name.
+    """
+    cell = crystal.cell
+    return {
+        "atoms": len(crystal.positions),
+        "lattice": crystal.lattice,
+        "constant": crystal.constant,
+        "orient": crystal.orient.tolist(),
+        "share": crystal.share,
+        "cell": None if cell is None else cell.tolist(),
+        "periodic": crystal.periodic.tolist(),
+        "convention": convention,
+        "length": float(sum(line.length for line in net.lines)),
+        "junctions": len(net.junctions),
+        "nye": _signed(net.nye, convention).tolist(),
+        "lines": [_line(crystal, line, convention) for line in net.lines],
+    }
+
+
+def _signed(values: object, convention: str) -> np.ndarray:
+    """Burgers vectors in a convention; minus zero is zero."""
+    return burgers(np.asarray(values, dtype=float), convention) + 0.0
+
+
+def _line(crystal: Crystal, line: DislocationLine, convention: str) -> Json:
+    """One line as plain data."""
+    exact = burgers(list(line.burgers_lattice or ()), convention)
+    found: Json = {
+        "burgers": _signed(line.burgers, convention).tolist(),
+        "burgers_lattice": [str(x) for x in exact],
+        "family": line.family,
+        "length": line.length,
+        "kind": line.kind,
+        "path": line.path.tolist(),
+    }
+    if line.is_closed:
+        found["inserted"] = inserted_atoms(line, crystal)
+    return found
+
+
+def inserted_atoms(line: DislocationLine, crystal: Crystal) -> float:
+    """How many atoms a closed line has between its half planes; of vacancies less than none.
+
+    Equation
+    --------
+    n = b . A / (volume of an atom), A = closed integral of r x dr / 2 along the line; b as in
+    conventions.py, of which the integral of du, the opening of a cut, is minus.
+    """
+    middle = line.path.mean(axis=0)
+    here, there = line.path[:-1] - middle, line.path[1:] - middle
+    area = np.cross(here, there).sum(axis=0) / 2
+    lattice = crystal.frame.lattice
+    volume = lattice.atom_volume * crystal.constant**3
+    return float(np.array([float(x) for x in line.burgers]) @ area / volume)
+
+
+def tracks(frames: Sequence[Json]) -> list[list[int]]:
+    """Numbers of the lines of each frame, so that one line keeps its number in time.
+
+    Lines of two frames that follow each other are one if they have the same exact b (or one has
+    the opposite sense) and lie nearest to each other: of all ways to pair them that with the least
+    sum of mean distances. What has no partner ends or begins.
+
+    Parameters
+    ----------
+    frames
+        Reports of a trajectory, in order.
+    """
+    found: list[list[int]] = []
+    count = 0
+    for number, frame in enumerate(frames):
+        lines = frame["lines"]
+        mine = [-1] * len(lines)
+        if number:
+            before = frames[number - 1]["lines"]
+            for group in {_direction(line) for line in lines}:
+                here = [k for k, line in enumerate(lines) if _direction(line) == group]
+                there = [k for k, line in enumerate(before) if _direction(line) == group]
+                costs = np.array(
+                    [[_apart(lines[a], before[b], frame) for b in there] for a in here]
+                ).reshape(len(here), len(there))
+                for a, b in zip(*scipy.optimize.linear_sum_assignment(costs), strict=True):
+                    mine[here[a]] = found[-1][there[b]]
+        for k, known in enumerate(mine):
+            if known < 0:
+                mine[k] = count
+                count += 1
+        found.append(mine)
+    return found
+
+
+def followed(frames: Sequence[Json]) -> list[Json]:
+    """The same reports with a number `track` for each line, which it keeps in time, and its sense.
+
+    Where a line is found with the opposite sense, and so with -b, it is described the other way
+    round: b of a track is one vector.
+    """
+    senses: dict[int, list[str]] = {}
+    found = []
+    for frame, numbers in zip(frames, tracks(frames), strict=True):
+        lines = []
+        for line, number in zip(frame["lines"], numbers, strict=True):
+            known = senses.setdefault(number, line["burgers_lattice"])
+            same = line if known == line["burgers_lattice"] else _turned(line)
+            lines.append({"track": number, **same})
+        found.append({**frame, "lines": lines})
+    return found
+
+
+def _turned(line: Json) -> Json:
+    """A line described in the opposite sense."""
+    return {
+        **line,
+        "burgers": [-x + 0.0 for x in line["burgers"]],
+        "burgers_lattice": _opposite(line["burgers_lattice"]),
+        "path": line["path"][::-1],
+    }
+
+
+def _opposite(exact: Sequence[str]) -> list[str]:
+    """Fractions as text, with the other sign."""
+    return [x[1:] if x.startswith("-") else x if x == "0" else f"-{x}" for x in exact]
+
+
+def _direction(line: Json) -> tuple[str, ...]:
+    """b without its sign, which turns round with the sense of the line."""
+    exact = line["burgers_lattice"]
+    return max(tuple(exact), tuple(_opposite(exact)))
+
+
+def _apart(one: Json, two: Json, frame: Json) -> float:
+    """Mean distance of the points of two lines from each other, nearest images."""
+    first, second = np.array(one["path"]), np.array(two["path"])
+    gaps = first[:, None] - second[None]
+    if frame["cell"] is not None:
+        cell = np.array(frame["cell"])
+        shares = gaps @ np.linalg.inv(cell)
+        gaps = gaps - np.where(frame["periodic"], np.rint(shares), 0.0) @ cell
+    sizes = np.linalg.norm(gaps, axis=2)
+    return float(sizes.min(axis=0).mean() + sizes.min(axis=1).mean()) / 2

@@ -1,0 +1,157 @@
+"""The command `crystal`: tables, files that others read, trajectories that go on, bad input."""
+
+import json
+import re
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from geomtorsion.crystals import trajectories
+from geomtorsion.loops import DislocationNetwork
+from tests.cli import running
+from tests.crystals.making import copper_screw, written
+from tests.real import real
+
+pytest.importorskip("ase")
+AXES = ("--lattice", "fcc", "--orient", "1,0,0;0,1,0;0,0,1", "--constant", "3.6")
+
+
+def run(*arguments: str, code: int = 0) -> Any:
+    """The result of `geomtorsion crystal` that has to end with a code."""
+    return running.run("crystal", *arguments, code=code)
+
+
+def test_help_has_examples() -> None:
+    """The command explains itself."""
+    assert "geomtorsion crystal cu_edge.xyz -o out" in run("--help").stdout
+
+
+def test_a_screw_in_given_axes(tmp_path: Path) -> None:
+    """b exactly, in both units, length and ends; a right-handed screw has b against its sense."""
+    file = written(tmp_path, copper_screw())
+    done = run(str(file), *AXES, "-o", str(tmp_path / "out"))
+    assert re.search(r"0 +\(0, 0, -?1\) +\(0, 0, -?3\.6\) +<1 0 0> +14\.4 +periodic", done.stdout)
+    assert "fcc, a = 3.6;" in done.stdout
+    saved = json.loads((tmp_path / "out" / "crystal.json").read_text("utf-8"))
+    (frame,) = saved["frames"]
+    (line,) = frame["lines"]
+    sense = np.sign(line["path"][-1][2] - line["path"][0][2])
+    assert sense * np.array(line["burgers"]) == pytest.approx([0, 0, -3.6], abs=1e-9)
+    assert frame["orient"] == np.eye(3).tolist()
+    assert line["track"] == 0
+    assert not (tmp_path / "out" / "frames").exists()
+
+
+def test_signs_of_other_conventions(tmp_path: Path) -> None:
+    """FS/RH is minus, OVITO's the same; a name that is none is told with those that are."""
+    file = written(tmp_path, copper_screw())
+    found = {}
+    for name in ("SF/RH", "FS/RH", "OVITO"):
+        text = run(str(file), *AXES, "--convention", name, "--format", "json").stdout
+        ((line,),) = (frame["lines"] for frame in json.loads(text)["frames"])
+        found[name] = [Fraction(x) for x in line["burgers_lattice"]]
+    assert found["SF/RH"] == found["OVITO"] == [-x for x in found["FS/RH"]]
+    assert "convention" in run(str(file), "--convention", "mine", code=2).stderr
+
+
+def test_files_for_others(tmp_path: Path) -> None:
+    """Lines for OVITO, ParaView and ParaDiS, a picture, and a page without any other."""
+    file, out = written(tmp_path, copper_screw()), tmp_path / "out"
+    run(str(file), *AXES, "-o", str(out))
+    for end in (".ca", ".data"):
+        (line,) = DislocationNetwork.read(out / f"lines{end}").polylines
+        assert line.ends == "periodic"
+        assert line.length == pytest.approx(14.4, rel=1e-3)
+        assert np.abs([float(x) for x in line.burgers]) == pytest.approx([0, 0, 3.6], abs=1e-9)
+    assert "1/2<110> (Perfect)" in (out / "lines.ca").read_text()
+    assert "CELL_TYPES" in (out / "lines.vtk").read_text()
+    assert (out / "crystal.png").stat().st_size > 10_000
+    page = (out / "crystal.html").read_text("utf-8")
+    assert "<canvas" in page
+    assert "http" not in page
+
+
+def test_a_trajectory_that_is_stopped_goes_on_to_the_same_bits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Lines keep their numbers; Ctrl-C in the third frame, --resume: all files byte by byte."""
+    frames = [copper_screw(shift, 0.04, seed) for seed, shift in enumerate((0, 1.5, 3, 4))]
+    file = written(tmp_path, *frames)
+    whole, parts = tmp_path / "whole", tmp_path / "parts"
+    done = run(str(file), "-o", str(whole))
+    assert "4 frames, in the axes of the first" in done.stdout
+    rows = (whole / "tracks.csv").read_text().splitlines()
+    assert len({tuple(row.split(",")[1:6]) for row in rows[1:]}) == 1
+    made = trajectories.crystal_report
+    calls = []
+
+    def stopping(*arguments: Any) -> Any:
+        calls.append(1)
+        if len(calls) == 3:
+            raise KeyboardInterrupt
+        return made(*arguments)
+
+    monkeypatch.setattr(trajectories, "crystal_report", stopping)
+    stopped = run(str(file), "-o", str(parts), code=130)
+    assert "2 frames are in" in stopped.stderr
+    monkeypatch.setattr(trajectories, "crystal_report", made)
+    assert "--resume" in run(str(file), "-o", str(parts), code=2).stderr
+    assert "other settings" in run(str(file), *AXES, "-o", str(parts), "--resume", code=2).stderr
+    run(str(file), "-o", str(parts), "--resume")
+    names = sorted(path.name for path in whole.iterdir())
+    assert sorted(path.name for path in parts.iterdir()) == names
+    for name in names:
+        assert (parts / name).read_bytes() == (whole / name).read_bytes(), name
+    assert "nothing that was stopped" in run(
+        str(file), "-o", str(parts), "--resume", code=2
+    ).stderr  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--orient", "1,0,0;0,1,0"), "three numbers each"),
+        (("--orient", "1,0,0;1,1,0;0,0,1"), "right angles"),
+        (("--orient", "1,0,0;0,1,0;0,0,-1"), "right-handed"),
+        (("--orient", "__import__('os')"), "numbers are missing"),
+        (("--lattice", "quasi"), "fcc"),
+        (("--constant", "-1"), "positive"),
+        (("--read-as", "traj"), "form: one of"),
+        (("--resume",), "name it by -o"),
+    ],
+)
+def test_wrong_options_are_told(tmp_path: Path, options: tuple[str, ...], message: str) -> None:
+    """Before anything is computed, without a traceback."""
+    file = written(tmp_path, copper_screw()[:200])
+    assert message in " ".join(run(str(file), *options, code=2).stderr.split())
+
+
+def test_what_is_no_crystal_is_told(tmp_path: Path) -> None:
+    """A gas, NaN, a file that ends, two atoms in one place, three atoms, a missing file."""
+    rng = np.random.default_rng(0)
+    good = copper_screw()
+    cases = {
+        "of only": rng.uniform(0, 60, (800, 3)),
+        "is not finite": np.vstack([good, [[np.nan] * 3]]),
+        "20 atoms or more": good[:3],
+    }
+    for message, places in cases.items():
+        found = run(str(written(tmp_path, places)), code=2)
+        assert message in " ".join(found.stderr.split())
+        assert "atoms.xyz" in found.stderr
+    cut = written(tmp_path, good)
+    cut.write_text(cut.read_text()[: -len(good)])
+    assert "the file ends after" in run(str(cut), code=2).stderr
+    assert "cannot be read" in run(str(tmp_path / "none.xyz"), code=2).stderr
+
+
+@pytest.mark.parametrize(("name", "lines"), [("w_tilt_gb", 4), ("cu_perfect", 0)])
+def test_shared_files(name: str, lines: int) -> None:
+    """As many lines as were put in."""
+    found = json.loads(run(str(real(f"crystal/{name}.xyz")), "--format", "json").stdout)
+    assert [len(frame["lines"]) for frame in found["frames"]] == [lines]
+    text = run(str(real("crystal/cu_perfect.xyz"))).stdout
+    assert "no dislocation line" in text

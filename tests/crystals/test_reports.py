@@ -1,0 +1,82 @@
+"""Reports: what is enclosed by closed lines, and lines that keep their numbers in time."""
+
+import json
+
+import pytest
+
+from geomtorsion.crystals import Crystal, read
+from geomtorsion.crystals.reports import crystal_report, followed, tracks
+from tests.crystals.making import BOX, copper_screw
+from tests.real import real
+
+
+def line(b: str, place: float, turned: bool = False) -> dict:
+    """A straight line along z of a report; turned round, b has the other sign."""
+    path = [[place, 1.0, z] for z in (0.0, 2.0, 4.0)]
+    exact = b.split()
+    if turned:
+        path, exact = (
+            path[::-1],
+            [x[1:] if x[0] == "-" else f"-{x}" if x != "0" else x for x in exact],
+        )
+    return {"burgers_lattice": exact, "burgers": [1.0, 2.0, 0.0], "path": path}
+
+
+def frame(*lines: dict) -> dict:
+    """A report of lines in a periodic cell."""
+    cell = [[20.0, 0, 0], [0, 20.0, 0], [0, 0, 4.0]]
+    return {"lines": list(lines), "cell": cell, "periodic": [True, True, True]}
+
+
+def test_lines_keep_their_numbers():
+    """Two of one b that move, in another order and sense; across the face of the cell."""
+    one, two, other = line("1/2 1/2 0", 3), line("1/2 1/2 0", 12), line("0 0 1", 4)
+    later = [
+        line("1/2 1/2 0", 13.5, turned=True), line("0 0 1", 2), line("1/2 1/2 0", 19.5),
+    ]  # fmt: skip
+    assert tracks([frame(one, two, other), frame(*later)]) == [[0, 1, 2], [1, 2, 0]]
+
+
+def test_b_of_a_track_is_one_vector():
+    """A line that is found with the other sense is turned round, with its path and both its b."""
+    one = line("1/2 -1/2 0", 3)
+    first, second = followed([frame(one), frame(line("1/2 -1/2 0", 3.5, turned=True))])
+    assert first["lines"] == [{"track": 0, **one}]
+    (later,) = second["lines"]
+    assert later["burgers_lattice"] == one["burgers_lattice"]
+    assert later["burgers"] == [-1.0, -2.0, 0.0]
+    assert later["path"] == line("1/2 -1/2 0", 3.5)["path"]
+
+
+def test_lines_begin_and_end():
+    """A line of another b is another line, and a number is never given twice."""
+    first, second = line("1/2 1/2 0", 3), line("1/2 -1/2 0", 3)
+    assert tracks([frame(first), frame(second), frame(second, first), frame()]) == [
+        [0], [1], [1, 2], [],
+    ]  # fmt: skip
+    assert tracks([]) == []
+
+
+def test_a_report_is_plain_data():
+    """It comes back from JSON as it was, and b is that of the network."""
+    crystal = Crystal(copper_screw(), BOX, (False, False, True), "fcc")
+    net = crystal.dislocations()
+    found = crystal_report(crystal, net)
+    assert json.loads(json.dumps(found)) == found
+    (one,) = found["lines"]
+    assert one["burgers"] == list(net.lines[0].burgers)
+    assert one["burgers_lattice"] == [str(x) for x in net.lines[0].burgers_lattice or ()]
+    assert found["lattice"] == "fcc"
+
+
+def test_a_loop_of_vacancies_encloses_vacancies():
+    """b . A over the volume of an atom is negative, and of the order of what was taken out."""
+    crystal = read(real("crystal/w_vac_loop111.xyz"))
+    assert crystal.cell is not None
+    (one,) = crystal_report(crystal, crystal.dislocations())["lines"]
+    # The perfect crystal in this cell has 9,408 atoms.
+    missing = len(crystal.positions) - 9408
+    assert missing == -109
+    assert 1.01 * missing < one["inserted"] < 0.6 * missing
+    assert one["kind"] == "closed"
+    assert one["inserted"] == pytest.approx(one["inserted"])
