@@ -30,6 +30,7 @@ from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.loops.result import BurgersVector, Check
 from geomtorsion.loops.sampled import SampledBurgers, SampledFrame
+from geomtorsion.loops.scattered import ScatteredFrame
 
 
 @overload
@@ -45,7 +46,7 @@ def burgers_vector(
 
 @overload
 def burgers_vector(
-    frame: SampledFrame,
+    frame: SampledFrame | ScatteredFrame,
     loop: Loop,
     accuracy: float = ...,
     *,
@@ -66,11 +67,11 @@ def burgers_vector(
 
 
 @overload
-def burgers_vector(frame: SampledFrame, loop: Loop) -> SampledBurgers: ...
+def burgers_vector(frame: SampledFrame | ScatteredFrame, loop: Loop) -> SampledBurgers: ...
 
 
 def burgers_vector(
-    frame: Frame | SampledFrame,
+    frame: Frame | SampledFrame | ScatteredFrame,
     loop: Loop,
     accuracy: float = 1e-12,
     *,
@@ -93,8 +94,8 @@ def burgers_vector(
     Parameters
     ----------
     frame
-        A frame; or one sampled on a grid, whose spacing decides how good the result is (see
-        `SampledFrame.burgers`): then nothing but the loop is asked for.
+        A frame; or one sampled on a grid or at scattered points, whose spacing decides how good the
+        result is (see `SampledFrame.burgers`): then nothing but the loop is asked for.
     accuracy
         Wanted relative error of the vector (largest component); `reached` says whether it was.
     parameters
@@ -126,10 +127,10 @@ def burgers_vector(
     >>> b.vector, b.route, b.check.agrees
     (array([0.00000000e+00, 0.00000000e+00, 6.28318531e-18]), 'flux', True)
     """
-    if isinstance(frame, SampledFrame):
+    if isinstance(frame, SampledFrame | ScatteredFrame):
         if exact or parameters:
             raise ArgumentError(
-                "frame: a frame known by numbers on a grid has neither closed forms nor parameters."
+                "frame: a frame known by numbers has neither closed forms nor parameters."
                 " Leave out exact and parameters, or give a Frame."
             )
         return frame.burgers(checks.instance(loop, Loop, "loop"))

@@ -215,7 +215,8 @@ class SampledFrame(Samples):
         """The integral of the coframe along every edge of the grid, on the complex of the grid.
 
         Its coboundary holds the Burgers vectors of all cells in all planes. Edges run as the axes
-        are listed.
+        are listed. Errors of edges hold one standard deviation of the noise; added up they are
+        more than what a circuit scatters by, which `burgers` and `burgers_map` tell.
 
         Raises
         ------
@@ -239,6 +240,8 @@ class SampledFrame(Samples):
 
     def along_edges(self, starts: np.ndarray, ends: np.ndarray) -> EdgeIntegrals:
         """Integrals along straight edges through the grid, shape (edges, d) each, for networks.
+
+        Errors hold one standard deviation of the noise, as those of `cochain`.
 
         Raises
         ------

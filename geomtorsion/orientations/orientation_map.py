@@ -439,8 +439,7 @@ class OrientationMap:
                 spread = np.trace(spread_of(bent, self.noise[number]))
                 sigma[mine] = np.sqrt(np.trace(covariance))
                 interpolation[mine] = unexplained(np.linalg.norm(bends[mine], axis=-1), spread)
-                other = interpolation[mine][:, None, None] ** 2 * np.eye(3)
-                significance[mine] = significances(specimen[mine], covariance + other)
+                significance[mine] = significances(specimen[mine], covariance, interpolation[mine])
         area = n**2 * self.steps[0] * self.steps[1]
         return CircuitMap(
             n, vectors, specimen, clean, area, sigma, significance, self.unit, interpolation

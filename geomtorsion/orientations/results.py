@@ -98,8 +98,7 @@ class MapBurgers(Signed):
     @cached_property
     def significance(self) -> float:
         """Length of b in units of its errors: noise alone gives sqrt(3) or so."""
-        covariance = self.covariance + self.interpolation_error**2 * np.eye(3)
-        return float(significances(self.specimen[None], covariance)[0])
+        return float(significances(self.specimen, self.covariance, self.interpolation_error))
 
     @cached_property
     def lattice(self) -> np.ndarray:

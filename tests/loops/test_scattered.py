@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geomtorsion.errors import GeomtorsionError
-from geomtorsion.loops import Loop, ScatteredFrame
+from geomtorsion.loops import Loop, ScatteredFrame, burgers_vector
 from tests.loops.edge_dislocation import displacement, distortion
 
 B = 0.25
@@ -53,6 +53,7 @@ def test_distortions_of_an_edge_dislocation(order):
         away = np.abs(b.vector - [TIMES[name] * B, 0]).max()
         assert away <= b.error < (0.05 if order == 2 else 0.03) * B, name
         assert b.unit == "nm"
+        assert (burgers_vector(frame, loop).vector == b.vector).all()
     for margin in (1, 3, 5):
         b = frame.burgers(frame.loop_around(margin=margin))
         assert np.abs(b.vector - [B, 0]).max() <= b.error < 0.1 * B

@@ -77,12 +77,13 @@ class Plaquettes:
         rows = len(self.vectors)
         table = np.zeros((*self.known.shape, rows, rows))
         for i in range(rows):
-            table[..., i, i] = self.sigmas[i] ** 2 + self.interpolation**2
+            table[..., i, i] = self.sigmas[i] ** 2
         for (i, j), c in self.shared.items():
             table[..., i, j] = table[..., j, i] = np.broadcast_to(c, self.known.shape)
         found = np.full(self.known.shape, np.nan)
         known = self.known
-        found[known] = significances(np.moveaxis(self.vectors, 0, -1)[known], table[known])
+        vectors = np.moveaxis(self.vectors, 0, -1)[known]
+        found[known] = significances(vectors, table[known], self.interpolation[known])
         return found
 
     def gnd_density(self, burgers: float) -> np.ndarray:

@@ -91,8 +91,7 @@ class SampledBurgers(Signed):
         Pure noise in n components gives sqrt(n) or so; without any error it is infinite.
         """
         other = self.interpolation_error + self.quadrature_error
-        covariance = self.covariance + other**2 * np.eye(len(self.vector))
-        return float(significances(self.vector, covariance))
+        return float(significances(self.vector, self.covariance, other))
 
     def __repr__(self) -> str:
         parts = ", ".join(f"{x:.6g}" for x in self.vector.tolist())

@@ -77,6 +77,14 @@ class Noise:
         found = np.broadcast_to(self.terms.get(key, np.zeros((1,) * len(shape))), shape)
         return along(self.origins[column].power(2), found, column) if self.origins else found
 
+    def in_a_row(self, shape: tuple[int, ...]) -> Noise:
+        """The same for nodes by their numbers, without origins: what they join is left out."""
+        rows, columns = self.rows, len(shape)
+        if self.origins:
+            kinds = np.ndindex(rows, columns)
+            return Noise(rows, {(i, k, i, k): self.at_nodes(i, k, shape).ravel() for i, k in kinds})
+        return Noise(rows, {pair: c.ravel() for pair, c in self.terms.items()})
+
     def of_sum(self, weights: np.ndarray) -> np.ndarray:
         """Covariance of a sum over nodes with weights (columns, grid...), shape (rows, rows)."""
         shape = weights.shape[1:]
@@ -119,11 +127,17 @@ def along(matrix: csr_array, values: np.ndarray, axis: int) -> np.ndarray:
     return np.moveaxis((matrix @ flat).reshape(-1, *moved.shape[1:]), 0, axis)
 
 
-def significances(vectors: np.ndarray, covariance: np.ndarray) -> np.ndarray:
-    """sqrt(b C^-1 b), shape (...,), for b (..., n); infinite where there is no noise."""
+def significances(
+    vectors: np.ndarray, covariance: np.ndarray, other: np.ndarray | float = 0.0
+) -> np.ndarray:
+    """sqrt(b C^-1 b), shape (...,), for b (..., n); infinite where there are no errors.
+
+    covariance: by noise, one for all or one for each; C has the square of the other errors (one for
+    all or one for each) added to each component.
+    """
     values, axes = np.linalg.eigh(covariance)
     parts = np.einsum("...i,...ij->...j", vectors, axes)
-    sizes = np.sqrt(np.maximum(values, 0))
+    sizes = np.sqrt(np.maximum(values, 0) + np.asarray(other)[..., None] ** 2)
     with np.errstate(divide="ignore", invalid="ignore"):
         shares = np.where(parts == 0, 0.0, np.abs(parts) / sizes)
     return np.sqrt((shares**2).sum(axis=-1))

@@ -49,9 +49,7 @@ class ScatteredMap:
     @property
     def significance(self) -> np.ndarray:
         """|b| against its errors, sqrt(b C^-1 b): pure noise gives sqrt(rows) or so."""
-        rows = len(self.vectors)
-        other = self.interpolation[:, None, None] ** 2 * np.eye(rows)
-        return significances(self.vectors.T, self.covariance + other)
+        return significances(self.vectors.T, self.covariance, self.interpolation)
 
     def __repr__(self) -> str:
         length, b = self.units

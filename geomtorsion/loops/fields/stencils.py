@@ -141,10 +141,6 @@ class Rule:
         """The rule along one axis of an array of shape (rows, grid...)."""
         return applied(self.matrix, values, axis, self.holes.shape[1])
 
-    def variance(self, variances: np.ndarray, axis: int) -> np.ndarray:
-        """Variance of the result for independent nodes with these variances."""
-        return applied(self.matrix.power(2), variances, axis, self.holes.shape[1])
-
 
 def _choose(
     used: np.ndarray,

@@ -164,6 +164,39 @@ def test_noise_of_displacements_is_the_sum_over_all_weights(size, order, options
         assert frame.nye_noise.max() == 0
 
 
+@pytest.mark.parametrize("made", ["covariance", "displacement"])
+def test_noise_of_single_edges(made):
+    """Edges of the grid and edges through it: each value moved by one gives its weight."""
+    axes, rng = [np.arange(8) / 4, np.arange(9) / 3], np.random.default_rng(7)
+    starts, ends = np.array([[0.1, 0.2], [1.0, 2.0]]), np.array([[1.3, 1.9], [0.3, 0.4]])
+    if made == "covariance":
+        table, shape = correlated(), (2, 2, 8, 9)
+        frame = SampledFrame(axes, np.zeros(shape), covariance=table)
+        moved = lambda v: SampledFrame(axes, v)  # noqa: E731
+        spread = np.einsum("pq,nm->pnqm", table, np.eye(72)).reshape(288, 288)
+    else:
+        shape, sigma = (2, 8, 9), 0.01 * (1 + rng.random((8, 9)))
+        frame = SampledFrame.from_displacement(axes, np.zeros(shape), sigma=sigma, branch=9.0)
+        moved = lambda v: SampledFrame.from_displacement(axes, v, branch=9.0)  # noqa: E731
+        spread = np.diag(np.tile(sigma.ravel() ** 2, 2))
+    still = moved(np.zeros(shape)).cochain.values
+    across = moved(np.zeros(shape)).along_edges(starts, ends).vectors
+    along, through = [], []
+    for row in np.eye(int(np.prod(shape))):
+        one = moved(row.reshape(shape))
+        along.append(one.cochain.values - still)
+        through.append(one.along_edges(starts, ends).vectors - across)
+    for weights, told in (
+        (np.array(along), frame.cochain.bounds),
+        (np.array(through), frame.along_edges(starts, ends).errors),
+    ):
+        variance = np.einsum("nei,nm,mei->ei", weights, spread, weights).max(axis=1)
+        if made == "displacement" and len(told) == 2:
+            assert (told > 0.9 * np.sqrt(variance)).all()
+        else:
+            assert told == pytest.approx(np.sqrt(variance), rel=1e-6)
+
+
 def test_covariances_are_estimated_from_the_data():
     """Every pair of components within some per cent, whatever the smooth field; stated how."""
     rng = np.random.default_rng(6)
