@@ -17,6 +17,8 @@ from geomtorsion.errors import ExpressionError, MissingValueError
 from geomtorsion.exact.element import Element
 from geomtorsion.exact.form import Sum, form
 from geomtorsion.exact.generators import Generator
+from geomtorsion.exact.integers import as_fmpq
+from geomtorsion.exact.kept import in_order
 
 # A sum of products: pairs (element, names of the arguments that multiply it).
 Products = tuple[tuple[Element, tuple[str, ...]], ...]
@@ -162,6 +164,8 @@ class Reader:
         return self._times([self._element(element), *(self.arguments[name] for name in names)])
 
     def _element(self, element: Element) -> Term:
+        if element.is_kept:
+            return self._kept(element)
         written = form(element)
         number = _fraction(written.coefficient)
         is_complex = element.field.is_complex
@@ -169,6 +173,24 @@ class Reader:
             self._power(self._base(base, is_complex), exponent) for base, exponent in written.powers
         ]
         return self._times([(number, (), ()), *parts])
+
+    def _kept(self, element: Element) -> Term:
+        """An element that is not multiplied out: a literal for each sum in it."""
+        for one in in_order(element, lambda x: x._recipe in self._known):
+            recipe = one._recipe
+            assert recipe is not None
+            terms = [
+                self._times(
+                    [
+                        (_fraction(as_fmpq(c)), (), ()),
+                        *(self._known[x._recipe] if x.is_kept else self._element(x) for x in xs),
+                    ]
+                )
+                for c, *xs in recipe.terms
+            ]
+            found = self.sums.literal(terms)
+            self._known[recipe] = self._power(found, -1) if recipe.below else found
+        return self._known[element._recipe]
 
     def _base(self, base: Generator | Sum, is_complex: bool) -> Term:
         if base not in self._known:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from flint import fmpq
 
+from geomtorsion.exact import kept
 from geomtorsion.exact.element import Element
 from geomtorsion.exact.unknown_functions import jet
 
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
 
 def derivative(field: Tower, element: Element, symbol: sympy.Symbol) -> Element:
     """d(num/den) = d num / den - num / den * sum of exponent * d factor / factor."""
+    if element.is_kept:
+        return kept.derivative(field, element, symbol)
     num = field.lift(element)
     den = element._den
     # Everything goes into one sum, which is normalised once.

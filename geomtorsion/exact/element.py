@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from flint import fmpq
 
 from geomtorsion.errors import UndecidedError
-from geomtorsion.exact.limits import check_power
+from geomtorsion.exact.limits import LARGEST_PRODUCT, check_power, product_too_large
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     import sympy
     from flint import fmpq_mpoly
 
+    from geomtorsion.exact.certainty import Certainty
+    from geomtorsion.exact.kept import Recipe
     from geomtorsion.exact.tower import Tower
 
     # What users give for the value of a symbol.
@@ -45,18 +47,49 @@ class Element:
     (True, Element(sin(x)/cos(x)), Element(cos(x)/sin(x)))
     """
 
-    __slots__ = ("_den", "_diffs", "_field", "_form", "_hash", "_level", "_num", "_sympy")
+    __slots__ = (
+        "_den",
+        "_diffs",
+        "_field",
+        "_form",
+        "_hash",
+        "_image",
+        "_level",
+        "_num",
+        "_recipe",
+        "_sympy",
+        "_whole",
+    )
 
     def __init__(self, field: Tower, num: fmpq_mpoly, den: Denominator, level: int) -> None:
         self._field = field
         self._num = num
         self._den = den
-        self._level = level
+        self._level: int | None = level
         self._diffs: dict[sympy.Symbol, Element] | None = None
         self._sympy: sympy.Expr | None = None
         # What form.py made of it; its type would close a ring of imports.
         self._form: Any = None
         self._hash: int | None = None
+
+    @classmethod
+    def built(cls, field: Tower, recipe: Recipe) -> Element:
+        """An element that is kept as it was built, not multiplied out (for the field)."""
+        element = object.__new__(cls)
+        element._field = field
+        element._recipe = recipe
+        element._level = None
+        element._diffs = element._sympy = element._form = element._hash = None
+        return element
+
+    def __getattr__(self, name: str) -> Any:
+        """What few elements need: filled in when it is asked for first."""
+        if name in ("_num", "_den"):
+            # Only elements that are kept as they were built have none.
+            return getattr(self._field.whole(self), name)
+        if name in ("_image", "_recipe", "_whole"):
+            return None
+        raise AttributeError(f"an element has no {name!r}")
 
     @property
     def field(self) -> Tower:
@@ -102,6 +135,8 @@ class Element:
     __rmul__ = __mul__
 
     def __neg__(self) -> Element:
+        if self._level is None:
+            return self._field.scaled(self, -1)
         return Element(self._field, -self._num, self._den, self._level)
 
     def __truediv__(self, other: Element | Number) -> Element:
@@ -118,7 +153,10 @@ class Element:
             return NotImplemented
         if exponent < 0:
             return self.inverse() ** -exponent
-        check_power(self, exponent)
+        if not self.is_kept:
+            check_power(self, exponent)
+            if not self._den:
+                return _power(self, exponent)
         result, square = self._field.one, self
         while exponent:
             if exponent & 1:
@@ -152,6 +190,8 @@ class Element:
             return NotImplemented
         if self is element:
             return True
+        if self.is_kept or element.is_kept:
+            return (self - element).is_zero is True
         # Denominators are canonical, so different ones mean different elements.
         if self._den != element._den:
             return False
@@ -176,6 +216,8 @@ class Element:
         Opaque are functions known by their derivative alone (erf, Bessel), constants such as
         cos(pi/7) or atan(2), and odd roots of expressions with roots.
         """
+        if self.is_kept:
+            return self._field.decide_zero(self)
         if not self._num:
             return True
         # With proved independence a numerator that is not zero as a polynomial is not zero.
@@ -184,7 +226,25 @@ class Element:
     @property
     def is_rational(self) -> bool:
         """Whether the element is a rational number."""
+        if self.is_kept:
+            whole = self._field.brief(self)
+            return whole is not None and whole.is_rational
         return not self._den and bool(self._num.is_constant())
+
+    @property
+    def is_kept(self) -> bool:
+        """Whether the element is kept as it was built, not multiplied out (see `kept`)."""
+        return self._level is None
+
+    @property
+    def is_one(self) -> bool:
+        """Whether the element, multiplied out as it stands, is the number one."""
+        return not self.is_kept and not self._den and self._num.is_one()
+
+    @property
+    def certainty(self) -> Certainty:
+        """How sure the answer of is_zero is: proved, or up to a chance that is told."""
+        return self._field.certainty(self)
 
     def as_fraction(self) -> Fraction:
         """The rational number that the element is.
@@ -229,7 +289,7 @@ class Element:
         return self._sympy
 
     def evaluate(
-        self, point: Mapping[Any, Value], precision: int = 53
+        self, point: Mapping[Any, Value], precision: int = 53, at: Any = None
     ) -> float | complex | mpmath.mpf:
         """The value at a point: float or complex at 53 bits, an mpmath number above.
 
@@ -239,6 +299,8 @@ class Element:
             a number for every symbol (and unknown function) that the element contains.
         precision
             bits of the mantissa.
+        at
+            an empty table, for elements evaluated at one point: parts they share are done once.
 
         Raises
         ------
@@ -247,7 +309,7 @@ class Element:
         SingularPointError
             the element has no finite value there.
         """
-        return self._field.value(self, point, precision)
+        return self._field.value(self, point, precision, at)
 
     def to_json(self) -> dict[str, Any]:
         """The element as a JSON-ready mapping; `Field.from_json` reads it back."""
@@ -265,3 +327,23 @@ class Element:
 
     def __repr__(self) -> str:
         return f"Element({self.sympy})"
+
+
+def _power(element: Element, exponent: int) -> Element:
+    """A power of a polynomial, multiplied out: that its size is bounded has been checked."""
+    field = element.field
+
+    def product(one: Element, two: Element) -> Element:
+        found = field.added([(1, one, two)], LARGEST_PRODUCT)
+        if found is None:
+            raise product_too_large(one, two)
+        return found
+
+    result, square = field.one, element
+    while exponent:
+        if exponent & 1:
+            result = product(result, square)
+        exponent >>= 1
+        if exponent:
+            square = product(square, square)
+    return result

@@ -12,6 +12,8 @@ from flint import fmpq
 from geomtorsion.errors import MissingValueError, SingularPointError
 from geomtorsion.exact.form import Sum, form
 from geomtorsion.exact.generators import Generator
+from geomtorsion.exact.integers import as_fmpq
+from geomtorsion.exact.kept import in_order
 from geomtorsion.precision import working_precision
 
 if TYPE_CHECKING:
@@ -24,17 +26,29 @@ if TYPE_CHECKING:
 
     # The values of symbols and jets; the values of generators by name, once known.
     Given = Callable[[Generator], mpmath.mpf]
-    Known = dict[str, mpmath.mpf]
+    # Those of kept elements and their parts by their identity, with the elements.
+    Known = dict[str | int, Any]
+    AtPoint = dict[int, Known]
 
 _GUARD = 30
 # Expanded numerators cancel; precision is doubled up to this many bits until they agree.
 LARGEST_BITS = 2**12
 
 
-def evaluate(element: Element, point: Mapping[Any, Any], precision: int = 53) -> mpmath.mpf:
-    """The value of an element at a point; see `Element.evaluate`."""
+def evaluate(
+    element: Element, point: Mapping[Any, Any], precision: int = 53, at: AtPoint | None = None
+) -> mpmath.mpf:
+    """The value of an element at a point; see `Element.evaluate`.
+
+    at: what is known there from other elements, by working precision.
+    """
+    levels: AtPoint = {} if at is None else at
+
+    def given(generator: Generator) -> mpmath.mpf:
+        return _given(point, generator)
+
     value = settled_value(
-        lambda: _written_value(element, lambda generator: _given(point, generator), {}),
+        lambda: _written_value(element, given, levels.setdefault(mpmath.mp.prec, {})),
         precision,
         LARGEST_BITS,
     )
@@ -85,6 +99,8 @@ def settled_value(compute: Callable[[], mpmath.mpf], precision: int, largest: in
 
 def _written_value(element: Element, given: Given, known: Known) -> mpmath.mpf:
     """The value of the written form, which has fewer removable singularities."""
+    if element.is_kept:
+        return _kept_value(element, given, known, _written_value)
     written = form(element)
     result = mpmath.mpf(int(written.coefficient.p)) / int(written.coefficient.q)
     for base, exponent in written.powers:
@@ -108,6 +124,8 @@ def _written_value(element: Element, given: Given, known: Known) -> mpmath.mpf:
 
 def values(element: Element, given: Given, known: Known) -> mpmath.mpf:
     """The value from the values of generators; `given` answers for symbols and jets."""
+    if element.is_kept:
+        return _kept_value(element, given, known, values)
     field = element.field
     num = _polynomial(field, field.lift(element), given, known)
     for index, exponent in element._den:
@@ -119,6 +137,41 @@ def values(element: Element, given: Given, known: Known) -> mpmath.mpf:
             )
         num /= factor**exponent
     return num
+
+
+def _kept_value(
+    element: Element,
+    given: Given,
+    known: Known,
+    value_of: Callable[[Element, Given, Known], mpmath.mpf],
+) -> mpmath.mpf:
+    """The value of an element that is kept as it was built, part after part."""
+
+    def shared(part: Element) -> mpmath.mpf:
+        # The part itself stands beside its value: no other one can get its identity.
+        if id(part) not in known:
+            known[id(part)] = (part, value_of(part, given, known))
+        return known[id(part)][1]
+
+    for one in in_order(element, lambda x: id(x) in known):
+        recipe = one._recipe
+        assert recipe is not None
+        total = mpmath.mpf(0)
+        for coefficient, *factors in recipe.terms:
+            ratio = as_fmpq(coefficient)
+            term = mpmath.mpf(int(ratio.p)) / int(ratio.q)
+            for factor in factors:
+                term *= shared(factor)
+            total += term
+        if recipe.below:
+            if not total:
+                raise SingularPointError(
+                    "an element has no finite value here: its denominator vanishes; "
+                    "move the point away from the edge of the chart"
+                )
+            total = 1 / total
+        known[id(one)] = (one, total)
+    return shared(element)
 
 
 def _polynomial(field: Tower, poly: fmpq_mpoly, given: Given, known: Known) -> mpmath.mpf:

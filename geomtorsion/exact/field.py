@@ -7,11 +7,15 @@ from typing import TYPE_CHECKING, Any
 import sympy
 
 from geomtorsion.errors import CoordinateError
+from geomtorsion.exact import kept
+from geomtorsion.exact.certainty import PROVED, Certainty
 from geomtorsion.exact.derivation import derivative
 from geomtorsion.exact.element import Element
 from geomtorsion.exact.evaluate import evaluate
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.generic_point import GenericPoint
+from geomtorsion.exact.limits import MOST_AT_ONCE
+from geomtorsion.exact.modular import ModularPoint, NoPointError
 from geomtorsion.exact.radical_denominators import inverse
 from geomtorsion.exact.reading import Reader
 from geomtorsion.exact.roots import root
@@ -25,6 +29,7 @@ if TYPE_CHECKING:
     from fractions import Fraction
 
     import mpmath
+    from flint import fmpz_mod
 
     from geomtorsion.exact.element import Value
 
@@ -121,9 +126,34 @@ class Field(Tower):
 
     def inverse(self, element: Element) -> Element:
         """1 over an element, its denominator free of algebraic generators."""
+        if element.is_kept:
+            if element.is_zero:
+                raise ZeroDivisionError("division by an element that is exactly zero")
+            return kept.reciprocal(self, element)
         if not element._num:
             raise ZeroDivisionError("division by an element that is exactly zero")
-        return inverse(self, element)
+        found = inverse(self, element, MOST_AT_ONCE)
+        return kept.reciprocal(self, element) if found is None else found
+
+    def cleared(self, element: Element, largest: int) -> Element | None:
+        """1 over an element, multiplied out; None where a product would be above the largest."""
+        return inverse(self, element, largest)
+
+    def whole(self, element: Element) -> Element:
+        """An element multiplied out.
+
+        Raises
+        ------
+        LimitError
+            a product is above the limit of all products.
+        """
+        found = kept.multiplied_out(self, element)
+        assert found is not None
+        return found
+
+    def brief(self, element: Element) -> Element | None:
+        """An element multiplied out, if that takes little."""
+        return kept.multiplied_out(self, element, briefly=True)
 
     def root(self, element: Element, order: int, radical: sympy.Expr | None = None) -> Element:
         """The root of an order, positive at the sample point; adds a generator if it must."""
@@ -133,6 +163,8 @@ class Field(Tower):
         """The element with I replaced by -I, also inside roots, logs and exponents."""
         if not self.is_complex:
             return element
+        if element.is_kept:
+            return kept.conjugate(self, element)
         position = self.generators.index(self.by_name["I"])
         if any(g.shown.has(sympy.I) and g.kind != "imaginary" for g in self.generators_of(element)):
             return self.read(element.sympy.xreplace({sympy.I: -sympy.I}))
@@ -149,20 +181,44 @@ class Field(Tower):
         return derivative(self, element, symbol)
 
     def decide_zero(self, element: Element) -> bool | None:
-        """Whether a non-trivial element vanishes, where generators may depend on others."""
+        """Whether an element vanishes that is kept, or whose generators may depend on others."""
+        image = self._image(element)
+        if image is None and element.is_kept:
+            element = self.whole(element)
+        if image == 0 if image is not None else not element._num:
+            return True
         if all(generator.sure for generator in self.generators_of(element)):
             return False
         return False if self.sample.is_surely_nonzero(element) else None
+
+    def _image(self, element: Element) -> fmpz_mod | None:
+        """The value at a random point modulo a prime, or None where there is none."""
+        point = self.tables.get("modular point")
+        if point is None:
+            point = self.tables["modular point"] = ModularPoint(self)
+        try:
+            return point.image(element)
+        except NoPointError:
+            return None
+
+    def certainty(self, element: Element) -> Certainty:
+        """How sure it is that an element vanishes or not."""
+        if not element.is_zero:
+            return PROVED
+        whole = self.brief(element)
+        if whole is not None and not whole._num:
+            return PROVED
+        return Certainty(proved=False, error=self.tables["modular point"].chance(element))
 
     def written(self, element: Element) -> sympy.Expr:
         """The element as a short sympy expression."""
         return to_sympy(element)
 
     def value(
-        self, element: Element, point: Mapping[Any, Value], precision: int
+        self, element: Element, point: Mapping[Any, Value], precision: int, at: Any = None
     ) -> float | complex | mpmath.mpf:
         """The value of an element at a point; see `Element.evaluate`."""
-        return evaluate(element, point, precision)
+        return evaluate(element, point, precision, at)
 
     def to_json(self, element: Element) -> dict[str, Any]:
         """An element as a JSON-ready mapping."""

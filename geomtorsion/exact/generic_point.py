@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from geomtorsion.exact.element import Element
+    from geomtorsion.exact.evaluate import AtPoint
     from geomtorsion.exact.generators import Generator
     from geomtorsion.exact.tower import Tower
 
@@ -34,7 +35,7 @@ class GenericPoint:
     def __init__(self, field: Tower, given: Mapping[sympy.Symbol, Any]) -> None:
         self._field = field
         self._given = dict(given)
-        self._known: dict[int, dict[str, mpmath.mpf]] = {}
+        self._known: AtPoint = {}
         self._signs: list[tuple[Element, bool]] = []
         self._place = 0
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from flint import fmpz
+from fractions import Fraction
+
+from flint import fmpq, fmpz
 
 from geomtorsion.errors import LimitError
 
@@ -34,3 +36,8 @@ def prime_factors(number: fmpz | int) -> list[tuple[fmpz, int]]:
                 "factored; name it by a parameter"
             )
     return found
+
+
+def as_fmpq(value: int | Fraction | fmpq) -> fmpq:
+    """A rational number as FLINT takes it."""
+    return fmpq(value.numerator, value.denominator) if isinstance(value, Fraction) else fmpq(value)

@@ -11,7 +11,7 @@ import mpmath
 from geomtorsion.errors import LimitError
 
 if TYPE_CHECKING:
-    from flint import fmpq, fmpq_mpoly
+    from flint import fmpq
 
     from geomtorsion.exact.element import Element
 
@@ -19,6 +19,10 @@ if TYPE_CHECKING:
 LARGEST_MULTIPLE = 1000
 LARGEST_POWER_TERMS = 1_000_000
 LARGEST_PRODUCT = 30_000_000
+# A product of more pairs is not multiplied out before somebody asks for that: milliseconds.
+MOST_AT_ONCE = isqrt(LARGEST_PRODUCT)
+# Terms that a sum of quotients may have over its common denominator, which nobody multiplies out.
+LARGEST_KEPT = LARGEST_PRODUCT * LARGEST_POWER_TERMS
 _WORD = (sys.maxsize + 1).bit_length()
 
 
@@ -50,6 +54,9 @@ def check_power(base: Element, exponent: int) -> None:
     if terms < 2:
         return
     check_digits(base, exponent)
+    if base._den:
+        # A power of a quotient is kept as it is where it would be long.
+        return
     field = base.field
     # What relations reduce stays below their degree.
     dense = prod(
@@ -64,28 +71,24 @@ def check_power(base: Element, exponent: int) -> None:
         )
 
 
-def check_product(a: fmpq_mpoly, b: fmpq_mpoly) -> None:
-    """Refuses a product of polynomials that would fill the memory.
+def terms_of_power(terms: int, exponent: int) -> int:
+    """How many terms a power of a polynomial has at most."""
+    return comb(exponent + terms - 1, exponent)
 
-    It bounds each step that Ctrl-C cannot interrupt, too.
 
-    Raises
-    ------
-    LimitError
-        more than LARGEST_PRODUCT pairs of terms would be multiplied.
-    """
-    if len(a) * len(b) > LARGEST_PRODUCT:
-        raise LimitError(
-            f"a product of {len(a):,} by {len(b):,} terms is needed; the limit is "
-            f"{LARGEST_PRODUCT:,} pairs. Name a power, a sum or a root by a parameter"
-        )
+def product_too_large(a: Element, b: Element) -> LimitError:
+    """The error for a product of polynomials that would fill the memory."""
+    return LimitError(
+        f"a product of {len(a._num):,} by {len(b._num):,} terms is needed; the limit is "
+        f"{LARGEST_PRODUCT:,} pairs. Name a power, a sum or a root by an unknown function"
+    )
 
 
 def check_size(element: Element) -> None:
     """Refuses an expression that is too long, multiplied out, to go on with.
 
-    Whatever is derived from a frame multiplies its entries by one another: an entry whose square
-    is above the limit of a product is of no use. Numbers have to be such as Python writes.
+    Whatever is derived from a frame multiplies its entries by one another: a polynomial whose
+    square is above the limit of a product is of no use. Numbers have to be such as Python writes.
 
     Raises
     ------

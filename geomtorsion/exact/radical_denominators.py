@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from flint.utils.flint_exceptions import DomainError
 
-from geomtorsion.exact.limits import check_product
+from geomtorsion.exact.limits import LARGEST_PRODUCT
 
 if TYPE_CHECKING:
     from flint import fmpq, fmpq_mpoly
@@ -22,26 +22,28 @@ if TYPE_CHECKING:
     # Factors with roots below the line, by their text: polynomial and exponent.
     Below = dict[str, tuple[fmpq_mpoly, int]]
 
-# Beyond this many roots in one denominator its conjugates are too many to try.
-_MOST_ROOTS = 4
 
+def inverse(field: Tower, element: Element, largest: int = LARGEST_PRODUCT) -> Element | None:
+    """1/element = den/num, with num freed of algebraic generators first.
 
-def inverse(field: Tower, element: Element) -> Element:
-    """1/element = den/num, with num freed of algebraic generators first."""
+    None where a product of more than `largest` pairs of terms would be needed for that.
+    """
     num = field.lift(element)
     den = field.cofactor(element._den, ())
     multiplier = field.ctx.constant(1)
     degrees = num.degrees()
     # A quotient by several terms with roots reads better as it was: the denominator is noted.
-    if len(num) > 1 and any(
+    rooted = len(num) > 1 and any(
         g.degree and d > 0 for g, d in zip(field.generators, degrees, strict=True)
-    ):
-        field.note_rooted(field.polynomial(num))
+    )
+    given = num
     for position, generator in enumerate(field.generators):
         if generator.degree and degrees[position] > 0:
             if generator.degree > 2:
-                num, conjugate = _conjugate(field, num, position)
-                check_product(multiplier, conjugate)
+                found = _conjugate(field, num, position, largest)
+                if found is None or len(multiplier) * len(found[1]) > largest:
+                    return None
+                num, conjugate = found
                 multiplier = field.reduced(multiplier * conjugate)
                 # A conjugate may bring in roots that stand below this one; later rounds clear them.
                 degrees = num.degrees()
@@ -55,11 +57,17 @@ def inverse(field: Tower, element: Element) -> Element:
                 num = field.reduced(above * tail)
                 multiplier = field.reduced(multiplier * w)
             else:
-                check_product(num, num)
-                check_product(multiplier, num)
+                most = max(len(num), len(multiplier)) * len(num)
+                if most > largest or len(above) ** 2 * len(tail) > largest:
+                    return None
                 num = field.reduced(below * below - above * above * tail)
                 multiplier = field.reduced(multiplier * (below - above * w))
             degrees = num.degrees()
+    # The time of factoring grows at least as fast as that of squaring.
+    if len(num) ** 2 > largest or len(multiplier) * len(den) > largest:
+        return None
+    if rooted:
+        field.note_rooted(field.polynomial(given))
     content, factors = num.factor()
     signed = []
     for factor, exponent in factors:
@@ -91,7 +99,9 @@ def coefficients(field: Tower, poly: fmpq_mpoly, position: int, degree: int) -> 
     return [field.ctx.from_dict(part) for part in parts]
 
 
-def _conjugate(field: Tower, num: fmpq_mpoly, position: int) -> tuple[fmpq_mpoly, fmpq_mpoly]:
+def _conjugate(
+    field: Tower, num: fmpq_mpoly, position: int, largest: int
+) -> tuple[fmpq_mpoly, fmpq_mpoly] | None:
     """(norm, c) with num * c = norm, free of the generator w of degree n at the position.
 
     Multiplication by num is an n by n matrix on the powers of w; c is made of the cofactors
@@ -109,14 +119,19 @@ def _conjugate(field: Tower, num: fmpq_mpoly, position: int) -> tuple[fmpq_mpoly
     minors: dict[tuple[int, ...], fmpq_mpoly] = {(): field.ctx.constant(1)}
     for size in range(1, n):
         row = n - size
-        minors = {
-            chosen: _expanded(field, [columns[k][row] for k in chosen], chosen, minors)
-            for chosen in combinations(range(n), size)
-        }
+        larger = {}
+        for chosen in combinations(range(n), size):
+            minor = _expanded(field, [columns[k][row] for k in chosen], chosen, minors, largest)
+            if minor is None:
+                return None
+            larger[chosen] = minor
+        minors = larger
     norm = conjugate = field.ctx.constant(0)
     for k in range(n):
         minor = minors[tuple(j for j in range(n) if j != k)]
         cofactor = -minor if k % 2 else minor
+        if len(columns[k][0]) * len(cofactor) > largest:
+            return None
         norm = norm + columns[k][0] * cofactor
         conjugate = conjugate + cofactor * w**k
     return field.reduced(norm), field.reduced(conjugate)
@@ -127,13 +142,16 @@ def _expanded(
     row: list[fmpq_mpoly],
     chosen: tuple[int, ...],
     minors: dict[tuple[int, ...], fmpq_mpoly],
-) -> fmpq_mpoly:
-    """A determinant expanded along its first row."""
+    largest: int,
+) -> fmpq_mpoly | None:
+    """A determinant expanded along its first row; None where a product would be too large."""
     total = field.ctx.constant(0)
     for place, entry in enumerate(row):
         if entry:
-            check_product(entry, minors[chosen[:place] + chosen[place + 1 :]])
-            product = entry * minors[chosen[:place] + chosen[place + 1 :]]
+            minor = minors[chosen[:place] + chosen[place + 1 :]]
+            if len(entry) * len(minor) > largest:
+                return None
+            product = entry * minor
             total = total - product if place % 2 else total + product
     return field.reduced(total)
 
@@ -157,7 +175,7 @@ class Norms:
         """Notes one factor, if it has roots and its norm is a product of known factors."""
         degrees = factor.degrees()
         places = [k for k, g in enumerate(field.generators) if g.degree == 2 and degrees[k] > 0]
-        if not places or len(places) > _MOST_ROOTS:
+        if not places:
             return
         conjugates = [factor]
         norm = factor

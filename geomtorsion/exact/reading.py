@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 import sympy
@@ -15,6 +16,7 @@ from geomtorsion.exact.angles import Angles
 from geomtorsion.exact.exponents import Exponents
 from geomtorsion.exact.functions import FUNCTIONS
 from geomtorsion.exact.generators import Generator
+from geomtorsion.exact.kept import stays_kept
 from geomtorsion.exact.limits import check_exponent, check_size
 from geomtorsion.exact.prescan import Scan
 from geomtorsion.exact.primitives import INVERSE_FUNCTIONS, Primitives
@@ -54,8 +56,13 @@ class Reader:
             elements = []
             for entry in exprs:
                 where = entry[0]
-                elements.append(self.element(entry[1]))
-                check_size(elements[-1])
+                element = self.element(entry[1])
+                if not stays_kept(element):
+                    check_size(element)
+                if element._sympy is None and _is_longer(element, entry[1]):
+                    # What was written is shorter than all that can be made of it.
+                    element._sympy = entry[1]
+                elements.append(element)
             return elements
         except RecursionError as error:
             raise LimitError(
@@ -251,3 +258,11 @@ class Reader:
         if expr.is_number and expr.is_finite and expr.is_Atom:
             return opaque(field, expr, ())
         raise ExpressionError(f"{expr} cannot be read as an exact scalar")
+
+
+def _is_longer(element: Element, written: sympy.Expr) -> bool:
+    """Whether an element has more terms, multiplied out, than what was written has parts."""
+    if element.is_kept:
+        return True
+    terms = len(element._num)
+    return sum(1 for _ in islice(sympy.preorder_traversal(written), terms)) < terms

@@ -24,6 +24,8 @@ def of_same_sign(element: Element) -> Element:
     >>> of_same_sign(Field([x, y]).read(3 * (1 + x) ** 3 / (y * x**2))).sympy
     y*(x + 1)
     """
+    if element.is_kept:
+        return element
     field, written = element.field, form(element)
     used = {g for base, _ in written.powers for g in generators(base)}
     # Waves of many angles are written with functions that the field does not have.

@@ -10,6 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import replace
 from fractions import Fraction
+from math import prod
 from typing import TYPE_CHECKING, Any, Protocol
 
 import sympy
@@ -19,7 +20,9 @@ from flint.utils.flint_exceptions import DomainError
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.element import Denominator, Element
 from geomtorsion.exact.generators import Branch, Generator
-from geomtorsion.exact.limits import LARGEST_PRODUCT, check_product
+from geomtorsion.exact.integers import as_fmpq
+from geomtorsion.exact.kept import kept, leaves
+from geomtorsion.exact.limits import MOST_AT_ONCE, terms_of_power
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -27,6 +30,7 @@ if TYPE_CHECKING:
     import mpmath
     from flint import fmpq_mpoly
 
+    from geomtorsion.exact.certainty import Certainty
     from geomtorsion.exact.element import Value
 
 # Above this many products a sum is added up pairwise, so that its cost stays n log n.
@@ -84,6 +88,7 @@ class Tower(ABC):
         self._merged: dict[tuple[Denominator, Denominator], Denominator] = {}
         self._lcms: dict[tuple[Denominator, Denominator], Denominator] = {}
         self._cofactors: dict[tuple[Denominator, Denominator], fmpq_mpoly] = {}
+        self._cofactor_sizes: dict[tuple[Denominator, Denominator], int] = {}
         self._algebraic: list[tuple[int, int, fmpq_mpoly]] = []
         self.zero = Element(self, self.ctx.constant(0), (), 0)
         self.one = Element(self, self.ctx.constant(1), (), 0)
@@ -124,7 +129,23 @@ class Tower(ABC):
 
     @abstractmethod
     def decide_zero(self, element: Element) -> bool | None:
-        """Whether a non-trivial element vanishes, where generators may depend on others."""
+        """Whether an element vanishes that is kept, or whose generators may depend on others."""
+
+    @abstractmethod
+    def certainty(self, element: Element) -> Certainty:
+        """How sure it is that an element vanishes or not."""
+
+    @abstractmethod
+    def whole(self, element: Element) -> Element:
+        """An element multiplied out, if that is within the limits of all products."""
+
+    @abstractmethod
+    def brief(self, element: Element) -> Element | None:
+        """An element multiplied out, if that takes little."""
+
+    @abstractmethod
+    def cleared(self, element: Element, largest: int) -> Element | None:
+        """1 over an element, multiplied out; None where a product would be above the largest."""
 
     @abstractmethod
     def written(self, element: Element) -> sympy.Expr:
@@ -132,7 +153,7 @@ class Tower(ABC):
 
     @abstractmethod
     def value(
-        self, element: Element, point: Mapping[Any, Value], precision: int
+        self, element: Element, point: Mapping[Any, Value], precision: int, at: Any = None
     ) -> float | complex | mpmath.mpf:
         """The value of an element at a point."""
 
@@ -197,8 +218,7 @@ class Tower(ABC):
 
     def rational(self, p: int | Fraction | fmpq, q: int = 1) -> Element:
         """The rational number p/q."""
-        value = fmpq(p.numerator, p.denominator) if isinstance(p, Fraction) else fmpq(p)
-        return Element(self, self.ctx.constant(value / q), (), self.level)
+        return Element(self, self.ctx.constant(as_fmpq(p) / q), (), self.level)
 
     def symbol(self, symbol: sympy.Symbol) -> Element:
         """A coordinate or parameter as an element.
@@ -260,10 +280,11 @@ class Tower(ABC):
 
     def generators_of(self, element: Element) -> list[Generator]:
         """The generators that occur in an element."""
-        used = [d > 0 for d in self.lift(element).degrees()]
-        for index, _ in element._den:
-            for position, degree in enumerate(self.factors[index].degrees()):
-                used[position] |= degree > 0
+        used = [False] * len(self.generators)
+        for leaf in leaves(element):
+            for poly in (self.lift(leaf), *(self.factors[index] for index, _ in leaf._den)):
+                for position, degree in enumerate(poly.degrees()):
+                    used[position] |= degree > 0
         return [g for g, here in zip(self.generators, used, strict=True) if here]
 
     # Sums, products and denominators.
@@ -288,32 +309,47 @@ class Tower(ABC):
     def lift(self, element: Element) -> fmpq_mpoly:
         """The numerator of an element, moved to the present polynomial ring."""
         if element._level != self.level:
+            if element._level is None:
+                return self.lift(self.whole(element))
             element._num = self.lifted(element._num, self.level - element._level)
             element._level = self.level
         return element._num
 
     def sum(self, terms: Iterable[tuple[Any, ...]]) -> Element:
-        """A sum of products (rational coefficient, element, element, ...), normalised once."""
+        """A sum of products (rational coefficient, element, element, ...), normalised once.
+
+        It is kept as it is where multiplying it out would be dear (see `kept`).
+        """
         terms = list(terms)  # making them may add generators; only then is the ring fixed
+        found = self.added(terms, MOST_AT_ONCE)
+        return kept(self, terms) if found is None else found
+
+    def added(self, terms: list[tuple[Any, ...]], largest: int) -> Element | None:
+        """The sum multiplied out; None if a product of more pairs of terms would be needed."""
         level = self.level
         groups: dict[Denominator, list[fmpq_mpoly]] = {}
         for coefficient, *elements in terms:
             num = None
             den: Denominator = ()
             for element in elements:
-                part = element._num if element._level == level else self.lift(element)
+                if element._level == level:
+                    part = element._num
+                elif element._level is None:
+                    return None
+                else:
+                    part = self.lift(element)
                 if num is None:
                     num = part
                 else:
-                    if len(num) * len(part) > LARGEST_PRODUCT:
-                        check_product(num, part)
+                    if len(num) * len(part) > largest:
+                        return None
                     num = num * part
                 if element._den:
                     den = self.merged(den, element._den) if den else element._den
             if num is None:
                 num = self.ctx.constant(1)
             if coefficient != 1:
-                num = -num if coefficient == -1 else num * _as_fmpq(coefficient)
+                num = -num if coefficient == -1 else num * as_fmpq(coefficient)
             # Terms over one denominator are added first: only their sums are multiplied up.
             if den in groups:
                 groups[den].append(num)
@@ -331,17 +367,30 @@ class Tower(ABC):
         for den, nums in groups.items():
             num = _added(nums)
             if den != common:
-                factor = self.cofactor(common, den)
-                check_product(num, factor)
-                num = num * factor
+                if len(num) * self._cofactor_terms(common, den) > largest:
+                    return None
+                num = num * self.cofactor(common, den)
             whole.append(num)
         return self._normalised(_added(whole), common)
+
+    def _cofactor_terms(self, common: Denominator, den: Denominator) -> int:
+        """How many terms common/den has at most, whether or not it has been multiplied out."""
+        known = self._cofactor_sizes.get((common, den))
+        if known is None:
+            have = dict(den)
+            known = self._cofactor_sizes[common, den] = prod(
+                terms_of_power(len(self.factors[index]), exponent - have.get(index, 0))
+                for index, exponent in common
+            )
+        return known
 
     def scaled(self, element: Element, factor: int | Fraction | fmpq) -> Element:
         """A rational multiple of an element."""
         if not factor:
             return self.zero
-        return Element(self, element._num * _as_fmpq(factor), element._den, element._level)
+        if element._level is None:
+            return kept(self, [(factor, element)])
+        return Element(self, element._num * as_fmpq(factor), element._den, element._level)
 
     def reduced(self, poly: fmpq_mpoly) -> fmpq_mpoly:
         """A polynomial of the present ring, reduced by every algebraic relation."""
@@ -434,11 +483,6 @@ class Tower(ABC):
     def denominator(self, element: Element) -> Element:
         """The denominator of an element as an element."""
         return Element(self, self.cofactor(element._den, ()), (), self.level)
-
-
-def _as_fmpq(value: int | Fraction | fmpq) -> int | fmpq:
-    """A rational number as FLINT takes it."""
-    return fmpq(value.numerator, value.denominator) if isinstance(value, Fraction) else value
 
 
 def _added(polys: list[fmpq_mpoly]) -> fmpq_mpoly:

@@ -9,6 +9,8 @@ import sympy
 
 from geomtorsion.exact.form import LONGEST_FACTORED, Sum, form
 from geomtorsion.exact.generators import Generator
+from geomtorsion.exact.integers import as_fmpq
+from geomtorsion.exact.kept import in_order
 
 if TYPE_CHECKING:
     from flint import fmpq
@@ -25,6 +27,8 @@ _ORDER = cmp_to_key(sympy.Basic.compare)
 
 def to_sympy(element: Element) -> sympy.Expr:
     """The element in its short form: factored, radicals and sin**2 restored."""
+    if element.is_kept:
+        return _as_built(element)
     written = form(element)
     known = element.field.tables.setdefault("sympy", {})
     factors = [_power(known, base, exponent) for base, exponent in written.powers]
@@ -32,6 +36,57 @@ def to_sympy(element: Element) -> sympy.Expr:
     plain = all(isinstance(base, Sum) or base.kind in _PLAIN for base, _ in written.powers)
     # sympy distributes a number over a lone sum; then its own product is taken.
     return _product(written.coefficient, factors, plain and (len(factors) > 1 or not sums))
+
+
+def _as_built(element: Element) -> sympy.Expr:
+    """A kept element: multiplied out where that is brief, else as it was built."""
+    if element.is_zero:
+        return sympy.S.Zero
+    whole = _short(element)
+    if whole is not None:
+        return whole.sympy
+    for one in in_order(element, lambda x: x._sympy is not None):
+        recipe = one._recipe
+        assert recipe is not None
+        if one is not element:
+            short = _short(one)
+            if short is not None:
+                one._sympy = short.sympy
+                continue
+        terms = [_product_of(_number(as_fmpq(c)), [x.sympy for x in xs]) for c, *xs in recipe.terms]
+        whole_sum = terms[0] if len(terms) == 1 else sympy.Add._from_args(terms)
+        one._sympy = sympy.Pow(whole_sum, -1) if recipe.below else whole_sum
+    assert element._sympy is not None
+    return element._sympy
+
+
+def _short(element: Element) -> Element | None:
+    """A kept element multiplied out, if that is quickly done and can be factored."""
+    whole = element.field.brief(element)
+    return whole if whole is not None and len(whole._num) <= LONGEST_FACTORED else None
+
+
+def _product_of(value: sympy.Expr, factors: list[sympy.Expr]) -> sympy.Expr:
+    """value * factors, with the factors as they are."""
+    inside: list[sympy.Expr] = []
+    for factor in factors:
+        for part in sympy.Mul.make_args(factor):
+            if part.is_Rational:
+                value = value * part
+            else:
+                inside.append(part)
+    powers: dict[sympy.Expr, int] = {}
+    for part in inside:
+        base, exponent = part.as_base_exp()
+        if not exponent.is_Integer:
+            base, exponent = part, sympy.S.One
+        powers[base] = powers.get(base, 0) + int(exponent)
+    shown = [base if e == 1 else sympy.Pow(base, e) for base, e in powers.items() if e]
+    if not shown or not value:
+        return value
+    if value != 1:
+        shown.insert(0, value)
+    return shown[0] if len(shown) == 1 else sympy.Mul._from_args(shown, is_commutative=True)
 
 
 def _number(value: fmpq) -> sympy.Expr:

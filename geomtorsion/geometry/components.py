@@ -36,6 +36,8 @@ class Components:
         self._bulk = bulk
         self._orbits = orbits(rank, dimension, symmetry)
         self._known: dict[Index, Element | None] = {}
+        # What was found to vanish, so that it can be told how sure that is.
+        self.zeros: dict[Index, Element] = {}
 
     @classmethod
     def known(
@@ -47,7 +49,9 @@ class Components:
     ) -> Components:
         """Array whose representatives are all given; what is not listed vanishes."""
         kept = {index: value for index, value in values.items() if not value.is_zero}
-        return cls(rank, dimension, kept.get, symmetry, lambda: kept)
+        found = cls(rank, dimension, kept.get, symmetry, lambda: kept)
+        found.zeros.update((i, value) for i, value in values.items() if i not in kept)
+        return found
 
     def get(self, index: Index) -> Element | None:
         """One component, or None where it vanishes."""
@@ -71,6 +75,7 @@ class Components:
         else:
             value = self._rule(index)
             if value is not None and value.is_zero:
+                self.zeros[index] = value
                 value = None
         self._known[index] = value
         return value
@@ -81,7 +86,11 @@ class Components:
         if self._bulk is not None:
             # What was asked for before is not computed again.
             found = {i: v for i, v in self._known.items() if v is not None and self._is_own(i)}
-            found.update((i, v) for i, v in self._bulk().items() if not v.is_zero)
+            for index, value in self._bulk().items():
+                if value.is_zero:
+                    self.zeros[index] = value
+                else:
+                    found[index] = value
             self._known.update(found)
             return found
         found = {}

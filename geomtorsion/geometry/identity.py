@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from itertools import combinations, product
 
 from geomtorsion.checks import instance
-from geomtorsion.exact import Element
+from geomtorsion.exact import Certainty, Element
+from geomtorsion.exact.certainty import PROVED, least_certain
 from geomtorsion.geometry import notation, riemannian
 from geomtorsion.geometry.connection import Connection
 from geomtorsion.geometry.connections import cartan, levi_civita
@@ -24,6 +25,7 @@ class IdentityCheck:
     holds: True, False, or None where it cannot be decided.
     checked: how many components were compared.
     worst: index of the first component that fails, None if none does.
+    certainty: how sure it is that what was found to vanish does.
     """
 
     name: str
@@ -31,11 +33,13 @@ class IdentityCheck:
     holds: bool | None
     checked: int
     worst: Index | None = None
+    certainty: Certainty = PROVED
 
     def __str__(self) -> str:
         verdict = {True: "holds", False: "FAILS", None: "undecided"}[self.holds]
         where = "" if self.worst is None else f", first at {list(self.worst)}"
-        return f"{self.name}: {verdict} ({self.checked} components{where}): {self.equation}"
+        sure = "" if self.certainty.proved else f"; {self.certainty}"
+        return f"{self.name}: {verdict} ({self.checked} components{where}{sure}): {self.equation}"
 
 
 class IdentityChecks(list[IdentityCheck]):
@@ -193,11 +197,14 @@ def _checked(
 ) -> IdentityCheck:
     """Evaluate the difference of both sides at every index."""
     checked, holds, worst = 0, True, None
+    zeros = []
     for index in indices:
         checked += 1
         element = value(index)
         verdict = True if element is None else element.is_zero
+        if element is not None and verdict:
+            zeros.append(element.certainty)
         if verdict is not True and holds is not False:
             holds = verdict
             worst = index
-    return IdentityCheck(name, equation, holds, checked, worst)
+    return IdentityCheck(name, equation, holds, checked, worst, least_certain(zeros))

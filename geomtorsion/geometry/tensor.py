@@ -6,21 +6,17 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, SupportsIndex
+from typing import TYPE_CHECKING, SupportsIndex
 
-import mpmath
 import sympy as sp
 
 from geomtorsion import checks
 from geomtorsion.errors import (
-    CoordinateError,
-    MissingValueError,
-    ShapeError,
-    SingularPointError,
     TensorIndexError,
 )
-from geomtorsion.exact import Element
-from geomtorsion.geometry import arithmetic, notation
+from geomtorsion.exact import Certainty, Element
+from geomtorsion.exact.certainty import least_certain
+from geomtorsion.geometry import arithmetic, evaluation, notation
 from geomtorsion.geometry.components import Components, Row, change_slot
 from geomtorsion.geometry.index_types import KINDS, moved
 from geomtorsion.geometry.symmetry import Index, Symmetry, effective
@@ -110,8 +106,9 @@ class Tensor:
         >>> Frame([x, y], [[1, x], [0, 1]]).metric.element(0, 1).sympy
         x
         """
-        value = self.components.get(self._checked(index))
-        return self.frame.field.zero if value is None else value
+        place = self._checked(index)
+        value = self.components.get(place)
+        return self.components.zeros.get(place, self.frame.field.zero) if value is None else value
 
     def __getitem__(self, index: SupportsIndex | tuple[SupportsIndex, ...]) -> sp.Expr:
         """One component as a sympy expression; nothing else is computed."""
@@ -149,6 +146,21 @@ class Tensor:
         if any(verdict is False for verdict in verdicts):
             return False
         return None if verdicts else True
+
+    @cached_property
+    def certainty(self) -> Certainty:
+        """How sure it is which components vanish: proved, or up to a chance of error that is told.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame
+        >>> x, y = sp.symbols("x y")
+        >>> print(Frame([x, y], [[1, x], [0, 1]]).anholonomy.certainty)
+        proved
+        """
+        _ = self.components.independent
+        return least_certain(value.certainty for value in self.components.zeros.values())
 
     def to_sympy(self) -> sp.ImmutableDenseNDimArray | sp.Expr:
         """All components as a sympy array (an expression for a scalar)."""
@@ -204,10 +216,10 @@ class Tensor:
         2.0
         """
         given = checks.table(point, "point")
-        several = {key: x for key, x in given.items() if _is_several(x)}
-        return (
-            _at_points(self, given, several, digits) if several else _evaluated(self, given, digits)
-        )
+        several = {key: x for key, x in given.items() if evaluation.is_several(x)}
+        if several:
+            return evaluation.at_points(self, given, several, digits)
+        return evaluation.at_point(self, given, digits)
 
     # -- changing indices ----------------------------------------------------------------------
 
@@ -379,122 +391,3 @@ def _exchange(frame: Frame, old: str, new: str) -> tuple[Sequence[Row], Sequence
     matrices = {"du": "inverse_metric", "ud": "metric", "DU": "inverse_eta", "UD": "eta"}
     matrix = getattr(frame, matrices[old + new]).components
     return matrix.rows, matrix.rows
-
-
-# -- numbers -------------------------------------------------------------------------------------
-
-
-def _is_several(value: object) -> bool:
-    """Whether a value is a list or an array with axes."""
-    return isinstance(value, list | tuple) or bool(getattr(value, "shape", ()))
-
-
-def _at_points(
-    tensor: Tensor, point: Point, several: Mapping[Any, Any], digits: int | None
-) -> np.ndarray:
-    """Arrays of a tensor's components at all points, their shape first."""
-    # See _evaluated.
-    import numpy as np
-
-    columns = [np.array(value, dtype=object) for value in several.values()]
-    try:
-        columns = np.broadcast_arrays(*columns)
-    except ValueError:
-        shapes = ", ".join(str(column.shape) for column in columns)
-        raise ShapeError(
-            f"point: values of one shape were needed, but shapes {shapes} came. "
-            "Give lists of equal length, or single numbers."
-        ) from None
-    found = [
-        _evaluated(tensor, {**point, **dict(zip(several, values, strict=True))}, digits)
-        for values in zip(*(column.ravel() for column in columns), strict=True)
-    ]
-    n, rank = tensor.frame.dimension, len(tensor.slots)
-    return np.array(found).reshape(*columns[0].shape, *(n,) * rank)
-
-
-def _evaluated(tensor: Tensor, point: Point, digits: int | None) -> np.ndarray:
-    """Array of a tensor's components at a point (see Tensor.at)."""
-    # numpy takes 0.09 s to load, which exact work does not need.
-    import numpy as np
-
-    bits = 53
-    if digits is not None:
-        wanted = checks.count(digits, "digits", CoordinateError, 1, 1000)
-        # From 54 on elements are evaluated to numbers of mpmath.
-        bits = max(mpmath.libmp.dps_to_prec(wanted), 54)
-    values = _named_values(tensor, point)
-    _check_branches(tensor.frame, values)
-    independent = tensor.components.independent
-    n, rank = tensor.frame.dimension, len(tensor.slots)
-    result = np.zeros((n,) * rank, dtype=complex if tensor.frame.complex else float)
-    if digits is not None:
-        result = np.full((n,) * rank, mpmath.mpf(0), dtype=object)
-    # Components that are equal up to sign are evaluated once.
-    numbers = {i: _number(tensor, i, v, values, bits) for i, v in independent.items()}
-    for index in tensor.components.support:
-        sign, representative = tensor.components.representative(index)
-        number = numbers[representative]
-        # A product would be rounded to the digits that mpmath has at the moment.
-        result[index] = number if sign > 0 else _opposite(number)
-    return result
-
-
-def _check_branches(frame: Frame, values: Mapping[sp.Expr, Number]) -> None:
-    """Refuse a point at which a root has not the sign with which it was read."""
-    if not frame.field.relied_on:
-        return
-    # Loads numpy.
-    from geomtorsion.codegen.branches import branch_check
-
-    point = {str(key): complex(number) for key, number in values.items()}
-    check = branch_check([frame.field], list(point))
-    if check is not None:
-        real = {name: number if frame.complex else number.real for name, number in point.items()}
-        check.refuse(*real.values())
-
-
-def _opposite(number: complex | mpmath.mpf) -> complex | mpmath.mpf:
-    """Minus a number, with all its digits."""
-    exact = isinstance(number, mpmath.mpf | mpmath.mpc)
-    return mpmath.fneg(number, exact=True) if exact else -number
-
-
-def _named_values(tensor: Tensor, point: Point) -> dict[sp.Expr, Number]:
-    """The point with symbols as keys; a name that means nothing here is refused."""
-    symbols = {symbol.name: symbol for symbol in tensor.frame.field.symbols}
-    given = checks.table(point, "point")
-    for key, number in given.items():
-        found = checks.plain(number)
-        # Neither nan nor infinity ends an evaluation to many digits.
-        for part in (found.real, found.imag) if isinstance(found, complex) else (number,):
-            checks.number(part, f"point: {checks.cut(str(key))}", CoordinateError)
-    named = {key: number for key, number in given.items() if isinstance(key, (str, sp.Symbol))}
-    values = {key: number for key, number in given.items() if key not in named}
-    for name, number in checks.by_name(named, "point", CoordinateError).items():
-        if name not in symbols:
-            raise CoordinateError(
-                f"{checks.cut(name)} is neither a coordinate nor a parameter of this frame. "
-                f"Known are {', '.join(symbols)}."
-            )
-        values[symbols[name]] = number
-    return values
-
-
-def _number(
-    tensor: Tensor, index: Index, element: Element, values: Point, bits: int
-) -> complex | mpmath.mpf:
-    """Value of one component, with an error that names it where it is not finite."""
-    try:
-        number = element.evaluate(values, bits)
-    except (ZeroDivisionError, SingularPointError):
-        number = float("nan")
-    except MissingValueError as error:
-        raise MissingValueError(f"{tensor.label}{list(index)}: {error}") from None
-    if mpmath.isfinite(number) and (tensor.frame.complex or number.imag == 0):
-        return number
-    place = ", ".join(f"{symbol} = {value}" for symbol, value in values.items())
-    raise SingularPointError(
-        f"{tensor.label}{list(index)} has no finite real value at {place}. "
-        "Choose a point inside the domain of the frame."
-    )

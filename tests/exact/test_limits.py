@@ -66,17 +66,21 @@ def test_entries_from_python_too():
 def test_work_can_be_interrupted():
     """No single step is longer than seconds: Ctrl-C comes through."""
     x, y = sp.symbols("x y", real=True)
-    frame = Frame([x, y], [[(x + y + 1) ** 100, x * y], [sp.sin(x) ** 80 + y, (x - y) ** 50 + 2]])
+    rows = [[(x + y + 1) ** 100, x * y], [sp.sin(x) ** 80 + y, (x - y) ** 50 + 2]]
 
     def press(_number, _stack):
         raise KeyboardInterrupt
+
+    def for_ever():
+        while True:
+            levi_civita(Frame([x, y], rows)).curvature.kretschmann.at({x: 1, y: 1})
 
     before = signal.signal(signal.SIGALRM, press)
     signal.setitimer(signal.ITIMER_REAL, 0.5)
     began = time.process_time()
     try:
-        with pytest.raises((KeyboardInterrupt, LimitError)):
-            levi_civita(frame).curvature.kretschmann.at({x: 1, y: 1})
+        with pytest.raises(KeyboardInterrupt):
+            for_ever()
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)

@@ -1,0 +1,253 @@
+"""Kept: sums of products that are not multiplied out, since nobody needs them so.
+
+An element is kept as the sum, or one over the sum, from which it was built where multiplying it
+out would be dear.  Its value modulo a prime decides whether it vanishes (see `modular`), its
+derivative and its numbers follow from its parts.  Multiplied out it is only to be written shortly,
+or where its polynomial itself is needed, as for a root.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from math import prod
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.errors import LimitError
+from geomtorsion.exact.element import Element
+from geomtorsion.exact.limits import (
+    LARGEST_KEPT,
+    LARGEST_POWER_TERMS,
+    LARGEST_PRODUCT,
+    terms_of_power,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    import sympy
+
+    from geomtorsion.exact.tower import Tower
+
+    Term = tuple[Any, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Recipe:
+    """How an element is built: a sum of (rational coefficient, element, ...), or one over it."""
+
+    terms: tuple[Term, ...]
+    below: bool = False
+
+    @property
+    def parts(self) -> Iterator[Element]:
+        """The elements that it is built from."""
+        return (element for _, *elements in self.terms for element in elements)
+
+
+def kept(field: Tower, terms: list[Term]) -> Element:
+    """The sum of the terms as an element that is not multiplied out."""
+    left = []
+    for coefficient, *elements in terms:
+        # A numerator that is there vanishes as a polynomial only if it is zero.
+        if coefficient and all(x.is_kept or x._num for x in elements):
+            factors = [x for x in elements if x.is_kept or not x.is_one]
+            left.append((coefficient, *factors))
+    if not left:
+        return field.zero
+    if len(left) == 1 and left[0][0] == 1 and len(left[0]) == 2:
+        return left[0][1]
+    return Element.built(field, Recipe(tuple(left)))
+
+
+def reciprocal(field: Tower, element: Element) -> Element:
+    """1 over an element, kept so."""
+    recipe = element._recipe
+    if recipe is not None and recipe.below and len(recipe.terms) == 1:
+        ((coefficient, *factors),) = recipe.terms
+        return field.sum(((coefficient, *factors),))
+    return Element.built(field, Recipe(((1, element),), below=True))
+
+
+def in_order(element: Element, is_done: Callable[[Element], bool]) -> Iterator[Element]:
+    """The kept elements that are not done, each after its own parts; no recursion."""
+    waiting = [(element, False)]
+    while waiting:
+        one, ready = waiting.pop()
+        if not one.is_kept or is_done(one):
+            continue
+        if ready:
+            yield one
+        else:
+            waiting.append((one, True))
+            assert one._recipe is not None
+            waiting += [(part, False) for part in one._recipe.parts if part.is_kept]
+
+
+def leaves(element: Element) -> Iterator[Element]:
+    """The elements, multiplied out, of which it is built; each once."""
+    seen: set[int] = set()
+    if not element.is_kept:
+        yield element
+    for one in in_order(element, lambda x: id(x) in seen):
+        seen.add(id(one))
+        assert one._recipe is not None
+        for part in one._recipe.parts:
+            if not part.is_kept and id(part) not in seen:
+                seen.add(id(part))
+                yield part
+
+
+def derivative(field: Tower, element: Element, symbol: sympy.Symbol) -> Element:
+    """The derivative of an element from its recipe, its parts first."""
+    slopes: dict[int, Element] = {}
+
+    def slope(part: Element) -> Element:
+        return slopes[id(part)] if part.is_kept else part.diff(symbol)
+
+    def known(part: Element) -> bool:
+        if id(part) not in slopes and part._diffs is not None and symbol in part._diffs:
+            slopes[id(part)] = part._diffs[symbol]
+        return id(part) in slopes
+
+    found = field.zero
+    for one in in_order(element, known):
+        assert one._recipe is not None
+        terms = []
+        for coefficient, *factors in one._recipe.terms:
+            for place, factor in enumerate(factors):
+                inner = slope(factor)
+                if inner.is_kept or inner._num:
+                    others = (*factors[:place], *factors[place + 1 :])
+                    terms.append((coefficient, inner, *others))
+        found = field.sum(terms) if terms else field.zero
+        if one._recipe.below and terms:
+            found = field.sum(((-1, found, one, one),))
+        if found.is_kept and found.is_zero:
+            found = field.zero
+        slopes[id(one)] = found
+        if one._diffs is None:
+            one._diffs = {}
+        one._diffs[symbol] = found
+    return found
+
+
+def conjugate(field: Tower, element: Element) -> Element:
+    """The element with its parts conjugated."""
+    found: dict[int, Element] = {}
+    for one in in_order(element, lambda x: id(x) in found):
+        assert one._recipe is not None
+        terms = tuple(
+            (c, *(found[id(x)] if x.is_kept else x.conjugate() for x in xs))
+            for c, *xs in one._recipe.terms
+        )
+        found[id(one)] = Element.built(field, Recipe(terms, one._recipe.below))
+    return found[id(element)]
+
+
+def multiplied_out(field: Tower, element: Element, briefly: bool = False) -> Element | None:
+    """The element multiplied out; None where it shall be brief and is not.
+
+    Brief is what takes at most LARGEST_POWER_TERMS pairs of terms, in all parts together.
+
+    Raises
+    ------
+    LimitError
+        it need not be brief, and one product is above the limit of all products.
+    """
+    # What a part costs is counted whether or not somebody multiplied it out before: the answer
+    # must not depend on that.
+    spent = 0
+    counted: set[int] = set()
+    for one in in_order(element, lambda x: id(x) in counted):
+        counted.add(id(one))
+        if one._whole is None:
+            one._whole = _worked_out(field, one, briefly)
+            if one._whole is None:
+                return None
+        spent += one._whole.pairs
+        if briefly and (not one._whole.brief or spent > LARGEST_POWER_TERMS):
+            return None
+    return element if element._whole is None else element._whole.element
+
+
+@dataclass(frozen=True, eq=False)
+class Whole:
+    """An element multiplied out, the pairs of terms that took, and whether each step was brief."""
+
+    element: Element
+    pairs: int
+    brief: bool
+
+
+def _worked_out(field: Tower, one: Element, briefly: bool) -> Whole | None:
+    """One element multiplied out whose parts are."""
+    recipe = one._recipe
+    assert recipe is not None
+    terms = [(c, *(_plain(x) for x in xs)) for c, *xs in recipe.terms]
+    pairs = sum(prod(len(field.lift(x)) for x in xs) for _, *xs in terms)
+    steps = (LARGEST_POWER_TERMS,) if briefly else (LARGEST_POWER_TERMS, LARGEST_PRODUCT)
+    for largest in steps:
+        whole = field.added(terms, largest)
+        if whole is not None and recipe.below:
+            if not whole._num:
+                raise ZeroDivisionError("division by an element that is exactly zero")
+            whole = field.cleared(whole, largest)
+        if whole is not None:
+            return Whole(whole, pairs, largest == LARGEST_POWER_TERMS)
+    if briefly:
+        return None
+    raise LimitError(
+        f"products of more than {LARGEST_PRODUCT:,} pairs of terms are needed, which is the limit. "
+        "Name a power, a sum or a root in the expression by an unknown function"
+    )
+
+
+def _plain(part: Element) -> Element:
+    """A part multiplied out."""
+    if not part.is_kept:
+        return part
+    assert part._whole is not None
+    return part._whole.element
+
+
+def stays_kept(element: Element) -> bool:
+    """Whether an element that was read may stay as it is: a sum of quotients, not too large.
+
+    Raises
+    ------
+    LimitError
+        its numerator would have more than LARGEST_KEPT terms over a common denominator.
+    """
+    if not element.is_kept:
+        return False
+    field = element.field
+    # Terms of numerators and denominators, as if nothing cancelled.
+    sizes: dict[int, tuple[int, int]] = {}
+
+    def size(part: Element) -> tuple[int, int]:
+        if part.is_kept:
+            return sizes[id(part)]
+        below = prod(len(field.factors[index]) ** exponent for index, exponent in part._den)
+        return len(field.lift(part)), below
+
+    for one in in_order(element, lambda x: id(x) in sizes):
+        assert one._recipe is not None
+        above, below = 0, 1
+        for _, *factors in one._recipe.terms:
+            num, den = 1, 1
+            for factor, times in Counter(map(id, factors)).items():
+                top, bottom = size(next(x for x in factors if id(x) == factor))
+                num, den = num * terms_of_power(top, times), den * terms_of_power(bottom, times)
+            above, below = above * den + num * below, below * den
+        sizes[id(one)] = (below, above) if one._recipe.below else (above, below)
+    above, below = sizes[id(element)]
+    if below == 1:
+        return False
+    if above > LARGEST_KEPT:
+        raise LimitError(
+            f"the expression would have some 10**{len(str(above)) - 1} terms over a common "
+            f"denominator; the limit is {LARGEST_KEPT:.0e}. Name a sum in it by an "
+            "unknown function"
+        )
+    return True

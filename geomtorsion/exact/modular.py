@@ -1,0 +1,319 @@
+"""Modular: the value of an element at a random point modulo a large prime, which decides zero.
+
+Generators take values in the integers modulo a prime of 256 bits that obey all their relations:
+cos and sin lie on the circle, roots are roots.  This is a homomorphism: what is zero goes to zero,
+and what goes to a number that is not zero is not zero.  What is not zero goes to zero with a
+chance of at most degree / prime (Schwartz 1980, Zippel 1979), which `chance` tells.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from math import prod
+from typing import TYPE_CHECKING, Any
+
+import sympy
+from flint import fmpq, fmpz, fmpz_mod_ctx, fmpz_mod_poly_ctx
+from flint.utils.flint_exceptions import DomainError
+
+from geomtorsion.exact.integers import as_fmpq
+from geomtorsion.exact.kept import in_order
+
+if TYPE_CHECKING:
+    from fractions import Fraction
+
+    from flint import fmpq_mpoly, fmpz_mod, fmpz_mod_poly
+
+    from geomtorsion.exact.element import Element
+    from geomtorsion.exact.generators import Generator
+    from geomtorsion.exact.tower import Tower
+
+_BITS = 256
+# The prime is one more than a multiple of this, so that roots of unity of all these orders and the
+# square roots of small whole numbers lie in it.
+_ORDER = prod((8, 9, 25, 7, 11, 13, 17, 19, 23))
+
+
+class NoPointError(Exception):
+    """No point modulo a prime was found at which all generators have values."""
+
+
+class _MovedError(Exception):
+    """A generator or an element has no value at the present point."""
+
+
+class ModularPoint:
+    """A random point modulo a prime for the generators of a field, the same at every run."""
+
+    def __init__(self, field: Tower) -> None:
+        self._field = field
+        self._place = -1
+        self._values: list[fmpz_mod] = []
+        # sin goes with cos, sinh with cosh: both are chosen at once.
+        self._partners: dict[str, fmpz_mod] = {}
+        self._settle()
+
+    # -- values of elements ----------------------------------------------------------------------
+
+    def image(self, element: Element) -> fmpz_mod:
+        """The value of an element.
+
+        Raises
+        ------
+        NoPointError
+            no point was found at which it has one.
+        """
+        while True:
+            try:
+                self._fill()
+                return self._image(element)
+            except _MovedError:
+                self._settle()
+
+    def _known(self, element: Element) -> fmpz_mod | None:
+        """The value at the present place, if it is known."""
+        image = element._image
+        return image[1] if image is not None and image[0] == self._place else None
+
+    def _image(self, element: Element) -> fmpz_mod:
+        if not element.is_kept:
+            return self._of_polynomials(element)
+        for one in in_order(element, lambda x: self._known(x) is not None):
+            recipe = one._recipe
+            assert recipe is not None
+            total = self._zero
+            for coefficient, *factors in recipe.terms:
+                value = self._number(coefficient)
+                for factor in factors:
+                    known = self._known(factor)
+                    value = value * (self._of_polynomials(factor) if known is None else known)
+                total = total + value
+            if recipe.below:
+                total = self._inverse(total)
+            one._image = (self._place, total)
+        found = self._known(element)
+        assert found is not None
+        return found
+
+    def _of_polynomials(self, element: Element) -> fmpz_mod:
+        """The value of an element that is multiplied out."""
+        known = self._known(element)
+        if known is None:
+            known = self._polynomial(self._field.lift(element))
+            for index, exponent in element._den:
+                below = self._polynomial(self._field.factors[index])
+                known = known * self._inverse(below) ** exponent
+            element._image = (self._place, known)
+        return known
+
+    def _polynomial(self, poly: fmpq_mpoly) -> fmpz_mod:
+        """The value of a polynomial of the present ring."""
+        total, powers = self._zero, {}
+        newest = len(self._field.generators) - 1
+        for monomial, coefficient in poly.to_dict().items():
+            term = self._number(coefficient)
+            for position, exponent in enumerate(monomial):
+                if exponent:
+                    key = (position, exponent)
+                    if key not in powers:
+                        powers[key] = self._values[newest - position] ** int(exponent)
+                    term = term * powers[key]
+            total = total + term
+        return total
+
+    def _number(self, value: int | Fraction | fmpq) -> fmpz_mod:
+        """A rational number modulo the prime."""
+        if isinstance(value, int):
+            return self._ring(value)
+        ratio = as_fmpq(value)
+        return self._ring(ratio.p) if ratio.q == 1 else self._ring(ratio.p) / self._ring(ratio.q)
+
+    def _inverse(self, value: fmpz_mod) -> fmpz_mod:
+        """1 over a value; at a pole the point moves."""
+        if value == 0:
+            raise _MovedError
+        return value**-1
+
+    # -- values of generators --------------------------------------------------------------------
+
+    def _settle(self) -> None:
+        """The next place: other values of all symbols, modulo another prime."""
+        self._place += 1
+        # A point in n has a root of degree n: of so many tries all fail with a chance of 2**-_BITS.
+        if self._place > _BITS * prod(self._degrees()):
+            raise NoPointError
+        # Constants have roots modulo some primes only: the prime changes, too, if more slowly.
+        prime = _prime(self._place // 64)
+        self._ring = fmpz_mod_ctx(prime)
+        self._polynomials = fmpz_mod_poly_ctx(self._ring)
+        self._zero = self._ring(0)
+        self._turn = _root_of_unity(self._ring, prime)
+        self._values.clear()
+        self._partners.clear()
+
+    def _degrees(self) -> list[int]:
+        """The degrees of all algebraic generators."""
+        return [generator.degree for generator in self._field.generators if generator.degree]
+
+    def _fill(self) -> None:
+        """Values for the generators that have none yet, each after those it rests on."""
+        generators = self._field.generators
+        while len(self._values) < len(generators):
+            generator = generators[len(generators) - 1 - len(self._values)]
+            self._values.append(self._value(generator))
+
+    def _value(self, generator: Generator) -> fmpz_mod:
+        kind = generator.kind
+        if kind == "imaginary":
+            return self._unity(4)
+        if kind in ("cos", "cosh"):
+            # Points of the circle and the hyperbola, by one number u.
+            u = self._random(generator)
+            down = self._inverse(u)
+            height = (u - down) / 2
+            self._partners[generator.argument[1]] = (
+                height / self._unity(4) if kind == "cos" else height
+            )
+            return (u + down) / 2
+        if generator.name in self._partners:
+            return self._partners[generator.name]
+        if generator.degree:
+            return self._algebraic(generator)
+        if kind == "opaque" and not generator.depends:
+            return self._trigonometric(generator)
+        return self._random(generator)
+
+    def _random(self, generator: Generator) -> fmpz_mod:
+        """A number made from the name, so that it is the same in every process."""
+        text = f"{generator.shown} {generator.name} {self._place}"
+        digest = hashlib.sha512(text.encode()).digest()
+        return self._ring(int.from_bytes(digest, "big"))
+
+    def _unity(self, order: int) -> fmpz_mod:
+        """exp(2 pi i / order)."""
+        if _ORDER % order:
+            raise _MovedError
+        return self._turn ** (_ORDER // order)
+
+    def _algebraic(self, generator: Generator) -> fmpz_mod:
+        """A root of the relation of a generator."""
+        assert generator.tail is not None
+        tail = self._of_polynomials(generator.tail)
+        if generator.degree == 2 and not generator.middle:
+            return self._square_root(generator.tail, tail)
+        relation: list[Any] = [-tail, *([self._zero] * (generator.degree - 1)), self._ring(1)]
+        for power, value in generator.middle:
+            relation[power] = relation[power] - self._number(value)
+        roots = self._roots(self._polynomials(relation))
+        if not roots:
+            raise _MovedError
+        return min(roots, key=int)
+
+    def _square_root(self, tail: Element, value: fmpz_mod) -> fmpz_mod:
+        """The square root; that of a small whole number agrees with the roots of unity."""
+        if tail.is_rational:
+            number = tail.as_fraction()
+            root = self._ring(1)
+            if number.denominator == 1 and number > 1:
+                for prime, exponent in fmpz(number.numerator).factor():
+                    if _ORDER % int(prime) or exponent != 1:
+                        break
+                    root = root * self._root_of_prime(int(prime))
+                else:
+                    return root
+        try:
+            root = value.sqrt()
+            return min(root, -root, key=int)
+        except DomainError as error:
+            raise _MovedError from error
+
+    def _root_of_prime(self, prime: int) -> fmpz_mod:
+        """The positive square root of a small prime, as a Gauss sum."""
+        if prime == 2:
+            eighth = self._unity(8)
+            return eighth + eighth**-1
+        unit, total, power = self._unity(prime), self._zero, self._ring(1)
+        squares = {k * k % prime for k in range(1, prime)}
+        for k in range(1, prime):
+            power = power * unit
+            total = total + power if k in squares else total - power
+        return total if prime % 4 == 1 else total / self._unity(4)
+
+    def _roots(self, relation: fmpz_mod_poly) -> list[fmpz_mod]:
+        return [root for root, _ in relation.roots()]
+
+    def _trigonometric(self, generator: Generator) -> fmpz_mod:
+        """cos and sin of parts of a turn by roots of unity; other constants are random."""
+        shown = generator.shown
+        if isinstance(shown, sympy.cos | sympy.sin):
+            share = shown.args[0] / (2 * sympy.pi)
+            if share.is_Rational and _ORDER % int(share.q) == 0:
+                up = self._unity(int(share.q)) ** int(share.p)
+                down = up**-1
+                if isinstance(shown, sympy.cos):
+                    return (up + down) / 2
+                return (up - down) / (2 * self._unity(4))
+        return self._random(generator)
+
+    # -- certainty -------------------------------------------------------------------------------
+
+    def chance(self, element: Element) -> float:
+        """A bound on the chance that an element that is not zero goes to zero."""
+        roots = self._degrees()
+        # The norm multiplies degrees by those of all roots; points without roots are left out.
+        size = degree(element) * prod(roots) ** 2
+        return float(fmpq(size, fmpz(2) ** (_BITS - 1)))
+
+
+def degree(element: Element) -> int:
+    """A bound on the degree of an element's numerator and denominator in what is random."""
+    field, found = element.field, {}
+    weights: dict[str, int] = {}
+
+    def of_polynomials(one: Element) -> int:
+        total = _total(field.lift(one))
+        return total + sum(e * _total(field.factors[i]) for i, e in one._den)
+
+    def _total(poly: fmpq_mpoly) -> int:
+        return sum(
+            int(d) * weight(generator)
+            for d, generator in zip(poly.degrees(), field.generators, strict=True)
+            if d
+        )
+
+    def weight(generator: Generator) -> int:
+        # cos and sin are quotients of degree two in the number that is chosen.
+        if generator.name not in weights:
+            own = 2 if generator.kind in ("cos", "sin", "cosh", "sinh") else 1
+            if generator.degree and own == 1 and generator.tail is not None:
+                own = of_polynomials(generator.tail) + 1
+            weights[generator.name] = own
+        return weights[generator.name]
+
+    for one in in_order(element, lambda x: id(x) in found):
+        recipe = one._recipe
+        assert recipe is not None
+        # Over one common denominator the degrees of all denominators add up.
+        found[id(one)] = sum(found[id(x)] if x.is_kept else of_polynomials(x) for x in recipe.parts)
+    return max(found[id(element)] if element.is_kept else of_polynomials(element), 1)
+
+
+def _prime(number: int) -> fmpz:
+    """The prime of a number: _BITS bits, one more than a multiple of _ORDER."""
+    digest = hashlib.sha512(f"prime {number}".encode()).digest()
+    start = (int.from_bytes(digest, "big") % 2 ** (_BITS - 1)) | 2 ** (_BITS - 1)
+    found = fmpz(start - start % _ORDER + 1)
+    while not found.is_probable_prime():
+        found += _ORDER
+    return found
+
+
+def _root_of_unity(ring: fmpz_mod_ctx, prime: fmpz) -> fmpz_mod:
+    """A number of order exactly _ORDER."""
+    orders = [int(q) for q, _ in fmpz(_ORDER).factor()]
+    base = 2
+    while True:
+        found = ring(base) ** ((prime - 1) // _ORDER)
+        if all(found ** (_ORDER // q) != 1 for q in orders):
+            return found
+        base += 1

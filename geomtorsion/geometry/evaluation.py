@@ -1,0 +1,137 @@
+"""Evaluation: the numbers that a tensor's components are at points."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import mpmath
+import sympy as sp
+
+from geomtorsion import checks
+from geomtorsion.errors import CoordinateError, MissingValueError, ShapeError, SingularPointError
+from geomtorsion.exact import Element
+from geomtorsion.geometry.symmetry import Index
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from geomtorsion.geometry.frame import Frame
+    from geomtorsion.geometry.tensor import Number, Point, Tensor
+
+
+def is_several(value: object) -> bool:
+    """Whether a value is a list or an array with axes."""
+    return isinstance(value, list | tuple) or bool(getattr(value, "shape", ()))
+
+
+def at_points(
+    tensor: Tensor, point: Point, several: Mapping[Any, Any], digits: int | None
+) -> np.ndarray:
+    """Arrays of a tensor's components at all points, their shape first."""
+    # See at_point.
+    import numpy as np
+
+    columns = [np.array(value, dtype=object) for value in several.values()]
+    try:
+        columns = np.broadcast_arrays(*columns)
+    except ValueError:
+        shapes = ", ".join(str(column.shape) for column in columns)
+        raise ShapeError(
+            f"point: values of one shape were needed, but shapes {shapes} came. "
+            "Give lists of equal length, or single numbers."
+        ) from None
+    found = [
+        at_point(tensor, {**point, **dict(zip(several, values, strict=True))}, digits)
+        for values in zip(*(column.ravel() for column in columns), strict=True)
+    ]
+    n, rank = tensor.frame.dimension, len(tensor.slots)
+    return np.array(found).reshape(*columns[0].shape, *(n,) * rank)
+
+
+def at_point(tensor: Tensor, point: Point, digits: int | None) -> np.ndarray:
+    """Array of a tensor's components at a point (see Tensor.at)."""
+    # numpy takes 0.09 s to load, which exact work does not need.
+    import numpy as np
+
+    bits = 53
+    if digits is not None:
+        wanted = checks.count(digits, "digits", CoordinateError, 1, 1000)
+        # From 54 on elements are evaluated to numbers of mpmath.
+        bits = max(mpmath.libmp.dps_to_prec(wanted), 54)
+    values = _named_values(tensor, point)
+    _check_branches(tensor.frame, values)
+    independent = tensor.components.independent
+    n, rank = tensor.frame.dimension, len(tensor.slots)
+    result = np.zeros((n,) * rank, dtype=complex if tensor.frame.complex else float)
+    if digits is not None:
+        result = np.full((n,) * rank, mpmath.mpf(0), dtype=object)
+    # Components that are equal up to sign are evaluated once.
+    known: dict = {}
+    numbers = {i: _number(tensor, i, v, values, bits, known) for i, v in independent.items()}
+    for index in tensor.components.support:
+        sign, representative = tensor.components.representative(index)
+        number = numbers[representative]
+        # A product would be rounded to the digits that mpmath has at the moment.
+        result[index] = number if sign > 0 else _opposite(number)
+    return result
+
+
+def _check_branches(frame: Frame, values: Mapping[sp.Expr, Number]) -> None:
+    """Refuse a point at which a root has not the sign with which it was read."""
+    if not frame.field.relied_on:
+        return
+    # Loads numpy.
+    from geomtorsion.codegen.branches import branch_check
+
+    point = {str(key): complex(number) for key, number in values.items()}
+    check = branch_check([frame.field], list(point))
+    if check is not None:
+        real = {name: number if frame.complex else number.real for name, number in point.items()}
+        check.refuse(*real.values())
+
+
+def _opposite(number: complex | mpmath.mpf) -> complex | mpmath.mpf:
+    """Minus a number, with all its digits."""
+    exact = isinstance(number, mpmath.mpf | mpmath.mpc)
+    return mpmath.fneg(number, exact=True) if exact else -number
+
+
+def _named_values(tensor: Tensor, point: Point) -> dict[sp.Expr, Number]:
+    """The point with symbols as keys; a name that means nothing here is refused."""
+    symbols = {symbol.name: symbol for symbol in tensor.frame.field.symbols}
+    given = checks.table(point, "point")
+    for key, number in given.items():
+        found = checks.plain(number)
+        # Neither nan nor infinity ends an evaluation to many digits.
+        for part in (found.real, found.imag) if isinstance(found, complex) else (number,):
+            checks.number(part, f"point: {checks.cut(str(key))}", CoordinateError)
+    named = {key: number for key, number in given.items() if isinstance(key, (str, sp.Symbol))}
+    values = {key: number for key, number in given.items() if key not in named}
+    for name, number in checks.by_name(named, "point", CoordinateError).items():
+        if name not in symbols:
+            raise CoordinateError(
+                f"{checks.cut(name)} is neither a coordinate nor a parameter of this frame. "
+                f"Known are {', '.join(symbols)}."
+            )
+        values[symbols[name]] = number
+    return values
+
+
+def _number(
+    tensor: Tensor, index: Index, element: Element, values: Point, bits: int, known: dict
+) -> complex | mpmath.mpf:
+    """Value of one component, with an error that names it where it is not finite."""
+    try:
+        number = element.evaluate(values, bits, known)
+    except (ZeroDivisionError, SingularPointError):
+        number = float("nan")
+    except MissingValueError as error:
+        raise MissingValueError(f"{tensor.label}{list(index)}: {error}") from None
+    if mpmath.isfinite(number) and (tensor.frame.complex or number.imag == 0):
+        return number
+    place = ", ".join(f"{symbol} = {value}" for symbol, value in values.items())
+    raise SingularPointError(
+        f"{tensor.label}{list(index)} has no finite real value at {place}. "
+        "Choose a point inside the domain of the frame."
+    )

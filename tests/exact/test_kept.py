@@ -1,0 +1,108 @@
+"""Kept: elements that are not multiplied out are worth the same as those that are."""
+
+import copy
+import pickle
+
+import mpmath
+import pytest
+import sympy as sp
+
+from geomtorsion.errors import LimitError
+from geomtorsion.exact import Field
+
+x, y = sp.symbols("x y")
+LONG = sp.Add(*[(i + 2 * j + 1) * x**i * sp.sin(y) ** j for i in range(12) for j in range(12)])
+OTHER = sp.Add(1, *[(i - j) * x**i * sp.exp(y) ** j for i in range(12) for j in range(12)])
+
+
+@pytest.fixture
+def field() -> Field:
+    """A field of two symbols."""
+    return Field([x, y])
+
+
+def test_long_products_are_kept_and_short_ones_are_not(field):
+    """What is dear to multiply out waits until somebody asks."""
+    a, b = field.read(LONG), field.read(OTHER)
+    assert (a * b).is_kept
+    assert not (a * 2).is_kept
+    assert not (field.read(x + y) * field.read(x - y)).is_kept
+
+
+def test_values_and_derivatives_are_those_of_the_product(field):
+    """Against mpmath, in sixty digits."""
+    a, b = field.read(LONG), field.read(OTHER)
+    value = (a * b + a) / (b * b + 1)
+    assert value.is_kept
+    point = {x: sp.Rational(7, 5), y: sp.Rational(2, 7)}
+    with mpmath.workdps(70):
+        one, two = (sp.lambdify((x, y), e, "mpmath") for e in (LONG, OTHER))
+
+        def exact(s, t):
+            return (one(s, t) * two(s, t) + one(s, t)) / (two(s, t) ** 2 + 1)
+
+        place = (mpmath.mpf(7) / 5, mpmath.mpf(2) / 7)
+        assert abs(value.evaluate(point, 200) - exact(*place)) < mpmath.mpf(10) ** -50
+        slope = mpmath.diff(exact, place, (0, 1))
+        assert abs(value.diff(y).evaluate(point, 200) / slope - 1) < mpmath.mpf(10) ** -25
+
+
+def test_equality_and_zero(field):
+    """Equal to itself in another order, not to itself and a little."""
+    a, b = field.read(LONG), field.read(OTHER)
+    assert a * b == b * a
+    assert (a * b - b * a).is_zero is True
+    assert (a * b - b * a + field.read(sp.Rational(1, 10**30))).is_zero is False
+    assert (a + b) * (a - b) == a * a - b * b
+    assert ((a * b) / (b * a)).sympy == 1
+
+
+def test_a_kept_zero_is_written_as_zero(field):
+    """Not as the difference of two long products."""
+    a, b = field.read(LONG), field.read(OTHER)
+    assert (a * b * a * b - b * b * a * a).sympy == 0
+
+
+def test_division_by_a_kept_zero(field):
+    """Refused, as by zero itself."""
+    a, b = field.read(LONG), field.read(OTHER)
+    with pytest.raises(ZeroDivisionError):
+        _ = 1 / (a * b - b * a)
+
+
+def test_it_does_not_matter_what_was_asked_before(field):
+    """Written twice, and after its parts were multiplied out by force, it reads the same."""
+    a, b = field.read(LONG), field.read(OTHER)
+    first = str((a * b + b) / (a + b * b))
+    other = Field([x, y])
+    c, d = other.read(LONG), other.read(OTHER)
+    part = c * d + d
+    assert other.lift(part) is not None
+    assert str(part / (c + d * d)) == first
+
+
+def test_copies(field):
+    """Copies are the same; a pickled one is read again."""
+    a, b = field.read(LONG), field.read(OTHER)
+    product = a * b
+    assert copy.deepcopy(product) is product
+    again = pickle.loads(pickle.dumps(product))
+    point = {x: 1.25, y: 0.5}
+    assert abs(again.evaluate(point) / product.evaluate(point) - 1) < 1e-14
+
+
+def test_what_needs_a_polynomial_says_when_it_is_too_long(field):
+    """The root of a long product: the message says what to do."""
+    powers = range(70)
+    a = field.read(sp.Add(*[(i + j + 1) * x**i * y**j for i in powers for j in powers]))
+    b = field.read(sp.Add(*[(i + j + 1) * x**i * sp.exp(y * j) for i in powers for j in powers]))
+    with pytest.raises(LimitError, match="by an unknown function"):
+        (a * b * a).sqrt()
+
+
+def test_read_as_written():
+    """What was written is shorter than all that can be made of it: it is written so."""
+    z, m, n, c = sp.symbols("z m n c")
+    potential = 1 + m / sp.sqrt(x**2 + y**2 + z**2) + n / sp.sqrt(x**2 + y**2 + (z - c) ** 2)
+    element = Field([x, y, z, m, n, c]).read(1 / potential**2)
+    assert element.sympy == 1 / potential**2

@@ -1,0 +1,120 @@
+"""Modular: the decision at a random point modulo a prime is the exact one."""
+
+import random
+
+import pytest
+import sympy as sp
+
+from geomtorsion.exact import Field
+from geomtorsion.exact.kept import kept
+from geomtorsion.exact.modular import ModularPoint
+
+x, y, k = sp.symbols("x y k")
+f = sp.Function("f")
+ATOMS = (
+    x, y, k, sp.sin(x), sp.cos(x), sp.sin(x + y), sp.cos(2 * y), sp.exp(x), sp.exp(x / 2 - y),
+    sp.cosh(y), sp.sinh(2 * y), sp.sqrt(x**2 + 1), sp.sqrt(x + y), sp.sqrt(2), sp.sqrt(3) / 2,
+    (x + 2) ** sp.Rational(1, 3), sp.log(y), sp.atan(x), f(x), f(x).diff(x), sp.tan(x / 2),
+)  # fmt: skip
+# What is zero is zero in its derivatives, times anything, and as one sum less the same, reordered.
+NEAR = (sp.Rational(1, 10**40), sp.Rational(-3, 2**200))
+
+
+def random_terms(rng: random.Random, field: Field) -> list[tuple]:
+    """A sum of products of small elements."""
+
+    def element():
+        return field.read(sum(rng.randint(-3, 3) * rng.choice(ATOMS) for _ in range(2)) + 1)
+
+    return [
+        (rng.choice((-2, -1, 1, 3)), *(element() for _ in range(rng.randint(1, 3))))
+        for _ in range(rng.randint(1, 3))
+    ]
+
+
+def disagreements(seed: int, count: int) -> list[str]:
+    """Sums for which the two decisions differ: a sum less itself, plus nothing, little or more."""
+    rng, wrong = random.Random(seed), []
+    field = Field([x, y, k])
+    for number in range(count):
+        if number % 100 == 0:
+            field = Field([x, y, k])
+        terms = random_terms(rng, field)
+        value = field.one
+        for term in terms[:1]:
+            value = field.sum([term])
+        rest = field.sum(terms[1:])
+        whole = field.sum([(1, value), (1, rest)])
+        more = rng.choice((0, 0, *NEAR, sp.sin(x), 1))
+        unexpanded = kept(field, [*terms, (-1, whole), (1, field.read(more))])
+        if (unexpanded.is_zero is True) != (more == 0):
+            wrong.append(f"{number}: {terms}, {more}")
+    return wrong
+
+
+def test_sums_less_themselves():
+    """Zero is found, and 1e-40 is not zero."""
+    assert not disagreements(1, 300)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(10))
+def test_ten_thousand_sums(seed):
+    """The modular decision never differs from the exact one."""
+    assert not disagreements(100 + seed, 1000)
+
+
+RELATIONS = {
+    "circle": "sin(x)**2 + cos(x)**2 - 1",
+    "hyperbola": "cosh(2*x) - 2*cosh(x)**2 + 1",
+    "nested roots": "sqrt(x + sqrt(x**2 - y))**4 - 2*x*(x + sqrt(x**2 - y)) + y",
+    "cube root": "(x + 2)**(1/3)**1 * (x + 2)**(2/3) - x - 2",
+    "half angle": "tan(x/2) - sin(x)/(1 + cos(x))",
+    "third of an angle": "4*cos(x/3)**3 - 3*cos(x/3) - cos(x)",
+    "exponentials": "exp(x + y) - exp(x)*exp(y)",
+    "constant roots": "sqrt(2)*sqrt(3) - sqrt(6)",
+}
+
+
+@pytest.mark.parametrize("relation", RELATIONS.values(), ids=RELATIONS.keys())
+def test_generators_obey_their_relations(relation):
+    """All generators of an identity take values at which it holds; one thousandth more does not."""
+    field = Field([x, y])
+    zero = field.read(sp.sympify(relation))
+    every = field.sum((1, field.generator_element(g)) for g in field.generators)
+    point = ModularPoint(field)
+    assert point.image(zero) == 0
+    assert point.image(every) != 0
+    for generator in field.generators:
+        if generator.tail is not None and not generator.middle:
+            w = field.generator_element(generator)
+            assert point.image(w) ** generator.degree == point.image(generator.tail)
+
+
+def test_the_same_in_every_field():
+    """Two fields of the same symbols have the same point: no chance is in it."""
+    images = []
+    for _ in range(2):
+        field = Field([x, y])
+        images.append(int(ModularPoint(field).image(field.read(sp.sin(x) / (y + sp.sqrt(x))))))
+    assert images[0] == images[1]
+
+
+def test_the_chance_of_error_is_small_and_told():
+    """A zero that is not multiplied out is told with a bound below 1e-30."""
+    field = Field([x, y])
+    powers = range(45)
+    long = [
+        field.read(sp.Add(*[(i + j + m) * x**i * y**j for i in powers for j in powers]))
+        for m in (1, 2, 3)
+    ]
+    a, b, c = long
+    other = field.sum([(1, a, b), (-1, b, a)])
+    assert other.is_zero is True
+    deep = a * b * c * a * b * c - c * b * a * c * b * a
+    assert deep.is_zero is True
+    assert not deep.certainty.proved
+    assert 0 < deep.certainty.error < 1e-30
+    assert "chance of error below" in str(deep.certainty)
+    assert (deep + 1).is_zero is False
+    assert (deep + 1).certainty.proved

@@ -1,0 +1,183 @@
+"""Dense frames: laws and numbers of frames whose entries swell when they are multiplied out."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import mpmath
+import pytest
+import sympy as sp
+
+from geomtorsion.geometry import Frame, cartan, identities, levi_civita
+
+t, r, x, y, z = sp.symbols("t r x y z", real=True)
+M = sp.Symbol("M", positive=True)
+f, g = sp.Function("f"), sp.Function("g")
+HALF = sp.Rational(1, 2)
+DENSE = {
+    "polynomial, sine, unknown function": (
+        (t, r),
+        [[M * t / 2 + 2, (t**2 + 1) ** 2], [sp.sin(r) + HALF, f(t) * sp.cos(r - t) / 2 - 1]],
+        None,
+    ),
+    "hyperbolic and exponential": (
+        (t, r),
+        [
+            [2 + 1 / (2 * (t**2 + 2)), sp.sin(2 * t) / 2],
+            [t * (sp.sin(r) + 2), sp.sinh(r) / 3 + 2 + sp.exp(-r) / 3],
+        ],
+        (-1, 1),
+    ),
+    "roots, tan and atan": (
+        (x, y, z),
+        [
+            [2 + sp.sqrt(x**2 + 1), sp.tan(y / 2) / 2, 0],
+            [sp.atan(z) / 2, 3 + sp.sqrt(y + 3), x / 2],
+            [sp.exp(-z) / 3, 0, 2 + sp.cos(x - y)],
+        ],
+        (-1, 1, 1),
+    ),
+    "null metric": (
+        (t, r),
+        [[2 + sp.sqrt(t**2 + r**2 + 1), r * t], [sp.exp(t / 2), 3 + f(r) * t]],
+        [[0, 1], [1, 0]],
+    ),
+}  # fmt: skip
+
+
+def made(name: str) -> Frame:
+    """A dense frame by its name."""
+    coordinates, rows, signature = DENSE[name]
+    return Frame(coordinates, rows, signature=signature)
+
+
+@pytest.mark.parametrize("name", DENSE)
+def test_identities_hold(name):
+    """Metricity, decomposition, both Bianchi identities, the scalar identity."""
+    for check in identities(cartan(made(name))):
+        assert check.holds is True, check
+        assert check.certainty.proved or check.certainty.error < 1e-30
+
+
+@pytest.mark.parametrize("name", DENSE)
+def test_numbers_are_those_of_finite_differences(name):
+    """The curvature scalar against a difference quotient of the metric, in forty digits."""
+    frame = made(name)
+    coordinates = frame.coordinates
+    n = len(coordinates)
+    with mpmath.workdps(60):
+        known = {f: lambda u: sp.sin(u) + u**2 / 3 + 2}
+        rows = sp.Matrix(DENSE[name][1]).subs(M, sp.Rational(7, 5))
+        rows = rows.replace(f, known[f])
+        coframe = sp.lambdify(coordinates, rows.tolist(), "mpmath")
+        eta = mpmath.matrix([[frame.eta[i, j] for j in range(n)] for i in range(n)])
+        place = [mpmath.mpf(3 + k) / 7 for k in range(n)]
+
+        def metric(*q):
+            e = mpmath.matrix(coframe(*q))
+            return e.T * eta * e
+
+        want = curvature_scalar(metric, place)
+        values = {s: sp.Rational(3 + k, 7) for k, s in enumerate(coordinates)}
+        if M in frame.field.symbols:
+            values[M] = sp.Rational(7, 5)
+        values |= jets(frame, coordinates, values, known[f])
+        have = levi_civita(frame).curvature.scalar.at(values, digits=40).item()
+        assert abs(have - want) < mpmath.mpf(10) ** -12 * (1 + abs(want))
+
+
+def jets(frame, coordinates, values, shape):
+    """The values of an unknown function and its derivatives at the coordinates."""
+    u, found = sp.Symbol("u"), {}
+    for symbol in coordinates:
+        for order in range(4):
+            key = f(symbol).diff(symbol, order) if order else f(symbol)
+            found[key] = sp.diff(shape(u), u, order).subs(u, values[symbol]).evalf(60)
+    return found
+
+
+def curvature_scalar(metric, place):
+    """g^bc R_bc by central differences of eighth order, twice."""
+    n, step = len(place), mpmath.mpf(10) ** -12
+    weights = [mpmath.mpf(w) for w in ("0.8", "-0.2")] + [mpmath.mpf(4) / 105, -mpmath.mpf(1) / 280]
+
+    def slope(function, q, a):
+        total: Any = 0
+        for k, weight in enumerate(weights, 1):
+            up, down = list(q), list(q)
+            up[a], down[a] = up[a] + k * step, down[a] - k * step
+            total = total + (function(up) - function(down)) * (weight / step)
+        return total
+
+    def gamma(q):
+        inverse = metric(*q) ** -1
+        dg = [slope(lambda p: metric(*p), q, a) for a in range(n)]
+        return mpmath.matrix(
+            [
+                [
+                    sum(
+                        inverse[c, e] * (dg[a][b, e] + dg[b][a, e] - dg[e][a, b]) / 2
+                        for e in range(n)
+                    )
+                    for c in range(n)
+                ]
+                for a in range(n)
+                for b in range(n)
+            ]
+        )
+
+    here = gamma(place)
+    change = [slope(gamma, place, a) for a in range(n)]
+    inverse = metric(*place) ** -1
+
+    def ricci(b, c):
+        return sum(
+            change[m][b * n + c, m]
+            - change[b][m * n + c, m]
+            - sum(
+                here[m * n + c, k] * here[b * n + k, m] - here[b * n + c, k] * here[m * n + k, m]
+                for k in range(n)
+            )
+            for m in range(n)
+        )
+
+    return sum(inverse[b, c] * ricci(b, c) for b in range(n) for c in range(n))
+
+
+def test_many_centres_solve_their_equations():
+    """Majumdar-Papapetrou: R = 0; Brill-Lindquist: R = 0, with five centres each."""
+    masses, places = sp.symbols("m:5", positive=True), sp.symbols("a:5", real=True)
+    roots = [sp.sqrt(x**2 + y**2 + (z - a) ** 2) for a in places]
+    potential = 1 + sum(m / root for m, root in zip(masses, roots, strict=True))
+    rows = sp.diag(-1 / potential**2, *[potential**2] * 3)
+    space = Frame.from_metric([t, x, y, z], rows.tolist(), signature=(-1, 1, 1, 1))
+    assert space.metric[0, 0] == -1 / potential**2
+    curvature = levi_civita(space).curvature
+    assert curvature.ricci.is_zero is False
+    assert curvature.scalar.is_zero is True
+    slice_ = Frame.from_metric([x, y, z], (sp.eye(3) * potential**4).tolist())
+    assert levi_civita(slice_).curvature.scalar.is_zero is True
+
+
+def test_a_turned_and_boosted_tetrad_of_kerr_is_a_vacuum():
+    """Arbitrary functions turn and boost the tetrad: Ricci vanishes as before, torsion changes."""
+    a = sp.Symbol("a", positive=True)
+    theta, phi = sp.symbols("theta phi", real=True)
+    sigma = sp.sqrt(r**2 + a**2 * sp.cos(theta) ** 2)
+    delta = sp.sqrt(r**2 - 2 * M * r + a**2)
+    carter = sp.Matrix([
+        [delta / sigma, 0, 0, -delta * a * sp.sin(theta) ** 2 / sigma],
+        [0, sigma / delta, 0, 0],
+        [0, 0, sigma, 0],
+        [-a * sp.sin(theta) / sigma, 0, 0, (r**2 + a**2) * sp.sin(theta) / sigma],
+    ])  # fmt: skip
+    turn, boost = f(t, r, theta, phi), g(t, r, theta, phi)
+    turned = sp.diag(1, sp.Matrix([[sp.cos(turn), -sp.sin(turn)], [sp.sin(turn), sp.cos(turn)]]), 1)
+    boosted = sp.eye(4)
+    boosted[0, 0] = boosted[3, 3] = sp.cosh(boost)
+    boosted[0, 3] = boosted[3, 0] = sp.sinh(boost)
+    frame = Frame([t, r, theta, phi], (boosted * turned * carter).tolist(), signature=(-1, 1, 1, 1))
+    assert levi_civita(frame).curvature.ricci.is_zero is True
+    assert levi_civita(frame).curvature.lower.is_zero is False
+    assert cartan(frame).torsion.scalar.is_zero is False
+    assert cartan(frame).curvature.riemann.is_zero is True
