@@ -174,14 +174,20 @@ def measured_burgers(field: Measured, loops: Sequence[Loop], output: Path | None
         target = output / "burgers.json"
         target.write_text(json.dumps(document, indent=2) + "\n", "utf-8")
         written = [target]
-        if found and can_draw():
+        if can_draw():
             written.append(output / "circuits.png")
-            save(draw_circuits(field, found), written[-1])
+            save(draw_circuits(field, found, refused_of(loops, results)), written[-1])
         say_on_error(written)
     if not complete:
         raise typer.Exit(ExitCode.interrupted)
     if len(found) < len(loops):
         raise typer.Exit(ExitCode.failed)
+
+
+def refused_of(loops: Sequence[Loop], results: Sequence[dict[str, Any]]) -> list[Loop]:
+    """The loops whose results are failures."""
+    pairs = zip(loops, results, strict=False)
+    return [loop for loop, result in pairs if "failed" in result]
 
 
 def say_on_error(written: Sequence[Path]) -> None:

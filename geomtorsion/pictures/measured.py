@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from geomtorsion.loops import Loop
 from geomtorsion.measured import Backdrop, Closure, Measured, Section, Survey
 from geomtorsion.pictures.loops import GAP, START
 from geomtorsion.pictures.network import SOFT
@@ -79,10 +80,19 @@ def draw_survey(survey: Survey, layer: int | None = None) -> Figure:
     return figure
 
 
-def draw_circuits(measured: Measured, closures: Sequence[Closure]) -> Figure:
+def draw_circuits(
+    measured: Measured, closures: Sequence[Closure], refused: Sequence[Loop] = ()
+) -> Figure:
     """Circuits on what was measured (grains, a picture, |b| per cell), with b as arrows.
 
-    In grids of three axes and more: on the section in which they lie, one panel each.
+    In grids of three axes and more: on the section in which they lie, one panel each. Arrows are to
+    one scale, that of the longest |b|, and show the part of b in the plane.
+
+    Parameters
+    ----------
+    refused
+        Loops that have no Burgers vector: dashed, so that one sees why. They stand in the first
+        panel, by their first two coordinates.
 
     Returns
     -------
@@ -93,7 +103,7 @@ def draw_circuits(measured: Measured, closures: Sequence[Closure]) -> Figure:
     MissingExtraError
         matplotlib is not installed.
     """
-    sections: dict[Section, list[Closure]] = {}
+    sections: dict[Section, list[Closure]] = {} if closures else {Section(): []}
     for one in closures:
         sections.setdefault(one.section, []).append(one)
     backdrops = [measured.backdrop(section) for section in sections]
@@ -102,17 +112,25 @@ def draw_circuits(measured: Measured, closures: Sequence[Closure]) -> Figure:
     down = -(-len(edges) // across)
     width = STYLE.panel * max(map(_ratio, edges)) + 2.2
     figure = new_figure(across * width, down * STYLE.panel + 1.0)
-    longest = max((float(np.hypot(*one.arrow)) for one in closures if one.arrow is not None),
-                  default=0.0)  # fmt: skip
+    longest = max((one.magnitude for one in closures), default=0.0)
     for k, (section, group) in enumerate(sections.items()):
         axes = figure.add_subplot(down, across, k + 1)
         _draw_backdrop(figure, axes, backdrops[k], edges[k])
-        _draw_group(axes, group, edges[k], longest, down=measured.down)
+        if group:
+            _draw_group(axes, group, edges[k], longest, down=measured.down)
+        for loop in refused if k == 0 else ():
+            points = np.asarray(loop.points(), dtype=float)
+            for colour, width, style in (("white", 3.4, "-"), (GAP, 1.6, "--")):
+                closed = np.concatenate([points, points[:, :1]], axis=1)[:2]
+                axes.plot(*closed, color=colour, linewidth=width, linestyle=style, zorder=4)
         one, two = section.plane
         names = (measured.names[one], measured.names[two])
         _place(axes, names, measured.unit, edges[k], down=measured.down)
     said = "Arrows show the part of b in the plane of the map, to one scale"
-    captioned(figure, [f"{said}; grey ones are not more than noise explains."])
+    lines = [f"{said}; grey ones are not more than noise explains."] if closures else []
+    if refused:
+        lines.append("Dashed: circuits that have no Burgers vector; the text says why.")
+    captioned(figure, lines)
     return figure
 
 
@@ -124,7 +142,7 @@ def _draw_group(
     *,
     down: bool,
 ) -> None:
-    """The circuits of one section; longest: the arrow that is drawn longest of all."""
+    """The circuits of one section; longest: |b| of all."""
     # The longest arrow is half as long as the widest circuit, and can be seen.
     widest = max(
         float(np.ptp(one.path[:, np.isfinite(one.path[0])], axis=1).max()) for one in closures

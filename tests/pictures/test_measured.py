@@ -104,3 +104,15 @@ def test_circuits_of_a_volume_stand_on_their_sections():
     ]
     assert [len(axes.lines) for axes in panels] == [4, 2]
     assert panels[0].get_ylabel() == "$z$"
+
+
+def test_refused_circuits_are_drawn():
+    """Dashed on the map, alone or beside others; arrows are to the scale of the longest |b|."""
+    measured = field(sigma=0.01)
+    loop = Loop.circle([2.5, 3], 1.5)
+    alone = draw_circuits(measured, [], [loop]).axes[0]
+    assert [line.get_linestyle() for line in alone.lines] == ["-", "--"]
+    closure = measured.closure(loop)
+    both = draw_circuits(measured, [closure], [Loop.circle([2.5, 3], 1.0)])
+    assert len(both.axes[0].lines) == 4
+    assert "Dashed" in both.texts[0].get_text()

@@ -19,6 +19,7 @@ from geomtorsion.cli.measured import (
     explain,
     identity_frame,
     opened,
+    refused_of,
     say_on_error,
     sigma_of,
     survey_lines,
@@ -47,6 +48,7 @@ from geomtorsion.measured.in_blocks import BLOCKS, BlockedRun, open_in_blocks
 from geomtorsion.measured.writing import summary
 from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from geomtorsion.pictures.style import can_draw, save
+from geomtorsion.progress import bar
 
 
 def map(
@@ -123,9 +125,10 @@ def map(
             raise GridError(
                 f"{name}: it belongs to maps in blocks. Leave it out, or give --blocks."
             )
-    with working(path.name) as progress:
+    with bar(f"{path.name}: reading", 2) as show:
         field = opened(source, reading)
-        progress(f"circuits of {size} x {size} cells")
+        if show is not None:
+            show(1, f"{path.name}: circuits of {size} x {size} cells")
         try:
             survey = field.survey(size, _plane(plane, field.names))
         except (GridError, OrientationError, ImageError) as error:
@@ -146,9 +149,10 @@ def map(
             explain(result)
     if output is not None:
         written = write_survey(survey, document, output, form.value)
-        if found and can_draw():
+        if loops and can_draw():
             written.append(output / f"circuits.{form.value}")
-            save(draw_circuits(field, found), written[-1])
+            drawn = draw_circuits(field, found, refused_of(loops, results))
+            save(drawn, written[-1])
         say_on_error(written)
     if len(found) < len(loops):
         raise typer.Exit(ExitCode.failed)

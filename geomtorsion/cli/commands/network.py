@@ -14,13 +14,14 @@ from geomtorsion.checks import cut
 from geomtorsion.cli.commands.burgers import Form, loop_data
 from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.options import argument, directory, option
-from geomtorsion.cli.terminal import ROWS, working
+from geomtorsion.cli.terminal import ROWS
 from geomtorsion.errors import GeomtorsionError, MissingExtraError, NetworkError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import DislocationNetwork, LineFamily, Loop
 from geomtorsion.loops.loop_files import loop_from_data
 from geomtorsion.pictures.network import draw_lines
 from geomtorsion.pictures.style import save
+from geomtorsion.progress import bar
 
 Texts = list[str]
 
@@ -70,7 +71,16 @@ def network(
     if unit is not None and not 0 < unit < float("inf"):
         raise NetworkError(f"--unit: a positive length in metres was needed, but {unit} came.")
     loops = _circuits({"circle": circle, "polygon": polygon})
-    with working(file.name) as progress:
+    parts = 2 + len(loops) + (output is not None)
+    with bar(f"{file.name}: reading", parts) as show:
+        done = 0
+
+        def progress(what: str) -> None:
+            nonlocal done
+            done += 1
+            if show is not None:
+                show(done, f"{file.name}: {what}")
+
         net = DislocationNetwork.read(file, not bounded)
         progress(f"{len(net.lines):,} lines: node rule")
         document = _summary(net, symmetry, unit) | {"file": file.name}
