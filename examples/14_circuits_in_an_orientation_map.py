@@ -18,6 +18,8 @@ import geomtorsion as gt
 from geomtorsion.orientations import laue_group
 from geomtorsion.rigid.attitude import product, quaternion_from_rotation_vector
 
+# Beside a checkout: a silicon wafer, in which there is nothing but noise.
+WAFER = Path(__file__).parents[2] / "shared/data/ebsd/si_wafer.ctf"
 TILT, NOISE, STEP = 2.0, 0.1, 0.2
 NICKEL = gt.Phase("nickel", "m-3m", (3.524, 3.524, 3.524))
 
@@ -74,6 +76,11 @@ def main(arguments: list[str] | None = None) -> None:
         made.burgers(gt.Circuit.square((10, 80), 20))
     except gt.GeomtorsionError as error:
         print(f"across the boundary: {error}")
+
+    if WAFER.is_file():
+        wafer = gt.OrientationMap.read(WAFER)
+        tell(wafer, options.size)
+        assert wafer.burgers_map(options.size).significance.max() < 5
 
     shown = made
     if options.file:

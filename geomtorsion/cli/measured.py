@@ -135,6 +135,8 @@ def closures_of(
     """
     results: list[dict[str, Any]] = []
     found: list[Closure] = []
+    if not loops:
+        return results, found, True
     with bar(f"{len(loops)} circuits") as show:
         try:
             for k, loop in enumerate(loops):
