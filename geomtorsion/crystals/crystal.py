@@ -23,6 +23,7 @@ from geomtorsion.crystals.frames import (
 from geomtorsion.crystals.lattices import lattice_named
 from geomtorsion.crystals.method import METHOD
 from geomtorsion.crystals.networks import network_of
+from geomtorsion.crystals.shells import dilated, shells_of
 from geomtorsion.crystals.torsion import Torsion
 from geomtorsion.crystals.triangulation import Cell, Triangulation, triangulated
 from geomtorsion.errors import CrystalError
@@ -212,10 +213,6 @@ class Crystal:
         steps = self.positions[second] - self.positions[first]
         if made.images.shape[1] == 3:
             steps = steps + made.images @ self._box.vectors
-        return self._decoded(steps, first, second)
-
-    def _decoded(self, steps: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-        """Labels of steps between atoms."""
         shift = self.kinds[second] - self.kinds[first]
         return self.frame.lattice.decode(self.frame.values(steps), shift)
 
@@ -232,14 +229,17 @@ class Crystal:
     @cached_property
     def torsion(self) -> Torsion:
         """T = de on the faces of the Delaunay tetrahedra."""
-        pairs, images, _ = self.mesh.edges
+        return self._torsion_on(self.mesh, self.kinds)
+
+    def _torsion_on(self, mesh: Triangulation, kinds: np.ndarray) -> Torsion:
+        """T = de on some tetrahedra."""
+        pairs, images, _ = mesh.edges
         first, second = pairs.T
-        places = self._wrapped[0]
+        places, frame = mesh.places, self.frame
         steps = places[second] - places[first] + images @ self._box.vectors
-        labels = self._decoded(steps, first, second)
-        frame = self.frame
+        labels = frame.lattice.decode(frame.values(steps), kinds[second] - kinds[first])
         doubtful = frame.apart(steps, labels) > frame.constant * frame.lattice.nearest / 2
-        return Torsion(self.mesh, frame.lattice, labels, doubtful)
+        return Torsion(mesh, frame.lattice, labels, doubtful)
 
     @cached_property
     def circuit(self) -> AtomCircuits:
@@ -275,7 +275,28 @@ class Crystal:
         constants, exact), `.family`, `.length`, `.path`, `.kind` and `.is_closed`.
         """
         checks.flag(partials, "partials", CrystalError)
-        return network_of(self.torsion.relaxed(), self.frame)
+        return network_of(self._near_torsion().relaxed(), self.frame)
+
+    def _near_torsion(self) -> Torsion:
+        """The torsion, on tetrahedra where neighbours alone do not exclude it."""
+        frame, (places, _) = self.frame, self._wrapped
+        nearest = frame.lattice.nearest * frame.constant
+        # In a narrow cell an atom is its own neighbour: numbers alone do not tell images.
+        if (self._box.heights < 4 * nearest)[self.periodic].any():
+            return self.torsion
+        shells = shells_of(places, self._box, frame)
+        wanted = ~shells.closed
+        if wanted.mean() > 0.5:
+            return self.torsion
+        while True:
+            # Cores reach as far as the neighbours of what is torn.
+            wanted = dilated(wanted, shells.near)
+            mesh = triangulated(places, self._box, METHOD.reach * nearest, wanted)
+            found = self._torsion_on(mesh, shells.kind)
+            beyond = found.beyond
+            if not beyond.any():
+                return found
+            wanted |= beyond
 
     def __repr__(self) -> str:
         count = len(self.positions)

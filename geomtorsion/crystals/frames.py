@@ -184,5 +184,8 @@ def likely_lattice(
     vectors: np.ndarray, orient: np.ndarray | None = None, constant: float | None = None
 ) -> tuple[Frame, Fit]:
     """The frame of the lattice into which most atoms fit, in axes that may be given."""
-    found = [single_frame(lattice, vectors, orient, constant) for lattice in LATTICES.values()]
-    return max(found, key=lambda pair: (pair[1].whole.mean(), -pair[1].misfit.mean()))
+    # Few tell the lattice, all then its orientation and constant.
+    some = vectors[:: max(len(vectors) // (10 * METHOD.seeds), 1)]
+    found = [single_frame(lattice, some, orient) for lattice in LATTICES.values()]
+    frame, _ = max(found, key=lambda pair: (pair[1].whole.mean(), -pair[1].misfit.mean()))
+    return single_frame(frame.lattice, vectors, orient, constant)

@@ -42,6 +42,17 @@ class Torsion:
         return self.labels[rows[:, 0]] - self.labels[rows[:, 1]] + self.labels[rows[:, 2]]
 
     @property
+    def beyond(self) -> np.ndarray:
+        """Atoms with torsion where not all tetrahedra are known, shape (atoms,)."""
+        known, (pairs, _, _) = self.mesh.known, self.mesh.edges
+        rows = self.mesh.faces[0]
+        corners = pairs[rows].reshape(len(rows), 6)
+        chosen = self.values.any(axis=1) & ~known[corners].any(axis=1)
+        found = np.zeros(len(known), dtype=bool)
+        found[corners[chosen].ravel()] = True
+        return found
+
+    @property
     def torn(self) -> np.ndarray:
         """Tetrahedra with torsion in a face, shape (cells,) of truth values."""
         _, sides, _ = self.mesh.faces
@@ -83,6 +94,8 @@ class Torsion:
         core = np.where(bad & real[number], number, -1)
         free = np.ones(len(self.labels), dtype=bool)
         free[self.mesh.edges[2][core < 0].ravel()] = False
+        # Of other edges not all tetrahedra are here.
+        free &= self.mesh.known[self.mesh.edges[0]].any(axis=1)
         if not descend:
             return self.shortest(core, free, weights)
         labels = self.labels.copy()

@@ -82,6 +82,7 @@ class Triangulation:
         cell, shape (k, 4, 3).
     places: positions in the cell, shape (atoms, 3); cell: the cell.
     senses: 1 or -1, the sign of the volume spanned by the corners, shape (k,).
+    known: atoms all of whose tetrahedra are there, shape (atoms,).
     """
 
     corners: np.ndarray
@@ -89,6 +90,7 @@ class Triangulation:
     places: np.ndarray
     cell: Cell
     senses: np.ndarray
+    known: np.ndarray
 
     @cached_property
     def edges(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -169,16 +171,28 @@ def triangulated(
         lies outside the crystal.
     wanted
         Atoms whose tetrahedra are asked for, shape (atoms,) of truth values; all if not given.
-        Atoms further than twice the reach from them need not be there.
+        Atoms further than twice the reach from them, where no sphere reaches, are left out.
 
     Raises
     ------
     CrystalError
         All atoms lie in one plane.
     """
+    if wanted is not None and not wanted.any():
+        none = np.zeros((0, 4), dtype=np.int64)
+        return Triangulation(
+            none, np.zeros((0, 4, 3), dtype=np.int64), places, cell, none[:, 0], wanted
+        )
     noise = np.random.default_rng(0).uniform(-1, 1, places.shape)
     moved = places + METHOD.jitter * reach * noise
     points, numbers, images = cell.with_ghosts(moved, 2 * reach)
+    inner = len(places)
+    if wanted is not None:
+        tree = scipy.spatial.cKDTree(points[wanted[numbers]])
+        apart, _ = tree.query(points, distance_upper_bound=2 * reach)
+        used = np.isfinite(apart)
+        inner = int(used[:inner].sum())
+        points, numbers, images = points[used], numbers[used], images[used]
     if len(points) < 5:
         raise CrystalError(
             f"positions: atoms that fill space were needed, but {len(places)} came. Give more."
@@ -190,7 +204,7 @@ def triangulated(
             "positions: atoms that fill space were needed, but they lie in a plane. Give more."
         ) from None
     simplices = found.simplices
-    inside = simplices.min(axis=1) < len(places)
+    inside = simplices.min(axis=1) < inner
     if wanted is not None:
         inside &= wanted[numbers[simplices]].any(axis=1)
     simplices = simplices[inside].astype(np.int64)
@@ -202,7 +216,7 @@ def triangulated(
     place[rank] = np.arange(len(rank))
     simplices = rank[np.sort(place[simplices], axis=1)]
     # Each is found in several images: that whose first corner is in the cell is kept.
-    simplices = simplices[simplices[:, 0] < len(places)]
+    simplices = simplices[simplices[:, 0] < inner]
     sides = points[simplices[:, 1:]] - points[simplices[:, :1]]
     volume = np.linalg.det(sides)
     squares = (sides**2).sum(axis=2)
@@ -212,7 +226,6 @@ def triangulated(
         middle += np.cross(sides[:, 0], sides[:, 1]) * squares[:, 2:]
         small = np.linalg.norm(middle, axis=1) <= 2 * reach * np.abs(volume)
     kept = simplices[small]
-    offsets = images[kept]
-    return Triangulation(
-        numbers[kept], offsets, places, cell, np.sign(volume[small]).astype(np.int64)
-    )
+    known = np.ones(len(places), dtype=bool) if wanted is None else wanted
+    senses = np.sign(volume[small]).astype(np.int64)
+    return Triangulation(numbers[kept], images[kept], places, cell, senses, known)
