@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from geomtorsion import checks
 from geomtorsion.crystals.circuits import AtomCircuits
+from geomtorsion.crystals.faults import SIXTHS, fault_shifts
 from geomtorsion.crystals.frames import (
     Fit,
     Frame,
@@ -148,6 +149,15 @@ class Crystal:
         else:
             found = single_frame(lattice_named(name), vectors, orient, constant)
         share = float(found[1].whole.mean())
+        if name is not None and share < 0.5:
+            other = likely_lattice(vectors)
+            # Without a doubt it is another one.
+            if other[0].lattice.name != name and other[1].whole.mean() > 2 * share:
+                raise CrystalError(
+                    f"lattice: the neighbours of {other[1].whole.mean():.1%} of the atoms fit into "
+                    f"{other[0].lattice.name}, but {name} came, into which {share:.1%} fit. Name "
+                    "that one, or none."
+                )
         if share < METHOD.share:
             raise CrystalError(
                 f"positions: a crystal was needed ({name or 'fcc, bcc, hcp or diamond'}), but of "
@@ -162,7 +172,7 @@ class Crystal:
         # As many atoms as are asked for lie within this, whatever the structure.
         volume = _spanned(self.positions, self._box)
         reach = 3 * (volume / len(places)) ** (1 / 3)
-        return neighbour_vectors(places, cell, count, atoms, reach)[1]
+        return neighbour_vectors(places, cell, count, atoms, reach)
 
     @cached_property
     def _box(self) -> Cell:
@@ -213,6 +223,10 @@ class Crystal:
         steps = self.positions[second] - self.positions[first]
         if made.images.shape[1] == 3:
             steps = steps + made.images @ self._box.vectors
+        return self._decoded(steps, first, second)
+
+    def _decoded(self, steps: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        """Labels of steps between atoms."""
         shift = self.kinds[second] - self.kinds[first]
         return self.frame.lattice.decode(self.frame.values(steps), shift)
 
@@ -231,7 +245,9 @@ class Crystal:
         """T = de on the faces of the Delaunay tetrahedra."""
         return self._torsion_on(self.mesh, self.kinds)
 
-    def _torsion_on(self, mesh: Triangulation, kinds: np.ndarray) -> Torsion:
+    def _torsion_on(
+        self, mesh: Triangulation, kinds: np.ndarray, partials: bool = False
+    ) -> Torsion:
         """T = de on some tetrahedra."""
         pairs, images, _ = mesh.edges
         first, second = pairs.T
@@ -239,7 +255,14 @@ class Crystal:
         steps = places[second] - places[first] + images @ self._box.vectors
         labels = frame.lattice.decode(frame.values(steps), kinds[second] - kinds[first])
         doubtful = frame.apart(steps, labels) > frame.constant * frame.lattice.nearest / 2
-        return Torsion(mesh, frame.lattice, labels, doubtful)
+        if frame.lattice.name != "fcc":
+            return Torsion(mesh, frame.lattice, labels, doubtful)
+        values = frame.values(steps)
+        crossing, sixths = fault_shifts(frame.lattice, values, labels, pairs, len(places))
+        if partials:
+            return Torsion(mesh, SIXTHS, sixths, doubtful & ~crossing)
+        # A fault joins its partials to one core, in which they cannot be told apart.
+        return Torsion(mesh, frame.lattice, labels, doubtful | crossing)
 
     @cached_property
     def circuit(self) -> AtomCircuits:
@@ -275,27 +298,44 @@ class Crystal:
         constants, exact), `.family`, `.length`, `.path`, `.kind` and `.is_closed`.
         """
         checks.flag(partials, "partials", CrystalError)
-        return network_of(self._near_torsion().relaxed(), self.frame)
+        found, vacancies = self._near_torsion(partials)
+        width = METHOD.width * self.frame.lattice.nearest * self.constant
+        extra = None if self._sites is None else len(self.positions) + vacancies - self._sites
+        frame = replace(self.frame, lattice=found.lattice)
+        return network_of(found.relaxed(), frame, width, extra)
 
-    def _near_torsion(self) -> Torsion:
-        """The torsion, on tetrahedra where neighbours alone do not exclude it."""
+    @cached_property
+    def _sites(self) -> int | None:
+        """How many sites the lattice has in a cell that is periodic along all edges."""
+        if not self.periodic.all():
+            return None
+        lattice, values = self.frame.lattice, self.frame.values(self._box.vectors)
+        periods = lattice.decode(values)
+        far = self.frame.apart(self._box.vectors, periods)
+        if far.max() > self.constant * lattice.nearest / 2:
+            return None
+        cells = abs(np.linalg.det(periods)) / abs(np.linalg.det(lattice.translations))
+        return round(cells) * (2 if lattice.basis else 1)
+
+    def _near_torsion(self, partials: bool) -> tuple[Torsion, int]:
+        """The torsion, on tetrahedra where neighbours alone do not exclude it, and vacancies."""
         frame, (places, _) = self.frame, self._wrapped
         nearest = frame.lattice.nearest * frame.constant
         # In a narrow cell an atom is its own neighbour: numbers alone do not tell images.
         if (self._box.heights < 4 * nearest)[self.periodic].any():
-            return self.torsion
+            return self._torsion_on(self.mesh, self.kinds, partials), 0
         shells = shells_of(places, self._box, frame)
         wanted = ~shells.closed
         if wanted.mean() > 0.5:
-            return self.torsion
+            return self._torsion_on(self.mesh, shells.kind, partials), shells.vacancies
         while True:
             # Cores reach as far as the neighbours of what is torn.
             wanted = dilated(wanted, shells.near)
             mesh = triangulated(places, self._box, METHOD.reach * nearest, wanted)
-            found = self._torsion_on(mesh, shells.kind)
+            found = self._torsion_on(mesh, shells.kind, partials)
             beyond = found.beyond
             if not beyond.any():
-                return found
+                return found, shells.vacancies
             wanted |= beyond
 
     def __repr__(self) -> str:
@@ -313,8 +353,10 @@ def _cell(given: ArrayLike) -> np.ndarray:
         raise CrystalError(
             f"cell: three edges as rows were needed, shape (3, 3), but {found.shape} came."
         )
-    sizes = np.linalg.norm(found, axis=1)
-    if not abs(np.linalg.det(found)) > 8 * np.finfo(float).eps * np.prod(sizes):
+    with np.errstate(all="ignore"):
+        volume = abs(np.linalg.det(found))
+        sizes = np.prod(np.linalg.norm(found, axis=1))
+    if not (np.isfinite(sizes) and volume > 8 * np.finfo(float).eps * sizes):
         raise CrystalError(
             f"cell: three edges that span a volume were needed, but "
             f"{checks.shown(found.tolist())} came. Give an open box periodic=(False, False, False)."

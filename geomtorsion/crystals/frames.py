@@ -10,6 +10,7 @@ import scipy  # loads its parts when they are asked for
 from geomtorsion.crystals.lattices import LATTICES, Lattice, lattice_named
 from geomtorsion.crystals.method import METHOD
 from geomtorsion.crystals.triangulation import Cell
+from geomtorsion.errors import CrystalError
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,13 +40,32 @@ class Frame:
 
 def neighbour_vectors(
     places: np.ndarray, cell: Cell, count: int, atoms: np.ndarray, reach: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Numbers of the nearest neighbours of some atoms, and vectors to them, nearest first."""
+) -> np.ndarray:
+    """Vectors from some atoms to their nearest neighbours, nearest first, (atoms, count, 3).
+
+    Raises
+    ------
+    CrystalError
+        Atoms lie upon each other, or have not so many neighbours.
+    """
     points, numbers, _ = cell.with_ghosts(places, reach)
-    tree = scipy.spatial.cKDTree(points)
-    _, near = tree.query(places[atoms], k=count + 1)
-    near = near[:, 1:]
-    return numbers[near], points[near] - places[atoms][:, None]
+    tree = scipy.spatial.cKDTree(points, balanced_tree=False, compact_nodes=False)
+    apart, near = tree.query(places[atoms], k=min(count + 1, len(points)))
+    # Atoms of a crystal are about equally far apart.
+    close = float(np.median(apart[:, 1])) / 10
+    pairs = tree.query_pairs(close or reach / 10, output_type="ndarray")
+    if len(pairs):
+        one, other = sorted(numbers[pairs[0]].tolist())
+        raise CrystalError(
+            f"positions: atoms {one} and {other} lie upon each other, and {len(pairs) - 1:,} more "
+            "pairs. Drop one of each, and see whether the cell is as large as the crystal."
+        )
+    if near.shape[1] <= count:
+        raise CrystalError(
+            f"positions: atoms with {count} neighbours were needed, but there are {len(places)} "
+            "atoms. Repeat the cell."
+        )
+    return points[near[:, 1:]] - places[atoms][:, None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +157,7 @@ def refined(
         if not keep_constant:
             at = r @ orient.T
             constant = float((at * ideal).sum() / (ideal**2).sum())
-            if lattice.name == "hcp":
+            if lattice.name == "hcp" and ideal[:, :2].any() and ideal[:, 2].any():
                 across, along = (
                     float((at * ideal)[:, k].sum() / (ideal**2)[:, k].sum())
                     for k in (slice(0, 2), slice(2, 3))
@@ -159,7 +179,7 @@ def single_frame(
     vectors = vectors[:, :k]
     if orient is not None:
         ideal = np.linalg.norm(lattice.neighbours[0] * np.array(lattice.units), axis=1).mean()
-        scale = constant or float(np.linalg.norm(vectors, axis=2).mean() / ideal)
+        scale = float(np.linalg.norm(vectors, axis=2).mean() / ideal)
         best = Frame(lattice, orient, scale)
     else:
         spread = np.linspace(0, len(vectors) - 1, min(METHOD.seeds, len(vectors)))
@@ -167,8 +187,15 @@ def single_frame(
         every = [refined(_seeded(lattice, one), one[None]) for one in chosen]
         scores = [float(np.minimum(fitted(frame, chosen).misfit, 0.5).mean()) for frame in every]
         best = every[int(np.argmin(scores))]
-        if constant is not None:
-            best = Frame(best.lattice, best.orient, constant)
+    if constant is not None:
+        best = refined(best, vectors, orient is not None)
+        # Strain of more than this is no crystal any more.
+        if abs(best.constant / constant - 1) > 0.15:
+            raise CrystalError(
+                f"constant: neighbours are as far apart as with a = {best.constant:.4g}, but "
+                f"{constant:.4g} came. Give it in the unit of the positions, or leave it out."
+            )
+        best = Frame(best.lattice, best.orient, constant)
     best = refined(best, vectors, orient is not None, constant is not None)
     return best, fitted(best, vectors)
 

@@ -40,6 +40,35 @@ def length_of(path: np.ndarray) -> float:
     return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
 
 
+def smoothed(path: np.ndarray, closed: bool, width: float) -> np.ndarray:
+    """A path without waves shorter than a width; its ends stay unless it closes.
+
+    Points at equal distances, less the straight line from the first to the last, are a periodic
+    function: of a line with ends after it has been continued backwards with the other sign. Of its
+    waves those are kept that 1 - (1 - g)^2 keeps, g a Gauss curve: long ones lose nothing to the
+    second order.
+    """
+    steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    at = np.concatenate([[0.0], np.cumsum(steps)])
+    if not at[-1] > 0:
+        return path
+    count = max(int(np.ceil(4 * at[-1] / width)), 4)
+    even = np.linspace(0, at[-1], count + 1)
+    points = np.stack([np.interp(even, at, x) for x in path.T], axis=1)
+    line = points[0] + np.linspace(0, 1, count + 1)[:, None] * (points[-1] - points[0])
+    rest = (points - line)[:-1]
+    length = at[-1]
+    if not closed:
+        rest = np.concatenate([rest, np.zeros((1, 3)), -rest[:0:-1]])
+        length *= 2
+    waves = 2 * np.pi * np.fft.rfftfreq(len(rest), length / len(rest))
+    # Half of a wave that is cut to a tenth is then about as long as two cores are wide.
+    gauss = np.exp(-0.5 * (1.5 * waves * width) ** 2)
+    kept = np.fft.irfft(np.fft.rfft(rest, axis=0) * (1 - (1 - gauss) ** 2)[:, None], len(rest), 0)
+    kept = np.concatenate([kept[:count], kept[:1]]) if closed else kept[: count + 1]
+    return line + kept
+
+
 @dataclass(frozen=True, eq=False)
 class DualGraph:
     """Faces with torsion as edges from one tetrahedron to the next.
@@ -135,8 +164,8 @@ def simplified(
 ) -> list[Strand]:
     """Lines between junctions nearer to each other than a width become one junction.
 
-    What is smaller is inside of a core, where lines cannot be told apart. Sums of b at the
-    junctions stay what they are.
+    What is smaller is inside of a core, where lines cannot be told apart; a ring no wider than a
+    core is a point defect. Sums of b at the junctions stay what they are.
     """
     lines = dict(enumerate(found))
     short = sorted(
@@ -155,20 +184,10 @@ def simplified(
             if gone in (other.start, other.end):
                 lines[m] = _moved(other, gone, kept, place, offset, vectors)
     rings = [k for k, one in lines.items() if one.start == one.end and not one.image.any()]
-    touched = _degrees(lines)
     for k in rings:
-        if lines[k].length < 2 * width and touched[lines[k].start] > 2:
+        if length_of(smoothed(lines[k].path, True, width)) < np.pi * width:
             del lines[k]
     return _joined(lines, surface, vectors)
-
-
-def _degrees(lines: dict[int, Strand]) -> dict[int, int]:
-    """How many ends of lines lie at each node."""
-    count: dict[int, int] = {}
-    for line in lines.values():
-        for node in (line.start, line.end):
-            count[node] = count.get(node, 0) + 1
-    return count
 
 
 def _moved(

@@ -15,8 +15,8 @@ class Method:
         one Delaunay triangulation, the same in every image.
     sound: a line through triangles without torsion and doubt counts as so many times as long: lines
         stay where the crystal is torn.
-    width: of a core, in neighbour distances: lines have no shorter waves, closed lines of less than
-        twice this length are point defects, nearer junctions are one.
+    width: of a core, in neighbour distances: lines have no shorter waves, closed lines no
+        wider than this are point defects, nearer junctions are one.
     share: no more than this share of the atoms of a liquid have neighbours like those of a crystal.
     seeds, sample: atoms that suggest an orientation, and atoms that decide.
     """

@@ -10,35 +10,39 @@ import numpy as np
 
 from geomtorsion.crystals.frames import Frame
 from geomtorsion.crystals.lattices import Lattice
-from geomtorsion.crystals.lines import DualGraph, length_of, simplified, strands
-from geomtorsion.crystals.method import METHOD
+from geomtorsion.crystals.lines import DualGraph, simplified, smoothed, strands
 from geomtorsion.crystals.torsion import Torsion
 from geomtorsion.loops.box import Box
 from geomtorsion.loops.dislocation_network import DislocationNetwork
 
 
-def network_of(torsion: Torsion, frame: Frame) -> DislocationNetwork:
-    """The lines that carry torsion, smoothed, in the frame of a crystal."""
+def network_of(
+    torsion: Torsion, frame: Frame, width: float, extra: int | None = None
+) -> DislocationNetwork:
+    """The lines that carry torsion, smoothed, in the frame of a crystal.
+
+    width: of a core. extra: atoms more than sites, where they can be counted: a single closed line
+    is drawn so that b . A is their volume, since bonds across it flip a little inside of it.
+    """
     import networkx as nx  # 0.15 s, and networks alone need it
 
     cell = torsion.mesh.cell
     graph = DualGraph.of(torsion)
-    width = METHOD.width * frame.lattice.nearest * frame.constant
     found = nx.MultiDiGraph()
     lines = simplified(strands(graph, cell.vectors), graph.surface, cell.vectors, width)
     ends = Counter(node for line in lines for node in (line.start, line.end))
+    alone = [line.start == line.end and ends[line.start] == 2 for line in lines]
+    paths = [smoothed(line.path, one, width) for line, one in zip(lines, alone, strict=True)]
+    if extra and len(lines) == 1 and alone[0] and not lines[0].image.any():
+        volume = extra * frame.lattice.atom_volume * frame.constant**3
+        paths[0] = _with_area(paths[0], frame.vectors(lines[0].burgers[None])[0], volume)
     numbers: dict[int, int] = {}
-    for line in lines:
-        alone = line.start == line.end and ends[line.start] == 2
-        path = smoothed(line.path, alone, width)
-        if alone and not line.image.any() and length_of(path) < 2 * width:
-            # No wider than a core: a point defect.
-            continue
+    for line, path, one in zip(lines, paths, alone, strict=True):
         for node in (line.start, line.end):
             if node not in numbers:
                 numbers[node] = len(numbers)
                 # Of a line without junctions only the line itself says where it begins.
-                place = path[0] if alone else graph.places[node]
+                place = path[0] if one else graph.places[node]
                 outside = bool(graph.surface[node])
                 found.add_node(numbers[node], position=tuple(place.tolist()), surface=outside)
         found.add_edge(
@@ -53,32 +57,15 @@ def network_of(torsion: Torsion, frame: Frame) -> DislocationNetwork:
     return DislocationNetwork(found, box=Box(cell.vectors, periodic=cell.periodic))
 
 
-def smoothed(path: np.ndarray, closed: bool, width: float) -> np.ndarray:
-    """A path without waves shorter than a width; its ends stay unless it closes.
-
-    Points at equal distances, less the straight line from the first to the last, are a periodic
-    function: of a line with ends after it has been continued backwards with the other sign. Of its
-    waves those are kept that 1 - (1 - g)^2 keeps, g a Gauss curve: long ones lose nothing to the
-    second order.
-    """
-    steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
-    at = np.concatenate([[0.0], np.cumsum(steps)])
-    if not at[-1] > 0:
+def _with_area(path: np.ndarray, burgers: np.ndarray, volume: float) -> np.ndarray:
+    """A closed path about its centre, as large as b . A is a volume, if it is about that."""
+    middle = path[:-1].mean(axis=0)
+    spokes = path - middle
+    found = np.cross(spokes[:-1], spokes[1:]).sum(axis=0) @ burgers / 2
+    # Twice as much in area is more than a core can hide: other defects have been counted, too.
+    if not 0.5 < volume / (found or np.inf) < 2:
         return path
-    count = max(int(np.ceil(4 * at[-1] / width)), 4)
-    even = np.linspace(0, at[-1], count + 1)
-    points = np.stack([np.interp(even, at, x) for x in path.T], axis=1)
-    line = points[0] + np.linspace(0, 1, count + 1)[:, None] * (points[-1] - points[0])
-    rest = (points - line)[:-1]
-    length = at[-1]
-    if not closed:
-        rest = np.concatenate([rest, np.zeros((1, 3)), -rest[:0:-1]])
-        length *= 2
-    waves = 2 * np.pi * np.fft.rfftfreq(len(rest), length / len(rest))
-    gauss = np.exp(-0.5 * (waves * width) ** 2)
-    kept = np.fft.irfft(np.fft.rfft(rest, axis=0) * (1 - (1 - gauss) ** 2)[:, None], len(rest), 0)
-    kept = np.concatenate([kept[:count], kept[:1]]) if closed else kept[: count + 1]
-    return line + kept
+    return middle + np.sqrt(volume / found) * spokes
 
 
 def family(lattice: Lattice, values: np.ndarray) -> str:
@@ -87,11 +74,11 @@ def family(lattice: Lattice, values: np.ndarray) -> str:
     if lattice.name == "hcp":
         # Four indices: [u v t w] with t = -(u + v), so that families look alike.
         b = ((2 * b[0] - b[1]) / 3, (2 * b[1] - b[0]) / 3, -(b[0] + b[1]) / 3, b[2])
-        order = [*sorted(b[:3], key=lambda x: (abs(x), x), reverse=True), abs(b[3])]
-        if order[0] < 0:
-            order[:3] = [-x for x in order[:3]]
+        order = sorted(b[:3], key=lambda x: (abs(x), x))
+        sign = -1 if next((x for x in order if x), 1) < 0 else 1
+        order = [*(sign * x for x in order), abs(b[3])]
     else:
-        order = sorted(map(abs, b), reverse=True)
+        order = sorted(map(abs, b), key=lambda x: (x == 0, x))
     below = 1
     for x in order:
         below = below * x.denominator // gcd(below, x.denominator)

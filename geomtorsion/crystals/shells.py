@@ -29,11 +29,13 @@ class Shells:
     kind: sublattice of each atom, 0 or 1, shape (atoms,).
     closed: atoms about which every triangle closes, shape (atoms,); those at a surface lack
         neighbours.
+    vacancies: how many sites without an atom all their neighbours agree on.
     """
 
     near: np.ndarray
     kind: np.ndarray
     closed: np.ndarray
+    vacancies: int
 
 
 def dilated(atoms: np.ndarray, near: np.ndarray) -> np.ndarray:
@@ -74,7 +76,8 @@ def shells_of(places: np.ndarray, cell: Cell, frame: Frame) -> Shells:
     # What leans on a vacancy that does not close is open, too.
     for site in np.flatnonzero(~closed[count:]):
         closed[held[site]] = False
-    return Shells(near[:count], kind[:count], closed[:count])
+    filled = (near[count:] >= 0).all(axis=1) & closed[count:]
+    return Shells(near[:count], kind[:count], closed[:count], int(filled.sum()))
 
 
 def _slots(

@@ -101,6 +101,12 @@ class DislocationLine(tuple[Hashable, Hashable, Hashable, Vector]):
         return float(np.linalg.norm(np.diff(self.path, axis=0), axis=1).sum())
 
     @property
+    def area(self) -> np.ndarray:
+        """Vector area of a closed line, shape (3,): b . area is the volume of what was put in."""
+        spokes = self.path - self.path[0]
+        return np.cross(spokes[:-1], spokes[1:]).sum(axis=0) / 2
+
+    @property
     def kind(self) -> str:
         """ "closed": ends where it begins; "periodic": ends there in another image; "surface": an
         end lies on a surface; "joined": both ends are junctions."""

@@ -5,8 +5,13 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
-from geomtorsion.crystals import Crystal
+from geomtorsion.crystals import LATTICES, Crystal
+from geomtorsion.errors import CrystalError
+from tests.crystals.synthetic import block, quadrupole, with_line
 from tests.real import real
 
 TRUTH = "crystal/truth.json"
@@ -96,3 +101,159 @@ def test_the_sign_is_that_of_the_conventions():
     b = along * np.array(line.burgers, float)
     assert b == pytest.approx(-np.array(truth["b_cart"]), abs=0.01)
     assert b == pytest.approx(np.array(truth["dxa"]["segs"][0]["b_spatial"]), abs=0.01)
+
+
+ROOT3 = 3**0.5
+LINES = (
+    ("bcc", (0.5, 0.5, 0.5), "1/2<1 1 1>"),
+    ("bcc", (0.5, -0.5, 0.5), "1/2<1 1 1>"),
+    ("bcc", (1, 0, 0), "<1 0 0>"),
+    ("bcc", (0, 0, 1), "<1 0 0>"),
+    ("fcc", (0.5, 0.5, 0), "1/2<1 1 0>"),
+    ("fcc", (0.5, 0, 0.5), "1/2<1 1 0>"),
+    ("fcc", (0, -0.5, 0.5), "1/2<1 1 0>"),
+    ("hcp", (1, 0, 0), "1/3<1 1 -2 0>"),
+    ("hcp", (0.5, ROOT3 / 2, 0), "1/3<1 1 -2 0>"),
+    ("hcp", (0, 0, (8 / 3) ** 0.5), "<0 0 0 1>"),
+    ("diamond", (0.5, 0, 0.5), "1/2<1 1 0>"),
+    ("diamond", (0.5, 0.5, 0), "1/2<1 1 0>"),
+)
+SIZES = {"hcp": (14, 8, 4), "diamond": (9, 9, 3)}
+
+
+def line_of(lattice, burgers):
+    """A synthetic crystal with one line, and its cell."""
+    margin = 0.3 if lattice == "diamond" else 0.45
+    return with_line(lattice, burgers, SIZES.get(lattice, (12, 12, 4)), margin)
+
+
+@pytest.mark.parametrize(("lattice", "burgers", "family"), LINES, ids=range(len(LINES)))
+def test_synthetic_lines_come_out_as_they_were_put_in(lattice, burgers, family):
+    """Edges, screws and mixed lines in four lattices: b exact, sign minus that of du."""
+    places, cell = line_of(lattice, burgers)
+    crystal = Crystal(places, cell, (False, False, True), orient=np.eye(3), lattice=lattice)
+    (line,) = crystal.dislocations().lines
+    assert (line.family, line.kind) == (family, "periodic")
+    assert line.length == pytest.approx(cell[2], rel=0.01)
+    b = np.sign(line.image[2]) * np.array(line.burgers, float) / crystal.constant
+    # Of hcp c/a is found, too, from neighbours under strain.
+    assert b == pytest.approx(-np.array(burgers), abs=2e-3 if lattice == "hcp" else 1e-9)
+    assert Crystal(places, cell, (False, False, True)).lattice == lattice
+
+
+@given(
+    noise=st.floats(0, 0.08),
+    seed=st.integers(0, 2**32 - 1),
+    which=st.sampled_from(LINES[:7]),
+)
+@settings(max_examples=12, deadline=None)
+def test_laws_hold_whatever_is_done_to_the_specimen(noise, seed, which):
+    """Rotated, moved, permuted, wrapped, doubled, with noise: the same line; no sum at nodes."""
+    lattice, burgers, family = which
+    places, cell = line_of(lattice, burgers)
+    rng = np.random.default_rng(seed)
+    vectors = np.diag(cell).astype(float)
+    nearest = LATTICES[lattice].nearest
+    places = places + rng.normal(size=places.shape) * noise * nearest
+    twice = np.concatenate([places, places + vectors[2]])
+    vectors[2] *= 2
+    order = rng.permutation(len(twice))
+    turn = Rotation.random(random_state=int(seed)).as_matrix()
+    wound = rng.integers(-2, 3, len(twice))[:, None] * vectors[2]
+    moved = ((twice + wound)[order] + rng.normal(size=3)) @ turn.T
+    crystal = Crystal(moved, vectors @ turn.T, (False, False, True))
+    assert crystal.lattice == lattice
+    net = crystal.dislocations()
+    (line,) = net.lines
+    assert (line.family, line.kind) == (family, "periodic")
+    assert line.length == pytest.approx(2 * cell[2], rel=0.03)
+    assert net.node_rule() == ()
+    along = np.sign(line.image[2]) * np.array(line.burgers, float) @ turn
+    assert along == pytest.approx(-np.array(burgers), abs=0.03)
+
+
+NOISY = [
+    (name, noise) for name in ("screw", "edge", "quadrupole", "perfect") for noise in (4, 8, 12)
+]
+
+
+@pytest.mark.parametrize(("name", "percent"), NOISY)
+def test_noise_adds_no_line_and_takes_none(name, percent):
+    """Gaussian noise on each coordinate, as share of the neighbour distance."""
+    if name == "quadrupole":
+        places, cell = quadrupole("bcc", (12, 12, 4), (0, 0, 1))
+        periodic, count = (True, True, True), 4
+    elif name == "perfect":
+        places, cell = block("bcc", (8, 8, 8))
+        periodic, count = (True, True, True), 0
+    else:
+        places, cell = line_of("bcc", (0.5, 0.5, 0.5) if name == "screw" else (1, 0, 0))
+        periodic, count = (False, False, True), 1
+    for seed in range(3):
+        noise = np.random.default_rng(seed).normal(size=places.shape)
+        moved = places + percent / 100 * LATTICES["bcc"].nearest * noise
+        lines = Crystal(moved, cell, periodic).dislocations().lines
+        assert [line.kind for line in lines] == ["periodic"] * count
+
+
+def test_a_prismatic_loop_encloses_the_vacancies_that_were_put_in():
+    """b . A over the volume of an atom is the number of atoms that are missing, within 1 %."""
+    places, cell, periodic = atoms_of("w_vac_loop111")
+    crystal = Crystal(places, cell, periodic)
+    (line,) = crystal.dislocations().lines
+    volume = crystal.frame.lattice.atom_volume * crystal.constant**3
+    perfect = round(abs(np.linalg.det(cell)) / (3.1652**3 / 2))
+    enclosed = np.array(line.burgers, float) @ line.area / volume
+    assert enclosed == pytest.approx(len(places) - perfect, rel=0.01)
+    truth = json.loads(real(TRUTH).read_text())["w_vac_loop111"]
+    assert line.length == pytest.approx(truth["length"], rel=0.03)
+
+
+def test_bonds_are_an_integer_cochain():
+    """Labels of given bonds are those of the cochain, odd in their sense, wherever atoms lie."""
+    places, cell = block("fcc", (3, 3, 3))
+    moved = places + np.random.default_rng(0).integers(-1, 2, places.shape) * cell
+    crystal = Crystal(moved, cell)
+    bonds = crystal.bonds
+    assert bonds.is_whole
+    pairs, images = bonds.complex.pairs, bonds.complex.images
+    assert (crystal.labels(pairs, images) == bonds.values).all()
+    assert (crystal.labels(pairs[:, ::-1], -images) == -bonds.values).all()
+    assert (crystal.labels() == bonds.values).all()
+
+
+X, CELL = block("fcc", (5, 5, 5))
+GAS = np.random.default_rng(0).uniform(0, 5, X.shape)
+REFUSED = {
+    "gas": (lambda: Crystal(GAS, CELL), "as in a liquid"),
+    "wrong lattice": (lambda: Crystal(X, CELL, lattice="bcc"), "into fcc, but bcc came"),
+    "unknown lattice": (lambda: Crystal(X, CELL, lattice="sc"), "one of fcc, bcc, hcp, diamond"),
+    "twice the same": (lambda: Crystal(np.r_[X, X[:2]], CELL), "atoms 0 and 500 lie upon each"),
+    "a cell too small": (lambda: Crystal(X, CELL / 2), "lie upon each other"),
+    "nan": (lambda: Crystal(np.where(X == 1, np.nan, X), CELL), "is not finite"),
+    "few atoms": (lambda: Crystal(X[:5], CELL), "20 atoms or more"),
+    "no cell": (lambda: Crystal(X, np.zeros((3, 3))), "three edges that span a volume"),
+    "wrong constant": (lambda: Crystal(X, CELL, lattice="fcc", constant=2), "as with a = 1,"),
+    "no rotation": (lambda: Crystal(X, CELL, orient=np.ones((3, 3))), "a rotation was needed"),
+    "species": (lambda: Crystal(X, CELL, species=["Cu"]), "one for each of 500 atoms"),
+    "periodic": (lambda: Crystal(X, CELL, (True, True)), "three truth values"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_bad_input_is_refused(name):
+    """An error of the package says what was needed and what came."""
+    make, words = REFUSED[name]
+    with pytest.raises(CrystalError, match=words):
+        make().dislocations()
+
+
+def test_what_is_unusual_is_told_not_refused():
+    """Left-handed cells, open boxes without a cell, two species, mixed phases."""
+    assert Crystal(X * [1, 1, -1], np.diag(CELL * [1, 1, -1])).share == 1
+    alloy = Crystal(X, CELL, species=["Cu", "Ni"] * 250)
+    assert (alloy.lattice, alloy.share) == ("fcc", 1)
+    assert Crystal(X).dislocations().lines == ()
+    other, _ = block("bcc", (6, 6, 6))
+    mixed = Crystal(np.concatenate([X, 0.8 * other + [6, 0, 0]]))
+    assert 0.1 < mixed.share < 0.9

@@ -1,0 +1,90 @@
+"""Synthetic: crystals with Volterra dislocations whose lines and Burgers vectors are known."""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+LATTICE_SITES = {
+    "fcc": ((0, 0, 0), (0.5, 0.5, 0), (0.5, 0, 0.5), (0, 0.5, 0.5)),
+    "bcc": ((0, 0, 0), (0.5, 0.5, 0.5)),
+    "diamond": (
+        *((0, 0, 0), (0.5, 0.5, 0), (0.5, 0, 0.5), (0, 0.5, 0.5)),
+        *((0.25, 0.25, 0.25), (0.75, 0.75, 0.25), (0.75, 0.25, 0.75), (0.25, 0.75, 0.75)),
+    ),
+    "hcp": ((0, 0, 0), (0.5, 0.5, 0), (0, 1 / 3, 0.5), (0.5, 5 / 6, 0.5)),
+}
+CELLS = {
+    "fcc": np.ones(3),
+    "bcc": np.ones(3),
+    "diamond": np.ones(3),
+    "hcp": np.array([1, np.sqrt(3), np.sqrt(8 / 3)]),
+}
+
+
+def block(lattice, repeats):
+    """Atoms of a perfect crystal with a = 1 along its axes, and the edges of its cell."""
+    cells = np.stack(np.meshgrid(*map(np.arange, repeats), indexing="ij"), axis=-1).reshape(-1, 3)
+    sites = (cells[:, None] + np.array(LATTICE_SITES[lattice])).reshape(-1, 3)
+    return sites * CELLS[lattice], np.array(repeats) * CELLS[lattice]
+
+
+def displaced(places, centre, burgers, poisson=0.3):
+    """Isotropic Volterra field of a straight dislocation along z through a centre (x, y).
+
+    The edge part is that of [HirthLothe1982] for b along x, turned to where b points.
+    """
+    b = np.array(burgers, dtype=float)
+    x, y = (places[:, :2] - centre).T
+    across = np.hypot(*b[:2])
+    angle = np.arctan2(b[1], b[0]) if across else 0.0
+    c, s = np.cos(angle), np.sin(angle)
+    x, y = c * x + s * y, c * y - s * x
+    theta, square = np.arctan2(y, x), x**2 + y**2
+    along = across / (2 * np.pi) * (theta + x * y / (2 * (1 - poisson) * square))
+    upwards = (
+        -across
+        / (2 * np.pi)
+        * (
+            (1 - 2 * poisson) / (4 * (1 - poisson)) * np.log(square)
+            + (x**2 - y**2) / (4 * (1 - poisson) * square)
+        )
+    )
+    moved = places.copy()
+    moved[:, 0] += c * along - s * upwards
+    moved[:, 1] += s * along + c * upwards
+    moved[:, 2] += b[2] / (2 * np.pi) * theta
+    return moved
+
+
+def with_line(lattice, burgers, repeats=(12, 12, 4), margin=0.35):
+    """A crystal with a straight line along z, open across it, and its cell.
+
+    Atoms that the cut has brought upon each other are made one.
+    """
+    places, cell = block(lattice, repeats)
+    # Between atoms, and off every plane of them.
+    centre = cell[:2] / 2 + np.array([0.131, 0.077])
+    moved = displaced(places, centre, burgers)
+    wrapped = moved.copy()
+    wrapped[:, 2] %= cell[2]
+    box = [1e6, 1e6, cell[2]]
+    pairs = cKDTree(wrapped - wrapped.min(axis=0) * [1, 1, 0], boxsize=box).query_pairs(
+        margin, output_type="ndarray"
+    )
+    kept = np.ones(len(moved), dtype=bool)
+    kept[pairs[:, 1]] = False
+    return moved[kept], cell
+
+
+def quadrupole(lattice, repeats, burgers):
+    """Two screws and two opposite ones on a square, periodic in all directions, and the cell."""
+    places, cell = block(lattice, repeats)
+    moved = places.copy()
+    for sx, sy in ((0.25, 0.25), (0.25, 0.75), (0.75, 0.25), (0.75, 0.75)):
+        sign = 1 if (sx < 0.5) == (sy < 0.5) else -1
+        # The fields of all images of a quadrupole add up; those of the nearest ones suffice.
+        for m in (-1, 0, 1):
+            for n in (-1, 0, 1):
+                centre = np.array([sx + m + 0.0131, sy + n + 0.0077]) * cell[:2]
+                angle = np.arctan2(*(places[:, :2] - centre).T[::-1])
+                moved += sign * angle[:, None] / (2 * np.pi) * np.array(burgers, float)
+    return moved, cell

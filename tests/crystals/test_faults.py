@@ -1,0 +1,44 @@
+"""Faults: partial dislocations at the edges of stacking faults."""
+
+import numpy as np
+import pytest
+
+from geomtorsion.crystals import Crystal
+from tests.crystals.synthetic import block
+from tests.crystals.test_crystal import atoms_of
+
+
+def test_relaxed_copper_has_two_partials_of_one_sum():
+    """Two lines 1/6<1 1 2> with partials, and without their sum 1/2<1 1 0>."""
+    crystal = Crystal(*atoms_of("cu_edge110_relax"))
+    (whole,) = crystal.dislocations().lines
+    parts = crystal.dislocations(partials=True).lines
+    assert [line.family for line in parts] == ["1/6<1 1 2>"] * 2
+    assert whole.family == "1/2<1 1 0>"
+    total = sum(np.sign(line.image[2]) * np.array(line.burgers, float) for line in parts)
+    assert total == pytest.approx(np.sign(whole.image[2]) * np.array(whole.burgers, float))
+    for line in parts:
+        assert line.length == pytest.approx(13.28236, rel=0.03)
+
+
+@pytest.mark.parametrize("partials", [False, True])
+@pytest.mark.parametrize("name", ["al_edge_dipole_relax", "cu_perfect", "cu_edge110"])
+def test_no_line_appears_by_the_option(name, partials):
+    """A fault through the whole cell ends nowhere; what is not split stays one line."""
+    lines = Crystal(*atoms_of(name)).dislocations(partials=partials).lines
+    assert [line.family for line in lines] == ["1/2<1 1 0>"] * (name == "cu_edge110")
+
+
+def test_a_fault_put_in_is_no_line():
+    """Half of a crystal shifted by 1/6[1 1 -2] over (111), periodic in the plane."""
+    turn = np.array([[1, -1, 0] / np.sqrt(2), [1, 1, -2] / np.sqrt(6), [1, 1, 1] / np.sqrt(3)])
+    places, _ = block("fcc", (14, 14, 14))
+    turned = (places - 7) @ turn.T
+    cell = np.array([np.sqrt(0.5) * 6, np.sqrt(1.5) * 4, 9.0])
+    inside = (turned[:, :2] > -1e-6) & (turned[:, :2] < cell[:2] - 1e-6)
+    kept = turned[inside.all(axis=1) & (np.abs(turned[:, 2]) < 4)]
+    kept[kept[:, 2] > 0.1, 1] += 1 / np.sqrt(6)
+    crystal = Crystal(kept, np.diag(cell), (True, True, False))
+    assert crystal.lattice == "fcc"
+    for partials in (False, True):
+        assert crystal.dislocations(partials=partials).lines == ()

@@ -1,0 +1,43 @@
+"""Shells: triangulating only where neighbours do not close finds what full Delaunay finds."""
+
+import numpy as np
+import pytest
+
+from geomtorsion.crystals import Crystal
+from geomtorsion.crystals.shells import shells_of
+from tests.crystals.synthetic import block, with_line
+
+
+def closed_share(crystal):
+    """Share of the atoms that need no triangulation."""
+    box, places = crystal._box, crystal._wrapped[0]
+    return shells_of(places, box, crystal.frame).closed.mean()
+
+
+@pytest.mark.parametrize("lattice", ["fcc", "bcc", "hcp", "diamond"])
+def test_a_perfect_crystal_needs_no_triangulation(lattice):
+    """Neither does one with vacancies apart, two of them next to each other."""
+    places, cell = block(lattice, (8, 5, 5))
+    assert closed_share(Crystal(places, cell, lattice=lattice)) == 1
+    gone = [0, 1, len(places) // 2]
+    holes = Crystal(np.delete(places, gone, axis=0), cell, lattice=lattice)
+    assert closed_share(holes) == 1
+    assert holes.dislocations().lines == ()
+
+
+def test_an_unrelaxed_screw_is_seen():
+    """All its shells are perfect, but triangles of neighbours do not close."""
+    places, cell = with_line("bcc", (0, 0, 1))
+    crystal = Crystal(places, cell, (False, False, True))
+    assert 0.9 < closed_share(crystal) < 1
+    (line,) = crystal.dislocations().lines
+    assert line.family == "<1 0 0>"
+
+
+def test_near_and_everywhere_give_the_same_lines():
+    """The torsion on tetrahedra near violations is that of all of them."""
+    places, cell = with_line("fcc", (0.5, 0.5, 0), (16, 16, 6))
+    crystal = Crystal(places, cell, (False, False, True))
+    near, _ = crystal._near_torsion(False)
+    assert 0 < len(near.mesh.corners) < len(crystal.mesh.corners) / 4
+    assert near.values.any(axis=1).sum() == crystal.torsion.values.any(axis=1).sum()
