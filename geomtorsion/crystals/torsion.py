@@ -78,7 +78,7 @@ class Torsion:
         sizes = np.where((sides < 0).any(axis=1), 0.0, np.linalg.norm(steps, axis=1))
         # Slivers have no length at all: a share of the mean keeps lines from running to and fro.
         weights = (sizes + 0.1 * sizes.mean()) * np.where(sound, METHOD.sound, 1.0)
-        torn |= self.doubtful[self.mesh.edges[2]].any(axis=1)
+        torn[self.doubtful[self.mesh.edges[2]].any(axis=1)] = True
         found = self._within(torn, weights, descend=True)
         atoms = np.zeros(len(self.mesh.places), dtype=bool)
         atoms[self.mesh.corners[found.torn].ravel()] = True
