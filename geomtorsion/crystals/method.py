@@ -19,6 +19,7 @@ class Method:
         wider than this are point defects, nearer junctions are one.
     share: no more than this share of the atoms of a liquid have neighbours like those of a crystal.
     seeds, sample: atoms that suggest an orientation, and atoms that decide.
+    together: atoms that are looked at together: it decides about memory, not about values.
     """
 
     reach: float = 1.5
@@ -28,6 +29,7 @@ class Method:
     share: float = 0.1
     seeds: int = 16
     sample: int = 2000
+    together: int = 2**16
 
 
 METHOD = Method()

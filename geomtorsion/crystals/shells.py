@@ -16,9 +16,6 @@ from geomtorsion.crystals.lattices import Lattice
 from geomtorsion.crystals.method import METHOD
 from geomtorsion.crystals.triangulation import Cell
 
-# Atoms that are looked at together: they decide about memory, not about values.
-_TOGETHER = 2**16
-
 
 @dataclass(frozen=True, eq=False)
 class Shells:
@@ -61,8 +58,8 @@ def shells_of(places: np.ndarray, cell: Cell, frame: Frame) -> Shells:
     near = np.empty((count, lattice.shells), dtype=np.int64)
     kind = np.empty(count, dtype=np.int64)
     single = np.empty(count, dtype=bool)
-    for start in range(0, count, _TOGETHER):
-        part = slice(start, min(start + _TOGETHER, count))
+    for start in range(0, count, METHOD.together):
+        part = slice(start, min(start + METHOD.together, count))
         _, found = tree.query(places[part], k=lattice.shells + 1, distance_upper_bound=reach)
         near[part], kind[part], single[part] = _slots(
             places[part], points, numbers, found[:, 1:], frame

@@ -82,7 +82,7 @@ class Torsion:
         found = self._within(torn, weights, descend=True)
         atoms = np.zeros(len(self.mesh.places), dtype=bool)
         atoms[self.mesh.corners[found.torn].ravel()] = True
-        return found._within(atoms[self.mesh.corners].any(axis=1), weights)
+        return found._within(atoms[self.mesh.corners].max(axis=1), weights)
 
     def _within(self, bad: np.ndarray, weights: np.ndarray, descend: bool = False) -> Torsion:
         """Shortest lines inside cores: bad tetrahedra that hang together, with torsion in them."""
