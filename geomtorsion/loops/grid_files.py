@@ -20,6 +20,7 @@ FORMS = {
     "coframe": ArrayForm((None, None, ...), optional=True),
     "distortion": ArrayForm((None, None, ...), optional=True),
     "sigma": ArrayForm((None, None, ...), optional=True),
+    "covariance": ArrayForm((None, None, None, None, ...), optional=True),
     "periodic": ArrayForm((None,), "b", optional=True),
     "unit": ArrayForm((), "U", optional=True),
     "vector_unit": ArrayForm((), "U", optional=True),
@@ -35,7 +36,8 @@ def read_grid(path: Path) -> Contents:
     they stand in the file). .h5, .hdf5: the same as data sets (extra `files`). .nc: a variable
     `coframe` or `distortion` with dimensions (row, column, x, y, ...) and a coordinate variable for
     each dimension of the grid. .csv: see `tables.read_csv`. .vtk, .vtu: see `tables.read_vtk`
-    (extra `files`). All may hold sigma, units, periods and a source.
+    (extra `files`). All may hold sigma, units, periods and a source; .npz, .h5 and
+    .nc a covariance in its place.
 
     Raises
     ------
@@ -74,6 +76,11 @@ def save_grid(path: Path, contents: Contents) -> None:
     FORMATS[kind][1](path if path.suffix else path.with_suffix(".npz"), contents)
 
 
+def holds_covariance(path: Path) -> bool:
+    """Whether the format that a name ends in has room for covariances: tables have none."""
+    return (path.suffix.lower() or ".npz") not in (".csv", ".vtk", ".vtu")
+
+
 def _npz(path: Path) -> Contents:
     """A grid from an NPZ file."""
     message = "{path}: it cannot be read, it is truncated or no file of this kind ({reason})."
@@ -96,7 +103,7 @@ def _npz(path: Path) -> Contents:
             f"{cut(', '.join(sorted(arrays)))}."
         )
     options: dict[str, Any] = {k: text_of(arrays[k]) for k in TEXTS if k in arrays}
-    options |= {k: arrays[k] for k in ("sigma", "periodic") if k in arrays}
+    options |= {k: arrays[k] for k in ("sigma", "covariance", "periodic") if k in arrays}
     return Contents(axes, arrays[key], names, key == "distortion", options)
 
 

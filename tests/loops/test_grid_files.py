@@ -50,6 +50,26 @@ def test_what_is_saved_comes_back(tmp_path, end):
     assert (again.unit, again.vector_unit, again.source) == ("µm", "a µm", "a test <&> more")
 
 
+@pytest.mark.parametrize("by_node", [False, True])
+@pytest.mark.parametrize("end", ENDS)
+def test_covariances_come_back(tmp_path, end, by_node):
+    """Whole, or from tables as standard deviations."""
+    if end in NEEDS:
+        pytest.importorskip(NEEDS[end])
+    root = np.random.default_rng(0).normal(size=(4, 4))
+    table = np.multiply.outer(root @ root.T, np.ones((12, 9))) if by_node else root @ root.T
+    grid = SampledFrame(AXES, VALUES, covariance=table, unit="nm")
+    grid.save(tmp_path / f"a{end}")
+    again = SampledFrame.read(tmp_path / f"a{end}")
+    known = sorted(again.sigma.ravel()) == pytest.approx(sorted(grid.sigma.ravel()))
+    assert known
+    if end in (".csv", ".vtk", ".vtu"):
+        assert again.covariance is None
+    else:
+        assert np.array_equal(again.covariance, grid.covariance)
+        assert again.unit == "nm"
+
+
 @pytest.mark.parametrize("end", ENDS)
 def test_a_plain_grid_of_three_axes_comes_back(tmp_path, end):
     """Without noise and units, three axes, one row."""

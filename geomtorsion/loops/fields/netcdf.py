@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,8 @@ from geomtorsion.loops.fields.contents import (
 )
 
 HDF5 = b"\x89HDF"
+# What may say how the values scatter.
+NOISE = ("sigma", "covariance")
 
 
 def read_netcdf(path: Path) -> Contents:
@@ -43,10 +46,10 @@ def read_netcdf(path: Path) -> Contents:
     for name in names:
         if name not in data.coords:
             raise FileFormatError(f"{path}: dimension {name} of {key} has no coordinates.")
-    sigma = data["sigma"].values if "sigma" in data.variables else None
+    noise = {name: data[name].values for name in NOISE if name in data.variables}
     axes = [data[name].values for name in names]
     return Contents(
-        axes, variable.values, names, key == "distortion", _options(path, sigma, data.attrs)
+        axes, variable.values, names, key == "distortion", _options(path, noise, data.attrs)
     )
 
 
@@ -75,16 +78,15 @@ def _classic(path: Path) -> Contents:
     for name in names:
         if name not in arrays:
             raise FileFormatError(f"{path}: dimension {name} of {key} has no coordinate variable.")
-    options = _options(path, arrays.get("sigma"), texts)
+    options = _options(path, arrays, texts)
     axes = [arrays[name] for name in names]
     return Contents(axes, arrays[key], names, key == "distortion", options)
 
 
-def _options(path: Path, sigma: np.ndarray | None, texts: Any) -> dict[str, Any]:
+def _options(path: Path, arrays: Mapping[str, np.ndarray], texts: Any) -> dict[str, Any]:
     """Noise, periods and texts."""
     found: dict[str, Any] = {key: texts[key] for key in TEXTS if key in texts}
-    if sigma is not None:
-        found["sigma"] = sigma
+    found |= {name: arrays[name] for name in NOISE if name in arrays}
     if "periodic" in texts:
         found["periodic"] = periodic_names(texts["periodic"], path)
     return found
@@ -100,12 +102,14 @@ def write_netcdf(path: Path, contents: Contents) -> None:
             data.createDimension(name, length)
         dims = ("row", "column", *contents.names)
         data.createVariable("coframe", "d", dims)[:] = contents.values
-        if "sigma" in contents.options:
-            sigma = contents.options["sigma"]
-            inner = [f"of_{name}" for name in dims]
-            for name, length in zip(inner, sigma.shape, strict=True):
+        for key in NOISE:
+            if key not in contents.options:
+                continue
+            values = contents.options[key]
+            inner = [f"{key}_axis_{k}" for k in range(values.ndim)]
+            for name, length in zip(inner, values.shape, strict=True):
                 data.createDimension(name, length)
-            data.createVariable("sigma", "d", inner)[:] = sigma
+            data.createVariable(key, "d", inner)[:] = values
         for name, text in _texts(contents).items():
             setattr(data, name, text.encode())
 
@@ -139,10 +143,10 @@ def read_hdf5(path: Path) -> Contents:
                     raise FileFormatError(f"{path}: the data set axis_{name} is missing.")
             arrays = {
                 name: _data_set(h5py, file, name, path)
-                for name in (key, "sigma", *(f"axis_{name}" for name in axes))
+                for name in (key, *NOISE, *(f"axis_{name}" for name in axes))
                 if name in names
             }
-        options = _options(path, arrays.get("sigma"), {k: str(v) for k, v in said.items()})
+        options = _options(path, arrays, {k: str(v) for k, v in said.items()})
         lines = [arrays[f"axis_{name}"] for name in axes]
         return Contents(lines, arrays[key], tuple(axes), key == "distortion", options)
 
@@ -168,7 +172,8 @@ def write_hdf5(path: Path, contents: Contents) -> None:
         file["coframe"] = contents.values
         for name, axis in zip(contents.names, contents.axes, strict=True):
             file[f"axis_{name}"] = axis
-        if "sigma" in contents.options:
-            file["sigma"] = contents.options["sigma"]
+        for key in NOISE:
+            if key in contents.options:
+                file[key] = contents.options[key]
         for name, text in {"names": " ".join(contents.names), **_texts(contents)}.items():
             file.attrs[name] = text

@@ -34,7 +34,7 @@ from geomtorsion.loops.fields.holes import Hole, holes_of
 from geomtorsion.loops.fields.noise import Noise, estimated, noise_of, sigma_of
 from geomtorsion.loops.fields.strain import strain_and_rotation
 from geomtorsion.loops.forms import forms
-from geomtorsion.loops.grid_files import read_grid, save_grid
+from geomtorsion.loops.grid_files import holds_covariance, read_grid, save_grid
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
@@ -265,7 +265,8 @@ class Samples:
     def save(self, path: str | Path) -> None:
         """Write a file that `read` reads back, of the format that its name ends in.
 
-        Values, holes, sigma, periods, units and source are kept; of a covariance, sigma alone.
+        Values, holes, sigma, periods, units and source are kept. Tables (CSV, VTK) keep of a
+        covariance sigma alone, and so do all formats where it joins nodes (displacements).
 
         Raises
         ------
@@ -275,7 +276,9 @@ class Samples:
             The library for the format is not installed.
         """
         options: dict[str, Any] = {k: getattr(self, k) for k in TEXTS if getattr(self, k)}
-        if isinstance(self.sigma, np.ndarray):
+        if isinstance(self.covariance, np.ndarray) and holds_covariance(Path(path)):
+            options["covariance"] = self.covariance
+        elif isinstance(self.sigma, np.ndarray):
             options["sigma"] = self.sigma
         if any(self.periodic):
             options["periodic"] = np.array(self.periodic)

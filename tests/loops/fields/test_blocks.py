@@ -168,6 +168,16 @@ def test_several_processes_and_a_cluster(tmp_path):
     assert np.array_equal(one, three, equal_nan=True)
 
 
+def test_a_dask_cluster(tmp_path):
+    """One task for each block on two workers of a real one: the same bits."""
+    distributed = pytest.importorskip("dask.distributed")
+    one = blocked_map(HOLED, tmp_path / "one", STEPS, 100, 4).read()
+    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
+    with distributed.Client(processes=False, **options) as client:
+        two = blocked_map(HOLED, tmp_path / "two", STEPS, 15, 4, client=client).read()
+    assert np.array_equal(one, two, equal_nan=True)
+
+
 def test_zarr(tmp_path):
     """An array, and the array of a group; a packing that would run its content is refused."""
     zarr = pytest.importorskip("zarr")
