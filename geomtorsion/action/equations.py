@@ -12,7 +12,8 @@ import sympy as sp
 from geomtorsion.action import validation, writing
 from geomtorsion.action.hamel import Hamel, coefficients_of, hamel_of
 from geomtorsion.action.invariants import conserved
-from geomtorsion.action.lagrange import Lagrange, principle_named
+from geomtorsion.action.lagrange import Lagrange
+from geomtorsion.action.principles import principle_named
 from geomtorsion.action.tangent_bundle import bundle_over
 from geomtorsion.errors import LagrangianError
 

@@ -17,7 +17,7 @@ from geomtorsion.geometry.symmetry import Index, antisymmetric
 if TYPE_CHECKING:
     import sympy as sp
 
-    from geomtorsion.action.lagrange import Principle
+    from geomtorsion.action.principles import Principle
     from geomtorsion.exact import Element, Field
     from geomtorsion.geometry import Connection, Frame
 

@@ -11,7 +11,7 @@ import sympy as sp
 
 from geomtorsion.action import validation
 from geomtorsion.action.hamel import coefficients_of, torsion_over
-from geomtorsion.action.lagrange import principle_named
+from geomtorsion.action.principles import principle_named
 from geomtorsion.action.tangent_bundle import bundle_over, free_pattern, symbols_of
 from geomtorsion.geometry import Tensor
 

@@ -25,12 +25,12 @@ from geomtorsion.loops.integrals import (
     refuse_other_periods,
 )
 from geomtorsion.loops.loop import Loop, check_loop
-from geomtorsion.loops.planes import check_accuracy
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.loops.result import BurgersVector, Check
 from geomtorsion.loops.sampled import SampledBurgers, SampledFrame
 from geomtorsion.loops.scattered import ScatteredFrame
+from geomtorsion.loops.validation import check_accuracy
 
 
 @overload

@@ -16,8 +16,8 @@ from geomtorsion import checks
 from geomtorsion.conventions import Signed
 from geomtorsion.errors import NetworkError
 from geomtorsion.loops.complexes import Complex
-from geomtorsion.loops.rows import check_sums, largest, listed, value_rows
 from geomtorsion.loops.spanning_forest import Forest, spanning_forest
+from geomtorsion.loops.validation import check_sums, largest, listed, value_rows
 
 if TYPE_CHECKING:
     import networkx as nx

@@ -13,7 +13,7 @@ import scipy  # loads its parts when they are asked for
 
 from geomtorsion import checks
 from geomtorsion.errors import NetworkError
-from geomtorsion.loops.rows import listed, whole
+from geomtorsion.loops.validation import listed, whole
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array

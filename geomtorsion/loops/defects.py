@@ -22,8 +22,8 @@ from geomtorsion.loops.defect_lines import Lines
 from geomtorsion.loops.forms import Poles, forms, parameter_values
 from geomtorsion.loops.integrals import line_route
 from geomtorsion.loops.loop import Loop
-from geomtorsion.loops.planes import rows
 from geomtorsion.loops.transport import transported
+from geomtorsion.loops.validation import rows
 from geomtorsion.loops.winding import turns_round
 
 if TYPE_CHECKING:

@@ -19,11 +19,11 @@ from geomtorsion.loops.defects import Defect, EnclosedDefect, enclosed_defects, 
 from geomtorsion.loops.forms import perturbed
 from geomtorsion.loops.integrals import DISAGREE, probes
 from geomtorsion.loops.loop import Loop, check_loop
-from geomtorsion.loops.planes import check_accuracy
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.loops.sampled import SampledFrame
 from geomtorsion.loops.transport import Transported, transported
+from geomtorsion.loops.validation import check_accuracy
 
 
 def along_line(form: AffineForm, part: Part, accuracy: float) -> Transported:

@@ -12,9 +12,9 @@ from geomtorsion.loops.arcs import Parameters, Part, Segment, shown
 from geomtorsion.loops.defects import find_defects, lines_alone
 from geomtorsion.loops.forms import Form, Forms, forms
 from geomtorsion.loops.integrals import line_route
-from geomtorsion.loops.planes import rows
 from geomtorsion.loops.poles import NEAR_POLE, SAMPLES, refuse_poles
 from geomtorsion.loops.quadrature import PIECE, ROUNDING, cut, gauss_pair, graded, halved
+from geomtorsion.loops.validation import rows
 from geomtorsion.loops.winding import nearest
 from geomtorsion.precision import CALCULATED
 

@@ -14,7 +14,7 @@ from geomtorsion.errors import NetworkError
 from geomtorsion.loops.box import Box
 from geomtorsion.loops.cochain import Cochain
 from geomtorsion.loops.complexes import Complex
-from geomtorsion.loops.rows import listed, whole
+from geomtorsion.loops.validation import listed, whole
 
 
 @dataclass(frozen=True, eq=False, init=False)

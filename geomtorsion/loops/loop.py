@@ -10,7 +10,7 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import LoopError
-from geomtorsion.loops import constructors, parametric, planes
+from geomtorsion.loops import constructors, validation
 from geomtorsion.loops.arcs import Arc, Number, Parameters, Part, Plane, Point, shown
 from geomtorsion.loops.quadrature import integrate
 from geomtorsion.loops.winding import turns_round
@@ -201,7 +201,7 @@ class Loop:
         >>> Loop.parametric(["2 + cos(3*s)/4", "s"], interval=(0, "2*pi"), periods={1: "2*pi"}).gap
         array([0.        , 6.28318531])
         """
-        part = parametric.parametric(
+        part = constructors.parametric(
             expressions, parameter, interval, centre, size, symbols, periods
         )
         return cls((part,), name)
@@ -336,7 +336,7 @@ class Loop:
         3.14159265359
         """
         parts = tuple(
-            parametric.filled(part, values) if self.symbols else part for part in self.parts
+            constructors.filled(part, values) if self.symbols else part for part in self.parts
         )
         return Loop(parts, self.name)
 
@@ -433,8 +433,8 @@ class Loop:
         >>> Loop.circle([0, 0, 0], 1).reversed().winding([0.5, 0, 0])
         -1
         """
-        place = planes.vector(axis, "axis", self.dimension)
-        rows = np.array(planes.rows(plane, self.dimension))
+        place = validation.vector(axis, "axis", self.dimension)
+        rows = np.array(validation.rows(plane, self.dimension))
         return turns_round(self.parts, place, rows, "axis", LoopError)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.errors import GeomtorsionError, LoopError
 from geomtorsion.geometry import Frame
-from geomtorsion.loops import planes
+from geomtorsion.loops import validation
 from geomtorsion.loops.arcs import Ellipse, Parameters, Plane, Point
 from geomtorsion.loops.burgers import burgers_vector
 from geomtorsion.loops.chains import ClosedCurve, Shape, Square
@@ -128,7 +128,7 @@ def burgers_vectors(
         first = int(np.argmin(radii > 0))
         raise LoopError(f"radius: circle {first} has radius {radii[first]}; give positive ones.")
     _check_dimension(frame, places.shape[1])
-    directions = np.array(planes.orthonormal(*planes.rows(plane, frame.dimension)))
+    directions = np.array(validation.orthonormal(*validation.rows(plane, frame.dimension)))
     axes = np.stack([radii, radii])
     circle = ClosedCurve(Ellipse((1.0, 0.0), (0.0, 1.0)), first=FIRST)
     return _map(frame, circle, np.pi, places.T, axes, directions, accuracy, parameters)
@@ -184,8 +184,8 @@ def burgers_map(
         if len(side) < 2 or not (np.diff(side) > 0).all():
             raise LoopError(f"edges[{k}]: at least two increasing numbers were needed.")
     n = frame.dimension
-    place = np.zeros(n) if at is None else np.array(planes.vector(at, "at", n))
-    directions = np.array(planes.rows(plane, n))
+    place = np.zeros(n) if at is None else np.array(validation.vector(at, "at", n))
+    directions = np.array(validation.rows(plane, n))
     middles = np.meshgrid(*((side[1:] + side[:-1]) / 2 for side in lines), indexing="ij")
     steps = np.stack(np.meshgrid(*(np.diff(side) for side in lines), indexing="ij"))
     centres = place[:, None, None] + np.einsum("an,akm->nkm", directions, np.stack(middles))
@@ -319,7 +319,7 @@ def _map(
 ) -> BurgersMap:
     """Do all loops block by block; on Ctrl-C keep what is done."""
     start = time.perf_counter()
-    planes.check_accuracy(accuracy, 1e-14)
+    validation.check_accuracy(accuracy, 1e-14)
     columns = tuple(np.flatnonzero(plane.any(axis=0)).tolist())
     compiled = forms(frame, parameters, columns)
     family = _Family(frame, shape, area, plane, accuracy, parameters, compiled)

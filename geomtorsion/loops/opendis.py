@@ -11,7 +11,7 @@ from geomtorsion import checks
 from geomtorsion.errors import NetworkError
 from geomtorsion.loops.box import Box
 from geomtorsion.loops.line_arrays import LineArrays
-from geomtorsion.loops.rows import whole
+from geomtorsion.loops.validation import whole
 
 # What is needed of each table.
 NEEDED = {"cell": ("h",), "nodes": ("positions",), "segs": ("nodeids", "burgers")}

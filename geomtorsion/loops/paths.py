@@ -17,8 +17,8 @@ from geomtorsion.loops.arcs import Parameters, Part, Segment, shown
 from geomtorsion.loops.cone import line_rate
 from geomtorsion.loops.development import back_by
 from geomtorsion.loops.loop import Loop, check_loop
-from geomtorsion.loops.planes import number, vector
 from geomtorsion.loops.transport import STAGES, collocation, increments, transported
+from geomtorsion.loops.validation import number, vector
 from geomtorsion.precision import CALCULATED
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ import numpy as np
 
 from geomtorsion.conventions import Signed
 from geomtorsion.errors import LoopError
-from geomtorsion.loops import planes
+from geomtorsion.loops import validation
 from geomtorsion.loops.arcs import Number, Parameters
 from geomtorsion.loops.defects import EnclosedDefect, enclosed_defects
 
@@ -158,7 +158,7 @@ class BurgersVector(Signed):
         place = (
             self.loop.centre
             if point is None
-            else planes.vector(point, "point", self.frame.dimension)
+            else validation.vector(point, "point", self.frame.dimension)
         )
         values = dict(zip((s.name for s in self.frame.coordinates), place, strict=True))
         return self.frame.legs.at(self._named(values)) @ self.vector
@@ -171,7 +171,7 @@ class BurgersVector(Signed):
         LoopError
             The direction has no length in the metric of the frame.
         """
-        along = np.array(planes.vector(direction, "direction", self.frame.dimension))
+        along = np.array(validation.vector(direction, "direction", self.frame.dimension))
         square = along @ self._eta @ along
         if not abs(square) > 1e-15 * np.abs(along).max() ** 2:
             raise LoopError(f"direction {direction!r} has no length in the metric of the frame.")

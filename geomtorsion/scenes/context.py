@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import fields, is_dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy as sp
 
@@ -14,7 +13,6 @@ from geomtorsion.errors import SceneError
 
 if TYPE_CHECKING:
     from geomtorsion.scenes.body import Body
-    from geomtorsion.scenes.effects.protocol import Contribution
 
 # A number as users give it: exact ones stay exact. An expression may also be text.
 Number = float | Fraction | sp.Expr
@@ -186,25 +184,3 @@ def exact(value: object, name: str) -> sp.Expr:
         message="{subject} = {value} is no number.",
         infinite="{subject} = {value}: a finite number was needed.",
     )
-
-
-def groups_in(context: Context, contribution: Contribution) -> frozenset[str]:
-    """Groups of states that occur in a contribution; what it offers to be watched aside."""
-    found = symbols_in(replace(contribution, outputs={}))
-    own = {name for name, members in GROUPS.items() if members & found}
-    # Who has the whole attitude has the vertical with it.
-    return frozenset(own - {"vertical"} if "attitude" in own else own)
-
-
-def symbols_in(thing: Any) -> set[sp.Symbol]:
-    """All symbols in expressions, however they are nested in dataclasses, mappings, sequences."""
-    parts: Iterable[object] = ()
-    if isinstance(thing, sp.Basic | sp.MatrixBase):
-        return set(thing.free_symbols)
-    if isinstance(thing, Mapping):
-        parts = thing.values()
-    elif is_dataclass(thing):
-        parts = [getattr(thing, item.name) for item in fields(thing)]
-    elif isinstance(thing, tuple | list):
-        parts = thing
-    return set().union(*map(symbols_in, parts))

@@ -14,7 +14,7 @@ from geomtorsion.errors import (
 )
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop, burgers_vector, exact_burgers_vector, parallel_screws
-from geomtorsion.loops.closed_forms import OutOfTimeError, deadline, definite
+from geomtorsion.loops.exact_integral import OutOfTimeError, deadline, definite
 from geomtorsion.spaces import load
 
 R, b = sp.symbols("R b", positive=True)

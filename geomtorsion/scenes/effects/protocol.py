@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
-from typing import ClassVar
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from typing import Any, ClassVar
 
 import sympy as sp
 
 from geomtorsion.scenes.body import Body
-from geomtorsion.scenes.context import Context, Number, groups_in
+from geomtorsion.scenes.context import GROUPS, Context, Number
 
 Triple = tuple[sp.Expr, sp.Expr, sp.Expr] | tuple[sp.Expr, ...]
 # Time, and the new values of parameters or states.
@@ -133,3 +133,25 @@ class Effect:
 def unit(text: str) -> dict[str, str]:
     """Metadata of a dataclass field whose numbers are in this unit: field(metadata=unit("m"))."""
     return {"unit": text}
+
+
+def groups_in(context: Context, contribution: Contribution) -> frozenset[str]:
+    """Groups of states that occur in a contribution; what it offers to be watched aside."""
+    found = symbols_in(replace(contribution, outputs={}))
+    own = {name for name, members in GROUPS.items() if members & found}
+    # Who has the whole attitude has the vertical with it.
+    return frozenset(own - {"vertical"} if "attitude" in own else own)
+
+
+def symbols_in(thing: Any) -> set[sp.Symbol]:
+    """All symbols in expressions, however they are nested in dataclasses, mappings, sequences."""
+    parts: Iterable[object] = ()
+    if isinstance(thing, sp.Basic | sp.MatrixBase):
+        return set(thing.free_symbols)
+    if isinstance(thing, Mapping):
+        parts = thing.values()
+    elif is_dataclass(thing):
+        parts = [getattr(thing, item.name) for item in fields(thing)]
+    elif isinstance(thing, tuple | list):
+        parts = thing
+    return set().union(*map(symbols_in, parts))

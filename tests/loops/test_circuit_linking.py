@@ -11,7 +11,7 @@ import sympy as sp
 
 from geomtorsion.errors import LoopError, SingularPointError
 from geomtorsion.loops import Box, LineArrays, Loop, burgers_vector, parallel_dislocations
-from geomtorsion.loops.linking import crossings
+from geomtorsion.loops.circuit import crossings
 from geomtorsion.loops.paradis import read_paradis
 from tests.loops.synthetic_networks import REAL, rings, straight
 from tests.real import real

@@ -1,0 +1,78 @@
+"""Principles: the three ways to vary an action over a frame, by name."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from geomtorsion.checks import cut, near_names, shown
+from geomtorsion.errors import UnknownNameError
+
+
+@dataclass(frozen=True)
+class Principle:
+    """A way to vary: what closes, and what of curl and torsion enters.
+
+    name: how it is asked for.
+    closes: what has fixed ends.
+    leads_to: the curves that it gives for a kinetic energy.
+    frame_curl: share of C_kj^i, the object of anholonomy of the frame.
+    image_torsion: share of T_kj^i = 2 S_kj^i, the torsion of the connection of the image.
+    """
+
+    name: str
+    closes: str
+    leads_to: str
+    frame_curl: int
+    image_torsion: int
+
+
+PRINCIPLES = (
+    Principle(
+        "closed_in_coordinates",
+        "dq^mu vanish at the ends; the frame image of the varied path does not close "
+        "(Hamilton, Poincare)",
+        "geodesics of the kinetic metric",
+        1,
+        0,
+    ),
+    Principle(
+        "closed_in_image",
+        "dPhi^i vanish at the ends of the flat image; in the coordinates the varied path misses "
+        "its end by a Burgers vector (Kleinert)",
+        "autoparallels",
+        1,
+        -1,
+    ),
+    Principle(
+        "naive",
+        "dPhi^i vanish at the ends as if Phi^i were coordinates; no variation of the path does "
+        "this where the frame is anholonomic",
+        "constant momenta in the frame: wrong for a body",
+        0,
+        0,
+    ),
+)
+
+
+def principle_named(name: str) -> Principle:
+    """The principle of this name.
+
+    Raises
+    ------
+    UnknownNameError
+        There is none; the message names the nearest and all.
+
+    Examples
+    --------
+    >>> principle_named("naive").leads_to
+    'constant momenta in the frame: wrong for a body'
+    """
+    for principle in PRINCIPLES:
+        if isinstance(name, str) and principle.name == name:
+            return principle
+    names = [principle.name for principle in PRINCIPLES]
+    near = near_names(cut(str(name)), names)
+    hint = f" Did you mean {near}?" if near else ""
+    raise UnknownNameError(
+        f"no principle is called {shown(name)}.{hint} Choose {', '.join(names)}."
+    )
