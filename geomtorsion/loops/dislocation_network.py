@@ -267,7 +267,14 @@ class DislocationNetwork:
     def __str__(self) -> str:
         if any(data.get("position") is None for _, data in self.graph.nodes(data=True)):
             return node_table(self.lines, len(self.junctions))
-        return line_table(self.arrays, self.polylines, len(self.junctions))
+        return line_table(self.arrays, self.polylines, len(self.junctions), self.names)
+
+    @property
+    def names(self) -> list[str] | None:
+        """The family of each straight piece of `arrays` in its crystal, if all are known."""
+        found = [self.lines[k].family for k in self._pieces[1]]
+        known = [name for name in found if name is not None]
+        return known if found and len(known) == len(found) else None
 
     @property
     def junctions(self) -> tuple[Hashable, ...]:

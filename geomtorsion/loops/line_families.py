@@ -75,7 +75,6 @@ def line_families(
     # Of very many lines few differ in b.
     vectors, which = np.unique(lines.burgers, axis=0, return_inverse=True)
     dimension = vectors.shape[1]
-    screws, lengths = lines.screw_shares, lines.lengths
     near = tolerance * float(np.abs(vectors).max(initial=0.0))
     orbit = _operations(symmetry, dimension)
     family = np.full(len(vectors), -1)
@@ -92,21 +91,52 @@ def line_families(
             family[left[apart <= near]] = count
             left = left[apart > near]
             count += 1
-    family, vectors = family[which.ravel()], lines.burgers
+    family = family[which.ravel()]
+    titles, kinds = [], []
+    for k in range(count):
+        one = lines.burgers[family == k][0]
+        shown = _largest(orbit @ one) if len(orbit) > 2 else one
+        kinds.append(tuple(shown.tolist()))
+        titles.append(_name(kinds[-1], "<>" if len(orbit) > 2 else "[]"))
+    return _measured(lines, family, titles, kinds)
+
+
+def named_families(
+    lines: LineArrays, names: Sequence[str]
+) -> tuple[tuple[LineFamily, ...], np.ndarray]:
+    """The same of lines whose families are known by name, such as 1/2<1 1 0> of a crystal.
+
+    Examples
+    --------
+    >>> corners, sides = [[0, 0, 0], [2, 0, 0], [2, 0, 3]], [[0, 1], [1, 2]]
+    >>> lines = LineArrays(corners, sides, [[1, 0, 0], [0, 0, 2]])
+    >>> [(one.name, one.length) for one in named_families(lines, ["<1 0 0>", "<2 0 0>"])[0]]
+    [('<2 0 0>', 3.0), ('<1 0 0>', 2.0)]
+    """
+    titles, family = np.unique(np.array(names, dtype=str), return_inverse=True)
+    kinds = [tuple(lines.burgers[family == k][0].tolist()) for k in range(len(titles))]
+    return _measured(lines, family.ravel(), titles.tolist(), kinds)
+
+
+def _measured(
+    lines: LineArrays,
+    family: np.ndarray,
+    titles: Sequence[str],
+    kinds: Sequence[tuple[float, ...]],
+) -> tuple[tuple[LineFamily, ...], np.ndarray]:
+    """Families with lengths, the longest first, and the number of that of each line."""
+    screws, lengths = lines.screw_shares, lines.lengths
     volume = None if lines.box is None else lines.box.volume
     found = []
-    for k in range(count):
+    for k, title in enumerate(titles):
         mine = family == k
         length = float(lengths[mine].sum())
         screw = float(screws[mine] @ lengths[mine]) / length if length else 0.0
-        shown = _largest(orbit @ vectors[mine][0]) if len(orbit) > 2 else vectors[mine][0]
         density = None if volume is None else length / volume
-        b = tuple(shown.tolist())
-        marks = "<>" if len(orbit) > 2 else "[]"
-        found.append(LineFamily(_name(b, marks), b, int(mine.sum()), length, density, screw))
-    rank = sorted(range(count), key=lambda k: (-found[k].length, found[k].name))
+        found.append(LineFamily(title, kinds[k], int(mine.sum()), length, density, screw))
+    rank = sorted(range(len(found)), key=lambda k: (-found[k].length, found[k].name))
     place = np.argsort(np.array(rank, dtype=np.int64))
-    return tuple(found[k] for k in rank), place[family] if count else family
+    return tuple(found[k] for k in rank), place[family] if found else family
 
 
 def _operations(symmetry: Symmetry, dimension: int) -> np.ndarray:

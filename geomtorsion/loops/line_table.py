@@ -6,17 +6,21 @@ import math
 from collections.abc import Hashable, Sequence
 
 from geomtorsion.loops.line_arrays import LineArrays
-from geomtorsion.loops.line_families import line_families
+from geomtorsion.loops.line_families import line_families, named_families
 from geomtorsion.loops.polylines import Polyline
 from geomtorsion.loops.reactions import Vector, written
 
 
 def line_table(
-    lines: LineArrays, curves: Sequence[Polyline], junctions: int, most: int = 40
+    lines: LineArrays,
+    curves: Sequence[Polyline],
+    junctions: int,
+    names: Sequence[str] | None = None,
+    most: int = 40,
 ) -> str:
     """Counts, and a row for each line: b, family, length, share of screw, where it ends.
 
-    most: as many rows as a screen shows.
+    names: of the families of lines, if they are known. most: as many rows as a screen shows.
 
     Examples
     --------
@@ -30,7 +34,7 @@ def line_table(
       line  b          family     length  screw  ends
          0  (0, 0, 1)  1 <1 0 0>       8    0 %  closed
     """
-    families, which = line_families(lines)
+    families, which = line_families(lines) if names is None else named_families(lines, names)
     length = sum(curve.length for curve in curves)
     rows = [("line", "b", "family", "length", "screw", "ends")]
     rows += [

@@ -9,7 +9,7 @@ import numpy as np
 
 from geomtorsion.errors import LimitError, NetworkError
 from geomtorsion.loops import DislocationNetwork, LineArrays, Loop
-from geomtorsion.loops.line_families import LineFamily, line_families
+from geomtorsion.loops.line_families import LineFamily, line_families, named_families
 from geomtorsion.loops.reactions import size, written
 from geomtorsion.loops.sampled import SampledFrame
 from geomtorsion.pictures.loops import GAP, PATH, START
@@ -228,7 +228,7 @@ def draw_lines(
     loops
         Circuits, in the coordinates of the nodes.
     symmetry
-        As for `DislocationNetwork.families`.
+        As for `DislocationNetwork.families`; lines of a crystal have their families already.
 
     Returns
     -------
@@ -245,7 +245,11 @@ def draw_lines(
     if not len(lines.pairs):
         raise NetworkError("a picture needs a line, but the network has none.")
     figure = new_figure(10.5, 6.0)
-    families, family = line_families(lines, symmetry)
+    names = net.names
+    if names is None:
+        families, family = line_families(lines, symmetry)
+    else:
+        families, family = named_families(lines, names)
     grid = figure.add_gridspec(1, 2, width_ratios=(2.3, 1))
     space = figure.add_subplot(grid[0], projection="3d")
     _draw_space(space, lines, family, loops)
@@ -257,7 +261,7 @@ def draw_lines(
     kept = "b is conserved at every inner node"
     count = f"b is not conserved at {len(broken)} node{'s' * (len(broken) > 1)}"
     figure.suptitle(
-        f"{len(lines.positions):,} nodes, {len(lines.pairs):,} lines; {count if broken else kept}",
+        f"{len(net.graph):,} nodes, {len(net.lines):,} lines; {count if broken else kept}",
         fontsize=11,
     )
     return figure
