@@ -70,8 +70,14 @@ def best_chart(
     *,
     starting: bool = False,
 ) -> str | None:
-    """The first chart far from its edge, or else the one that is furthest from it."""
+    """The first chart far from its edge, or else the one that is furthest from it.
+
+    Of those that are far from their edges none in which the motion is much faster than in another:
+    behind a horizon, ingoing coordinates run away from what comes out of it, and outgoing ones from
+    what falls in.
+    """
     best, score = None, 0.0
+    far: list[tuple[str, float]] = []
     for name in problem.charts:
         if name == source and not starting:
             continue
@@ -86,9 +92,12 @@ def best_chart(
         numbers = {key: float(value) for key, value in problem.parameters.items()}
         distance = chart.distance(place | numbers)
         if distance >= 2 * GAIN:
-            return name
+            far.append((name, math.hypot(*map(float, there.velocities))))
         if distance > score:
             best, score = name, distance
+    if far:
+        slowest = min(speed for _, speed in far)
+        return next(name for name, speed in far if speed <= 2 * GAIN * slowest)
     return best if starting or score > GAIN else None
 
 

@@ -81,7 +81,8 @@ def run_batch(
     try:
         if isinstance(engine, Taylor):
             width = int(heyoka().recommended_simd_size()) * (2 if size <= FEW else 1)
-            kept, compiling = engine.compiled(system, tolerance, width=width)
+            backward = bool(times[-1] < times[0])
+            kept, compiling = engine.compiled(system, tolerance, width=width, backward=backward)
             with kept.lock:
                 calls = _calls(states, parameters, units, pace, times, width)
                 watched = crossed if system.guard is not None else None

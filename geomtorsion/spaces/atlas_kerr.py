@@ -22,10 +22,18 @@ OUTWARDS = (
     "motion leaves through a horizon outwards. "
 )
 
+INWARDS = (
+    "Outgoing coordinates end at the ring r = 0, theta = pi/2, and they grow without bound where a "
+    "motion, followed into its past, leaves through a horizon outwards. "
+)
+
 # Names of the charts, and of the coordinates of each.
 INGOING = sp.symbols("v r_in theta_in phi_in", real=True)
 NORTH = sp.symbols("v_n r_n x_n y_n", real=True)
 SOUTH = sp.symbols("v_s r_s x_s y_s", real=True)
+OUTGOING = sp.symbols("u r_out theta_out phi_out", real=True)
+NORTH_OUT = sp.symbols("u_n r_on x_on y_on", real=True)
+SOUTH_OUT = sp.symbols("u_s r_os x_os y_os", real=True)
 CARTESIAN = sp.symbols("T x_ y_ z_", real=True)
 
 Values = Sequence[Any]
@@ -35,6 +43,8 @@ Numbers = Mapping[str, Any]
 def kerr(frame: Frame) -> Atlas:
     """Ingoing Kerr coordinates: through the horizons; with stereographic angles over the axis, too.
 
+    Outgoing ones are those of time reversed, v -> -u, phi_in -> -phi_out: in them a motion that
+    comes out of the outer horizon can be followed into its past.
     Kerr-Schild coordinates are for reading: their square roots cancel near the axis, so that no
     motion is followed in them unless they are named.
     """
@@ -44,13 +54,25 @@ def kerr(frame: Frame) -> Atlas:
         "ingoing": lambda: _ingoing(mass, a),
         "ingoing_north": lambda: _stereographic(mass, a, NORTH, 1, "ingoing_north"),
         "ingoing_south": lambda: _stereographic(mass, a, SOUTH, -1, "ingoing_south"),
+        "outgoing": lambda: _outgoing(mass, a),
+        "outgoing_north": lambda: _stereographic(mass, a, NORTH_OUT, 1, "outgoing_north", -1),
+        "outgoing_south": lambda: _stereographic(mass, a, SOUTH_OUT, -1, "outgoing_south", -1),
         "kerr_schild": lambda: _kerr_schild(mass, a),
     }
 
     def maps() -> tuple[TransitionMap, ...]:
-        return (*_to_and_from_ingoing(frame), *_over_the_axis(a), *_to_and_from_cartesian(a))
+        return (
+            *_to_and_from(frame, "ingoing", INGOING, 1),
+            *_over_the_axis(a),
+            *_to_and_from_cartesian(a),
+            *_to_and_from(frame, "outgoing", OUTGOING, -1),
+            *_over_the_axis_outgoing(),
+        )
 
-    followed = ("kerr", "ingoing", "ingoing_north", "ingoing_south")
+    followed = (
+        *("kerr", "ingoing", "ingoing_north", "ingoing_south"),
+        *("outgoing", "outgoing_north", "outgoing_south"),
+    )
     return Atlas("kerr", makers, maps, followed)
 
 
@@ -79,7 +101,19 @@ def _null_pair(
 
 def _ingoing(mass: sp.Symbol, a: sp.Symbol) -> Chart:
     """Ingoing Kerr coordinates v, r, theta, phi."""
-    _, r, theta, _ = INGOING
+    return _radial(mass, a, INGOING, "ingoing", 1)
+
+
+def _outgoing(mass: sp.Symbol, a: sp.Symbol) -> Chart:
+    """Outgoing Kerr coordinates u, r, theta, phi."""
+    return _radial(mass, a, OUTGOING, "outgoing", -1)
+
+
+def _radial(
+    mass: sp.Symbol, a: sp.Symbol, q: tuple[sp.Symbol, ...], name: str, sense: int
+) -> Chart:
+    """Kerr coordinates along ingoing light (sense 1), or along outgoing light (sense -1)."""
+    _, r, theta, _ = q
     s = sp.sin(theta)
     sigma = r**2 + a**2 * sp.cos(theta) ** 2
     long = sp.sqrt(sigma)
@@ -88,19 +122,30 @@ def _ingoing(mass: sp.Symbol, a: sp.Symbol) -> Chart:
         [0, 0, long, 0],
         [-a * s / long, 0, 0, (r**2 + a**2) * s / long],
     ]
-    frame = Frame(INGOING, entries, signature=(-1, 1, 1, 1), parameters=(mass, a), name="ingoing")
-    return Chart.of(frame, keeps_frame=False, edge=s, margin=AXIS, end=OUTWARDS)
+    # Time reversed, both the time and the angle change their signs.
+    entries = [[sense * row[0], row[1], row[2], sense * row[3]] for row in entries]
+    frame = Frame(q, entries, signature=(-1, 1, 1, 1), parameters=(mass, a), name=name)
+    end = OUTWARDS if sense > 0 else INWARDS
+    return Chart.of(frame, keeps_frame=False, edge=s, margin=AXIS, end=end)
 
 
 def _stereographic(
-    mass: sp.Symbol, a: sp.Symbol, q: tuple[sp.Symbol, ...], side: int, name: str
+    mass: sp.Symbol,
+    a: sp.Symbol,
+    q: tuple[sp.Symbol, ...],
+    side: int,
+    name: str,
+    sense: int = 1,
 ) -> Chart:
     """Ingoing coordinates with x + i y = tan(theta/2) exp(i phi), or its cotangent in the south.
+
+    Outgoing ones (sense -1) have u for -v and -y for y.
 
     With h = 1 + x^2 + y^2 the sphere is 4 (dx^2 + dy^2) / h^2 and sin^2 dphi is
     4 (x dy - y dx) / h^2: all is rational but the length of the legs, and nothing ends at the pole.
     """
     _, r, x, y = q
+    y = sense * y
     h = 1 + x**2 + y**2
     cosine = side * (2 - h) / h
     sigma = r**2 + a**2 * cosine**2
@@ -110,14 +155,16 @@ def _stereographic(
     across = [-scale * a * x / sigma * k for k in w]
     along[2] += scale
     across[3] += scale
+    entries = [*_null_pair(mass, a, r, sigma, w), along, across]
     frame = Frame(
         q,
-        [*_null_pair(mass, a, r, sigma, w), along, across],
+        [[sense * row[0], row[1], row[2], sense * row[3]] for row in entries],
         signature=(-1, 1, 1, 1),
         parameters=(mass, a),
         name=name,
     )
-    return Chart.of(frame, keeps_frame=False, edge=2 / h, margin=FAR, end=OUTWARDS)
+    end = OUTWARDS if sense > 0 else INWARDS
+    return Chart.of(frame, keeps_frame=False, edge=2 / h, margin=FAR, end=end)
 
 
 def _kerr_schild(mass: sp.Symbol, a: sp.Symbol) -> Chart:
@@ -148,11 +195,13 @@ def _spheroid(a: sp.Symbol) -> tuple[sp.Expr, sp.Expr]:
 # -- Boyer-Lindquist and ingoing -------------------------------------------------------------------
 
 
-def _to_and_from_ingoing(frame: Frame) -> tuple[TransitionMap, TransitionMap]:
-    """v = t + r*, phi_in = phi + r#, outside the outer horizon."""
+def _to_and_from(
+    frame: Frame, name: str, charted: tuple[sp.Symbol, ...], sense: int
+) -> tuple[TransitionMap, TransitionMap]:
+    """v = t + r*, phi_in = phi + r#, outside the outer horizon; for u with the other sense."""
     t, r, theta, phi = frame.coordinates
     mass, a = frame.parameters
-    v, radius, polar, turned = INGOING
+    v, radius, polar, turned = charted
     gap = sp.sqrt(mass**2 - a**2)
     outer, cauchy = mass + gap, mass - gap
 
@@ -163,25 +212,25 @@ def _to_and_from_ingoing(frame: Frame) -> tuple[TransitionMap, TransitionMap]:
     def lag(x: sp.Expr) -> sp.Expr:
         return a / (2 * gap) * (sp.log(x - outer) - sp.log(x - cauchy))
 
-    there = (t + delay(r), r, theta, phi + lag(r))
-    back = (v - delay(radius), radius, polar, turned - lag(radius))
+    there = (t + sense * delay(r), r, theta, phi + sense * lag(r))
+    back = (v - sense * delay(radius), radius, polar, turned - sense * lag(radius))
     numbers = {mass: 1, a: sp.Rational(1, 2)}
     samples = [
-        dict(zip(q, (0, 5, 1, 1), strict=True)) | numbers for q in (frame.coordinates, INGOING)
+        dict(zip(q, (0, 5, 1, 1), strict=True)) | numbers for q in (frame.coordinates, charted)
     ]
 
     def inwards(f: MapFunctions, q: Values, p: Numbers) -> Values:
         delayed, lagged = _tortoise(f, q[1], p[mass.name], p[a.name])
-        return q[0] + delayed, q[1], q[2], q[3] + lagged
+        return q[0] + sense * delayed, q[1], q[2], q[3] + sense * lagged
 
     def outwards(f: MapFunctions, q: Values, p: Numbers) -> Values:
         delayed, lagged = _tortoise(f, q[1], p[mass.name], p[a.name])
-        return q[0] - delayed, q[1], q[2], q[3] - lagged
+        return q[0] - sense * delayed, q[1], q[2], q[3] - sense * lagged
 
     both = mass, a
     return (
-        TransitionMap("kerr", "ingoing", frame.coordinates, there, both, (), samples[0], inwards),
-        TransitionMap("ingoing", "kerr", INGOING, back, both, (3,), samples[1], outwards),
+        TransitionMap("kerr", name, frame.coordinates, there, both, (), samples[0], inwards),
+        TransitionMap(name, "kerr", charted, back, both, (3,), samples[1], outwards),
     )
 
 
@@ -230,6 +279,32 @@ def _over_the_axis(a: sp.Symbol) -> tuple[TransitionMap, ...]:
         ]
     names = ("ingoing_north", NORTH), ("ingoing_south", SOUTH)
     for (one, q), (other, _) in (names, names[::-1]):
+        w, radius, x, y = q
+        turned = (w, radius, x / (x**2 + y**2), y / (x**2 + y**2))
+        found.append(TransitionMap(one, other, q, turned))
+    return tuple(found)
+
+
+def _over_the_axis_outgoing() -> tuple[TransitionMap, ...]:
+    """The same between outgoing angles and their two stereographic charts."""
+    u, r, theta, phi = OUTGOING
+    s, c = sp.sin(theta), sp.cos(theta)
+    found = []
+    charts = ("outgoing_north", NORTH_OUT, 1), ("outgoing_south", SOUTH_OUT, -1)
+    for name, q, side in charts:
+        w, radius, x, y = q
+        share = s / (1 + side * c)
+        there = (u, r, share * sp.cos(phi), share * sp.sin(phi))
+        square = x**2 + y**2
+        polar = sp.atan2(2 * sp.sqrt(square), side * (1 - square))
+        back = (w, radius, polar, sp.atan2(y, x))
+        angles = dict(zip(OUTGOING, (0, 5, 1, 1), strict=True))
+        here = dict(zip(q, (0, 5, sp.Rational(1, 2), sp.Rational(1, 3)), strict=True))
+        found += [
+            TransitionMap("outgoing", name, OUTGOING, there, (), (), angles, _half_angle(side)),
+            TransitionMap(name, "outgoing", q, back, (), (3,), here),
+        ]
+    for (one, q, _), (other, _, _) in (charts, charts[::-1]):
         w, radius, x, y = q
         turned = (w, radius, x / (x**2 + y**2), y / (x**2 + y**2))
         found.append(TransitionMap(one, other, q, turned))

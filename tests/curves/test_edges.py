@@ -65,6 +65,24 @@ def test_the_declared_domain_is_an_edge(engine):
     assert "r > 0 holds no longer" in message
 
 
+@pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.name)
+def test_edges_in_the_past(engine):
+    """Followed backwards a motion ends at the edge, too; Taylor came to r = -1 without a word."""
+    polar = Frame([r, p], [[1, 0], [0, r]], domain=[r > 0, *ONE_TURN])
+    message, t = ended(geodesic(polar, [1, 0], [1, 0]), -2.0, engine)
+    assert t == pytest.approx(-1.0, abs=1e-9)
+    assert "r > 0 holds no longer" in message
+
+
+@pytest.mark.parametrize("engine", EXPLICIT, ids=lambda engine: engine.name)
+def test_members_end_at_edges_in_the_past(engine):
+    """Ensembles run backwards have unfinished members where these run into an edge."""
+    polar = Frame([r, p], [[1, 0], [0, r]], domain=[r > 0, *ONE_TURN])
+    one = geodesic(polar, [1, 0], [1, 0])
+    found = solve_many(one, None, -2.0, 1e-9, engine, velocities=[[1, 0], [-1, 0.1], [0, 0.5]])
+    assert found.unfinished == (0,)
+
+
 @pytest.mark.parametrize("engine", EXPLICIT, ids=lambda engine: engine.name)
 def test_an_angle_has_no_edge(engine):
     """One turn over which the frame repeats itself may be passed; other bounds may not."""

@@ -238,6 +238,26 @@ def test_through_the_horizon_keeps_momenta(engine):
 
 
 @every_engine
+def test_out_of_the_horizon_into_the_past(engine):
+    """Time reversed, (t, phi) -> (-t, -phi), what came out of the horizon is a fall into it."""
+    kerr, start = load("kerr").frame, [0, 4, 1.3, 0]
+    numbers = {"M": 1, "a": 0.9}
+    times = np.linspace(0, 6.9, 20)
+    falling = geodesic(kerr, start, [1.2, -0.3, -0.02, 0.05], parameters=numbers)
+    rising = geodesic(kerr, start, [1.2, 0.3, 0.02, 0.05], parameters=numbers)
+    fall = solve(falling, times, 1e-9, engine)
+    past = solve(rising, -times, 1e-9, engine)
+    assert fall.trajectory.labels == ("kerr", "ingoing")
+    assert past.trajectory.labels == ("kerr", "outgoing")
+    one, two = fall.in_chart("ingoing"), past.in_chart("outgoing")
+    assert two[-1, 1] < 1
+    signs = [-1, 1, 1, -1]
+    turned = (two - one * signs)[:, 3]
+    assert np.abs(two - one * signs)[:, :3].max() < 1e-8
+    assert np.abs(np.exp(1j * turned) - 1).max() < 1e-8
+
+
+@every_engine
 def test_it_stops_at_the_edge(engine):
     """Falling in, the one chart ends at the horizon: with place, and with what there was."""
     problem = infall().with_charts("schwarzschild")

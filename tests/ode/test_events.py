@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from geomtorsion.errors import StartError, StuckError
-from geomtorsion.ode import ODE, At, RungeKutta, Taylor, When, solve
+from geomtorsion.ode import ODE, At, RungeKutta, Stiff, Taylor, When, solve
 from geomtorsion.ode.engines.compiled import _quieten, heyoka
-from tests.ode.engines import every_engine, needs_heyoka
+from tests.ode.engines import ENGINES, every_engine, needs_heyoka
 
 
 def fall(**more):
@@ -91,6 +91,19 @@ def test_stop(engine):
     assert "where it stops" in str(sol)
     up = solve(fall(events=[When("z")]).with_start(start={"z": 0, "v": 30}), 20.0, 1e-11, engine)
     assert up.times[-1] == pytest.approx(6.0, abs=1e-10)
+
+
+@pytest.mark.parametrize("engine", [*ENGINES, Stiff()], ids=lambda engine: engine.name)
+def test_stop_into_the_past(engine):
+    """What falls is what falls along the motion; series went past all of it where times run down."""
+    rising = ODE.of({"x": "1"}, {"x": 1}, events=[When("x")])
+    found = solve(rising, -3.0, engine=engine)
+    assert found.outcome == "stopped"
+    assert found.times[-1] == pytest.approx(-1.0, abs=1e-12)
+    # Into the future it never falls, nor does it into the past where it falls into the future.
+    assert solve(rising, 3.0, engine=engine).outcome == "done"
+    falling = ODE.of({"x": "-1"}, {"x": 1}, events=[When("x")])
+    assert solve(falling, -3.0, engine=engine).outcome == "done"
 
 
 @every_engine

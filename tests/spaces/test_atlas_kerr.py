@@ -27,7 +27,7 @@ def places(chart, a):
     if chart == "kerr":
         near = [outer + x for x in (1e-6, 1e-3, 0.3, 5.0, 1e4)]
         return [[0.7, r, theta, 0.4] for r, theta in product(near, (1e-8, 0.01, 1.5, 2.9))]
-    if chart == "ingoing":
+    if chart in ("ingoing", "outgoing"):
         radii = (*RADII, outer)
         return [[0.7, r, theta, 0.4] for r, theta in product(radii, (1e-8, 1e-3, 0.3, 1.5, 2.9))]
     if chart == "kerr_schild":

@@ -99,15 +99,18 @@ def compiled(
     width: int,
     optimised: bool | None,
     number: Callable[[Any], Any],
+    backward: bool = False,
 ) -> tuple[Compiled, float]:
     """A compiled integrator, kept or made now, and the seconds that it took.
 
     width: motions side by side in one batch; 0: one motion.
     optimised: None decides by the size of the equations; batches always are.
     number: makes numbers of the precision.
+    backward: whether times run down, which changes what falls.
     """
     began = time.perf_counter()
-    key = (system.key, order, precision, width, optimised)
+    backward = backward and system.guard is not None
+    key = (system.key, order, precision, width, optimised, backward)
     with _kept_lock:
         found = _kept.get(key)
         if found is not None:
@@ -115,7 +118,8 @@ def compiled(
             return found, 0.0
     if optimised is None:
         optimised = bool(width) or precision > 64 or len(system.rates.steps) * order < LARGE
-    made = Compiled(_integrator(system, order, precision, width, optimised, number), optimised)
+    integrator = _integrator(system, order, precision, width, optimised, number, backward)
+    made = Compiled(integrator, optimised)
     with _kept_lock:
         _kept[key] = made
         while len(_kept) > KEPT:
@@ -145,6 +149,7 @@ def _integrator(
     width: int,
     optimised: bool,
     number: Callable[[Any], Any],
+    backward: bool,
 ) -> Any:
     """heyoka's integrator of a system."""
     hy = heyoka()
@@ -171,7 +176,8 @@ def _integrator(
     guards = []
     if system.guard is not None:
         guards = [guard * number(FAINT) for guard in system.guard.heyoka(known, quotient)]
-    falling = hy.event_direction.negative
+    # heyoka counts along rising times, wherever a run goes.
+    falling = hy.event_direction.positive if backward else hy.event_direction.negative
     if width:
         if guards:
             crossed = Crossed()

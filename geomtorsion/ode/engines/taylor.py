@@ -123,11 +123,17 @@ class Taylor:
         return np.array([self.number(value) for value in values], dtype=kind)
 
     def compiled(
-        self, system: System, tolerance: float, *, width: int = 0, optimised: bool | None = None
+        self,
+        system: System,
+        tolerance: float,
+        *,
+        width: int = 0,
+        optimised: bool | None = None,
+        backward: bool = False,
     ) -> tuple[Compiled, float]:
         """The compiled integrator of a system, kept or made now; the seconds that it took."""
         order = order_of(tolerance)
-        return compiled(system, order, self.precision, width, optimised, self.number)
+        return compiled(system, order, self.precision, width, optimised, self.number, backward)
 
     def run(
         self,
@@ -141,11 +147,12 @@ class Taylor:
         watch: Watch | None = None,
     ) -> Run:
         """See `Engine.run`."""
-        kept, compiling = self.compiled(system, tolerance)
+        backward = bool(times[-1] < times[0])
+        kept, compiling = self.compiled(system, tolerance, backward=backward)
         found = self._run(kept, system, start, parameters, times, dense, watch)
         if found is None:
             # So long a run is worth optimised code.
-            kept, more = self.compiled(system, tolerance, optimised=True)
+            kept, more = self.compiled(system, tolerance, optimised=True, backward=backward)
             compiling += more
             found = self._run(kept, system, start, parameters, times, dense, watch)
             assert found is not None
@@ -332,7 +339,8 @@ def _edge_ahead(
         if middle in (low, high):
             break
         _place(integrator, low, state, None)
-        integrator.propagate_until(middle, max_steps=WAY_BACK)
+        # What takes more steps lies beyond a place where steps shrink.
+        integrator.propagate_until(middle, max_steps=2)
         arrived = integrator.time == middle and np.isfinite(integrator.state.astype(float)).all()
         if arrived and room() > 0:
             low, state = middle, integrator.state.copy()
