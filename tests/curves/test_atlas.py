@@ -45,7 +45,7 @@ def changes():
 
 def test_there_are_as_many_charts_as_stated():
     """Seven sets of angles, five of them with a second set; spheres, flat spaces, horizons."""
-    assert len(changes()) == 28
+    assert len(changes()) == 31
 
 
 @pytest.mark.parametrize(("name", "other"), changes())

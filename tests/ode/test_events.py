@@ -95,7 +95,7 @@ def test_stop(engine):
 
 @pytest.mark.parametrize("engine", [*ENGINES, Stiff()], ids=lambda engine: engine.name)
 def test_stop_into_the_past(engine):
-    """What falls is what falls along the motion; series went past all of it where times run down."""
+    """What falls is what falls along the motion; series went past it where times run down."""
     rising = ODE.of({"x": "1"}, {"x": 1}, events=[When("x")])
     found = solve(rising, -3.0, engine=engine)
     assert found.outcome == "stopped"
