@@ -79,8 +79,8 @@ def main(arguments: list[str] | None = None) -> None:
 
     if WAFER.is_file():
         wafer = gt.OrientationMap.read(WAFER)
-        tell(wafer, options.size)
-        assert wafer.burgers_map(options.size).significance.max() < 5
+        tell(wafer, 8)
+        assert wafer.burgers_map(8).significance.max() < 5
 
     shown = made
     if options.file:

@@ -46,6 +46,14 @@ def objects() -> bytes:
     return stream.getvalue()
 
 
+def nowhere() -> bytes:
+    """A grid with NaN at every node."""
+    stream = io.BytesIO()
+    line = np.arange(9.0)
+    np.savez(stream, axis_x=line, axis_y=line, coframe=np.full((2, 2, 9, 9), np.nan))
+    return stream.getvalue()
+
+
 def npy(array: np.ndarray) -> bytes:
     """An array as the bytes of an .npy file."""
     stream = io.BytesIO()
@@ -86,6 +94,11 @@ def test_an_orientation_map_is_read():
         (npy(np.full((64, 64), np.nan)), "not finite"),
         (npy(np.random.default_rng(0).normal(size=(64, 64))), "no lattice that can be seen"),
         (b"\xff\xd8\xff" + bytes(50), "JPEG"),
+        (nowhere(), "nothing is known"),
+        (wall_ctf().replace(b"\r\n1\t", b"\r\n0\t"), "no pixel is indexed"),
+        (wall_ctf().replace(b"\r\n1\t5.0", b"\r\n1\t5.3", 1).replace(b"5.3", b"5.7", 1), "mixed"),
+        (wall_ctf().replace(b"\r\n1\t7.0", b"\r\n4\t7.0", 1), "phase 4 is not described"),
+        (wall_ctf().replace(b"Euler2", b"Angle2"), "column Euler2 is missing"),
         (pickle.dumps(Trap()), "pickle"),
         (objects(), "map.npz"),
         (bomb(), "unpacks up to"),
@@ -99,7 +112,7 @@ def test_an_orientation_map_is_read():
         (wall_ctf()[:900].replace(b"XCells\t24", b"XCells\t9999999999"), "XCells"),
         (b"# HEADER\n 1 2 3 4 5 6 7 8\n", "map.npz"),
     ],
-    ids=range(22),
+    ids=range(27),
 )
 def test_hostile_and_damaged_files_are_refused(content: bytes, said: str):
     """An error of our own that says what is wrong, and no path of this machine."""
