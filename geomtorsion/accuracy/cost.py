@@ -83,6 +83,7 @@ class CostTable:
     @property
     def recommendation(self) -> str:
         """One line: which engine, how fast, and how much faster than the next."""
+        # From the finest on: the first that an engine reaches is what is recommended.
         finest = sorted({row.asked for row in self.rows})
         for asked in finest:
             good = [r for r in self.rows if r.asked == asked and r.holds and r.total_seconds]
@@ -193,6 +194,7 @@ def _row(
     except GeomtorsionError as error:
         note = str(error).split(". ")[0]
         return CostRow(engine.name, accuracy, None, None, None, None, 0.0, 0, 0, note)
+    # The first solve may have compiled: its time is not that of the next ones.
     best: Solution = first
     total = float("inf")
     began = time.perf_counter()

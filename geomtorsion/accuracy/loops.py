@@ -280,6 +280,7 @@ def _clenshaw_curtis(count: int) -> tuple[np.ndarray, np.ndarray]:
     """Clenshaw and Curtis on (0, 1), ends included."""
     k = np.arange(count)
     angles = np.pi * k / (count - 1)
+    # Integrals of Chebyshev polynomials over (-1, 1): odd ones vanish [ClenshawCurtis1960].
     moments = np.where(k % 2, 0.0, 2.0 / (1.0 - np.where(k % 2, 0, k) ** 2))
     weights = np.linalg.solve(np.cos(np.outer(k, angles)), moments)
     return (1 - np.cos(angles)) / 2, weights / 2

@@ -15,6 +15,7 @@ WIDTH = 88
 def shows_greek() -> bool:
     """Whether Greek letters, bars and check marks can be written to standard output."""
     try:
+        # A bar above a letter, a Greek letter and a check mark: what the tables use.
         "Γ\u0304θ✓".encode(sys.stdout.encoding or "ascii")
     except (UnicodeEncodeError, LookupError):
         return False

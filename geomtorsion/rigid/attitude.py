@@ -216,6 +216,7 @@ def quaternion_from_euler(angles: ArrayLike, convention: str = PAPER) -> Array:
     """
     name = checked_convention(convention)
     turns = _array(angles, (3,), "angles")
+    # Each step turns about space axes, so that body axes are gone through backwards.
     order = [0, 1, 2] if name.islower() else [2, 1, 0]
     q = np.zeros((*turns.shape[:-1], 4))
     q[..., 0] = 1.0
@@ -254,12 +255,15 @@ def euler_from_quaternion(
     """
     name = checked_convention(convention)
     q = _array(quaternion, (4,), "quaternion")
+    # Turns about space axes in one order are those about body axes in the other.
     i, j, k = ("xyz".index(c) for c in (name if name.islower() else name[::-1].lower()))
     proper = i == k
     k = 3 - i - j if proper else k
+    # 1 for axes that follow each other cyclically, -1 else: the permutation symbol.
     sign = (i - j) * (j - k) * (k - i) // 2
     w, x, y, z = q[..., 0], q[..., 1 + i], q[..., 1 + j], sign * q[..., 1 + k]
     a, b, c, d = (w, x, y, z) if proper else (w - y, x + z, y + w, z - x)
+    # Arc tangents of both lengths lose nothing at either lock, where an arc cosine loses half.
     near, far = np.hypot(a, b), np.hypot(c, d)
     middle = 2 * np.arctan2(far, near)
     size = LOCKED * np.hypot(near, far)
@@ -344,6 +348,7 @@ def checked_matrix(matrix: object) -> Array:
             "the attitude matrix is a reflection (its determinant is -1). Change the sign of a "
             "column so that the body axes are right-handed."
         )
+    # The nearest rotation: the polar factor, with all stretches left out.
     left, _, right = np.linalg.svd(r)
     return quaternion_from_matrix(left @ right)
 

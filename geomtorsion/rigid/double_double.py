@@ -93,6 +93,7 @@ def reduced(
     >>> float(n[0]), float(r[0])
     (3.0, -0.5)
     """
+    # On the separatrix half a period is infinite.
     if np.isinf(step.high):
         high, low = total(times, offset.high)
         return np.zeros_like(times), high + (low + offset.low)

@@ -77,6 +77,7 @@ class FreeTop:
     @cached_property
     def constants(self) -> Constants | None:
         """Modulus, period, precession; None where the rates are constant."""
+        # Fractions: whether two moments agree, or a rate is 0, must not depend on rounding.
         exact = [tuple(Fraction(x) for x in each) for each in (self.moments, self.omega0)]
         return None if is_steady(exact[0], exact[1]) else constants(self.moments, self.omega0)
 
@@ -218,6 +219,7 @@ class FreeTop:
 
     def _uniform(self, t: NDArray[Any]) -> NDArray[Any]:
         """The turn of constant rates."""
+        # More than two doubles, for the turns that are taken out before the cosine.
         with ball_precision(140):
             speed = sum((flint.arb(w) ** 2 for w in self.omega0), flint.arb(0)).sqrt()
             axis = [float(w / speed) if any(self.omega0) else 0.0 for w in self.omega0]

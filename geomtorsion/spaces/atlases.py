@@ -52,6 +52,7 @@ def to_angles(axes: str, r: sp.Matrix) -> list[sp.Expr]:
     if axes == "xyz":
         middle = sp.atan2(r[0, 2], _length(r[0, 0], r[0, 1]))
         return [sp.atan2(-r[1, 2], r[2, 2]), middle, sp.atan2(-r[0, 1], r[0, 0])]
+    # zyx: the one that is left.
     middle = sp.atan2(-r[2, 0], _length(r[0, 0], r[1, 0]))
     return [sp.atan2(r[1, 0], r[0, 0]), middle, sp.atan2(r[2, 1], r[2, 2])]
 

@@ -317,6 +317,7 @@ def _save(document: dict[str, Any], vectors: Sequence[BurgersVector | None], fol
     """burgers.json and a picture of each of the first loops."""
     folder.mkdir(parents=True, exist_ok=True)
     target = folder / "burgers.json"
+    # A file of thousands of loops shall not become thousands of pictures.
     drawn = [vector for vector in vectors if vector is not None][:MOST_PICTURES]
     names = []
     try:
