@@ -44,11 +44,14 @@ def dilated(atoms: np.ndarray, near: np.ndarray) -> np.ndarray:
     return found
 
 
-def shells_of(places: np.ndarray, cell: Cell, frame: Frame) -> Shells:
+def shells_of(
+    places: np.ndarray, cell: Cell, frame: Frame, together: int = METHOD.together
+) -> Shells:
     """Neighbours of all atoms in a cell, wrapped, and where their vectors close.
 
     A neighbour counts if it lies nearer to its place than half the neighbour distance. Missing
-    ones on whose place all others agree are vacancies: they are put in before it is tested.
+    ones on whose place all others agree are vacancies: they are put in before it is tested. So many
+    atoms are looked at together, which decides about memory, not about values.
     """
     lattice, count = frame.lattice, len(places)
     size = frame.constant * np.linalg.norm(lattice.neighbours[0] * lattice.units, axis=1).max()
@@ -58,8 +61,8 @@ def shells_of(places: np.ndarray, cell: Cell, frame: Frame) -> Shells:
     near = np.empty((count, lattice.shells), dtype=np.int64)
     kind = np.empty(count, dtype=np.int64)
     single = np.empty(count, dtype=bool)
-    for start in range(0, count, METHOD.together):
-        part = slice(start, min(start + METHOD.together, count))
+    for start in range(0, count, together):
+        part = slice(start, min(start + together, count))
         _, found = tree.query(places[part], k=lattice.shells + 1, distance_upper_bound=reach)
         near[part], kind[part], single[part] = _slots(
             places[part], points, numbers, found[:, 1:], frame

@@ -41,3 +41,16 @@ def test_near_and_everywhere_give_the_same_lines():
     near, _ = crystal._near_torsion(False)
     assert 0 < len(near.mesh.corners) < len(crystal.mesh.corners) / 4
     assert near.values.any(axis=1).sum() == crystal.torsion.values.any(axis=1).sum()
+
+
+@pytest.mark.parametrize("together", [1, 97, 10**9])
+def test_blocks_of_any_size_give_the_same(together):
+    """How many atoms are looked at together decides about memory alone."""
+    places, cell = with_line("hcp", (1, 0, 0), (10, 6, 3))
+    crystal = Crystal(places, cell, (False, False, True))
+    wrapped = crystal._wrapped[0]
+    one, other = (
+        shells_of(wrapped, crystal._box, crystal.frame, *size) for size in ((), (together,))
+    )
+    for name in ("near", "kind", "closed"):
+        assert (getattr(one, name) == getattr(other, name)).all()
