@@ -181,8 +181,9 @@ class ScatteredFrame:
         branch
             Lattice vectors, shape (k, rows), one vector, or one length for all axes.
         sigma
-            Of u at each point, one number or shape (N,). Noise changes b only where it carries a
-            difference beyond half of a lattice vector: `noise` is what the chances of that make.
+            Of u at each point, one number, shape (N,), or "estimate". Noise changes b only where it
+            carries a difference beyond half of a lattice vector: `noise` is what chances of that
+            make, somewhat too much, since wrong jumps on both sides of a point cancel.
         options
             mask, longest, boundary, unit, vector_unit, source.
 
@@ -216,7 +217,12 @@ class ScatteredFrame:
             steps = steps - times @ vectors
             if sigma is not None:
                 grid = _as_grid(~np.isin(np.arange(len(places)), mesh.inner))
+                how = ""
+                if isinstance(sigma, str) and sigma == "estimate":
+                    # Points beside a cut are far from any plane, but few: medians pass over them.
+                    sigma, _, how = _estimated(mesh, values[:, None], sigma, None)
                 *_, found, said = noise_of(sigma, None, values[:, None], grid)
+                said = how or said
                 assert found is not None
                 variances = np.array([found.at_nodes(i, 0, grid.shape) for i in range(rows)])
                 width = np.sqrt((variances[:, a] + variances[:, b]).T @ inverse**2)

@@ -177,7 +177,7 @@ def test_noise_of_displacements():
     keep = R < 0.7
     points, u = POINTS[keep], displacement(X[keep], Y[keep], B)
     loop, sigma = Loop.circle([0, 0], 0.4), 0.22 * B
-    found, told = [], []
+    found, told, noisy = [], [], u
     for _ in range(200):
         noisy = u + sigma * rng.standard_normal(u.shape)
         frame = ScatteredFrame.from_displacement(points, noisy, branch=B, sigma=sigma)
@@ -190,6 +190,12 @@ def test_noise_of_displacements():
     ratio = np.sqrt(np.mean(np.square(told), axis=0)) / scatter
     assert (ratio > 0.9).all()
     assert (ratio < 1.6).all()
+    estimated = ScatteredFrame.from_displacement(points, noisy, branch=B, sigma="estimate")
+    assert estimated.burgers(loop).noise == pytest.approx(told[-1].max(), rel=0.7)
+    assert "planes through the neighbours" in estimated.sigma_source
+    small = ScatteredFrame.from_displacement(1e-9 * points, 1e-9 * u, branch=1e-9 * B)
+    inner = small.burgers(Loop.circle([0, 0], 0.4e-9))
+    assert inner.vector == pytest.approx([1e-9 * B, 0], abs=1e-20)
     quiet = ScatteredFrame.from_displacement(points, u, branch=B, sigma=0.05 * B)
     assert quiet.burgers(loop).noise < 0.01 * B
 
