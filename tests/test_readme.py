@@ -5,6 +5,7 @@ import re
 import shlex
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -12,9 +13,13 @@ import geomtorsion
 from geomtorsion.cli.app import app
 from geomtorsion.spaces import read_file
 from tests.crystals.making import copper_screw, written
+from tests.images.atoms import crystal
 from tests.orientations.synthetic import bent
 from tests.orientations.test_map_files import ctf, write
 
+# A flat field of 24 x 20 nodes, and a picture of 256 x 256 pixels with a dislocation.
+FIELD = np.broadcast_to(np.eye(2)[:, :, None, None], (2, 2, 24, 20)).copy()
+PICTURE = crystal(256, "square").values.astype("float32")
 ROOT = Path(__file__).parent.parent
 TEXT = (ROOT / "README.md").read_text("utf-8")
 EXPECTED_PYTHON = 45
@@ -73,9 +78,15 @@ def test_commands_are_found():
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_commands_run(command, tmp_path, monkeypatch):
-    """Each command ends well and says something; some read a bent crystal, or atoms."""
+    """Each command ends well and says something; some read crystals, atoms, arrays, pictures."""
     monkeypatch.chdir(tmp_path)
     write(tmp_path, ctf(bent((12, 14), 0.1)), "scan.ctf")
+    for name, library, make in (
+        ("field.zarr", "zarr", lambda zarr: zarr.save_array("field.zarr", FIELD)),
+        ("lattice.tif", "tifffile", lambda tifffile: tifffile.imwrite("lattice.tif", PICTURE)),
+    ):
+        if name in command:
+            make(pytest.importorskip(library))
     written(tmp_path, copper_screw())
     result = CliRunner().invoke(app, shlex.split(command)[1:])
     assert result.exit_code == 0, result.output
