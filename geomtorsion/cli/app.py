@@ -23,7 +23,7 @@ class Commands(LazyGroup):
         "accuracy": "Measure what accuracy costs, and say what to take.",
         "burgers": "Compute the Burgers vectors of loops: by how much they fail to close.",
         "map": "Map |b| per area of a measured field, and whether it is more than noise.",
-        "crystal": "Find the dislocation lines of atoms, with their Burgers vectors.",
+        "crystal": "Find the dislocation lines of a crystal, with their Burgers vectors.",
         "network": "Read a dislocation network: node rule, families, densities, circuits.",
         "run": "Run a scene: a body, what acts on it, what is watched.",
         "scenes": "List the shipped scenes; with a name, print that scene as a file.",
