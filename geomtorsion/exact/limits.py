@@ -11,6 +11,7 @@ import mpmath
 from geomtorsion.errors import LimitError
 
 if TYPE_CHECKING:
+    import sympy
     from flint import fmpq
 
     from geomtorsion.exact.element import Element
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 # cos(n x) is a polynomial of degree n in cos(x).
 LARGEST_MULTIPLE = 1000
 LARGEST_POWER_TERMS = 1_000_000
+# Parts of an expression of sympy, which takes seconds to turn so many into text.
+LARGEST_WRITTEN = LARGEST_POWER_TERMS // 4
 LARGEST_PRODUCT = 30_000_000
 # A product of more pairs is not multiplied out before somebody asks for that: milliseconds.
 MOST_AT_ONCE = isqrt(LARGEST_PRODUCT)
@@ -135,3 +138,31 @@ def check_exponent(exponent: Element) -> None:
             raise LimitError(
                 f"exp of a number of more than {_WORD} bits is needed. Name it by a parameter"
             )
+
+
+def check_written(shown: sympy.Expr) -> None:
+    """Refuses an expression that sympy would not end over, each part counted where it stands.
+
+    Raises
+    ------
+    LimitError
+        it has more than LARGEST_WRITTEN parts.
+    """
+    # Parts that stand at several places are counted once and added as often.
+    sizes: dict[sympy.Basic, int] = {}
+    waiting: list[tuple[sympy.Basic, bool]] = [(shown, False)]
+    while waiting:
+        part, ready = waiting.pop()
+        if part in sizes:
+            continue
+        if ready:
+            sizes[part] = 1 + sum(sizes[inner] for inner in part.args)
+        else:
+            waiting.append((part, True))
+            waiting += [(inner, False) for inner in part.args if inner not in sizes]
+    if sizes[shown] > LARGEST_WRITTEN:
+        raise LimitError(
+            f"an expression of {sizes[shown]:,} parts would be written; the limit is "
+            f"{LARGEST_WRITTEN:,}. Ask for its numbers with .at(point) or numpy_function, or for "
+            ".is_zero, which do not need it"
+        )

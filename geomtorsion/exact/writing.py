@@ -11,6 +11,7 @@ from geomtorsion.exact.form import LONGEST_FACTORED, Sum, form
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.integers import as_fmpq
 from geomtorsion.exact.kept import in_order
+from geomtorsion.exact.limits import check_written
 
 if TYPE_CHECKING:
     from flint import fmpq
@@ -53,10 +54,12 @@ def _as_built(element: Element) -> sympy.Expr:
             if short is not None:
                 one._sympy = short.sympy
                 continue
-        terms = [_product_of(_number(as_fmpq(c)), [x.sympy for x in xs]) for c, *xs in recipe.terms]
-        whole_sum = terms[0] if len(terms) == 1 else sympy.Add._from_args(terms)
+        whole_sum = _sum_of(
+            [(_number(as_fmpq(c)), [x.sympy for x in xs]) for c, *xs in recipe.terms]
+        )
         one._sympy = sympy.Pow(whole_sum, -1) if recipe.below else whole_sum
     assert element._sympy is not None
+    check_written(element._sympy)
     return element._sympy
 
 
@@ -66,21 +69,46 @@ def _short(element: Element) -> Element | None:
     return whole if whole is not None and len(whole._num) <= LONGEST_FACTORED else None
 
 
-def _product_of(value: sympy.Expr, factors: list[sympy.Expr]) -> sympy.Expr:
-    """value * factors, with the factors as they are."""
-    inside: list[sympy.Expr] = []
+def _sum_of(terms: list[tuple[sympy.Expr, list[sympy.Expr]]]) -> sympy.Expr:
+    """A sum of (number, factors) with what all terms have in common in front."""
+    split = [_powers_of(value, factors) for value, factors in terms]
+    bases = [powers for _, powers in split]
+    # Mostly powers of one determinant below the line.
+    common = {
+        base: min(powers[base] for powers in bases)
+        for base in bases[0]
+        if all(base in powers for powers in bases)
+    }
+    if len(split) == 1:
+        ((value, powers),) = split
+        return _written_product(value, powers)
+    rest = [
+        _written_product(value, {base: e - common.get(base, 0) for base, e in powers.items()})
+        for value, powers in split
+    ]
+    inside = sympy.Add._from_args(rest)
+    return _written_product(sympy.S.One, {**common, inside: 1}) if common else inside
+
+
+def _powers_of(
+    value: sympy.Expr, factors: list[sympy.Expr]
+) -> tuple[sympy.Expr, dict[sympy.Expr, int]]:
+    """value * factors as a number and powers of bases."""
+    powers: dict[sympy.Expr, int] = {}
     for factor in factors:
         for part in sympy.Mul.make_args(factor):
             if part.is_Rational:
                 value = value * part
-            else:
-                inside.append(part)
-    powers: dict[sympy.Expr, int] = {}
-    for part in inside:
-        base, exponent = part.as_base_exp()
-        if not exponent.is_Integer:
-            base, exponent = part, sympy.S.One
-        powers[base] = powers.get(base, 0) + int(exponent)
+                continue
+            base, exponent = part.as_base_exp()
+            if not exponent.is_Integer:
+                base, exponent = part, sympy.S.One
+            powers[base] = powers.get(base, 0) + int(exponent)
+    return value, powers
+
+
+def _written_product(value: sympy.Expr, powers: dict[sympy.Expr, int]) -> sympy.Expr:
+    """value * product of base**exponent, as they are."""
     shown = [base if e == 1 else sympy.Pow(base, e) for base, e in powers.items() if e]
     if not shown or not value:
         return value

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from geomtorsion.checks import close_names, shown
 from geomtorsion.errors import UnknownNameError
-from geomtorsion.geometry import frame_matrices, notation
+from geomtorsion.geometry import frame_matrices, notation, riemannian
 from geomtorsion.geometry.connections import cartan, levi_civita
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.symmetry import effective, orbits
@@ -173,6 +173,8 @@ def needs(frame: Frame, name: str) -> tuple[str, ...]:
         return ()
     if name == "coframe" and "legs" in frame.given:
         return ("legs",)
+    if name == "scalar_curvature" and riemannian.is_dense(frame):
+        return ("anholonomy", "legs")
     if name == "legs" and frame_matrices.goes_through_metric(frame):
         return ("coframe", "inverse_metric")
     if name == "inverse_metric" and not frame_matrices.inverts_metric(frame):

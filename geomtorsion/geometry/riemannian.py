@@ -84,6 +84,16 @@ def christoffel(frame: Frame) -> Tensor:
     return frame.derived("christoffel", make)
 
 
+def is_dense(frame: Frame) -> bool:
+    """Whether the coframe was given and the Christoffel symbols are too long to multiply out.
+
+    Then what follows from the anholonomy alone is shorter than what follows from the metric.
+    """
+    if "metric" in frame.given:
+        return False
+    return any(value.is_kept for value in christoffel(frame).components.independent.values())
+
+
 def riemann(frame: Frame) -> Tensor:
     """R_mnlk of the Levi-Civita connection, slots dddd, from second derivatives of the metric.
 

@@ -124,15 +124,7 @@ class Torsion:
 
         def rule() -> Element:
             # In the frame indices move by constants.
-            lower = (frame.anholonomy if self._is_anholonomy else self.T.in_frame()).lowered(2)
-            upper = lower.raised()
-            vector = contract("abb->a", lower.raised(2))
-            squares = (
-                (QUARTER, contract("abc,abc->", lower, upper)),
-                (HALF, contract("abc,cba->", lower, upper)),
-                (-1, vector @ vector.raised()),
-            )
-            return frame.field.sum([(factor, square.element()) for factor, square in squares])
+            return scalar_of(frame.anholonomy if self._is_anholonomy else self.T.in_frame())
 
         return frame.scalar(rule, "T", "torsion scalar")
 
@@ -202,3 +194,16 @@ class Torsion:
 
     def _repr_latex_(self) -> str:
         return self.S._repr_latex_()
+
+
+def scalar_of(torsion: Tensor) -> Element:
+    """The torsion scalar of T_ij^k in the frame, slots DDU."""
+    lower = torsion.lowered(2)
+    upper = lower.raised()
+    vector = contract("abb->a", lower.raised(2))
+    squares = (
+        (QUARTER, contract("abc,abc->", lower, upper)),
+        (HALF, contract("abc,cba->", lower, upper)),
+        (-1, vector @ vector.raised()),
+    )
+    return torsion.frame.field.sum([(factor, square.element()) for factor, square in squares])

@@ -85,3 +85,18 @@ def test_work_can_be_interrupted():
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
     assert time.process_time() - began < 20
+
+
+def test_what_is_too_long_to_write_has_numbers():
+    """The limit is that of writing alone: zero is decided, and values are there."""
+    x, y, z = sp.symbols("x y z", real=True)
+    f, g = sp.Function("f"), sp.Function("g")
+    rows = [
+        [2 + f(x) * sp.sqrt(y + 3), sp.sin(x * y) + z, sp.exp(z) / 3],
+        [sp.tan(y / 2), 3 + g(z) * sp.sqrt(x**2 + 1), x * z + sp.cos(y - z)],
+        [sp.atan(x) * y, sp.sqrt(z + 2) / 2, 4 + f(y) * sp.sinh(z)],
+    ]
+    kretschmann = levi_civita(Frame([x, y, z], rows)).curvature.kretschmann
+    assert kretschmann.is_zero is False
+    with pytest.raises(LimitError, match="parts would be written; the limit is"):
+        _ = kretschmann[()]

@@ -118,3 +118,21 @@ def test_the_chance_of_error_is_small_and_told():
     assert "chance of error below" in str(deep.certainty)
     assert (deep + 1).is_zero is False
     assert (deep + 1).certainty.proved
+
+
+PARTS_OF_A_TURN = {
+    "three cosines of sevenths": "cos(pi/7)*cos(2*pi/7)*cos(4*pi/7) + 1/8",
+    "three sines of sevenths": "sin(pi/7)*sin(2*pi/7)*sin(3*pi/7) - sqrt(7)/8",
+    "ninths": "cos(pi/9)*cos(2*pi/9)*cos(4*pi/9) - 1/8",
+    "sum of elevenths": "cos(pi/11)+cos(3*pi/11)+cos(5*pi/11)+cos(7*pi/11)+cos(9*pi/11) - 1/2",
+    "seventeenths": "2*cos(pi/17)**2 - 1 - cos(2*pi/17)",
+}
+
+
+@pytest.mark.parametrize("text", PARTS_OF_A_TURN.values(), ids=PARTS_OF_A_TURN.keys())
+def test_parts_of_a_turn_are_decided(text):
+    """Identities of cos and sin of parts of a turn: roots of unity stand for them."""
+    field = Field([x])
+    zero = field.read(sp.sympify(text))
+    assert zero.is_zero is True
+    assert (zero * field.read(x) + field.read(sp.Rational(1, 10**40))).is_zero is False

@@ -8,7 +8,7 @@ import mpmath
 import pytest
 import sympy as sp
 
-from geomtorsion.geometry import Frame, cartan, identities, levi_civita
+from geomtorsion.geometry import Frame, cartan, contract, identities, levi_civita
 
 t, r, x, y, z = sp.symbols("t r x y z", real=True)
 M = sp.Symbol("M", positive=True)
@@ -84,6 +84,40 @@ def test_numbers_are_those_of_finite_differences(name):
         values |= jets(frame, coordinates, values, known[f])
         have = levi_civita(frame).curvature.scalar.at(values, digits=40).item()
         assert abs(have - want) < mpmath.mpf(10) ** -12 * (1 + abs(want))
+
+
+@pytest.mark.parametrize("name", DENSE)
+def test_both_routes_to_the_scalar_agree(name):
+    """From the anholonomy and by the trace of Ricci."""
+    frame = made(name)
+    curvature = levi_civita(frame).curvature
+    trace = contract("ab,ab->", frame.inverse_metric, curvature.ricci)
+    assert (trace - curvature.scalar).is_zero is True
+    assert curvature.scalar.is_zero is False
+
+
+def test_the_plan_says_which_route_is_taken():
+    """By the anholonomy where Christoffel symbols are too long, by Ricci where they are not."""
+    dense = made("polynomial, sine, unknown function").plan("scalar_curvature")
+    assert "anholonomy" in dense.graph
+    assert "ricci" in dense.left_out
+    assert "ricci" in made("null metric").plan("scalar_curvature").graph
+
+
+def test_what_is_written_is_what_it_is_worth():
+    """The scalar as it was built, in numbers of mpmath, is the scalar."""
+    frame = made("null metric")
+    scalar = levi_civita(frame).curvature.scalar
+    shape = sp.sin(r) + r**2
+    values = {t: sp.Rational(1, 3), r: sp.Rational(2, 3)}
+    given = {f(r).diff(r, k): shape.diff(r, k).subs(values).evalf(60) for k in (3, 2, 1)}
+    given[f(r)] = shape.subs(values).evalf(60)
+    have = scalar.at(values | given, digits=40).item()
+    written = scalar[()].subs(f(r), shape).doit()
+    with mpmath.workdps(50):
+        want = sp.lambdify((t, r), written, "mpmath")(mpmath.mpf(1) / 3, mpmath.mpf(2) / 3)
+        assert abs(have - want) < mpmath.mpf(10) ** -35 * abs(want)
+    assert len(str(scalar[()])) < 100_000
 
 
 def jets(frame, coordinates, values, shape):
