@@ -48,6 +48,9 @@ def checked_times(t: object) -> tuple[np.ndarray, np.ndarray]:
         if not np.isfinite(single):
             raise TimeError(f"t contains {single}: all times must be finite.")
         return _samples(single), _samples(single)
+    if isinstance(t, np.ndarray):
+        # An array may show one number very often; it is looked at before it is copied.
+        check_memory(t.size, 1)
     # A copy: what becomes of an array later is its owner's business.
     asked = np.array(
         checks.array(

@@ -40,3 +40,9 @@ def test_one_motion_at_many_times(monkeypatch):
     assert len(solve(SWING, times, 1e-6, RungeKutta()).times) == 100_000
     with pytest.raises(LimitError, match="t: 100,002 times of 2 states would take 0.0032 GB"):
         solve(SWING, np.linspace(0, 1, 100_002), 1e-6, RungeKutta())
+
+
+def test_times_that_only_look_small():
+    """A view of one number, 10**10 times over, takes 8 bytes; its times take 80 GB."""
+    with pytest.raises(LimitError, match="10,000,000,000 times"):
+        solve(SWING, np.broadcast_to(np.float64(1), (10**10,)))
