@@ -83,12 +83,9 @@ def inserted_atoms(line: DislocationLine, crystal: Crystal) -> float:
     n = b . A / (volume of an atom), A = closed integral of r x dr / 2 along the line; b as in
     conventions.py, of which the integral of du, the opening of a cut, is minus.
     """
-    middle = line.path.mean(axis=0)
-    here, there = line.path[:-1] - middle, line.path[1:] - middle
-    area = np.cross(here, there).sum(axis=0) / 2
     lattice = crystal.frame.lattice
     volume = lattice.atom_volume * crystal.constant**3
-    return float(np.array([float(x) for x in line.burgers]) @ area / volume)
+    return float(np.array([float(x) for x in line.burgers]) @ line.area / volume)
 
 
 def tracks(frames: Sequence[Json]) -> list[list[int]]:
