@@ -167,7 +167,8 @@ class Graph:
 
         def values(*arguments: ArrayLike) -> np.ndarray:
             arrays = [np.asarray(argument, dtype=dtype) for argument in arguments]
-            shape = np.broadcast_shapes(*(array.shape for array in arrays))
+            shapes = {array.shape for array in arrays} - {()}
+            shape = shapes.pop() if len(shapes) == 1 else np.broadcast_shapes(*shapes)
             result = np.empty((size, *shape), dtype=dtype)
             with np.errstate(all="ignore"):
                 for k, value in enumerate(inner(*arrays)):

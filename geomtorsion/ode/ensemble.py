@@ -23,6 +23,7 @@ from geomtorsion.ode.batch import Show
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.error_estimate import (
+    AIM,
     ROUNDINGS,
     SAFETY,
     difference,
@@ -267,7 +268,7 @@ class _Job:
         trajectories: dict[int, Trajectory] = {}
         part = ROUNDINGS * 2.0 ** (1 - self.engine.precision)
         pending, used, best, interrupted = some, 0.0, np.inf, False
-        tolerance: float | None = self.engine.first(self.accuracy)
+        tolerance: float | None = self.engine.first(AIM * self.accuracy)
         while tolerance is not None and (finer := self.engine.finer(tolerance)) is not None:
             answer = self._timed("run_seconds", pending, tolerance, 0.0, show)
             reference = self._timed("check_seconds", pending, finer, part, None)

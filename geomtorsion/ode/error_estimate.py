@@ -4,13 +4,13 @@ The answer is compared with one run two orders finer, which starts a rounding aw
 largest difference is the error: the finer run shows what the steps of the answer leave out, and
 the other start shows how rounding grows along this very motion. Where a motion goes by fits and
 starts, the finer run is put a rounding aside there, too: both runs would share what is lost at a
-near miss. An error close to what was asked is confirmed by a second finer run.
+near miss. Such an error, and one close to what was asked, is confirmed by a second finer run.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -22,11 +22,11 @@ from geomtorsion.ode.trajectory import Segment, Trajectory
 SAFETY = 2.0
 # The finer run starts so many units in the last place away, as roundings add up on the way.
 ROUNDINGS = 2.0
-# The next tolerance aims at this part of the accuracy, for errors do not follow it to the letter
-# and one more pair of runs costs more than a finer one.
+# Each tolerance aims at this part of the accuracy, for errors do not follow it to the letter and
+# one more pair of runs costs more than a finer one.
 AIM = 0.1
 # An error that is less than so many times below what was asked is confirmed by a second finer run,
-# perturbed in another direction: two roundings may agree by chance.
+# which takes other steps and starts elsewhere: two roundings may agree by chance.
 CLOSE = 1 / AIM
 # A motion goes by fits and starts if this part of its way lies between two of its samples, of
 # which there are so many at least.
@@ -61,31 +61,42 @@ def verified(
     engine: Engine,
     accuracy: float,
     run: Callable[[float, float, float | None], Trajectory],
+    beside: Callable[[Sequence[float], float], Sequence[Trajectory]] = lambda *_: (),
 ) -> Verified:
     """The first answer of an engine's ladder of tolerances whose error is small enough.
 
     Or the best one, where none is. run: (tolerance, part by which states are perturbed, time at
-    which they are, besides the start) -> a trajectory.
+    which they are, besides the start) -> a trajectory. beside: (three tolerances, part) -> the
+    answer and both finer runs, from starts changed by the part and by its opposite, where these
+    can be had at one go.
     """
     perturbation = ROUNDINGS * 2.0 ** (1 - engine.precision)
     runs: list[Trajectory] = []
     best: Verified | None = None
-    tolerance: float | None = engine.first(accuracy)
+    tolerance: float | None = engine.first(AIM * accuracy)
     while tolerance is not None and (finer := engine.finer(tolerance)) is not None:
-        answer = run(tolerance, 0.0, None)
+        between = engine.rung(math.sqrt(tolerance * finer))
+        steps = (tolerance, finer, between)
+        answer, *others = beside(steps, perturbation) or [run(tolerance, 0.0, None)]
         least, at = SAFETY * rounding(engine, answer.steps), busiest_time(answer)
-        reference = run(finer, perturbation, at)
+        if not others or at is not None:
+            others.insert(0, run(finer, perturbation, at))
+        reference, *others = others
         runs += [answer, reference]
         error = max(SAFETY * difference(problem, answer, reference), least)
-        if accuracy / CLOSE < error <= accuracy:
-            other = run(finer, -perturbation, at)
-            runs.append(other)
-            second = SAFETY * difference(problem, answer, other)
-            if second > error:
-                reference, error = other, second
+        if error <= accuracy and (at is not None or accuracy < CLOSE * error):
+            others = others or [run(between, -perturbation, at)]
+            runs += others
+            for other in others:
+                second = SAFETY * difference(problem, answer, other)
+                if second > error:
+                    reference, error = other, second
+        rounded = best is not None and best.error <= UNALIKE and SAFETY * error > best.error
         if best is None or error < best.error:
             best = Verified(answer, reference, error, ())
-        if error <= accuracy or answer.outcome == "stuck":
+        # Where a finer tolerance does not halve the error what is left is rounding, and one that
+        # agrees at last would agree by chance.
+        if error <= accuracy or rounded or answer.outcome == "stuck":
             break
         tolerance = next_tolerance(engine, tolerance, accuracy / error)
     assert best is not None
@@ -118,10 +129,14 @@ def busiest_time(one: Trajectory) -> float | None:
         if len(states) < FEWEST_SAMPLES:
             continue
         steps = np.abs(states[1:] - states[:-1]).astype(float)
+        tops, totals = np.maximum.reduce(steps).tolist(), np.add.reduce(steps).tolist()
         for group in segment.stage.groups:
-            changes = np.add.reduce(steps[:, group[0] : group[-1] + 1], 1)
-            largest, total = float(changes.max()), float(np.add.reduce(changes))
-            if total > 0 and largest > best * total:
+            total = sum([totals[k] for k in group])
+            if sum([tops[k] for k in group]) <= best * total:
+                continue
+            changes = np.add.reduce(steps[:, list(group)], 1)
+            largest = float(changes.max())
+            if largest > best * total:
                 best = largest / total
                 found = float(segment.times[int((changes >= 0.5 * largest).argmax()) + 1])
     last = one.reached
@@ -166,26 +181,30 @@ def difference_over_samples(problem: Comparable, one: Trajectory, two: Trajector
 class _Pair(NamedTuple):
     """Samples of two trajectories in one set of coordinates.
 
-    places: which samples; first, second: rows of states; sizes: of each state in the first.
-    segments: those of the first in which these samples lie.
+    parts: number of the first sample, segment and count of each part of the first trajectory.
+    first, second: rows of states; sizes: of each state in the first.
     """
 
-    places: np.ndarray
+    parts: list[tuple[int, Segment, int]]
     first: np.ndarray
     second: np.ndarray
-    sizes: np.ndarray
-    segments: list[Segment]
+    sizes: list[float]
+
+    @property
+    def places(self) -> np.ndarray:
+        """Which samples of the first trajectory these are."""
+        return np.concatenate([np.arange(place, place + count) for place, _, count in self.parts])
 
     def largest(self, one: Trajectory) -> float:
         """Largest difference, each group of states against its own size."""
-        gaps = np.maximum.reduce(np.abs(self.first - self.second)).astype(float)
-        if not np.isfinite(gaps).all():
+        gaps = np.maximum.reduce(np.abs(self.first - self.second)).astype(float).tolist()
+        if not all(map(math.isfinite, gaps)):
             return math.inf
-        worst, rows, sizes = 0.0, gaps.tolist(), self.sizes.tolist()
+        worst = 0.0
         for group in self.groups:
-            gap = max([rows[k] for k in group], default=0.0)
+            gap = max([gaps[k] for k in group], default=0.0)
             if gap > 0:
-                extent = max([sizes[k] for k in group])
+                extent = max([self.sizes[k] for k in group])
                 part = gap / extent if extent > 0 else math.inf
                 if part > worst and not self.is_noise(group, part, extent, one):
                     worst = part
@@ -198,7 +217,7 @@ class _Pair(NamedTuple):
         for group in self.groups:
             if not group:
                 continue
-            gap, extent = gaps[:, group].max(axis=1), float(self.sizes[group].max())
+            gap, extent = gaps[:, group].max(axis=1), max([self.sizes[k] for k in group])
             if gap.max() > 0 and not self.is_noise(group, gap.max() / extent, extent, one):
                 worst = np.maximum(worst, gap / extent)
         return worst
@@ -207,14 +226,14 @@ class _Pair(NamedTuple):
     def groups(self) -> list[list[int]]:
         """Indices of states that are measured together."""
         size = self.first.shape[1]
-        return [[k for k in group if k < size] for group in self.segments[0].stage.groups]
+        return [[k for k in group if k < size] for group in self.parts[0][1].stage.groups]
 
     def is_noise(self, group: list[int], part: float, extent: float, one: Trajectory) -> bool:
         """Whether states are no larger than what rounding their rates makes of zero."""
         if part <= UNALIKE:
             return False
         largest = 0.0
-        for segment in self.segments:
+        for _, segment, _ in self.parts:
             stage = segment.stage
             if stage.lift is not None or not segment.count:
                 return False
@@ -226,10 +245,10 @@ class _Pair(NamedTuple):
 
 def _pairs(problem: Comparable, one: Trajectory, two: Trajectory, stopped: bool) -> Iterator[_Pair]:
     """Samples that both reached, one pair of arrays for each set of coordinates of the first."""
-    others = _samples(two, stopped)
+    mine, others = _samples(one, stopped), _samples(two, stopped)
     for label in dict.fromkeys(one.labels):
-        places, first, second, segments = [], [], [], []
-        for place, segment, states in _samples(one, stopped):
+        parts, first, second = [], [], []
+        for place, segment, states in mine:
             if segment.label != label:
                 continue
             rows = problem.rows(segment, states, label)
@@ -237,17 +256,16 @@ def _pairs(problem: Comparable, one: Trajectory, two: Trajectory, stopped: bool)
             if there is None:
                 # The other trajectory ended earlier.
                 continue
-            places.append(np.arange(place, place + len(there)))
+            parts.append((place, segment, len(there)))
             first.append(rows[: len(there)])
             second.append(there)
-            segments.append(segment)
-        if not first:
+        if not parts:
             continue
-        joined = [x[0] if len(x) == 1 else np.concatenate(x) for x in (places, first, second)]
-        sizes = np.maximum.reduce(np.abs(joined[1])).astype(float)
-        for segment in segments:
-            sizes = np.maximum(sizes, np.abs(segment.stage.first[: len(sizes)]))
-        yield _Pair(joined[0], joined[1], _alike(joined[1], joined[2]), sizes, segments)
+        here, there = (x[0] if len(x) == 1 else np.concatenate(x) for x in (first, second))
+        sizes = np.maximum.reduce(np.abs(here)).astype(float).tolist()
+        for _, segment, _ in parts:
+            sizes = [max(x, abs(y)) for x, y in zip(sizes, segment.stage.first, strict=False)]
+        yield _Pair(parts, here, _alike(here, there), sizes)
 
 
 def _samples(one: Trajectory, stopped: bool) -> list[tuple[int, Segment, np.ndarray]]:

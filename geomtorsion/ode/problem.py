@@ -386,18 +386,26 @@ class ODE:
 
     def stages_to_probe(self, end: float) -> list[tuple[Stage, float]]:
         """Stages at the start with the parameters of each later time, and how long they last."""
-        cuts = [event.time for event in self.events if 0 < event.time < end]
+        probed = [(begin, stage) for begin, stage in self._probes if begin < end or not begin]
+        ends = [*(event.time for event in self.events if 0 < event.time < end), end]
+        return [
+            (stage, abs(next(at for at in ends if at > begin or at == end) - begin))
+            for begin, stage in probed
+        ]
+
+    @cached_property
+    def _probes(self) -> list[tuple[float, Stage]]:
+        """The start with the parameters of each time from which on they are others."""
         found, parameters = [], dict(self.parameters)
-        bounds = [0.0, *cuts, end]
-        for k, begin in enumerate(bounds[:-1]):
+        for begin in dict.fromkeys((0.0, *(event.time for event in self.events))):
             changes: dict[str, Real] = {}
             for event in self.events:
                 if event.time == begin:
                     changes |= self._parameter_changes(event)
-            if k == 0 or changes:
+            if begin == 0 or changes:
                 parameters |= changes
                 stage = self._stage(begin, list(self.start), parameters, (), 53, 0.0)
-                found.append((stage, abs(bounds[k + 1] - begin)))
+                found.append((begin, stage))
         return found
 
     # -- reading a solution ----------------------------------------------------------------------
@@ -672,8 +680,7 @@ def _cut(
     place = 0
     for name, term in terms.items():
         parts = len(term) if isinstance(term, tuple) else 1
-        rows = [np.broadcast_to(x, count) for x in found[place : place + parts]]
-        yield name, np.array(rows), isinstance(term, tuple)
+        yield name, found[place : place + parts], isinstance(term, tuple)
         place += parts
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import TypeAlias
 
 import numpy as np
 
@@ -21,6 +22,8 @@ from geomtorsion.ode.system import System
 # the range of floats; and steps measured by the largest of states that differ by it still have ten
 # digits of the others.
 FAR = 2.0**20
+# For each group of states its size, and where that is zero the size of its rates.
+Extents: TypeAlias = list[tuple[float, float]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,11 +47,15 @@ def scaled_run(
     times: np.ndarray,
     tolerance: float,
     *,
+    extents: Extents | None = None,
     dense: bool = False,
     watch: Watch | None = None,
 ) -> Run:
-    """See `Engine.run`: the same, in units of its own size where numbers are far from one."""
-    units = units_of(system, floats(start), floats(parameters), float(times[-1] - times[0]))
+    """See `Engine.run`: the same, in units of its own size where numbers are far from one.
+
+    extents: those of the start, where they are known.
+    """
+    units = units_of(system, start, parameters, float(times[-1] - times[0]), extents)
     if units is None:
         return engine.run(system, start, parameters, times, tolerance, dense=dense, watch=watch)
     unit = units.time
@@ -100,28 +107,41 @@ def _unscaled(dense: Dense, units: Units) -> Dense:
     return lambda t: multiplied(dense(np.asarray(t) / units.time), units.sizes)
 
 
+def extents_of(
+    system: System, start: Sequence[Real] | np.ndarray, parameters: Sequence[Real] | np.ndarray
+) -> Extents:
+    """Size of each group of states at a start; of what begins at zero, that of its rates."""
+    # On lists: this is asked of every start.
+    groups, sizes = system.groups_but_clock, [abs(float(x)) for x in start]
+    tops = [max([sizes[k] for k in group]) for group in groups]
+    if all(tops):
+        return [(top, 0.0) for top in tops]
+    rates = system.scalar_rates(floats(parameters))(0.0, np.array(floats(start)))
+    return [
+        (top, 0.0 if top else max([abs(rates[k]) for k in group]))
+        for top, group in zip(tops, groups, strict=True)
+    ]
+
+
 def units_of(
-    system: System, start: Sequence[float], parameters: Sequence[float], duration: float
+    system: System,
+    start: Sequence[Real] | np.ndarray,
+    parameters: Sequence[Real] | np.ndarray,
+    duration: float,
+    extents: Extents | None = None,
 ) -> Units | None:
     """The units of a run; None where it can be run as it is."""
     duration = abs(duration)
-    # On lists: most runs are near one, and this is asked before each.
-    groups, sizes = system.groups_but_clock, [abs(x) for x in start]
-    tops = [max([sizes[k] for k in group]) for group in groups]
-    if not all(tops):
-        # What begins at zero is soon as large as its rates make it.
-        rates = system.scalar_rates(parameters)(0.0, np.array(start))
-        tops = [
-            top or max([abs(rates[k]) * duration for k in group])
-            for top, group in zip(tops, groups, strict=True)
-        ]
-    near = not duration or _is_near(duration)
-    if near and all(not top or _is_near(top) for top in tops):
+    extents = extents or extents_of(system, start, parameters)
+    # What begins at zero is soon as large as its rates make it.
+    sizes = [top or rate * duration for top, rate in extents]
+    if (not duration or _is_near(duration)) and all(not x or _is_near(x) for x in sizes):
         return None
-    values = np.array(sizes)
+    groups, parameters = system.groups_but_clock, floats(parameters)
+    values = np.abs(floats(start))
     if not duration or not np.isfinite(values).all():
         return None
-    jacobian = system.jacobian(list(start), parameters)
+    jacobian = system.jacobian(floats(start), parameters)
     if not np.isfinite(jacobian).all():
         return None
     fastest = float(np.abs(np.linalg.eigvals(jacobian)).max())

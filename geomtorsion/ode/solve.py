@@ -23,6 +23,7 @@ from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.ode.engines.protocol import WorkLimitError
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.error_estimate import Verified, verified
+from geomtorsion.ode.lanes import side_by_side
 from geomtorsion.ode.solution import DOUBLE, Cost, Problem, Solution
 from geomtorsion.ode.trajectory import Stage, Trajectory, integrate
 
@@ -125,12 +126,20 @@ def _solved(
     end = float(grid[-1])
     cuts = [] if kept is None else [end * k / PARTS for k in range(1, PARTS)]
     for candidate, reason in engines(problem, end, accuracy, engine):
+        check_memory(len(grid), len(problem.first_stage(candidate.precision, 0.0).start))
+
+        def beside(
+            tolerances: Sequence[float], part: float, candidate: Engine = candidate
+        ) -> list[Trajectory]:
+            if kept is not None:
+                return []
+            stages = [problem.first_stage(candidate.precision, x) for x in (0.0, part, -part)]
+            return side_by_side(stages, grid, tolerances, candidate)
 
         def run(
             tolerance: float, part: float, at: float | None, candidate: Engine = candidate
         ) -> Trajectory:
             stage = problem.first_stage(candidate.precision, part)
-            check_memory(len(grid), len(stage.start))
             try:
                 return integrate(
                     stage,
@@ -145,7 +154,7 @@ def _solved(
             except WorkLimitError as limit:
                 raise limit.counted(1 / problem.time_unit, problem.time_name) from None
 
-        found = verified(problem, candidate, accuracy, run)
+        found = verified(problem, candidate, accuracy, run, beside)
         runs += found.runs
         best = min(best, found.error)
         if found.error <= accuracy or found.answer.outcome == "stuck":

@@ -15,7 +15,7 @@ from geomtorsion.ode.asked import PARTS
 from geomtorsion.ode.engines.protocol import STANDSTILL, Dense, Engine, Run, Watch
 from geomtorsion.ode.numbers import Real, floats, perturbed
 from geomtorsion.ode.roots import crossings
-from geomtorsion.ode.scaling import scaled_run
+from geomtorsion.ode.scaling import Extents, extents_of, scaled_run
 from geomtorsion.ode.system import System
 
 State: TypeAlias = Sequence[Real] | np.ndarray
@@ -84,6 +84,29 @@ class Stage:
         if self.full_start is not None:
             return self.full_start
         return np.array([float(x) for x in self.start])
+
+    @cached_property
+    def extents(self) -> Extents:
+        """Sizes of the states of the system at the beginning."""
+        return extents_of(self.system, self.start, self.parameters)
+
+    def reach(self, duration: float) -> float:
+        """The largest state of the system, as far as that is known at the beginning.
+
+        States that stand in no rate, such as angles and times, grow evenly.
+        """
+        return max([abs(x) + slope * duration for x, slope in self._slopes])
+
+    @cached_property
+    def _slopes(self) -> list[tuple[float, float]]:
+        """Each state, with its rate where it stands in none."""
+        idle = self.system.idle
+        slopes = [0.0] * self.system.size
+        if idle:
+            numbers = [float(x) for x in self.parameters]
+            rates = self.system.scalar_rates(numbers)(0.0, np.asarray(self.start))
+            slopes = [abs(x) if k in idle else 0.0 for k, x in enumerate(rates)]
+        return list(zip([abs(float(x)) for x in self.start], slopes, strict=True))
 
     @cached_property
     def _jacobian(self) -> np.ndarray:
@@ -239,6 +262,7 @@ class Trajectory:
                     stage.parameters,
                     ends,
                     self.tolerance,
+                    extents=stage.extents,
                     dense=True,
                 )
                 assert again.dense is not None
@@ -367,18 +391,25 @@ def run_stage(
     watch: Watch | None = None,
 ) -> Run:
     """The run of one stage, ended where its guard falls through zero."""
-    system, start, numbers = stage.system, stage.start, stage.parameters
+    system, numbers = stage.system, stage.parameters
     final = stage.boundary is not None and stage.boundary.then is None
+
+    def run(dense: bool) -> Run:
+        return scaled_run(
+            engine, system, stage.start, numbers, times, tolerance,
+            extents=stage.extents, dense=dense, watch=watch,
+        )  # fmt: skip
+
     if system.guard is None or not final or engine.finds_every_root:
-        run = scaled_run(engine, system, start, numbers, times, tolerance, watch=watch)
+        found = run(False)
         if not engine.finds_every_root or system.guard_is_entire:
-            return run
-        if _is_early(system, stage, run, tolerance):
-            return _looked_at(stage, run, times, tolerance, engine, watch)
-        if not _is_beyond(system, run, numbers):
-            return run
-    run = scaled_run(engine, system, start, numbers, times, tolerance, dense=True, watch=watch)
-    return run if run.dense is None else _ended_earlier(system, run, times, numbers)
+            return found
+        if _is_early(system, stage, found, tolerance):
+            return _looked_at(stage, found, times, tolerance, engine, watch)
+        if not is_beyond(system, found, numbers):
+            return found
+    found = run(True)
+    return found if found.dense is None else _ended_earlier(system, found, times, numbers)
 
 
 def _is_early(system: System, stage: Stage, run: Run, tolerance: float) -> bool:
@@ -401,11 +432,11 @@ def _looked_at(
     """The run ended where the values of its guard, not their series, fall through zero."""
     system, start, numbers = stage.system, stage.start, stage.parameters
     begin, end = float(times[0]), float(times[-1])
-    reach = float(run.reached) - begin
+    reach, sign = float(run.reached) - begin, -1.0 if end < begin else 1.0
     while True:
         reach *= 2
         until = end if abs(reach) >= abs(end - begin) else begin + reach
-        inside = times[np.abs(times - begin) < abs(until - begin)]
+        inside = times[sign * times < sign * until]
         asked = np.append(inside, until)
         free = scaled_run(
             engine, system.unguarded, start, numbers, asked, tolerance, dense=True, watch=watch
@@ -418,7 +449,7 @@ def _looked_at(
             return found
 
 
-def _is_beyond(system: System, run: Run, numbers: State) -> bool:
+def is_beyond(system: System, run: Run, numbers: State) -> bool:
     """Whether a run went on where its guard is below zero.
 
     Series of a guard that have no finite value within a step, as those of roots, are not looked at,

@@ -20,9 +20,6 @@ from geomtorsion.errors import MissingExtraError
 from geomtorsion.ode.rates import KEPT
 from geomtorsion.ode.system import System
 
-# Equations of more values (times the order of the series) are first compiled without optimisation:
-# that takes a tenth of the time, and half the speed is enough for a short run.
-LARGE = 600
 # Equations of more values than this are not unrolled.
 LONGEST_UNROLLED = 400
 # Guards are watched at this part of their value: heyoka counts events among the states by whose
@@ -37,7 +34,6 @@ class Compiled:
     """A compiled integrator; `lock` is held while it runs, for threads share it."""
 
     integrator: Any
-    optimised: bool
     lock: Any = field(default_factory=RLock)
 
 
@@ -97,29 +93,31 @@ def compiled(
     order: int,
     precision: int,
     width: int,
-    optimised: bool | None,
+    optimised: bool,
+    measured: bool,
     number: Callable[[Any], Any],
     backward: bool = False,
 ) -> tuple[Compiled, float]:
     """A compiled integrator, kept or made now, and the seconds that it took.
 
     width: motions side by side in one batch; 0: one motion.
-    optimised: None decides by the size of the equations; batches always are.
+    optimised: this takes ten times as long, and the code runs up to twice as fast.
+    measured: whether the last state is a constant of one's own by which steps are measured.
     number: makes numbers of the precision.
     backward: whether times run down, which changes what falls.
     """
     began = time.perf_counter()
     backward = backward and system.guard is not None
-    key = (system.key, order, precision, width, optimised, backward)
+    key = (system.key, order, precision, width, optimised, measured, backward)
     with _kept_lock:
         found = _kept.get(key)
         if found is not None:
             _kept.move_to_end(key)
             return found, 0.0
-    if optimised is None:
-        optimised = bool(width) or precision > 64 or len(system.rates.steps) * order < LARGE
-    integrator = _integrator(system, order, precision, width, optimised, number, backward)
-    made = Compiled(integrator, optimised)
+    integrator = _integrator(
+        system, order, precision, width, optimised, measured, number, backward
+    )
+    made = Compiled(integrator)
     with _kept_lock:
         _kept[key] = made
         while len(_kept) > KEPT:
@@ -148,6 +146,7 @@ def _integrator(
     precision: int,
     width: int,
     optimised: bool,
+    measured: bool,
     number: Callable[[Any], Any],
     backward: bool,
 ) -> Any:
@@ -168,6 +167,8 @@ def _integrator(
         return hy.expression(number(Fraction(p, q)))
 
     equations = list(zip(variables, system.rates.heyoka(known, quotient), strict=True))
+    if measured:
+        equations.append((hy.make_vars("size"), hy.expression(0.0)))
     options: dict[str, Any] = {
         "tol": number(tolerance_of(order)),
         "compact_mode": precision > 64 or len(system.rates.steps) > LONGEST_UNROLLED,
@@ -178,6 +179,11 @@ def _integrator(
         guards = [guard * number(FAINT) for guard in system.guard.heyoka(known, quotient)]
     # heyoka counts along rising times, wherever a run goes.
     falling = hy.event_direction.positive if backward else hy.event_direction.negative
+    if width and measured:
+        if guards:
+            options["t_events"] = [hy.t_event_batch(guard, direction=falling) for guard in guards]
+        zeros = np.zeros((len(equations), width))
+        return hy.taylor_adaptive_batch(equations, zeros, **options)
     if width:
         if guards:
             crossed = Crossed()

@@ -16,8 +16,8 @@ from geomtorsion.ode.engines.stepwise import stepwise_run
 from geomtorsion.ode.numbers import Real
 from geomtorsion.ode.system import System
 
-# The first tolerance is this part of the accuracy; each next one this part of the last.
-MARGIN, RUNG = 0.1, 0.01
+# Each tolerance is this part of the last.
+RUNG = 0.01
 METHODS = ("Radau", "LSODA")
 
 
@@ -29,8 +29,8 @@ class _Ladder:
     finest: float
 
     def first(self, accuracy: float) -> float:
-        """See `Engine.first`: a part of the accuracy."""
-        return max(_rung(min(accuracy * MARGIN, 1e-3)), 3 * self.finest)
+        """See `Engine.first`."""
+        return max(_rung(min(accuracy, 1e-3)), 3 * self.finest)
 
     def rung(self, tolerance: float) -> float:
         """See `Engine.rung`."""

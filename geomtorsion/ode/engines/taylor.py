@@ -37,8 +37,6 @@ from geomtorsion.precision import EXACT_BITS
 
 __all__ = ["Taylor", "heyoka", "is_available"]
 
-# A run of more steps than this is worth optimised code.
-LONG = 64
 # Below this order steps are no longer in proportion to what the series leave out.
 LOWEST_ORDER = 6
 NO_VALUE = "the series has no finite value"
@@ -81,14 +79,14 @@ class Taylor:
 
     @property
     def finest(self) -> float:
-        """A tolerance at which only rounding is left."""
-        return 2.0 ** -(self.precision + 6)
+        """A tolerance at which only rounding is left, two orders beyond where that begins."""
+        return 2.0 ** -(self.precision + 9)
 
     def first(self, accuracy: float) -> float:
         """See `Engine.first`: the error of a motion is near the tolerance of its series."""
         order = max(order_of(max(accuracy, self.finest)), LOWEST_ORDER)
-        # The finest of all has no finer run with which to compare it.
-        return tolerance_of(min(order, order_of(self.finest) - 1))
+        # The finest two have no finer run with which to compare them.
+        return tolerance_of(min(order, order_of(self.finest) - 2))
 
     def rung(self, tolerance: float) -> float:
         """See `Engine.rung`: one rung for each order of the series."""
@@ -97,7 +95,7 @@ class Taylor:
     def finer(self, tolerance: float) -> float | None:
         """See `Engine.finer`: two orders more, each worth a factor e^2."""
         order, last = order_of(tolerance), order_of(self.finest)
-        return tolerance_of(min(order + 2, last)) if order < last else None
+        return tolerance_of(order + 2) if order + 2 <= last else None
 
     def number(self, value: Real) -> Any:  # of heyoka's own types
         """A number in the type of this precision, correctly rounded."""
@@ -128,12 +126,13 @@ class Taylor:
         tolerance: float,
         *,
         width: int = 0,
-        optimised: bool | None = None,
+        optimised: bool = True,
+        measured: bool = False,
         backward: bool = False,
     ) -> tuple[Compiled, float]:
         """The compiled integrator of a system, kept or made now; the seconds that it took."""
-        order = order_of(tolerance)
-        return compiled(system, order, self.precision, width, optimised, self.number, backward)
+        order, bits = order_of(tolerance), self.precision
+        return compiled(system, order, bits, width, optimised, measured, self.number, backward)
 
     def run(
         self,
@@ -148,20 +147,24 @@ class Taylor:
     ) -> Run:
         """See `Engine.run`."""
         backward = bool(times[-1] < times[0])
-        kept, compiling = self.compiled(system, tolerance, backward=backward)
-        found = self._run(kept, system, start, parameters, times, dense, watch)
-        if found is None:
-            # So long a run is worth optimised code.
-            kept, more = self.compiled(system, tolerance, optimised=True, backward=backward)
-            compiling += more
-            found = self._run(kept, system, start, parameters, times, dense, watch)
-            assert found is not None
+        found, compiling = None, 0.0
+        # Only a long run is worth optimised code.
+        for optimised in (False, True) if self.precision <= 64 else (True,):
+            kept, seconds = self.compiled(
+                system, tolerance, optimised=optimised, backward=backward
+            )
+            compiling += seconds
+            found = self._run(kept, optimised, system, start, parameters, times, dense, watch)
+            if found is not None:
+                break
+        assert found is not None
         found.compile_seconds = compiling
         return found
 
     def _run(
         self,
         kept: Compiled,
+        optimised: bool,
         system: System,
         start: Sequence[Real] | np.ndarray,
         parameters: Sequence[Real] | np.ndarray,
@@ -179,7 +182,7 @@ class Taylor:
             _place(integrator, grid[0], start, numbers)
             at = partial(_room, system, [float(x) for x in parameters], integrator)
             room = None if system.guard_is_entire else at
-            propagated = self._propagated(integrator, grid, kept.optimised, watch, room)
+            propagated = self._propagated(integrator, grid, optimised, watch, room)
             if propagated is None:
                 return None
             states, outcome, steps, reason = propagated
@@ -229,8 +232,6 @@ class Taylor:
         if grid[0] == grid[-1]:
             return integrator.state.copy()[None, :], "done", 0, ""
         at_once = STEPS_AT_ONCE if self.precision <= 64 else STEPS_AT_ONCE // 4
-        if not optimised:
-            at_once = LONG
         rows: list[np.ndarray] = []
         done, steps, before = 0, 0, grid[0]
         rest = grid
