@@ -114,9 +114,7 @@ def compiled(
         if found is not None:
             _kept.move_to_end(key)
             return found, 0.0
-    integrator = _integrator(
-        system, order, precision, width, optimised, measured, number, backward
-    )
+    integrator = _integrator(system, order, precision, width, optimised, measured, number, backward)
     made = Compiled(integrator)
     with _kept_lock:
         _kept[key] = made

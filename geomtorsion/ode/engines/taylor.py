@@ -150,9 +150,7 @@ class Taylor:
         found, compiling = None, 0.0
         # Only a long run is worth optimised code.
         for optimised in (False, True) if self.precision <= 64 else (True,):
-            kept, seconds = self.compiled(
-                system, tolerance, optimised=optimised, backward=backward
-            )
+            kept, seconds = self.compiled(system, tolerance, optimised=optimised, backward=backward)
             compiling += seconds
             found = self._run(kept, optimised, system, start, parameters, times, dense, watch)
             if found is not None:
