@@ -262,7 +262,6 @@ class Trajectory:
                     stage.parameters,
                     ends,
                     self.tolerance,
-                    extents=stage.extents,
                     dense=True,
                 )
                 assert again.dense is not None
