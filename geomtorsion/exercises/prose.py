@@ -1,4 +1,4 @@
-"""prose: statements in a little Markdown with LaTeX, as HTML and as text for a terminal."""
+"""prose: statements in a little Markdown with LaTeX, as HTML, as LaTeX and as plain text."""
 
 from __future__ import annotations
 
@@ -15,6 +15,11 @@ _MARKED = {"˙": "dot", "¨": "ddot", "¯": "mean", "^": "hat", "~": "tilde"}
 _FORMULA = re.compile(r"\$\$(.+?)\$\$|\$(.+?)\$", re.DOTALL)
 _CODE = re.compile(r"`([^`]+)`")
 _BOLD = re.compile(r"\*\*(.+?)\*\*", re.DOTALL)
+# Signs that LaTeX takes for its own outside of formulas -> how they are written there.
+_LATEX = str.maketrans(
+    {sign: f"\\{sign}" for sign in "%#&_{}$"}
+    | {"\\": r"\textbackslash{}", "^": r"\textasciicircum{}", "~": r"\textasciitilde{}"}
+)
 
 
 def html_of(markdown: str) -> str:
@@ -72,6 +77,25 @@ def text_of(markdown: str) -> str:
 
     found = _with_formulas(markdown, formula, words)
     return re.sub(r"\n{3,}", "\n\n", re.sub(r" +$|^ (?=\w)", "", found, flags=re.MULTILINE)).strip()
+
+
+def latex_of(markdown: str) -> str:
+    r"""The same as the text of a LaTeX document, for copying.
+
+    Examples
+    --------
+    >>> latex_of(r"Let **x** be `r_1`, with $\phi_1$.")
+    'Let \\textbf{x} be \\texttt{r\\_1}, with $\\phi_1$.'
+    """
+
+    def formula(match: re.Match[str]) -> str:
+        return rf"\[{match[1]}\]" if match[1] else match[0]
+
+    def words(part: str) -> str:
+        found = _CODE.sub(r"\\texttt{\1}", _BOLD.sub(r"\\textbf{\1}", part.translate(_LATEX)))
+        return re.sub(r"^- ", r"\\par -- ", found, flags=re.MULTILINE)
+
+    return _with_formulas(markdown.strip(), formula, words)
 
 
 def _with_formulas(

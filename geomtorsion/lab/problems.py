@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from geomtorsion import exercises
 from geomtorsion.errors import LimitError
-from geomtorsion.exercises.prose import html_of
+from geomtorsion.exercises.prose import html_of, latex_of
 from geomtorsion.exercises.question import how_to_answer, symbol_names
 from geomtorsion.exercises.worker_pool import Json
+from geomtorsion.lab import views
 from geomtorsion.lab.settings import PAGE
 
 if TYPE_CHECKING:
@@ -73,6 +74,7 @@ def statement(number: str, seed: int = 0) -> Json:
     ('The legs of a coframe', ['legs'], 3)
     """
     found = exercises.load(number, seed)
+    asked = [question.prompt for question in found.questions]
     return {
         "number": found.number,
         "title": found.title,
@@ -80,6 +82,7 @@ def statement(number: str, seed: int = 0) -> Json:
         "level": found.level,
         "seed": found.seed,
         "statement": html_of(found.statement),
+        "copy": _copy_button([found.statement, *asked], "statement and questions"),
         "questions": [
             {
                 "name": question.name,
@@ -103,7 +106,15 @@ def hints(number: str, seed: int, count: int) -> Json:
     >>> len(hints("1.1", 0, 2)["hints"])
     2
     """
-    return {"hints": [html_of(hint) for hint in exercises.load(number, seed).hints[:count]]}
+    taken = exercises.load(number, seed).hints[:count]
+    return {"hints": [html_of(hint) for hint in taken], "copy": _copy_button(taken, "hints")}
+
+
+def _copy_button(texts: Sequence[str], what: str) -> str:
+    """A button that copies texts as LaTeX; nothing where there is no formula in them."""
+    if not any("$" in text for text in texts):
+        return ""
+    return views.copy_button("\n\n".join(map(latex_of, texts)), what)
 
 
 def answer(number: str, seed: int, answers: Mapping[str, str]) -> Json:
@@ -140,6 +151,7 @@ def answer(number: str, seed: int, answers: Mapping[str, str]) -> Json:
                 "right": one.right,
                 "score": one.score,
                 "message": html_of(one.message),
+                "copy": _copy_button([one.message], one.name),
                 "diagnosis": one.diagnosis,
             }
             for one in verdict.questions

@@ -348,7 +348,7 @@ def exercise(reply: Json) -> str:
     head = f"<h2>{escape(reply['number'])} {escape(reply['title'])}</h2>"
     facts = f"{escape(reply['chapter'])}; {escape(reply['level'])}; variant {reply['seed']}"
     stated = f'<div class="sideways" id="statement">{reply["statement"]}</div>'
-    return wrapped(f'{head}<p class="note">{facts}</p>{stated}')
+    return wrapped(f'{head}<p class="note">{facts}</p>{stated}{reply["copy"]}')
 
 
 def verdict(reply: Json | None) -> str:
@@ -364,7 +364,7 @@ def verdict(reply: Json | None) -> str:
         look, sign = ("right", "✓ right") if one["right"] else ("wrong", "✗ not right")
         parts.append(
             f'<div class="{look}" role="status"><strong>{escape(one["name"])}: {sign}</strong>'
-            f"{one['message']}</div>"
+            f"{one['message']}{one['copy']}</div>"
         )
     notes = "".join(f'<p class="note">{escape(note)}</p>' for note in reply["notes"])
     points = f"{reply['earned']:.3g} of {reply['points']} points"
@@ -377,7 +377,9 @@ def steps(reply: Json) -> str:
     if reply.get("problem"):
         return wrapped(problem(reply))
     items = "".join(f"<li>{hint}</li>" for hint in reply["hints"])
-    return wrapped(f'<div class="sideways"><ol id="hints">{items}</ol></div>' if items else "")
+    if not items:
+        return wrapped("")
+    return wrapped(f'<div class="sideways"><ol id="hints">{items}</ol></div>{reply["copy"]}')
 
 
 def framed(reply: Json) -> str:

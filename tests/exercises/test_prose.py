@@ -6,7 +6,7 @@ import pytest
 import sympy
 
 from geomtorsion import exercises
-from geomtorsion.exercises.prose import html_of, plain_of, text_of
+from geomtorsion.exercises.prose import html_of, latex_of, plain_of, text_of
 from geomtorsion.exercises.tex import tex
 from geomtorsion.exercises.verdict import MESSAGES
 
@@ -83,3 +83,14 @@ def test_markdown():
     assert "<li>first <code>a&lt;b</code></li><li>second</li>" in html
     assert 'display="block"' in html
     assert text_of("a `code` and **bold**") == "a code and bold"
+
+
+def test_prose_as_latex():
+    """What LaTeX takes for its own is escaped outside of formulas, and left inside them."""
+    assert latex_of("50 % of `r_1` & {x}:\n\n$$a_1 & b$$") == (
+        "50 \\% of \\texttt{r\\_1} \\& \\{x\\}:\n\n\\[a_1 & b\\]"
+    )
+    assert latex_of("~ ^ \\ $x_1$") == (
+        r"\textasciitilde{} \textasciicircum{} \textbackslash{} $x_1$"
+    )
+    assert latex_of("- one\n- **two**") == "\\par -- one\n\\par -- \\textbf{two}"

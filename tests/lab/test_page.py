@@ -227,6 +227,27 @@ def test_latex_is_copied(lab: Watched):
     assert "frac{3}{2}" in copied
 
 
+def test_latex_of_an_exercise_is_copied(lab: Watched):
+    """Statement and questions, the hints taken, and what is said of an answer."""
+    page = lab.tab("Exercises")
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    posed = exercises.load("1.1")
+    page.locator("#statement", has_text="coframe").wait_for()
+
+    def copied(what: str) -> str:
+        button = page.get_by_role("button", name=f"Copy LaTeX: {what}")
+        button.click()
+        page.get_by_role("button", name=f"Copy LaTeX: {what}").get_by_text("Copied").wait_for()
+        return page.evaluate("navigator.clipboard.readText()")
+
+    found = copied("statement and questions")
+    assert r"\begin{pmatrix} \cos{\phi} & - r \sin{\phi} \\" in found
+    assert r"with one leg per \textbf{column}: row $\mu$, column $i$." in found
+    page.get_by_role("button", name="Next hint").click()
+    page.locator("#hints li").first.wait_for()
+    assert copied("hints") == posed.hints[0]
+
+
 def focused(page: Any) -> tuple[str, str]:
     """Role and text of what has the focus, through shadow trees."""
     return page.evaluate(
