@@ -532,6 +532,11 @@ def array(
 
     wrong = shape_error or error
     try:
+        if isinstance(values, range):
+            # It names numbers that it does not hold: they are counted before they are written out.
+            count = len(values)
+            check_room(count, f"{subject}: {count:,} numbers", "Give fewer.")
+            values = np.arange(values.start, values.stop, values.step)
         found = np.asarray(values)
         if found.dtype.kind == "O":
             # Fractions and sympy numbers come as objects; each is looked at.

@@ -5,7 +5,7 @@ import pytest
 
 import geomtorsion as gt
 from geomtorsion import checks, scenes
-from geomtorsion.errors import LimitError
+from geomtorsion.errors import LimitError, TimeError
 from geomtorsion.loops import SampledFrame
 from geomtorsion.ode import ODE, RungeKutta, solve, solve_many
 
@@ -46,3 +46,13 @@ def test_times_that_only_look_small():
     """A view of one number, 10**10 times over, takes 8 bytes; its times take 80 GB."""
     with pytest.raises(LimitError, match="10,000,000,000 times"):
         solve(SWING, np.broadcast_to(np.float64(1), (10**10,)))
+
+
+def test_a_range_is_counted_before_it_is_written_out():
+    """A thousand million numbers that nobody holds; a short one is read as a list is."""
+    with pytest.raises(LimitError, match=r"t: 1,000,000,000 numbers would take 8 GB.* Give fewer"):
+        solve(SWING, range(10**9))
+    with pytest.raises(TimeError, match="a list of numbers was needed"):
+        solve(SWING, range(10**30))
+    short = solve(SWING, range(1, 9, 2), 1e-6, RungeKutta())
+    assert short.times.tolist() == [1, 3, 5, 7]
