@@ -53,7 +53,7 @@ def make(draw: Random, seed: int) -> Variant:
                 answer=closure,
                 errors=lambda: [
                     Mistake("direction", scaled(closure(), -1)),
-                    Mistake("permuted", closure()[::-1]),
+                    Mistake("permuted", closure()[::-1], "The component along $x$ comes first."),
                 ],
                 shape=(2,),
                 label="b",
