@@ -19,6 +19,7 @@ from geomtorsion.exact.form import Sum, form
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.integers import as_fmpq
 from geomtorsion.exact.kept import in_order
+from geomtorsion.exact.writing import short_of
 
 # A sum of products: pairs (element, names of the arguments that multiply it).
 Products = tuple[tuple[Element, tuple[str, ...]], ...]
@@ -165,7 +166,11 @@ class Reader:
 
     def _element(self, element: Element) -> Term:
         if element.is_kept:
-            return self._kept(element)
+            # Multiplied out and in factors, less cancels than in the sums as they were built.
+            short = short_of(element)
+            if short is None:
+                return self._kept(element)
+            element = short
         written = form(element)
         number = _fraction(written.coefficient)
         is_complex = element.field.is_complex

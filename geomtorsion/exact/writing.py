@@ -43,14 +43,14 @@ def _as_built(element: Element) -> sympy.Expr:
     """A kept element: multiplied out where that is brief, else as it was built."""
     if element.is_zero:
         return sympy.S.Zero
-    whole = _short(element)
+    whole = short_of(element)
     if whole is not None:
         return whole.sympy
     for one in in_order(element, lambda x: x._sympy is not None):
         recipe = one._recipe
         assert recipe is not None
         if one is not element:
-            short = _short(one)
+            short = short_of(one)
             if short is not None:
                 one._sympy = short.sympy
                 continue
@@ -63,7 +63,7 @@ def _as_built(element: Element) -> sympy.Expr:
     return element._sympy
 
 
-def _short(element: Element) -> Element | None:
+def short_of(element: Element) -> Element | None:
     """A kept element multiplied out, if that is quickly done and can be factored."""
     whole = element.field.brief(element)
     return whole if whole is not None and len(whole._num) <= LONGEST_FACTORED else None
