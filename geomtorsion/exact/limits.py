@@ -70,7 +70,7 @@ def check_power(base: Element, exponent: int) -> None:
     if min(comb(exponent + terms - 1, terms - 1), dense) > LARGEST_POWER_TERMS:
         raise LimitError(
             f"the power {exponent} of an expression of {terms} terms would have more than "
-            f"{LARGEST_POWER_TERMS} terms; write the power as a parameter or a new symbol"
+            f"{LARGEST_POWER_TERMS} terms; write the power as an unknown function of its coordinates"
         )
 
 
@@ -102,7 +102,7 @@ def check_size(element: Element) -> None:
     if terms > most:
         raise LimitError(
             f"the expression has {terms:,} terms when it is multiplied out; the limit is {most:,}. "
-            "Name a power or a sum in it by a parameter or an unknown function"
+            "Name a power or a sum in it by an unknown function of its coordinates"
         )
     check_digits(element, 1)
 

@@ -21,7 +21,7 @@ from geomtorsion.ode.system import System
 from geomtorsion.precision import EPS
 
 # Smaller differences than this are told from rounding by no step of generated code.
-LEAST = 4 * EPS
+LEAST = EPS
 
 Pieces: TypeAlias = list[Polynomial | Piece]
 
