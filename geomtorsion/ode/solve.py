@@ -23,7 +23,7 @@ from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.ode.engines.protocol import WorkLimitError
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.error_estimate import Verified, verified
-from geomtorsion.ode.lanes import side_by_side
+from geomtorsion.ode.joint_runs import side_by_side
 from geomtorsion.ode.solution import DOUBLE, Cost, Problem, Solution
 from geomtorsion.ode.trajectory import Stage, Trajectory, integrate
 

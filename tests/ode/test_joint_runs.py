@@ -1,13 +1,13 @@
-"""Lanes: an answer and its finer runs in one integrator, and where runs go one by one."""
+"""Joint runs: an answer and its finer runs in one integrator, and where runs go one by one."""
 
 import numpy as np
 import pytest
 
 from geomtorsion.ode import ODE, Taylor, When, solve
 from geomtorsion.ode.engines.protocol import STEPS_AT_ONCE
-from geomtorsion.ode.lanes import run_lanes
+from geomtorsion.ode.joint_runs import run_jointly
 
-pytest.importorskip("heyoka", reason="lanes are those of heyoka's batches")
+pytest.importorskip("heyoka", reason="joint runs are heyoka's batches")
 
 SWING = {"x": "v", "v": "-k*x"}
 TOLERANCES = [1e-8, 1e-12, 1e-10]
@@ -18,31 +18,31 @@ def swing(**more):
     return ODE.of(SWING, [1, 0], parameters={"k": 4}, **more)
 
 
-def lanes(problem, end, size=1.0, parts=(0.0, 1e-6, -1e-6), times=65):
-    """The runs of a problem in lanes that start a little apart."""
+def jointly(problem, end, size=1.0, parts=(0.0, 1e-6, -1e-6), times=65):
+    """The runs of a problem in one batch, which start a little apart."""
     stages = [problem.first_stage(53, part) for part in parts]
     starts, numbers = [x.start for x in stages], [x.parameters for x in stages]
     grid = np.linspace(0.0, end, times)
-    return run_lanes(Taylor(), stages[0].system, starts, numbers, grid, TOLERANCES, size)
+    return run_jointly(Taylor(), stages[0].system, starts, numbers, grid, TOLERANCES, size)
 
 
 def test_each_lane_has_its_start_and_its_tolerance():
-    """Against the cosine: finer lanes are nearer to it, and each begins where it was told to."""
-    found = lanes(swing(), 10.0, parts=(0.0, 0.0, 0.0))
+    """Against the cosine: finer runs are nearer to it, and each begins where it was told to."""
+    found = jointly(swing(), 10.0, parts=(0.0, 0.0, 0.0))
     errors = [np.abs(run.states[:, 0] - np.cos(2 * run.times)).max() for run in found]
     for error, tolerance in zip(errors, TOLERANCES, strict=True):
         assert 1e-3 * tolerance < error < 10 * tolerance
     assert found[0].steps < found[2].steps < found[1].steps
-    apart = lanes(swing(), 10.0, parts=(0.0, 1e-6, 1e-3))
+    apart = jointly(swing(), 10.0, parts=(0.0, 1e-6, 1e-3))
     assert [run.states[0, 0] - 1 for run in apart] == pytest.approx([0.0, 1e-6, 1e-3])
 
 
 def test_tolerances_are_relative_to_the_size():
-    """Lanes that are measured by a larger size leave out as much more."""
+    """Runs that are measured by a larger size leave out as much more."""
     gaps = [
         np.abs(run.states[:, 0] - np.cos(2 * run.times)).max()
         for size in (1.0, 1e4)
-        for run in lanes(swing(), 10.0, size)[:1]
+        for run in jointly(swing(), 10.0, size)[:1]
     ]
     assert 1e3 < gaps[1] / gaps[0] < 1e5
 
@@ -50,14 +50,14 @@ def test_tolerances_are_relative_to_the_size():
 def test_where_runs_go_one_by_one():
     """A guard that is met, many steps, many times, states that grow far above their size."""
     stopped = swing(events=[When("x + 1/2")])
-    assert lanes(stopped, 1.0)
-    assert not lanes(stopped, 2.0)
-    assert not lanes(swing(), 10.0, times=STEPS_AT_ONCE + 1)
-    assert not lanes(swing(), 1e4)
+    assert jointly(stopped, 1.0)
+    assert not jointly(stopped, 2.0)
+    assert not jointly(swing(), 10.0, times=STEPS_AT_ONCE + 1)
+    assert not jointly(swing(), 1e4)
     growth = ODE.of({"x": "x"}, [1])
     allowed = float(np.log(0.5 * TOLERANCES[0] / TOLERANCES[1]))
-    assert lanes(growth, 0.9 * allowed)
-    assert not lanes(growth, 1.1 * allowed)
+    assert jointly(growth, 0.9 * allowed)
+    assert not jointly(growth, 1.1 * allowed)
 
 
 @pytest.mark.parametrize(
@@ -68,7 +68,7 @@ def test_where_runs_go_one_by_one():
         (ODE.of({"x": "w", "y": "x"}, [0, 1], parameters={"w": 3}), 100.0, lambda t: 3 * t),
         (swing(events=[When("x + 1/2")]), 2.0, lambda t: np.cos(2 * t)),
     ],
-    ids=["in lanes", "grows", "evenly", "stopped"],
+    ids=["jointly", "grows", "evenly", "stopped"],
 )
 def test_solutions_are_true_either_way(problem, end, true):
     """Whether its runs went side by side or not, an answer is as good as asked and as it says."""

@@ -1,8 +1,8 @@
-"""Lanes: the same equations from several starts, each at a tolerance of its own, at one go.
+"""Joint runs: the same equations from several starts, each to a tolerance of its own, in one batch.
 
 A processor adds four pairs of doubles as fast as one, and compiling one integrator takes half the
 time of two: so an answer and the finer runs that tell its error share an integrator. heyoka leaves
-out of a series what is small beside the largest state; here that is a constant of each lane.
+out of a series what is small beside the largest state; here that is a constant of each column.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ WIDTH = 4
 def side_by_side(
     stages: Sequence[Stage], times: np.ndarray, tolerances: Sequence[float], engine: Engine
 ) -> list[Trajectory]:
-    """Motions by equal equations in the lanes of one integrator; none where they have to go singly.
+    """Motions by equal equations in one batch; none where they have to go one by one.
 
     That is with other engines, where an event comes in between, where numbers are far from one,
-    and where `run_lanes` says so. The times begin with the stages and go on.
+    and where `run_jointly` says so. The times begin with the stages and go on.
     """
     first, duration = stages[0], abs(float(times[-1] - times[0]))
     system, timed = first.system, first.timed
@@ -43,7 +43,7 @@ def side_by_side(
     if any(stage.system is not system for stage in stages):
         return []
     size = max(1.0, first.reach(duration))
-    runs = run_lanes(engine, system, starts, numbers, times, tolerances, size)
+    runs = run_jointly(engine, system, starts, numbers, times, tolerances, size)
     pairs = zip(runs, numbers, strict=False)
     if not system.guard_is_entire and any(is_beyond(system, run, own) for run, own in pairs):
         return []
@@ -54,7 +54,7 @@ def side_by_side(
     ]
 
 
-def run_lanes(
+def run_jointly(
     engine: Taylor,
     system: System,
     starts: Sequence[np.ndarray],
@@ -63,10 +63,10 @@ def run_lanes(
     tolerances: Sequence[float],
     size: float,
 ) -> list[Run]:
-    """A run for each of up to WIDTH lanes; none where they have to run one by one.
+    """A run for each of up to WIDTH starts; none where they have to run one by one.
 
-    That is where a lane meets the guard, where steps or times are many, or where states grow so
-    far above `size`, which is what tolerances are relative to, that lanes of different tolerances
+    That is where one meets the guard, where steps or times are many, or where states grow so
+    far above `size`, which is what tolerances are relative to, that runs to different tolerances
     would take the same steps.
     """
     if len(times) > STEPS_AT_ONCE:
@@ -76,7 +76,7 @@ def run_lanes(
     kept, compiling = engine.compiled(
         system, finest, width=WIDTH, optimised=False, measured=True, backward=backward
     )
-    # Lanes without a use repeat the first.
+    # Columns without a use repeat the first.
     order = [k if k < len(starts) else 0 for k in range(WIDTH)]
     with kept.lock:
         began = time.perf_counter()
@@ -96,7 +96,7 @@ def run_lanes(
     if [x[0] for x in results] != [type(results[0][0]).time_limit] * WIDTH:
         return []
     states = np.ascontiguousarray(rows[:, :-1].transpose(2, 0, 1))
-    # Steps are measured by states that are larger than `size` in each lane; finer lanes are to
+    # Steps are measured by states that are larger than `size` in each column; finer runs are to
     # leave out half as much at least.
     if 2 * np.abs(states[0]).max() > size * max(tolerances) / finest:
         return []
