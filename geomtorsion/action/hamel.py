@@ -184,12 +184,14 @@ class Hamel:
     def accelerations(self) -> tuple[Element, ...] | None:
         """u'^k of the free velocities, in their order: M u' = - rest.
 
-        None where clearing a denominator full of roots and sines would fill the memory.
+        None where a denominator full of roots and sines is too long to be multiplied out.
         """
         field, n = self.bundle.field, len(self.free)
         try:
             inverted = inverse(field, self.matrix, n)
         except LimitError:
+            return None
+        if any(value.is_kept for value in inverted.values()):
             return None
         terms: list[list] = [[] for _ in range(n)]
         for (row, column), value in inverted.items():

@@ -133,8 +133,10 @@ def test_what_is_no_crystal_is_told(tmp_path: Path) -> None:
     """A gas, NaN, a file that ends, two atoms in one place, three atoms, a missing file."""
     rng = np.random.default_rng(0)
     good = copper_screw()
+    # No two of them nearer than 3.2, in a cell of 14.4 along z.
+    gas = 7.2 * np.argwhere(np.ones((16, 16, 2)))
     cases = {
-        "of only": rng.uniform(0, 60, (800, 3)),
+        "of only": gas + rng.uniform(-2, 2, gas.shape),
         "is not finite": np.vstack([good, [[np.nan] * 3]]),
         "20 atoms or more": good[:3],
     }
