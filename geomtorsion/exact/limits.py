@@ -71,7 +71,7 @@ def check_power(base: Element, exponent: int) -> None:
     if min(comb(exponent + terms - 1, terms - 1), dense) > LARGEST_POWER_TERMS:
         raise LimitError(
             f"the power {exponent} of an expression of {terms} terms would have more than "
-            f"{LARGEST_POWER_TERMS} terms; write the power as an unknown function"
+            f"{LARGEST_POWER_TERMS} terms, the limit; write the power as an unknown function"
         )
 
 

@@ -11,8 +11,8 @@ from geomtorsion.errors import LimitError
 from geomtorsion.exact import Field
 
 x, y = sp.symbols("x y")
-LONG = sp.Add(*[(i + 2 * j + 1) * x**i * sp.sin(y) ** j for i in range(12) for j in range(12)])
-OTHER = sp.Add(1, *[(i - j) * x**i * sp.exp(y) ** j for i in range(12) for j in range(12)])
+LONG = sp.Add(*[(i + 2 * j + 1) * x**i * sp.sin(y) ** j for i in range(20) for j in range(20)])
+OTHER = sp.Add(1, *[(i - j) * x**i * sp.exp(y) ** j for i in range(20) for j in range(20)])
 
 
 @pytest.fixture
@@ -83,8 +83,11 @@ def test_it_does_not_matter_what_was_asked_before(field):
 
 def test_copies(field):
     """Copies are the same; a pickled one is read again."""
-    a, b = field.read(LONG), field.read(OTHER)
-    product = a * b
+    powers = range(20)
+    terms = [(i, j, x**i * y**j) for i in powers for j in powers]
+    a = field.read(sp.Add(*[(i + j + 1) * term for i, j, term in terms]))
+    product = a * field.read(sp.Add(*[(2 * i + j + 1) * term for i, j, term in terms]))
+    assert product.is_kept
     assert copy.deepcopy(product) is product
     again = pickle.loads(pickle.dumps(product))
     point = {x: 1.25, y: 0.5}
