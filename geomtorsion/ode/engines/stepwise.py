@@ -18,10 +18,9 @@ from geomtorsion.ode.engines.scipy_steps import FLOOR, Piece, ScipySteps
 from geomtorsion.ode.engines.stepper import Polynomial, Steps
 from geomtorsion.ode.numbers import Real, floats
 from geomtorsion.ode.system import System
-from geomtorsion.precision import EPS
 
 # Smaller differences than this are told from rounding by no step of generated code.
-LEAST = EPS
+LEAST = 1e-15
 
 Pieces: TypeAlias = list[Polynomial | Piece]
 
