@@ -208,17 +208,19 @@ def save(solution: Solution, path: str | Path) -> None:
             "unit": problem.time_unit,
         },
     }
-    plain = {f"value {x}": np.asarray(y).astype(float) for x, y in moment.values.items()}
+    # Any array may be named as it likes; the type takes one name for an option.
+    plain: dict[str, Any] = {
+        f"value {x}": np.asarray(y).astype(float) for x, y in moment.values.items()
+    }
     grid = solution.times.astype(float)
     if grid[0] != 0:
         grid = np.concatenate(([0.0], grid))
-    # Any array may be named as it likes; the type takes one name for an option.
     np.savez_compressed(
         path,
         metadata=np.array(json.dumps(metadata)),
         times=solution.times.astype(float),
         grid=grid,
-        **plain,  # type: ignore[arg-type]
+        **plain,
     )
 
 

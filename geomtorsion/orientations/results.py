@@ -14,7 +14,7 @@ from geomtorsion.errors import OrientationError
 from geomtorsion.loops.fields.noise import significances
 from geomtorsion.orientations.circuits import Circuit
 from geomtorsion.orientations.phases import Phase
-from geomtorsion.orientations.slip import SlipDensity, SlipFamily, densities
+from geomtorsion.orientations.slip import SlipDensity, SlipFamily, densities, least_combination
 
 # Angstrom in a unit of length.
 UNITS = {"angstrom": 1.0, "nm": 1e1, "um": 1e4, "mm": 1e7, "m": 1e10}
@@ -133,26 +133,17 @@ class MapBurgers(Signed):
         >>> wall.burgers(Circuit.rectangle((0, 2), 3, 5)).lines((1, 0, 0))
         (FamilyLines([1, 0, 0]: 184 lines),)
         """
-        # 0.3 s, and only this needs it.
-        from scipy.optimize import linprog
-
         if not families:
             raise OrientationError("families: a Burgers vector was needed, such as (0.5, 0.5, 0).")
         found = [self.phase.family(family) for family in families]
         vectors = np.concatenate(found)
         lengths = np.linalg.norm(vectors, axis=1)
-        scale = max(np.abs(self._angstrom).max(), 1e-300)
-        answer = linprog(
-            np.concatenate([lengths, lengths]),
-            A_eq=np.concatenate([vectors.T, -vectors.T], axis=1),
-            b_eq=self._angstrom / scale,
-        )
-        if answer.status != 0:
+        numbers = least_combination(vectors.T, self._angstrom, lengths)
+        if numbers is None:
             raise OrientationError(
                 f"families: their Burgers vectors do not span {self.lattice.round(3).tolist()} "
                 "(units of a, b, c). Give another family as well."
             )
-        numbers = (answer.x[: len(vectors)] - answer.x[len(vectors) :]) * scale
         parts = np.split(numbers, np.cumsum([len(part) for part in found])[:-1])
         return tuple(
             FamilyLines(tuple(float(x) for x in family), part, number)

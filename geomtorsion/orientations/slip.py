@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy  # loads its parts when they are asked for
 
 from geomtorsion import checks
 from geomtorsion.errors import OrientationError
@@ -121,6 +122,31 @@ def slip_families(phase: Phase, structure: str) -> tuple[SlipFamily, ...]:
     return tuple(SlipFamily.of(phase, plane, vector) for plane, vector in FAMILIES[structure])
 
 
+def least_combination(
+    columns: np.ndarray, wanted: np.ndarray, costs: np.ndarray
+) -> np.ndarray | None:
+    """Numbers n with columns @ n = wanted and the least sum of costs times |n|; None if none are.
+
+    columns: shape (3, k). wanted: shape (3,). costs: positive, shape (k,).
+
+    Examples
+    --------
+    >>> diagonal_too = np.array([[1, 0, 1], [0, 1, 1], [0, 0, 0]])
+    >>> numbers = least_combination(diagonal_too, np.array([2, 2, 0]), np.ones(3))
+    >>> bool(np.allclose(numbers, [0, 0, 2]))
+    True
+    """
+    size, scale = (float(np.abs(x).max()) or 1.0 for x in (columns, wanted))
+    answer = scipy.optimize.linprog(
+        np.concatenate([costs, costs]),
+        A_eq=np.concatenate([columns, -columns], axis=1) / size,
+        b_eq=wanted / scale,
+    )
+    if answer.status != 0:
+        return None
+    return (answer.x[: len(costs)] - answer.x[len(costs) :]) * (scale / size)
+
+
 def densities(
     per_area: np.ndarray, normal: np.ndarray, families: Sequence[SlipFamily], angstrom: float
 ) -> tuple[SlipDensity, ...]:
@@ -134,9 +160,6 @@ def densities(
 
     per_area: crystal axes, one over the unit. normal: crystal axes. angstrom: in a unit.
     """
-    # 0.3 s, and only this needs it.
-    from scipy.optimize import linprog
-
     kinds: list[np.ndarray] = []
     place: list[tuple[int, int, bool]] = []
     screws: list[np.ndarray] = []
@@ -149,19 +172,11 @@ def densities(
                 screws.append(line)
                 kinds.append(b * (line @ normal))
                 place.append((f, k, False))
-    columns = np.array(kinds).T / angstrom
-    scale = float(np.abs(per_area).max()) or 1.0
-    size = float(np.abs(columns).max()) or 1.0
-    answer = linprog(
-        np.ones(2 * len(place)),
-        A_eq=np.concatenate([columns, -columns], axis=1) / size,
-        b_eq=per_area / scale,
-    )
-    if answer.status != 0:
+    numbers = least_combination(np.array(kinds).T / angstrom, per_area, np.ones(len(place)))
+    if numbers is None:
         raise OrientationError(
             "families: their edges and screws do not make up this b. Give another family as well."
         )
-    numbers = (answer.x[: len(place)] - answer.x[len(place) :]) * scale / size
     found = [np.zeros((2, len(family.normals))) for family in families]
     for (f, k, is_edge), number in zip(place, numbers, strict=True):
         found[f][0 if is_edge else 1, k] = number

@@ -37,6 +37,7 @@ SOUTH_OUT = sp.symbols("u_s r_os x_os y_os", real=True)
 CARTESIAN = sp.symbols("T x_ y_ z_", real=True)
 
 Values = Sequence[Any]
+Coordinates = tuple[sp.Symbol, ...]
 Numbers = Mapping[str, Any]
 
 
@@ -252,19 +253,12 @@ def _tortoise(f: MapFunctions, r: Any, mass: Any, a: Any) -> tuple[Any, Any]:
 
 def _over_the_axis(a: sp.Symbol) -> tuple[TransitionMap, ...]:
     """Between ingoing angles, the two stereographic charts and Kerr-Schild coordinates."""
-    v, r, theta, phi = INGOING
-    s, c = sp.sin(theta), sp.cos(theta)
     found = []
     numbers = {a: sp.Rational(1, 2)}
-    for name, q, side in (("ingoing_north", NORTH, 1), ("ingoing_south", SOUTH, -1)):
+    charts = ("ingoing_north", NORTH, 1), ("ingoing_south", SOUTH, -1)
+    for name, q, side in charts:
         w, radius, x, y = q
-        share = s / (1 + side * c)
-        there = (v, r, share * sp.cos(phi), share * sp.sin(phi))
         square = x**2 + y**2
-        polar = sp.atan2(2 * sp.sqrt(square), side * (1 - square))
-        back = (w, radius, polar, sp.atan2(y, x))
-        angles = dict(zip(INGOING, (0, 5, 1, 1), strict=True))
-        here = dict(zip(q, (0, 5, sp.Rational(1, 2), sp.Rational(1, 3)), strict=True))
         h = 1 + square
         cartesian = (
             w - radius,
@@ -272,38 +266,48 @@ def _over_the_axis(a: sp.Symbol) -> tuple[TransitionMap, ...]:
             2 * (radius * y + a * x) / h,
             side * radius * (1 - square) / h,
         )
-        found += [
-            TransitionMap("ingoing", name, INGOING, there, (), (), angles, _half_angle(side)),
-            TransitionMap(name, "ingoing", q, back, (), (3,), here),
-            TransitionMap(name, "kerr_schild", q, cartesian, (a,), (), here | numbers),
-        ]
-    names = ("ingoing_north", NORTH), ("ingoing_south", SOUTH)
-    for (one, q), (other, _) in (names, names[::-1]):
-        w, radius, x, y = q
-        turned = (w, radius, x / (x**2 + y**2), y / (x**2 + y**2))
-        found.append(TransitionMap(one, other, q, turned))
-    return tuple(found)
+        found += _angles_and_back("ingoing", INGOING, name, q, side)
+        found.append(
+            TransitionMap(name, "kerr_schild", q, cartesian, (a,), (), _inside(q) | numbers)
+        )
+    return *found, *_over_the_equator(charts)
 
 
 def _over_the_axis_outgoing() -> tuple[TransitionMap, ...]:
     """The same between outgoing angles and their two stereographic charts."""
-    u, r, theta, phi = OUTGOING
-    s, c = sp.sin(theta), sp.cos(theta)
-    found = []
     charts = ("outgoing_north", NORTH_OUT, 1), ("outgoing_south", SOUTH_OUT, -1)
-    for name, q, side in charts:
-        w, radius, x, y = q
-        share = s / (1 + side * c)
-        there = (u, r, share * sp.cos(phi), share * sp.sin(phi))
-        square = x**2 + y**2
-        polar = sp.atan2(2 * sp.sqrt(square), side * (1 - square))
-        back = (w, radius, polar, sp.atan2(y, x))
-        angles = dict(zip(OUTGOING, (0, 5, 1, 1), strict=True))
-        here = dict(zip(q, (0, 5, sp.Rational(1, 2), sp.Rational(1, 3)), strict=True))
-        found += [
-            TransitionMap("outgoing", name, OUTGOING, there, (), (), angles, _half_angle(side)),
-            TransitionMap(name, "outgoing", q, back, (), (3,), here),
-        ]
+    found = [_angles_and_back("outgoing", OUTGOING, name, q, side) for name, q, side in charts]
+    return *found[0], *found[1], *_over_the_equator(charts)
+
+
+def _angles_and_back(
+    angles: str, names: Coordinates, name: str, q: Coordinates, side: int
+) -> tuple[TransitionMap, TransitionMap]:
+    """From angles to x + i y = tan(theta/2) exp(i phi), or its cotangent in the south, and back."""
+    time, r, theta, phi = names
+    share = sp.sin(theta) / (1 + side * sp.cos(theta))
+    there = (time, r, share * sp.cos(phi), share * sp.sin(phi))
+    w, radius, x, y = q
+    square = x**2 + y**2
+    polar = sp.atan2(2 * sp.sqrt(square), side * (1 - square))
+    back = (w, radius, polar, sp.atan2(y, x))
+    inside = dict(zip(names, (0, 5, 1, 1), strict=True))
+    return (
+        TransitionMap(angles, name, names, there, (), (), inside, _half_angle(side)),
+        TransitionMap(name, angles, q, back, (), (3,), _inside(q)),
+    )
+
+
+def _inside(q: Coordinates) -> dict[sp.Symbol, sp.Expr | int]:
+    """A point of a stereographic chart."""
+    return dict(zip(q, (0, 5, sp.Rational(1, 2), sp.Rational(1, 3)), strict=True))
+
+
+def _over_the_equator(
+    charts: tuple[tuple[str, Coordinates, int], ...],
+) -> tuple[TransitionMap, ...]:
+    """From each of two stereographic charts to the other."""
+    found = []
     for (one, q, _), (other, _, _) in (charts, charts[::-1]):
         w, radius, x, y = q
         turned = (w, radius, x / (x**2 + y**2), y / (x**2 + y**2))
