@@ -478,8 +478,7 @@ def _ended_earlier(system: System, run: Run, times: np.ndarray, numbers: State) 
 
     begin, end = float(times[0]), float(run.reached)
     looked = close_times(begin, end, run)
-    # The last place is where the engine itself has found the end.
-    found = crossings(room, looked[:-1], room(looked[:-1]), -1)
+    found = crossings(room, looked, room(looked), -1)
     if not len(found):
         outcome = "edge" if run.outcome == "beyond" else run.outcome
         return replace(run, outcome=outcome, dense=None)
