@@ -30,7 +30,7 @@ NEAR = 1e-7
 # What rounding can do to a float, relative to the largest number on the way, and where that ends.
 ROUNDING = 1e-9
 TOO_LARGE = 1e6
-# What no answer needs on its way to a finite value.
+# What no answer needs on its way, beyond what occurs in the solution.
 BEYOND = 1e120
 # Half of the digits may have cancelled on the way; what differs in the others is different.
 SURE = 10.0 ** (-DIGITS // 2)
@@ -60,13 +60,13 @@ def compare(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> str:
     # Nearly all right answers are written like the solution, or become so when they are read.
     if one == two:
         return EQUAL
-    near, largest = _near(domain, one, two)
+    near, excess = _near(domain, one, two)
     if not any(near):
         return DIFFERENT
     if not all(near):
         # Without branches two expressions that differ agree at no generic point.
         return PARTLY if has_root(one - two) or has_inverse(one - two) else DIFFERENT
-    if not largest < BEYOND:
+    if not excess < BEYOND:
         raise LimitError("answer: numbers beyond all size occur on the way. Write it without them.")
     return EQUAL if _is_zero(domain, one, two) else DIFFERENT
 
@@ -113,14 +113,16 @@ def same(domain: Domain, given: Value, right: Value) -> bool:
 
 
 def _near(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> tuple[list[bool], float]:
-    """At each point where both have a value, whether it is the same; and the largest number.
+    """At each point where both have a value, whether it is the same; and how much larger the
+    numbers on the way to the first become than those on the way to the second.
 
     Floats tell where they differ by more than rounding can do; else many digits are taken.
     """
     arrays, points = domain.arrays, domain.places
     first, size = at_points_with_size(one, arrays)
     second, other = at_points_with_size(two, arrays)
-    difference = np.abs(first - second)
+    with np.errstate(invalid="ignore", over="ignore"):
+        difference = np.abs(first - second)
     largest = np.fmax(size, other)
     near = np.isfinite(difference) & (difference <= NEAR * (1 + np.abs(first) + np.abs(second)))
     far = (difference > ROUNDING * largest) & (largest < TOO_LARGE)
@@ -131,7 +133,9 @@ def _near(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> tuple[list[bool],
         else:
             settled = _settled(point, one, two)
             found += [] if settled is None else [settled]
-    return found, float(np.max(largest, initial=0.0))
+    # Where the second is beyond all floats, the first may be so.
+    fits = np.isfinite(other)
+    return found, float(np.max(size[fits] / np.maximum(other[fits], 1.0), initial=0.0))
 
 
 def _settled(point: Point, one: sympy.Expr, two: sympy.Expr) -> bool | None:

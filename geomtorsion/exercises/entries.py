@@ -51,7 +51,10 @@ def table_or_list(question: Question, text: str, where: str) -> object:
     if diagonal and len(question.shape) == 2:
         entries = split_outside(diagonal[1], ",")
         return {f"{k},{k}": entry for k, entry in enumerate(entries, 1)}
-    text = wrapped[1].strip() if wrapped else text
+    if wrapped:
+        # Maxima writes its rows side by side: matrix([1, 0], [0, r]).
+        text = wrapped[1].strip()
+        text = f"[{text}]" if text.startswith("[") and _inside(text) is None else text
     if text.startswith("["):
         return nested(question, text, where)
     if text == "0":

@@ -13,12 +13,14 @@ from math import comb
 import sympy
 
 from geomtorsion.errors import LimitError
+from geomtorsion.exact.limits import LARGEST_MULTIPLE
 from geomtorsion.exact.syntax import Node, parse
 from geomtorsion.exact.tokens import Limits, Source
 from geomtorsion.exercises.numeric import INVERSE
 
-# What a person writes is far below these; what a machine writes to annoy is above them.
-ANSWER = Limits(characters=4000, depth=30, exponent=24, digits=80)
+# What a person writes is far below these; what a machine writes to annoy is above them. Powers are
+# as high as exact work takes them: how long they are multiplied out is what `check_weight` counts.
+ANSWER = Limits(characters=4000, depth=30, exponent=LARGEST_MULTIPLE, digits=80)
 
 
 @dataclass(frozen=True)
@@ -115,7 +117,8 @@ def _counted(expr: sympy.Expr, known: dict[sympy.Expr, tuple[int, int]]) -> tupl
         return above, below
     if expr.is_Pow and expr.exp.is_Rational:
         top, bottom = _weight(expr.base, known)
-        n = min(abs(int(expr.exp)) or 1, 100)
+        # What a root reduces to stays below its degree.
+        n = max(abs(int(expr.exp)), int(expr.exp.q), 1)
         grown = _power(top, n), _power(bottom, n)
         return grown if expr.exp > 0 else (grown[1], grown[0])
     if isinstance(expr, _CIRCULAR):

@@ -121,6 +121,10 @@ _RATE = re.compile(r"\bd\s*([^\W\d]\w*?)\s*/\s*d\s*t\b")
 _RATE_OF = re.compile(r"\bd\s*/\s*d\s*t\s*\(?\s*([^\W\d]\w*)\s*\)?")
 _SECOND_RATE = re.compile(r"\bd\s*(?:\^|\*\*)\s*\(?2\)?\s*([^\W\d]\w*?)\s*/\s*d\s*t\s*"
                           r"(?:\^|\*\*)\s*\(?2\)?")  # fmt: skip
+# Constants as Maxima writes them.
+_MAXIMA = MappingProxyType({"pi": "pi", "e": "E", "i": "I"})
+_PERCENT = re.compile(r"%(pi|e|i)\b")
+_BARS = re.compile(r"\|([^|]+)\|")
 _LIBRARY = re.compile(r"\b(?:np|numpy|math|cmath|mpmath|sp|sympy)\.(?=[A-Za-z])")
 _BRACKETS = "([{"
 
@@ -144,7 +148,9 @@ def plain_signs(text: str) -> str:
     text = _DOTTED.sub(_primed, unicodedata.normalize("NFD", text))
     text = unicodedata.normalize("NFC", text)
     text = re.sub(r"_\s*\{\s*(\w+)\s*\}", r"_\1", _LIBRARY.sub("", text))
-    return without_latex(text) if "\\" in text or "$" in text else text
+    text = _PERCENT.sub(lambda match: f" {_MAXIMA[match[1]]}", text)
+    text = without_latex(text) if "\\" in text or "$" in text else text
+    return _BARS.sub(r" abs(\1)", text)
 
 
 def _mapped(text: str, table: Mapping[str, str]) -> str:
@@ -280,7 +286,7 @@ def _known(word: str, names: Mapping[str, object]) -> _Token | None:
         return _Token("symbol", symbol, word)
     for form in (word, word.lower()):
         plain = _OTHER_NAMES.get(form, form)
-        if plain in FUNCTIONS:
+        if plain in (*FUNCTIONS, "abs"):
             return _Token("function", plain, word)
     if word in CONSTANTS or word in ("e", "Pi", "PI"):
         return _Token("symbol", {"e": "E", "Pi": "pi", "PI": "pi"}.get(word, word), word)
@@ -401,11 +407,12 @@ class _Writer:
         """A function with its power before its argument, and with brackets if it has none."""
         name = self.tokens[k].text
         power, k = self._power(name, k + 1)
-        self.found.append(name)
+        # The reader knows no |x|; the root is taken without its sign where that is one.
+        opening, closing = ("sqrt((", f"**2){power}") if name == "abs" else (f"{name}(", power)
         if self._at(k).text == "(":
-            self.found.append("(")
+            self.found.append(opening)
             self.under.append("")
-            self.closing.append(power)
+            self.closing.append(closing)
             return k + 1
         start = k
         if self._at(k).text == "-":
@@ -416,11 +423,12 @@ class _Writer:
                                f"{name}({self._at(k).shown}*{self._at(k + 1).shown})")  # fmt: skip
         size = 2 if number and symbol else 1 if number or self._at(k).kind == "symbol" else 0
         if not size:
+            self.found.append(name)
             return start
         argument = "*".join(self._at(j).text for j in range(k, k + size))
         sign = "-" if k > start else ""
         k += size
-        self.found.append(f"({sign}{argument}){power}")
+        self.found.append(f"{opening}{sign}{argument}){closing}")
         self._check_end(k, name, sign + argument)
         return k
 

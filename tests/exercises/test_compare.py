@@ -4,6 +4,7 @@ import pytest
 import sympy as sp
 
 from geomtorsion.errors import ExpressionError, LimitError
+from geomtorsion.exercises.checking import check_question
 from geomtorsion.exercises.compare import (
     DIFFERENT,
     EQUAL,
@@ -13,6 +14,7 @@ from geomtorsion.exercises.compare import (
     same,
 )
 from geomtorsion.exercises.domain import Domain
+from tests.exercises.hard_answers import HARD
 
 x = sp.Symbol("x", real=True)
 p = sp.Symbol("p", positive=True)
@@ -61,3 +63,26 @@ def test_components_are_compared_one_by_one():
     assert found == {(0,): EQUAL, (1,): DIFFERENT, (2,): DIFFERENT}
     assert same(DOMAIN, {(0,): x - x}, {})
     assert not same(DOMAIN, {(0,): x}, {})
+
+
+@pytest.mark.parametrize("name", HARD)
+def test_forms_at_which_graders_fail(name):
+    """Sines, factored powers, lists in lists, x^(a/b), parts of the domain, other minus signs."""
+    hard = HARD[name]
+    question = hard.question()
+    for answer in hard.right:
+        said = check_question(question, answer)
+        assert said.right, (answer, said)
+    for answer in hard.wrong:
+        said = check_question(question, answer)
+        assert not said.right, answer
+        assert said.diagnosis not in ("unreadable", "too large"), (answer, said)
+
+
+def test_large_numbers_on_the_way_to_a_large_solution():
+    """As large as those of the solution they may be, and not much larger."""
+    power = (x + 10) ** 600
+    assert compare(Domain((x,)), (x + 10) * (x + 10) ** 599, power) == EQUAL
+    assert compare(Domain((x,)), power + 1, power) == DIFFERENT
+    with pytest.raises(LimitError, match="beyond all size"):
+        compare(DOMAIN, x * power / (x**2 + 20 * x + 100) ** 300, x)

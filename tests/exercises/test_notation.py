@@ -15,6 +15,7 @@ from geomtorsion import exercises
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.exercises.checking import check_question, read
 from geomtorsion.exercises.domain import Domain
+from geomtorsion.exercises.notation import written_out
 from geomtorsion.exercises.question import Question
 
 # Exercise, question, a right answer in an odd form.
@@ -298,3 +299,20 @@ def test_what_is_left_out_is_never_put_in_wrongly(number):
                     verdict = check_question(exercise.question(name), odd)
                     refused = "can be read in two ways" in verdict.message
                     assert verdict.right or refused, (text, odd, verdict.message)
+
+
+@pytest.mark.parametrize(
+    ("text", "meant"),
+    [
+        ("%pi*r", "pi*r"),
+        ("%e^(2*%pi*r)", "E**(2*pi*r)"),
+        ("|r - 1|^2", "sqrt((r-1)**2)**2"),
+        ("2|r|phi1", "2*sqrt((r)**2)*phi1"),
+        ("abs r", "sqrt((r)**2)"),
+        ("Abs(r)/r", "sqrt((r)**2)/r"),
+        (r"\left|r\right|", "sqrt((r)**2)"),
+    ],
+)
+def test_maxima_and_sizes(text, meant):
+    """Constants of Maxima, and |x| as the root of its square."""
+    assert written_out(text, dict.fromkeys(["r", "phi1"]), "q") == meant
