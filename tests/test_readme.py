@@ -109,9 +109,15 @@ def test_what_measured_the_figures_is_there():
 
 
 def test_the_two_commands_stand_there_once():
-    """One line installs and runs, one installs and tests; .ci/run takes the second from here."""
-    assert len(INSTALLING) == 2
-    run, test = INSTALLING
+    """One line installs and runs, one installs and tests, and one builds the site, further down.
+
+    .ci/run takes them from here.
+    """
+    assert len(INSTALLING) == 3
+    run, test, site = INSTALLING
+    assert "'.[docs]'" in site
+    assert "sphinx-build -q -W" in site
+    assert site.endswith("examples/site build/site")
     assert run.endswith("geomtorsion report so3 -o so3-report")
     assert "'.[test]'" in test
     assert test.endswith("pytest -q -n auto")

@@ -1,0 +1,176 @@
+"""docstrings: the plain text of docstrings as reStructuredText, with equations as formulas.
+
+Docstrings are written to be read in a terminal: nothing in them is markup but `code`. Sections are
+underlined; those of names (Parameters, Raises, ...) become lists, Equation becomes formulas.
+"""
+
+# pyright: reportMissingImports=false
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from itertools import pairwise
+
+from equations import pieces, whole_line
+
+import geomtorsion
+from geomtorsion import errors
+
+# Their entries are names with an indented text each.
+LISTS = ("Parameters", "Returns", "Yields", "Raises", "Keys", "Fields", "Times", "How finely")
+_UNDERLINE = re.compile(r"-{3,}")
+_FIELD = re.compile(r"([A-Za-z_]\w*(?:, [A-Za-z_]\w*)*): (?=\S)")
+_CODE = re.compile(r"(`+)([^`]+)\1")
+_MARKUP = re.compile(r"([\\*|_<>:])")
+
+
+def escaped(text: str) -> str:
+    """Prose without markup: what looks like some is escaped, `code` is set as code."""
+    parts, place = [], 0
+    for code in _CODE.finditer(text):
+        parts += [_MARKUP.sub(r"\\\1", text[place : code.start()]), _code(code[2])]
+        place = code.end()
+    return "".join([*parts, _MARKUP.sub(r"\\\1", text[place:]).replace("`", r"\`")])
+
+
+def _code(text: str) -> str:
+    """Code, as a link where it is the name of something public."""
+    name = text.removesuffix("()").removeprefix("gt.").removeprefix("geomtorsion.")
+    if name in geomtorsion.__all__:
+        return rf"\ :py:obj:`{text} <geomtorsion.{name}>`\ "
+    return rf"\ ``{text}``\ "
+
+
+def with_formulas(line: str) -> str:
+    """A sentence in which what is mathematics is set as such."""
+    parts: list[str] = []
+    for kind, text in pieces(line):
+        if kind == "text":
+            parts.append(escaped(text))
+        else:
+            latex, stop = text.split("\0")
+            parts.append(rf"\ :math:`{latex}`\ {stop}")
+    return " ".join(parts)
+
+
+def _paragraphs(lines: Iterable[str]) -> Iterator[list[str]]:
+    found: list[str] = []
+    for line in [*lines, ""]:
+        if line.strip():
+            found.append(line)
+        elif found:
+            yield found
+            found = []
+
+
+def _prose(lines: list[str]) -> Iterator[str]:
+    """Paragraphs; fields of a class as a list, examples as they stand, the rest as text."""
+    for paragraph in _paragraphs(lines):
+        if paragraph[0].lstrip().startswith(">>>"):
+            yield from [*paragraph, ""]
+        elif all(line.startswith("    ") for line in paragraph):
+            yield from ["::", "", *paragraph, ""]
+        elif _FIELD.match(paragraph[0]):
+            yield from _fields(paragraph)
+        elif paragraph[0].startswith(("- ", "* ")):
+            yield from _items(paragraph)
+        else:
+            yield from [escaped(line.strip()) for line in paragraph]
+            yield ""
+
+
+def _items(lines: list[str]) -> Iterator[str]:
+    for line in lines:
+        starts = line.startswith(("- ", "* "))
+        yield ("- " if starts else "  ") + escaped(line[2:].strip() if starts else line.strip())
+    yield ""
+
+
+def _fields(lines: list[str]) -> Iterator[str]:
+    """`name: what it is`, each with the lines that go on with it."""
+    for line in lines:
+        start = _FIELD.match(line)
+        if start:
+            yield f"{_names(start[1])}"
+            yield f"    {escaped(line[start.end() :])}"
+        else:
+            yield f"    {escaped(line.strip())}"
+    yield ""
+
+
+def _names(text: str) -> str:
+    return ", ".join(f"``{name}``" for name in text.split(", "))
+
+
+def _list(title: str, lines: list[str]) -> Iterator[str]:
+    """Names, each with an indented text; what is no such list stays prose."""
+    if not any(line.startswith("    ") for line in lines):
+        yield from _prose(lines)
+        return
+    for line in lines:
+        if not line.strip():
+            yield ""
+        elif line.startswith(" "):
+            yield f"    {escaped(line.strip())}"
+        elif title == "Raises" and hasattr(errors, line.strip()):
+            yield f":py:exc:`~geomtorsion.errors.{line.strip()}`"
+        else:
+            yield _names(line.strip()) if re.fullmatch(r"[\w, *]+", line) else escaped(line)
+    yield ""
+
+
+def _equations(lines: list[str]) -> Iterator[str]:
+    """Lines that are mathematics alone stand alone; elsewhere formulas stand in the text."""
+    for paragraph in _paragraphs(lines):
+        text: list[str] = []
+        for line in paragraph:
+            equation = whole_line(line)
+            if equation is None:
+                text.append(with_formulas(line.strip()))
+                continue
+            latex, source = equation
+            yield from [*text, ""]
+            text = []
+            yield from [".. math::", "", f"    {latex}", ""]
+            if source:
+                yield from [escaped(source), ""]
+        yield from [*text, ""]
+
+
+def _sections(lines: list[str]) -> Iterator[tuple[str, list[str]]]:
+    """Title and lines of each section; the first has no title."""
+    starts = [0]
+    for number, (_, below) in enumerate(pairwise(lines)):
+        if _UNDERLINE.fullmatch(below.strip()) and lines[number].strip():
+            starts.append(number)
+    for start, end in pairwise([*starts, len(lines)]):
+        if start in starts[1:]:
+            yield lines[start].strip(), lines[start + 2 : end]
+        else:
+            yield "", lines[start:end]
+
+
+def converted(lines: list[str]) -> list[str]:
+    """A docstring as reStructuredText."""
+    found: list[str] = []
+    for title, inner in _sections(lines):
+        if title:
+            found += [f".. rubric:: {title}", ""]
+        if title == "Equation":
+            found += _equations(inner)
+        elif title in LISTS:
+            found += _list(title, inner)
+        else:
+            found += _prose(inner)
+    return found
+
+
+def _convert(app, what, name, object_, options, lines: list[str]) -> None:
+    lines[:] = converted(lines)
+
+
+def setup(app) -> dict[str, bool]:
+    """Convert what autodoc reads."""
+    app.connect("autodoc-process-docstring", _convert)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

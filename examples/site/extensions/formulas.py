@@ -1,0 +1,55 @@
+"""formulas: LaTeX becomes MathML while the site is built, set in the font that reports use."""
+
+# pyright: reportMissingImports=false
+# Sphinx and math-core come with the extra `docs`, which checking types does not need.
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from docutils.nodes import SkipNode
+from math_core import LatexError, LatexToMathML
+from sphinx.util import logging
+
+from geomtorsion.pictures import formula
+
+_CONVERTER = LatexToMathML(fancy_error=False)
+_LOG = logging.getLogger(__name__)
+
+
+def mathml(latex: str, *, display: bool) -> str:
+    """A formula as a math element."""
+    return _CONVERTER.convert_with_local_state(latex, displaystyle=display)
+
+
+def _element(node, *, display: bool) -> str:
+    try:
+        return mathml(node.astext(), display=display)
+    except LatexError as error:
+        _LOG.warning("formula %r: %s", node.astext(), error, location=node)
+        return ""
+
+
+def _inline(visitor, node) -> None:
+    visitor.body.append(_element(node, display=False))
+    raise SkipNode
+
+
+def _block(visitor, node) -> None:
+    visitor.body.append(f'<div class="formula">{_element(node, display=True)}</div>')
+    raise SkipNode
+
+
+def _write_font(app, error) -> None:
+    """The font of formulas, once for all pages."""
+    if error is None and app.builder.format == "html":
+        folder = Path(app.outdir) / "_static"
+        folder.mkdir(exist_ok=True)
+        (folder / "formulas.css").write_text(formula.font_face(), "utf-8")
+
+
+def setup(app) -> dict[str, bool]:
+    """Register the renderer, and the style that holds the font."""
+    app.add_html_math_renderer("mathml", (_inline, None), (_block, None))
+    app.connect("build-finished", _write_font)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,0 +1,130 @@
+"""reference: the directive `public`, which documents the public names of a package once each.
+
+A name that `geomtorsion` itself exports is documented on the first page; pages of packages link it.
+"""
+
+# pyright: reportMissingImports=false
+
+from __future__ import annotations
+
+from contextlib import suppress
+from importlib import import_module
+from inspect import isclass, isfunction, ismodule
+from types import ModuleType
+
+from docstrings import converted, escaped
+from docutils import nodes
+from docutils.statemachine import StringList
+from sphinx.util.docutils import SphinxDirective
+from sphinx.util.nodes import make_refnode, nested_parse_with_titles
+
+import geomtorsion
+
+
+def public_names(module: ModuleType) -> list[str]:
+    """What a package exports, in its order."""
+    if module.__name__ == "geomtorsion.errors":
+        return [name for name, value in vars(module).items() if isclass(value)]
+    listed = getattr(module, "__all__", None)
+    if listed is not None:
+        return list(listed)
+    return [
+        name
+        for name, value in vars(module).items()
+        if not name.startswith("_") and getattr(value, "__module__", None) == module.__name__
+    ]
+
+
+def package_of(name: str) -> str:
+    """The package below geomtorsion in which a name that it exports is at home."""
+    value = getattr(geomtorsion, name)
+    if ismodule(value):
+        return "packages"
+    return value.__module__.removeprefix("geomtorsion.").split(".")[0]
+
+
+def exported_above(package: str, name: str) -> list[str]:
+    """The full names under which packages above this one export a name, the highest first."""
+    parts = package.split(".")
+    above = [".".join(parts[:count]) for count in range(1, len(parts))]
+    return [f"{one}.{name}" for one in above if name in getattr(import_module(one), "__all__", ())]
+
+
+class Public(SphinxDirective):
+    """`.. public:: geomtorsion.loops`, or `.. public:: geomtorsion` with `:of: loops`."""
+
+    required_arguments = 1
+    option_spec = {"of": str}  # noqa: RUF012  # docutils wants it so
+
+    def run(self) -> list[nodes.Node]:
+        """What the lines of `written` become."""
+        lines = StringList(self.written(), source=f"public names of {self.arguments[0]}")
+        node = nodes.section()
+        node.document = self.state.document
+        nested_parse_with_titles(self.state, lines, node)
+        return node.children
+
+    def written(self) -> list[str]:
+        """Directives of autodoc, one for each name that has its place here."""
+        name = self.arguments[0]
+        module = import_module(name)
+        names = public_names(module)
+        lines: list[str] = []
+        if name == "geomtorsion":
+            names = [one for one in names if package_of(one) == self.options["of"]]
+        else:
+            lines += [f".. py:module:: {name}", "", *converted((module.__doc__ or "").split("\n"))]
+            elsewhere = {one: homes[0] for one in names if (homes := exported_above(name, one))}
+            names = [one for one in names if one not in elsewhere]
+            if elsewhere:
+                links = ", ".join(
+                    f":py:mod:`{value.__name__}`" if ismodule(value) else f":py:obj:`{full}`"
+                    for one, full in sorted(elsewhere.items())
+                    for value in [getattr(module, one)]
+                )
+                lines += [f"It exports these as well: {links}.", ""]
+        for one in sorted(names, key=str.lower):
+            lines += self.entry(name, one, getattr(module, one))
+        return lines
+
+    def entry(self, package: str, name: str, value: object) -> list[str]:
+        """The directive that documents one name."""
+        full = f"{package}.{name}"
+        if ismodule(value):
+            first = (value.__doc__ or "").strip().split("\n")[0].rpartition(": ")[2]
+            home = f":py:mod:`{value.__name__}`"
+            return [f"- {home}\\: {escaped(first)}", ""]
+        if isclass(value):
+            kind = "autoexception" if issubclass(value, Exception) else "autoclass"
+            return [f".. {kind}:: {full}", ""]
+        if isfunction(value) or callable(value):
+            return [f".. autofunction:: {full}", ""]
+        return [f".. autodata:: {full}", "    :no-value:", ""]
+
+
+def _resolve(app, env, node, contnode):
+    """A link for a type in a signature that names a public class without its package.
+
+    A type that is not public stays as it is, if there is one.
+    """
+    if node.get("refdomain") != "py":
+        return None
+    module, _, last = node["reftarget"].rpartition(".")
+    if module.startswith("geomtorsion."):
+        with suppress(ImportError):
+            return contnode if hasattr(import_module(module), last) else None
+    objects = env.domains["py"].objects
+    short = node["reftarget"].rpartition(".")[2]
+    found = sorted({name for name in objects if name.rpartition(".")[2] == short}, key=len)
+    entries = {(objects[name].docname, objects[name].node_id): name for name in reversed(found)}
+    if len(entries) != 1:
+        return None
+    ((page, anchor),) = entries
+    return make_refnode(app.builder, node["refdoc"], page, anchor, contnode)
+
+
+def setup(app) -> dict[str, bool]:
+    """Register the directive and the links."""
+    app.add_directive("public", Public)
+    app.connect("missing-reference", _resolve)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
