@@ -33,7 +33,7 @@ ROOT = TESTS.parent
 # Lowest floor first; packages on one floor do not know each other.
 FLOORS = (
     ("errors",),
-    ("checks", "copies", "precision", "progress"),
+    ("checks", "copies", "displays", "precision", "progress"),
     ("conventions", "files"),
     ("npz",),
     ("exact",),

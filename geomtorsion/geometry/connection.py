@@ -11,12 +11,14 @@ from typing import TYPE_CHECKING
 import sympy as sp
 
 from geomtorsion.checks import instance
+from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ShapeError, TensorIndexError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import riemannian
 from geomtorsion.geometry.components import Components, Rule, total
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.frame_matrices import parallel_rows
+from geomtorsion.geometry.notation import ComponentTable, Names, Where
 from geomtorsion.geometry.symmetry import Index, antisymmetric, shifted, symmetric
 from geomtorsion.geometry.tensor import Tensor
 
@@ -57,6 +59,23 @@ class Connection:
     def __getitem__(self, index: tuple[int, int, int]) -> sp.Expr:
         """Gamma_ab^c as a sympy expression."""
         return self.coefficients[index]
+
+    def table(
+        self, names: Names | None = None, *, where: Where | None = None, every: bool = False
+    ) -> ComponentTable:
+        """The coefficients that do not vanish, with names of their indices (see Tensor.table).
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame, levi_civita
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> bar = levi_civita(Frame([r, phi], [[1, 0], [0, r]]))
+        >>> print(bar.table("rφ", where={2: "r"}))  # Gamma_ab^r alone
+        Levi-Civita Gamma_bar_{ab}^{c}: 3 of 8 components do not vanish
+          Gamma_bar_{φφ}^{r}  [1, 1, 0]  -r
+        """
+        return self.coefficients.table(names, where=where, every=every)
 
     # -- deviations from the metric and from the frame -------------------------------------------
 
@@ -262,3 +281,5 @@ class Connection:
 
     def _repr_latex_(self) -> str:
         return self.coefficients._repr_latex_()
+
+    _repr_html_ = drawn_by("notebook_tables", "connection_html")

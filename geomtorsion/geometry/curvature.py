@@ -7,6 +7,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from geomtorsion.displays import drawn_by
 from geomtorsion.exact import Element
 from geomtorsion.geometry import riemannian
 from geomtorsion.geometry.components import Rule, total
@@ -211,6 +212,8 @@ class Curvature:
 
     def _repr_latex_(self) -> str:
         return self.riemann._repr_latex_()
+
+    _repr_html_ = drawn_by("notebook_tables", "curvature_html")
 
 
 def curvature_rule(connection: Connection) -> Rule:

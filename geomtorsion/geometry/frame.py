@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from geomtorsion import checks
+from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ArgumentError, CoordinateError
 from geomtorsion.exact import Branch, Element, Field
 from geomtorsion.geometry import constructors, frame_matrices, notation, sampling, validation
@@ -319,6 +320,8 @@ class Frame:
 
     def _repr_latex_(self) -> str:
         return notation.frame_latex(self)
+
+    _repr_html_ = drawn_by("notebook_tables", "frame_html")
 
 
 def _made_again(

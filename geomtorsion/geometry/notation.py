@@ -1,24 +1,33 @@
-"""Notation: how tensors are written, in ASCII and in LaTeX, with index positions visible."""
+"""Notation: how tensors are written, as text, table and LaTeX, with index positions visible."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from html import escape
 from itertools import groupby
 from typing import TYPE_CHECKING
 
 import sympy as sp
 
+from geomtorsion import checks
+from geomtorsion.displays import drawn_by
+from geomtorsion.errors import TensorIndexError
+
 if TYPE_CHECKING:
     from geomtorsion.geometry.frame import Frame
     from geomtorsion.geometry.tensor import Tensor
 
+# Names of the values of an index, and values that are chosen: {index: value}.
+Names = str | Sequence[str]
+Where = Mapping[int, int | str]
 SHOWN = 12
 SHOWN_LATEX = 60
 
 
-def _letters(slots: str) -> list[str]:
+def letters(slots: str) -> list[str]:
     """A letter for each slot: from a on for coordinate indices, from i on for frame indices."""
     frame = iter("ijklmnpqrstuvw")
     coordinate = iter("abcdefgh" if any(s in "DU" for s in slots) else "abcdefghijklmnopqr")
@@ -49,7 +58,7 @@ def plain_symbol(symbol: str) -> str:
 
 def ascii_label(tensor: Tensor) -> str:
     """Symbol with index letters, such as S_{ab}^{c}."""
-    label = _indexed(plain_symbol(tensor.symbol), _letters(tensor.slots), tensor.slots)
+    label = _indexed(plain_symbol(tensor.symbol), letters(tensor.slots), tensor.slots)
     return label.replace("{}", "")
 
 
@@ -107,7 +116,7 @@ def _symbol_latex(symbol: str) -> str:
 def latex(tensor: Tensor) -> str:
     """LaTeX for notebooks: a matrix for two indices, else a list of independent components."""
     symbol = _symbol_latex(tensor.symbol)
-    label = _indexed(symbol, _letters(tensor.slots), tensor.slots)
+    label = _indexed(symbol, letters(tensor.slots), tensor.slots)
     if not tensor.slots:
         return rf"$\displaystyle {symbol} = {sp.latex(tensor[()])}$"
     independent = tensor.components.independent
@@ -164,3 +173,169 @@ def _one_form(frame: Frame, i: int, write: Callable[[sp.Expr], str], gap: str) -
         else:
             parts.append(f"{write(factor)}{gap}{name}")
     return " + ".join(parts).replace("+ -", "- ")
+
+
+@dataclass(frozen=True)
+class ComponentRow:
+    """One component.
+
+    index: its place, as in tensor[index].
+    label: symbol with the names of its indices.
+    value: exact.
+    """
+
+    index: tuple[int, ...]
+    label: str
+    value: sp.Expr
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ComponentTable:
+    """Components of a tensor that do not vanish: prints one a line, and is a table in notebooks.
+
+    tensor: whose components.
+    names: what its indices are called, one name for each coordinate.
+    chosen: whether these names are others than those of the coordinates.
+    indices: of the rows, in order.
+    hidden: how many more follow from these by symmetry.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from geomtorsion.geometry import Frame, cartan
+    >>> r, phi = sp.symbols("r phi", positive=True)
+    >>> torsion = cartan(Frame([r, phi], [[1, 0], [0, r]])).torsion.S
+    >>> print(torsion.table(names="rφ"))
+    torsion S_{ab}^{c}: 2 of 8 components do not vanish
+      S_{rφ}^{φ}  [0, 1, 1]  1/(2*r)
+      1 more follows by symmetry
+    """
+
+    tensor: Tensor
+    names: tuple[str, ...]
+    chosen: bool
+    indices: tuple[tuple[int, ...], ...]
+    hidden: int
+
+    @cached_property
+    def rows(self) -> tuple[ComponentRow, ...]:
+        """All rows, every value as a sympy expression."""
+        tensor = self.tensor
+        return tuple(
+            ComponentRow(index, self.label(index), tensor[index]) for index in self.indices
+        )
+
+    def marks(self, index: tuple[int, ...]) -> list[str]:
+        """What the indices of one component are called; legs have numbers, or the chosen names."""
+        return [
+            self.names[k] if self.chosen or slot in "du" else str(k)
+            for slot, k in zip(self.tensor.slots, index, strict=True)
+        ]
+
+    def label(self, index: tuple[int, ...]) -> str:
+        """One component with the names of its indices."""
+        tensor = self.tensor
+        apart = any(len(name) > 1 for name in self.names) and (
+            self.chosen or tensor.slots != tensor.slots.upper()
+        )
+        ends = [f"{mark} " if apart else mark for mark in self.marks(index)]
+        indexed = _indexed(plain_symbol(tensor.symbol), ends, tensor.slots)
+        return indexed.replace("{}", "").replace(" }", "}")
+
+    @property
+    def count(self) -> str:
+        """How many components do not vanish, in words; nothing for a scalar that does not."""
+        tensor = self.tensor
+        found = len(tensor.components.support)
+        if not found:
+            return "all components vanish" if tensor.slots else "vanishes"
+        every = tensor.frame.dimension ** len(tensor.slots)
+        do = "does" if found == 1 else "do"
+        return f"{found} of {every} components {do} not vanish" if tensor.slots else ""
+
+    @property
+    def heading(self) -> str:
+        """What the tensor is, and how many components do not vanish."""
+        name = f"{self.tensor.name or 'tensor'} {self.tensor.label}".strip()
+        return f"{name}: {self.count}" if self.count else name
+
+    @property
+    def ending(self) -> str:
+        """How many components are not listed, and why."""
+        follow = "follows" if self.hidden == 1 else "follow"
+        return f"{self.hidden} more {follow} by symmetry" if self.hidden else ""
+
+    _repr_html_ = drawn_by("notebook_tables", "table_html")
+
+    def __iter__(self) -> Iterator[ComponentRow]:
+        return iter(self.rows)
+
+    def __len__(self) -> int:
+        return len(self.indices)
+
+    def __str__(self) -> str:
+        labels = [row.label for row in self.rows]
+        places = [str(list(row.index)) if row.index else "" for row in self.rows]
+        wide = max(map(len, labels), default=0)
+        lines = [
+            f"  {label:<{wide}}  {place}  {row.value}"
+            for label, place, row in zip(labels, places, self.rows, strict=True)
+        ]
+        return "\n".join([self.heading, *lines, *([f"  {self.ending}"] if self.ending else [])])
+
+    def __repr__(self) -> str:
+        return str(self)
+
+
+def table(tensor: Tensor, names: Names | None, where: Where | None, every: bool) -> ComponentTable:
+    """See Tensor.table."""
+    checks.flag(every, "every")
+    called = index_names(tensor, names)
+    fixed = _fixed(tensor, called, where)
+    found = tensor.components.support if every or fixed else tuple(tensor.components.independent)
+    shown = tuple(i for i in found if all(i[k] == value for k, value in fixed.items()))
+    hidden = 0 if fixed else len(tensor.components.support) - len(shown)
+    return ComponentTable(tensor, called, names is not None, shown, hidden)
+
+
+def index_names(tensor: Tensor, names: Names | None) -> tuple[str, ...]:
+    """A name for each coordinate: those given, or those of the coordinates."""
+    coordinates = [symbol.name for symbol in tensor.frame.coordinates]
+    if names is None:
+        return tuple(coordinates)
+    n = len(coordinates)
+    given: list[object] = []
+    if isinstance(names, str):
+        parted = names.replace(",", " ").split()
+        given = list(parted if len(parted) == n else names)
+    elif isinstance(names, Sequence):
+        given = list(names)
+    found = [name for name in given if isinstance(name, str) and name.strip()]
+    if len(found) != n or len(given) != n or len(set(found)) != n:
+        raise TensorIndexError(
+            f"names {checks.shown(names)}: needed are {n} different names, one for each of "
+            f"{', '.join(coordinates)}. Give them as a text of {n} letters, or as a list of texts."
+        )
+    return tuple(found)
+
+
+def _fixed(tensor: Tensor, names: tuple[str, ...], where: Where | None) -> dict[int, int]:
+    """Which indices have one value only, given by number or by name."""
+    coordinates = [symbol.name for symbol in tensor.frame.coordinates]
+    fixed = {}
+    for place, value in checks.table(where, "where").items():
+        rank = len(tensor.slots)
+        if not isinstance(place, int) or isinstance(place, bool) or not 0 <= place < rank:
+            raise TensorIndexError(
+                f"where: {tensor.label} has no index {checks.shown(place)}: it has {rank}, "
+                "counted from 0. Give {index: its value}, such as {0: 'r'}."
+            )
+        known = next((list_ for list_ in (names, coordinates) if value in list_), None)
+        found = known.index(value) if known is not None and isinstance(value, str) else value
+        if not isinstance(found, int) or isinstance(found, bool) or not 0 <= found < len(names):
+            raise TensorIndexError(
+                f"where[{place}] = {checks.shown(value)}: needed is a whole number from 0 to "
+                f"{len(names) - 1}, or one of {', '.join(names)}."
+            )
+        fixed[place] = found
+    return fixed

@@ -9,8 +9,9 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from geomtorsion.checks import close_names, shown
+from geomtorsion.displays import drawn_by
 from geomtorsion.errors import UnknownNameError
-from geomtorsion.geometry import frame_matrices, notation, riemannian
+from geomtorsion.geometry import frame_matrices, riemannian
 from geomtorsion.geometry.connections import cartan, levi_civita
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.symmetry import effective, orbits
@@ -285,12 +286,7 @@ class DependencyGraph:
     def __repr__(self) -> str:
         return str(self)
 
-    def _repr_html_(self) -> str:
-        return notation.html_table(
-            ("step", "components", "products at most", "what it is"),
-            [(step.name, step.components, step.products, step.meaning) for step in self.steps],
-            f"left out: {', '.join(self.left_out)}",
-        )
+    _repr_html_ = drawn_by("notebook_pictures", "plan_html")
 
     def __str__(self) -> str:
         heading = f"{'step':<20}{'components':>11}{'products at most':>18}  what it is"

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, SupportsIndex
 import sympy as sp
 
 from geomtorsion import checks
+from geomtorsion.displays import drawn_by
 from geomtorsion.errors import (
     TensorIndexError,
 )
@@ -19,6 +20,7 @@ from geomtorsion.exact.certainty import least_certain
 from geomtorsion.geometry import arithmetic, evaluation, notation
 from geomtorsion.geometry.components import Components, Row, change_slot
 from geomtorsion.geometry.index_types import KINDS, moved
+from geomtorsion.geometry.notation import ComponentTable, Names, Where
 from geomtorsion.geometry.symmetry import Index, Symmetry, effective
 
 if TYPE_CHECKING:
@@ -363,11 +365,45 @@ class Tensor:
         """Symbol with its indices in ASCII, such as S_{ab}^{c}."""
         return notation.ascii_label(self)
 
+    def table(
+        self, names: Names | None = None, *, where: Where | None = None, every: bool = False
+    ) -> ComponentTable:
+        """The components that do not vanish, with names of their indices.
+
+        Parameters
+        ----------
+        names
+            What the values of an index are called, one name for each coordinate: "trθφ", or a list
+            of texts. Without it coordinates have their own names and legs their numbers.
+        where
+            {index: its value} to see part of them: {2: "r"} has those with an r as last index.
+        every
+            List those too that follow from others by symmetry.
+
+        Raises
+        ------
+        TensorIndexError
+            There are not as many names as coordinates, or an index or its value does not exist.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> print(Frame([r, phi], [[1, 0], [0, r]]).metric.table())
+        metric g_{ab}: 2 of 4 components do not vanish
+          g_{r r}      [0, 0]  1
+          g_{phi phi}  [1, 1]  r**2
+        """
+        return notation.table(self, names, where, every)
+
     def __repr__(self) -> str:
         return notation.text(self)
 
     def _repr_latex_(self) -> str:
         return notation.latex(self)
+
+    _repr_html_ = drawn_by("notebook_tables", "tensor_html")
 
 
 def _whole(k: object) -> int:

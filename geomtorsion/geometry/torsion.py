@@ -8,6 +8,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from geomtorsion.displays import drawn_by
 from geomtorsion.exact import Element
 from geomtorsion.geometry.components import total
 from geomtorsion.geometry.contraction import contract
@@ -194,6 +195,8 @@ class Torsion:
 
     def _repr_latex_(self) -> str:
         return self.S._repr_latex_()
+
+    _repr_html_ = drawn_by("notebook_tables", "torsion_html")
 
 
 def scalar_of(torsion: Tensor) -> Element:

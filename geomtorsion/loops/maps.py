@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.displays import drawn_by
 from geomtorsion.errors import GeomtorsionError, LoopError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import validation
@@ -73,6 +74,8 @@ class BurgersMap:
     def total(self) -> np.ndarray:
         """Sum of all finished vectors, shape (n,): on a grid, b of the loop round all of it."""
         return np.nansum(self.vectors.reshape(len(self.vectors), -1), axis=1)
+
+    _repr_html_ = drawn_by("notebook_pictures", "map_html")
 
     def __repr__(self) -> str:
 

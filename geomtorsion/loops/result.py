@@ -12,6 +12,7 @@ import mpmath
 import numpy as np
 
 from geomtorsion.conventions import Signed
+from geomtorsion.displays import drawn_by
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import validation
 from geomtorsion.loops.arcs import Number, Parameters
@@ -208,6 +209,8 @@ class BurgersVector(Signed):
             "evaluations": self.evaluations,
             "seconds": self.seconds,
         }
+
+    _repr_html_ = drawn_by("notebook_pictures", "burgers_html")
 
     def __repr__(self) -> str:
         parts = ", ".join(f"{x:.12g}" for x in self.vector.tolist())

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from geomtorsion.copies import only_fields
+from geomtorsion.displays import drawn_by
 from geomtorsion.errors import AccuracyError, GeomtorsionError, StartError, TimeError
 from geomtorsion.ode.asked import (
     check_memory,
@@ -146,6 +147,7 @@ class Ensemble:
         )
 
     __repr__ = __str__
+    _repr_html_ = drawn_by("notebook_pictures", "solution_html")
 
 
 def solve_many(

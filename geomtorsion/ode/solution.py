@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from geomtorsion.copies import only_fields
+from geomtorsion.displays import drawn_by
 from geomtorsion.errors import TimeError
 from geomtorsion.ode import dense_error, event_times
 from geomtorsion.ode.moment import Moment
@@ -388,6 +389,8 @@ class Solution:
 
     def __repr__(self) -> str:
         return str(self)
+
+    _repr_html_ = drawn_by("notebook_pictures", "solution_html")
 
     # -- taking it elsewhere ---------------------------------------------------------------------
 

@@ -21,8 +21,10 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.development import draw_development
     from geomtorsion.pictures.loops import draw_closure, draw_map
     from geomtorsion.pictures.network import draw_dislocations, draw_lines, draw_network
+    from geomtorsion.pictures.notebook_pictures import draw_plan
     from geomtorsion.pictures.pair import solve_pair
     from geomtorsion.pictures.report import write_report
+    from geomtorsion.pictures.solutions import draw_solution
     from geomtorsion.pictures.style import can_draw, save
 
 # Imported when first asked for: who writes a formula needs no loops and no motions.
@@ -36,6 +38,8 @@ _HOMES = {
     "draw_loop_costs": "costs",
     "draw_map": "loops",
     "draw_network": "network",
+    "draw_plan": "notebook_pictures",
+    "draw_solution": "solutions",
     "save": "style",
     "solve_pair": "pair",
     "work_precision_picture": "costs",
@@ -52,6 +56,8 @@ __all__ = [
     "draw_loop_costs",
     "draw_map",
     "draw_network",
+    "draw_plan",
+    "draw_solution",
     "save",
     "solve_pair",
     "work_precision_picture",

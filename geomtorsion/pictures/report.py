@@ -8,7 +8,6 @@ from base64 import b64encode
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from html import escape
-from io import BytesIO
 from itertools import combinations
 from os import PathLike
 from pathlib import Path
@@ -27,7 +26,7 @@ from geomtorsion.pictures.loops import draw_closure
 from geomtorsion.pictures.pair import Pair, refuse_unknown_functions, solve_pair
 from geomtorsion.pictures.quantities import SECTIONS, chosen_quantities, geometry_data
 from geomtorsion.pictures.sections import section
-from geomtorsion.pictures.style import STYLE, can_draw
+from geomtorsion.pictures.style import STYLE, can_draw, svg_text
 from geomtorsion.pictures.text import greek_words
 from geomtorsion.pictures.verdicts import Verdict, verdicts
 from geomtorsion.spaces.first_motions import first_motion
@@ -282,13 +281,7 @@ def widest_gap(space: Space) -> BurgersVector:
 
 def _img(figure: Figure, says: str) -> str:
     """A picture inside the page."""
-    # Whoever has a figure has matplotlib.
-    import matplotlib as mpl
-
-    data = BytesIO()
-    with mpl.rc_context({"svg.hashsalt": "geomtorsion"}):
-        figure.savefig(data, format="svg", metadata={"Date": None, "Creator": None})
-    coded = b64encode(data.getvalue()).decode("ascii")
+    coded = b64encode(svg_text(figure).encode()).decode("ascii")
     width = STYLE.rem * figure.get_size_inches()[0]
     return (
         f'<img class="figure" alt="{escape(says)}" style="width: {width:.1f}rem" '

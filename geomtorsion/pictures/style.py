@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from html import escape
 from importlib.util import find_spec
+from io import StringIO
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import sympy as sp
 
-from geomtorsion.errors import MissingExtraError
+from geomtorsion.errors import GeomtorsionError, MissingExtraError
 from geomtorsion.pictures.text import greek_name
 
 if TYPE_CHECKING:
@@ -47,7 +49,8 @@ class Style:
     line, half, third: letters that fit into a row of a matrix, half of a page and a third of it.
     arrows: along the longer side of a map; more of them hide it. panel: height of a map, inches.
     broad: largest ratio of its sides.
-    unfolded: components of a list before the rest is folded away.
+    unfolded: components of a list before the rest is folded away. listed: the most in a notebook.
+    samples: points of a smooth line. members: lines of an ensemble that are drawn.
     """
 
     resolution: int = 150
@@ -70,6 +73,9 @@ class Style:
     half: int = 34
     third: int = 20
     unfolded: int = 40
+    listed: int = 400
+    samples: int = 601
+    members: int = 60
     arrows: int = 22
     panel: float = 4.4
     broad: float = 2.2
@@ -142,6 +148,36 @@ def save(figure: Figure, path: Path, dpi: int = STYLE.resolution) -> None:
     metadata = blank.get(kind, {"CreationDate": None, "Producer": None, "Creator": None})
     with mpl.rc_context({"svg.hashsalt": "geomtorsion"}):
         figure.savefig(path, dpi=dpi, metadata=metadata)
+
+
+def svg_text(figure: Figure) -> str:
+    """A figure as an SVG file, the same each time."""
+    # Whoever has a figure has matplotlib.
+    import matplotlib as mpl
+
+    data = StringIO()
+    with mpl.rc_context({"svg.hashsalt": "geomtorsion"}):
+        figure.savefig(data, format="svg", metadata={"Date": None, "Creator": None})
+    return data.getvalue()
+
+
+def pictured(text: str, draw: Callable[[], Figure]) -> str:
+    """Text with a picture below it, or with the reason why there is none.
+
+    Examples
+    --------
+    >>> def nothing():
+    ...     raise GeomtorsionError("no <picture>")
+    >>> pictured("a < b", nothing)
+    '<div><pre>a &lt; b</pre><p>no &lt;picture&gt;</p></div>'
+    """
+    try:
+        svg = svg_text(draw())
+        # Inside of a page there is no head of a file.
+        picture = f"<div>{svg[svg.index('<svg') :]}</div>"
+    except GeomtorsionError as error:
+        picture = f"<p>{escape(str(error))}</p>"
+    return f"<div><pre>{escape(text)}</pre>{picture}</div>"
 
 
 def mathematics(name: str) -> str:

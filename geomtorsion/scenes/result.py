@@ -20,6 +20,7 @@ from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz
 from geomtorsion.ode import solve
 from geomtorsion.ode.solution import Cost
 from geomtorsion.ode.tables import pandas_table
+from geomtorsion.pictures.style import pictured
 from geomtorsion.scenes.plotting import plot
 from geomtorsion.scenes.to_ode import observed
 
@@ -217,6 +218,9 @@ class SceneResult:
     def title(self) -> str:
         """The title of the scene, or its name."""
         return (self.scene.title or self.scene.name) if self.scene is not None else ""
+
+    def _repr_html_(self) -> str:
+        return pictured(str(self), self.plot)
 
     def __str__(self) -> str:
         how = self.closed_form or f"{self.engine} ({self.reason})"

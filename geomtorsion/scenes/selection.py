@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from io import StringIO
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy as sp
 
 from geomtorsion.pictures.scene_plan import plan_picture
+from geomtorsion.pictures.style import pictured, svg_text
 from geomtorsion.scenes.assembly import WORK, Assembly, power_of
 from geomtorsion.scenes.context import (
     ATTITUDE,
@@ -218,8 +218,8 @@ class StateSelection:
         """The graph as SVG text: what is in and, in grey, what is left out."""
         return drawn(self)
 
-    def _repr_svg_(self) -> str:
-        return self.draw()
+    def _repr_html_(self) -> str:
+        return pictured(str(self), lambda: selection_figure(self))
 
     def __str__(self) -> str:
         count = len(self.states)
@@ -397,10 +397,4 @@ def _box(group: str, names: list[str]) -> str:
 
 def drawn(selection: StateSelection) -> str:
     """The figure as SVG text, the same each time."""
-    figure: Any = selection_figure(selection)
-    import matplotlib as mpl  # an extra; `selection_figure` says so where it is missing
-
-    data = StringIO()
-    with mpl.rc_context({"svg.hashsalt": "geomtorsion"}):
-        figure.savefig(data, format="svg", metadata={"Date": None, "Creator": None})
-    return data.getvalue()
+    return svg_text(selection_figure(selection))

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from sympy import Basic, Expr, Symbol
 
 from geomtorsion.checks import expression
+from geomtorsion.displays import drawn_by
 from geomtorsion.geometry import Connection, Frame
 
 
@@ -119,6 +120,8 @@ class Space:
         if self.notes:
             lines.append(f"notes: {self.notes}")
         return "\n".join([*(line for line in lines if line), repr(self.frame)])
+
+    _repr_html_ = drawn_by("notebook_tables", "space_html")
 
     def _repr_markdown_(self) -> str:
         notes = f"\n\n*{self.notes}*" if self.notes else ""

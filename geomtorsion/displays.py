@@ -1,0 +1,27 @@
+"""displays: what a value shows in a notebook; those who draw stand floors above it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any
+
+
+def drawn_by(module: str, function: str) -> Callable[[Any], str]:
+    """A method that gives a value as HTML or SVG: a function of a module of pictures.
+
+    The module is named, not imported: pictures know every value, and no value knows its pictures.
+    Only a notebook goes this way up.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> drawn_by("notebook_tables", "frame_html")(load("so3").frame)[:4]
+    '<div'
+    """
+
+    def drawn(self: Any) -> str:
+        return getattr(import_module(f"geomtorsion.pictures.{module}"), function)(self)
+
+    drawn.__doc__ = "What a notebook shows."
+    return drawn

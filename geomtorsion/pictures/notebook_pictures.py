@@ -1,0 +1,90 @@
+"""notebook pictures: solutions, Burgers vectors and plans as a notebook shows them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from geomtorsion.geometry import notation
+from geomtorsion.pictures.loops import draw_closure, draw_map
+from geomtorsion.pictures.scene_plan import plan_picture
+from geomtorsion.pictures.solutions import draw_solution
+from geomtorsion.pictures.style import pictured
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from geomtorsion.geometry import DependencyGraph
+    from geomtorsion.loops import BurgersMap, BurgersVector
+    from geomtorsion.ode import Ensemble, Solution
+
+
+def solution_html(found: Solution | Ensemble) -> str:
+    """A solution, over time."""
+    return pictured(str(found), lambda: draw_solution(found))
+
+
+def burgers_html(b: BurgersVector) -> str:
+    """The loop and its image, with the gap."""
+    return pictured(_components(b), lambda: draw_closure(b))
+
+
+def _components(b: BurgersVector) -> str:
+    """One component a line, with the error of all and the check."""
+    lines = [f"b^{i} = {value:.12g}" for i, value in enumerate(b.vector.tolist())]
+    inside = [f"enclosed: {one}" for one in b.enclosed]
+    route = f"error below {b.error:.1e}, by the {b.route} route: {b.why}"
+    return "\n".join([*lines, route, b.check.text, *inside])
+
+
+def map_html(survey: BurgersMap) -> str:
+    """The density of Burgers vectors."""
+    return pictured(str(survey), lambda: draw_map(survey))
+
+
+def plan_html(plan: DependencyGraph) -> str:
+    """What is computed from what, drawn, and the steps in a table.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> plan_html(load("so3").frame.plan("metric")).count("<tr>")
+    3
+    """
+    table = notation.html_table(
+        ("step", "components", "products at most", "what it is"),
+        [(step.name, step.components, step.products, step.meaning) for step in plan.steps],
+        f"left out: {', '.join(plan.left_out)}",
+    )
+    drawn = pictured(f"plan of {plan.name}", lambda: draw_plan(plan))
+    return f"{drawn}<details open=''><summary>{len(plan.steps)} steps</summary>{table}</details>"
+
+
+def draw_plan(plan: DependencyGraph) -> Figure:
+    """A plan as a graph: each quantity to the right of those that it needs.
+
+    Returns
+    -------
+    A matplotlib figure.
+
+    Raises
+    ------
+    MissingExtraError
+        matplotlib is not installed.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> figure = draw_plan(load("so3").frame.plan("metric"))
+    >>> [text.get_text() for text in figure.axes[0].texts if text.get_text()]
+    ['step 1', 'coframe', 'step 2', 'metric']
+    """
+    depth: dict[str, int] = {}
+    for step in plan.steps:
+        needed = [depth[name] for name in plan.graph.predecessors(step.name)]
+        depth[step.name] = 1 + max(needed, default=0)
+    columns: Mapping[str, Sequence[str]] = {
+        f"step {k}": [name for name, own in depth.items() if own == k]
+        for k in range(1, max(depth.values()) + 1)
+    }
+    return plan_picture(columns, plan.graph.edges)

@@ -1,0 +1,220 @@
+"""notebook tables: frames, tensors and connections as a notebook shows them, formulas in MathML."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from html import escape
+from typing import TYPE_CHECKING
+
+from geomtorsion.errors import ExpressionError, LimitError
+from geomtorsion.geometry.notation import letters, plain_symbol
+from geomtorsion.pictures.formula import mathml
+from geomtorsion.pictures.latex import latex_label, latex_matrix, latex_name, latex_text
+from geomtorsion.pictures.style import STYLE
+
+if TYPE_CHECKING:
+    import sympy
+
+    from geomtorsion.geometry import Connection, Curvature, Frame, Tensor, Torsion
+    from geomtorsion.geometry.notation import ComponentTable
+    from geomtorsion.spaces import Space
+
+# As XML has it, too.
+_OPEN = '<details open="">'
+_LEFT = ' style="text-align:left"'
+
+
+def tensor_html(tensor: Tensor) -> str:
+    """The components of a tensor that do not vanish.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> tensor_html(load("so3").frame.metric).count("<tr>")  # one above them, and five components
+    6
+    """
+    return table_html(tensor.table())
+
+
+def torsion_html(torsion: Torsion) -> str:
+    """Components of S."""
+    return tensor_html(torsion.S)
+
+
+def curvature_html(curvature: Curvature) -> str:
+    """Components of the curvature with its last index up."""
+    return tensor_html(curvature.riemann)
+
+
+def table_html(table: ComponentTable) -> str:
+    """A table that folds away; of a long one the later rows are folded.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> table_html(load("so3").frame.metric.table("abc")).count("<details")
+    1
+    """
+    heading = _heading(table)
+    if not table.indices:
+        return f"<div>{heading}</div>"
+    rows = list(table.indices)
+    shown = _rows(table, rows[: STYLE.unfolded])
+    if len(rows) > STYLE.unfolded:
+        rest = _rows(table, rows[STYLE.unfolded : STYLE.listed])
+        count = len(rows) - STYLE.unfolded
+        beyond = len(rows) - STYLE.listed
+        left = f"<p>{beyond} more: print(tensor.table())</p>" if beyond > 0 else ""
+        shown += f"<details><summary>{count} more components</summary>{rest}{left}</details>"
+    ending = f"<p>{escape(table.ending)}</p>" if table.ending else ""
+    return f"{_OPEN}<summary>{heading}</summary>{shown}{ending}</details>"
+
+
+def connection_html(connection: Connection) -> str:
+    """The coefficients of a connection, to be chosen by the upper index.
+
+    Examples
+    --------
+    >>> from geomtorsion.geometry import cartan
+    >>> from geomtorsion.spaces import load
+    >>> connection_html(cartan(load("so3").frame)).count("<details")
+    3
+    """
+    whole = connection.table()
+    tensor = connection.coefficients
+    parts = []
+    for c, name in enumerate(whole.names):
+        table = connection.table(where={2: c}, every=True)
+        slots = letters(tensor.slots)
+        label = _math(latex_label(_symbol(tensor), [*slots[:2], latex_name(name)], tensor.slots))
+        if not table.indices:
+            parts.append(f"<div>{label} = 0</div>")
+            continue
+        opened = ' open=""' if c == 0 or len(whole.indices) <= STYLE.unfolded else ""
+        count = f"{len(table.indices)} of {connection.frame.dimension**2} do not vanish"
+        rows = _rows(table, table.indices)
+        parts.append(f"<details{opened}><summary>{label}: {count}</summary>{rows}</details>")
+    label = _math(latex_label(_symbol(tensor), letters(tensor.slots), tensor.slots))
+    return f"<div>{escape(connection.name)} {label}: {whole.count}{''.join(parts)}</div>"
+
+
+def frame_html(frame: Frame) -> str:
+    """Name, coordinates, one-forms, signs and branches of a frame.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> frame_html(load("so3").frame).count("<tr>")
+    3
+    """
+    names = ", ".join(_math(latex_name(symbol.name)) for symbol in frame.coordinates)
+    rows = []
+    for i in range(frame.dimension):
+        form = [
+            (frame.coframe[i, mu], latex_name(symbol.name))
+            for mu, symbol in enumerate(frame.coordinates)
+        ]
+        rows.append((_math(rf"e^{{\hat{{{i}}}}}"), f"= {_one_form(form)}"))
+    table = _table((), rows)
+    branches = "".join(f"<p>{escape(str(branch))}</p>" for branch in frame.branches)
+    name = escape(frame.name or "frame")
+    return f"<div><b>{name}</b> (coordinates {names}; {_signature(frame)}){table}{branches}</div>"
+
+
+def _signature(frame: Frame) -> str:
+    """The constant metric of the legs: its diagonal, or the whole where there is more."""
+    n = range(frame.dimension)
+    rows = [[latex_text(frame.eta[i, j]) for j in n] for i in n]
+    if all(i == j for i, j in frame.eta.nonzero()):
+        diagonal = ", ".join(rows[i][i] for i in n)
+        return _math(rf"\eta = \operatorname{{diag}}\left({diagonal}\right)")
+    return _math(rf"\eta = {latex_matrix(rows)}")
+
+
+def space_html(space: Space) -> str:
+    """What a space is, where it comes from, and its frame.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> space_html(load("so3"))[:11]
+    '<div><b>so3'
+    """
+    source = f"<p>Source: {escape(space.source)}</p>" if space.source else ""
+    notes = f"<p><i>{escape(space.notes)}</i></p>" if space.notes else ""
+    title = f"<b>{escape(space.name)}</b>: {escape(space.title)}"
+    return f"<div>{title}<p>{escape(space.story)}</p>{source}{notes}</div>{frame_html(space.frame)}"
+
+
+def _one_form(form: Sequence[tuple[sympy.Expr, str]]) -> str:
+    """A sum of differentials; factors that are no formula stay text."""
+    parts = []
+    for factor, name in form:
+        if factor == 0:
+            continue
+        differential = rf"\mathrm{{d}}{name}"
+        if factor == 1:
+            parts.append(differential)
+            continue
+        written = latex_text(factor)
+        bracketed = rf"\left({written}\right)" if factor.is_Add else written
+        parts.append(rf"{bracketed}\,{differential}")
+    return _math(" + ".join(parts).replace("+ -", "- "))
+
+
+def _heading(table: ComponentTable) -> str:
+    """What a tensor is called and how many components it has."""
+    tensor = table.tensor
+    label = latex_label(_symbol(tensor), letters(tensor.slots), tensor.slots)
+    words = f"{escape(tensor.name or 'tensor')} {_math(label)}"
+    if table.count:
+        return f"{words}: {table.count}"
+    return f"{words} = {_value(table, ())}"
+
+
+def _rows(table: ComponentTable, indices: Iterable[tuple[int, ...]]) -> str:
+    """Rows: the component, where it stands, its value."""
+    tensor = table.tensor
+    if not tensor.slots:
+        return ""
+    rows = []
+    for index in indices:
+        marks = [
+            rf"\hat{{{latex_name(mark)}}}" if slot in "DU" else latex_name(mark)
+            for slot, mark in zip(tensor.slots, table.marks(index), strict=True)
+        ]
+        label = latex_label(_symbol(tensor), marks, tensor.slots)
+        rows.append((_math(label), escape(str(list(index))), _value(table, index)))
+    return _table(("component", "index", "value"), rows)
+
+
+def _symbol(tensor: Tensor) -> str:
+    """The symbol of a tensor in LaTeX; a word stands upright."""
+    symbol = tensor.symbol
+    return symbol if symbol.startswith("\\") else latex_name(plain_symbol(symbol))
+
+
+def _value(table: ComponentTable, index: tuple[int, ...]) -> str:
+    """The value of a component as a formula; the reason where it is too long to be written."""
+    try:
+        return _math(latex_text(table.tensor[index]))
+    except LimitError as error:
+        return f"<i>{escape(str(error))}</i>"
+
+
+def _math(latex: str) -> str:
+    """A formula; one that our writer does not know stands as it is."""
+    try:
+        return mathml(latex, tall=True)
+    except ExpressionError:
+        return f"<code>{escape(latex)}</code>"
+
+
+def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table of cells that are HTML already."""
+
+    def line(cells: Sequence[str], tag: str) -> str:
+        return f"<tr>{''.join(f'<{tag}{_LEFT}>{cell}</{tag}>' for cell in cells)}</tr>"
+
+    above = f"<thead>{line(head, 'th')}</thead>" if head else ""
+    return f"<table>{above}<tbody>{''.join(line(row, 'td') for row in rows)}</tbody></table>"

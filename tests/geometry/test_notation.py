@@ -1,0 +1,103 @@
+"""Tables of components: what is listed, how indices are called, what is refused."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import pytest
+import sympy as sp
+
+from geomtorsion import cartan, levi_civita, spaces
+from geomtorsion.errors import ArgumentError, GeomtorsionError, TensorIndexError
+from geomtorsion.geometry import Frame
+
+r, phi = sp.symbols("r phi", positive=True)
+
+
+@pytest.fixture(scope="module")
+def polar() -> Frame:
+    """Polar coordinates: legs along r and phi."""
+    return Frame([r, phi], [[1, 0], [0, r]])
+
+
+def test_every_component_that_does_not_vanish():
+    """Listed are exactly those, with their values, on a frame with many."""
+    bar = levi_civita(spaces.load("kerr").frame)
+    table = bar.table(every=True)
+    found = {row.index: row.value for row in table}
+    every = {index: bar[index] for index in product(range(4), repeat=3)}
+    assert found == {index: value for index, value in every.items() if value != 0}
+    assert len(table) == 32
+    assert len(bar.table()) + int(bar.table().ending.split()[0]) == 32
+
+
+def test_names_can_be_chosen(polar):
+    """One name for each coordinate: letters of a text, words of a text, or a list."""
+    torsion = cartan(polar).torsion.S
+    assert [row.label for row in torsion.table()] == ["S_{r phi}^{phi}"]
+    for names in ("rφ", "r φ", "r, φ", ["r", "φ"], ("r", "φ")):
+        assert [row.label for row in torsion.table(names)] == ["S_{rφ}^{φ}"]
+    assert [row.label for row in polar.anholonomy.table()] == ["C_{01}^{1}"]
+    assert [row.label for row in polar.anholonomy.table("ab")] == ["C_{ab}^{b}"]
+
+
+def test_an_index_can_be_chosen(polar):
+    """By its number, or by the name of its value."""
+    bar = levi_civita(polar)
+    wanted = {(0, 1, 1): 1 / r, (1, 0, 1): 1 / r}
+    for value in (1, "phi"):
+        assert {row.index: row.value for row in bar.table(where={2: value})} == wanted
+    assert {row.index for row in bar.table("rφ", where={2: "φ", 0: "r"})} == {(0, 1, 1)}
+    assert not bar.table(where={0: "r", 1: "r"}).rows
+
+
+def test_texts(polar):
+    """A table prints one component a line, and says what it left out."""
+    assert str(polar.metric.table()).splitlines()[1:] == [
+        "  g_{r r}      [0, 0]  1",
+        "  g_{phi phi}  [1, 1]  r**2",
+    ]
+    assert repr(polar.determinant.table()) == "determinant e\n  e    r"
+    assert str(levi_civita(polar).curvature.riemann.table()) == (
+        "Riemann R_bar_{abc}^{d}: all components vanish"
+    )
+    assert str(cartan(polar).torsion.S.table()).endswith("\n  1 more follows by symmetry")
+
+
+@pytest.mark.parametrize(
+    ("names", "message"),
+    [
+        ("r", "2 different names, one for each of r, phi"),
+        ("rr", "2 different names"),
+        ("a b c", "2 different names"),
+        (["r", ""], "2 different names"),
+        (["r", 3], "2 different names"),
+        (7, "2 different names"),
+        ({"r": 1, "phi": 2}, "2 different names"),
+    ],
+)
+def test_names_that_are_none(polar, names, message):
+    """What was needed, what came, what to do."""
+    with pytest.raises(TensorIndexError, match=message):
+        polar.metric.table(names)
+
+
+@pytest.mark.parametrize(
+    ("where", "message"),
+    [
+        ({2: 0}, "g_{ab} has no index 2"),
+        ({-1: 0}, "has no index -1"),
+        ({True: 0}, "has no index True"),
+        ({"r": 0}, "has no index 'r'"),
+        ({0: 2}, "a whole number from 0 to 1, or one of r, phi"),
+        ({0: "theta"}, "'theta': needed is a whole number"),
+        ({0: 1.5}, "needed is a whole number"),
+        ([1], "where"),
+    ],
+)
+def test_places_that_are_none(polar, where, message):
+    """An index or a value that does not exist is named."""
+    with pytest.raises(GeomtorsionError, match=message):
+        polar.metric.table(where=where)
+    with pytest.raises(ArgumentError, match="every"):
+        polar.metric.table(every="yes")

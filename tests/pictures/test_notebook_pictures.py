@@ -1,0 +1,120 @@
+"""What a notebook shows of solutions, Burgers vectors and plans: text, and a picture if it can."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pytest
+
+import geomtorsion as gt
+from geomtorsion.pictures import style
+
+pytest.importorskip("matplotlib")
+
+SO3 = gt.spaces.load("so3").frame
+START, VELOCITY = [0.3, 1.0, 0.2], [0.1, 0.5, -0.2]
+
+
+def parts(one: object) -> tuple[str, str]:
+    """Text and picture of what is shown."""
+    html = one._repr_html_()  # type: ignore[attr-defined]
+    ElementTree.fromstring(f"<div>{html}</div>")
+    assert html.count("<svg") == 1
+    return html[: html.index("<svg")], html[html.index("<svg") :]
+
+
+def test_a_solved_curve_is_drawn():
+    """With its error; equal calls give equal pictures."""
+    solution = gt.solve(gt.autoparallel(gt.cartan(SO3), START, VELOCITY), t=5.0)
+    text, picture = parts(solution)
+    assert "error below" in text
+    assert parts(solution)[1] == picture
+
+
+def test_lines_are_the_solution():
+    """What is drawn is what the solution gives at those times."""
+    swing = gt.solve(gt.ODE.of({"x": "v", "v": "-x"}, [1, 0]), 10.0)
+    figure = gt.pictures.draw_solution(swing)
+    for axes, function in zip(figure.axes, (np.cos, lambda t: -np.sin(t)), strict=True):
+        times, values = (np.asarray(x) for x in axes.lines[0].get_data())
+        assert (times[0], times[-1]) == (0.0, 10.0)
+        assert values == pytest.approx(function(times), abs=1e-8)
+
+
+def test_the_path_of_a_curve_in_two_coordinates():
+    """On a sphere: beside the coordinates their path."""
+    sphere = gt.spaces.load("s2").frame
+    problem = gt.geodesic(sphere, [1.0, 0.0], [0.0, 1.0], parameters={"R": 1})
+    solution = gt.solve(problem, 2.0)
+    figure = gt.pictures.draw_solution(solution)
+    assert [axes.get_ylabel() for axes in figure.axes] == [r"$\phi$", r"$\theta$", r"$\phi$"]
+    path = np.asarray(figure.axes[0].lines[0].get_data())
+    assert path[:, -1] == pytest.approx(solution.coordinates[-1], abs=1e-12)
+
+
+def test_ensembles_are_drawn():
+    """Every motion a line; one with its end alone has a text that says why there is none."""
+    decay = gt.ODE.of({"x": "-k*x"}, [1], parameters={"k": 1})
+    many = gt.solve_many(decay, {"k": np.array([1.0, 2.0])}, [0.5, 1.0])
+    assert len(gt.pictures.draw_solution(many).axes[0].lines) == 2
+    assert "2 of 2 motions" in parts(many)[0]
+    ends = gt.solve_many(decay, {"k": np.array([1.0, 2.0])}, 1.0)
+    assert "two times at least, and 1 came" in ends._repr_html_()
+
+
+def test_a_burgers_vector_is_its_loop_and_its_image():
+    """Components, error and check as text; loop, image and gap as a picture."""
+    b = gt.burgers_vector(SO3, gt.Loop.circle(START, 0.3))
+    text, picture = parts(b)
+    for value in b.vector.tolist():
+        assert f"{value:.12g}" in text
+    assert b.check.text in text
+    assert len(picture) > 5000
+
+
+def test_maps_are_drawn():
+    """The density of Burgers vectors on a grid."""
+    grid = gt.burgers_map(SO3, [[0.2, 0.3, 0.4], [1.0, 1.1, 1.2]])
+    assert "BurgersMap(4 of 4 loops" in parts(grid)[0]
+
+
+def test_plans_are_drawn():
+    """Each quantity once, each to the right of what it needs; the table stays below."""
+    plan = gt.spaces.load("kerr").frame.plan("einstein")
+    text, picture = parts(plan)
+    assert "plan of einstein" in text
+    assert "<td>christoffel</td>" in picture
+    figure = gt.pictures.draw_plan(plan)
+    places = {t.get_text(): t.get_position()[0] for t in figure.axes[0].texts}
+    assert len([name for name in places if name in plan.graph]) == len(plan.graph)
+    assert all(places[one] < places[two] for one, two in plan.graph.edges)
+
+
+def test_scenes_are_drawn():
+    """What was watched, and what was computed for it."""
+    scene = gt.scenes.load("lagrange_cusp")
+    assert "error below" in parts(scene.run())[0]
+    assert "left out" in parts(scene.selection)[0]
+
+
+def test_without_the_extra_there_is_text(monkeypatch):
+    """The text stands, and the line below it says what brings the picture."""
+
+    def missing(_: float, __: float) -> None:
+        raise gt.errors.MissingExtraError("pictures need matplotlib")
+
+    monkeypatch.setattr("geomtorsion.pictures.loops.new_figure", missing)
+    html = gt.burgers_vector(SO3, gt.Loop.circle(START, 0.3))._repr_html_()
+    assert "b^0 = " in html
+    assert "<p>pictures need matplotlib</p>" in html
+    assert "<svg" not in html
+
+
+def test_texts_are_escaped():
+    """Names of states and titles of scenes never become markup."""
+    assert style.pictured("<b>", lambda: style.new_figure(1, 1)).startswith(
+        "<div><pre>&lt;b&gt;</pre><div><svg"
+    )
+    motion = gt.ODE.of({"x": "-x"}, [1], outputs={"half": "x/2"})
+    assert "<script" not in gt.solve(motion, 1.0)._repr_html_()

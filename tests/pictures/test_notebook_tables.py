@@ -1,0 +1,126 @@
+"""What a notebook shows of frames, tensors and connections: right values, and nothing is run."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ElementTree
+
+import pytest
+import sympy as sp
+
+import geomtorsion as gt
+from geomtorsion.pictures.formula import mathml
+from geomtorsion.pictures.latex import latex_text
+from geomtorsion.pictures.style import STYLE
+
+R, PHI = sp.symbols("r phi", positive=True)
+EVIL = "<img src=x onerror=alert(1)>"
+
+
+def tree(html: str) -> ElementTree.Element:
+    """The parts of what is shown; fails where it is not well formed."""
+    return ElementTree.fromstring(f"<div>{html}</div>")
+
+
+def rows(html: str) -> list[list[str]]:
+    """The texts of the cells of all rows of components."""
+    found = [["".join(cell.itertext()) for cell in row.iter("td")] for row in tree(html).iter("tr")]
+    return [row for row in found if row]
+
+
+def text(expression: object) -> str:
+    """What a formula says without its shape."""
+    return "".join(tree(mathml(latex_text(expression))).itertext())
+
+
+def test_a_tensor_is_a_table_of_its_components():
+    """One row for each that is independent: name, place, value; it folds away."""
+    torsion = gt.cartan(gt.spaces.load("kerr").frame).torsion.S
+    html = torsion._repr_html_()
+    found = rows(html)
+    assert [row[1] for row in found] == [str(list(row.index)) for row in torsion.table()]
+    assert [row[2] for row in found] == [text(row.value) for row in torsion.table()]
+    assert found[0][0] == "Strt"
+    assert tree(html)[0].tag == "details"
+    assert "18 of 64 components do not vanish" in html
+    assert "9 more follow by symmetry" in html
+    assert gt.cartan(gt.spaces.load("kerr").frame).torsion._repr_html_() == html
+
+
+def test_chosen_names_are_shown():
+    """In the table of a notebook, too; legs have a hat."""
+    polar = gt.Frame([R, PHI], [[1, 0], [0, R]])
+    assert rows(gt.cartan(polar).torsion.S.table("uv")._repr_html_())[0][0] == "Suvv"
+    assert rows(polar.anholonomy.table("uv")._repr_html_())[0][0] == "Cu^v^v^"
+    assert rows(polar.anholonomy._repr_html_())[0][0] == "C0^1^1^"
+
+
+def test_short_things_are_short():
+    """What vanishes and what has no index needs no table."""
+    sphere = gt.spaces.load("s2").frame
+    assert gt.cartan(sphere).curvature._repr_html_().count("all components vanish") == 1
+    assert not rows(gt.cartan(sphere).curvature._repr_html_())
+    shown = "".join(tree(gt.levi_civita(sphere).curvature.scalar._repr_html_()).itertext())
+    assert shown == "curvature scalar R = 2R2"
+
+
+def test_long_things_are_folded():
+    """The first are open, the others one touch away; the most are told."""
+    kerr = gt.spaces.load("kerr").frame
+    derivative = gt.levi_civita(kerr).covariant_derivative(gt.cartan(kerr).torsion.S)
+    html = derivative._repr_html_()
+    count = len(derivative.components.independent)
+    assert count > STYLE.unfolded
+    assert f"<summary>{count - STYLE.unfolded} more components</summary>" in html
+    assert len(rows(html)) == count
+
+
+def test_a_connection_is_chosen_by_its_upper_index():
+    """A part for each upper index with all that it has: what is listed is all."""
+    bar = gt.levi_civita(gt.spaces.load("schwarzschild").frame)
+    html = bar._repr_html_()
+    parts = tree(html)[0].findall("details")
+    assert len(parts) == 4
+    assert len(rows(html)) == len(bar.table(every=True)) == 13
+    assert "Levi-Civita connection" in html
+
+
+def test_a_frame_shows_its_forms():
+    """Each one-form, the signature and the branches of roots."""
+    frame = gt.spaces.load("schwarzschild").frame
+    found = rows(frame._repr_html_())
+    assert len(found) == 4
+    assert found[2][1] == "= rdθ"
+    assert "η=diag(−1,1,1,1)" in "".join(tree(frame._repr_html_()).itertext())
+    assert "right where" in frame._repr_html_() or not frame.branches
+    null = gt.spaces.load("kerr_kinnersley").frame
+    assert "<mtable>" in null._repr_html_()
+
+
+def test_what_users_type_is_escaped():
+    """Names of coordinates, frames and spaces, and chosen names, never become markup."""
+    x, y = sp.Symbol(EVIL), sp.Symbol("y")
+    function = sp.Function(EVIL)
+    frame = gt.Frame([x, y], [[1, 0], [x, function(y)]], name=EVIL)
+    space = gt.spaces.Space(EVIL, EVIL, EVIL, EVIL, frame, notes=EVIL)
+    shown = [
+        frame, frame.metric, frame.legs, gt.cartan(frame), gt.levi_civita(frame).curvature,
+        gt.cartan(frame).torsion, frame.metric.table([EVIL, f"{EVIL}2"]), space,
+        frame.scalar(function(y), EVIL, EVIL), frame.plan("ricci"),
+    ]  # fmt: skip
+    for one in shown:
+        html = one._repr_html_()
+        assert "<img" not in html, type(one)
+    # Names with braces would end a formula early.
+    odd = gt.Frame([sp.Symbol("a}b"), y], [[1, 0], [sp.Symbol("a}b"), 1]])
+    assert "<tr>" in odd._repr_html_()
+
+
+@pytest.mark.parametrize("name", gt.spaces.names())
+def test_every_shipped_space_is_shown(name):
+    """All of them in well-formed markup, of formulas that are known."""
+    space = gt.spaces.load(name)
+    for one in (space, space.frame.metric, gt.cartan(space.frame).torsion):
+        html = one._repr_html_()
+        tree(html)
+        assert not re.search(r"<code>", html)
