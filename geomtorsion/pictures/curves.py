@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from mpl_toolkits.mplot3d import Axes3D
 
+    from geomtorsion.curves import Atlas
     from geomtorsion.ode import Solution
     from geomtorsion.pictures.pair import Pair
 
@@ -161,18 +162,22 @@ def coordinates_picture(pair: Pair) -> Figure:
 def continued(pair: Pair) -> dict[str, np.ndarray]:
     """Coordinates with angles carried on beyond a full turn instead of jumping back."""
     atlas = pair.problem.atlas
+    return {
+        name: carried_on(atlas, pair.chart, points) for name, points in pair.coordinates.items()
+    }
+
+
+def carried_on(atlas: Atlas, chart: str, points: np.ndarray) -> np.ndarray:
+    """Points of a curve, shape (m, n), whose angles do not jump back after a turn."""
     angles: set[int] = set()
     for other in atlas.makers:
-        route = atlas.route(other, pair.chart) if other != pair.chart else []
+        route = atlas.route(other, chart) if other != chart else []
         if route:
             angles |= set(route[-1].angles)
-    found = {}
-    for name, points in pair.coordinates.items():
-        smooth = np.array(points, dtype=float)
-        for k in angles:
-            smooth[:, k] = np.unwrap(smooth[:, k])
-        found[name] = smooth
-    return found
+    smooth = np.array(points, dtype=float)
+    for k in angles:
+        smooth[:, k] = np.unwrap(smooth[:, k])
+    return smooth
 
 
 def _view(

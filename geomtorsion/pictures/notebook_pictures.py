@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from geomtorsion.geometry import notation
 from geomtorsion.pictures.loops import draw_closure, draw_map
-from geomtorsion.pictures.scene_plan import plan_picture
+from geomtorsion.pictures.scene_plan import layers_picture
 from geomtorsion.pictures.solutions import draw_solution
 from geomtorsion.pictures.style import pictured
 
@@ -61,7 +60,7 @@ def plan_html(plan: DependencyGraph) -> str:
 
 
 def draw_plan(plan: DependencyGraph) -> Figure:
-    """A plan as a graph: each quantity to the right of those that it needs.
+    """A plan as a graph: each quantity below those that it needs.
 
     Returns
     -------
@@ -77,14 +76,13 @@ def draw_plan(plan: DependencyGraph) -> Figure:
     >>> from geomtorsion.spaces import load
     >>> figure = draw_plan(load("so3").frame.plan("metric"))
     >>> [text.get_text() for text in figure.axes[0].texts if text.get_text()]
-    ['step 1', 'coframe', 'step 2', 'metric']
+    ['coframe', 'metric']
     """
     depth: dict[str, int] = {}
     for step in plan.steps:
         needed = [depth[name] for name in plan.graph.predecessors(step.name)]
         depth[step.name] = 1 + max(needed, default=0)
-    columns: Mapping[str, Sequence[str]] = {
-        f"step {k}": [name for name, own in depth.items() if own == k]
-        for k in range(1, max(depth.values()) + 1)
-    }
-    return plan_picture(columns, plan.graph.edges)
+    layers = [
+        [name for name, own in depth.items() if own == k] for k in range(1, max(depth.values()) + 1)
+    ]
+    return layers_picture(layers, plan.graph.edges)

@@ -30,8 +30,8 @@ def tensor_html(tensor: Tensor) -> str:
     Examples
     --------
     >>> from geomtorsion.spaces import load
-    >>> tensor_html(load("so3").frame.metric).count("<tr>")  # one above them, and five components
-    6
+    >>> tensor_html(load("so3").frame.metric).count("<tr>")  # one for each component
+    5
     """
     return table_html(tensor.table())
 

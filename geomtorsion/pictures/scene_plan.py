@@ -78,6 +78,51 @@ def plan_picture(
     return figure
 
 
+def layers_picture(layers: Sequence[Sequence[str]], edges: Iterable[tuple[str, str]]) -> Figure:
+    """Boxes in layers from top to bottom, arrows from what is needed to what needs it.
+
+    Raises
+    ------
+    MissingExtraError
+        matplotlib is not installed.
+
+    Examples
+    --------
+    >>> figure = layers_picture([["metric"], ["christoffel"]], [("metric", "christoffel")])
+    >>> [text.get_text() for text in figure.axes[0].texts if text.get_text()]
+    ['metric', 'christoffel']
+    """
+    widest = max((len(boxes) for boxes in layers), default=1)
+    # Arrows over several layers pass beside the boxes.
+    wide, high = STYLE.column * (widest + 1), STYLE.row * 1.4 * len(layers)
+    figure = new_figure(wide, high)
+    axes: Axes = figure.add_subplot()
+    places = {
+        box: (STYLE.column * (k - (len(boxes) - 1) / 2), -STYLE.row * 1.4 * depth)
+        for depth, boxes in enumerate(layers)
+        for k, box in enumerate(boxes)
+    }
+    for depth, boxes in enumerate(layers):
+        for box in boxes:
+            _box(axes, places[box], box, FILLS[depth % len(FILLS)], None)
+    for start, end in edges:
+        (x, y), (u, v) = places[start], places[end]
+        near = y - v < 1.5 * STYLE.row * 1.4
+        side = 1 if x >= 0 else -1
+        half = side * (STYLE.box / 2 + 0.03)
+        ends = ((x, y - 0.21), (u, v + 0.21)) if near else ((x + half, y), (u + half, v))
+        look = {
+            "arrowstyle": "-|>", "color": INK, "linewidth": 0.9, "shrinkA": 0, "shrinkB": 0,
+            "mutation_scale": 10, "connectionstyle": f"arc3,rad={0 if near else -0.35 * side}",
+        }  # fmt: skip
+        axes.annotate("", xy=ends[1], xytext=ends[0], arrowprops=look, zorder=0)
+    axes.set_xlim(-wide / 2, wide / 2)
+    axes.set_ylim(0.7 * STYLE.row - high, 0.7 * STYLE.row)
+    axes.set_aspect("equal", adjustable="box")
+    axes.set_axis_off()
+    return figure
+
+
 def _box(axes: Axes, place: tuple[float, float], text: str, fill: str, reason: str | None) -> None:
     # Whoever has axes has matplotlib.
     from matplotlib.patches import FancyBboxPatch

@@ -11,6 +11,7 @@ import numpy as np
 from geomtorsion.curves import CurveProblem
 from geomtorsion.errors import ShapeError
 from geomtorsion.ode import Ensemble, Solution
+from geomtorsion.pictures.curves import carried_on
 from geomtorsion.pictures.style import (
     SERIES,
     STYLE,
@@ -110,7 +111,9 @@ def _finely(found: Solution) -> tuple[np.ndarray, Lines]:
     columns.pop(found.problem.time_name, None)
     problem = found.problem
     if isinstance(problem, CurveProblem) and problem.start is not None:
-        columns = {name: columns[name] for name in problem.coordinates}
+        points = np.stack([np.asarray(columns[name]) for name in problem.coordinates], axis=-1)
+        smooth = carried_on(problem.atlas, problem.atlas.home, points)
+        columns = dict(zip(problem.coordinates, smooth.T, strict=True))
     return times, {name: np.asarray(x, dtype=float)[None, :] for name, x in columns.items()}
 
 

@@ -42,6 +42,15 @@ def test_lines_are_the_solution():
         assert values == pytest.approx(function(times), abs=1e-8)
 
 
+def test_angles_do_not_jump():
+    """An angle that turns on is drawn so, not as a line across the picture."""
+    problem = gt.autoparallel(gt.cartan(SO3), START, VELOCITY)
+    figure = gt.pictures.draw_solution(gt.solve(problem, 20.0))
+    for axes in figure.axes:
+        values = np.asarray(axes.lines[0].get_ydata())
+        assert np.abs(np.diff(values)).max() < 0.5
+
+
 def test_the_path_of_a_curve_in_two_coordinates():
     """On a sphere: beside the coordinates their path."""
     sphere = gt.spaces.load("s2").frame
@@ -80,15 +89,15 @@ def test_maps_are_drawn():
 
 
 def test_plans_are_drawn():
-    """Each quantity once, each to the right of what it needs; the table stays below."""
+    """Each quantity once, each below what it needs; the table stays below the picture."""
     plan = gt.spaces.load("kerr").frame.plan("einstein")
     text, picture = parts(plan)
     assert "plan of einstein" in text
     assert "<td>christoffel</td>" in picture
     figure = gt.pictures.draw_plan(plan)
-    places = {t.get_text(): t.get_position()[0] for t in figure.axes[0].texts}
+    places = {t.get_text(): t.get_position()[1] for t in figure.axes[0].texts}
     assert len([name for name in places if name in plan.graph]) == len(plan.graph)
-    assert all(places[one] < places[two] for one, two in plan.graph.edges)
+    assert all(places[one] > places[two] for one, two in plan.graph.edges)
 
 
 def test_scenes_are_drawn():
