@@ -68,7 +68,7 @@ def draw_solution(found: Solution | Ensemble) -> Figure:
     figure = new_figure(4.6 * columns + 4.2 * (path is not None), 1.0 + 1.7 * max(rows, 2))
     panels = figure
     if path is not None:
-        panels, beside = figure.subfigures(1, 2, width_ratios=(4.6 * columns, 4.2))
+        panels, beside = np.asarray(figure.subfigures(1, 2, width_ratios=(4.6 * columns, 4.2)))
         _draw_path(beside.subplots(), path)
     first: Axes | None = None
     for place, (name, values) in enumerate(lines.items()):

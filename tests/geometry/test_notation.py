@@ -25,7 +25,7 @@ def test_every_component_that_does_not_vanish():
     bar = levi_civita(spaces.load("kerr").frame)
     table = bar.table(every=True)
     found = {row.index: row.value for row in table}
-    every = {index: bar[index] for index in product(range(4), repeat=3)}
+    every = {(a, b, c): bar[a, b, c] for a, b, c in product(range(4), repeat=3)}
     assert found == {index: value for index, value in every.items() if value != 0}
     assert len(table) == 32
     assert len(bar.table()) + int(bar.table().ending.split()[0]) == 32
