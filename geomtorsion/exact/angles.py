@@ -47,9 +47,9 @@ class Angles:
         turn, rest = self._turn_taken_out(angle)
         pair: Pair = (field.one, field.zero)
         for coefficient, index in self.basis.decompose(rest):
-            pair = _added(pair, self._multiple(index, coefficient))
+            pair = sum_of_angles(pair, self._multiple(index, coefficient))
         if turn:
-            pair = _added(pair, self._constant(turn))
+            pair = sum_of_angles(pair, self._constant(turn))
         return pair
 
     def _turn_taken_out(self, angle: Element) -> tuple[fmpq, Element]:
@@ -100,7 +100,7 @@ class Angles:
         n = int(count.p)
         limits.check_multiple(n, "angles", self.basis.elements[index], unit)
         # cos(n u) by repeated doubling: log(n) products instead of n.
-        cos, sin = _power(pair, abs(n), self._field)
+        cos, sin = power_of_pair(pair, abs(n), self._field)
         result = (cos, -sin if n < 0 else sin)
         self._multiples[index, coefficient] = result
         return result
@@ -109,7 +109,7 @@ class Angles:
         """The finest unit of an atom and its pair; made on first use."""
         if index not in self._finest:
             atom = self.basis.elements[index]
-            inverse = _of_inverse_function(self._field, atom)
+            inverse = _of_atom(self._field, atom)
             unit = fmpq(1) if inverse else self.basis.units[index] or coefficient
             self.basis.units[index] = unit
             self._finest[index] = (unit, inverse or self._new_pair(atom * unit))
@@ -194,27 +194,35 @@ class Angles:
         return field.add(generator)
 
 
-def _of_inverse_function(field: Tower, atom: Element) -> Pair | None:
-    """cos and sin of atan, atan2, asin, acos: algebraic."""
+def _of_atom(field: Tower, atom: Element) -> Pair | None:
+    """cos and sin of an atom that is an inverse function."""
     generator = single_generator(field, atom)
     if generator is None or generator.kind != "primitive":
         return None
     inner, _, arguments = generator.argument
-    name = type(generator.shown).__name__
+    return of_inverse_function(field, type(generator.shown).__name__, inner, arguments)
+
+
+def of_inverse_function(
+    field: Tower, name: str, inner: Element, arguments: tuple[Element, ...]
+) -> Pair | None:
+    """cos and sin of atan, atan2, asin, acos: algebraic."""
     if name == "atan2":
         y, x = arguments
         radius = (x * x + y * y).sqrt()
         return x / radius, y / radius
     if name in ("atan", "acot"):
-        root = (inner * inner + 1).sqrt()
-        return (1 / root, inner / root) if name == "atan" else (inner / root, 1 / root)
+        # acot(u) is atan(1/u), which has the sign of u.
+        slope = inner if name == "atan" else 1 / inner
+        root = (slope * slope + 1).sqrt()
+        return 1 / root, slope / root
     if name in ("asin", "acos"):
         root = (1 - inner * inner).sqrt()
         return (root, inner) if name == "asin" else (inner, root)
     return None
 
 
-def _added(a: Pair, b: Pair) -> Pair:
+def sum_of_angles(a: Pair, b: Pair) -> Pair:
     """cos and sin of a sum of angles."""
     field = a[0].field
     return (
@@ -223,15 +231,15 @@ def _added(a: Pair, b: Pair) -> Pair:
     )
 
 
-def _power(pair: Pair, n: int, field: Tower) -> Pair:
+def power_of_pair(pair: Pair, n: int, field: Tower) -> Pair:
     """cos and sin of n times the angle."""
     result: Pair = (field.one, field.zero)
     while n:
         if n & 1:
-            result = _added(result, pair)
+            result = sum_of_angles(result, pair)
         n >>= 1
         if n:
-            pair = _added(pair, pair)
+            pair = sum_of_angles(pair, pair)
     return result
 
 

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import sympy
 
 from geomtorsion.errors import CoordinateError
-from geomtorsion.exact import kept
+from geomtorsion.exact import algebraic_constants, kept
+from geomtorsion.exact.algebraic_constants import is_algebraic_constant
 from geomtorsion.exact.certainty import PROVED, Certainty
 from geomtorsion.exact.derivation import derivative
 from geomtorsion.exact.element import Element
@@ -130,7 +131,7 @@ class Field(Tower):
             if element.is_zero:
                 raise ZeroDivisionError("division by an element that is exactly zero")
             return kept.reciprocal(self, element)
-        if not element._num:
+        if not element._num or (not self.all_sure and element.is_zero):
             raise ZeroDivisionError("division by an element that is exactly zero")
         found = inverse(self, element, MOST_AT_ONCE)
         return kept.reciprocal(self, element) if found is None else found
@@ -183,13 +184,29 @@ class Field(Tower):
     def decide_zero(self, element: Element) -> bool | None:
         """Whether an element vanishes that is kept, or whose generators may depend on others."""
         image = self._image(element)
+        unsure = [] if self.all_sure else [g for g in self.generators_of(element) if not g.sure]
+        # A polynomial in generators without relations vanishes whatever they are.  A root that may
+        # lie in the field already has more relations than its own, and only one of its values.
+        if any(g.degree or is_algebraic_constant(self, g) for g in unsure):
+            return self._decide_by_numbers(element, image)
         if image is None and element.is_kept:
             element = self.whole(element)
         if image == 0 if image is not None else not element._num:
             return True
-        if all(generator.sure for generator in self.generators_of(element)):
+        if not unsure:
             return False
         return False if self.sample.is_surely_nonzero(element) else None
+
+    def _decide_by_numbers(self, element: Element, image: fmpz_mod | None) -> bool | None:
+        """Whether an element vanishes some of whose roots may depend on others."""
+        whole = self.brief(element)
+        if whole is not None:
+            found = algebraic_constants.vanishes(whole)
+            if found is not None:
+                return found
+        if self.sample.is_surely_nonzero(element):
+            return False
+        return True if image is not None and image == 0 else None
 
     def _image(self, element: Element) -> fmpz_mod | None:
         """The value at a random point modulo a prime, or None where there is none."""
@@ -206,7 +223,7 @@ class Field(Tower):
         if not element.is_zero:
             return PROVED
         whole = self.brief(element)
-        if whole is not None and not whole._num:
+        if whole is not None and (not whole._num or algebraic_constants.vanishes(whole)):
             return PROVED
         return Certainty(proved=False, error=self.tables["modular point"].chance(element))
 

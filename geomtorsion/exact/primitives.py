@@ -15,6 +15,7 @@ import sympy
 from flint import fmpq
 
 from geomtorsion.errors import ExpressionError
+from geomtorsion.exact.constant_logarithms import ConstantLogarithms
 from geomtorsion.exact.generators import Branch, Generator
 from geomtorsion.exact.integers import prime_factors
 from geomtorsion.exact.rational_basis import express
@@ -54,6 +55,7 @@ class Primitives:
         self._field = field
         self._arguments = arguments
         self._known: list[tuple[Element, tuple[Element, ...]]] = []
+        self._numbers = ConstantLogarithms(field)
         self._by_argument: dict[tuple[str, tuple[Element, ...]], Element] = {}
 
     def log(self, element: Element) -> Element:
@@ -127,8 +129,12 @@ class Primitives:
         for generator in field.generators:
             if generator.kind == "constant" and generator.shown == shown:
                 return field.generator_element(generator)
-        name = field.next_name("number")
-        return field.add(Generator("constant", name, shown, frozenset()))
+
+        def new() -> Element:
+            return field.add(Generator("constant", field.next_name("number"), shown, frozenset()))
+
+        number = field.rational(prime)
+        return self._numbers.placed("log", number, (number,), new)
 
     def _log_of_factor(self, base: Element) -> Element:
         """The logarithm of one factor; that of an exponential or a root needs no generator."""
@@ -188,7 +194,10 @@ class Primitives:
             depends |= argument.symbols
         # A constant: its derivatives say nothing about dependence.
         if not any(slope._num for slope in slopes):
-            return self._constant_function(name, shown, data)
+            inner = data[0] if isinstance(data, tuple) else data
+            return self._numbers.placed(
+                name, inner, arguments, lambda: self._constant_function(name, shown, data)
+            )
         value = self._number(name, arguments)
         combination = self._combination(slopes)
         sure = True

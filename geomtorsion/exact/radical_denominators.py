@@ -63,6 +63,9 @@ def inverse(field: Tower, element: Element, largest: int = LARGEST_PRODUCT) -> E
                 num = field.reduced(below * below - above * above * tail)
                 multiplier = field.reduced(multiplier * (below - above * w))
             degrees = num.degrees()
+    # Where roots depend on one another, the norm may vanish of what does not.
+    if not num or (not field.all_sure and field.polynomial(num).is_zero):
+        return None
     # The time of factoring grows at least as fast as that of squaring.
     if len(num) ** 2 > largest or len(multiplier) * len(den) > largest:
         return None

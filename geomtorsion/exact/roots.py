@@ -135,6 +135,10 @@ def _odd_root(field: Tower, element: Element, order: int) -> Element:
         # An odd root of u with square roots in it: if u**2 has none, its root is enough.
         square = element * element
         if any(g.degree for g in field.generators_of(square)):
+            if not field.sample.prefer_positive(element) and not field.is_complex:
+                positive = _odd_root(field, -element, order)
+                _state_odd(field, element, order, positive)
+                return -positive
             tail = field.polynomial(field.lift(element)) * field.denominator(element) ** (order - 1)
             new = field.add_root(tail, order, sure=False)
             return new / field.denominator(element)
@@ -154,15 +158,20 @@ def _odd_root(field: Tower, element: Element, order: int) -> Element:
             sign *= -1 if exponent % 2 else 1
         result = result * _factor_power(field, base, exponent, order)
     if sign < 0 and not field.is_complex:
-        shown = element.sympy ** sympy.Rational(1, order)
-        branch = Branch(shown, (-result).sympy, f"{element} <= 0: the real root", -element)
-        field.state_branch(branch)
+        _state_odd(field, element, order, result)
     if sign < 0 and field.is_complex:
         raise ExpressionError(
             f"the root of order {order} of {element} is that of a negative number at the sample "
             "point; give a domain where it is positive"
         )
     return result * sign
+
+
+def _state_odd(field: Tower, element: Element, order: int, positive: Element) -> None:
+    """Notes that the odd root of what is negative is read as the real one."""
+    shown = element.sympy ** sympy.Rational(1, order)
+    branch = Branch(shown, (-positive).sympy, f"{element} <= 0: the real root", -element)
+    field.state_branch(branch)
 
 
 def _negated(factors: list[tuple[fmpz, int]]) -> list[tuple[fmpz, int]]:

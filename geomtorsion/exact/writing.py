@@ -30,6 +30,8 @@ def to_sympy(element: Element) -> sympy.Expr:
     """The element in its short form: factored, radicals and sin**2 restored."""
     if element.is_kept:
         return _as_built(element)
+    if not element.field.all_sure and element.is_zero:
+        return sympy.S.Zero
     written = form(element)
     known = element.field.tables.setdefault("sympy", {})
     factors = [_power(known, base, exponent) for base, exponent in written.powers]

@@ -1,5 +1,7 @@
 """Zero is decided: every hard zero is zero, every near-zero is not, whatever else was read."""
 
+import random
+
 import pytest
 import sympy as sp
 
@@ -92,3 +94,66 @@ def test_deep_zeros_are_never_called_non_zero(expression):
     except ExpressionError:
         return
     assert element.is_zero in (True, None)
+
+
+X, Y = sp.symbols("x y", positive=True)
+ATOMS = (
+    X, Y, sp.sin(X), sp.cos(X), sp.tan(Y / 2), sp.cos(X + 2 * Y), sp.exp(X - Y), sp.sinh(Y),
+    sp.sqrt(X + 1), sp.sqrt(X * Y + 2), sp.cbrt(X + 3), sp.log(X + Y), sp.atan(X), sp.sqrt(2),
+    sp.pi, sp.cos(sp.pi / 7), sp.cos(2 * sp.pi / 7), sp.cbrt(2 + sp.sqrt(5)), sp.Integer(3),
+)  # fmt: skip
+# Ways of writing the same once more; sympy may leave an expression as it is.
+REWRITINGS = (
+    sp.expand,
+    sp.together,
+    lambda e: e.expand(trig=True),
+    lambda e: e.rewrite(sp.sinh, sp.exp),
+    lambda e: e.subs(sp.tan(Y / 2), sp.sin(Y) / (1 + sp.cos(Y))),
+    lambda e: e.subs(sp.cos(2 * sp.pi / 7), 2 * sp.cos(sp.pi / 7) ** 2 - 1),
+    lambda e: e.subs(sp.cbrt(2 + sp.sqrt(5)), (1 + sp.sqrt(5)) / 2),
+)
+MORE = (0, 0, 0, sp.Rational(1, 10**40), sp.Rational(1, 10**25) * X, sp.sin(X) / 10**30)
+
+
+def random_expression(rng, depth=2):
+    """A sum, product, quotient or power of random expressions."""
+    if not depth:
+        return rng.choice(ATOMS)
+    one, two = (random_expression(rng, depth - 1) for _ in range(2))
+    kind = rng.randrange(5)
+    if kind == 0:
+        return one * two
+    if kind == 1:
+        return one / (two**2 + 1)
+    if kind == 2:
+        return (one + rng.randint(-3, 3)) ** 2
+    return one + rng.choice((-2, -1, 1, 3)) * two
+
+
+def disagreements(seed, count):
+    """Differences of two ways of writing for which zero is not what sixty digits say."""
+    rng, wrong, zeros = random.Random(seed), [], 0
+    place = {X: sp.Rational(17, 11), Y: sp.Rational(5, 7)}
+    for _ in range(count):
+        one = random_expression(rng)
+        two = rng.choice(REWRITINGS)(rng.choice(REWRITINGS)(one))
+        difference = sp.Add(one, -two, rng.choice(MORE), evaluate=False)
+        value = sp.N(difference, 60, subs=place, maxn=400)
+        vanishes = bool(abs(value) < sp.Float(10, 60) ** -55)
+        zeros += vanishes
+        if read(difference, sample=place).is_zero is not vanishes:
+            wrong.append(f"{one} - ({two}): {value}")
+    assert 3 * zeros > count
+    return wrong
+
+
+def test_against_sixty_digits():
+    """Zero is what vanishes to sixty digits, and nothing else."""
+    assert not disagreements(1, 80)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(4))
+def test_many_more_against_sixty_digits(seed):
+    """Other expressions."""
+    assert not disagreements(100 + seed, 500)

@@ -1,0 +1,85 @@
+"""Constant logarithms: relations among logarithms and arcs of numbers are found and proved."""
+
+import pytest
+import sympy as sp
+from sympy import Rational, S, acos, acosh, asin, asinh, atan, atanh, cos, log, pi, sqrt
+
+from geomtorsion.exact import Field
+
+x = sp.Symbol("x")
+golden = (1 + sqrt(5)) / 2
+ZEROS = {
+    "Machin": 4 * atan(Rational(1, 5)) - atan(Rational(1, 239)) - pi / 4,
+    "Gauss": 12 * atan(1 / S(18)) + 8 * atan(1 / S(57)) - 5 * atan(1 / S(239)) - pi / 4,
+    "one, two, three": atan(1) + atan(2) + atan(3) - pi,
+    "Euler": atan(Rational(1, 2)) + atan(Rational(1, 3)) - pi / 4,
+    "Pythagoras": asin(Rational(3, 5)) + asin(Rational(4, 5)) - pi / 2,
+    "arc cosine of a root": 2 * acos(sqrt(Rational(2, 3))) - acos(Rational(1, 3)),
+    "polar angle": sp.atan2(1, 5) - atan(Rational(1, 5)),
+    "area tangent": atanh(Rational(1, 3)) - log(2) / 2,
+    "area sine": asinh(Rational(3, 4)) - log(2),
+    "area cosine": acosh(Rational(5, 4)) - log(2),
+    "three primes": 2 * atanh(Rational(1, 5)) - log(3) + log(2),
+    "unit": log(3 + 2 * sqrt(2)) - 2 * log(1 + sqrt(2)),
+    "golden ratio": log(golden) - asinh(Rational(1, 2)),
+    "conjugates": log(1 + sqrt(2)) + log(sqrt(2) - 1),
+}  # fmt: skip
+NOT_ZERO = {
+    "another turn": atan(1) + atan(2) + atan(3),
+    "Machin, one less": 4 * atan(Rational(1, 5)) - atan(Rational(1, 240)) - pi / 4,
+    "half the angle": atan(Rational(1, 3)) - atan(3) / 3,
+    "unlike": log(1 + sqrt(2)) - asinh(Rational(1, 2)),
+}
+TINY = Rational(1, 10**60)
+
+
+def every(cases):
+    return pytest.mark.parametrize(
+        "value", cases.values(), ids=[k.replace(" ", "-") for k in cases]
+    )
+
+
+@every(ZEROS)
+def test_relations_are_found(value):
+    """Whatever comes first; the zero is proved."""
+    for terms in (value.args, value.args[::-1]):
+        field = Field([x])
+        parts = [field.read(term) for term in terms]
+        zero = field.sum((1, part) for part in parts)
+        assert zero.is_zero is True
+        assert zero.certainty.proved
+        assert (zero * field.read(x)).sympy == 0
+
+
+@every({**ZEROS, **NOT_ZERO})
+def test_near_zeros_are_not_zero(value):
+    """1e-60 more than zero."""
+    assert Field([x]).read(value + TINY).is_zero is False
+
+
+@every(NOT_ZERO)
+def test_what_is_no_relation_is_not_zero(value):
+    """Angles that differ by whole turns are not equal."""
+    assert Field([x]).read(value).is_zero is False
+
+
+def test_values_stay():
+    """What is expressed by others has its value."""
+    field = Field([x])
+    first = field.read(atan(Rational(1, 5)))
+    second = field.read(atan(Rational(1, 239)))
+    assert second == 4 * first - field.read(pi) / 4
+    assert second.evaluate({}) == pytest.approx(1 / 239 - 1 / 239**3 / 3, rel=1e-10)
+
+
+def test_a_lone_one_is_written_as_it_is():
+    """Nothing is rewritten without need."""
+    assert Field([x]).read(x * atan(Rational(1, 5))).sympy == x * atan(Rational(1, 5))
+
+
+def test_cosine_of_an_arc_cotangent_below_zero():
+    """acot(u) has the sign of u, in sympy and here: its cosine is positive."""
+    field = Field([x], sample={x: 2})
+    value = field.read(cos(sp.acot(1 - x) + pi / 3))
+    point = {x: 2.0}
+    assert value.evaluate(point) == pytest.approx(float(sp.cos(sp.acot(-1) + pi / 3)), rel=1e-14)
