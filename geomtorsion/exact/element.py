@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from math import inf
 from operator import methodcaller
 from typing import TYPE_CHECKING, Any
 
@@ -235,6 +236,23 @@ class Element:
     def is_kept(self) -> bool:
         """Whether the element is kept as it was built, not multiplied out (see `kept`)."""
         return self._level is None
+
+    @property
+    def length(self) -> float:
+        """How many terms it has, those below the line included; inf if it is kept as it was built.
+
+        Examples
+        --------
+        >>> import sympy
+        >>> from geomtorsion.exact import Field
+        >>> x, y = sympy.symbols("x y")
+        >>> Field([x, y]).read((1 + x + y) / (x - y) ** 2).length
+        7
+        """
+        if self.is_kept:
+            return inf
+        factors = self._field.factors
+        return len(self._num) + sum(e * len(factors[index]) for index, e in self._den)
 
     @property
     def is_one(self) -> bool:

@@ -125,15 +125,24 @@ class Field(Tower):
         """The element that `Element.to_json` wrote, read through the whitelist parser."""
         return from_json(self, data, functions)
 
-    def inverse(self, element: Element) -> Element:
-        """1 over an element, its denominator free of algebraic generators."""
+    def inverse(self, element: Element, briefly: bool = False) -> Element:
+        """1 over an element, its denominator free of algebraic generators.
+
+        briefly: it is kept as it is where without roots it has more terms than its square.
+        """
         if element.is_kept:
             if element.is_zero:
                 raise ZeroDivisionError("division by an element that is exactly zero")
             return kept.reciprocal(self, element)
         if not element._num or (not self.all_sure and element.is_zero):
             raise ZeroDivisionError("division by an element that is exactly zero")
-        found = inverse(self, element, MOST_AT_ONCE)
+        largest = MOST_AT_ONCE
+        if briefly:
+            # As a sum under a root is short, so is what is left of it when the root is cleared.
+            tails = [g.tail for g in self.generators_of(element) if g.tail is not None]
+            own = len(element._num) + sum(len(self.lift(tail)) for tail in tails)
+            largest = min(largest, own**4)
+        found = inverse(self, element, largest)
         return kept.reciprocal(self, element) if found is None else found
 
     def cleared(self, element: Element, largest: int) -> Element | None:

@@ -112,8 +112,8 @@ class Tower(ABC):
         """Read one sympy expression, int or Fraction."""
 
     @abstractmethod
-    def inverse(self, element: Element) -> Element:
-        """1 over an element."""
+    def inverse(self, element: Element, briefly: bool = False) -> Element:
+        """1 over an element, kept as it is where it shall be brief and would not be."""
 
     @abstractmethod
     def root(self, element: Element, order: int, radical: sympy.Expr | None = None) -> Element:

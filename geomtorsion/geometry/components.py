@@ -137,6 +137,11 @@ class Components:
         return tuple(map(tuple, found))
 
     @property
+    def length(self) -> float:
+        """How many terms the independent components have in all (see `Element.length`)."""
+        return sum(value.length for value in self.independent.values())
+
+    @property
     def computed(self) -> int:
         """How many components have been worked out so far."""
         return len(self._known)

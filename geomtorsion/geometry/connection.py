@@ -14,10 +14,10 @@ from geomtorsion.checks import instance
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ShapeError, TensorIndexError
 from geomtorsion.exact import Element
-from geomtorsion.geometry import riemannian
+from geomtorsion.geometry import frame_basis, riemannian
 from geomtorsion.geometry.components import Components, Rule, total
 from geomtorsion.geometry.frame import Frame
-from geomtorsion.geometry.frame_matrices import parallel_rows
+from geomtorsion.geometry.frame_matrices import is_dense, parallel_rows
 from geomtorsion.geometry.notation import ComponentTable, Names, Where
 from geomtorsion.geometry.symmetry import Index, antisymmetric, shifted, symmetric
 from geomtorsion.geometry.tensor import Tensor
@@ -114,6 +114,9 @@ class Connection:
 
         Its lower form K_abc is antisymmetric in b and c.
         """
+        if self.kind == "cartan" and is_dense(self.frame):
+            # In the frame its own coefficients vanish.
+            return frame_basis.contortion(self.frame).in_coordinates()
         if self.kind != "general":
             bar = riemannian.christoffel(self.frame)
             difference = self.coefficients - bar

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 
 from geomtorsion.displays import drawn_by
 from geomtorsion.exact import Element
-from geomtorsion.geometry import riemannian
+from geomtorsion.geometry import frame_basis, riemannian
 from geomtorsion.geometry.components import Rule, total
 from geomtorsion.geometry.contraction import contract
+from geomtorsion.geometry.frame_matrices import is_dense
 from geomtorsion.geometry.symmetry import RIEMANN, Index, Symmetry, antisymmetric, symmetric
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.torsion import scalar_of
@@ -54,6 +55,8 @@ class Curvature:
         """
         frame = self.connection.frame
         if self._is_riemannian:
+            if is_dense(frame):
+                return frame_basis.riemann(frame).raised(3).in_coordinates()
             return riemannian.riemann(frame).raised(3)
         rule = curvature_rule(self.connection)
         if self.connection.kind == "cartan":
@@ -88,6 +91,8 @@ class Curvature:
     def ricci(self) -> Tensor:
         """R_nl = R_mnl^m, slots dd: positive for spheres."""
         frame, riemannian = self.connection.frame, self._is_riemannian
+        if riemannian and is_dense(frame):
+            return frame_basis.ricci(frame).in_coordinates()
         n = frame.dimension
         mixed, lower = self.riemann.components.get, self.lower.components.get
         inverse = frame.inverse_metric.components
@@ -114,8 +119,8 @@ class Curvature:
         frame = self.connection.frame
 
         def rule() -> Element:
-            if self._is_riemannian and riemannian.is_dense(frame):
-                return scalar_from_anholonomy(frame)
+            if self._is_riemannian and is_dense(frame):
+                return frame_basis.scalar(frame)
             inverse = frame.inverse_metric.components.nonzero
             pairs = [(x, self.ricci.components.get(index)) for index, x in inverse.items()]
             return frame.field.sum([(1, x, y) for x, y in pairs if y is not None])
@@ -183,7 +188,8 @@ class Curvature:
                 upper = self.riemann.raised()
                 return contract("abcd,abcd->", self.lower, upper).element()
             # R_ab^cd R_cd^ab, each pair in one order: four times the sum.
-            mixed = self.riemann.raised(2).components
+            born = frame_basis.riemann(frame).raised(3) if is_dense(frame) else self.riemann
+            mixed = born.raised(2).components
             get = mixed.get
             terms = []
             for a, b, c, d in mixed.independent:
@@ -245,19 +251,3 @@ def curvature_rule(connection: Connection) -> Rule:
         return total(field, terms)
 
     return rule
-
-
-def scalar_from_anholonomy(frame: Frame) -> Element:
-    """The curvature scalar of the metric, from C_ij^k alone.
-
-    R_bar = - T_scalar - 2 D_bar_a v^a with v_i = C_ij^j and D_bar_a v^a = E_i(v^i) + v_i v^i
-    """
-    anholonomy = frame.anholonomy
-    vector = contract("abb->a", anholonomy)
-    upper = vector.raised()
-    terms: list = [(-1, scalar_of(anholonomy)), (-2, (vector @ upper).element())]
-    for i, along in enumerate(frame.legs.components.columns):
-        if upper.components.get((i,)) is not None:
-            value = upper.element(i)
-            terms += [(-2, leg, value.diff(frame.coordinates[a])) for a, leg in along]
-    return frame.field.sum(terms)

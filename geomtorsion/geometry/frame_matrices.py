@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from geomtorsion.exact import Element
 from geomtorsion.geometry.components import Components, Row, total
-from geomtorsion.geometry.matrices import Entries, blocks, determinant, inverse
+from geomtorsion.geometry.matrices import (
+    Entries,
+    Pair,
+    blocks,
+    determinant,
+    inverse,
+    pairs_of_inverse,
+)
 from geomtorsion.geometry.symmetry import Index, antisymmetric, symmetric
 from geomtorsion.geometry.tensor import Tensor
 
@@ -127,9 +134,11 @@ def parallel_rows(frame: Frame) -> ParallelRows:
 
 
 def inverts_metric(frame: Frame) -> bool:
-    """Whether the inverse metric comes from the metric: it is given, or has no more entries."""
+    """Whether the inverse metric comes from the metric: it is given, or as sparse and short."""
     if "metric" in frame.given:
         return True
+    if is_dense(frame):
+        return False
     return len(frame.metric.components.nonzero) <= len(frame.given["coframe"])
 
 
@@ -172,18 +181,60 @@ def coframe_derivative(frame: Frame) -> Components:
     return Components(3, frame.dimension, rule)
 
 
+def curl(frame: Frame) -> Components:
+    """d_a e^k_b - d_b e^k_a at (a, b, k)."""
+
+    def make() -> Components:
+        derivative = frame.coframe_derivative.get
+
+        def rule(index: Index) -> Element | None:
+            a, b, k = index
+            one, two = derivative((a, k, b)), derivative((b, k, a))
+            if two is None:
+                return one
+            return -two if one is None else frame.field.sum([(1, one), (-1, two)])
+
+        return Components(3, frame.dimension, rule, antisymmetric(3))
+
+    return frame.derived("curl", make)
+
+
 def anholonomy(frame: Frame) -> Tensor:
     """C_ij^k = E_i^a E_j^b (d_a e^k_b - d_b e^k_a), slots DDU."""
-    derivative = frame.coframe_derivative.get
+    if not is_dense(frame):
+        return Tensor(frame, "ddU", curl(frame), antisymmetric(3), "C", "anholonomy").in_frame()
+    get, pairs = curl(frame).get, _pairs_of_legs(frame)
 
-    def curl(index: Index) -> Element | None:
-        a, b, k = index
-        one, two = derivative((a, k, b)), derivative((b, k, a))
-        if two is None:
-            return one
-        return -two if one is None else frame.field.sum([(1, one), (-1, two)])
+    def rule(index: Index) -> Element | None:
+        i, j, k = index
+        found = [(x, get((a, b, k))) for a, b, x in pairs()[i, j]]
+        return total(frame.field, [(1, x, y) for x, y in found if y is not None])
 
-    return Tensor(frame, "ddU", curl, antisymmetric(3), "C", "anholonomy").in_frame()
+    return Tensor(frame, "DDU", rule, antisymmetric(3), "C", "anholonomy")
+
+
+def is_dense(frame: Frame) -> bool:
+    """Whether the coframe is given and at most half as long as the metric.
+
+    Then what follows from the anholonomy in the frame is shorter than what follows from the metric,
+    also with the way back to coordinates.
+    """
+    if "metric" in frame.given:
+        return False
+    return frame.derived(
+        "is_dense", lambda: 2 * frame.coframe.components.length <= frame.metric.components.length
+    )
+
+
+def _pairs_of_legs(frame: Frame) -> Callable[[], dict[tuple[int, int], list[Pair]]]:
+    """E_i^a E_j^b - E_i^b E_j^a of all legs i < j, made when they are asked for."""
+    entries, inverted = frame.coframe.components, frame.legs.components
+
+    def make() -> dict[tuple[int, int], list[Pair]]:
+        n = frame.dimension
+        return pairs_of_inverse(frame.field, entries.nonzero, inverted.nonzero, n)
+
+    return lambda: frame.derived("pairs_of_legs", make)
 
 
 def coframe_determinant(frame: Frame) -> Element:

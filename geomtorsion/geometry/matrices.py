@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from itertools import combinations
 from typing import Any
 
 from geomtorsion.exact import Element, Field
 
 Entries = Mapping[Any, Element]
+Pair = tuple[int, int, Element]
 
 
 def blocks(entries: Entries, n: int) -> list[tuple[list[int], list[int]]]:
@@ -103,9 +105,42 @@ def inverse(field: Field, entries: Entries, n: int) -> dict[tuple[int, int], Ele
                 if (first, j) in cofactors and (first, j) in entries
             ]
         )
-        reciprocal = det.inverse()
+        reciprocal = field.inverse(det, briefly=True)
         for (i, j), cofactor in cofactors.items():
             found[j, i] = cofactor * reciprocal
+    return found
+
+
+def pairs_of_inverse(
+    field: Field, entries: Entries, inverted: Entries, n: int
+) -> dict[tuple[int, int], list[Pair]]:
+    """E_i^a E_j^b - E_i^b E_j^a of the inverse E[a, i]: for i < j the triples (a, b, value), a < b.
+
+    Such a minor of the inverse is, up to its sign, the minor of all other rows and columns over the
+    determinant (Jacobi): no square of the determinant is left that would cancel.
+    """
+    found: dict[tuple[int, int], list[Pair]] = defaultdict(list)
+    single: list[list[tuple[int, int, Element]]] = []
+    for rows, columns in blocks(entries, n):
+        everything = (1 << len(rows)) - 1
+        whole = _minors(field, entries, rows, columns)[everything]
+        reciprocal = field.inverse(whole, briefly=True) if len(rows) > 1 else field.one
+        for r, s in combinations(range(len(rows)), 2):
+            others = [row for k, row in enumerate(rows) if k not in (r, s)]
+            for mask, minor in _minors(field, entries, others, columns).items():
+                c, d = (k for k in range(len(rows)) if not mask >> k & 1)
+                sign = -1 if (r + s + c + d) % 2 else 1
+                value = field.sum([(sign, minor, reciprocal)])
+                found[rows[r], rows[s]].append((columns[c], columns[d], value))
+        own = [(i, a) for i in rows for a in columns if (a, i) in inverted]
+        single.append([(i, a, inverted[a, i]) for i, a in own])
+    for one, two in combinations(single, 2):
+        for i, a, first in one:
+            for j, b, second in two:
+                sign = 1 if (i < j) == (a < b) else -1
+                place = (min(i, j), max(i, j))
+                value = field.sum([(sign, first, second)])
+                found[place].append((min(a, b), max(a, b), value))
     return found
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from geomtorsion.checks import close_names, shown
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import UnknownNameError
-from geomtorsion.geometry import frame_matrices, riemannian
+from geomtorsion.geometry import frame_matrices
 from geomtorsion.geometry.connections import cartan, levi_civita
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.symmetry import effective, orbits
@@ -110,6 +110,13 @@ def _table() -> tuple[Quantity, ...]:
             lambda n: 2 * n,
         ),
         q("riemann", "R_mnl^k", ("metric", "christoffel"), bar("riemann"), lambda n: 2 * n),
+        q(
+            "riemann_frame",
+            "R_mnlk in the frame",
+            ("riemann", "legs"),
+            lambda f: levi_civita(f).curvature.lower.in_frame(),
+            lambda n: n,
+        ),
         q("ricci", "R_nl", ("riemann", "inverse_metric"), bar("ricci"), lambda n: n * n),
         q(
             "scalar_curvature",
@@ -159,6 +166,17 @@ def _known(name: str) -> Quantity:
     raise UnknownNameError(f"there is no quantity called {shown(name)}. {hint}")
 
 
+# Of a dense coframe these come from the anholonomy, in the frame.
+_IN_FRAME = {
+    "contortion": ("anholonomy", "coframe", "legs"),
+    "riemann_frame": ("anholonomy", "legs"),
+    "riemann": ("riemann_frame", "coframe"),
+    "ricci": ("riemann_frame", "coframe"),
+    "scalar_curvature": ("anholonomy", "legs"),
+    "kretschmann": ("riemann_frame",),
+}
+
+
 def needs(frame: Frame, name: str) -> tuple[str, ...]:
     """What a quantity of this frame is computed from directly."""
     if "metric" in frame.given:
@@ -174,8 +192,8 @@ def needs(frame: Frame, name: str) -> tuple[str, ...]:
         return ()
     if name == "coframe" and "legs" in frame.given:
         return ("legs",)
-    if name == "scalar_curvature" and riemannian.is_dense(frame):
-        return ("anholonomy", "legs")
+    if name in _IN_FRAME and frame_matrices.is_dense(frame):
+        return _IN_FRAME[name]
     if name == "legs" and frame_matrices.goes_through_metric(frame):
         return ("coframe", "inverse_metric")
     if name == "inverse_metric" and not frame_matrices.inverts_metric(frame):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from geomtorsion.exact import Element
+from geomtorsion.geometry import frame_basis, frame_matrices
 from geomtorsion.geometry.components import Components, total
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.symmetry import RIEMANN, Index, symmetric
@@ -84,16 +85,6 @@ def christoffel(frame: Frame) -> Tensor:
     return frame.derived("christoffel", make)
 
 
-def is_dense(frame: Frame) -> bool:
-    """Whether the coframe was given and the Christoffel symbols are too long to multiply out.
-
-    Then what follows from the anholonomy alone is shorter than what follows from the metric.
-    """
-    if "metric" in frame.given:
-        return False
-    return any(value.is_kept for value in christoffel(frame).components.independent.values())
-
-
 def riemann(frame: Frame) -> Tensor:
     """R_mnlk of the Levi-Civita connection, slots dddd, from second derivatives of the metric.
 
@@ -101,10 +92,12 @@ def riemann(frame: Frame) -> Tensor:
              + g_ef (Gamma_lm^e Gamma_kn^f - Gamma_ln^e Gamma_km^f)
 
     The inverse metric is never differentiated, and the cyclic identity saves the third of three
-    components with four different indices.
+    components with four different indices. Of a dense coframe it comes from the frame.
     """
 
     def make() -> Tensor:
+        if frame_matrices.is_dense(frame):
+            return frame_basis.riemann(frame).in_coordinates()
         second = second_metric_derivative(frame).get
         lower, upper = first_kind(frame).get, christoffel(frame).components.get
         n, field = frame.dimension, frame.field

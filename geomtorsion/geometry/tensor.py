@@ -264,15 +264,21 @@ class Tensor:
             k = next(k for k in range(len(slots)) if slots[k] != self.slots[k])
             step = self.slots[:k] + slots[k] + self.slots[k + 1 :]
             if step == slots:
-                self._forms[slots] = self._with_slot(k, slots[k])
+                found = self._forms[slots] = self._with_slot(k, slots[k])
+                found.__dict__["_lineage"] = (self, *self._lineage)
             else:
                 self._forms[slots] = self._form(step)._form(slots)
         return self._forms[slots]
 
     @cached_property
     def _forms(self) -> dict[str, Tensor]:
-        """The forms of this tensor made so far, by their slots."""
-        return {}
+        """The forms of this tensor known so far, by their slots: the way back costs nothing."""
+        return {tensor.slots: tensor for tensor in self._lineage}
+
+    @cached_property
+    def _lineage(self) -> tuple[Tensor, ...]:
+        """The forms from which this one was made, one from the next."""
+        return ()
 
     def _place(self, k: SupportsIndex | None) -> int | None:
         """A valid position of an index, or None."""
