@@ -14,6 +14,8 @@ from geomtorsion.exact.kept import in_order
 from geomtorsion.exact.limits import check_written
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from flint import fmpq
 
     from geomtorsion.exact.element import Element
@@ -42,20 +44,39 @@ def to_sympy(element: Element) -> sympy.Expr:
 
 
 def _as_built(element: Element) -> sympy.Expr:
-    """A kept element: multiplied out where that is brief, else as it was built."""
+    """A kept element: each part multiplied out or as it was built, whichever is shorter."""
     if element.is_zero:
         return sympy.S.Zero
+    chosen: dict[int, Element] = {}
+    lengths: dict[int, int] = {}
+
+    def length(part: Element) -> int:
+        if id(part) not in lengths:
+            lengths[id(part)] = written_length(part)
+        return lengths[id(part)]
+
     whole = short_of(element)
-    if whole is not None:
+    # What was built has at least one part for each of its terms.
+    if whole is not None and written_length(whole) <= len(list(_terms(element))):
         return whole.sympy
-    for one in in_order(element, lambda x: x._sympy is not None):
+    for one in in_order(element, lambda x: id(x) in lengths):
         recipe = one._recipe
         assert recipe is not None
-        if one is not element:
-            short = short_of(one)
-            if short is not None:
-                one._sympy = short.sympy
-                continue
+        built = sum(length(part) for part in recipe.parts)
+        short = short_of(one)
+        if short is not None and length(short) <= built:
+            chosen[id(one)] = short
+            built = length(short)
+        lengths[id(one)] = built
+
+    def is_written(one: Element) -> bool:
+        if one._sympy is None and id(one) in chosen:
+            one._sympy = chosen[id(one)].sympy
+        return one._sympy is not None
+
+    for one in in_order(element, is_written):
+        recipe = one._recipe
+        assert recipe is not None
         whole_sum = _sum_of(
             [(_number(as_fmpq(c)), [x.sympy for x in xs]) for c, *xs in recipe.terms]
         )
@@ -63,6 +84,21 @@ def _as_built(element: Element) -> sympy.Expr:
     assert element._sympy is not None
     check_written(element._sympy)
     return element._sympy
+
+
+def _terms(element: Element) -> Iterator[object]:
+    """All terms of which a kept element is built, those of its parts included."""
+    seen: set[int] = set()
+    for one in in_order(element, lambda x: id(x) in seen):
+        seen.add(id(one))
+        assert one._recipe is not None
+        yield from one._recipe.terms
+
+
+def written_length(element: Element) -> int:
+    """How many terms an element has, multiplied out, as it is written."""
+    bases = [base for base, _ in form(element).powers]
+    return max(sum(len(base.terms) if isinstance(base, Sum) else 1 for base in bases), 1)
 
 
 def short_of(element: Element) -> Element | None:
