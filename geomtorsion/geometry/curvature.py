@@ -120,7 +120,7 @@ class Curvature:
 
         def rule() -> Element:
             if self._is_riemannian and is_dense(frame):
-                return frame_basis.scalar(frame)
+                return scalar_from_anholonomy(frame)
             inverse = frame.inverse_metric.components.nonzero
             pairs = [(x, self.ricci.components.get(index)) for index, x in inverse.items()]
             return frame.field.sum([(1, x, y) for x, y in pairs if y is not None])
@@ -251,3 +251,19 @@ def curvature_rule(connection: Connection) -> Rule:
         return total(field, terms)
 
     return rule
+
+
+def scalar_from_anholonomy(frame: Frame) -> Element:
+    """The curvature scalar of the metric, from C_ij^k alone.
+
+    R_bar = - T_scalar - 2 D_bar_a v^a with v_i = C_ij^j and D_bar_a v^a = E_i(v^i) + v_i v^i
+    """
+    anholonomy = frame.anholonomy
+    vector = contract("abb->a", anholonomy)
+    upper = vector.raised()
+    terms: list = [(-1, scalar_of(anholonomy)), (-2, (vector @ upper).element())]
+    for i, along in enumerate(frame.legs.components.columns):
+        if upper.components.get((i,)) is not None:
+            value = upper.element(i)
+            terms += [(-2, leg, value.diff(frame.coordinates[a])) for a, leg in along]
+    return frame.field.sum(terms)

@@ -10,11 +10,9 @@ from fractions import Fraction
 
 from geomtorsion.exact import Element
 from geomtorsion.geometry.components import Components, Rule, total
-from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.symmetry import RIEMANN, Index, antisymmetric, symmetric
 from geomtorsion.geometry.tensor import Tensor
-from geomtorsion.geometry.torsion import scalar_of
 
 HALF = Fraction(1, 2)
 
@@ -119,19 +117,3 @@ def ricci(frame: Frame) -> Tensor:
         return Tensor(frame, "DD", rule, symmetric(2), "R", "Ricci tensor")
 
     return frame.derived("ricci_in_frame", make)
-
-
-def scalar(frame: Frame) -> Element:
-    """The curvature scalar of the metric, from C_ij^k alone.
-
-    R_bar = - T_scalar - 2 D_bar_a v^a with v_i = C_ij^j and D_bar_a v^a = E_i(v^i) + v_i v^i
-    """
-    anholonomy = frame.anholonomy
-    vector = contract("abb->a", anholonomy)
-    upper = vector.raised()
-    terms: list = [(-1, scalar_of(anholonomy)), (-2, (vector @ upper).element())]
-    for i, along in enumerate(frame.legs.components.columns):
-        if upper.components.get((i,)) is not None:
-            value = upper.element(i)
-            terms += [(-2, leg, value.diff(frame.coordinates[a])) for a, leg in along]
-    return frame.field.sum(terms)
