@@ -14,7 +14,7 @@ from geomtorsion.checks import instance
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ShapeError, TensorIndexError
 from geomtorsion.exact import Element
-from geomtorsion.geometry import frame_basis, riemannian
+from geomtorsion.geometry import riemannian
 from geomtorsion.geometry.components import Components, Rule, total
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.frame_matrices import is_dense, parallel_rows
@@ -116,7 +116,7 @@ class Connection:
         """
         if self.kind == "cartan" and is_dense(self.frame):
             # In the frame its own coefficients vanish.
-            return frame_basis.contortion(self.frame).in_coordinates()
+            return riemannian.contortion_in_frame(self.frame).in_coordinates()
         if self.kind != "general":
             bar = riemannian.christoffel(self.frame)
             difference = self.coefficients - bar

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from geomtorsion.displays import drawn_by
 from geomtorsion.exact import Element
-from geomtorsion.geometry import frame_basis, riemannian
+from geomtorsion.geometry import riemannian
 from geomtorsion.geometry.components import Rule, total
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.frame_matrices import is_dense
@@ -56,7 +56,7 @@ class Curvature:
         frame = self.connection.frame
         if self._is_riemannian:
             if is_dense(frame):
-                return frame_basis.riemann(frame).raised(3).in_coordinates()
+                return riemannian.riemann_in_frame(frame).raised(3).in_coordinates()
             return riemannian.riemann(frame).raised(3)
         rule = curvature_rule(self.connection)
         if self.connection.kind == "cartan":
@@ -90,9 +90,9 @@ class Curvature:
     @cached_property
     def ricci(self) -> Tensor:
         """R_nl = R_mnl^m, slots dd: positive for spheres."""
-        frame, riemannian = self.connection.frame, self._is_riemannian
-        if riemannian and is_dense(frame):
-            return frame_basis.ricci(frame).in_coordinates()
+        frame, of_metric = self.connection.frame, self._is_riemannian
+        if of_metric and is_dense(frame):
+            return riemannian.ricci_in_frame(frame).in_coordinates()
         n = frame.dimension
         mixed, lower = self.riemann.components.get, self.lower.components.get
         inverse = frame.inverse_metric.components
@@ -100,7 +100,7 @@ class Curvature:
         def rule(index: Index) -> Element | None:
             j, i = index
             # The lower Riemann tensor has all its symmetries, so that fewer components are needed.
-            if not riemannian:
+            if not of_metric:
                 parts = [mixed((m, j, i, m)) for m in range(n)]
                 return total(frame.field, [(1, x) for x in parts if x is not None])
             terms = []
@@ -111,7 +111,7 @@ class Curvature:
                         terms.append((1, factor, value))
             return total(frame.field, terms)
 
-        return Tensor(frame, "dd", rule, symmetric(2) if riemannian else (), "R", "Ricci tensor")
+        return Tensor(frame, "dd", rule, symmetric(2) if of_metric else (), "R", "Ricci tensor")
 
     @cached_property
     def scalar(self) -> Tensor:
@@ -188,7 +188,7 @@ class Curvature:
                 upper = self.riemann.raised()
                 return contract("abcd,abcd->", self.lower, upper).element()
             # R_ab^cd R_cd^ab, each pair in one order: four times the sum.
-            born = frame_basis.riemann(frame).raised(3) if is_dense(frame) else self.riemann
+            born = riemannian.riemann_in_frame(frame).raised(3) if is_dense(frame) else self.riemann
             mixed = born.raised(2).components
             get = mixed.get
             terms = []
