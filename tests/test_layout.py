@@ -35,7 +35,7 @@ FLOORS = (
     ("errors",),
     ("checks", "copies", "displays", "precision", "progress"),
     ("conventions", "files"),
-    ("npz",),
+    ("blocks", "npz"),
     ("exact",),
     ("codegen",),
     ("geometry", "ode"),

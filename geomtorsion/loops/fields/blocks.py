@@ -7,10 +7,7 @@ bits, and so does a run that was killed and taken up again.
 
 from __future__ import annotations
 
-import json
-import os
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -21,16 +18,13 @@ from typing import Any
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.errors import CheckpointError, FileFormatError, GridError
-from geomtorsion.files import read_json_text, read_text
+from geomtorsion.blocks import open_ledger, read_array, run_blocks, write_array
+from geomtorsion.errors import CheckpointError, GridError
 from geomtorsion.loops.fields.cells import circuits, torsion
 from geomtorsion.loops.fields.circuits import Field
 from geomtorsion.loops.fields.grid import Grid, check_order, periodic_axes
 from geomtorsion.loops.fields.noise import Noise
 from geomtorsion.loops.fields.sources import Source
-from geomtorsion.progress import PATIENCE, bar
-
-LEDGER = "ledger.json"
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +106,7 @@ class BlockMap:
                 self.span(number), self.stride, low, strict=True
             )
         ]
-        self._write(number, found[(slice(None), *inner)])
+        write_array(self.file(number), found[(slice(None), *inner)])
         return number
 
     def _read(self, number: Sequence[int], beside_holes: bool) -> tuple[list[int], np.ndarray]:
@@ -171,14 +165,6 @@ class BlockMap:
             return np.concatenate([curl, np.hypot(difference, sigmas).max(axis=0)[None]])
         found = circuits(field, self.plane, self.size)
         return np.concatenate([found.vectors, found.errors[None]])
-
-    def _write(self, number: tuple[int, ...], values: np.ndarray) -> None:
-        """A file that is there whole or not at all."""
-        path = self.file(number)
-        part = path.with_suffix(f".{os.getpid()}.part")
-        with part.open("wb") as stream:
-            np.save(stream, values)
-        part.replace(path)
 
     def read(self) -> np.ndarray:
         """The whole map, shape (rows + 1, places...): b^i (or torsion), and last the error.
@@ -292,26 +278,8 @@ def blocked_map(
     checks.count(workers, "workers", GridError, 1)
     _open_ledger(made)
     left = [number for number in made.numbers if not made.file(number).is_file()]
-    with bar(f"{len(left)} blocks", len(left), patience=PATIENCE) as show:
-        for done, _ in enumerate(_run(made, left, workers, client), 1):
-            if show is not None:
-                show(done)
+    run_blocks(made.compute, left, workers, client)
     return made
-
-
-def _run(made: BlockMap, left: list[tuple[int, ...]], workers: int, client: Any) -> Iterator[Any]:
-    """Do blocks here, in processes, or on a cluster."""
-    if client is not None:
-        # The same task twice gives the same file: it may be repeated wherever a worker is lost.
-        futures = client.map(made.compute, left, pure=False)
-        for future in futures:
-            yield future.result()
-    elif workers == 1:
-        yield from map(made.compute, left)
-    else:
-        with ProcessPoolExecutor(workers) as pool:
-            for future in as_completed([pool.submit(made.compute, number) for number in left]):
-                yield future.result()
 
 
 def _checked(
@@ -379,25 +347,8 @@ def _several(given: Any, count: int, name: str, least: int) -> tuple[int, ...]:
 
 def _open_ledger(made: BlockMap) -> None:
     """Begin a folder, or take up what is in it."""
-    folder = Path(made.folder)
-    ledger = folder / LEDGER
-    folder.mkdir(parents=True, exist_ok=True)
-    if not ledger.is_file():
-        part = ledger.with_suffix(f".{os.getpid()}.part")
-        part.write_text(json.dumps(made.ledger), encoding="utf-8")
-        part.replace(ledger)
+    if not open_ledger(Path(made.folder), made.ledger):
         return
-    try:
-        known = read_json_text(read_text(ledger), str(ledger))
-    except FileFormatError as error:
-        raise CheckpointError(f"{error} Take an empty folder.") from None
-    if known != made.ledger:
-        keys = known if isinstance(known, dict) else {}
-        differ = [key for key, value in made.ledger.items() if keys.get(key) != value]
-        raise CheckpointError(
-            f"{folder}: it holds blocks of another run: {', '.join(differ)} differ. Take an empty "
-            "folder, or give the same arguments."
-        )
     expected = prod(made.block) * (made.source.shape[0] + 1) * 8
     for number in made.done:
         # A file that somebody has cut is done again.
@@ -408,8 +359,4 @@ def _open_ledger(made: BlockMap) -> None:
 def _whole(made: BlockMap, number: tuple[int, ...]) -> bool:
     """Whether a block has the size that it must have."""
     wanted = (made.source.shape[0] + 1, *(b - a for a, b in made.span(number)))
-    try:
-        found = np.load(made.file(number), mmap_mode="r", allow_pickle=False)
-    except (OSError, ValueError, EOFError):
-        return False
-    return found.shape == wanted and found.dtype == np.float64
+    return read_array(made.file(number), wanted) is not None

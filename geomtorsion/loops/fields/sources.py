@@ -42,7 +42,7 @@ class Source:
             sizes = tuple(checks.count(n, "shape", GridError, 1) for n in rows)
         else:
             given = str(given) if isinstance(given, str | Path) else given
-            sizes = tuple(int(n) for n in np.shape(_opened(given)))
+            sizes = tuple(int(n) for n in np.shape(opened(given)))
         if len(sizes) < 4 or sizes[1] < len(sizes) - 2:
             raise GridError(
                 f"source: shape (rows, columns, N_1, N_2, ...) was needed, but {sizes} came."
@@ -54,12 +54,12 @@ class Source:
         pieces = [_pieces(a, b, n) for a, b, n in zip(low, high, self.shape[2:], strict=True)]
         found = np.empty((*self.shape[:2], *(b - a for a, b in zip(low, high, strict=True))))
         is_function = callable(self.given)
-        opened = self.given if is_function else _opened(self.given)
+        array = self.given if is_function else opened(self.given)
         for parts in product(*pieces):
             there = tuple(slice(start, stop) for _, start, stop in parts)
             here = tuple(slice(place, place + stop - start) for place, start, stop in parts)
             whole = (slice(None), slice(None))
-            values = opened(there) if is_function else opened[(*whole, *there)]
+            values = array(there) if is_function else array[(*whole, *there)]
             found[(*whole, *here)] = values
         return found
 
@@ -70,8 +70,11 @@ def _pieces(low: int, high: int, points: int) -> list[tuple[int, int, int]]:
     return [(a - low, a % points, a % points + b - a) for a, b in pairwise(ends)]
 
 
-def _opened(given: Any) -> Any:
-    """An array in memory or on disk, of which parts are read when they are asked for."""
+def opened(given: Any, inner: str = "coframe") -> Any:
+    """An array in memory or on disk, of which parts are read when they are asked for.
+
+    inner: what the array is called in a Zarr group.
+    """
     if not isinstance(given, str):
         found = given
         if not hasattr(found, "shape") or not hasattr(found, "dtype"):
@@ -80,7 +83,7 @@ def _opened(given: Any) -> Any:
         path = Path(given)
         if not path.exists():
             raise FileFormatError(f"{path}: there is no such file.")
-        found = guarded(path, lambda: _npy(path) if path.is_file() else _zarr(path))
+        found = guarded(path, lambda: _npy(path) if path.is_file() else _zarr(path, inner))
     if np.dtype(found.dtype).kind not in "fiu":
         raise GridError(f"source: real numbers were needed, but {found.dtype} came.")
     return found
@@ -91,16 +94,16 @@ def _npy(path: Path) -> np.ndarray:
     return np.load(path, mmap_mode="r", allow_pickle=False)
 
 
-def _zarr(path: Path) -> Any:
-    """A Zarr array, or the array coframe of a group, if it is only packed."""
-    for inner in (path, path / "coframe"):
+def _zarr(path: Path, called: str) -> Any:
+    """A Zarr array, or one in a group, if it is only packed."""
+    for inner in (path, path / called):
         for name in (".zarray", "zarr.json"):
             if (inner / name).is_file():
                 said = read_json_text(read_text(inner / name), str(inner / name))
                 if name == ".zarray" or said.get("node_type") == "array":
                     _check_packing(inner, said)
                     return module("zarr", path).open_array(str(inner), mode="r")
-    raise FileFormatError(f"{path}: neither an .npy file nor a Zarr array, nor one called coframe.")
+    raise FileFormatError(f"{path}: neither an .npy file nor a Zarr array, nor one called {called}.")
 
 
 def _check_packing(path: Path, said: Any) -> None:

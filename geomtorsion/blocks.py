@@ -1,0 +1,106 @@
+"""Blocks: work in parts, one file each in a folder, with a ledger of what they are parts of.
+
+A part is computed from what was given alone, and its file is there whole or not at all: a run that
+was killed goes on with what is missing, here, in processes or on a cluster, to the same bits.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geomtorsion.errors import CheckpointError, FileFormatError
+from geomtorsion.files import read_json_text, read_text
+from geomtorsion.progress import PATIENCE, bar
+
+LEDGER = "ledger.json"
+
+
+def open_ledger(folder: Path, described: Mapping[str, Any]) -> bool:
+    """Begin a folder, or take up what is in it; whether there was anything.
+
+    described: what a run must have in common with the one that it takes up, as JSON has it.
+
+    Raises
+    ------
+    CheckpointError
+        The folder holds blocks of another run.
+    """
+    ledger = folder / LEDGER
+    folder.mkdir(parents=True, exist_ok=True)
+    if not ledger.is_file():
+        part = ledger.with_suffix(f".{os.getpid()}.part")
+        part.write_text(json.dumps(described), encoding="utf-8")
+        part.replace(ledger)
+        return False
+    try:
+        known = read_json_text(read_text(ledger), str(ledger))
+    except FileFormatError as error:
+        raise CheckpointError(f"{error} Take an empty folder.") from None
+    if known != described:
+        keys = known if isinstance(known, dict) else {}
+        differ = [key for key, value in described.items() if keys.get(key) != value]
+        raise CheckpointError(
+            f"{folder}: it holds blocks of another run: {', '.join(differ)} differ. Take an empty "
+            "folder, or give the same arguments."
+        )
+    return True
+
+
+def write_array(path: Path, values: np.ndarray) -> None:
+    """An NPY file that is there whole or not at all."""
+    part = path.with_suffix(f".{os.getpid()}.part")
+    with part.open("wb") as stream:
+        np.save(stream, values)
+    part.replace(path)
+
+
+def read_array(path: Path, shape: Sequence[int | None], dtype: Any = float) -> np.ndarray | None:
+    """An array that a block has left, mapped; None where there is none, or it is not whole.
+
+    shape: one length for each axis, None for any.
+    """
+    try:
+        found = np.load(path, mmap_mode="r", allow_pickle=False)
+    except (OSError, ValueError, EOFError):
+        return None
+    fits = found.ndim == len(shape) and all(
+        wanted in (None, came) for wanted, came in zip(shape, found.shape, strict=True)
+    )
+    return found if fits and found.dtype == np.dtype(dtype) else None
+
+
+def run_blocks(
+    compute: Callable[[Any], Any],
+    left: Sequence[Any],
+    workers: int = 1,
+    client: Any = None,
+    what: str = "blocks",
+) -> None:
+    """Do blocks here, in processes, or on a cluster (`dask.distributed.Client`)."""
+    with bar(f"{len(left)} {what}", len(left), patience=PATIENCE) as show:
+        for done, _ in enumerate(_run(compute, left, workers, client), 1):
+            if show is not None:
+                show(done)
+
+
+def _run(
+    compute: Callable[[Any], Any], left: Sequence[Any], workers: int, client: Any
+) -> Iterator[Any]:
+    """Results in the order in which they come."""
+    if client is not None:
+        # The same task twice gives the same file: it may be repeated wherever a worker is lost.
+        for future in client.map(compute, left, pure=False):
+            yield future.result()
+    elif workers == 1:
+        yield from map(compute, left)
+    else:
+        with ProcessPoolExecutor(workers) as pool:
+            for future in as_completed([pool.submit(compute, number) for number in left]):
+                yield future.result()
