@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -11,19 +11,17 @@ from numpy.typing import ArrayLike
 
 from geomtorsion import checks
 from geomtorsion.crystals.circuits import AtomCircuits
-from geomtorsion.crystals.faults import SIXTHS, fault_shifts
 from geomtorsion.crystals.frames import (
     Fit,
     Frame,
     fitted,
-    likely_lattice,
+    frame_of,
     neighbour_vectors,
     sampled,
-    single_frame,
 )
-from geomtorsion.crystals.lattices import lattice_named
+from geomtorsion.crystals.given import Given
 from geomtorsion.crystals.method import METHOD
-from geomtorsion.crystals.networks import network_of
+from geomtorsion.crystals.near_torsion import Atoms, lines_of, torsion_near, torsion_on
 from geomtorsion.crystals.shells import dilated, shells_of
 from geomtorsion.crystals.torsion import Torsion
 from geomtorsion.crystals.triangulation import Cell, Triangulation, triangulated
@@ -70,7 +68,7 @@ class Crystal:
     cell: np.ndarray | None
     periodic: np.ndarray
     species: tuple[str, ...] | None
-    _given: tuple[str | None, np.ndarray | None, float | None]
+    _given: Given
 
     def __init__(
         self,
@@ -86,16 +84,10 @@ class Crystal:
             object.__setattr__(self, name, value)
 
         put("positions", checks.array(positions, "positions", CrystalError, shape=(None, 3)))
-        put("cell", None if cell is None else _cell(cell))
-        flags = checks.entries(checks.rows(periodic), "periodic", CrystalError)
-        if len(flags) != 3 or any(flag not in (0, 1) for flag in flags):
-            raise CrystalError(
-                f"periodic: three truth values were needed, but {checks.shown(flags)} came."
-            )
-        put("periodic", np.array(flags, dtype=bool) & (cell is not None))
-        if lattice is not None:
-            lattice_named(lattice)
-        put("_given", (lattice, _rotation(orient), _constant(constant)))
+        given = Given.of(cell, periodic, lattice, orient, constant)
+        put("cell", given.cell)
+        put("periodic", given.box.periodic)
+        put("_given", given)
         put("species", None)
         if species is not None:
             names = checks.entries(species, "species", CrystalError)
@@ -107,6 +99,11 @@ class Crystal:
             put("species", tuple(map(str, names)))
 
     # -- how it lies ------------------------------------------------------------------------------
+
+    @property
+    def count(self) -> int:
+        """How many atoms there are."""
+        return len(self.positions)
 
     @property
     def lattice(self) -> str:
@@ -136,49 +133,26 @@ class Crystal:
     @cached_property
     def _found(self) -> tuple[Frame, Fit]:
         """The frame, and how a sample of the atoms fits into it."""
-        name, orient, constant = self._given
+        given = self._given
         if len(self.positions) < 20:
             raise CrystalError(
                 f"positions: 20 atoms or more were needed to tell a crystal, but "
                 f"{len(self.positions)} came. Repeat the cell."
             )
         numbers = sampled(len(self.positions))
-        vectors = self._neighbours(16, numbers)
-        if name is None:
-            found = likely_lattice(vectors, orient, constant)
-        else:
-            found = single_frame(lattice_named(name), vectors, orient, constant)
-        share = float(found[1].whole.mean())
-        if name is not None and share < 0.5:
-            other = likely_lattice(vectors)
-            # Without a doubt it is another one.
-            if other[0].lattice.name != name and other[1].whole.mean() > 2 * share:
-                raise CrystalError(
-                    f"lattice: the neighbours of {other[1].whole.mean():.1%} of the atoms fit into "
-                    f"{other[0].lattice.name}, but {name} came, into which {share:.1%} fit. Name "
-                    "that one, or none."
-                )
-        if share < METHOD.share:
-            raise CrystalError(
-                f"positions: a crystal was needed ({name or 'fcc, bcc, hcp or diamond'}), but of "
-                f"only {share:.1%} of the atoms the neighbours fit, as in a liquid. Name the "
-                "lattice, or cut out the part that is crystalline."
-            )
-        return found
+        vectors = self._neighbours(METHOD.neighbours, numbers)
+        return frame_of(vectors, given.lattice, given.orient, given.constant)
 
     def _neighbours(self, count: int, atoms: np.ndarray) -> np.ndarray:
         """Vectors to the nearest neighbours of some atoms, shape (atoms, count, 3)."""
         places, cell = self._wrapped[0], self._box
-        # As many atoms as are asked for lie within this, whatever the structure.
-        volume = _spanned(self.positions, self._box)
-        reach = 3 * (volume / len(places)) ** (1 / 3)
+        reach = reach_of_sample(_spanned(self.positions, self._box), len(places))
         return neighbour_vectors(places, cell, count, atoms, reach)
 
-    @cached_property
+    @property
     def _box(self) -> Cell:
         """The cell, or any where nothing is periodic."""
-        vectors = np.eye(3) if self.cell is None else self.cell
-        return Cell(vectors, self.periodic)
+        return self._given.box
 
     @cached_property
     def _wrapped(self) -> tuple[np.ndarray, np.ndarray]:
@@ -243,26 +217,7 @@ class Crystal:
     @cached_property
     def torsion(self) -> Torsion:
         """T = de on the faces of the Delaunay tetrahedra."""
-        return self._torsion_on(self.mesh, self.kinds)
-
-    def _torsion_on(
-        self, mesh: Triangulation, kinds: np.ndarray, partials: bool = False
-    ) -> Torsion:
-        """T = de on some tetrahedra."""
-        pairs, images, _ = mesh.edges
-        first, second = pairs.T
-        places, frame = mesh.places, self.frame
-        steps = places[second] - places[first] + images @ self._box.vectors
-        labels = frame.lattice.decode(frame.values(steps), kinds[second] - kinds[first])
-        doubtful = frame.apart(steps, labels) > frame.constant * frame.lattice.nearest / 2
-        if frame.lattice.name != "fcc":
-            return Torsion(mesh, frame.lattice, labels, doubtful)
-        values = frame.values(steps)
-        crossing, sixths = fault_shifts(frame.lattice, values, labels, pairs, len(places))
-        if partials:
-            return Torsion(mesh, SIXTHS, sixths, doubtful & ~crossing)
-        # A fault joins its partials to one core, in which they cannot be told apart.
-        return Torsion(mesh, frame.lattice, labels, doubtful | crossing)
+        return torsion_on(self.frame, self.mesh, self.kinds)
 
     @cached_property
     def circuit(self) -> AtomCircuits:
@@ -299,44 +254,20 @@ class Crystal:
         """
         checks.flag(partials, "partials", CrystalError)
         found, vacancies = self._near_torsion(partials)
-        width = METHOD.width * self.frame.lattice.nearest * self.constant
-        extra = None if self._sites is None else len(self.positions) + vacancies - self._sites
-        frame = replace(self.frame, lattice=found.lattice)
-        return network_of(found.relaxed(), frame, width, extra)
-
-    @cached_property
-    def _sites(self) -> int | None:
-        """How many sites the lattice has in a cell that is periodic along all edges."""
-        if not self.periodic.all():
-            return None
-        lattice, values = self.frame.lattice, self.frame.values(self._box.vectors)
-        periods = lattice.decode(values)
-        far = self.frame.apart(self._box.vectors, periods)
-        if far.max() > self.constant * lattice.nearest / 2:
-            return None
-        cells = abs(np.linalg.det(periods)) / abs(np.linalg.det(lattice.translations))
-        return round(cells) * (2 if lattice.basis else 1)
+        return lines_of(found, self.frame, len(self.positions) + vacancies)
 
     def _near_torsion(self, partials: bool) -> tuple[Torsion, int]:
         """The torsion, on tetrahedra where neighbours alone do not exclude it, and vacancies."""
         frame, (places, _) = self.frame, self._wrapped
-        nearest = frame.lattice.nearest * frame.constant
         # In a narrow cell an atom is its own neighbour: numbers alone do not tell images.
-        if (self._box.heights < 4 * nearest)[self.periodic].any():
-            return self._torsion_on(self.mesh, self.kinds, partials), 0
+        if (self._box.heights < 4 * frame.lattice.nearest * frame.constant)[self.periodic].any():
+            return torsion_on(frame, self.mesh, self.kinds, partials), 0
         shells = shells_of(places, self._box, frame)
-        wanted = ~shells.closed
-        if wanted.mean() > 0.5:
-            return self._torsion_on(self.mesh, shells.kind, partials), shells.vacancies
-        while True:
-            # Cores reach as far as the neighbours of what is torn.
-            wanted = dilated(wanted, shells.near)
-            mesh = triangulated(places, self._box, METHOD.reach * nearest, wanted)
-            found = self._torsion_on(mesh, shells.kind, partials)
-            beyond = found.beyond
-            if not beyond.any():
-                return found, shells.vacancies
-            wanted |= beyond
+        wanted = np.flatnonzero(dilated(~shells.closed, shells.near))
+        atoms = Atoms(np.arange(len(places)), places, shells.kind)
+        return torsion_near(frame, self._box, wanted, atoms, lambda *_: atoms, partials), len(
+            shells.vacancies
+        )
 
     def __repr__(self) -> str:
         count = len(self.positions)
@@ -344,44 +275,9 @@ class Crystal:
         return f"Crystal({count:,} atoms, {self.lattice}, a = {self.constant:.6g}, periodic {axes})"
 
 
-def _cell(given: ArrayLike) -> np.ndarray:
-    """Edges of the cell as rows."""
-    found = checks.array(given, "cell", CrystalError)
-    if found.shape == (3,):
-        found = np.diag(found)
-    if found.shape != (3, 3):
-        raise CrystalError(
-            f"cell: three edges as rows were needed, shape (3, 3), but {found.shape} came."
-        )
-    with np.errstate(all="ignore"):
-        volume = abs(np.linalg.det(found))
-        sizes = np.prod(np.linalg.norm(found, axis=1))
-    if not (np.isfinite(sizes) and volume > 8 * np.finfo(float).eps * sizes):
-        raise CrystalError(
-            f"cell: three edges that span a volume were needed, but "
-            f"{checks.shown(found.tolist())} came. Give an open box periodic=(False, False, False)."
-        )
-    return found
-
-
-def _rotation(given: ArrayLike | None) -> np.ndarray | None:
-    """A rotation, put right to the last digit."""
-    if given is None:
-        return None
-    found = checks.array(given, "orient", CrystalError, shape=(3, 3))
-    u, sizes, v = np.linalg.svd(found)
-    if np.abs(sizes - 1).max() > 1e-3 or np.linalg.det(found) < 0:
-        raise CrystalError(
-            "orient: a rotation was needed, crystal axes from specimen axes, but "
-            f"{checks.shown(found.tolist())} came. Its columns are the specimen axes in the "
-            "crystal, of length one and right-handed."
-        )
-    return u @ v
-
-
-def _constant(given: float | None) -> float | None:
-    """A length."""
-    return None if given is None else float(checks.positive(given, "constant", CrystalError))
+def reach_of_sample(volume: float, atoms: int) -> float:
+    """Within which an atom has as many neighbours as are asked for, whatever the structure."""
+    return 3 * (volume / atoms) ** (1 / 3)
 
 
 def _spanned(positions: np.ndarray, cell: Cell) -> float:

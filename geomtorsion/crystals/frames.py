@@ -49,23 +49,39 @@ def neighbour_vectors(
         Atoms lie upon each other, or have not so many neighbours.
     """
     points, numbers, _ = cell.with_ghosts(places, reach)
+    near, closest = nearest_points(points, numbers, places[atoms], count)
+    check_apart(points, numbers, closest or reach)
+    return points[near] - places[atoms][:, None]
+
+
+def nearest_points(
+    points: np.ndarray, numbers: np.ndarray, centres: np.ndarray, count: int
+) -> tuple[np.ndarray, float]:
+    """Which points are nearest to atoms among them, (atoms, count), and how far the first is.
+
+    Of equally near ones those with lower numbers come first.
+    """
     tree = scipy.spatial.cKDTree(points, balanced_tree=False, compact_nodes=False)
-    apart, near = tree.query(places[atoms], k=min(count + 1, len(points)))
-    # Atoms of a crystal are about equally far apart.
-    close = float(np.median(apart[:, 1])) / 10
-    pairs = tree.query_pairs(close or reach / 10, output_type="ndarray")
+    apart, near = tree.query(centres, k=min(count + 1, len(points)))
+    if near.shape[1] <= count:
+        raise CrystalError(
+            f"positions: atoms with {count} neighbours were needed, but there are "
+            f"{len(np.unique(numbers))} atoms. Repeat the cell."
+        )
+    order = np.lexsort((numbers[near], apart), axis=1)[:, 1:]
+    return np.take_along_axis(near, order, axis=1), float(np.median(apart[:, 1]))
+
+
+def check_apart(points: np.ndarray, numbers: np.ndarray, closest: float) -> None:
+    """Refuse atoms upon each other; atoms of a crystal are about equally far apart."""
+    tree = scipy.spatial.cKDTree(points, balanced_tree=False, compact_nodes=False)
+    pairs = tree.query_pairs(closest / 10, output_type="ndarray")
     if len(pairs):
         one, other = sorted(numbers[pairs[0]].tolist())
         raise CrystalError(
             f"positions: atoms {one} and {other} lie upon each other, and {len(pairs) - 1:,} more "
             "pairs. Drop one of each, and see whether the cell is as large as the crystal."
         )
-    if near.shape[1] <= count:
-        raise CrystalError(
-            f"positions: atoms with {count} neighbours were needed, but there are {len(places)} "
-            "atoms. Repeat the cell."
-        )
-    return points[near[:, 1:]] - places[atoms][:, None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,10 +115,12 @@ def fitted(frame: Frame, vectors: np.ndarray) -> Fit:
         which = which.reshape(count, k)
         filled = np.zeros((count, k), dtype=bool)
         filled[np.arange(count)[:, None], which] = True
-        found.append((filled.all(axis=1), apart.mean(axis=1), template[which]))
+        # As for shells: beyond half the neighbour distance a neighbour is missing.
+        sure = np.minimum(apart, (lattice.nearest / 2) ** 2).sum(axis=1)
+        found.append((filled.all(axis=1), apart.mean(axis=1), template[which], sure))
     kind = np.zeros(count, dtype=np.int64)
     if len(found) == 2:
-        kind = (found[1][1] < found[0][1]).astype(np.int64)
+        kind = (found[1][3] < found[0][3]).astype(np.int64)
     pick = [np.choose(kind, [x[m] for x in found]) for m in (0, 1)]
     labels = np.where(kind[:, None, None] == 0, found[0][2], found[-1][2])
     return Fit(kind, labels, pick[0].astype(bool), np.sqrt(pick[1]) / lattice.nearest)
@@ -216,3 +234,41 @@ def likely_lattice(
     found = [single_frame(lattice, some, orient) for lattice in LATTICES.values()]
     frame, _ = max(found, key=lambda pair: (pair[1].whole.mean(), -pair[1].misfit.mean()))
     return single_frame(frame.lattice, vectors, orient, constant)
+
+
+def frame_of(
+    vectors: np.ndarray,
+    name: str | None = None,
+    orient: np.ndarray | None = None,
+    constant: float | None = None,
+) -> tuple[Frame, Fit]:
+    """The frame of a crystal from neighbour vectors of a sample of its atoms, and how they fit.
+
+    name, orient, constant: of the lattice, where they are given.
+
+    Raises
+    ------
+    CrystalError
+        The atoms are no crystal, or one of another lattice.
+    """
+    if name is None:
+        found = likely_lattice(vectors, orient, constant)
+    else:
+        found = single_frame(lattice_named(name), vectors, orient, constant)
+    share = float(found[1].whole.mean())
+    if name is not None and share < 0.5:
+        other = likely_lattice(vectors)
+        # Without a doubt it is another one.
+        if other[0].lattice.name != name and other[1].whole.mean() > 2 * share:
+            raise CrystalError(
+                f"lattice: the neighbours of {other[1].whole.mean():.1%} of the atoms fit into "
+                f"{other[0].lattice.name}, but {name} came, into which {share:.1%} fit. Name "
+                "that one, or none."
+            )
+    if share < METHOD.share:
+        raise CrystalError(
+            f"positions: a crystal was needed ({name or 'fcc, bcc, hcp or diamond'}), but of "
+            f"only {share:.1%} of the atoms the neighbours fit, as in a liquid. Name the "
+            "lattice, or cut out the part that is crystalline."
+        )
+    return found

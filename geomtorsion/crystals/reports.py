@@ -9,6 +9,7 @@ import numpy as np
 import scipy  # loads its parts when they are asked for
 
 from geomtorsion.conventions import burgers
+from geomtorsion.crystals.blocked import BlockedCrystal
 from geomtorsion.crystals.crystal import Crystal
 from geomtorsion.loops import DislocationNetwork
 from geomtorsion.loops.network_lines import DislocationLine
@@ -17,7 +18,9 @@ from geomtorsion.loops.network_lines import DislocationLine
 Json = dict[str, Any]
 
 
-def crystal_report(crystal: Crystal, net: DislocationNetwork, convention: str = "SF/RH") -> Json:
+def crystal_report(
+    crystal: Crystal | BlockedCrystal, net: DislocationNetwork, convention: str = "SF/RH"
+) -> Json:
     """A crystal and its dislocation lines as plain data; every number to the last digit.
 
     Parameters
@@ -39,7 +42,7 @@ def crystal_report(crystal: Crystal, net: DislocationNetwork, convention: str = 
     """
     cell = crystal.cell
     return {
-        "atoms": len(crystal.positions),
+        "atoms": crystal.count,
         "lattice": crystal.lattice,
         "constant": crystal.constant,
         "orient": crystal.orient.tolist(),
@@ -59,7 +62,7 @@ def _signed(values: object, convention: str) -> np.ndarray:
     return burgers(np.asarray(values, dtype=float), convention) + 0.0
 
 
-def _line(crystal: Crystal, line: DislocationLine, convention: str) -> Json:
+def _line(crystal: Crystal | BlockedCrystal, line: DislocationLine, convention: str) -> Json:
     """One line as plain data."""
     exact = burgers(list(line.burgers_lattice or ()), convention)
     found: Json = {
@@ -75,7 +78,7 @@ def _line(crystal: Crystal, line: DislocationLine, convention: str) -> Json:
     return found
 
 
-def inserted_atoms(line: DislocationLine, crystal: Crystal) -> float:
+def inserted_atoms(line: DislocationLine, crystal: Crystal | BlockedCrystal) -> float:
     """How many atoms a closed line has between its half planes; of vacancies less than none.
 
     Equation

@@ -26,13 +26,13 @@ class Shells:
     kind: sublattice of each atom, 0 or 1, shape (atoms,).
     closed: atoms about which every triangle closes, shape (atoms,); those at a surface lack
         neighbours.
-    vacancies: how many sites without an atom all their neighbours agree on.
+    vacancies: sites without an atom on which all their neighbours agree: the first of these.
     """
 
     near: np.ndarray
     kind: np.ndarray
     closed: np.ndarray
-    vacancies: int
+    vacancies: np.ndarray
 
 
 def dilated(atoms: np.ndarray, near: np.ndarray) -> np.ndarray:
@@ -42,6 +42,13 @@ def dilated(atoms: np.ndarray, near: np.ndarray) -> np.ndarray:
     # What is no atom is a vacancy, or not there.
     found[behind[(behind >= 0) & (behind < len(atoms))]] = True
     return found
+
+
+def reach_of_shells(frame: Frame) -> float:
+    """Within which an atom has all its neighbours, coordinates."""
+    lattice = frame.lattice
+    size = np.linalg.norm(lattice.neighbours[0] * lattice.units, axis=1).max()
+    return float(frame.constant * (size + lattice.nearest / 2))
 
 
 def shells_of(
@@ -54,8 +61,7 @@ def shells_of(
     atoms are looked at together, which decides about memory, not about values.
     """
     lattice, count = frame.lattice, len(places)
-    size = frame.constant * np.linalg.norm(lattice.neighbours[0] * lattice.units, axis=1).max()
-    reach = size + frame.constant * lattice.nearest / 2
+    reach = reach_of_shells(frame)
     points, numbers, _ = cell.with_ghosts(places, reach)
     tree = scipy.spatial.cKDTree(points, balanced_tree=False, compact_nodes=False)
     near = np.empty((count, lattice.shells), dtype=np.int64)
@@ -77,7 +83,8 @@ def shells_of(
     for site in np.flatnonzero(~closed[count:]):
         closed[held[site]] = False
     filled = (near[count:] >= 0).all(axis=1) & closed[count:]
-    return Shells(near[:count], kind[:count], closed[:count], int(filled.sum()))
+    firsts = [int(held[site].min()) for site in np.flatnonzero(filled)]
+    return Shells(near[:count], kind[:count], closed[:count], np.array(firsts, dtype=np.int64))
 
 
 def _slots(
@@ -99,7 +106,8 @@ def _slots(
         sure = there & (apart < sure_below)
         near = np.full(found.shape, -1, dtype=np.int64)
         near[np.broadcast_to(rows, found.shape)[sure], which[sure]] = numbers[safe[sure]]
-        misfit = np.where(there, apart, sure_below).sum(axis=1)
+        # What has lost its place to a vacancy counts as missing, wherever it is.
+        misfit = np.where(there, np.minimum(apart, sure_below), sure_below).sum(axis=1)
         single = (near >= 0).sum(axis=1) == sure.sum(axis=1)
         if best is None:
             best = (near, np.zeros(len(places), dtype=np.int64), single, misfit)
@@ -249,7 +257,7 @@ def _with_vacancies(
     near = near.copy()
     chosen = good[site]
     near[atom[chosen], slot[chosen]] = count + site[chosen]
-    sites = [row[row < count] for row in around]
+    sites = [row[(row >= 0) & (row < count)] for row in around]
     around[~good] = -1
     return np.concatenate([near, around]), np.concatenate([kind, site_kind]), sites
 

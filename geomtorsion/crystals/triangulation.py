@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
@@ -46,6 +47,12 @@ class Cell:
             return positions, np.zeros(positions.shape, dtype=np.int64)
         moved = -np.floor(positions @ self.inverse) * self.periodic
         return positions + moved @ self.vectors, moved.astype(np.int64)
+
+    def moved(self, places: np.ndarray, image: Sequence[int]) -> np.ndarray:
+        """Places in another image, edge after edge, as `with_ghosts` has them to the last bit."""
+        for k, m in enumerate(image):
+            places = places + m * self.vectors[k] if m else places
+        return places
 
     def with_ghosts(
         self, places: np.ndarray, width: float
@@ -157,8 +164,27 @@ def distinct(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return order[new], which
 
 
+def jitter(numbers: np.ndarray) -> np.ndarray:
+    """Random numbers from -1 to 1 that belong to atoms by their numbers, shape (atoms, 3).
+
+    They are rows of one endless table, of which no more is made than there are atoms near by.
+    """
+    found = np.empty((len(numbers), 3))
+    size = METHOD.together
+    for start in np.unique(numbers // size).tolist():
+        mine = np.flatnonzero(numbers // size == start)
+        source = np.random.PCG64(0).advance(3 * size * start)
+        rows = np.random.Generator(source).uniform(-1, 1, (size, 3))
+        found[mine] = rows[numbers[mine] - size * start]
+    return found
+
+
 def triangulated(
-    places: np.ndarray, cell: Cell, reach: float, wanted: np.ndarray | None = None
+    places: np.ndarray,
+    cell: Cell,
+    reach: float,
+    wanted: np.ndarray | None = None,
+    atoms: np.ndarray | None = None,
 ) -> Triangulation:
     """Delaunay tetrahedra with empty spheres up to a radius, periodic where the cell is.
 
@@ -172,6 +198,8 @@ def triangulated(
     wanted
         Atoms whose tetrahedra are asked for, shape (atoms,) of truth values; all if not given.
         Atoms further than twice the reach from them, where no sphere reaches, are left out.
+    atoms
+        Numbers of the atoms, increasing, where some are left out: the tetrahedra are the same.
 
     Raises
     ------
@@ -183,7 +211,7 @@ def triangulated(
         return Triangulation(
             none, np.zeros((0, 4, 3), dtype=np.int64), places, cell, none[:, 0], wanted
         )
-    noise = np.random.default_rng(0).uniform(-1, 1, places.shape)
+    noise = jitter(np.arange(len(places)) if atoms is None else atoms)
     moved = places + METHOD.jitter * reach * noise
     points, numbers, images = cell.with_ghosts(moved, 2 * reach)
     inner = len(places)

@@ -25,6 +25,17 @@ def test_a_perfect_crystal_needs_no_triangulation(lattice):
     assert holes.dislocations().lines == ()
 
 
+def test_vacancies_of_hcp_are_seen_in_all_its_axes():
+    """Atoms between two vacancies keep their kind, whichever of the equal frames is found."""
+    places, cell = block("hcp", (8, 5, 5))
+    holes = np.delete(places, [0, 1, len(places) // 2], axis=0)
+    for turn in range(6):
+        c, s = np.cos(turn * np.pi / 3), np.sin(turn * np.pi / 3)
+        for flip in (1, -1):
+            orient = np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) @ np.diag([1, flip, flip])
+            assert closed_share(Crystal(holes, cell, lattice="hcp", orient=orient)) == 1
+
+
 def test_an_unrelaxed_screw_is_seen():
     """All its shells are perfect, but triangles of neighbours do not close."""
     places, cell = with_line("bcc", (0, 0, 1))

@@ -13,12 +13,19 @@ import typer
 
 from geomtorsion.checks import cut
 from geomtorsion.cli.commands.burgers import Form
+from geomtorsion.cli.crystal_blocks import (
+    Blocks,
+    is_blocked,
+    opened_folder,
+    report_in_blocks,
+)
 from geomtorsion.cli.crystal_page import crystal_page
 from geomtorsion.cli.exits import ExitCode, stopped
 from geomtorsion.cli.options import argument, directory, option
 from geomtorsion.cli.terminal import some_rows
 from geomtorsion.conventions import burgers
 from geomtorsion.crystals import LATTICES
+from geomtorsion.crystals.blocked import forget_blocks
 from geomtorsion.crystals.reports import Json, followed
 from geomtorsion.crystals.trajectories import Wanted, forget, is_begun, reports
 from geomtorsion.errors import CheckpointError, CrystalError, GeomtorsionError, MissingExtraError
@@ -60,6 +67,19 @@ def crystal(
     form: Annotated[
         Form, typer.Option("--format", help="text to read, json for programs.")
     ] = Form.text,
+    blocks: Annotated[
+        float | None,
+        option(metavar="LENGTH", text="In blocks about as wide, kept in DIR until all are done."),
+    ] = None,
+    cell: Annotated[
+        str | None,
+        option(metavar="A,B,C", text="Arrays: lengths of the cell's edges, or ax,ay,az;bx,...;..."),
+    ] = None,
+    periodic: Annotated[
+        str | None,
+        option(metavar="XYZ", text="Arrays: edges along which the cell repeats: xyz, z, none."),
+    ] = None,
+    workers: Annotated[int, typer.Option(metavar="N", help="Processes that compute blocks.")] = 1,
     output: Annotated[
         Path | None,
         directory("Write crystal.json, lines for OVITO, ParaView and ParaDiS, and pictures there."),
@@ -78,15 +98,23 @@ def crystal(
     numbers in time. With -o every frame stays in DIR when the command is stopped or killed; with
     --resume it goes on, to the same bits.
 
+    More atoms than memory holds are done in blocks: of arrays of positions (.npy, .zarr, or .npz
+    with positions, cell and periodic), and of one frame of any other file.
+
     \b
     Examples:
       geomtorsion crystal cu_edge.xyz -o out
       geomtorsion crystal w.dump --lattice bcc --orient '1,1,-2;-1,1,0;1,1,1' -o out
       geomtorsion crystal run.xyz --format json | jq '.frames[].lines[].burgers_lattice'
+      geomtorsion crystal atoms.npy --cell 3000,3000,2000 --blocks 300 -o out
     """
     # A sign that nobody knows is told before anything is computed.
     burgers([0], convention)
     wanted = Wanted(lattice, _axes(orient), constant, read_as, partials, convention)
+    asked = Blocks(blocks, cell, periodic, workers)
+    if is_blocked(file, asked):
+        _in_blocks(file, wanted, asked, output, form, resume=resume, overwrite=overwrite)
+        return
     folder = _folder(output, resume=resume, overwrite=overwrite)
     found: list[Json] = []
     made: list[Callable[[], DislocationNetwork]] = []
@@ -104,12 +132,39 @@ def crystal(
         except KeyboardInterrupt:
             stopped(f"; {len(found)} frames are in {folder}; go on with --resume" if folder else "")
             raise typer.Exit(ExitCode.interrupted) from None
-    document = {"file": file.name, "frames": followed(found)}
-    typer.echo(json.dumps(document, indent=1) if form is Form.json else _text(document))
+    document = _shown(file, found, form)
     if output is not None:
         _save(document, made[0](), output)
         if folder is not None:
             forget(folder)
+
+
+def _shown(file: Path, found: list[Json], form: Form) -> Json:
+    """What was found in all frames, told to a person or to a program."""
+    document = {"file": file.name, "frames": followed(found)}
+    typer.echo(json.dumps(document, indent=1) if form is Form.json else _text(document))
+    return document
+
+
+def _in_blocks(
+    file: Path,
+    wanted: Wanted,
+    asked: Blocks,
+    output: Path | None,
+    form: Form,
+    *,
+    resume: bool,
+    overwrite: bool,
+) -> None:
+    """A crystal that is kept block by block until it is done."""
+    folder = opened_folder(output, resume=resume, overwrite=overwrite)
+    try:
+        report, net = report_in_blocks(file, wanted, asked, folder)
+    except KeyboardInterrupt:
+        stopped(f"; blocks are in {folder}; go on with --resume")
+        raise typer.Exit(ExitCode.interrupted) from None
+    _save(_shown(file, [report], form), net, folder.parent)
+    forget_blocks(folder)
 
 
 def _axes(text: str | None) -> tuple[tuple[float, ...], ...] | None:

@@ -103,7 +103,9 @@ def _zarr(path: Path, called: str) -> Any:
                 if name == ".zarray" or said.get("node_type") == "array":
                     _check_packing(inner, said)
                     return module("zarr", path).open_array(str(inner), mode="r")
-    raise FileFormatError(f"{path}: neither an .npy file nor a Zarr array, nor one called {called}.")
+    raise FileFormatError(
+        f"{path}: neither an .npy file nor a Zarr array, nor one called {called}."
+    )
 
 
 def _check_packing(path: Path, said: Any) -> None:

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geomtorsion.crystals import trajectories
+from geomtorsion.crystals import BlockedCrystal, trajectories
 from geomtorsion.loops import DislocationNetwork
 from tests.cli import running
-from tests.crystals.making import copper_screw, written
+from tests.crystals.making import BOX, copper_screw, written
 from tests.real import real
 
 pytest.importorskip("ase")
@@ -157,3 +157,93 @@ def test_shared_files(name: str, lines: int) -> None:
     assert [len(frame["lines"]) for frame in found["frames"]] == [lines]
     text = run(str(real("crystal/cu_perfect.xyz"))).stdout
     assert "no dislocation line" in text
+
+
+def in_blocks(tmp_path: Path) -> Path:
+    """A file of positions alone, of the screw that `written` writes."""
+    np.save(tmp_path / "atoms.npy", copper_screw())
+    return tmp_path / "atoms.npy"
+
+
+BLOCKS = ("--cell", "80,80,14.4", "--periodic", "z", "--blocks", "25")
+
+
+def same(one: Path, other: Path) -> None:
+    """Two folders hold the same files byte by byte, but for the name of what was read."""
+    names = sorted(path.name for path in one.iterdir())
+    assert sorted(path.name for path in other.iterdir()) == names
+    for name in names:
+        texts = [(folder / name).read_bytes() for folder in (one, other)]
+        assert len({text.replace(b"atoms.xyz", b"atoms.npy") for text in texts}) == 1, name
+
+
+def test_blocks_give_what_the_file_at_once_gives(tmp_path: Path) -> None:
+    """Arrays and any other file, in blocks or not: table, JSON, lines and pictures."""
+    array, file = in_blocks(tmp_path), written(tmp_path, copper_screw())
+    np.savez(
+        tmp_path / "atoms.npz", positions=copper_screw(), cell=BOX, periodic=[False, False, True]
+    )
+    whole = run(str(file), "-o", str(tmp_path / "whole")).stdout
+    told = run(str(array), *BLOCKS, "-o", str(tmp_path / "array")).stdout
+    assert told == whole.replace("atoms.xyz", "atoms.npy")
+    same(tmp_path / "whole", tmp_path / "array")
+    run(str(file), "--blocks", "30", "-o", str(tmp_path / "file"))
+    same(tmp_path / "whole", tmp_path / "file")
+    packed = run(str(tmp_path / "atoms.npz"), "--blocks", "40", "-o", str(tmp_path / "npz"))
+    assert packed.stdout == whole.replace("atoms.xyz", "atoms.npz")
+
+
+def test_blocks_that_are_stopped_go_on_to_the_same_bits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ctrl-C in the third block; what is done is not done again; all files byte by byte."""
+    file, whole, parts = in_blocks(tmp_path), tmp_path / "whole", tmp_path / "parts"
+    run(str(file), *BLOCKS, "-o", str(whole))
+    made, calls = BlockedCrystal.compute, []
+
+    def stopping(self: BlockedCrystal, block: Any) -> None:
+        calls.append(block)
+        if len(calls) == 3:
+            raise KeyboardInterrupt
+        made(self, block)
+
+    monkeypatch.setattr(BlockedCrystal, "compute", stopping)
+    assert "--resume" in run(str(file), *BLOCKS, "-o", str(parts), code=130).stderr
+    assert "--resume" in run(str(file), *BLOCKS, "-o", str(parts), code=2).stderr
+    other = (*BLOCKS[:-1], "26")
+    assert "another run" in run(str(file), *other, "-o", str(parts), "--resume", code=2).stderr
+    run(str(file), *BLOCKS, "-o", str(parts), "--resume")
+    assert len(set(calls)) == len(calls) - 1
+    same(whole, parts)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--cell", "80,80,14.4"), "--blocks LENGTH"),
+        (("--blocks", "25", "-o", "out"), "--periodic none"),
+        ((*BLOCKS,), "-o"),
+        ((*BLOCKS, "-o", "out", "--resume"), "nothing that was stopped"),
+        (("--cell", "80,80", "--blocks", "25", "-o", "out"), "three lengths"),
+        (("--cell", "a;b;c", "--blocks", "25", "-o", "out"), "three lengths"),
+        (("--periodic", "w", "--blocks", "25", "-o", "out"), "letters of xyz"),
+        ((*BLOCKS[:-1], "-3", "-o", "out"), "block"),
+    ],
+)
+def test_wrong_options_of_blocks_are_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, options: tuple[str, ...], message: str
+) -> None:
+    """What is missing or does not fit."""
+    file = in_blocks(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    assert message in run(str(file), *options, code=2).stderr
+
+
+def test_blocks_are_for_one_frame(tmp_path: Path) -> None:
+    """A trajectory, and options of arrays with a file that says them itself."""
+    file = written(tmp_path, copper_screw(), copper_screw())
+    out = ("-o", str(tmp_path / "out"))
+    assert "has 2" in run(str(file), "--blocks", "30", *out, code=2).stderr
+    one = written(tmp_path, copper_screw())
+    assert "says it itself" in run(str(one), *BLOCKS, *out, code=2).stderr
+    assert "belongs to arrays" in run(str(one), "--periodic", "z", code=2).stderr

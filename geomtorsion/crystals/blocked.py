@@ -1,0 +1,311 @@
+"""Blocked: crystals of more atoms than memory holds, block by block in a folder.
+
+Atoms are sorted into blocks of space. In each of them, with a layer of others about it, those are
+found whose neighbours do not exclude torsion; about these alone, of all blocks together, tetrahedra
+are formed. Every block sees what the whole crystal would show it: any size of blocks gives the same
+lines, and so does a run that was killed and taken up again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy  # loads its parts when they are asked for
+from numpy.typing import ArrayLike
+
+from geomtorsion import checks
+from geomtorsion.blocks import LEDGER, open_ledger, read_array, run_blocks, write_array
+from geomtorsion.crystals.atom_slabs import AtomSlabs
+from geomtorsion.crystals.crystal import reach_of_sample
+from geomtorsion.crystals.frames import (
+    Fit,
+    Frame,
+    check_apart,
+    frame_of,
+    nearest_points,
+    sampled,
+)
+from geomtorsion.crystals.given import Given
+from geomtorsion.crystals.method import METHOD
+from geomtorsion.crystals.near_torsion import Atoms, lines_of, torsion_near
+from geomtorsion.crystals.shells import dilated, reach_of_shells, shells_of
+from geomtorsion.crystals.sorted_atoms import Block, Part, SortedAtoms
+from geomtorsion.crystals.triangulation import Cell
+from geomtorsion.errors import CheckpointError, CrystalError
+from geomtorsion.loops.dislocation_network import DislocationNetwork
+
+# Whether an atom needs tetrahedra is known from neighbours of neighbours: two steps to those that
+# run round a triangle with it, two more to those that agree on a vacancy beside one, each with its
+# own neighbours and a vacancy's; and one for what leans on it.
+STEPS = 7
+
+
+@dataclass(frozen=True, eq=False)
+class BlockedCrystal:
+    """A crystal in blocks, one file each in a folder; lines as of a `Crystal`.
+
+    atoms: sorted, on disk. count: how many. lattice, orient, constant, share: as of a `Crystal`.
+    """
+
+    folder: str
+    atoms: SortedAtoms
+    given: Given
+
+    # -- how it lies ------------------------------------------------------------------------------
+
+    @property
+    def count(self) -> int:
+        """How many atoms there are."""
+        return self.atoms.count
+
+    @property
+    def cell(self) -> np.ndarray | None:
+        """Edges of the cell as rows, or None where it has none."""
+        return self.given.cell
+
+    @property
+    def periodic(self) -> np.ndarray:
+        """Along which edges the cell repeats, shape (3,)."""
+        return self.atoms.cell.periodic
+
+    @property
+    def lattice(self) -> str:
+        """ "fcc", "bcc", "hcp" or "diamond"."""
+        return self.frame.lattice.name
+
+    @property
+    def orient(self) -> np.ndarray:
+        """Crystal axes from specimen axes, shape (3, 3): v_crystal = orient @ v."""
+        return self.frame.orient
+
+    @property
+    def constant(self) -> float:
+        """Lattice constant a, in the unit of the positions."""
+        return self.frame.constant
+
+    @property
+    def share(self) -> float:
+        """Share of a sample of the atoms whose neighbours are all where the lattice has them."""
+        return float(self._found[1].whole.mean())
+
+    @property
+    def frame(self) -> Frame:
+        """Lattice, orientation and lattice constant together."""
+        return self._found[0]
+
+    @cached_property
+    def _found(self) -> tuple[Frame, Fit]:
+        """The frame, and how a sample of the atoms fits into it."""
+        known = [x for x in map(self.kept_sample, self._sample) if x is not None]
+        if len(known) < len(self._sample):
+            raise self._missing(len(self._sample) - len(known))
+        numbers = np.concatenate([part.numbers for part in self._sample.values()])
+        vectors = np.concatenate(known)[np.argsort(numbers)]
+        return frame_of(vectors, self.given.lattice, self.given.orient, self.given.constant)
+
+    @cached_property
+    def _sample(self) -> dict[Block, Part]:
+        """Atoms that stand for all, in the blocks in which they lie."""
+        return self.atoms.chosen(sampled(self.count))
+
+    # -- blocks -----------------------------------------------------------------------------------
+
+    def _file(self, block: Block, what: str) -> Path:
+        """What is kept of a block."""
+        return Path(self.folder, f"block-{'_'.join(map(str, block))}-{what}.npy")
+
+    def _missing(self, count: int) -> CheckpointError:
+        """The error where blocks are not there."""
+        return CheckpointError(
+            f"{self.folder}: {count} of {len(self.atoms.blocks)} blocks are missing. Call "
+            "blocked_crystal again: it goes on where it ended."
+        )
+
+    def kept_sample(self, block: Block) -> np.ndarray | None:
+        """Neighbour vectors of the sample in a block, if they are there."""
+        shape = (len(self._sample[block].numbers), METHOD.neighbours, 3)
+        return read_array(self._file(block, "sample"), shape)
+
+    def kept_open(self, block: Block) -> np.ndarray | None:
+        """Numbers of the atoms in a block whose neighbours do not exclude torsion, if known."""
+        return read_array(self._file(block, "open"), (None,), np.int64)
+
+    @property
+    def done(self) -> list[Block]:
+        """The blocks that are finished."""
+        return [k for k in self.atoms.blocks if self.kept_open(k) is not None]
+
+    def sample(self, block: Block) -> None:
+        """Find the neighbours of some atoms of a block."""
+        centres = self._sample[block].places
+        reach = reach_of_sample(self.atoms.spanned, self.count)
+        part, _ = self.atoms.around(block, reach)
+        # All but those near by are none of their neighbours.
+        apart, _ = scipy.spatial.cKDTree(centres).query(part.places, distance_upper_bound=reach)
+        some = part[np.isfinite(apart)]
+        near, closest = nearest_points(some.places, some.numbers, centres, METHOD.neighbours)
+        check_apart(some.places, some.numbers, closest or reach)
+        vectors = some.places[near] - centres[:, None]
+        write_array(self._file(block, "sample"), vectors)
+
+    def compute(self, block: Block) -> None:
+        """Find the atoms of a block whose neighbours do not exclude torsion."""
+        frame = self.frame
+        part, own = self.atoms.around(block, STEPS * reach_of_shells(frame))
+        open_box = Cell(np.eye(3), np.zeros(3, dtype=bool))
+        shells = shells_of(part.places, open_box, frame)
+        wanted = dilated(~shells.closed & own, shells.near)
+        if frame.lattice.basis:
+            kinds = shells.kind[own].astype(np.int8)
+            write_array(self._file(block, "kinds"), kinds)
+        # Each vacancy belongs to one block, that of the first atom beside it.
+        filled = int(own[shells.vacancies].sum())
+        write_array(self._file(block, "vacancies"), np.array([filled], dtype=np.int64))
+        write_array(self._file(block, "open"), np.unique(part.numbers[wanted]))
+
+    # -- dislocations -----------------------------------------------------------------------------
+
+    def dislocations(self, partials: bool = False) -> DislocationNetwork:
+        """Dislocation lines with their junctions, as of `Crystal.dislocations`.
+
+        Raises
+        ------
+        CheckpointError
+            Blocks are missing.
+        """
+        checks.flag(partials, "partials", CrystalError)
+        found = [x for x in map(self.kept_open, self.atoms.blocks) if x is not None]
+        if len(found) < len(self.atoms.blocks):
+            raise self._missing(len(self.atoms.blocks) - len(found))
+        wanted = np.unique(np.concatenate(found))
+        vacancies = 0
+        for block in self.atoms.blocks:
+            filled = read_array(self._file(block, "vacancies"), (1,), np.int64)
+            vacancies += 0 if filled is None else int(filled[0])
+        frame, cell = self.frame, self.atoms.cell
+        places = [part.places for part in self.atoms.chosen(wanted).values()]
+        reach = METHOD.reach * frame.lattice.nearest * frame.constant
+        atoms = self._near(np.concatenate([np.zeros((0, 3)), *places]), 2.001 * reach)
+        check_apart(atoms.places, atoms.numbers, frame.lattice.nearest * frame.constant)
+        torsion = torsion_near(frame, cell, wanted, atoms, self._near, partials)
+        return lines_of(torsion, frame, self.count + vacancies)
+
+    def _near(self, places: np.ndarray, distance: float) -> Atoms:
+        """All atoms as near to some places as a distance."""
+        parts, kinds = [], []
+        for block, rows, part in self.atoms.near(places, distance):
+            parts.append(part)
+            if self.frame.lattice.basis:
+                known = read_array(self._file(block, "kinds"), (None,), np.int8)
+                if known is None:
+                    raise self._missing(1)
+                kinds.append(known[rows].astype(np.int64))
+            else:
+                kinds.append(np.zeros(len(rows), dtype=np.int64))
+        whole = Part.joined(parts)
+        order = np.argsort(np.concatenate([np.zeros(0, np.int64), *(x.numbers for x in parts)]))
+        kind = np.concatenate([np.zeros(0, np.int64), *kinds])[order]
+        return Atoms(whole.numbers, whole.places, kind)
+
+    def __repr__(self) -> str:
+        done, total = len(self.done), len(self.atoms.blocks)
+        return f"BlockedCrystal({self.count:,} atoms, {done} of {total} blocks done)"
+
+
+def blocked_crystal(
+    source: Any,
+    folder: str | Path,
+    cell: ArrayLike | None,
+    block: float,
+    periodic: Sequence[bool] = (True, True, True),
+    *,
+    lattice: str | None = None,
+    orient: ArrayLike | None = None,
+    constant: float | None = None,
+    workers: int = 1,
+    client: Any = None,
+) -> BlockedCrystal:
+    """A crystal of more atoms than memory holds, sorted into blocks and looked through.
+
+    Memory is that of a block with a layer of some twelve neighbour distances about it, some 700
+    bytes for each of its atoms, or of all atoms near torsion, some 3 kB each.
+
+    Parameters
+    ----------
+    source
+        Positions, shape (atoms, 3): an array (also a mapped one); the path of an .npy file, of a
+        Zarr array (extra `cluster`), or of an .npz file with the array `positions`; a list of
+        these, one after another; or a function that gives an iterator of arrays.
+    folder
+        Where sorted atoms (40 bytes each) and blocks are kept. A run that was killed goes on there.
+    cell, periodic, lattice, orient, constant
+        As for `Crystal`.
+    block
+        Length of the sides of a block, in the unit of the positions. It decides about memory and
+        time, not about lines: it should be some fifty neighbour distances or more.
+    workers
+        Processes on this machine.
+    client
+        A `dask.distributed.Client`, which runs one task for each block on its workers.
+
+    Raises
+    ------
+    CrystalError
+        Positions, cell or block are none, or the atoms are no crystal.
+    CheckpointError
+        The folder holds blocks of another run.
+    FileFormatError
+        A file is missing or damaged.
+
+    Examples
+    --------
+    >>> from itertools import product
+    >>> from tempfile import TemporaryDirectory
+    >>> sites = np.array(list(product(range(16), repeat=3)))
+    >>> places = sites[sites.sum(axis=1) % 2 == 0] * 1.8
+    >>> with TemporaryDirectory() as folder:
+    ...     crystal = blocked_crystal(places, folder, [28.8] * 3, block=15)
+    ...     crystal, crystal.lattice, crystal.dislocations().lines
+    (BlockedCrystal(2,048 atoms, 8 of 8 blocks done), 'fcc', ())
+    """
+    given = Given.of(cell, periodic, lattice, orient, constant)
+    size = float(checks.positive(block, "block", CrystalError))
+    checks.count(workers, "workers", CrystalError, 1)
+    place = Path(folder)
+    slabs = AtomSlabs(source)
+    open_ledger(place, {"source": slabs.name, "block": size, **given.described})
+    made = BlockedCrystal(str(place), SortedAtoms.sized(place, given.box, size), given)
+    made.atoms.sort(slabs)
+    if made.count < 20:
+        raise CrystalError(
+            f"positions: 20 atoms or more were needed to tell a crystal, but {made.count} came."
+        )
+    missing = [k for k in made._sample if made.kept_sample(k) is None]
+    run_blocks(made.sample, missing, workers, client, "blocks for the frame")
+    frame = made.frame
+    needed = 4 * frame.lattice.nearest * frame.constant
+    narrow = np.flatnonzero(given.box.periodic & (given.box.heights < needed))
+    if len(narrow):
+        k = int(narrow[0])
+        raise CrystalError(
+            f"cell: in blocks a period of {needed:.4g} or more was needed, four neighbour "
+            f"distances, but edge {k + 1} repeats after {given.box.heights[k]:.4g}. Repeat the "
+            "cell, or do it at once: Crystal(positions, cell).dislocations()."
+        )
+    done = set(made.done)
+    run_blocks(made.compute, [k for k in made.atoms.blocks if k not in done], workers, client)
+    return made
+
+
+def forget_blocks(folder: Path) -> None:
+    """Remove sorted atoms and blocks, and nothing else."""
+    for pattern in ("slab-*.npy", "block-*.npy", "*.part", "sorted.npy", LEDGER):
+        for path in folder.glob(pattern):
+            path.unlink()
+    if folder.is_dir() and not any(folder.iterdir()):
+        folder.rmdir()

@@ -1,0 +1,107 @@
+"""Near torsion: T = de on the tetrahedra about atoms whose neighbours do not exclude it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from geomtorsion.crystals.faults import SIXTHS, fault_shifts
+from geomtorsion.crystals.frames import Frame
+from geomtorsion.crystals.method import METHOD
+from geomtorsion.crystals.networks import network_of
+from geomtorsion.crystals.torsion import Torsion
+from geomtorsion.crystals.triangulation import Cell, Triangulation, triangulated
+from geomtorsion.loops.dislocation_network import DislocationNetwork
+
+
+@dataclass(frozen=True, eq=False)
+class Atoms:
+    """Atoms in a cell, perhaps of many more.
+
+    numbers: among all, increasing, shape (k,); places: wrapped, shape (k, 3); kinds: sublattice of
+    each, shape (k,).
+    """
+
+    numbers: np.ndarray
+    places: np.ndarray
+    kinds: np.ndarray
+
+
+def torsion_on(
+    frame: Frame, mesh: Triangulation, kinds: np.ndarray, partials: bool = False
+) -> Torsion:
+    """T = de on some tetrahedra."""
+    pairs, images, _ = mesh.edges
+    first, second = pairs.T
+    places = mesh.places
+    steps = places[second] - places[first] + images @ mesh.cell.vectors
+    labels = frame.lattice.decode(frame.values(steps), kinds[second] - kinds[first])
+    doubtful = frame.apart(steps, labels) > frame.constant * frame.lattice.nearest / 2
+    if frame.lattice.name != "fcc":
+        return Torsion(mesh, frame.lattice, labels, doubtful)
+    values = frame.values(steps)
+    crossing, sixths = fault_shifts(frame.lattice, values, labels, pairs, len(places))
+    if partials:
+        return Torsion(mesh, SIXTHS, sixths, doubtful & ~crossing)
+    # A fault joins its partials to one core, in which they cannot be told apart.
+    return Torsion(mesh, frame.lattice, labels, doubtful | crossing)
+
+
+def torsion_near(
+    frame: Frame,
+    cell: Cell,
+    wanted: np.ndarray,
+    atoms: Atoms,
+    more: Callable[[np.ndarray, float], Atoms],
+    partials: bool,
+) -> Torsion:
+    """The torsion about some atoms, and about those to which it goes on from there.
+
+    Parameters
+    ----------
+    wanted
+        Numbers of the atoms.
+    atoms
+        All as near to them as twice the largest empty sphere is wide, or more.
+    more
+        Gives all atoms as near to some places as a distance.
+    """
+    reach = METHOD.reach * frame.lattice.nearest * frame.constant
+    while True:
+        here = np.isin(atoms.numbers, wanted)
+        mesh = triangulated(atoms.places, cell, reach, here, atoms.numbers)
+        found = torsion_on(frame, mesh, atoms.kinds, partials)
+        beyond = found.beyond
+        if not beyond.any():
+            return found
+        # Cores reach as far as the neighbours of what is torn.
+        here[mesh.corners[beyond[mesh.corners].any(axis=1)].ravel()] = True
+        wanted = atoms.numbers[here]
+        # What is jittered may lie a little further.
+        atoms = more(atoms.places[here], 2.001 * reach)
+
+
+def sites_in(frame: Frame, cell: Cell) -> int | None:
+    """How many sites the lattice has in a cell that is periodic along all edges."""
+    if not cell.periodic.all():
+        return None
+    lattice, values = frame.lattice, frame.values(cell.vectors)
+    periods = lattice.decode(values)
+    far = frame.apart(cell.vectors, periods)
+    if far.max() > frame.constant * lattice.nearest / 2:
+        return None
+    cells = abs(np.linalg.det(periods)) / abs(np.linalg.det(lattice.translations))
+    return round(cells) * (2 if lattice.basis else 1)
+
+
+def lines_of(found: Torsion, frame: Frame, occupied: int) -> DislocationNetwork:
+    """The dislocation lines that carry a torsion.
+
+    occupied: atoms, and vacancies that are not part of a line.
+    """
+    sites = sites_in(frame, found.mesh.cell)
+    width = METHOD.width * frame.lattice.nearest * frame.constant
+    extra = None if sites is None else occupied - sites
+    return network_of(found.relaxed(), replace(frame, lattice=found.lattice), width, extra)

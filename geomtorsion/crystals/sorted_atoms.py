@@ -1,0 +1,220 @@
+"""Sorted atoms: positions on disk by blocks of space, of which any neighbourhood can be read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import scipy  # loads its parts when they are asked for
+
+from geomtorsion.blocks import read_array, write_array
+from geomtorsion.crystals.atom_slabs import AtomSlabs
+from geomtorsion.crystals.triangulation import Cell
+from geomtorsion.errors import CheckpointError
+
+Block = tuple[int, int, int]
+# A row of a slab's index: block, first row, first row behind.
+_BLOCK, _FROM, _TO = slice(0, 3), 3, 4
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """Some atoms, in the order of their numbers and then of their images.
+
+    numbers: shape (k,); places: positions with their images, shape (k, 3); images: how many periods
+    further each is, shape (k, 3).
+    """
+
+    numbers: np.ndarray
+    places: np.ndarray
+    images: np.ndarray
+
+    def __getitem__(self, chosen: np.ndarray) -> Part:
+        """Some of them."""
+        return Part(self.numbers[chosen], self.places[chosen], self.images[chosen])
+
+    @classmethod
+    def joined(cls, parts: list[Part]) -> Part:
+        """Several, put in order."""
+        none = np.zeros((0, 3))
+        numbers = np.concatenate([np.zeros(0, dtype=np.int64), *(x.numbers for x in parts)])
+        places = np.concatenate([none, *(x.places for x in parts)])
+        images = np.concatenate([none.astype(np.int64), *(x.images for x in parts)])
+        order = np.lexsort((*images.T[::-1], numbers))
+        return cls(numbers[order], places[order], images[order])
+
+
+@dataclass(frozen=True, eq=False)
+class SortedAtoms:
+    """Atoms on disk, sorted into blocks of space slab by slab.
+
+    folder: of the files. cell: the cell. counts: blocks along each edge of the cell; the same size
+    goes on outside of it where it is open.
+    """
+
+    folder: str
+    cell: Cell
+    counts: tuple[int, int, int]
+
+    @classmethod
+    def sized(cls, folder: Path, cell: Cell, block: float) -> SortedAtoms:
+        """With blocks about as wide as a length."""
+        counts = tuple(max(round(height / block), 1) for height in cell.heights.tolist())
+        return cls(str(folder), cell, (counts[0], counts[1], counts[2]))
+
+    def _file(self, number: int, what: str) -> Path:
+        """A file of a slab."""
+        return Path(self.folder, f"slab-{number:06}-{what}.npy")
+
+    def sort(self, slabs: AtomSlabs) -> None:
+        """Sort all that is not yet sorted."""
+        done = Path(self.folder, "sorted.npy")
+        if read_array(done, (1,), np.int64) is not None:
+            return
+        first = last = 0
+        for last, positions in enumerate(slabs, 1):
+            # The index comes last: where it is, all is.
+            if read_array(self._file(last - 1, "index"), (None, 5), np.int64) is None:
+                self._sort_one(last - 1, first, positions)
+            first += len(positions)
+        write_array(done, np.array([last], dtype=np.int64))
+
+    def _sort_one(self, number: int, first: int, positions: np.ndarray) -> None:
+        """One slab, whose first atom has a number."""
+        places, _ = self.cell.wrapped(positions)
+        shares = places @ self.cell.inverse
+        blocks = np.floor(shares * self.counts).astype(np.int64)
+        # Rounding may leave an atom on the face at which the next period begins.
+        inner = np.clip(blocks, 0, np.array(self.counts) - 1)
+        blocks = np.where(self.cell.periodic, inner, blocks)
+        order = np.lexsort((*blocks.T[::-1],))
+        blocks = blocks[order]
+        new = np.flatnonzero(np.r_[True, (np.diff(blocks, axis=0) != 0).any(axis=1)])
+        index = np.column_stack([blocks[new], new, np.append(new[1:], len(order))])
+        ends = np.stack([shares.min(axis=0), shares.max(axis=0)])
+        write_array(self._file(number, "places"), places[order])
+        write_array(self._file(number, "numbers"), first + order)
+        write_array(self._file(number, "ends"), ends)
+        write_array(self._file(number, "index"), index)
+
+    def _whole(self, path: Path, shape: tuple[int | None, ...], dtype: type = float) -> np.ndarray:
+        """A file that must be there."""
+        found = read_array(path, shape, dtype)
+        if found is None:
+            raise CheckpointError(
+                f"{path}: sorted atoms were needed, but the file is missing or damaged. Take an "
+                "empty folder."
+            )
+        return found
+
+    @cached_property
+    def _slabs(self) -> int:
+        """How many slabs there are."""
+        return int(self._whole(Path(self.folder, "sorted.npy"), (1,), np.int64)[0])
+
+    @cached_property
+    def _index(self) -> dict[Block, list[tuple[int, int, int]]]:
+        """Where the atoms of each block are: slab, first row, and first row behind."""
+        found: dict[Block, list[tuple[int, int, int]]] = {}
+        for slab in range(self._slabs):
+            for row in self._whole(self._file(slab, "index"), (None, 5), np.int64).tolist():
+                found.setdefault(tuple(row[_BLOCK]), []).append((slab, row[_FROM], row[_TO]))
+        return dict(sorted(found.items()))
+
+    @property
+    def blocks(self) -> tuple[Block, ...]:
+        """All blocks with atoms in them."""
+        return tuple(self._index)
+
+    @cached_property
+    def count(self) -> int:
+        """How many atoms there are."""
+        return sum(end - start for rows in self._index.values() for _, start, end in rows)
+
+    @cached_property
+    def spanned(self) -> float:
+        """About the volume that the atoms fill."""
+        ends = np.array([self._whole(self._file(k, "ends"), (2, 3)) for k in range(self._slabs)])
+        sizes = np.where(self.cell.periodic, 1.0, ends[:, 1].max(axis=0) - ends[:, 0].min(axis=0))
+        return float(np.prod(sizes) * abs(np.linalg.det(self.cell.vectors)))
+
+    def inside(self, block: Block) -> Part:
+        """The atoms of a block."""
+        parts = []
+        for slab, start, end in self._index.get(block, []):
+            places = self._whole(self._file(slab, "places"), (None, 3))[start:end]
+            numbers = self._whole(self._file(slab, "numbers"), (None,), np.int64)[start:end]
+            none = np.zeros((end - start, 3), dtype=np.int64)
+            parts.append(Part(np.array(numbers), np.array(places), none))
+        return Part.joined(parts)
+
+    def chosen(self, numbers: np.ndarray) -> dict[Block, Part]:
+        """Atoms by number, in order, in the blocks in which they lie."""
+        found: dict[Block, list[Part]] = {}
+        first = 0
+        for slab in range(self._slabs):
+            given = self._whole(self._file(slab, "numbers"), (None,), np.int64)
+            some = numbers[(numbers >= first) & (numbers < first + len(given))]
+            first += len(given)
+            if not len(some):
+                continue
+            rows = np.flatnonzero(np.isin(given, some))
+            places = self._whole(self._file(slab, "places"), (None, 3))[rows]
+            index = self._whole(self._file(slab, "index"), (None, 5), np.int64)
+            which = np.searchsorted(index[:, _FROM], rows, side="right") - 1
+            for k in np.unique(which).tolist():
+                mine = which == k
+                none = np.zeros((int(mine.sum()), 3), dtype=np.int64)
+                part = Part(np.array(given[rows[mine]]), places[mine], none)
+                found.setdefault(tuple(index[k, _BLOCK].tolist()), []).append(part)
+        return {block: Part.joined(parts) for block, parts in sorted(found.items())}
+
+    def _images(self, block: Block, margin: np.ndarray) -> Iterator[tuple[Block, Block]]:
+        """Blocks that reach as near to a block as a margin, in blocks, and their images."""
+        ways = [
+            range(int(np.floor(k - m)), int(np.ceil(k + m)) + 1)
+            for k, m in zip(block, margin.tolist(), strict=True)
+        ]
+        for numbers in product(*ways):
+            pairs = [
+                divmod(k, n) if wraps else (0, k)
+                for k, n, wraps in zip(numbers, self.counts, self.cell.periodic, strict=True)
+            ]
+            inner = (pairs[0][1], pairs[1][1], pairs[2][1])
+            if inner in self._index:
+                yield inner, (pairs[0][0], pairs[1][0], pairs[2][0])
+
+    def around(self, block: Block, width: float) -> tuple[Part, np.ndarray]:
+        """The atoms of a block with a layer of others about it, and which of them are its own."""
+        margin = width / self.cell.heights * self.counts
+        parts, mine = [], self.inside(block).numbers
+        for inner, image in self._images(block, margin):
+            part = self.inside(inner)
+            place = self.cell.moved(part.places, image)
+            at = place @ self.cell.inverse * self.counts - block
+            # Rounding at the faces is far less than any layer.
+            near = ((at > -margin) & (at < 1 + margin)).all(axis=1)
+            near = np.asarray(near | (inner == block and not any(image)))
+            parts.append(Part(part.numbers, place, part.images + np.array(image))[near])
+        whole = Part.joined(parts)
+        return whole, np.isin(whole.numbers, mine) & ~whole.images.any(axis=1)
+
+    def near(self, places: np.ndarray, distance: float) -> Iterator[tuple[Block, np.ndarray, Part]]:
+        """All atoms as near to some places in the cell as a distance: block, rows in it, atoms."""
+        points, _, _ = self.cell.with_ghosts(places, distance)
+        at = points @ self.cell.inverse * self.counts
+        margin = distance / self.cell.heights * self.counts
+        for block in self.blocks:
+            low = np.array(block)
+            mine = ((at > low - margin) & (at < low + 1 + margin)).all(axis=1)
+            if mine.any():
+                part = self.inside(block)
+                apart, _ = scipy.spatial.cKDTree(points[mine]).query(
+                    part.places, distance_upper_bound=distance
+                )
+                rows = np.flatnonzero(np.isfinite(apart))
+                yield block, rows, part[rows]

@@ -1,0 +1,246 @@
+"""Blocked: the same lines whatever the size of blocks, from any source, and after a kill."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from geomtorsion.crystals import Crystal, blocked_crystal
+from geomtorsion.errors import CheckpointError, CrystalError, FileFormatError, GridError
+from tests.crystals.synthetic import block, quadrupole, with_line
+
+ROOT = Path(__file__).parents[2]
+HEIGHT = (8 / 3) ** 0.5
+
+
+def bits(net):
+    """Everything that lines are, to the last bit."""
+    return [
+        (line.burgers, line.burgers_lattice, line.length, line.kind, line.path.tobytes())
+        for line in net.lines
+    ]
+
+
+def screws(lattice="bcc", seed=0, noise=0.03):
+    """Four screws in a periodic cell, atoms in any order, and the cell."""
+    repeats, b = ((10, 6, 5), (0, 0, HEIGHT)) if lattice == "hcp" else ((12, 12, 5), (0, 0, 1))
+    places, cell = quadrupole(lattice, repeats, b)
+    rng = np.random.default_rng(seed)
+    places = places + noise * rng.normal(size=places.shape)
+    return places[rng.permutation(len(places))], cell
+
+
+@pytest.mark.parametrize("lattice", ["bcc", "fcc", "hcp"])
+@given(size=st.floats(4.5, 20), seed=st.integers(0, 2**32 - 1), oblique=st.booleans())
+@settings(max_examples=2, deadline=None)
+def test_any_block_size_gives_the_same_bits(tmp_path_factory, lattice, size, seed, oblique):
+    """Frame and lines are those of the crystal in memory, however it is cut, in any cell of it."""
+    places, cell = screws(lattice, seed)
+    vectors = np.diag(cell)
+    if oblique:
+        vectors[2] += vectors[0]
+    whole = Crystal(places, vectors)
+    cut = blocked_crystal(places, tmp_path_factory.mktemp("blocks"), vectors, size)
+    assert cut.count == len(places)
+    assert (cut.lattice, cut.constant, cut.share) == (whole.lattice, whole.constant, whole.share)
+    assert np.array_equal(cut.orient, whole.orient)
+    lines = whole.dislocations()
+    assert len(lines.lines) == 4
+    assert bits(cut.dislocations()) == bits(lines)
+
+
+@given(size=st.floats(5, 40), seed=st.integers(0, 2**32 - 1))
+@settings(max_examples=3, deadline=None)
+def test_open_and_turned_cells(tmp_path_factory, size, seed):
+    """A line in a crystal that is open across it, rotated as it likes, wrapped or not."""
+    places, cell = with_line("fcc", (0.5, 0.5, 0), (10, 10, 5), 0.45)
+    vectors = np.diag(cell)
+    rng = np.random.default_rng(seed)
+    turn = Rotation.random(random_state=int(seed)).as_matrix()
+    wound = rng.integers(-1, 2, (len(places), 1)) * vectors[2]
+    given_as = (places + wound) @ turn.T, vectors @ turn.T, (False, False, True)
+    whole = Crystal(*given_as).dislocations()
+    folder = tmp_path_factory.mktemp("blocks")
+    cut = blocked_crystal(given_as[0], folder, given_as[1], size, given_as[2])
+    assert [line.family for line in whole.lines] == ["1/2<1 1 0>"]
+    assert bits(cut.dislocations()) == bits(whole)
+
+
+def test_vacancies_are_counted_once_on_the_faces_of_blocks(tmp_path):
+    """A cell of blocks of whole lattice constants, vacancies at their corners and a loop."""
+    places, cell = block("bcc", (12, 12, 12))
+    disc = np.hypot(*(places[:, :2] - [6.1, 6.2]).T) < 3.4
+    gone = disc & (np.abs(places[:, 2] - 6.2) < 0.3)
+    sheet = places.copy()
+    # Both sides close the gap that a layer of (001) leaves: b = a/2 needs two layers.
+    gone |= disc & (np.abs(places[:, 2] - 6.7) < 0.3)
+    depth = np.where(places[:, 2] < 6.4, 1, -1) * np.exp(-np.abs(places[:, 2] - 6.4) / 2)
+    sheet[:, 2] += 0.5 * depth * disc
+    corners = [(x, y, z) for x in (0, 6) for y in (0, 3) for z in (0, 9)]
+    for corner in corners:
+        gone |= (places == corner).all(axis=1)
+    kept = sheet[~gone]
+    whole = Crystal(kept, cell, lattice="bcc", orient=np.eye(3))
+    cut = blocked_crystal(kept, tmp_path, cell, 6, lattice="bcc", orient=np.eye(3))
+    (line,) = whole.dislocations().lines
+    assert line.is_closed
+    assert bits(cut.dislocations()) == bits(whole.dislocations())
+
+
+def test_partials_and_kinds_come_block_by_block(tmp_path):
+    """What belongs to two sublattices, and to stacking faults, is the same, too."""
+    places, cell = screws("fcc")
+    whole = Crystal(places, cell)
+    cut = blocked_crystal(places, tmp_path, cell, 6)
+    assert bits(cut.dislocations(partials=True)) == bits(whole.dislocations(partials=True))
+
+
+OPEN = (False, False, True)
+
+
+def line():
+    """A screw in a crystal that is open across it, which has fewer atoms about it, and the cell."""
+    return with_line("bcc", (0, 0, 1))
+
+
+def sources(folder, places):
+    """The same atoms in every way in which they may come."""
+    np.save(folder / "atoms.npy", places)
+    np.savez(folder / "atoms.npz", positions=places)
+    np.savez_compressed(folder / "packed.npz", positions=places.astype(">f8"))
+    np.save(folder / "one.npy", places[:1000])
+    np.save(folder / "two.npy", places[1000:])
+    return {
+        "mapped": np.load(folder / "atoms.npy", mmap_mode="r"),
+        "npy": folder / "atoms.npy",
+        "npz": str(folder / "atoms.npz"),
+        "packed": folder / "packed.npz",
+        "files": [folder / "one.npy", str(folder / "two.npy")],
+        "arrays": [places[:7], places[7:]],
+        "rows": places.tolist(),
+        "slabs": lambda: iter(np.array_split(places, 9)),
+    }
+
+
+def test_atoms_come_from_files_lists_and_functions(tmp_path):
+    """Every source gives the lines of the array."""
+    places, cell = line()
+    expected = bits(Crystal(places, cell, OPEN).dislocations())
+    for name, source in sources(tmp_path, places).items():
+        cut = blocked_crystal(source, tmp_path / f"of-{name}", cell, 20, OPEN)
+        assert bits(cut.dislocations()) == expected, name
+
+
+def test_atoms_come_from_zarr(tmp_path):
+    """An array, and a group with one called positions."""
+    zarr = pytest.importorskip("zarr")
+    places, cell = line()
+    zarr.save_array(str(tmp_path / "atoms.zarr"), places)
+    zarr.save_group(str(tmp_path / "group.zarr"), positions=places)
+    expected = bits(Crystal(places, cell, OPEN).dislocations())
+    for name in ("atoms", "group"):
+        cut = blocked_crystal(tmp_path / f"{name}.zarr", tmp_path / f"of-{name}", cell, 20, OPEN)
+        assert bits(cut.dislocations()) == expected
+
+
+KILLED = """
+import os, signal, sys
+import numpy as np
+from geomtorsion.crystals import blocked_crystal
+from geomtorsion.crystals.blocked import BlockedCrystal
+made, calls = BlockedCrystal.compute, []
+def dying(self, block):
+    made(self, block)
+    calls.append(block)
+    if len(calls) == 3:
+        os.kill(os.getpid(), signal.SIGKILL)
+BlockedCrystal.compute = dying
+blocked_crystal(sys.argv[1], sys.argv[2], [12, 12, 4], 6, (False, False, True))
+"""
+
+
+def test_a_killed_run_goes_on(tmp_path):
+    """SIGKILL after three blocks: they are taken as they are, and the lines are the same."""
+    places, cell = line()
+    file, folder = tmp_path / "atoms.npy", tmp_path / "blocks"
+    np.save(file, places)
+    done = subprocess.run(
+        [sys.executable, "-c", KILLED, str(file), str(folder)], cwd=ROOT, timeout=300, check=False
+    )
+    assert done.returncode == -9
+    kept = {path: path.stat().st_mtime_ns for path in folder.glob("*-open.npy")}
+    assert len(kept) == 3
+    slabs = {path: path.stat().st_mtime_ns for path in folder.glob("slab-*")}
+    found = blocked_crystal(file, folder, cell, 6, OPEN)
+    assert len(found.done) == len(found.atoms.blocks) == 4
+    assert {path: path.stat().st_mtime_ns for path in (*kept, *slabs)} == kept | slabs
+    assert bits(found.dislocations()) == bits(Crystal(places, cell, OPEN).dislocations())
+
+
+def test_workers_give_the_same(tmp_path):
+    """Two processes."""
+    places, cell = line()
+    np.save(tmp_path / "atoms.npy", places)
+    found = blocked_crystal(tmp_path / "atoms.npy", tmp_path / "two", cell, 6, OPEN, workers=2)
+    assert bits(found.dislocations()) == bits(Crystal(places, cell, OPEN).dislocations())
+
+
+def test_damage_is_done_again_or_told(tmp_path):
+    """A block that was cut is computed again; sorted atoms that are gone are told."""
+    places, cell = line()
+    found = blocked_crystal(places, tmp_path, cell, 6, OPEN)
+    expected = bits(found.dislocations())
+    cut = next(iter(tmp_path.glob("block-*-open.npy")))
+    cut.write_bytes(cut.read_bytes()[:-3])
+    with pytest.raises(CheckpointError, match="1 of 4 blocks are missing"):
+        found.dislocations()
+    again = blocked_crystal(places, tmp_path, cell, 6, OPEN)
+    assert bits(again.dislocations()) == expected
+    with pytest.raises(CheckpointError, match="blocks of another run: block differ"):
+        blocked_crystal(places, tmp_path, cell, 7, OPEN)
+    next(iter(tmp_path.glob("slab-*-places.npy"))).unlink()
+    with pytest.raises(CheckpointError, match="missing or damaged"):
+        blocked_crystal(places, tmp_path, cell, 6, OPEN).dislocations()
+
+
+X, CELL = block("fcc", (8, 8, 8))
+GAS = np.random.default_rng(0).uniform(0, 8, X.shape)
+REFUSED = {
+    "gas": (GAS, CELL, 4, CrystalError, "as in a liquid"),
+    "twice": (np.r_[X, X[5:6]], CELL, 4, CrystalError, "atoms 5 and 2048 lie upon each other"),
+    "nan": (np.where(X == 1, np.nan, X), CELL, 4, CrystalError, "is not finite"),
+    "few": (X[:9], CELL, 4, CrystalError, "20 atoms or more"),
+    "block": (X, CELL, 0, CrystalError, "block"),
+    "narrow": (block("fcc", (8, 8, 2))[0], [8, 8, 2], 4, CrystalError, "edge 3 repeats after 2"),
+    "shape": (X[:, :2], CELL, 4, CrystalError, r"\(atoms, 3\)"),
+    "used up": (iter([X]), CELL, 4, CrystalError, "Give a function"),
+    "no file": ("gone.npy", CELL, 4, FileFormatError, "no such file"),
+    "no npz": ("gone.npz", CELL, 4, FileFormatError, "no such file"),
+    "text": ([["a", "b", "c"]], CELL, 4, FileFormatError, "no such file"),
+    "words": (np.array([["a", "b", "c"]]), CELL, 4, GridError, "real numbers"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_bad_input_is_refused(tmp_path, name):
+    """An error of the package says what was needed and what came."""
+    source, cell, size, error, words = REFUSED[name]
+    with pytest.raises(error, match=words):
+        blocked_crystal(source, tmp_path, cell, size).dislocations()
+
+
+def test_damaged_npz_files_are_told(tmp_path):
+    """Cut, without positions, of another shape."""
+    np.savez(tmp_path / "whole.npz", positions=X)
+    content = (tmp_path / "whole.npz").read_bytes()
+    (tmp_path / "cut.npz").write_bytes(content[: len(content) // 2])
+    np.savez(tmp_path / "other.npz", places=X)
+    np.savez(tmp_path / "flat.npz", positions=X[:, 0])
+    for name in ("cut", "other", "flat"):
+        with pytest.raises(FileFormatError, match=f"{name}.npz"):
+            blocked_crystal(tmp_path / f"{name}.npz", tmp_path / name, CELL, 4)
