@@ -11,12 +11,13 @@ from zipfile import ZipFile
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.crystals.method import METHOD
 from geomtorsion.errors import CrystalError, FileFormatError
 from geomtorsion.loops.fields.contents import guarded
 from geomtorsion.loops.fields.sources import opened
 
 # Atoms that are read at once: some hundred megabytes while they are sorted.
-SLAB = 2**20
+SLAB = 16 * METHOD.together
 POSITIONS = "positions"
 
 

@@ -23,6 +23,7 @@ from geomtorsion.blocks import LEDGER, open_ledger, read_array, run_blocks, writ
 from geomtorsion.crystals.atom_slabs import AtomSlabs
 from geomtorsion.crystals.crystal import reach_of_sample
 from geomtorsion.crystals.frames import (
+    NEIGHBOURS,
     Fit,
     Frame,
     check_apart,
@@ -39,10 +40,16 @@ from geomtorsion.crystals.triangulation import Cell
 from geomtorsion.errors import CheckpointError, CrystalError
 from geomtorsion.loops.dislocation_network import DislocationNetwork
 
-# Whether an atom needs tetrahedra is known from neighbours of neighbours: two steps to those that
-# run round a triangle with it, two more to those that agree on a vacancy beside one, each with its
-# own neighbours and a vacancy's; and one for what leans on it.
-STEPS = 7
+# Steps from neighbour to neighbour on which it depends whether an atom needs tetrahedra.
+STEPS = (
+    "to a vacancy that leans on it",
+    "to a neighbour in a triangle",
+    "to the next one in this triangle",
+    "to a vacancy beside it",
+    "to an atom that sees this vacancy, or another one beside it",
+    "to an atom that sees that other one",
+    "to the neighbours of this atom",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +135,7 @@ class BlockedCrystal:
 
     def kept_sample(self, block: Block) -> np.ndarray | None:
         """Neighbour vectors of the sample in a block, if they are there."""
-        shape = (len(self._sample[block].numbers), METHOD.neighbours, 3)
+        shape = (len(self._sample[block].numbers), NEIGHBOURS, 3)
         return read_array(self._file(block, "sample"), shape)
 
     def kept_open(self, block: Block) -> np.ndarray | None:
@@ -148,7 +155,7 @@ class BlockedCrystal:
         # All but those near by are none of their neighbours.
         apart, _ = scipy.spatial.cKDTree(centres).query(part.places, distance_upper_bound=reach)
         some = part[np.isfinite(apart)]
-        near, closest = nearest_points(some.places, some.numbers, centres, METHOD.neighbours)
+        near, closest = nearest_points(some.places, some.numbers, centres, NEIGHBOURS)
         check_apart(some.places, some.numbers, closest or reach)
         vectors = some.places[near] - centres[:, None]
         write_array(self._file(block, "sample"), vectors)
@@ -156,7 +163,7 @@ class BlockedCrystal:
     def compute(self, block: Block) -> None:
         """Find the atoms of a block whose neighbours do not exclude torsion."""
         frame = self.frame
-        part, own = self.atoms.around(block, STEPS * reach_of_shells(frame))
+        part, own = self.atoms.around(block, len(STEPS) * reach_of_shells(frame))
         open_box = Cell(np.eye(3), np.zeros(3, dtype=bool))
         shells = shells_of(part.places, open_box, frame)
         wanted = dilated(~shells.closed & own, shells.near)

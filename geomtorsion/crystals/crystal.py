@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from geomtorsion import checks
 from geomtorsion.crystals.circuits import AtomCircuits
 from geomtorsion.crystals.frames import (
+    NEIGHBOURS,
     Fit,
     Frame,
     fitted,
@@ -140,7 +141,7 @@ class Crystal:
                 f"{len(self.positions)} came. Repeat the cell."
             )
         numbers = sampled(len(self.positions))
-        vectors = self._neighbours(METHOD.neighbours, numbers)
+        vectors = self._neighbours(NEIGHBOURS, numbers)
         return frame_of(vectors, given.lattice, given.orient, given.constant)
 
     def _neighbours(self, count: int, atoms: np.ndarray) -> np.ndarray:

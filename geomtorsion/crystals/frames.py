@@ -12,6 +12,9 @@ from geomtorsion.crystals.method import METHOD
 from geomtorsion.crystals.triangulation import Cell
 from geomtorsion.errors import CrystalError
 
+# Of each atom of a sample: all that tell a lattice from the others.
+NEIGHBOURS = max(lattice.shells for lattice in LATTICES.values())
+
 
 @dataclass(frozen=True, eq=False)
 class Frame:

@@ -19,7 +19,6 @@ class Method:
         wider than this are point defects, nearer junctions are one.
     share: no more than this share of the atoms of a liquid have neighbours like those of a crystal.
     seeds, sample: atoms that suggest an orientation, and atoms that decide.
-    neighbours: of each of these that are looked at: all that tell a lattice from the others.
     together: atoms that are looked at together: it decides about memory, not about values.
     """
 
@@ -30,7 +29,6 @@ class Method:
     share: float = 0.1
     seeds: int = 16
     sample: int = 2000
-    neighbours: int = 16
     together: int = 2**16
 
 
