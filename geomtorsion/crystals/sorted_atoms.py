@@ -17,8 +17,6 @@ from geomtorsion.crystals.triangulation import Cell
 from geomtorsion.errors import CheckpointError
 
 Block = tuple[int, int, int]
-# A row of a slab's index: block, first row, first row behind.
-_BLOCK, _FROM, _TO = slice(0, 3), 3, 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,8 +119,10 @@ class SortedAtoms:
         """Where the atoms of each block are: slab, first row, and first row behind."""
         found: dict[Block, list[tuple[int, int, int]]] = {}
         for slab in range(self._slabs):
-            for row in self._whole(self._file(slab, "index"), (None, 5), np.int64).tolist():
-                found.setdefault(tuple(row[_BLOCK]), []).append((slab, row[_FROM], row[_TO]))
+            index = self._whole(self._file(slab, "index"), (None, 5), np.int64)
+            # Block, first row, and first row behind.
+            for x, y, z, start, end in index.tolist():
+                found.setdefault((x, y, z), []).append((slab, start, end))
         return dict(sorted(found.items()))
 
     @property
@@ -165,12 +165,13 @@ class SortedAtoms:
             rows = np.flatnonzero(np.isin(given, some))
             places = self._whole(self._file(slab, "places"), (None, 3))[rows]
             index = self._whole(self._file(slab, "index"), (None, 5), np.int64)
-            which = np.searchsorted(index[:, _FROM], rows, side="right") - 1
+            which = np.searchsorted(index[:, 3], rows, side="right") - 1
             for k in np.unique(which).tolist():
                 mine = which == k
                 none = np.zeros((int(mine.sum()), 3), dtype=np.int64)
                 part = Part(np.array(given[rows[mine]]), places[mine], none)
-                found.setdefault(tuple(index[k, _BLOCK].tolist()), []).append(part)
+                x, y, z, *_ = index[k].tolist()
+                found.setdefault((x, y, z), []).append(part)
         return {block: Part.joined(parts) for block, parts in sorted(found.items())}
 
     def _images(self, block: Block, margin: np.ndarray) -> Iterator[tuple[Block, Block]]:
