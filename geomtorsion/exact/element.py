@@ -306,6 +306,16 @@ class Element:
             self._sympy = self._field.written(self)
         return self._sympy
 
+    def written_as(self, expression: sympy.Expr) -> Element:
+        """The same element, written in another way, such as a series by its powers."""
+        if self._recipe is not None:
+            found = Element.built(self._field, self._recipe)
+        else:
+            found = Element(self._field, self._num, self._den, self._field.level)
+            found._level = self._level
+        found._sympy = expression
+        return found
+
     def evaluate(
         self, point: Mapping[Any, Value], precision: int = 53, at: Any = None
     ) -> float | complex | mpmath.mpf:

@@ -95,6 +95,14 @@ class Field(Tower):
         """Itself: it only grows, and growth changes no element."""
         return self
 
+    def with_symbol(self, symbol: sympy.Symbol, value: Value) -> Field:
+        """A field over one more symbol, with its value at the point at which signs are read off."""
+        return Field(
+            (*self.symbols, symbol),
+            complex=self.is_complex,
+            sample={**self._given_sample, symbol: value},
+        )
+
     def declare(self, symbols: Iterable[sympy.Symbol]) -> None:
         """Adds parameters that come up later, such as the share of a blend."""
         self._add_symbols([symbol for symbol in symbols if symbol not in self._symbol_elements])

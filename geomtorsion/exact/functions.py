@@ -1,12 +1,35 @@
-"""Functions: the trigonometric and hyperbolic functions by their names."""
+"""Functions: the trigonometric and hyperbolic functions by their names, and roots of squares."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol
 
+import sympy
+
 if TYPE_CHECKING:
     from geomtorsion.exact.element import Element
+
+
+class RootOfSquare(sympy.Function):
+    """The root of a square, which a field reads with the sign that it has in the domain.
+
+    sympy makes Abs of it as soon as the symbols in it are real, and no field reads that.
+    """
+
+    nargs = 1
+
+
+def with_roots(expression: sympy.Basic) -> sympy.Basic:
+    """An expression in which sympy has made Abs of roots, ready to be read.
+
+    Examples
+    --------
+    >>> x = sympy.Symbol("x", real=True)
+    >>> with_roots(1 + sympy.sqrt(x**2))
+    RootOfSquare(x) + 1
+    """
+    return expression.replace(sympy.Abs, RootOfSquare)
 
 
 class Waves(Protocol):

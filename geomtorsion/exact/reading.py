@@ -14,7 +14,7 @@ from geomtorsion.errors import ExpressionError, GeomtorsionError, LimitError
 from geomtorsion.exact import unsupported
 from geomtorsion.exact.angles import Angles
 from geomtorsion.exact.exponents import Exponents
-from geomtorsion.exact.functions import FUNCTIONS
+from geomtorsion.exact.functions import FUNCTIONS, RootOfSquare
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.kept import stays_kept
 from geomtorsion.exact.limits import check_exponent, check_size
@@ -59,9 +59,11 @@ class Reader:
                 element = self.element(entry[1])
                 if not stays_kept(element):
                     check_size(element)
-                if element._sympy is None and _is_longer(element, entry[1]):
+                written = entry[1]
+                short = element._sympy is None and not written.has(RootOfSquare)
+                if short and _is_longer(element, written):
                     # What was written is shorter than all that can be made of it.
-                    element._sympy = entry[1]
+                    element._sympy = written
                 elements.append(element)
             return elements
         except RecursionError as error:
@@ -207,6 +209,9 @@ class Reader:
         name = type(expr).__name__
         if name in FUNCTIONS:
             return FUNCTIONS[name](self, self.element(expr.args[0]))
+        if isinstance(expr, RootOfSquare):
+            inner = self.element(expr.args[0])
+            return self.field.root(inner * inner, 2, sympy.sqrt(expr.args[0] ** 2))
         if name == "log" and len(expr.args) == 1:
             return self.primitives.log(self.element(expr.args[0]))
         if name in INVERSE_FUNCTIONS:

@@ -53,6 +53,32 @@ class Components:
         found.zeros.update((i, value) for i, value in values.items() if i not in kept)
         return found
 
+    @classmethod
+    def placed(
+        cls,
+        rank: int,
+        dimension: int,
+        values: Mapping[Index, Element],
+        symmetry: Symmetry = (),
+    ) -> Components:
+        """The same of values at any index of each orbit, of which one is kept."""
+        probe = cls.known(rank, dimension, {}, symmetry)
+        found: dict[Index, Element] = {}
+        for index, value in values.items():
+            sign, representative = probe.representative(index)
+            if sign:
+                found[representative] = value if sign > 0 else -value
+        return cls.known(rank, dimension, found, symmetry)
+
+    def mapped(self, change: Callable[[Index, Element], Element]) -> Components:
+        """Each component that does not vanish changed, when it is asked for; the symmetry stays."""
+
+        def rule(index: Index) -> Element | None:
+            value = self.get(index)
+            return None if value is None else change(index, value)
+
+        return Components(self.rank, self.dimension, rule, self.symmetry)
+
     def get(self, index: Index) -> Element | None:
         """One component, or None where it vanishes."""
         try:

@@ -19,6 +19,7 @@ from geomtorsion.geometry.components import Components, Rule, total
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.frame_matrices import is_dense, parallel_rows
 from geomtorsion.geometry.notation import ComponentTable, Names, Where
+from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.symmetry import Index, antisymmetric, shifted, symmetric
 from geomtorsion.geometry.tensor import Tensor
 
@@ -251,6 +252,23 @@ class Connection:
 
         symmetry = shifted(tensor.symmetry, 1)
         return Tensor(frame, "d" + tensor.slots, rule, symmetry, f"D{tensor.symbol}", "")
+
+    def subs(self, values: Values) -> Connection:
+        """The connection with values for parameters and unknown functions (see Frame.subs).
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame, cartan
+        >>> r, phi, k = sp.symbols("r phi k", positive=True)
+        >>> cone = Frame([r, phi], [[1, 0], [0, k * r]])
+        >>> cartan(cone).subs({k: 2}) is cartan(cone.subs({k: 2}))
+        True
+        """
+        if self.maker is not None:
+            return self.maker(self.frame.subs(values))
+        coefficients = self.coefficients.subs(values)
+        return Connection(coefficients.frame, coefficients, self.name, self.kind)
 
     # -- verdicts --------------------------------------------------------------------------------
 

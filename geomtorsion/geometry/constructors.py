@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
+from geomtorsion.errors import CoordinateError
 from geomtorsion.geometry import validation
 from geomtorsion.geometry.groups import invariant_coframe
 from geomtorsion.geometry.matrices import inverse
 from geomtorsion.geometry.orthonormalize import orthonormal_rows
+from geomtorsion.geometry.substitution import Substitution
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.frame import Frame
@@ -88,6 +90,41 @@ def from_metric(
     given = {"metric": elements, "rows": rows, "squares": squares, "eta": eta}
     frame.fill(opened, name, given, ("metric", entries))
     return frame
+
+
+def substituted(frame: Frame, put: Substitution) -> Frame:
+    """The frame with other values, made as it was made (see Frame.subs)."""
+    shape, n = frame.shape, frame.dimension
+    entries = [
+        (f"{shape}[{i}, {j}]", frame.given[shape].get((i, j))) for i in range(n) for j in range(n)
+    ]
+    flat = [sp.S.Zero if x is None else put.value(x.sympy, where) for where, x in entries]
+    domain = []
+    for relation in frame.domain:
+        found = put(relation)
+        if found == sp.false:
+            raise CoordinateError(
+                f"{put}: the frame is declared where {relation}, which does not hold then. Give "
+                "values inside of the domain."
+            )
+        domain += [] if found == sp.true else [found]
+    roots = {put(root): put(value) for root, value in frame.field.chosen.items()}
+    eta = [[frame.eta[i, j] for j in range(n)] for i in range(n)]
+    given: dict[str, Any] = {
+        # A metric is asked for signs, one for each row.
+        "signature": [eta[i][i] for i in range(n)] if shape == "metric" else eta,
+        "parameters": [one for one in frame.parameters if one not in put.symbols],
+        "domain": domain or None,
+        "name": frame.name,
+        # What is no root any more has no branch.
+        "branches": {root: value for root, value in roots.items() if root.is_Pow},
+    }
+    rows = [flat[n * i : n * (i + 1)] for i in range(n)]
+    cls = type(frame)
+    if shape == "metric":
+        return cls.from_metric(frame.coordinates, rows, **given)
+    make = cls.from_frame if shape == "legs" else cls
+    return make(frame.coordinates, rows, complex=frame.complex, **given)
 
 
 def from_structure_constants(

@@ -159,3 +159,13 @@ def _inherited(
                 image = tuple(letters.index(moved.get(letter, letter)) for letter in letters)
                 found.append((image, sign))
     return tuple(dict.fromkeys(found))
+
+
+def product(one: Tensor, two: Tensor) -> Tensor:
+    """The sum over the last index of one tensor and the first of another: one @ two."""
+    if not one.slots or not two.slots:
+        raise TensorIndexError("@ sums over an index of both: neither may be a scalar.")
+    names = "abcdefghijklmnopqrstuvwxyz"
+    left = names[: len(one.slots)]
+    right = left[-1] + names[len(left) : len(left) + len(two.slots) - 1]
+    return contract(f"{left},{right}->{left[:-1]}{right[1:]}", one, two)

@@ -13,6 +13,7 @@ from geomtorsion.geometry import riemannian
 from geomtorsion.geometry.components import Rule, total
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.frame_matrices import is_dense
+from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.symmetry import RIEMANN, Index, Symmetry, antisymmetric, symmetric
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.torsion import scalar_of
@@ -205,6 +206,10 @@ class Curvature:
     def is_zero(self) -> bool | None:
         """Whether the curvature vanishes; None if that cannot be decided."""
         return self.lower.is_zero if self._is_riemannian else self.riemann.is_zero
+
+    def subs(self, values: Values) -> Curvature:
+        """The curvature with values for parameters and unknown functions (see Frame.subs)."""
+        return self.connection.subs(values).curvature
 
     def __reduce__(self) -> tuple:
         return type(self), (self.connection,)

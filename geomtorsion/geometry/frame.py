@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import FunctionType, MethodType
@@ -14,9 +14,17 @@ from geomtorsion import checks
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ArgumentError, CoordinateError
 from geomtorsion.exact import Branch, Element, Field
-from geomtorsion.geometry import constructors, frame_matrices, notation, sampling, validation
+from geomtorsion.geometry import (
+    constructors,
+    frame_matrices,
+    notation,
+    sampling,
+    substitution,
+    validation,
+)
 from geomtorsion.geometry.components import Components
 from geomtorsion.geometry.matrices import inverse
+from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.symmetry import symmetric
 from geomtorsion.geometry.tensor import Scalar, Tensor
 
@@ -117,7 +125,7 @@ class Frame:
         self.field.owner = self.field.owner or self
 
     if TYPE_CHECKING:
-        _kept: dict[str, Any]
+        _kept: dict[Hashable, Any]
         _plain: Plain
 
     from_frame = classmethod(constructors.from_frame)
@@ -126,7 +134,7 @@ class Frame:
 
     # -- what is kept ---------------------------------------------------------------------------
 
-    def derived(self, key: str, maker: Callable[[], Any]) -> Any:
+    def derived(self, key: Hashable, maker: Callable[[], Any]) -> Any:
         """A thing that follows from this frame: made on first use, then kept."""
         if key not in self._kept:
             self._kept[key] = maker()
@@ -140,6 +148,11 @@ class Frame:
     def dimension(self) -> int:
         """Number of coordinates."""
         return len(self.coordinates)
+
+    @property
+    def shape(self) -> str:
+        """What the frame was made from: "coframe", "legs" or "metric"."""
+        return next(shape for shape in ("metric", "legs", "coframe") if shape in self.given)
 
     # -- matrices -------------------------------------------------------------------------------
 
@@ -282,6 +295,43 @@ class Frame:
         from geomtorsion.geometry.quantities import DependencyGraph
 
         return DependencyGraph(self, name)
+
+    # -- other values ---------------------------------------------------------------------------
+
+    def subs(self, values: Values) -> Frame:
+        """The frame with values for parameters, and expressions for unknown functions.
+
+        All are put in at once, and everything that follows is as exact as before. Equal values
+        give the same frame, so that tensors with equal values can be added.
+
+        Parameters
+        ----------
+        values
+            {parameter: number or constant expression}, {a(t): expression of t}; names and text do
+            as well: {"M": "m1 + 1"} with names that the frame knows.
+
+        Raises
+        ------
+        UnknownNameError
+            There is no such parameter or function.
+        CoordinateError
+            A coordinate was given a value, a parameter one that is not constant, that it was
+            declared not to have, or that leads out of the domain.
+        SingularPointError
+            An entry has no finite value then.
+        CoframeError
+            The frame is singular then.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> r, phi, k = sp.symbols("r phi k", positive=True)
+        >>> cone = Frame([r, phi], [[1, 0], [0, k * r]])
+        >>> cone.subs({k: sp.Rational(1, 2)}).metric[1, 1], cone.subs({"k": 1}).parameters
+        (r**2/4, ())
+        """
+        put = substitution.substitution(values, self.coordinates, self.field)
+        return self.derived(put.key, lambda: constructors.substituted(self, put))
 
     # -- copies ---------------------------------------------------------------------------------
 

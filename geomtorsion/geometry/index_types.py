@@ -4,6 +4,12 @@ from __future__ import annotations
 
 KINDS = {"d": "coordinate", "u": "coordinate", "D": "frame", "U": "frame"}
 POSITIONS = {"d": "down", "D": "down", "u": "up", "U": "up"}
+# The matrix of a frame that turns a slot into another one, and whether it is transposed for that.
+EXCHANGES = {
+    "uU": ("coframe", False), "Uu": ("legs", False), "dD": ("legs", True), "Dd": ("coframe", True),
+    "du": ("inverse_metric", False), "ud": ("metric", False),
+    "DU": ("inverse_eta", False), "UD": ("eta", False),
+}  # fmt: skip
 _RAISED, _LOWERED = str.maketrans("dD", "uU"), str.maketrans("uU", "dD")
 
 

@@ -12,15 +12,15 @@ import sympy as sp
 
 from geomtorsion import checks
 from geomtorsion.displays import drawn_by
-from geomtorsion.errors import (
-    TensorIndexError,
-)
+from geomtorsion.errors import ArgumentError, TensorIndexError
 from geomtorsion.exact import Certainty, Element
 from geomtorsion.exact.certainty import least_certain
+from geomtorsion.exact.expansion import Expansion, limit
 from geomtorsion.geometry import arithmetic, evaluation, notation
-from geomtorsion.geometry.components import Components, Row, change_slot
-from geomtorsion.geometry.index_types import KINDS, moved
+from geomtorsion.geometry.components import Components, change_slot
+from geomtorsion.geometry.index_types import EXCHANGES, KINDS, moved
 from geomtorsion.geometry.notation import ComponentTable, Names, Where
+from geomtorsion.geometry.substitution import Value, Values, approaches, substitution
 from geomtorsion.geometry.symmetry import Index, Symmetry, effective
 
 if TYPE_CHECKING:
@@ -85,14 +85,7 @@ class Tensor:
         if isinstance(self.source, Mapping):
             named = [(f"{self.symbol}{list(i)}", value) for i, value in self.source.items()]
             values = dict(zip(self.source, self.frame.read(named), strict=True))
-            # A component may be given at any index of its orbit; it is kept at one of them.
-            probe = Components.known(rank, dimension, {}, symmetry)
-            placed: dict[Index, Element] = {}
-            for index, value in values.items():
-                sign, representative = probe.representative(index)
-                if sign:
-                    placed[representative] = value if sign > 0 else -value
-            return Components.known(rank, dimension, placed, symmetry)
+            return Components.placed(rank, dimension, values, symmetry)
         return Components(rank, dimension, self.source, symmetry)
 
     # -- reading -------------------------------------------------------------------------------
@@ -235,7 +228,11 @@ class Tensor:
                 "For the coefficients of a connection in the frame use connection.spin_connection."
             )
         slots = self.slots[:k] + slot + self.slots[k + 1 :]
-        rows, columns = _exchange(self.frame, self.slots[k], slot)
+        name, turned = EXCHANGES[self.slots[k] + slot]
+        matrix = getattr(self.frame, name).components
+        rows, columns = matrix.rows, matrix.columns
+        if turned:
+            rows, columns = columns, rows
         symmetry = effective(self.symmetry, slots)
         source = change_slot(self.frame.field, self.components, k, rows, columns, symmetry)
         return replace(self, slots=slots, source=source)
@@ -325,14 +322,9 @@ class Tensor:
     def __matmul__(self, other: Tensor) -> Tensor:
         """Sum over the last index of self and the first of other."""
         # A contraction gives a tensor, so that the two files import each other.
-        from geomtorsion.geometry.contraction import contract
+        from geomtorsion.geometry.contraction import product
 
-        if not self.slots or not other.slots:
-            raise TensorIndexError("@ sums over an index of both: neither may be a scalar.")
-        names = "abcdefghijklmnopqrstuvwxyz"
-        left = names[: len(self.slots)]
-        right = left[-1] + names[len(left) : len(left) + len(other.slots) - 1]
-        return contract(f"{left},{right}->{left[:-1]}{right[1:]}", self, other)
+        return product(self, other)
 
     def __eq__(self, other: object) -> bool:
         """Exact equality of all components; the slots must agree. Rank 0 equals its expression."""
@@ -351,6 +343,94 @@ class Tensor:
         if self.slots:
             raise AttributeError("a tensor with indices is no expression")
         return lambda: self[()]
+
+    # -- other values and points ---------------------------------------------------------------
+
+    def subs(self, values: Values) -> Tensor:
+        """The tensor with values for parameters and unknown functions, over `frame.subs(values)`.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame
+        >>> r, phi, k = sp.symbols("r phi k", positive=True)
+        >>> Frame([r, phi], [[1, 0], [0, k * r]]).metric.subs({k: 2}).nonzero()
+        {(0, 0): 1, (1, 1): 4*r**2}
+        """
+        frame = self.frame.subs(values)
+        put = substitution(values, self.frame.coordinates, self.frame.field)
+        return self._mapped(put.value, frame)
+
+    def limit(self, symbol: sp.Symbol | str, point: Value, side: str | None = None) -> Tensor:
+        """Every component as a coordinate or parameter goes to a point; the frame stays.
+
+        Parameters
+        ----------
+        point
+            A number, an expression or text; oo and -oo for infinity.
+        side
+            "+" from above, "-" from below. Without it from both, as far as the domain and what the
+            symbol was declared to be allow: both limits have to be one.
+
+        Raises
+        ------
+        SingularPointError
+            A component has no limit: it grows, does not settle, or has two.
+        UndecidedError
+            A limit cannot be had.
+        CoordinateError, UnknownNameError
+            The symbol means nothing here, or the point lies outside of the domain.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.spaces import load
+        >>> hole = load("schwarzschild").frame
+        >>> hole.metric.limit("r", sp.oo)[0, 0], hole.coframe.limit("M", 0)[1, 1]
+        (-1, 1)
+        """
+        ways = approaches(symbol, point, side, self.frame.domain, self.frame.field)
+        return self._mapped(lambda value, name: limit(self.frame.field, value, ways, name))
+
+    def series(self, symbol: sp.Symbol | str, point: Value, order: int) -> Tensor:
+        """Every component as a sum of powers of (symbol - point), the order included.
+
+        At infinity the powers are those of 1/symbol. Powers may begin below zero, and be broken
+        where roots vanish. The last power is the one asked for: sympy's `series` ends before it.
+
+        Raises
+        ------
+        SingularPointError
+            A component has no such series there.
+        ArgumentError
+            The order is no whole number from 0 on.
+
+        Examples
+        --------
+        >>> from geomtorsion.spaces import load
+        >>> load("schwarzschild").frame.coframe.series("M", 0, 2)[0, 0]
+        -M**2/(2*r**2) - M/r + 1
+        """
+        last, field = checks.count(order, "order", ArgumentError), self.frame.field
+        way, *_ = approaches(symbol, point, None, self.frame.domain, field)
+        return self._mapped(lambda x, at: Expansion(field, x, way, at).series(last), written=True)
+
+    def _mapped(
+        self,
+        change: Callable[[sp.Expr, str], sp.Expr],
+        frame: Frame | None = None,
+        written: bool = False,
+    ) -> Tensor:
+        """Every component changed, as it is asked for; change: of an expression with its name."""
+        over = frame or self.frame
+
+        def changed(index: Index, value: Element) -> Element:
+            name = f"{notation.plain_symbol(self.symbol)}{list(index)}"
+            given = change(value.sympy, name)
+            (found,) = over.read([(name, given)])
+            return found.written_as(given) if written else found
+
+        return replace(self, frame=over, source=self.components.mapped(changed))
 
     # -- copies --------------------------------------------------------------------------------
 
@@ -417,19 +497,3 @@ def _whole(k: object) -> int:
     found = checks.plain(k)
     is_whole = isinstance(found, int | sp.Integer) and not isinstance(found, bool)
     return int(found) if is_whole else -1
-
-
-# -- index positions -----------------------------------------------------------------------------
-
-
-def _exchange(frame: Frame, old: str, new: str) -> tuple[Sequence[Row], Sequence[Row]]:
-    """Sparse matrix that turns a slot of one kind into another: rows and columns of it."""
-    if old + new in ("uU", "Uu"):
-        matrix = frame.coframe.components if new == "U" else frame.legs.components
-        return matrix.rows, matrix.columns
-    if old + new in ("dD", "Dd"):
-        matrix = frame.legs.components if new == "D" else frame.coframe.components
-        return matrix.columns, matrix.rows
-    matrices = {"du": "inverse_metric", "ud": "metric", "DU": "inverse_eta", "UD": "eta"}
-    matrix = getattr(frame, matrices[old + new]).components
-    return matrix.rows, matrix.rows

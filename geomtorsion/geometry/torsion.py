@@ -13,6 +13,7 @@ from geomtorsion.exact import Element
 from geomtorsion.geometry.components import total
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.from_arrays import tensor_from_array
+from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.symmetry import Index, alternating, antisymmetric, symmetric
 from geomtorsion.geometry.tensor import Scalar, Tensor
 
@@ -182,6 +183,10 @@ class Torsion:
         if not isinstance(velocity, Tensor):
             velocity = tensor_from_array(frame, "u", velocity, "velocity")
         return contract("abc,a,b->c", self.force_coefficients, velocity, velocity)
+
+    def subs(self, values: Values) -> Torsion:
+        """The torsion with values for parameters and unknown functions (see Frame.subs)."""
+        return self.connection.subs(values).torsion
 
     def __reduce__(self) -> tuple:
         return type(self), (self.connection,)

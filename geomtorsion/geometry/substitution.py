@@ -1,0 +1,250 @@
+"""Substitution: values for parameters and unknown functions, and the ways on which a limit goes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import sympy as sp
+from sympy.core.function import AppliedUndef, UndefinedFunction
+
+from geomtorsion import checks
+from geomtorsion.errors import ArgumentError, CoordinateError, SingularPointError, UnknownNameError
+from geomtorsion.exact import Field, parse_expression
+from geomtorsion.exact.expansion import NEAR, Approach
+from geomtorsion.exact.functions import with_roots
+from geomtorsion.exact.twins import counted_as
+
+Value = sp.Expr | float | str
+Values = Mapping[sp.Expr, Value] | Mapping[str, Value]
+INFINITE = (sp.oo, -sp.oo, sp.zoo, sp.nan)
+_BY_NAME = {"oo": sp.oo, "+oo": sp.oo, "-oo": -sp.oo}
+_SIDES: Mapping[object, tuple[int, ...]] = {None: (1, -1), "+": (1,), "-": (-1,)}
+
+
+@dataclass(frozen=True)
+class Substitution:
+    """What is put in the place of what.
+
+    symbols: parameter -> value.
+    functions: unknown function -> what it is of its arguments.
+    """
+
+    symbols: Mapping[sp.Symbol, sp.Expr]
+    functions: Mapping[UndefinedFunction, sp.Lambda]
+
+    def __call__(self, expression: sp.Basic) -> sp.Basic:
+        """An expression or relation with the values in place, all at once."""
+        found = expression.xreplace(dict(self.symbols))
+        if self.functions:
+            for function, value in self.functions.items():
+                found = found.replace(function, value)
+            # What was the derivative of an unknown function can be taken now.
+            found = found.replace(_is_derivative, lambda one: one.doit())
+        return with_roots(found)
+
+    def value(self, expression: sp.Expr, where: str) -> sp.Expr:
+        """The same of an entry or component.
+
+        Raises
+        ------
+        SingularPointError
+            It has no finite value then.
+        """
+        found = self(expression)
+        if not isinstance(found, sp.Expr) or found.has(*INFINITE):
+            raise SingularPointError(
+                f"{where} = {expression} has no finite value with {self}. Give other values, or "
+                "ask for a limit: tensor.limit(symbol, value)."
+            )
+        return found
+
+    @property
+    def key(self) -> frozenset[object]:
+        """What tells it from others."""
+        return frozenset([*self.symbols.items(), *self.functions.items()])
+
+    def __str__(self) -> str:
+        pairs = [f"{symbol} = {value}" for symbol, value in self.symbols.items()]
+        pairs += [f"{f}({v.signature}) = {v.expr}" for f, v in self.functions.items()]
+        return ", ".join(pairs)
+
+
+def _is_derivative(expression: sp.Basic) -> bool:
+    return isinstance(expression, sp.Derivative | sp.Subs)
+
+
+def substitution(values: Values, coordinates: Sequence[sp.Symbol], exact: Field) -> Substitution:
+    """A substitution for all that lives in a field, checked (see Frame.subs)."""
+    parameters = [symbol for symbol in exact.symbols if symbol not in coordinates]
+    functions = {g.argument[0] for g in exact.generators if g.kind == "jet"}
+    names = {symbol.name: symbol for symbol in exact.symbols}
+    constant: dict[sp.Symbol, sp.Expr] = {}
+    known: dict[UndefinedFunction, sp.Lambda] = {}
+    for given, value in checks.table(values, "values").items():
+        key = _read(given, names, "values")
+        name = f"the value of {checks.shown(given)}"
+        put = _read(value, names, name)
+        if put.has(*INFINITE):
+            raise ArgumentError(
+                f"{name}: a finite value was needed, but {put} came. For infinity ask for a limit: "
+                f"tensor.limit({key}, {put})."
+            )
+        if isinstance(key, AppliedUndef):
+            known[key.func] = _function(key, put, functions, coordinates)
+        else:
+            symbol = _parameter(key, given, parameters, coordinates)
+            constant[symbol] = _constant(symbol, put, coordinates, exact.symbols)
+    return Substitution(constant, known)
+
+
+def _read(value: object, names: Mapping[str, sp.Symbol], where: str) -> sp.Expr:
+    """An expression, or text by our own reader."""
+    return checks.expression(
+        value, where, ArgumentError, read=lambda text: parse_expression(text, names, where=where)
+    )
+
+
+def _parameter(
+    key: sp.Expr, given: object, parameters: Sequence[sp.Symbol], coordinates: Sequence[sp.Symbol]
+) -> sp.Symbol:
+    """The parameter that is meant."""
+    if not isinstance(key, sp.Symbol):
+        raise ArgumentError(
+            f"values: a parameter or an unknown function such as a(t) was needed as a key, but "
+            f"{checks.shown(given)} came."
+        )
+    symbol = counted_as([key], [*coordinates, *parameters]).get(key, key)
+    if symbol in coordinates:
+        raise CoordinateError(
+            f"{symbol} is a coordinate, and has no value but at a point: a tensor is evaluated by "
+            f"tensor.at(...), and goes to a point by tensor.limit({symbol}, ...)."
+        )
+    if symbol not in parameters:
+        known = [one.name for one in parameters]
+        raise UnknownNameError(
+            f"{symbol} is no parameter here. {checks.did_you_mean(symbol.name, known)}"
+            f"There are {', '.join(known) or 'none'}."
+        )
+    return symbol
+
+
+def _constant(
+    symbol: sp.Symbol, value: sp.Expr, coordinates: Sequence[sp.Symbol], known: Sequence[sp.Symbol]
+) -> sp.Expr:
+    """A value that a parameter can have."""
+    value = value.xreplace(counted_as(value.free_symbols, known))
+    varying = [str(one) for one in coordinates if one in value.free_symbols]
+    varying += sorted(str(one) for one in value.atoms(AppliedUndef))
+    if varying:
+        raise CoordinateError(
+            f"{symbol} is a parameter, constant in every derivative, but {value} depends on "
+            f"{', '.join(varying)}. Make a new frame of the changed entries."
+        )
+    # Zero is where positive values end: what is finite there is what it was next to it.
+    against = min((_against(symbol, value + step) for step in (NEAR[0], -NEAR[0])), key=len)
+    if against or (symbol.is_integer and value.is_integer is False):
+        raise CoordinateError(
+            f"{symbol} was declared {', '.join(against) or 'integer'}, but {value} was to be put "
+            f"in its place. Give another value, or declare {symbol} without it."
+        )
+    return value
+
+
+def _against(symbol: sp.Symbol, value: sp.Expr) -> list[str]:
+    """What was declared of a symbol that a value is not."""
+    signs = ("positive", "negative", "nonnegative", "nonpositive", "real")
+    declared = [sign for sign in signs if symbol.assumptions0.get(sign)]
+    return [sign for sign in declared if getattr(value, f"is_{sign}") is False]
+
+
+def _function(
+    key: AppliedUndef,
+    value: sp.Expr,
+    known: set[UndefinedFunction],
+    coordinates: Sequence[sp.Symbol],
+) -> sp.Lambda:
+    """What an unknown function is of its arguments."""
+    arguments = key.args
+    if key.func not in known:
+        names = sorted(str(one) for one in known)
+        raise UnknownNameError(
+            f"there is no unknown function {key.func} here. "
+            f"{checks.did_you_mean(str(key.func), names)}There are {', '.join(names) or 'none'}."
+        )
+    if len(set(arguments)) < len(arguments) or not all(isinstance(x, sp.Symbol) for x in arguments):
+        raise ArgumentError(
+            f"values: the arguments of {key} have to be different symbols. Write it as a(t)."
+        )
+    others = [str(one) for one in coordinates if one in value.free_symbols - set(arguments)]
+    if others:
+        raise CoordinateError(
+            f"{key} does not depend on {', '.join(others)}, but {value} does. Give a function of "
+            "its own arguments."
+        )
+    return sp.Lambda(arguments, value)
+
+
+def approaches(
+    symbol: object,
+    point: object,
+    side: object,
+    domain: Sequence[sp.Basic],
+    exact: Field,
+) -> tuple[Approach, ...]:
+    """The ways on which a symbol can go to a point (see Tensor.limit).
+
+    Without a side both, but for those that lie outside of the domain or of what was declared.
+    """
+    names = {one.name: one for one in exact.symbols}
+    key = _read(symbol, names, "symbol")
+    if not isinstance(key, sp.Symbol):
+        raise ArgumentError(
+            f"symbol: a coordinate or a parameter was needed, but {checks.shown(symbol)} came."
+        )
+    moving = counted_as([key], exact.symbols).get(key, key)
+    if moving not in exact.symbols:
+        raise UnknownNameError(
+            f"{moving} is neither a coordinate nor a parameter here. "
+            f"{checks.did_you_mean(moving.name, list(names))}There are {', '.join(names)}."
+        )
+    if not isinstance(side, str | None) or side not in _SIDES:
+        raise ArgumentError(
+            f"side: '+' (from above), '-' (from below) or None was needed, but "
+            f"{checks.shown(side)} came."
+        )
+    target = _target(point, names)
+    target = target.xreplace(counted_as(target.free_symbols, exact.symbols))
+    if moving in target.free_symbols or target.has(sp.nan, sp.zoo):
+        raise ArgumentError(
+            f"point: where {moving} goes was needed, a number, an expression without {moving}, oo "
+            f"or -oo, but {target} came."
+        )
+    if target in (sp.oo, -sp.oo):
+        ways = [Approach(moving, target, 1 if target == sp.oo else -1)]
+    else:
+        ways = [Approach(moving, target, one) for one in _SIDES[side]]
+    inside = tuple(way for way in ways if _is_inside(way, domain))
+    if not inside:
+        raise CoordinateError(
+            f"{ways[0]} leads out of the domain, or against what was declared of {moving}. Give "
+            "another point or side."
+        )
+    return inside
+
+
+def _target(point: object, names: Mapping[str, sp.Symbol]) -> sp.Expr:
+    """Where a symbol goes: an expression, or infinity by name or as a float."""
+    if isinstance(point, str) and point.strip() in _BY_NAME:
+        return _BY_NAME[point.strip()]
+    if isinstance(point, float) and math.isinf(point):
+        return sp.oo if point > 0 else -sp.oo
+    return _read(point, names, "point")
+
+
+def _is_inside(way: Approach, domain: Sequence[sp.Basic]) -> bool:
+    """Whether a place next to the point may lie in the domain and have the declared sign."""
+    place = way.place(NEAR[0])
+    inside = all(x.xreplace({way.symbol: place}) != sp.false for x in domain)
+    return inside and not _against(way.symbol, place)

@@ -1,0 +1,149 @@
+"""Limits and series: against known ones and numbers of fifty digits, and refused with reason."""
+
+from __future__ import annotations
+
+import mpmath
+import pytest
+import sympy as sp
+
+from geomtorsion.errors import GeomtorsionError, SingularPointError, UndecidedError
+from geomtorsion.exact import Field
+from geomtorsion.exact.expansion import Approach, Expansion, limit
+
+r, M, g = sp.symbols("r M g", positive=True)
+x, y, k = sp.symbols("x y k", real=True)
+f = sp.Function("f")
+
+# expression, symbol, point, side, limit by hand.
+LIMITS = [
+    (sp.sin(x) / x, x, 0, 1, 1),
+    (sp.sin(x) / x, x, 0, -1, 1),
+    ((1 - sp.cos(x)) / x**2, x, 0, 1, sp.Rational(1, 2)),
+    ((sp.tan(x) - x) / x**3, x, 0, 1, sp.Rational(1, 3)),
+    ((x**2 - 1) / (x - 1), x, 1, 1, 2),
+    (sp.sqrt(r**2 + M * r) - r, r, sp.oo, 1, M / 2),
+    (sp.sqrt(1 - 2 * M / r), r, 2 * M, 1, 0),
+    (sp.sqrt(r) / (sp.sqrt(r) + r), r, 0, 1, 1),
+    ((1 + 1 / r) ** 3, r, sp.oo, 1, 1),
+    (x * y, y, M, 1, M * x),
+    (f(x) / (1 + x), x, 0, 1, f(0)),
+    ((f(x) - f(0)) / x, x, 0, 1, sp.Derivative(f(x), x).subs(x, 0)),
+    # No powers: by comparison of growths.
+    (sp.exp(-g * r), r, sp.oo, 1, 0),
+    (r * sp.log(r), r, 0, 1, 0),
+    (sp.tanh(x), x, sp.oo, 1, 1),
+    (sp.atan(x), x, -sp.oo, -1, -sp.pi / 2),
+    (sp.exp(1 / x), x, 0, -1, 0),
+    (sp.exp(-1 / x**2), x, 0, 1, 0),
+    (sp.cosh(x) / sp.exp(x), x, sp.oo, 1, sp.Rational(1, 2)),
+    (1 / sp.log(r), r, 0, 1, 0),
+]  # fmt: skip
+# expression, symbol, point, order, series by hand.
+SERIES = [
+    (sp.sin(x) / x, x, 0, 4, 1 - x**2 / 6 + x**4 / 120),
+    (1 / sp.sin(x), x, 0, 3, 1 / x + x / 6 + 7 * x**3 / 360),
+    (sp.sqrt(1 - 2 * M / r), r, sp.oo, 3, 1 - M / r - M**2 / (2 * r**2) - M**3 / (2 * r**3)),
+    (sp.sqrt(r + r**2), r, 0, 2, sp.sqrt(r) + r ** sp.Rational(3, 2) / 2),
+    (1 / (x - k), x, k, 2, 1 / (x - k)),
+    (sp.log(x), x, 1, 3, (x - 1) - (x - 1) ** 2 / 2 + (x - 1) ** 3 / 3),
+    (1 / r**3, r, 0, 0, 1 / r**3),
+    (1 / r**3, r, sp.oo, 2, 0),
+    (x**2 + 1 / x, x, 0, 1, 1 / x),
+    (sp.exp(x), x, 0, 0, 1),
+    (f(x), x, 0, 1, f(0) + x * sp.Derivative(f(x), x).subs(x, 0)),
+]  # fmt: skip
+
+
+def expansion(expression, symbol, point, side=1):
+    """In a field over the symbols that occur."""
+    symbols = sorted(expression.free_symbols | {symbol} | sp.sympify(point).free_symbols, key=str)
+    return Expansion(Field(symbols), expression, Approach(symbol, sp.sympify(point), side))
+
+
+@pytest.mark.parametrize(("expression", "symbol", "point", "side", "value"), LIMITS)
+def test_known_limits(expression, symbol, point, side, value):
+    """Each is the one found by hand, exactly."""
+    found = expansion(expression, symbol, point, side).limit()
+    assert sp.simplify(found - value) == 0
+
+
+@pytest.mark.parametrize(("expression", "symbol", "point", "order", "value"), SERIES)
+def test_known_series(expression, symbol, point, order, value):
+    """Each is the one found by hand, exactly."""
+    found = expansion(expression, symbol, point).series(order)
+    assert sp.simplify((found - value).doit()) == 0
+
+
+@pytest.mark.parametrize("order", [0, 1, 2, 3])
+def test_what_is_left_is_of_the_next_order(order):
+    """The error of a series falls as the power after the last one, measured with fifty digits."""
+    entry = sp.sqrt(1 - 2 * M / r + k**2 / r**2) * sp.cos(x) / sp.sqrt(r**2 + k**2 * sp.cos(x) ** 2)
+    values = {r: sp.Rational(7), M: sp.Rational(3, 2), x: sp.Rational(2, 3)}
+    series = expansion(entry, k, 0).series(order)
+    with mpmath.workdps(50):
+        gaps = [
+            abs(mpmath.mpmathify((entry - series).subs({**values, k: near}).evalf(50)))
+            for near in (sp.Rational(1, 10**4), sp.Rational(1, 10**5))
+        ]
+        slope = mpmath.log10(gaps[0] / gaps[1])
+    # The entry is even in k: the power that is left is the next even one.
+    assert float(slope) == pytest.approx(order + 2 - order % 2, abs=1e-3)
+
+
+def test_roots_keep_the_sign_that_they_have_near_the_point():
+    """A square that appears at the point is rooted as it is next to it."""
+    shape = (r - M) / sp.sqrt(sp.expand((r - M) ** 2))
+    assert expansion(shape, r, M, 1).limit() == 1
+    assert expansion(shape, r, M, -1).limit() == -1
+    # Far from 0 this root is 2 x - 1, near it 1 - 2 x.
+    assert expansion(sp.sqrt(1 - 4 * x + 4 * x**2), x, 0).series(1) == 1 - 2 * x
+    # With a real symbol sympy writes the root of a square as an absolute value.
+    assert expansion(sp.sqrt(x**2 + y**2) / x, y, 0).limit() == 1
+
+
+@pytest.mark.parametrize(
+    ("expression", "symbol", "point", "error", "message"),
+    [
+        (1 / x, x, 0, SingularPointError, "grows without bound as x -> 0 from above"),
+        (sp.exp(x) / x**5, x, sp.oo, SingularPointError, "grows without bound as x -> oo"),
+        (sp.sin(1 / x), x, 0, SingularPointError, "does not settle"),
+        (sp.sin(x), x, sp.oo, SingularPointError, "does not settle"),
+        (sp.exp(-k * r), r, sp.oo, UndecidedError, "cannot be had. Declare the signs"),
+        (f(x), x, sp.oo, UndecidedError, "cannot be had"),
+    ],
+)
+def test_limits_that_are_none(expression, symbol, point, error, message):
+    """What happens, where, and what to do."""
+    with pytest.raises(error, match=message):
+        expansion(expression, symbol, point).limit()
+
+
+@pytest.mark.parametrize("expression", [sp.log(x), sp.exp(1 / x), sp.sin(1 / x), r**g])
+def test_series_that_are_none(expression):
+    """Where derivatives have no value there is no series in powers."""
+    symbol = r if expression.has(r) else x
+    with pytest.raises(SingularPointError, match="has no series in powers at"):
+        expansion(expression, symbol, 0).series(2)
+
+
+def test_two_sides_have_to_agree():
+    """A jump is told with both limits."""
+    ways = [Approach(x, sp.S.Zero, side) for side in (1, -1)]
+    assert limit(Field([x]), sp.sin(x) / x, ways) == 1
+    with pytest.raises(SingularPointError, match=r"two limits: 1/\w+ as .* above, 0 as .* below"):
+        limit(Field([x]), 1 / (2 + sp.exp(-1 / x)), ways, "g[0, 0]")
+    with pytest.raises(GeomtorsionError, match=r"g\[0, 0\] = 1/x grows"):
+        limit(Field([x]), 1 / x, ways, "g[0, 0]")
+
+
+def test_a_wrong_answer_of_the_program_would_be_found(monkeypatch):
+    """What sympy says is compared with numbers next to the point."""
+    monkeypatch.setattr(sp, "limit", lambda *_: sp.Rational(1, 3))
+    with pytest.raises(UndecidedError, match="cannot be had"):
+        expansion(sp.tanh(x), x, sp.oo).limit()
+
+
+def test_names_do_not_clash():
+    """A symbol of the user's may be called as the one in which is expanded."""
+    w, w_ = sp.symbols("w w_", real=True)
+    assert expansion(w_ * sp.sin(w) / w, w, 0).series(2) == w_ - w_ * w**2 / 6

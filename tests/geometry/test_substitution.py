@@ -1,0 +1,232 @@
+"""Values for parameters and functions, limits and series of tensors: exact, in any order."""
+
+from __future__ import annotations
+
+import math
+import pickle
+
+import pytest
+import sympy as sp
+
+import geomtorsion as gt
+from geomtorsion.errors import (
+    ArgumentError,
+    CoordinateError,
+    GeomtorsionError,
+    SingularPointError,
+    UnknownNameError,
+)
+
+r, phi, k = sp.symbols("r phi k", positive=True)
+t = sp.Symbol("t", real=True)
+PARAMETRIC = [name for name in gt.spaces.names() if gt.spaces.load(name).frame.parameters]
+
+
+@pytest.fixture(scope="module")
+def cone() -> gt.Frame:
+    """A cone: the circle at r is k times as long as in the plane."""
+    return gt.Frame([r, phi], [[1, 0], [0, k * r]])
+
+
+@pytest.fixture(scope="module")
+def kerr() -> gt.Frame:
+    """Carter's tetrad."""
+    return gt.spaces.load("kerr").frame
+
+
+def test_kerr_without_rotation_is_schwarzschild(kerr):
+    """a = 0 gives the other shipped space, although neither knows of the other."""
+    still, other = kerr.subs({"a": 0}), gt.spaces.load("schwarzschild").frame
+    assert still.parameters == (sp.Symbol("M", positive=True),)
+    for name in ("metric", "anholonomy", "christoffel", "riemann"):
+        one = {i: sp.simplify(v) for i, v in still.quantity(name).nonzero().items()}
+        two = {i: sp.simplify(v) for i, v in other.quantity(name).nonzero().items()}
+        assert one.keys() == two.keys()
+        names = dict(zip(other.coordinates, still.coordinates, strict=True))
+        assert all(sp.simplify(one[i] - two[i].xreplace(names)) == 0 for i in one), name
+
+
+@pytest.mark.parametrize("name", PARAMETRIC)
+def test_values_may_come_first_or_last(name):
+    """Torsion and curvature of the frame with a value are those of the frame, with that value."""
+    frame = gt.spaces.load(name).frame
+    values = {frame.parameters[0]: sp.Rational(1, 10)}
+    here = frame.subs(values)
+    assert gt.cartan(frame).torsion.S.subs(values) == gt.cartan(here).torsion.S
+    bar = gt.levi_civita(frame).curvature
+    assert bar.ricci.subs(values) == gt.levi_civita(here).curvature.ricci
+    assert bar.subs(values).ricci == gt.levi_civita(here).curvature.ricci
+    assert frame.parameters[0] not in here.parameters
+
+
+def test_equal_values_give_the_same_frame(cone):
+    """So tensors with equal values can be added; a copy of the frame gives equal ones."""
+    one, two = cone.metric.subs({k: 2}), cone.metric.subs({"k": "2"})
+    assert one.frame is two.frame is cone.subs({k: sp.Integer(2)})
+    assert (one + two)[1, 1] == 8 * r**2
+    assert pickle.loads(pickle.dumps(cone)).subs({k: 2}).metric[1, 1] == 4 * r**2
+
+
+def test_all_at_once():
+    """A value may hold the other parameter: nothing is put in twice."""
+    a, b = sp.symbols("a b", positive=True)
+    frame = gt.Frame([r, phi], [[a, 0], [0, b * r]])
+    swapped = frame.subs({a: b, b: a})
+    assert (swapped.coframe[0, 0], swapped.coframe[1, 1]) == (b, a * r)
+    new = sp.Symbol("c", positive=True)
+    assert frame.subs({a: new / b}).parameters == (b, new)
+
+
+def test_unknown_functions_become_known():
+    """The flat universe with exp(H t) is that of de Sitter: R = 12 H^2, and Einstein's by hand."""
+    universe = gt.spaces.load("frw_flat").frame
+    time = universe.coordinates[0]
+    growth, H = sp.Function("a"), sp.Symbol("H", positive=True)
+    values = {growth(time): sp.exp(H * time)}
+    assert gt.levi_civita(universe.subs(values)).curvature.scalar == 12 * H**2
+    assert gt.levi_civita(universe).curvature.scalar.subs(values) == 12 * H**2
+    dust = universe.subs({"a(t)": "t^(2/3)"})
+    assert dust.quantity("einstein")[0, 0] == 4 / (3 * time**2)
+    assert not dust.quantity("einstein").in_frame()[1, 1]
+
+
+def test_every_kind_of_frame_and_connection():
+    """From legs, from a metric, complex, with branches; any connection."""
+    legs = gt.Frame.from_frame([r, phi], [[1, 0], [0, 1 / (k * r)]], signature=(-1, 1))
+    assert legs.subs({k: 2}).coframe[1, 1] == 2 * r
+    assert legs.subs({k: 2}).eta[0, 0] == -1
+    metric = gt.Frame.from_metric([r, phi], [[1, 0], [0, k**2 * r**2]])
+    assert metric.subs({k: 2}).coframe[1, 1] == 2 * r
+    null = gt.spaces.load("kerr_kinnersley").frame.subs({"a": 0})
+    assert null.complex
+    assert null.quantity("ricci").is_zero
+    x = sp.Symbol("x")
+    branched = gt.Frame([x, phi], [[1, 0], [0, k * sp.sqrt(x**2)]], branches={sp.sqrt(x**2): -x})
+    assert branched.subs({k: 2}).coframe[1, 1] == -2 * x
+    cone = gt.Frame([r, phi], [[1, 0], [0, k * r]])
+    half = gt.blend(gt.cartan(cone), gt.levi_civita(cone), sp.Symbol("s", positive=True))
+    there = half.subs({"s": 1, "k": 3})
+    other = gt.levi_civita(cone.subs({k: 3}))
+    assert there.coefficients.nonzero() == other.coefficients.nonzero()
+    assert there.name == half.name
+
+
+def test_a_root_that_becomes_a_square_is_told():
+    """The branch with which it is read then stands in the frame."""
+    frame = gt.Frame([t, phi], [[1, 0], [0, sp.sqrt(t**2 + k)]])
+    found = frame.subs({k: 0})
+    assert found.coframe[1, 1] == t
+    assert [branch.condition for branch in found.branches] == ["t >= 0"]
+
+
+@pytest.mark.parametrize(
+    ("values", "error", "message"),
+    [
+        ({"r": 1}, CoordinateError, "r is a coordinate, .* tensor.limit"),
+        ({sp.Symbol("q"): 1}, UnknownNameError, "q is no parameter here. There are k"),
+        ({"q": 1}, GeomtorsionError, "q"),
+        ({"k": "r"}, CoordinateError, "constant in every derivative, but r depends on r"),
+        ({"k": -1}, CoordinateError, "k was declared positive, .*but -1"),
+        ({"k": sp.I}, CoordinateError, "k was declared positive"),
+        ({"k": math.inf}, ArgumentError, "a finite value was needed, but oo came"),
+        ({"k": "__import__('os')"}, GeomtorsionError, "expressions are not code"),
+        ({"k + 1": 2}, ArgumentError, "a parameter or an unknown function"),
+        ({"b(r)": 2}, UnknownNameError, "no unknown function b"),
+        ({"k": None}, ArgumentError, "None"),
+        ([("k", 1)], GeomtorsionError, "values"),
+        ({"k": 0}, gt.errors.CoframeError, "singular"),
+    ],
+)  # fmt: skip
+def test_values_that_are_none(cone, values, error, message):
+    """Each is named, with what to do."""
+    with pytest.raises(error, match=message):
+        cone.subs(values)
+
+
+def test_values_out_of_the_domain():
+    """The domain of a frame holds for its parameters, too; singular entries say what to do."""
+    frame = gt.Frame([r, phi], [[1, 0], [0, r / k]], domain=[k < 3, r > 0])
+    with pytest.raises(CoordinateError, match="declared where k < 3, which does not hold"):
+        frame.subs({k: 4})
+    assert frame.subs({k: 2}).domain == ()
+    with pytest.raises(SingularPointError, match=r"coframe\[1, 1\] = r/k .* ask for a limit"):
+        frame.subs({k: 0})
+    universe = gt.spaces.load("frw_flat").frame
+    with pytest.raises(CoordinateError, match="does not depend on x"):
+        universe.subs({"a(t)": "x"})
+
+
+def test_far_away_kerr_is_flat(kerr):
+    """The metric in the frame of flat space, and the mass in the first order of 1/r."""
+    flat = kerr.metric.limit("M", 0)
+    empty = gt.Frame.from_metric(kerr.coordinates, flat.to_sympy().tolist())
+    assert empty.quantity("riemann").is_zero
+    far = kerr.metric.series("r", sp.oo, 1)
+    mass, spin = sp.symbols("M a", positive=True)
+    _, radius, theta, _ = kerr.coordinates
+    assert far[0, 0] == 2 * mass / radius - 1
+    # Lense and Thirring: the angular momentum M a.
+    assert sp.simplify(far[0, 3] + 2 * mass * spin * sp.sin(theta) ** 2 / radius) == 0
+    assert gt.levi_civita(kerr).curvature.kretschmann.limit("r", "oo") == 0
+
+
+def test_series_are_written_in_powers(kerr):
+    """As they were made; what is left is of higher order."""
+    slow = kerr.metric.series("a", 0, 1)
+    spin = sp.Symbol("a", positive=True)
+    assert {index for index, value in slow.nonzero().items() if value.has(spin)} == {(0, 3), (3, 0)}
+    assert (kerr.metric - slow).limit("a", 0).is_zero
+    assert ((kerr.metric - slow) / spin).limit("a", 0).is_zero
+    assert not ((kerr.metric - slow) / spin**2).limit("a", 0).is_zero
+    assert str(kerr.metric.series("a", 0, 2)[2, 2]) == "a**2*cos(theta)**2 + r**2"
+
+
+def test_sides_follow_from_the_domain(kerr):
+    """theta > 0 and M > 0 leave one side; outside there is none."""
+    assert kerr.coframe.limit("theta", 0)[3, 3] == 0
+    assert kerr.coframe.limit("theta", "pi", "-")[3, 3] == 0
+    with pytest.raises(CoordinateError, match="leads out of the domain"):
+        kerr.coframe.limit("theta", 0, "-")
+    with pytest.raises(CoordinateError, match="leads out of the domain"):
+        kerr.coframe.limit("r", -1)
+    with pytest.raises(CoordinateError, match="leads out of the domain"):
+        kerr.coframe.limit("phi", sp.oo)
+    step = gt.Frame([t, phi], [[1, 0], [0, 1 + 1 / (1 + sp.exp(-1 / t))]])
+    with pytest.raises(SingularPointError, match=r"e\[1, 1\] = .* has two limits: 2 as .*, 1 as"):
+        _ = step.coframe.limit("t", 0)[1, 1]
+    assert step.coframe.limit("t", 0, "-")[1, 1] == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "message"),
+    [
+        (("q", 0), GeomtorsionError, "q"),
+        ((sp.Symbol("q"), 0), UnknownNameError, "neither a coordinate nor a parameter"),
+        (("r", "r"), ArgumentError, "an expression without r"),
+        (("r", sp.nan), GeomtorsionError, "nan"),
+        (("r", sp.zoo), ArgumentError, "zoo"),
+        (("r", [0]), ArgumentError, "point"),
+        (("r", 1, "both"), ArgumentError, "from above"),
+        (("r", 1, 1), ArgumentError, "from above"),
+        ((2, 1), ArgumentError, "a coordinate or a parameter was needed"),
+        (("r", "__import__('os')"), GeomtorsionError, "expressions are not code"),
+    ],
+)  # fmt: skip
+def test_points_that_are_none(cone, arguments, error, message):
+    """Each is named, with what was needed."""
+    with pytest.raises(error, match=message):
+        _ = cone.metric.limit(*arguments)[1, 1]
+
+
+def test_orders_that_are_none(cone):
+    """A whole number from 0 on."""
+    for order in (-1, 1.5, "2", True, None):
+        with pytest.raises(ArgumentError, match="order: a whole number"):
+            cone.metric.series("r", 1, order)
+
+
+def test_infinite_points_by_any_name(cone):
+    """As sympy, float or text."""
+    falling = cone.inverse_metric
+    for far in (sp.oo, math.inf, "oo"):
+        assert falling.limit(r, far)[1, 1] == 0
