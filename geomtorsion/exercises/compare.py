@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import sympy
 
 from geomtorsion.checks import expression
@@ -118,24 +118,30 @@ def _near(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> tuple[list[bool],
 
     Floats tell where they differ by more than rounding can do; else many digits are taken.
     """
-    arrays, points = domain.arrays, domain.places
-    first, size = at_points_with_size(one, arrays)
-    second, other = at_points_with_size(two, arrays)
-    with np.errstate(invalid="ignore", over="ignore"):
-        difference = np.abs(first - second)
-    largest = np.fmax(size, other)
-    near = np.isfinite(difference) & (difference <= NEAR * (1 + np.abs(first) + np.abs(second)))
-    far = (difference > ROUNDING * largest) & (largest < TOO_LARGE)
-    found = []
-    for k, point in enumerate(points):
-        if near[k] or far[k]:
-            found.append(bool(near[k]))
+    firsts, sizes = at_points_with_size(one, domain.columns)
+    seconds, others = at_points_with_size(two, domain.columns)
+    found, beyond = [], 0.0
+    rows = zip(domain.places, firsts, seconds, sizes, others, strict=True)
+    for point, first, second, size, other in rows:
+        largest = max(size, other)
+        # Where the second is beyond all floats, the first may be so.
+        beyond = max(beyond, size / max(other, 1.0)) if math.isfinite(other) else beyond
+        difference = _size(first - second)
+        near = difference <= NEAR * (1 + _size(first) + _size(second)) < math.inf
+        if near or ROUNDING * largest < difference < math.inf and largest < TOO_LARGE:
+            found.append(near)
         else:
             settled = _settled(point, one, two)
             found += [] if settled is None else [settled]
-    # Where the second is beyond all floats, the first may be so.
-    fits = np.isfinite(other)
-    return found, float(np.max(size[fits] / np.maximum(other[fits], 1.0), initial=0.0))
+    return found, beyond
+
+
+def _size(x: complex) -> float:
+    """|x|, infinite where it is beyond all floats."""
+    try:
+        return abs(x)
+    except OverflowError:
+        return math.inf
 
 
 def _settled(point: Point, one: sympy.Expr, two: sympy.Expr) -> bool | None:
@@ -171,9 +177,9 @@ def _without_sizes(domain: Domain, expr: sympy.Expr) -> sympy.Expr:
     """|x| as x or -x, where it has one sign at all points; sympy makes it of sqrt(x**2)."""
     table = {}
     for size in expr.atoms(sympy.Abs):
-        inner = np.real(at_points(size.args[0], domain.arrays))
-        if (inner >= 0).all():
+        inner = [x.real for x in at_points(size.args[0], domain.columns)]
+        if all(x >= 0 for x in inner):
             table[size] = size.args[0]
-        elif (inner <= 0).all():
+        elif all(x <= 0 for x in inner):
             table[size] = -size.args[0]
     return expr.xreplace(table)

@@ -8,7 +8,6 @@ from functools import cached_property
 from itertools import islice
 from typing import TYPE_CHECKING
 
-import numpy as np
 import sympy
 from sympy.core.relational import Relational
 
@@ -78,10 +77,10 @@ class Domain:
         return self.points if self.symbols else ({},)
 
     @cached_property
-    def arrays(self) -> Mapping[sympy.Symbol, np.ndarray]:
-        """The points as one array of floats for each symbol."""
+    def columns(self) -> Mapping[sympy.Symbol, tuple[float, ...]]:
+        """The points as floats: for each symbol its values at all of them."""
         return {
-            symbol: np.array([float(point[symbol]) for point in self.points])
+            symbol: tuple(float(point[symbol]) for point in self.points)
             for symbol in self.symbols
         }
 

@@ -2,59 +2,57 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import cmath
+import math
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import mpmath
-import numpy as np
 import sympy
 
 from geomtorsion.errors import ExpressionError
 from geomtorsion.precision import working_digits
 
-# A complex array or a number of mpmath: one code computes with both.
+# A row of complex numbers or a number of mpmath: one code computes with both.
 Number = Any
-Arrays = Mapping[sympy.Symbol, np.ndarray]
+Columns = Mapping[sympy.Symbol, Sequence[float]]
 # Enough for answers in which a hundred digits cancel.
 DIGITS = 200
 # Binary exponents beyond these are not followed: exp(exp(exp(9))) would take minutes.
 LARGEST_EXPONENT = 4000
-# Name in sympy -> name in NumPy; mpmath calls them as sympy does.
-_NUMPY = {
-    "sin": "sin", "cos": "cos", "tan": "tan", "sinh": "sinh", "cosh": "cosh", "tanh": "tanh",
-    "exp": "exp", "log": "log", "asin": "arcsin", "acos": "arccos", "atan": "arctan",
-    "asinh": "arcsinh", "acosh": "arccosh", "atanh": "arctanh", "atan2": "arctan2",
-    "Abs": "absolute",
-}  # fmt: skip
+# Functions that floats and mpmath have by the names of sympy.
+_NAMES = frozenset(
+    "sin cos tan sinh cosh tanh exp log asin acos atan asinh acosh atanh atan2 Abs".split()
+)
 INVERSE = {"cot": "tan", "sec": "cos", "csc": "sin", "coth": "tanh", "sech": "cosh",
             "csch": "sinh"}  # fmt: skip
 _TURNED = {"acot": "atan"}
 
 
-def at_points(expr: sympy.Expr, points: Arrays) -> np.ndarray:
-    """Values at many points at once, complex array; nan or infinite where there is none.
+def at_points(expr: sympy.Expr, points: Columns) -> tuple[complex, ...]:
+    """Values at many points at once; nan or infinite where there is none.
 
     Examples
     --------
-    >>> import numpy as np
     >>> x = sympy.Symbol("x")
-    >>> at_points(sympy.sqrt(x), {x: np.array([4.0, -1.0])}).tolist()
-    [(2+0j), 1j]
+    >>> at_points(sympy.sqrt(x), {x: [4.0, -1.0]})
+    ((2+0j), 1j)
     """
     return at_points_with_size(expr, points)[0]
 
 
-def at_points_with_size(expr: sympy.Expr, points: Arrays) -> tuple[np.ndarray, np.ndarray]:
+def at_points_with_size(
+    expr: sympy.Expr, points: Columns
+) -> tuple[tuple[complex, ...], tuple[float, ...]]:
     """Values at many points, and the largest number that occurred on the way to each.
 
     A value far below that size has lost digits by cancellation.
     """
-    shape = next(iter(points.values())).shape if points else (1,)
-    values = {symbol: array.astype(complex) for symbol, array in points.items()}
-    table = _Arrays(np.zeros(shape))
-    with np.errstate(all="ignore"):
-        found = _value(expr, values, table, {})
-    return np.broadcast_to(np.asarray(found, dtype=complex), shape), table.largest
+    count = len(next(iter(points.values()))) if points else 1
+    table = _Floats(count)
+    values = {symbol: _Row([complex(x) for x in column]) for symbol, column in points.items()}
+    found = _value(expr, values, table, {})
+    return tuple(found.values), tuple(table.largest)
 
 
 def at_point(
@@ -79,25 +77,77 @@ def at_point(
         return found if mpmath.isfinite(found) else None
 
 
-class _Arrays:
-    """Arithmetic of complex arrays that notes the largest size."""
+def _each(function: Callable[..., Any], *rows: Sequence[complex]) -> list[Any]:
+    """A function of the numbers of rows; nan or infinity where it has no value."""
+    try:
+        return list(map(function, *rows))
+    except (ArithmeticError, ValueError):
+        return [_one(function, *numbers) for numbers in zip(*rows, strict=True)]
 
-    def __init__(self, largest: np.ndarray) -> None:
-        self.largest = largest
+
+def _one(function: Callable[..., Any], *numbers: complex) -> Any:
+    """The same of single numbers: no value at a zero below, beyond all size at other poles."""
+    try:
+        return function(*numbers)
+    except ZeroDivisionError:
+        return math.nan
+    except (OverflowError, ValueError):
+        return math.inf if all(map(cmath.isfinite, numbers)) else math.nan
+
+
+class _Row:
+    """Complex numbers, one a point, with the arithmetic that an expression needs."""
+
+    __slots__ = ("values",)
+
+    def __init__(self, values: list[complex]) -> None:
+        self.values = values
+
+    def __add__(self, other: _Row) -> _Row:
+        return _Row([a + b for a, b in zip(self.values, other.values, strict=True)])
+
+    def __mul__(self, other: _Row) -> _Row:
+        return _Row([a * b for a, b in zip(self.values, other.values, strict=True)])
+
+    def __truediv__(self, other: _Row) -> _Row:
+        return _Row(_each(complex.__truediv__, self.values, other.values))
+
+    def __rtruediv__(self, one: int) -> _Row:
+        return _Row(_each(lambda x: one / x, self.values))
+
+    def __pow__(self, other: _Row) -> _Row:
+        if all(exponent == 0.5 for exponent in other.values):
+            return _Row(_each(cmath.sqrt, self.values))
+        return _Row(_each(pow, self.values, other.values))
+
+
+class _Floats:
+    """Arithmetic of rows of floats that notes the largest size at each point."""
+
+    def __init__(self, count: int) -> None:
+        self.count = count
+        self.largest = [0.0] * count
 
     def number(self, expr: sympy.Expr) -> Number:
-        return complex(int(expr.p) / int(expr.q)) if expr.is_Rational else complex(expr)
+        found = complex(int(expr.p) / int(expr.q)) if expr.is_Rational else complex(expr)
+        return _Row([found] * self.count)
 
     def power(self, base: Number, exponent: Number) -> Number:
-        return np.sqrt(base) if np.ndim(exponent) == 0 and exponent == 0.5 else base**exponent
+        return base**exponent
 
     def call(self, name: str, arguments: list[Number]) -> Number:
+        rows = [argument.values for argument in arguments]
         if name == "atan2":
-            return np.arctan2(arguments[0].real, arguments[1].real)
-        return getattr(np, _NUMPY[name])(*arguments)
+            return _Row([complex(math.atan2(a.real, b.real)) for a, b in zip(*rows, strict=True)])
+        function = abs if name == "Abs" else getattr(cmath, name)
+        return _Row([complex(x) for x in _each(function, *rows)])
 
     def checked(self, value: Number) -> Number:
-        self.largest = np.fmax(self.largest, np.abs(value))
+        # What is no number is larger than nothing.
+        self.largest = [
+            size if size > before else before
+            for before, size in zip(self.largest, _each(abs, value.values), strict=True)
+        ]
         return value
 
 
@@ -136,7 +186,7 @@ class _Digits:
 def _value(
     expr: sympy.Expr,
     values: Mapping[sympy.Symbol, Number],
-    table: _Arrays | _Digits,
+    table: _Floats | _Digits,
     known: dict[sympy.Expr, Number],
 ) -> Number:
     """The value of an expression; equal parts are computed once."""
@@ -154,7 +204,7 @@ def _value(
     return known[expr]
 
 
-def _combined(expr: sympy.Expr, parts: list[Number], table: _Arrays | _Digits) -> Number:
+def _combined(expr: sympy.Expr, parts: list[Number], table: _Floats | _Digits) -> Number:
     """The value of a sum, product, power or function from those of its parts."""
     if expr.is_Add:
         return sum(parts[1:], parts[0])
@@ -170,7 +220,7 @@ def _combined(expr: sympy.Expr, parts: list[Number], table: _Arrays | _Digits) -
         return 1 / table.call(INVERSE[name], parts)
     if name in _TURNED:
         return table.call(_TURNED[name], [1 / parts[0]])
-    if name not in _NUMPY:
+    if name not in _NAMES:
         raise ExpressionError(f"{name} occurs in {str(expr)[:60]}; write it by smooth functions.")
     if name == "log" and len(parts) == 2:
         return table.call("log", parts[:1]) / table.call("log", parts[1:])
