@@ -106,6 +106,10 @@ class MissingExtraError(GeomtorsionError, ImportError):
     """An optional package is not installed; the message names the extra that brings it."""
 
 
+class PackageError(GeomtorsionError, OSError):
+    """A package that a page without a server is made of cannot be had, or is not the right one."""
+
+
 class LoopError(GeomtorsionError, ValueError):
     """A path is no loop (it does not close, has no length), or cannot be integrated over."""
 

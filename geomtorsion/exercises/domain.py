@@ -80,8 +80,7 @@ class Domain:
     def columns(self) -> Mapping[sympy.Symbol, tuple[float, ...]]:
         """The points as floats: for each symbol its values at all of them."""
         return {
-            symbol: tuple(float(point[symbol]) for point in self.points)
-            for symbol in self.symbols
+            symbol: tuple(float(point[symbol]) for point in self.points) for symbol in self.symbols
         }
 
     def field(self) -> Field:

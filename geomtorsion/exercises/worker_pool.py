@@ -238,14 +238,19 @@ def serve(function: Callable[[Json], Json], requests: IO[str], replies: IO[str])
     replies.write(READY + "\n")
     replies.flush()
     for line in requests:
-        try:
-            reply = function(json.loads(line))
-        except MemoryError:
-            reply = {EXCEEDED: "memory"}
-        except RecursionError:
-            reply = {EXCEEDED: "depth"}
+        reply = answered(function, json.loads(line))
         replies.write(json.dumps(reply) + "\n")
         replies.flush()
+
+
+def answered(function: Callable[[Json], Json], request: Json) -> Json:
+    """What a function gives, or `{"exceeded": which}`."""
+    try:
+        return function(request)
+    except MemoryError:
+        return {EXCEEDED: "memory"}
+    except RecursionError:
+        return {EXCEEDED: "depth"}
 
 
 def limit_memory(most: int = MEMORY) -> None:

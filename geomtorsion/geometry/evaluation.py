@@ -59,22 +59,26 @@ def at_point(tensor: Tensor, point: Point, digits: int | None) -> np.ndarray:
         wanted = checks.count(digits, "digits", CoordinateError, 1, 1000)
         # From 54 on elements are evaluated to numbers of mpmath.
         bits = max(mpmath.libmp.dps_to_prec(wanted), 54)
-    values = _named_values(tensor, point)
-    _check_branches(tensor.frame, values)
-    independent = tensor.components.independent
     n, rank = tensor.frame.dimension, len(tensor.slots)
     result = np.zeros((n,) * rank, dtype=complex if tensor.frame.complex else float)
     if digits is not None:
         result = np.full((n,) * rank, mpmath.mpf(0), dtype=object)
-    # Components that are equal up to sign are evaluated once.
-    known: dict = {}
-    numbers = {i: _number(tensor, i, v, values, bits, known) for i, v in independent.items()}
+    numbers = numbers_at(tensor, point, bits)
     for index in tensor.components.support:
         sign, representative = tensor.components.representative(index)
         number = numbers[representative]
         # A product would be rounded to the digits that mpmath has at the moment.
         result[index] = number if sign > 0 else _opposite(number)
     return result
+
+
+def numbers_at(tensor: Tensor, point: Point, bits: int = 53) -> dict[Index, Number]:
+    """The independent components at a point; those that are equal are evaluated once."""
+    values = _named_values(tensor, point)
+    _check_branches(tensor.frame, values)
+    known: dict = {}
+    independent = tensor.components.independent
+    return {i: _number(tensor, i, v, values, bits, known) for i, v in independent.items()}
 
 
 def _check_branches(frame: Frame, values: Mapping[sp.Expr, Number]) -> None:

@@ -16,6 +16,7 @@ from geomtorsion.errors import ArgumentError, CoordinateError
 from geomtorsion.exact import Branch, Element, Field
 from geomtorsion.geometry import (
     constructors,
+    evaluation,
     frame_matrices,
     notation,
     sampling,
@@ -255,7 +256,7 @@ class Frame:
                 values = with_functions(determinant, point)
                 try:
                     size = abs(complex(determinant.evaluate(values)))
-                    self.coframe.at(values)
+                    evaluation.numbers_at(self.coframe, values)
                 except ArithmeticError:
                     continue
                 # One so small or so large may be rounding; the next point is as good.

@@ -75,6 +75,31 @@ def typable() -> dict[str, str]:
     return {**drawable(), **more}
 
 
+def space_form(space: str) -> Json:
+    """What is exact about a shipped space: its names and its tetrad as text.
+
+    Examples
+    --------
+    >>> found = space_form("flat_polar")
+    >>> found["coordinates"], found["coframe"], found["signature"]
+    (['r', 'phi'], [['1', '0'], ['0', 'r']], '++')
+    """
+    chosen = space_of(space)
+    frame = chosen.frame
+    n = frame.dimension
+    return {
+        "name": chosen.name,
+        "title": chosen.title,
+        "story": chosen.story,
+        "coordinates": [symbol.name for symbol in frame.coordinates],
+        "parameters": [symbol.name for symbol in frame.parameters],
+        "functions": _functions(frame),
+        "signature": _signature(frame),
+        "coframe": [[plain_text(frame.coframe[i, k]) for k in range(n)] for i in range(n)],
+        "planes": [list(pair) for pair in combinations(range(n), 2)],
+    }
+
+
 def space_info(space: str) -> Json:
     """Everything about a shipped space that a control is made of.
 
@@ -87,20 +112,12 @@ def space_info(space: str) -> Json:
     chosen = space_of(space)
     frame = chosen.frame
     first = first_motion(frame)
-    n = frame.dimension
     values = dict(first.parameters)
     ranges = _ranges(frame, list(first.start), values)
     centre = _LINES.get(chosen.name)
     return {
-        "name": chosen.name,
-        "title": chosen.title,
-        "story": chosen.story,
-        "coordinates": [symbol.name for symbol in frame.coordinates],
-        "parameters": [symbol.name for symbol in frame.parameters],
+        **space_form(space),
         "values": values,
-        "functions": _functions(frame),
-        "signature": _signature(frame),
-        "coframe": [[plain_text(frame.coframe[i, k]) for k in range(n)] for i in range(n)],
         "start": list(first.start),
         "ranges": ranges,
         "loop_centre": list(centre or first.start),
@@ -108,7 +125,6 @@ def space_info(space: str) -> Json:
         "loop_ranges": _loop_ranges(chosen.name, len(centre)) if centre else ranges,
         "velocity": list(first.frame_velocity),
         "t": first.t,
-        "planes": [list(pair) for pair in combinations(range(n), 2)],
     }
 
 

@@ -16,13 +16,34 @@ from importlib import import_module
 from typing import Any
 
 from geomtorsion.errors import GeomtorsionError, LimitError, UnknownNameError
-from geomtorsion.exercises.worker_pool import EXCEEDED, Json, WorkerPool
+from geomtorsion.exercises.worker_pool import EXCEEDED, Json
+from geomtorsion.exercises.workers import workers as workers_for
 from geomtorsion.lab.settings import PAGE
 
-_BROKEN = (
+BROKEN = (
     "this request could not be carried out: the worker ended. Nothing else is lost; "
     "change the input and go on."
 )
+
+
+def too_long(seconds: str) -> str:
+    """What is said about a request that was stopped."""
+    return (
+        f"this takes longer than the {seconds} s that a request on this page may take, so it was "
+        "stopped. Ask for something smaller, or use the command line, which waits as long as you "
+        "do."
+    )
+
+
+def too_much(reply: Json) -> str:
+    """What is said about a request that needed more memory or depth than there is.
+
+    Examples
+    --------
+    >>> too_much({"exceeded": "memory"})
+    'this needs more memory than the page may use. Ask for less.'
+    """
+    return f"this needs more {reply[EXCEEDED]} than the page may use. Ask for less."
 
 
 @dataclass(frozen=True)
@@ -45,8 +66,12 @@ def _task(module: str, function: str, seconds: float) -> Task:
 
 TASKS: Mapping[str, Task] = {
     "space_info": _task("space_info", "space_info", 10),
+    "space_form": _task("space_info", "space_form", 10),
     "tetrad": _task("tetrad", "tetrad", 10),
     "loop": _task("closure_failure", "closure_failure", 8),
+    "circle_form": _task("circle_form", "circle_form", 20),
+    "equations": _task("equations", "equations", 20),
+    "curve_equations": _task("equations", "curve_equations", 20),
     "atoms": _task("atoms", "atoms", 10),
     "map_facts": _task("measured", "map_facts", 20),
     "map_circuit": _task("measured", "map_circuit", 20),
@@ -140,7 +165,7 @@ class TaskRunner:
         self, workers: int = 2, patience: float = 60.0, limits: Mapping[str, float] | None = None
     ) -> None:
         self.limits = dict(limits or {})
-        self.pool = WorkerPool(f"{__name__}:answer", workers, patience, errors_shown=True)
+        self.pool = workers_for(f"{__name__}:answer", workers, patience, errors_shown=True)
         self.kept: OrderedDict[str, Json] = OrderedDict()
         self._characters = 0
         self._lock = threading.Lock()
@@ -170,16 +195,11 @@ class TaskRunner:
         except (LimitError, UnknownNameError) as error:
             return {"problem": str(error)}
         except TimeoutError:
-            return {
-                "problem": f"this takes longer than the {seconds:g} s that a request on this page "
-                "may take, so it was stopped. Ask for something smaller, or use the command line, "
-                "which waits as long as you do."
-            }
+            return {"problem": too_long(f"{seconds:g}")}
         except ChildProcessError:
-            return {"problem": _BROKEN}
+            return {"problem": BROKEN}
         if EXCEEDED in found:
-            limit = found[EXCEEDED]
-            found = {"problem": f"this needs more {limit} than the page may use. Ask for less."}
+            found = {"problem": too_much(found)}
         self._keep(request, found)
         return found
 

@@ -37,7 +37,7 @@ def starts(mo: ModuleType, kept: Kept) -> ui.dropdown:
 
 def facts(start: str | int, runner: TaskRunner) -> Json:
     """The facts of a space, or of an empty tetrad of so many coordinates."""
-    return blank(start) if isinstance(start, int) else runner.ask("space_info", space=start)
+    return blank(start) if isinstance(start, int) else runner.ask("space_form", space=start)
 
 
 def tetrad_case(

@@ -21,8 +21,8 @@ from geomtorsion.precision import CALCULATED
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
 
-# Most edges are so short that fewer points than Kronrod's are enough.
-RULE = gauss_pair(4, 7)
+# Most edges are so short that fewer points of Gauss than Kronrod's are enough.
+POINTS = (4, 7)
 # Lines nearer than this share of an edge make a peak that these points may miss.
 NEAR = 1 / 16
 
@@ -72,7 +72,7 @@ def edge_integrals(
         evaluations += points
     others = np.delete(np.arange(len(starts)), alone)
     # As many as fit in the cache go fastest.
-    together = PIECE // len(RULE.nodes)
+    together = PIECE // sum(POINTS)
     for begin in range(0, len(others), together):
         # A slice where all edges are meant: what lies together is taken together.
         part = others[begin : begin + together] if len(alone) else slice(begin, begin + together)
@@ -120,7 +120,9 @@ def _block(
     places = np.maximum(np.abs(starts), np.abs(ends)).max(axis=1)
     noise = ROUNDING + ROUNDING / 4 * places / np.minimum(lengths, distances)
     with np.errstate(all="ignore"):
-        found = halved(sampler, np.arange(count), whole, RULE, 0.0, accuracy * lengths, noise)
+        found = halved(
+            sampler, np.arange(count), whole, gauss_pair(*POINTS), 0.0, accuracy * lengths, noise
+        )
     if found.worst is not None:
         k, s = found.worst
         where = starts[k] + s * (ends[k] - starts[k])

@@ -6,7 +6,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import product
@@ -306,7 +306,7 @@ def exact_burgers_vector(frame: Frame, loop: Loop, seconds: float = 20.0) -> Exa
     check_loop(loop, frame.dimension)
     checks.positive(seconds, "seconds", LoopError)
     total = [sp.S.Zero] * frame.dimension
-    where = _sample(frame, loop)
+    where = sample_of(frame, loop.symbols)
     _refuse_poles(frame, loop, where)
     _refuse_other_windings(frame, loop, where)
     numbers = [mpmath.mpf(0)] * frame.dimension
@@ -322,7 +322,7 @@ def exact_burgers_vector(frame: Frame, loop: Loop, seconds: float = 20.0) -> Exa
                         )
                     total[i] += times * value
                     numbers[i] += times * _number(f, piece, where)
-            vector = tuple(_short(x) for x in total)
+            vector = tuple(short(x) for x in total)
     except OutOfTimeError:
         raise UndecidedError(
             f"no closed form was found in {seconds:g} s. Ask for numbers, without exact=True."
@@ -378,7 +378,7 @@ def _refuse_other_windings(frame: Frame, loop: Loop, where: Mapping[sp.Symbol, s
             )
 
 
-def _short(x: sp.Expr) -> sp.Expr:
+def short(x: sp.Expr) -> sp.Expr:
     """The shorter of an expression and its simplification."""
     return min((x, sp.simplify(x)), key=sp.count_ops)
 
@@ -423,10 +423,10 @@ def pulled_back(frame: Frame, piece: Piece) -> list[sp.Expr]:
     return result
 
 
-def _sample(frame: Frame, loop: Loop) -> dict[sp.Symbol, sp.Expr]:
-    """Values of all parameters for the numerical check."""
+def sample_of(frame: Frame, symbols: Collection[sp.Symbol]) -> dict[sp.Symbol, sp.Expr]:
+    """Values of the parameters of a frame, and of further symbols, for the numerical check."""
     known = {s: v for s, v in frame.sample_point.items() if s not in frame.coordinates}
-    others = sorted(loop.symbols - set(known), key=str)
+    others = sorted(set(symbols) - set(known), key=str)
     return known | {s: sp.Rational(7 + 4 * k, 19) for k, s in enumerate(others)}
 
 
@@ -453,3 +453,14 @@ def _verify(
                 f"the closed form {expression} for b^{i} was found, but it is {mpmath.nstr(value)} "
                 f"where the integral is {mpmath.nstr(number)}. Ask for numbers, without exact=True."
             )
+
+
+def verified(
+    vector: tuple[sp.Expr, ...],
+    forms: Sequence[sp.Expr],
+    piece: Piece,
+    where: Mapping[sp.Symbol, sp.Expr],
+) -> tuple[sp.Expr, ...]:
+    """A closed form that is what quadrature of the pulled-back forms over one piece says."""
+    _verify(vector, [_number(f, piece, where) for f in forms], where)
+    return vector

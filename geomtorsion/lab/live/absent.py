@@ -88,7 +88,9 @@ class Absent:
     __eq__ = __ne__ = __lt__ = __le__ = __gt__ = __ge__ = __contains__ = __setitem__ = _refuse
     __str__ = __format__ = __round__ = __reduce_ex__ = _refuse
     __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = _same
-    __rtruediv__ = __pow__ = __rpow__ = __neg__ = __matmul__ = __rmatmul__ = __or__ = __ror__ = _same
+    __rtruediv__ = __pow__ = __rpow__ = __neg__ = __matmul__ = __rmatmul__ = __or__ = __ror__ = (
+        _same
+    )
 
 
 class _Finder(MetaPathFinder, Loader):

@@ -1,0 +1,35 @@
+"""browser: what the worker of the page calls: text comes, text goes."""
+
+from __future__ import annotations
+
+import json
+
+from geomtorsion.errors import GeomtorsionError
+from geomtorsion.exercises.worker_pool import EXCEEDED, answered
+from geomtorsion.lab.live.tabs import show
+from geomtorsion.lab.settings import PAGE
+from geomtorsion.lab.tasks import checked_length, common_runner, too_much
+from geomtorsion.lab.views import TETRAD
+
+
+def answer(text: str) -> str:
+    """A tab as JSON for a request as JSON (see `tabs.show`), or ``{"problem": message}``.
+
+    Examples
+    --------
+    >>> json.loads(answer('{"tab": "Any tetrad", "values": {"start from": "nowhere"}}'))["shape"]
+    "so3|['phi1', 'phi2', 'phi3']"
+    """
+    try:
+        request = json.loads(checked_length(text))
+        reply = answered(lambda asked: show(asked, common_runner()), request)
+    except GeomtorsionError as error:
+        reply = {"problem": str(error)}
+    if EXCEEDED in reply:
+        reply = {"problem": too_much(reply)}
+    return json.dumps(reply)
+
+
+def warm() -> None:
+    """Let the first tab be shown once: what it needs is loaded then."""
+    answer(json.dumps({"tab": TETRAD, "values": {}}))

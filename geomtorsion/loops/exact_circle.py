@@ -1,0 +1,100 @@
+"""Exact circle: the Burgers vector of a circle in closed form, by exact steps alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import sympy as sp
+
+from geomtorsion import checks
+from geomtorsion.checks import expression
+from geomtorsion.errors import LoopError, UndecidedError
+from geomtorsion.geometry import Frame
+from geomtorsion.loops.exact_integral import (
+    Piece,
+    definite,
+    pulled_back,
+    sample_of,
+    short,
+    verified,
+)
+
+
+def exact_circle(
+    frame: Frame, centre: Sequence[sp.Expr], radius: sp.Expr, plane: tuple[int, int] = (0, 1)
+) -> tuple[sp.Expr, ...]:
+    """Burgers vector of a circle in closed form, without arrays of numbers.
+
+    `exact_burgers_vector` takes any loop and looks for poles by numbers; here every denominator of
+    the coframe has to keep one value along the circle, which is seen exactly.
+
+    Parameters
+    ----------
+    centre, radius
+        exact expressions in coordinates, shape (n,), and positive.
+    plane
+        two coordinates, counted from 0; the circle runs from the first towards the second.
+
+    Raises
+    ------
+    LoopError
+        The centre has not one entry a coordinate, or the plane is none.
+    UndecidedError
+        A denominator or the sign of a root changes along the circle, or there is no closed form.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> exact_circle(load("heisenberg").frame, [0, 0, 0], sp.Symbol("R", positive=True))
+    (0, 0, -pi*R**2)
+    """
+    piece = circle_piece(frame, centre, radius, plane)
+    forms = pulled_back(frame, piece)
+    _refuse_changes(frame, piece)
+    found = []
+    for i, f in enumerate(forms):
+        value = definite(f, *piece[1:])
+        if value is None:
+            raise UndecidedError(
+                f"b^{i} of this circle has no closed form that is known here: the integrand is "
+                f"{checks.shown(f)}. Ask for numbers, with burgers_vector."
+            )
+        found.append(short(value))
+    where = sample_of(frame, sp.Tuple(*piece[0]).free_symbols - {piece[1]})
+    return verified(tuple(found), forms, piece, where)
+
+
+def circle_piece(
+    frame: Frame, centre: Sequence[sp.Expr], radius: sp.Expr, plane: tuple[int, int]
+) -> Piece:
+    """Coordinates along the circle, its angle, and where that begins and ends."""
+    n = frame.dimension
+    if len(centre) != n or len({*plane}) != 2 or not all(0 <= k < n for k in plane):
+        raise LoopError(
+            f"a circle needs {n} coordinates of its centre and two different coordinates from 0 to "
+            f"{n - 1} for its plane; {len(centre)} and {plane} came. Give one entry for each."
+        )
+    t = sp.Dummy("t", real=True)
+    path = [expression(x) for x in centre]
+    path[plane[0]] += radius * sp.cos(t)
+    path[plane[1]] += radius * sp.sin(t)
+    return tuple(path), t, sp.S.Zero, 2 * sp.pi
+
+
+def _refuse_changes(frame: Frame, piece: Piece) -> None:
+    """Refuse a circle on which a denominator may vanish, or a root may change its sign."""
+    path, t = piece[:2]
+    if frame.field.relied_on:
+        raise UndecidedError(
+            "the coframe has roots whose sign is known on a part of the space only; whether the "
+            "circle stays there is found by numbers. Ask for them, with burgers_vector."
+        )
+    table = dict(zip(frame.coordinates, path, strict=True))
+    for value in frame.coframe.nonzero().values():
+        below = sp.simplify(sp.denom(sp.together(value)).subs(table, simultaneous=True))
+        if below.has(t) or not below.is_nonzero:
+            raise UndecidedError(
+                f"the denominator {checks.shown(sp.denom(sp.together(value)))} of the coframe "
+                "changes along the circle; whether it vanishes there is found by numbers. Put the "
+                "centre where it stays the same, or ask for numbers, with burgers_vector."
+            )
