@@ -128,7 +128,7 @@ def _near(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> tuple[list[bool],
         beyond = max(beyond, size / max(other, 1.0)) if math.isfinite(other) else beyond
         difference = _size(first - second)
         near = difference <= NEAR * (1 + _size(first) + _size(second)) < math.inf
-        if near or ROUNDING * largest < difference < math.inf and largest < TOO_LARGE:
+        if near or (ROUNDING * largest < difference < math.inf and largest < TOO_LARGE):
             found.append(near)
         else:
             settled = _settled(point, one, two)

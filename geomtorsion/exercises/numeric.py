@@ -145,7 +145,7 @@ class _Floats:
     def checked(self, value: Number) -> Number:
         # What is no number is larger than nothing.
         self.largest = [
-            size if size > before else before
+            max(before, size)
             for before, size in zip(self.largest, _each(abs, value.values), strict=True)
         ]
         return value

@@ -7,6 +7,7 @@ nothing to start.
 
 from __future__ import annotations
 
+import json
 import sys
 from collections.abc import Callable, Iterable
 from importlib import import_module
@@ -45,8 +46,8 @@ class InPlace:
         self.function: Callable[[Json], Json] = getattr(import_module(module), name)
 
     def ask(self, request: Json, seconds: float) -> Json:
-        """The reply, however long it takes."""
-        return answered(self.function, request)
+        """The reply, however long it takes; as JSON has it, like that of a process."""
+        return json.loads(json.dumps(answered(self.function, request)))
 
     def warm(self, requests: Iterable[Json], done: Callable[[Json, Json], object]) -> None:
         """Answer these requests now."""

@@ -58,7 +58,8 @@ def circle_form(
     b = exact_circle(frame, at, size, (first, second))
     small = _small(frame, at, size, (first, second))
     rows = "".join(
-        f'<tr><th scope="row">b{raised(k)}</th><td>{_shown(value)}</td><td>{_shown(other)}</td></tr>'
+        f'<tr><th scope="row">b{raised(k)}</th><td>{_shown(value)}</td>'
+        f"<td>{_shown(other)}</td></tr>"
         for k, (value, other) in enumerate(zip(b, small, strict=True))
     )
     names = names_text([greek_name(frame.coordinates[k].name) for k in (first, second)])

@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING
 import sympy as sp
 
 from geomtorsion.action import EquationsOfMotion, equations_of_motion
+from geomtorsion.action.principles import principle_named
 from geomtorsion.action.writing import dotted
 from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.lab import views
 from geomtorsion.lab.space_info import space_of
 from geomtorsion.lab.tetrad import names_of
 from geomtorsion.pictures.formula import mathml
+from geomtorsion.pictures.text import greek_words
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
@@ -46,13 +48,14 @@ def equations(
 
     Returns
     -------
-    html: cards. sentence: whether two derivations agree. rates: name -> text.
+    html: cards. sentence: whether two derivations agree, and what the principle leads to.
+    rates: name -> text.
 
     Examples
     --------
     >>> found = equations("so3", "(I1*u1^2 + I2*u2^2 + I3*u3^2)/2", "I1, I2, I3")
-    >>> found["rates"]["u1"], found["sentence"]
-    ('u2*u3*(I2 - I3)/I1', 'Euler and Lagrange in the coordinates say the same, exactly.')
+    >>> found["rates"]["u1"], found["sentence"].partition(": ")[2].partition(".")[0]
+    ('u2*u3*(I2 - I3)/I1', 'the same, exactly')
     """
     frame = space_of(space).frame
     names = [name for name in names_of(parameters, "parameters") if not _belongs(frame, name)]
@@ -61,13 +64,17 @@ def equations(
     kept = found.invariants
     if kept:
         cards.append(_card("What stays", kept, is_rate=False))
-    agrees = found.agrees
     said = {
-        True: "Euler and Lagrange in the coordinates say the same, exactly.",
-        False: "Euler and Lagrange in the coordinates say something else: no path varies so.",
-        None: "Whether Euler and Lagrange in the coordinates say the same is not decided.",
-    }[agrees]
-    return {"html": "".join(cards), "sentence": said, "rates": _texts(found)}
+        True: "Derived twice, in the frame and in the coordinates: the same, exactly.",
+        False: "Derived twice, in the frame and in the coordinates: not the same.",
+        None: "Derived twice, in the frame and in the coordinates: whether they are the same is "
+        "not decided.",
+    }[found.agrees]
+    return {
+        "html": "".join(cards),
+        "sentence": f"{said} For a kinetic energy: {principle_named(principle).leads_to}.",
+        "rates": _texts(found),
+    }
 
 
 def curve_equations(space: str) -> Json:
@@ -112,7 +119,7 @@ def _texts(found: EquationsOfMotion) -> dict[str, str]:
 def _card(title: str, values: Mapping[str, sp.Expr], *, is_rate: bool = True) -> str:
     """Lines of formulas, with a button that copies them."""
     lines = [
-        (dotted(name) if is_rate else f"\\text{{{name}}}", sp.latex(value))
+        (dotted(name) if is_rate else f"\\text{{{greek_words(name)}}}", sp.latex(value))
         for name, value in values.items()
     ]
     joined = " \\\\\n".join(f"{left} &= {right}" for left, right in lines)

@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
-from typing import Any
+from typing import Any, Protocol
 
 from geomtorsion.errors import GeomtorsionError, LimitError, UnknownNameError
 from geomtorsion.exercises.worker_pool import EXCEEDED, Json
@@ -152,6 +152,14 @@ def answer(request: Json) -> Json:
         return task(request["task"])(**arguments)
     except GeomtorsionError as error:
         return {"problem": str(error)}
+
+
+class Runner(Protocol):
+    """Who carries tasks out."""
+
+    def ask(self, name: str, attached: bytes | None = None, /, **arguments: Any) -> Json:
+        """What a task gives, or ``{"problem": message}``."""
+        ...
 
 
 class TaskRunner:

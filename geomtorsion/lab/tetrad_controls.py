@@ -16,7 +16,7 @@ from geomtorsion.pictures.text import greek_name
 if TYPE_CHECKING:
     from marimo import ui
 
-    from geomtorsion.lab.tasks import TaskRunner
+    from geomtorsion.lab.tasks import Runner
 
 BLANK = {f"blank, {n} coordinates": n for n in (2, 3, 4)}
 _LETTERS = ("x", "y", "z", "w")
@@ -35,7 +35,7 @@ def starts(mo: ModuleType, kept: Kept) -> ui.dropdown:
     return mo.ui.dropdown(options, value=first, label="start from")
 
 
-def facts(start: str | int, runner: TaskRunner) -> Json:
+def facts(start: str | int, runner: Runner) -> Json:
     """The facts of a space, or of an empty tetrad of so many coordinates."""
     return blank(start) if isinstance(start, int) else runner.ask("space_form", space=start)
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from geomtorsion.exercises.worker_pool import WorkerPool
 from geomtorsion.lab.settings import PAGE
 from geomtorsion.lab.tasks import TASKS, TaskRunner
 from tests.lab.maps import bomb, wall_ctf
@@ -42,6 +43,7 @@ def test_a_request_is_answered_and_kept(runner: TaskRunner):
 def test_a_request_that_takes_too_long_is_stopped(runner: TaskRunner):
     """After its time the worker is ended; the next request is answered by another."""
     runner.ask("space_info", space="s2")
+    assert isinstance(runner.pool, WorkerPool)
     [worker] = runner.pool.workers
     assert "takes longer than the 2 s" in runner.ask("tetrad", **SLOW)["problem"]
     assert not worker.lives

@@ -17,7 +17,7 @@ from geomtorsion.exercises.authoring import (
     tex,
 )
 from geomtorsion.geometry import Frame, cartan
-from geomtorsion.loops import Loop, burgers_vector
+from geomtorsion.loops.exact_circle import exact_circle
 
 
 def make(draw: Random, seed: int) -> Variant:
@@ -28,12 +28,11 @@ def make(draw: Random, seed: int) -> Variant:
     across = 0 if seed == 0 else draw.choice((0, 1, -1))
     frame = Frame(q, [[1, 0, 0], [0, 1, 0], [across * y, factor * x**power, 1]], name="a frame")
     centre = 0 if seed == 0 else draw.choice((1, 2, 3, -1))
-    loop = Loop.circle([centre, 0, 0], radius, plane=(0, 1))
     domain = Domain((radius,))
 
     @cache
     def vector() -> tuple[sp.Expr, ...]:
-        return tuple(sp.expand(x) for x in burgers_vector(frame, loop, exact=True).vector)
+        return tuple(sp.expand(x) for x in exact_circle(frame, (centre, 0, 0), radius))
 
     def from_centre() -> list[sp.Expr]:
         torsion, here = cartan(frame).torsion.T.in_frame(), {x: centre, y: 0, z: 0}

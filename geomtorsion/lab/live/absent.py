@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from types import ModuleType, SimpleNamespace
@@ -53,6 +53,7 @@ class Absent:
         return Absent(f"{self._name}.{name}")
 
     def __call__(self, *_: object, **__: object) -> Absent:
+        """What would have come back, which is not there either."""
         return Absent(f"{self._name}()")
 
     def __instancecheck__(self, instance: object) -> bool:
@@ -86,7 +87,7 @@ class Absent:
 
     __bool__ = __float__ = __int__ = __index__ = __complex__ = __len__ = __iter__ = _refuse
     __eq__ = __ne__ = __lt__ = __le__ = __gt__ = __ge__ = __contains__ = __setitem__ = _refuse
-    __str__ = __format__ = __round__ = __reduce_ex__ = _refuse
+    __str__ = __format__ = __round__ = __reduce_ex__ = __enter__ = __exit__ = _refuse
     __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = _same
     __rtruediv__ = __pow__ = __rpow__ = __neg__ = __matmul__ = __rmatmul__ = __or__ = __ror__ = (
         _same

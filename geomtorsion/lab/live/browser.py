@@ -6,10 +6,16 @@ import json
 
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.exercises.worker_pool import EXCEEDED, answered
-from geomtorsion.lab.live.tabs import show
-from geomtorsion.lab.settings import PAGE
+from geomtorsion.files import conforming, read_json_text
+from geomtorsion.lab.live.tabs import TABS, show
 from geomtorsion.lab.tasks import checked_length, common_runner, too_much
 from geomtorsion.lab.views import TETRAD
+
+# What a request of the page looks like.
+FORM = {
+    "tab": frozenset(TABS), "values": {str: str}, "kept?": {str: str}, "changed?": str,
+    "action?": str,
+}  # fmt: skip
 
 
 def answer(text: str) -> str:
@@ -21,7 +27,7 @@ def answer(text: str) -> str:
     "so3|['phi1', 'phi2', 'phi3']"
     """
     try:
-        request = json.loads(checked_length(text))
+        request = conforming(read_json_text(checked_length(text), "request"), FORM, "request")
         reply = answered(lambda asked: show(asked, common_runner()), request)
     except GeomtorsionError as error:
         reply = {"problem": str(error)}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from html import escape
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.lab import controls, exercise_controls, tetrad_controls, views
@@ -14,18 +14,13 @@ from geomtorsion.lab.kept import Kept
 from geomtorsion.lab.live.toolkit import Form, row
 from geomtorsion.lab.tetrad import OFFERED
 
+if TYPE_CHECKING:
+    from geomtorsion.lab.tasks import Runner
+
 # Spaces in which a body turns, and the energy with which its tab begins; in others every velocity
 # counts alike.
 SPIN = "(I1*u1^2 + I2*u2^2 + I3*u3^2)/2"
 MOMENTS = "I1, I2, I3"
-
-
-class Runner(Protocol):
-    """Who carries tasks out."""
-
-    def ask(self, name: str, /, **arguments: object) -> Json:
-        """What a task gives, or ``{"problem": message}``."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -63,12 +58,13 @@ def tetrad(asked: Asked, runner: Runner) -> Shown:
     facts = tetrad_controls.facts(beginning.value, runner)
     own = kept.of_case("start", beginning.value, tetrad_controls.first_start())
     names = tetrad_controls.names(form, facts, own)
-    columns = tetrad_controls.coordinates(names.value)
+    named = _texts(names.value)
+    columns = tetrad_controls.coordinates(named)
     entries = tetrad_controls.entries(form, columns, tetrad_controls.typed(facts, own))
     n = len(columns)
-    rows = tetrad_controls.rows(entries.value, n)
+    rows = tetrad_controls.rows(_texts(entries.value), n)
     show = [name for name, wanted in shown.value.items() if wanted]
-    reply = runner.ask("tetrad", **tetrad_controls.tetrad_case(names.value, rows, show))
+    reply = runner.ask("tetrad", **tetrad_controls.tetrad_case(named, rows, show))
     places = [(i, k) for i in range(n) for k in range(n)]
     cells = [f'{entries[f"{i},{k}"]}<div data-part="fault {i},{k}"></div>' for i, k in places]
     return Shown(
@@ -78,8 +74,12 @@ def tetrad(asked: Asked, runner: Runner) -> Shown:
         f"{beginning.value}|{columns}",
         {"result": views.tetrad(reply)}
         | {f"fault {i},{k}": views.fault(reply, i, k) for i, k in places},
-        tetrad_controls.kept_tetrad(beginning.value, facts, names.value, rows, show),
+        tetrad_controls.kept_tetrad(beginning.value, facts, named, rows, show),
     )
+
+
+def _texts(values: Mapping[str, object]) -> dict[str, str]:
+    return {name: str(value) for name, value in values.items()}
 
 
 def loops(asked: Asked, runner: Runner) -> Shown:

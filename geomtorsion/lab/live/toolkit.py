@@ -1,7 +1,7 @@
 """toolkit: the controls of the page as plain HTML, where there is no marimo to draw them.
 
-The functions that make the controls of the served page get this in its place: they call `mo.ui.text`
-and so on, and what comes back has a value and writes itself as an element of a form.
+The functions that make the controls of the served page get this in its place: they call
+`mo.ui.text` and so on, and what comes back has a value and writes itself as an element of a form.
 """
 
 from __future__ import annotations
@@ -52,6 +52,7 @@ class Text(Control):
         self.hint, self.rows = hint, rows
 
     def element(self) -> str:
+        """A line, or an area of several rows."""
         more = f'{self.attributes()} spellcheck="false" autocapitalize="off"'
         if self.rows > 1:
             return f'<textarea {more} rows="{self.rows}">{escape(self.value)}</textarea>'
@@ -69,9 +70,11 @@ class Choice(Control):
         self.options, self.first = options, first
 
     def read(self, given: str) -> Any:
+        """The option of this name."""
         return self.options.get(given, self.usual)
 
     def element(self) -> str:
+        """A list that opens."""
         chosen = self.form.values.get(self.name)
         chosen = chosen if chosen in self.options else self.first
         # Nothing chosen is a choice of its own, until something is.
@@ -87,9 +90,11 @@ class Tick(Control):
     """A box that is ticked or not."""
 
     def read(self, given: str) -> bool:
+        """Whether it is ticked."""
         return given == "true"
 
     def element(self) -> str:
+        """The box."""
         ticked = " checked" if self.value else ""
         return f'<input type="checkbox" {self.attributes()}{ticked}>'
 
@@ -105,6 +110,7 @@ class Whole(Control):
         self.ends = ends
 
     def read(self, given: str) -> int:
+        """The nearest number between the ends; the usual one where there is none."""
         try:
             number = float(given)
         except ValueError:
@@ -113,6 +119,7 @@ class Whole(Control):
         return int(min(max(number, low), high)) if math.isfinite(number) else self.usual
 
     def element(self) -> str:
+        """A field with its ends."""
         low, high = self.ends
         return (
             f'<input type="number" {self.attributes()} min="{low}" max="{high}" '
@@ -128,6 +135,7 @@ class Press(Control):
         self.rule = rule
 
     def read(self, given: str) -> int:
+        """How often the rule lets it count."""
         count = 0
         # No button is pressed so often that anybody notices the end of this.
         for _ in range(min(int(given) if given.isdecimal() and len(given) < 4 else 0, 100)):
@@ -135,6 +143,7 @@ class Press(Control):
         return count
 
     def element(self) -> str:
+        """The button."""
         return (
             f'<button type="button" {self.attributes()} value="{self.value}">'
             f"{escape(self.label)}</button>"
@@ -203,7 +212,7 @@ class Form(ModuleType):
         """Where marimo keeps its controls."""
         return self
 
-    def Html(self, html: str) -> Template:  # noqa: N802
+    def Html(self, html: str) -> Template:
         """A piece of HTML."""
         return Template(html)
 

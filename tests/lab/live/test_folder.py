@@ -1,0 +1,227 @@
+"""Folder: everything is inside, nothing asks other hosts; in a browser, with the network cut."""
+
+from __future__ import annotations
+
+import functools
+import http.server
+import json
+import re
+import threading
+import zipfile
+from collections.abc import Iterator
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from geomtorsion.errors import PackageError
+from geomtorsion.lab import views
+from geomtorsion.lab.live import packages
+from geomtorsion.lab.live.folder import PACKAGE, configuration, page, script, write_live, zipped
+from tests.browser import Watched
+from tests.lab.test_tasks import SLOW
+
+# Milliseconds that Python may take to start in the browser of a loaded machine, and to answer.
+START, ANSWER = 300_000, 60_000
+# Seconds after which a tetrad is stopped in these tests.
+LIMIT = 6
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder, written once; what it needs is fetched, or was."""
+    target = tmp_path_factory.mktemp("live") / "lab"
+    try:
+        write_live(target)
+    except PackageError as error:
+        pytest.skip(str(error))
+    index = target / "index.html"
+    text = index.read_text("utf-8")
+    shorter = re.sub(r'("Any tetrad": )\d+', rf"\g<1>{LIMIT}", text)
+    assert shorter != text
+    index.write_text(shorter, "utf-8")
+    return target
+
+
+def test_the_page_needs_nothing_else():
+    """No address but those of the folder; the browser is told so, too."""
+    text = page(configuration(["wheels-0/a.whl"], 1))
+    assert "default-src 'none'" in text
+    assert "connect-src 'self'" in text
+    everything = text + "".join(map(script, ("live.js", "worker.js", "service.js", "live.css")))
+    assert not [url for url in re.findall(r"https?://[\w.]+", everything) if "w3.org" not in url]
+    for tab in views.TABS:
+        assert f">{tab}</button>" in text
+    assert "numpy and scipy" in text
+    data = re.search(r'id="config">(.*?)</script>', text)
+    assert data is not None
+    assert json.loads(data[1])["seconds"].keys() < views.TABS.keys()
+
+
+def test_the_package_is_zipped():
+    """All of it but the command line; equal packages give equal bytes."""
+    made = zipped(PACKAGE)
+    assert made == zipped(PACKAGE)
+    names = zipfile.ZipFile(BytesIO(made)).namelist()
+    assert "geomtorsion/lab/live/browser.py" in names
+    assert "geomtorsion/spaces/__init__.py" in names
+    assert not [name for name in names if "/cli/" in name or "__pycache__" in name]
+
+
+def test_a_folder_is_whole(site: Path):
+    """Index, scripts, Python and packages; what changes has another name."""
+    names = {path.relative_to(site).as_posix() for path in site.rglob("*") if path.is_file()}
+    assert {"index.html", "live.js", "worker.js", "service.js"} <= names
+    assert {f"pyodide/{name}" for name in packages.CORE_FILES} <= names
+    wheels = {name.rpartition("/")[2] for name in names if name.startswith("wheels-")}
+    assert wheels == {*(wheel.file for wheel in packages.WHEELS), "geomtorsion.zip"}
+
+
+class Quiet(http.server.SimpleHTTPRequestHandler):
+    """A static host: files of a folder, and nothing on the screen."""
+
+    def log_message(self, format: str, *args: object) -> None:
+        return
+
+
+@pytest.fixture(scope="module")
+def offline(site: Path, browser: Any) -> Iterator[Watched]:
+    """The page, opened once from a static host and then again without any network.
+
+    What the page asked for and logged is checked at the end.
+    """
+    handler = functools.partial(Quiet, directory=str(site))
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    address = f"http://127.0.0.1:{server.server_port}/"
+    context = browser.new_context(viewport={"width": 1280, "height": 900})
+    opened = context.new_page()
+    opened.set_default_timeout(START)
+    seen = Watched(opened)
+    opened.on("console", lambda m: seen.errors.append(m.text) if m.type == "error" else None)
+    opened.on("pageerror", lambda error: seen.errors.append(str(error)))
+    opened.on("dialog", lambda dialog: seen.errors.append(dialog.message))
+    context.on("request", lambda request: seen.asked.append(request.url))
+    opened.goto(address)
+    # Everything is loaded when Python starts to import.
+    opened.wait_for_selector("#starting:has-text('starting exact')")
+    server.shutdown()
+    server.server_close()
+    context.set_offline(True)
+    opened.goto(f"{address}?start=flat_polar")
+    opened.wait_for_selector("body[data-state=ready] #torsion math")
+    yield seen
+    context.close()
+    assert [url for url in seen.asked if not url.startswith((address, "data:"))] == []
+    # What is asked for first, and then taken from what was kept, is told by the browser.
+    assert [text for text in seen.errors if "ERR_INTERNET_DISCONNECTED" not in text] == []
+
+
+def says(
+    seen: Watched, tab: str, selector: str, text: str | re.Pattern[str], patience: int = ANSWER
+) -> str:
+    """Wait until a part of a tab says this; all that it says then."""
+    from playwright.sync_api import expect
+
+    part = seen.page.locator(f'[data-tab="{tab}"] {selector}')
+    expect(part).to_contain_text(text, use_inner_text=True, timeout=patience)
+    return part.inner_text()
+
+
+def fits(seen: Watched) -> bool:
+    """Whether nothing is wider than the window, at two widths."""
+    widths = []
+    for width in (400, 1280):
+        seen.page.set_viewport_size({"width": width, "height": 900})
+        widths.append(seen.page.evaluate("document.documentElement.scrollWidth") <= width)
+    return all(widths)
+
+
+def test_a_tetrad_is_typed(offline: Watched):
+    """Torsion of the polar frame, none of the Cartesian one; the address keeps what is typed."""
+    page = offline.tab("Any tetrad")
+    assert page.get_by_label("row 2, dφ", exact=True).input_value() == "r"
+    assert "1" in page.locator("#torsion").inner_text()
+    entries = {
+        "row 1, dr": "cos(phi)", "row 1, dφ": "-r*sin(phi)", "row 2, dr": "sin(phi)",
+        "row 2, dφ": "r*cos(phi)",
+    }  # fmt: skip
+    for label, text in entries.items():
+        page.get_by_label(label, exact=True).fill(text)
+    says(offline, "Any tetrad", "#torsion", re.compile(r"=\s*0\s+Copy"))
+    assert "coframe=cos" in page.url
+    assert fits(offline)
+    milliseconds = page.locator('[data-tab="Any tetrad"]').get_attribute("data-milliseconds")
+    assert int(milliseconds) >= 0
+
+
+def test_what_is_typed_is_escaped(offline: Watched):
+    """It is told beside its entry, as text."""
+    page = offline.tab("Any tetrad")
+    field = page.get_by_label("row 1, dr", exact=True)
+    field.fill("<img src=x onerror=alert(1)>")
+    said = says(offline, "Any tetrad", ".fault >> nth=0", "is not part of an expression")
+    assert "<img src=x onerror=alert(1)>" in said
+    assert page.locator('[data-tab="Any tetrad"] img').count() == 0
+    field.fill("1")
+    says(offline, "Any tetrad", "#metric", "Copy")
+
+
+def test_an_exercise_is_answered(offline: Watched):
+    """Right, and wrong with what has happened; hints one by one."""
+    page = offline.tab("Exercises")
+    page.locator('[data-tab="Exercises"] select').select_option(
+        "2.1 One coefficient of the Cartan connection"
+    )
+    says(offline, "Exercises", "h2", "2.1")
+    answer = page.locator('[data-tab="Exercises"] textarea')
+    answer.fill("2,1,2 = 1/r")
+    page.get_by_role("button", name="Check").click()
+    says(offline, "Exercises", "#verdict", "not right")
+    answer.fill("1,2,2 = 1/r")
+    page.get_by_role("button", name="Check").click()
+    says(offline, "Exercises", "#verdict", "✓ right")
+    page.get_by_role("button", name="Next hint").click()
+    page.wait_for_selector("#hints li")
+    assert fits(offline)
+
+
+def test_loops_curves_and_tops_in_closed_form(offline: Watched):
+    """b of a screw, equations of curves, Euler's equations; what is missing is said."""
+    page = offline.tab("Loops")
+    page.locator('[data-tab="Loops"] select').first.select_option(
+        "screw_dislocation: screw dislocation along z"
+    )
+    says(offline, "Loops", "#loop-said", "runs round a line")
+    assert fits(offline)
+    offline.tab("Straightest and shortest")
+    says(offline, "Straightest and shortest", "#paths-said", "torsion force")
+    assert fits(offline)
+    offline.tab("The top")
+    says(offline, "The top", "#top-said", "the same, exactly")
+    assert fits(offline)
+    page = offline.tab("What accuracy costs")
+    assert page.get_by_text("numpy and scipy have no builds for browsers").is_visible()
+
+
+def test_a_hostile_tetrad_ends_its_worker(offline: Watched):
+    """It is stopped after its time; the page lives on, and a new worker answers."""
+    page = offline.tab("Any tetrad")
+    page.get_by_label("start from").select_option("blank, 4 coordinates")
+    page.wait_for_selector('[data-tab="Any tetrad"] [data-name="3,3"]')
+    says(offline, "Any tetrad", "#metric", "Copy")
+    page.locator('[data-tab="Any tetrad"] summary').first.click()
+    page.get_by_label("Weyl tensor").check()
+    names = page.get_by_label("coordinates", exact=True)
+    names.fill(", ".join(SLOW["coordinates"].split()))
+    says(offline, "Any tetrad", ".tetrad", "row 1, da")
+    for i, row in enumerate(SLOW["entries"]):
+        for k, text in enumerate(row):
+            page.locator(f'[data-name="{i},{k}"]').fill(text)
+    says(offline, "Any tetrad", '[data-part="result"]', f"takes longer than the {LIMIT} s")
+    page.wait_for_selector("body[data-state=ready]")
+    page.get_by_label("start from").select_option(index=0)
+    says(offline, "Any tetrad", "#torsion", "sin", START)
+    offline.tab("Exercises")
+    assert "✓ right" in says(offline, "Exercises", "#verdict", "right")
