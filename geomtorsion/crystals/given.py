@@ -101,7 +101,11 @@ def _rotation(given: ArrayLike | None) -> np.ndarray | None:
             f"{checks.shown(found.tolist())} came. Its columns are the specimen axes in the "
             "crystal, of length one and right-handed."
         )
-    return u @ v
+    nearest = u @ v
+    # What is a rotation up to rounding stays as it is, frame by frame of a trajectory.
+    if np.abs(nearest - found).max() < 16 * np.finfo(float).eps:
+        return found
+    return nearest
 
 
 def _constant(given: float | None) -> float | None:

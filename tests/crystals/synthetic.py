@@ -88,3 +88,42 @@ def quadrupole(lattice, repeats, burgers):
                 angle = np.arctan2(*(places[:, :2] - centre).T[::-1])
                 moved += sign * angle[:, None] / (2 * np.pi) * np.array(burgers, float)
     return moved, cell
+
+
+def solid_angle(points, ring):
+    """Solid angle of a polygon from points, shape (k,), by its triangles [Oosterom1983]."""
+    total = np.zeros(len(points))
+    middle = ring.mean(axis=0) - points
+    size = np.linalg.norm(middle, axis=1)
+    for one, two in zip(ring, np.roll(ring, -1, axis=0), strict=True):
+        a, b = one - points, two - points
+        p, q = np.linalg.norm(a, axis=1), np.linalg.norm(b, axis=1)
+        volume = (middle * np.cross(a, b)).sum(axis=1)
+        below = size * p * q + (middle * a).sum(axis=1) * q
+        below += (middle * b).sum(axis=1) * p + (a * b).sum(axis=1) * size
+        total += 2 * np.arctan2(volume, below)
+    return total
+
+
+def interstitial_loop(radius):
+    """bcc with z along [1 1 1] and a disc of interstitials, its cell, and how many they are.
+
+    Atoms move away from the disc by b/(4 pi) of its solid angle; a layer of it fills the gap.
+    """
+    axes = np.array([[1, 1, -2] / np.sqrt(6), [-1, 1, 0] / np.sqrt(2), [1, 1, 1] / np.sqrt(3)])
+    cell = np.sqrt([6, 2, 0.75]) * [6, 10, 16]
+    sites, _ = block("bcc", (40, 40, 40))
+    places = (sites - 20) @ axes.T + cell / 2
+    # A face of the cell belongs to it at one side.
+    places = places[((places > -1e-6) & (places < cell - 1e-6)).all(axis=1)]
+    centre, b = cell / 2 + [0.11, 0.07, 0.21], np.sqrt(0.75)
+    turn = np.linspace(0, 2 * np.pi, 48, endpoint=False)
+    ring = centre + radius * np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
+    share = solid_angle(places, ring) / (4 * np.pi)
+    above = places[:, 2] > centre[2]
+    moved = places.copy()
+    moved[:, 2] += np.where(above, 1, -1) * b * np.abs(share)
+    disc = np.hypot(*(places[:, :2] - centre[:2]).T) < radius
+    layer = disc & ~above & (places[:, 2] > centre[2] - b)
+    filling = moved[layer] + [0, 0, b]
+    return np.concatenate([moved, filling]), cell, int(layer.sum())

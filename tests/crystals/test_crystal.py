@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from geomtorsion.crystals import LATTICES, Crystal
+from geomtorsion.crystals.reports import inserted_atoms
 from geomtorsion.errors import CrystalError
-from tests.crystals.synthetic import block, quadrupole, with_line
+from tests.crystals.synthetic import block, interstitial_loop, quadrupole, with_line
 from tests.real import real
 
 TRUTH = "crystal/truth.json"
@@ -207,6 +208,17 @@ def test_a_prismatic_loop_encloses_the_vacancies_that_were_put_in():
     assert enclosed == pytest.approx(len(places) - perfect, rel=0.01)
     truth = json.loads(real(TRUTH).read_text())["w_vac_loop111"]
     assert line.length == pytest.approx(truth["length"], rel=0.03)
+
+
+@pytest.mark.parametrize("radius", [3, 4, 5])
+def test_a_loop_encloses_the_interstitials_that_were_put_in(radius):
+    """b . A over the volume of an atom is the number of atoms put in, within 1 %, with its sign."""
+    places, cell, inserted = interstitial_loop(radius)
+    crystal = Crystal(places, cell)
+    (line,) = crystal.dislocations().lines
+    assert (line.family, line.kind) == ("1/2<1 1 1>", "closed")
+    assert inserted_atoms(line, crystal) == pytest.approx(inserted, rel=0.01)
+    assert line.length == pytest.approx(2 * np.pi * radius, rel=0.03)
 
 
 def test_bonds_are_an_integer_cochain():

@@ -1,14 +1,18 @@
 """Trajectories: reports that are kept, one file a frame, and what else lies in their folder."""
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from geomtorsion.crystals.trajectories import Wanted, forget, is_begun, reports
 from geomtorsion.errors import CheckpointError, GeomtorsionError
 from tests.crystals.making import copper_screw, written
 
+ROOT = Path(__file__).parents[2]
 pytest.importorskip("ase")
 WANTED = Wanted(lattice="fcc", constant=3.6)
 
@@ -49,3 +53,70 @@ def test_forgetting_leaves_what_is_not_ours(tmp_path: Path):
         forget(folder)
     assert [path.name for path in folder.iterdir()] == ["notes.txt"]
     assert not is_begun(folder)
+
+
+def thermal(frames: int) -> list[np.ndarray]:
+    """A screw that glides by half a neighbour distance a frame, in atoms that shake.
+
+    Their displacements forget themselves in some frames, as of springs in a heat bath [Uhlenbeck
+    and Ornstein], with a standard deviation of 6 % of the neighbour distance.
+    """
+    rng = np.random.default_rng(2)
+    sigma, kept = 0.06 * 3.6 / np.sqrt(2), 0.8
+    shaken = sigma * rng.normal(size=copper_screw().shape)
+    found = []
+    for frame in range(frames):
+        found.append(copper_screw(1.3 * (frame - frames // 2)) + shaken)
+        shaken = kept * shaken + np.sqrt(1 - kept**2) * sigma * rng.normal(size=shaken.shape)
+    return found
+
+
+KILLED = """
+import os, signal, sys
+from geomtorsion.crystals import trajectories
+from geomtorsion.cli import main
+made, calls = trajectories.crystal_report, []
+def dying(*arguments):
+    calls.append(1)
+    if len(calls) == 4:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return made(*arguments)
+trajectories.crystal_report = dying
+sys.argv = ["geomtorsion", "crystal", *sys.argv[1:]]
+main()
+"""
+
+
+def command(*options: str, script: str | None = None) -> int:
+    """How the command ends, in a process of its own."""
+    first = ["-c", script] if script else ["-m", "geomtorsion", "crystal"]
+    done = subprocess.run(
+        [sys.executable, *first, *options], cwd=ROOT, timeout=300, check=False, capture_output=True
+    )
+    return done.returncode
+
+
+def test_a_trajectory_keeps_its_axes_and_its_line_and_survives_a_kill(tmp_path: Path):
+    """One frame of axes, one b, one track that moves; SIGKILL in the fourth frame, --resume: all
+    files are those of a run that nobody stopped, byte by byte."""
+    file = written(tmp_path, *thermal(6))
+    whole, parts = tmp_path / "whole", tmp_path / "parts"
+    assert command(str(file), "-o", str(whole)) == 0
+    frames = json.loads((whole / "crystal.json").read_text())["frames"]
+    assert len(frames) == 6
+    for key in ("lattice", "orient", "constant"):
+        assert len({json.dumps(frame[key]) for frame in frames}) == 1, key
+    lines = [line for frame in frames for line in frame["lines"]]
+    assert [line["track"] for line in lines] == [0] * 6
+    assert len({tuple(line["burgers_lattice"]) for line in lines}) == 1
+    places = [np.mean(line["path"], axis=0)[0] for line in lines]
+    # As far as it was moved, within a core.
+    assert places[-1] - places[0] == pytest.approx(5 * 1.3, abs=3)
+    assert command(str(file), "-o", str(parts), script=KILLED) == -9
+    kept = sorted((parts / "frames").glob("0*.json"))
+    assert [path.name for path in kept] == ["000000.json", "000001.json", "000002.json"]
+    assert command(str(file), "-o", str(parts), "--resume") == 0
+    names = sorted(path.name for path in whole.iterdir())
+    assert sorted(path.name for path in parts.iterdir()) == names
+    for name in names:
+        assert (parts / name).read_bytes() == (whole / name).read_bytes(), name

@@ -1,0 +1,89 @@
+"""Crystals that are nowhere in memory: time and peak memory of dislocation lines in blocks.
+
+python -m tests.benchmarks.crystal_blocks                          # 1e7 atoms
+python -m tests.benchmarks.crystal_blocks --atoms 1e6 1e8 --block 100 --workers 2
+"""
+
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+import resource
+import tempfile
+import time
+from collections.abc import Iterator
+from functools import partial
+
+import numpy as np
+
+from geomtorsion.crystals import blocked_crystal
+
+
+def layers(side: int, depth: int) -> Iterator[np.ndarray]:
+    """bcc with a = 1, side x side x depth cells, layer by layer along x: four screws along z."""
+    y, z = (x.ravel() for x in np.meshgrid(np.arange(side), np.arange(depth), indexing="ij"))
+    for x in range(side):
+        corners = np.column_stack([np.full(len(y), x), y, z]).astype(float)
+        places = np.concatenate([corners, corners + 0.5])
+        for sx in (0.25, 0.75):
+            for sy in (0.25, 0.75):
+                sign = 1 if sx == sy else -1
+                # The fields of all images add up; those of the nearest ones suffice.
+                for m in (-1, 0, 1):
+                    for n in (-1, 0, 1):
+                        centre = np.array([sx + m, sy + n]) * side + [0.0131, 0.0077]
+                        along, up = (places[:, :2] - centre).T
+                        places[:, 2] += sign / (2 * np.pi) * np.arctan2(up, along)
+        yield places
+
+
+def run(atoms: float, block: float, workers: int) -> None:
+    """Four lines, looked for in atoms that are made as they are read."""
+    depth = round((atoms / 2 / 2.5) ** (1 / 3))
+    side = round((atoms / 2 / depth) ** 0.5)
+    began = time.perf_counter(), sum(_processor())
+    with tempfile.TemporaryDirectory() as folder:
+        crystal = blocked_crystal(
+            partial(layers, side, depth), folder, (side, side, depth), block, workers=workers
+        )
+        lines = crystal.dislocations().lines
+    families = [line.family for line in lines]
+    assert families == ["<1 0 0>"] * 4, families
+    assert all(abs(line.length / depth - 1) < 0.01 for line in lines)
+    own, children = _processor()
+    spent, wall = own + children - began[1], time.perf_counter() - began[0]
+    peak = max(resource.getrusage(k).ru_maxrss for k in (0, resource.RUSAGE_CHILDREN)) / 1024
+    print(
+        f"{crystal.count:.4g} atoms in {len(crystal.atoms.blocks)} blocks, {workers} workers: "
+        f"processor {spent:.0f} s, {wall:.0f} s, {crystal.count / spent:,.0f} atoms a second of "
+        f"processor, peak {peak:.0f} MB a process",
+        flush=True,
+    )
+
+
+def _processor() -> tuple[float, float]:
+    """Processor time of this process and of those that it has waited for."""
+    both = (resource.getrusage(k) for k in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    own, children = (used.ru_utime + used.ru_stime for used in both)
+    return own, children
+
+
+def main() -> None:
+    """Every number of atoms in a process of its own, so that peaks are apart."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--atoms", type=float, nargs="*", default=[1e7])
+    parser.add_argument("--block", type=float, default=80.0)
+    parser.add_argument("--workers", type=int, default=1)
+    given = parser.parse_args()
+    for atoms in given.atoms:
+        process = multiprocessing.get_context("spawn").Process(
+            target=run, args=(atoms, given.block, given.workers)
+        )
+        process.start()
+        process.join()
+        if process.exitcode:
+            raise SystemExit(process.exitcode)
+
+
+if __name__ == "__main__":
+    main()
