@@ -4,8 +4,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion import conventions, errors, spaces
+from geomtorsion.allowance import limits
 from geomtorsion.errors import GeomtorsionError
-from geomtorsion.exact import parse_expression
+from geomtorsion.exact import Certainty, parse_expression
 from geomtorsion.geometry import (
     Connection,
     Curvature,
@@ -180,6 +181,7 @@ __all__ = [
     "Box",
     "BurgersMap",
     "BurgersVector",
+    "Certainty",
     "Chart",
     "Circuit",
     "Cochain",
@@ -266,6 +268,7 @@ __all__ = [
     "identities",
     "images",
     "levi_civita",
+    "limits",
     "log_map",
     "numpy_function",
     "parallel_dislocations",

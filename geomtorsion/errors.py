@@ -47,6 +47,14 @@ class LimitError(GeomtorsionError, ValueError):
     """The input is larger than the limit that the message states."""
 
 
+class AllowanceError(LimitError):
+    """Work took more time or memory than `limits` allows; `quantity` is what was asked for."""
+
+    def __init__(self, message: str, quantity: str = "") -> None:
+        super().__init__(message)
+        self.quantity = quantity
+
+
 class CoframeError(GeomtorsionError, ValueError):
     """A coframe (or set of legs) is not square, singular or otherwise no basis."""
 

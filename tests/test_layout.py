@@ -34,7 +34,7 @@ ROOT = TESTS.parent
 FLOORS = (
     ("errors",),
     ("checks", "copies", "displays", "precision", "progress"),
-    ("conventions", "files"),
+    ("allowance", "conventions", "files"),
     ("blocks", "npz"),
     ("exact",),
     ("codegen",),

@@ -31,6 +31,7 @@ class Commands(LazyGroup):
         "lab": "Play with tetrads, loops, curves, tops and exercises in a browser.",
         "exercises": "List, show, check and grade exercises.",
     }
+    limited = frozenset(summaries) - {"spaces", "network", "scenes", "lab", "exercises"}
 
 
 app = typer.Typer(

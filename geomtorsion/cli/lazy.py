@@ -7,13 +7,15 @@ longer to load than `geomtorsion --help` takes.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
 from importlib import import_module
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import typer
 from typer.core import TyperGroup
 from typer.main import get_command
 
+from geomtorsion.allowance import limits
 from geomtorsion.checks import near_names
 from geomtorsion.cli.exits import clean_exits
 
@@ -32,11 +34,13 @@ class LazyGroup(TyperGroup):
     module: where the function of a command stands, with {} in the place of its name.
     summaries: name of a command, and of its function -> what help says of it.
     settings: name -> settings of its context, where they are not the usual ones.
+    limited: names of commands that take limits of time and memory.
     """
 
     module: ClassVar[str]
     summaries: ClassVar[Mapping[str, str]]
     settings: ClassVar[Mapping[str, dict[str, Any]]] = {}
+    limited: ClassVar[frozenset[str]] = frozenset()
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Names in the order of the table."""
@@ -51,7 +55,8 @@ class LazyGroup(TyperGroup):
         found = getattr(import_module(self.module.format(cmd_name)), cmd_name)
         if isinstance(found, typer.Typer):
             return get_command(found)
-        return _command(found, self.settings.get(cmd_name))
+        command = _command(found, self.settings.get(cmd_name))
+        return _limited(command) if cmd_name in self.limited else command
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """The part of `--help` that lists the commands."""
@@ -69,3 +74,35 @@ def _command(function: Callable[..., None], settings: dict[str, Any] | None) -> 
     single = typer.Typer(**SETTINGS)
     single.command(context_settings=settings)(function)
     return get_command(single)
+
+
+def _limits(
+    seconds: Annotated[
+        float | None,
+        typer.Option(metavar="S", show_default=False, help="End with an error after S seconds."),
+    ] = None,
+    megabytes: Annotated[
+        float | None,
+        typer.Option(
+            metavar="MB", show_default=False, help="End with an error when so much memory is taken."
+        ),
+    ] = None,
+) -> AbstractContextManager[object]:
+    """The block in which a command works, from its options --seconds and --megabytes."""
+    if seconds is None and megabytes is None:
+        return nullcontext()
+    return limits(seconds=seconds, megabytes=megabytes)
+
+
+def _limited(command: Any) -> Any:
+    """A command with the options of limits."""
+    options = _command(_limits, None).params
+    command.params += options
+    work = command.callback
+
+    def callback(**values: Any) -> Any:
+        with _limits(**{option.name: values.pop(option.name) for option in options}):
+            return work(**values)
+
+    command.callback = callback
+    return command

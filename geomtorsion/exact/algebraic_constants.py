@@ -12,10 +12,11 @@ from math import lcm, prod
 from typing import TYPE_CHECKING
 
 import sympy
-from flint import acb, arb, ctx, fmpq, fmpz
+from flint import acb, arb, fmpq, fmpz
 
 from geomtorsion.exact.evaluate import LARGEST_BITS
 from geomtorsion.exact.integers import as_fmpq
+from geomtorsion.precision import ball_precision
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -179,5 +180,5 @@ def _ball(field: Tower, poly: fmpq_mpoly, bits: int) -> acb:
             )
         return total
 
-    with ctx.workprec(bits):
+    with ball_precision(bits):
         return of_polynomial(poly)

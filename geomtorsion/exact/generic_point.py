@@ -85,15 +85,25 @@ class GenericPoint:
         # A radicand that is negative here may be positive elsewhere in the domain.
         if not self._sign(element) and not self._field.is_complex:
             before = self._place
-            for place in range(1, _TRIES):
-                self._place = place
-                self._known.clear()
-                if self._sign(element) and all(self._sign(e) == s for e, s in self._signs):
-                    break
-            else:
-                self._place = before
-                self._known.clear()
+            try:
+                if not self._moved(element):
+                    self._move(before)
+            # Whoever interrupts the search leaves the point where it was.
+            except BaseException:
+                self._move(before)
+                raise
         return self.is_positive(element)
+
+    def _moved(self, element: Element) -> bool:
+        """Whether the point moved to a place where the element is positive, all signs as before."""
+        for place in range(1, _TRIES):
+            self._move(place)
+            if self._sign(element) and all(self._sign(e) == s for e, s in self._signs):
+                return True
+        return False
+
+    def _move(self, place: int) -> None:
+        self._place, self._known = place, {}
 
     def is_surely_nonzero(self, element: Element) -> bool:
         """Whether two precisions agree on a value that is not zero."""

@@ -138,18 +138,17 @@ class ModularPoint:
 
     def _settle(self) -> None:
         """The next place: other values of all symbols, modulo another prime."""
-        self._place += 1
+        place = self._place + 1
         # A point in n has a root of degree n: of so many tries all fail with a chance of 2**-_BITS.
-        if self._place > _BITS * prod(self._degrees()):
+        if place > _BITS * prod(self._degrees()):
             raise NoPointError
         # Constants have roots modulo some primes only: the prime changes, too, if more slowly.
-        prime = _prime(self._place // 64)
-        self._ring = fmpz_mod_ctx(prime)
-        self._polynomials = fmpz_mod_poly_ctx(self._ring)
-        self._zero = self._ring(0)
-        self._turn = _root_of_unity(self._ring, prime)
-        self._values.clear()
-        self._partners.clear()
+        prime = _prime(place // 64)
+        ring = fmpz_mod_ctx(prime)
+        polynomials, zero, turn = fmpz_mod_poly_ctx(ring), ring(0), _root_of_unity(ring, prime)
+        # All at once: whoever interrupts finds the old place or the new one.
+        self._place, self._ring, self._polynomials = place, ring, polynomials
+        self._zero, self._turn, self._values, self._partners = zero, turn, [], {}
 
     def _degrees(self) -> list[int]:
         """The degrees of all algebraic generators."""

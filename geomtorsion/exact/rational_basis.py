@@ -82,10 +82,11 @@ class RationalBasis:
         return express(self._field, [element], [[atom] for atom in self.elements])
 
     def _add(self, atom: Element) -> None:
-        self._index[atom] = len(self.elements)
-        self.elements.append(atom)
-        self.units.append(fmpq(0))
         single = len(self._field.lift(atom)) == 1 and not atom._den
+        index = {**self._index, atom: len(self.elements)}
+        elements, units = [*self.elements, atom], [*self.units, fmpq(0)]
+        # All at once: whoever interrupts finds all of it or nothing.
+        self._index, self.elements, self.units = index, elements, units
         self._all_monomials = self._all_monomials and single
 
     def refine_unit(self, index: int, coefficient: fmpq) -> None:

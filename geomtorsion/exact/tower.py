@@ -170,20 +170,28 @@ class Tower(ABC):
         """
         if generator.sure and not self.all_sure and self._rests_on_unsure(generator):
             generator = replace(generator, sure=False)
-        self._grow(generator.name)
-        self.generators.insert(0, generator)
-        self.by_name[generator.name] = generator
-        if not generator.sure:
-            self.all_sure = False
-        # Relations are polynomials of the present ring; it has just grown.
-        self._algebraic = []
-        for position, known in enumerate(self.generators):
-            if known.tail is not None:
-                w = self.ctx.gen(position)
-                relation = w**known.degree - self.lift(known.tail)
-                for power, value in known.middle:
-                    relation = relation - w**power * value
-                self._algebraic.append((position, known.degree, relation))
+        # In front, because with a lexicographic order a relation w**n = tail then reduces
+        # w before all that its tail contains.
+        ctx = fmpq_mpoly_ctx.get((generator.name, *self.ctx.names()), Ordering.lex)
+        # Factors are used far more often than numerators: they are lifted at once.
+        factors = [_lifted(ctx, poly, 1) for poly in self.factors]
+        algebraic = [
+            (position + 1, degree, _lifted(ctx, relation, 1))
+            for position, degree, relation in self._algebraic
+        ]
+        if generator.tail is not None:
+            w = ctx.gen(0)
+            relation = w**generator.degree - _lifted(ctx, self.lift(generator.tail), 1)
+            for power, value in generator.middle:
+                relation = relation - w**power * value
+            algebraic.insert(0, (0, generator.degree, relation))
+        generators = [generator, *self.generators]
+        by_name = {**self.by_name, generator.name: generator}
+        level, sure = self.level + 1, self.all_sure and generator.sure
+        # All at once and without a call: whoever interrupts finds the field before or after.
+        self.ctx, self.level, self.factors, self._algebraic = ctx, level, factors, algebraic
+        self.generators, self.by_name, self.all_sure = generators, by_name, sure
+        self._cofactors = {}
         return Element(self, self.ctx.gen(0), (), self.level)
 
     def _rests_on_unsure(self, generator: Generator) -> bool:
@@ -289,22 +297,9 @@ class Tower(ABC):
 
     # Sums, products and denominators.
 
-    def _grow(self, name: str) -> None:
-        """Puts a variable in front of the others.
-
-        In front, because with a lexicographic order a relation w**n = tail then reduces
-        w before all that its tail contains.
-        """
-        self.ctx = fmpq_mpoly_ctx.get((name, *self.ctx.names()), Ordering.lex)
-        self.level += 1
-        # Factors are used far more often than numerators: they are lifted at once.
-        self.factors = [self.lifted(poly, 1) for poly in self.factors]
-        self._cofactors.clear()
-
     def lifted(self, poly: fmpq_mpoly, by: int) -> fmpq_mpoly:
         """A polynomial of an earlier ring, `by` variables smaller, in the present one."""
-        pad = (0,) * by
-        return self.ctx.from_dict({pad + tuple(m): c for m, c in poly.to_dict().items()})
+        return _lifted(self.ctx, poly, by)
 
     def lift(self, element: Element) -> fmpq_mpoly:
         """The numerator of an element, moved to the present polynomial ring."""
@@ -468,8 +463,10 @@ class Tower(ABC):
         key = str(factor)
         index = self.factor_index.get(key)
         if index is None:
-            index = self.factor_index[key] = len(self.factors)
+            index = len(self.factors)
+            # First the factor: whoever interrupts leaves one more, and no number without one.
             self.factors.append(factor)
+            self.factor_index[key] = index
         return index
 
     def over_factors(self, num: fmpq_mpoly, factors: Iterable[tuple[fmpq_mpoly, int]]) -> Element:
@@ -483,6 +480,12 @@ class Tower(ABC):
     def denominator(self, element: Element) -> Element:
         """The denominator of an element as an element."""
         return Element(self, self.cofactor(element._den, ()), (), self.level)
+
+
+def _lifted(ctx: fmpq_mpoly_ctx, poly: fmpq_mpoly, by: int) -> fmpq_mpoly:
+    """A polynomial in a ring of `by` variables more."""
+    pad = (0,) * by
+    return ctx.from_dict({pad + tuple(m): c for m, c in poly.to_dict().items()})
 
 
 def _added(polys: list[fmpq_mpoly]) -> fmpq_mpoly:

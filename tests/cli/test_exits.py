@@ -7,6 +7,8 @@ import sys
 import time
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parent.parent.parent
 
 
@@ -53,3 +55,27 @@ def test_a_closed_pipe_ends_quietly():
         running.stdout.readline()
         running.stdout.close()
         assert "Traceback" not in running.stderr.read()
+
+
+@pytest.mark.parametrize(
+    ("option", "said"), [(("--seconds", "1"), "1 s"), (("--megabytes", "50"), "50 MB")]
+)
+def test_limits_end_a_command(option, said, tmp_path):
+    """A limit of time or memory ends it with code 2 and one line that names what took so long."""
+    file = tmp_path / "long.toml"
+    terms = "+".join(f"x**{k % 251}*y**{k // 251 % 251}" for k in range(100_000))
+    file.write_text(f'coordinates = ["x", "y"]\ncoframe = [["{terms}", 0], [0, 1]]\n')
+    with process("geometry", str(file), *option) as running:
+        _, error = running.communicate(timeout=60)
+    assert running.returncode == 2
+    assert f"takes more than {said}" in error
+    assert error.startswith("geomtorsion: ")
+    assert "Traceback" not in error
+
+
+def test_limits_that_are_none():
+    """A limit below zero is refused."""
+    with process("geometry", "s2", "--seconds", "-1") as running:
+        _, error = running.communicate(timeout=60)
+    assert running.returncode == 2
+    assert "seconds: a positive number was needed, but -1" in error
