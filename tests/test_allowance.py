@@ -135,7 +135,7 @@ PLACE = {t: 0.3, r: 0.7, z: 0.1, f(t): 1.5, sp.diff(f(t), t): 0.25, sp.diff(f(t)
 def test_what_was_finished_is_kept_and_right():
     """Interrupted again and again at unlike moments, and resumed: the same as at one go."""
     plain = everything(gt.Frame([t, r, z], SMALL))
-    frame, met = None, 0
+    frame, found, met = None, None, 0
     for attempt in itertools.count(1):
         try:
             # Each attempt has more time, so that it ends on any machine.
@@ -170,6 +170,7 @@ def test_a_field_survives_interruptions(seed):
     field, rng, met = Field([x, y, z]), random.Random(seed), 0
     order = rng.sample(ZEROS, len(ZEROS))
     for expression in order:
+        verdict = None
         for attempt in itertools.count(1):
             try:
                 with gt.limits(seconds=rng.uniform(1e-4, 5e-4) * 1.1**attempt):

@@ -69,7 +69,7 @@ class LazyGroup(TyperGroup):
             return super().invoke(ctx)
 
 
-def _command(function: Callable[..., None], settings: dict[str, Any] | None) -> Any:
+def _command(function: Callable[..., object], settings: dict[str, Any] | None) -> Any:
     """The command that a function is, options and help from its signature."""
     single = typer.Typer(**SETTINGS)
     single.command(context_settings=settings)(function)
