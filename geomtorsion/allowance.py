@@ -24,8 +24,6 @@ from geomtorsion.errors import AllowanceError, ArgumentError, LimitError
 if TYPE_CHECKING:
     from types import TracebackType
 
-MEGABYTE = 10**6
-
 
 class _Met(BaseException):
     """A limit was met; no BaseException of this kind leaves the block that set the limit."""
@@ -108,7 +106,7 @@ class Limits:
                 self._what = f"{self.seconds:g} s"
             elif self.megabytes is not None:
                 taken = (resident() or 0) - before
-                if taken > self.megabytes * MEGABYTE:
+                if taken > self.megabytes * 10**6:
                     self._what = f"{self.megabytes:g} MB"
             if self._what and self._inside:
                 with self._lock:
