@@ -161,10 +161,10 @@ def multiplied_out(field: Tower, element: Element, briefly: bool = False) -> Ele
     counted: set[int] = set()
     for one in in_order(element, lambda x: id(x) in counted):
         counted.add(id(one))
-        if one._whole is None:
-            one._whole = _worked_out(field, one, briefly)
-            if one._whole is None:
-                return None
+        if one._whole is None or (one._whole is _LONG and not briefly):
+            one._whole = _worked_out(field, one, briefly) or _LONG
+        if one._whole is _LONG:
+            return None
         spent += one._whole.pairs
         if briefly and (not one._whole.brief or spent > LARGEST_POWER_TERMS):
             return None
@@ -175,9 +175,13 @@ def multiplied_out(field: Tower, element: Element, briefly: bool = False) -> Ele
 class Whole:
     """An element multiplied out, the pairs of terms that took, and whether each step was brief."""
 
-    element: Element
+    element: Element | None
     pairs: int
     brief: bool
+
+
+# What has been tried: it would not be brief.
+_LONG = Whole(None, LARGEST_PRODUCT, brief=False)
 
 
 def _worked_out(field: Tower, one: Element, briefly: bool) -> Whole | None:
@@ -208,6 +212,7 @@ def _plain(part: Element) -> Element:
     if not part.is_kept:
         return part
     assert part._whole is not None
+    assert part._whole.element is not None
     return part._whole.element
 
 
