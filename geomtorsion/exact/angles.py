@@ -10,7 +10,7 @@ from flint import fmpq
 
 from geomtorsion.exact import limits
 from geomtorsion.exact.generators import Generator
-from geomtorsion.exact.rational_basis import RationalBasis, single_generator, terms
+from geomtorsion.exact.rational_basis import RationalBasis, single_generator, terms, undone_by_cos
 from geomtorsion.exact.square_roots import square_root_inside
 from geomtorsion.exact.unknown_functions import opaque
 from geomtorsion.precision import working_precision
@@ -27,7 +27,7 @@ class Angles:
 
     def __init__(self, field: Tower) -> None:
         self._field = field
-        self.basis = RationalBasis(field)
+        self.basis = RationalBasis(field, undone_by_cos)
         self._multiples: dict[tuple[int, fmpq], Pair] = {}
         self._finest: dict[int, tuple[fmpq, Pair]] = {}
 

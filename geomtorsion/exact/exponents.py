@@ -9,7 +9,7 @@ from flint import fmpq
 
 from geomtorsion.exact import limits
 from geomtorsion.exact.generators import Generator
-from geomtorsion.exact.rational_basis import RationalBasis, single_generator
+from geomtorsion.exact.rational_basis import RationalBasis, single_generator, undone_by_exp
 
 if TYPE_CHECKING:
     from geomtorsion.exact.element import Element
@@ -25,7 +25,7 @@ class Exponents:
 
     def __init__(self, field: Tower) -> None:
         self._field = field
-        self.basis = RationalBasis(field)
+        self.basis = RationalBasis(field, undone_by_exp)
         self._plain: set[int] = set()
         self._base: dict[int, tuple[fmpq, Element, Element]] = {}
         self._powers: dict[tuple[int, fmpq], tuple[Element, Element]] = {}

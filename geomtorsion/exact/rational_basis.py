@@ -11,7 +11,7 @@ from flint import fmpq, fmpq_mat
 from geomtorsion.exact.element import Denominator, Element
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from flint import fmpq_mpoly
 
@@ -20,10 +20,14 @@ if TYPE_CHECKING:
 
 
 class RationalBasis:
-    """Elements independent over the rationals, each with the unit in which it is counted."""
+    """Elements independent over the rationals, each with the unit in which it is counted.
 
-    def __init__(self, field: Tower) -> None:
+    stands_alone: which terms are atoms wherever they occur, as the function undoes them.
+    """
+
+    def __init__(self, field: Tower, stands_alone: Callable[[Tower, Element], bool]) -> None:
         self._field = field
+        self._stands_alone = stands_alone
         self.elements: list[Element] = []
         self.units: list[fmpq] = []
         self._index: dict[Element, int] = {}
@@ -51,15 +55,15 @@ class RationalBasis:
     def choose(self, elements: list[Element]) -> None:
         """Adds atoms for all these at once: whole sums where these are fewer than their terms.
 
-        cos(k*x - w*t) alone keeps its angle; cos(x), cos(y) and cos(x + y) are split.  Terms
-        that are a single log or inverse function always stand alone, as exp undoes them.
+        cos(k*x - w*t) alone keeps its angle; cos(x), cos(y) and cos(x + y) are split.  exp of
+        a logarithm is undone, cos of one is not: there its sums stay whole, too.
         """
         whole: list[Element] = []
         monomials: list[Element] = []
         for element in elements:
             rest = element
             for value, part in terms(element):
-                if undone_by_exp(self._field, part):
+                if self._stands_alone(self._field, part):
                     self._add_new(part)
                     rest = rest - part * value
             if rest._num and self._express(rest) is None:
@@ -100,6 +104,12 @@ def undone_by_exp(field: Tower, atom: Element) -> bool:
     if generator is None:
         return False
     return generator.kind in ("log", "primitive") or isinstance(generator.shown, sympy.log)
+
+
+def undone_by_cos(field: Tower, atom: Element) -> bool:
+    """Whether the atom is a single inverse function."""
+    generator = single_generator(field, atom)
+    return generator is not None and generator.kind == "primitive"
 
 
 def single_generator(field: Tower, atom: Element) -> Generator | None:

@@ -55,6 +55,9 @@ def _inside(
     field: Tower, element: Element, base: list[Generator], nested: list[Generator]
 ) -> Element | None:
     """The square root in the tower: base generators first, nested ones on top; or None."""
+    if element.is_kept:
+        # Roots that cancel when it is multiplied out would look as if they were there.
+        element = field.whole(element)
     if not element._num:
         return field.zero
     if not nested and not any(g.degree == 2 for g in field.generators_of(element)):
