@@ -215,3 +215,51 @@ def test_a_turned_and_boosted_tetrad_of_kerr_is_a_vacuum():
     assert levi_civita(frame).curvature.lower.is_zero is False
     assert cartan(frame).torsion.scalar.is_zero is False
     assert cartan(frame).curvature.riemann.is_zero is True
+
+
+def test_tolmans_seventh_solution_is_isotropic_and_short():
+    """A star of density rho_c (1 - r^2 ...): one pressure, and G^t_t as its makers wrote it."""
+    theta, phi = sp.symbols("theta phi", real=True)
+    R, A, B, C = sp.symbols("R A B C", positive=True)
+    r = sp.Symbol("r", positive=True)
+    w = sp.sqrt(1 - r**2 / R**2 + 4 * r**4 / A**4)
+    lapse = B * sp.sin(sp.log(sp.sqrt((w + 2 * r**2 / A**2 - A**2 / (4 * R**2)) / C)))
+    rows = sp.diag(-(lapse**2), 1 / w**2, r**2, r**2 * sp.sin(theta) ** 2)
+    star = Frame.from_metric([t, r, theta, phi], rows, signature=(-1, 1, 1, 1))
+    einstein = levi_civita(star).curvature.einstein
+    mixed = einstein.raised(0)
+    assert (mixed.element(1, 1) - mixed.element(2, 2)).is_zero is True
+    assert mixed[0, 0].equals(-3 / R**2 + 20 * r**2 / A**4)
+    assert len(str(einstein.nonzero())) < 4000
+    assert star.coframe[1, 1].equals(1 / w)
+
+
+def test_an_arm_of_three_links_has_its_metric_as_given():
+    """Kinetic metrics are decided and evaluated without a long determinant."""
+    q = sp.symbols("q1:4", real=True)
+    m, length = sp.symbols("m1:4", positive=True), sp.symbols("l1:4", positive=True)
+
+    def entry(i: int, j: int) -> sp.Expr:
+        return sum(m[max(i, j) :]) * length[i] * length[j] * sp.cos(q[i] - q[j])
+
+    arm = Frame.from_metric(q, [[entry(i, j) for j in range(3)] for i in range(3)])
+    curvature = levi_civita(arm).curvature
+    assert curvature.ricci.is_zero is False
+    assert cartan(arm).torsion.S.is_zero is False
+    values = dict(zip((*q, *m, *length), (1, 2, 4, 3, 2, 1, 2, 1, 3), strict=True))
+    inverse = arm.inverse_metric.at(values, digits=30)
+    metric = arm.metric.at(values, digits=30)
+    with mpmath.workdps(40):
+        product = inverse @ metric
+        assert abs(product[1, 1] - 1) < 1e-28
+        assert abs(product[0, 2]) < 1e-28
+
+
+def test_roots_stand_below_the_line_where_that_is_shorter():
+    """Legs over a determinant with angles: written so, not multiplied by its conjugates."""
+    frame = made("polynomial, sine, unknown function")
+    assert len(str(frame.legs[0, 0])) < 300
+    have = frame.legs.at({t: 1, r: 2, M: 3, f(t): 5}, digits=30)
+    want = frame.coframe.at({t: 1, r: 2, M: 3, f(t): 5}, digits=30)
+    with mpmath.workdps(40):
+        assert abs((have @ want)[0, 0] - 1) < 1e-28
