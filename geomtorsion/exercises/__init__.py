@@ -1,6 +1,7 @@
 """Exercises: problems that check their answers and name the likely mistake."""
 
 from geomtorsion.exercises.exercise import Exercise
+from geomtorsion.exercises.exports import export
 from geomtorsion.exercises.question import Question
 from geomtorsion.exercises.registry import CHAPTERS, check, load, names, titles
 from geomtorsion.exercises.verdict import QuestionVerdict, Verdict
@@ -12,6 +13,7 @@ __all__ = [
     "QuestionVerdict",
     "Verdict",
     "check",
+    "export",
     "load",
     "names",
     "titles",

@@ -153,13 +153,24 @@ def answer_text(question: Question, value: Value) -> str:
         text = component_text(value.get((), 0))
         return f"{text} {question.unit}".strip()
     if question.kind == "number":
-        largest = max((abs(float(x)) for x in value.values()), default=0.0)
-        kept = {key: x for key, x in value.items() if abs(float(x)) > 10**-DIGITS * largest}
+        kept = without_rounding(value)
         parts = [component_text(kept.get((k,), 0)) for k in range(question.shape[0])]
         return f"[{', '.join(parts)}]"
     pairs = [f"{','.join(str(k + 1) for k in key)} = {component_text(x)}" for key, x in
              sorted(value.items())]  # fmt: skip
     return "; ".join(pairs) or "0"
+
+
+def without_rounding(value: Value) -> dict[Index, Any]:
+    """Numbers without those that are rounding only, next to the largest.
+
+    Examples
+    --------
+    >>> without_rounding({(0,): 0.5, (1,): 1e-17})
+    {(0,): 0.5}
+    """
+    largest = max((abs(float(x)) for x in value.values()), default=0.0)
+    return {key: x for key, x in value.items() if abs(float(x)) > 10**-DIGITS * largest}
 
 
 def component_text(value: object) -> str:

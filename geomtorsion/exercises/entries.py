@@ -206,8 +206,13 @@ def _listed(question: Question, text: str, level: int) -> list[object]:
         if is_list and inner is not None and level < MOST.levels:
             found.append(_listed(question, inner, level + 1))
         else:
-            found.append(part.strip("\"'"))
+            found.append(_unquoted(part))
     return found
+
+
+def _unquoted(text: str) -> str:
+    """An entry without quotes round it; a prime at its end stays."""
+    return text[1:-1] if len(text) > 1 and text[0] == text[-1] and text[0] in "\"'" else text
 
 
 def index(question: Question, key: object, where: str) -> Index:

@@ -22,35 +22,46 @@ _LATEX = str.maketrans(
 )
 
 
-def html_of(markdown: str) -> str:
-    """Paragraphs, lists, bold words, code and formulas as HTML; formulas as MathML.
+def html_of(markdown: str, *, tex: bool = False) -> str:
+    r"""Paragraphs, lists, bold words, code and formulas as HTML.
+
+    tex: formulas as TeX between \( and \), for pages on which MathJax runs; else as MathML.
 
     Examples
     --------
     >>> html_of("Let **x** be `r`, with $r$.")
     '<p>Let <strong>x</strong> be <code>r</code>, with <math><mi>r</mi></math>.</p>'
+    >>> html_of("Let $r < 1$.", tex=True)
+    '<p>Let \\(r &lt; 1\\).</p>'
     """
-    return "\n".join(_block(block) for block in re.split(r"\n\s*\n", markdown.strip()))
+    return "\n".join(_block(block, tex) for block in re.split(r"\n\s*\n", markdown.strip()))
 
 
-def _block(block: str) -> str:
+def _block(block: str, tex: bool) -> str:
     block = block.strip()
     display = re.fullmatch(r"\$\$(.+?)\$\$", block, re.DOTALL)
     if display:
-        return f'<div class="scroll">{mathml(display[1], display=True)}</div>'
+        return f'<div class="scroll">{_formula(display[1], tex, display=True)}</div>'
     if block.startswith("- "):
-        items = (f"<li>{_inline(item)}</li>" for item in re.split(r"(?:^|\n)- ", block) if item)
+        items = (f"<li>{_inline(x, tex)}</li>" for x in re.split(r"(?:^|\n)- ", block) if x)
         return f"<ul>{''.join(items)}</ul>"
-    return f"<p>{_inline(block)}</p>"
+    return f"<p>{_inline(block, tex)}</p>"
 
 
-def _inline(text: str) -> str:
+def _formula(latex: str, tex: bool, *, display: bool) -> str:
+    """A formula as MathML, or as it stands, for MathJax."""
+    if not tex:
+        return mathml(latex, display=display)
+    return escape(rf"\[{latex}\]" if display else rf"\({latex}\)", quote=False)
+
+
+def _inline(text: str, tex: bool) -> str:
     """Bold, code and formulas inside a paragraph."""
 
     def formula(match: re.Match[str]) -> str:
         if match[1]:
-            return f'<span class="wide">{mathml(match[1], display=True)}</span>'
-        return mathml(match[2])
+            return f'<span class="wide">{_formula(match[1], tex, display=True)}</span>'
+        return _formula(match[2], tex, display=False)
 
     def words(part: str) -> str:
         return _BOLD.sub(r"<strong>\1</strong>", _CODE.sub(r"<code>\1</code>", escape(part)))

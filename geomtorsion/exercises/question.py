@@ -22,6 +22,8 @@ KINDS = ("expression", "components", "equations", "number", "choice")
 HALF = sympy.Rational(1, 2)
 BOTH = "It is off by a factor 2, and the sign is wrong as well."
 ANGLES = ("rad", "deg")
+# No measured number is known to so many digits.
+EXACTLY = 1e-6
 
 
 @dataclass(frozen=True)
@@ -83,6 +85,11 @@ class Question:
     def solution(self) -> Value:
         """The right answer as index -> expression or number; what is missing is zero."""
         return normal(self.answer())
+
+    @property
+    def exact(self) -> bool:
+        """Whether a number has to be given exactly: its tolerance is there for floats only."""
+        return self.tolerance < EXACTLY
 
     @cached_property
     def mistakes(self) -> tuple[Mistake, ...]:
@@ -249,7 +256,7 @@ def how_to_answer(question: Question, *, options: bool = True) -> str:
         if question.shape:
             text = f"{question.shape[0]} numbers `[x, y, ...]`"
         unit = f" in {question.unit}" if question.unit else ""
-        if question.tolerance < 1e-6:
+        if question.exact:
             return f"{text}{unit}, exactly"
         return f"{text}{unit}, relative tolerance {question.tolerance:.2g}"
     if question.kind == "components":

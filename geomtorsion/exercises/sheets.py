@@ -10,6 +10,7 @@ from pathlib import Path
 
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.exercises.answers import answer_text
+from geomtorsion.exercises.cells import code_cell, markdown_cell, notebook
 from geomtorsion.exercises.exercise import Exercise
 from geomtorsion.exercises.limits import MOST
 from geomtorsion.exercises.prose import html_of
@@ -29,30 +30,21 @@ def notebook_of(title: str, exercises: Sequence[Exercise]) -> Json:
     Examples
     --------
     >>> from geomtorsion.exercises import load
-    >>> notebook = notebook_of("1. Frames and anholonomy", [load("1.1")])
-    >>> notebook["nbformat"], [cell["cell_type"] for cell in notebook["cells"]][:3]
+    >>> found = notebook_of("1. Frames and anholonomy", [load("1.1")])
+    >>> found["nbformat"], [cell["cell_type"] for cell in found["cells"]][:3]
     (4, ['markdown', 'code', 'markdown'])
     """
     cells = [
-        _markdown("title", f"# {title}\n\nIndices are counted from 1; the first lower index of a "
-                  "connection is the direction of differentiation; $S = T/2$."),
-        _code("imports", "import geomtorsion as gt"),
-    ]  # fmt: skip
+        markdown_cell(
+            "title",
+            f"# {title}\n\nIndices are counted from 1; the first lower index of a connection is "
+            "the direction of differentiation; $S = T/2$.",
+        ),
+        code_cell("imports", "import geomtorsion as gt"),
+    ]
     for exercise in exercises:
         cells += _cells(exercise)
-    return {
-        "cells": cells,
-        "metadata": {
-            "kernelspec": {
-                "display_name": "Python 3",
-                "language": "python",
-                "name": "python3",
-            },
-            "language_info": {"name": "python"},
-        },
-        "nbformat": 4,
-        "nbformat_minor": 5,
-    }
+    return notebook(cells)
 
 
 def _cells(exercise: Exercise) -> list[Json]:
@@ -74,30 +66,11 @@ def _cells(exercise: Exercise) -> list[Json]:
         f'print(gt.exercises.load("{exercise.number}", seed={exercise.seed}).hints[0])'
     )
     return [
-        _markdown(f"statement-{key}", text),
-        _code(f"work-{key}", "# Room to work."),
-        _code(f"check-{key}", check),
-        _code(f"hint-{key}", ask),
+        markdown_cell(f"statement-{key}", text),
+        code_cell(f"work-{key}", "# Room to work."),
+        code_cell(f"check-{key}", check),
+        code_cell(f"hint-{key}", ask),
     ]
-
-
-def _markdown(key: str, text: str) -> Json:
-    return {"cell_type": "markdown", "id": key, "metadata": {}, "source": _lines(text)}
-
-
-def _code(key: str, text: str) -> Json:
-    return {
-        "cell_type": "code",
-        "execution_count": None,
-        "id": key,
-        "metadata": {},
-        "outputs": [],
-        "source": _lines(text),
-    }
-
-
-def _lines(text: str) -> list[str]:
-    return text.splitlines(keepends=True)
 
 
 _MORE = """
@@ -153,14 +126,14 @@ def write_sheet(
     stem = f"chapter{chapter}" + (f"-seed{seed}" if seed else "")
     heading = f"{chapter}. {title}"
     progress("sheet")
-    notebook = json.dumps(notebook_of(heading, exercises), indent=1, ensure_ascii=False)
+    cells = json.dumps(notebook_of(heading, exercises), indent=1, ensure_ascii=False)
     solved = []
     for exercise in exercises:
         progress(f"solving {exercise.number}")
         solved.append(_card(exercise, solution=True))
     files = {
         folder / f"{stem}.html": page_of(heading, seed, [_card(e) for e in exercises]),
-        folder / f"{stem}.ipynb": notebook + "\n",
+        folder / f"{stem}.ipynb": cells + "\n",
         folder / f"{stem}-answers.toml": form_of(exercises, seed),
         teacher / f"{stem}-solutions.html": page_of(f"{heading}: solutions", seed, solved),
     }

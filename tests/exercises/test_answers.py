@@ -5,7 +5,7 @@ import sympy as sp
 
 from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.exercises.answers import answer_text, components, expression
-from geomtorsion.exercises.checking import numbers
+from geomtorsion.exercises.checking import check_question, numbers
 from geomtorsion.exercises.domain import Domain
 from geomtorsion.exercises.entries import index
 from geomtorsion.exercises.equations import equations
@@ -69,3 +69,12 @@ def test_answers_are_written_as_they_are_read():
     assert equations(asked, answer_text(asked, value), "q") == value
     asked = question("number", unit="deg")
     assert numbers(asked, answer_text(asked, {(): 12.5}), "q") == {(): 12.5}
+
+
+def test_a_prime_at_the_end_of_an_entry_stays():
+    """In [v, r'] the last sign is no quote; quotes round an entry go."""
+    r, r_d = sp.symbols("r r_d", real=True)
+    asked = Question("q", "components", "?", lambda: [r, r_d], Domain((r, r_d)), shape=(2,))
+    for text in ("[r, r']", '["r", "r\'"]', "['r', \"r'\"]", "matrix([r, r'])"):
+        assert check_question(asked, text).right, text
+    assert not check_question(asked, "[r', r]").right

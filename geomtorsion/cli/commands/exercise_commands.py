@@ -1,10 +1,11 @@
-"""exercise_commands: show, hint, solution, check, sheet and grade.
+"""exercise_commands: show, hint, solution, check, sheet, export and grade.
 
 Apart from the list of exercises, which needs none of what these load.
 """
 
 from __future__ import annotations
 
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -16,9 +17,10 @@ from geomtorsion.cli.options import Number, Seed, argument, directory, option, s
 from geomtorsion.cli.terminal import shows_greek, working, wrapped
 from geomtorsion.cli.values import parts
 from geomtorsion.errors import FileFormatError
-from geomtorsion.exercises import grading, load
+from geomtorsion.exercises import exports, grading, load
 from geomtorsion.exercises.examiner import Examiner
 from geomtorsion.exercises.grading import loaded, read_submission
+from geomtorsion.exercises.limits import MOST
 from geomtorsion.exercises.prose import text_of
 from geomtorsion.exercises.question import how_to_answer
 from geomtorsion.exercises.registry import CHAPTERS
@@ -202,6 +204,55 @@ def sheet(
     with working("exercises") as progress:
         for number in chapters:
             say_written(write_sheet(number, output, seed, progress))
+
+
+class Format(StrEnum):
+    """The systems for which exercises are exported."""
+
+    stack = "stack"
+    prairielearn = "prairielearn"
+    nbgrader = "nbgrader"
+    qti = "qti"
+
+
+def export(
+    to: Annotated[Format, option("--to", metavar="FORMAT", text="The system, as listed above.")],
+    output: Annotated[Path, directory("Made if it is missing.")],
+    only: Annotated[
+        str | None, option(metavar="NUMBER,...", text="These exercises; default: all.")
+    ] = None,
+    seeds: Annotated[
+        str | None,
+        option(metavar="N,...", text="Variants; default: 0,1,2, for nbgrader and qti 0."),
+    ] = None,
+) -> None:
+    """Write exercises for a system that teachers use.
+
+    \b
+    stack         Moodle XML: questions of STACK, a deployed seed for each variant,
+                  a node of the response tree for each mistake that is recognised
+    prairielearn  question folders; server.py generates and grades with this library
+    nbgrader      a course with notebooks: solutions, and hidden tests that grade
+    qti           a content package of QTI 2.1; what it cannot grade is said
+
+    \b
+    Examples:
+      geomtorsion exercises export --to stack -o moodle
+      geomtorsion exercises export --to prairielearn -o questions --seeds 0,1,2,3,4
+      geomtorsion exercises export --to nbgrader -o course --only 3.1,3.2,3.3
+    """
+    numbers = None if only is None else list(parts(only))
+    variants: list[Any] | None = None if seeds is None else list(map(_seed, parts(seeds)))
+    with working("exercises") as progress:
+        done = exports.export(to.value, output, numbers, variants, progress)
+    typer.echo(f"wrote {len(done.files)} files to {output}")
+    for note in done.notes:
+        typer.echo(wrapped(note))
+
+
+def _seed(text: str) -> int | str:
+    """A number as one; anything else is refused, as it stands, where exercises are loaded."""
+    return int(text) if text.isdecimal() and len(text) < len(str(MOST.seed)) + 1 else text
 
 
 def grade(

@@ -19,6 +19,7 @@ class ExerciseCommands(LazyGroup):
         "hint": "Give hints, one step at a time.",
         "solution": "Solve an exercise step by step, for the teacher.",
         "sheet": "Write a chapter for students, and its solutions for the teacher.",
+        "export": "Write exercises for Moodle (STACK), PrairieLearn, nbgrader or QTI.",
         "grade": "Grade a folder of answers.",
         "check": "Check answers, and name the likely mistake; ends with 1 if one is wrong.",
     }
@@ -45,6 +46,7 @@ def overview(context: typer.Context) -> None:
       geomtorsion exercises
       geomtorsion exercises show 3.2 --seed 7
       geomtorsion exercises check 3.2 "cos(phi2)/sin(phi2)"
+      geomtorsion exercises export --to stack -o moodle
       geomtorsion exercises grade answers -o marks.csv
     """
     if context.invoked_subcommand is not None:

@@ -1,0 +1,155 @@
+"""writing: exercises as files in one of the formats that teachers' systems take."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from types import MappingProxyType
+
+from geomtorsion import checks
+from geomtorsion.errors import ArgumentError
+from geomtorsion.exercises.exports.assignments import assignment_files
+from geomtorsion.exercises.exports.prairielearn import question_files
+from geomtorsion.exercises.exports.qti import DECIDED, item_files
+from geomtorsion.exercises.exports.stack import stack_quiz
+from geomtorsion.exercises.exports.tasks import Task, tasks
+
+Files = dict[str, str | bytes]
+Progress = Callable[[str], object]
+
+
+@dataclass(frozen=True)
+class Export:
+    """What was exported.
+
+    files: those written. notes: what to do with them, and what the system cannot grade.
+    """
+
+    files: tuple[Path, ...]
+    notes: tuple[str, ...]
+
+
+def _stack(found: Sequence[Task]) -> tuple[Files, str]:
+    note = (
+        "Import geomtorsion-stack.xml into a question bank of Moodle as Moodle XML. Seeds are "
+        "deployed systematically: STACK must know stack_seed. Each part is right or wrong as a "
+        "whole."
+    )
+    return {"geomtorsion-stack.xml": stack_quiz(found)}, note
+
+
+def _prairielearn(found: Sequence[Task]) -> tuple[Files, str]:
+    note = (
+        "Copy the folder geomtorsion into questions/ of the course, and install the library where "
+        "server.py finds it: pip install --target serverFilesCourse geomtorsion."
+    )
+    files: Files = {
+        f"geomtorsion/{task.slug}/{name}": text
+        for task in found
+        for name, text in question_files(task).items()
+    }
+    return files, note
+
+
+def _nbgrader(found: Sequence[Task]) -> tuple[Files, str]:
+    note = (
+        "The folder is a course of nbgrader: nbgrader generate_assignment makes what students get, "
+        "nbgrader autograde grades it. Both need geomtorsion in their kernel."
+    )
+    return {**assignment_files(found)}, note
+
+
+def _qti(found: Sequence[Task]) -> tuple[Files, str]:
+    files: Files = {**item_files(found)}
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as package:
+        for name, text in files.items():
+            # With the first date that the format knows, equal exports have equal bits.
+            package.writestr(zipfile.ZipInfo(name), text, zipfile.ZIP_DEFLATED)
+    files["geomtorsion-qti21.zip"] = packed.getvalue()
+    asked = [question for task in found for exercise in task.variants
+             for question in exercise.questions]  # fmt: skip
+    decided = sum(question.kind in DECIDED for question in asked)
+    note = (
+        f"QTI 2.1 grades {decided} of {len(asked)} questions in full: numbers and choices. Of the "
+        f"other {len(asked) - decided}, formulas, it knows the spelling of the solution and of the "
+        "recognised mistakes; what is spelled otherwise is left to a person, or to geomtorsion "
+        "exercises check."
+    )
+    return files, note
+
+
+# Name -> what makes the files, and the seeds if none are given: several where the system itself
+# gives each student a variant.
+FORMATS: Mapping[str, tuple[Callable[[Sequence[Task]], tuple[Files, str]], tuple[int, ...]]] = (
+    MappingProxyType(
+        {
+            "stack": (_stack, (0, 1, 2)),
+            "prairielearn": (_prairielearn, (0, 1, 2)),
+            "nbgrader": (_nbgrader, (0,)),
+            "qti": (_qti, (0,)),
+        }
+    )
+)
+
+
+def export(
+    to: str,
+    directory: str | PathLike[str],
+    numbers: Sequence[str] | None = None,
+    seeds: Sequence[int] | None = None,
+    progress: Progress = lambda _: None,
+) -> Export:
+    """Write exercises in a format that teachers' systems take.
+
+    Parameters
+    ----------
+    to
+        "stack" (Moodle XML), "prairielearn" (question folders), "nbgrader" (a course with
+        notebooks) or "qti" (a content package of QTI 2.1, as folder and as ZIP file).
+    directory
+        made if it is missing; files in it that have the same names are replaced.
+    numbers
+        of the exercises, such as ["3.1", "3.2"]; all if None.
+    seeds
+        the variants; None: 0, 1 and 2 for stack and prairielearn, 0 for nbgrader and qti.
+    progress
+        called with the number of each exercise before it is solved.
+
+    Returns
+    -------
+    The files that were written, and what to do with them.
+
+    Raises
+    ------
+    ArgumentError
+        There is no such format; an exercise or a seed is given twice.
+    UnknownNameError
+        There is no such exercise, or no such seed.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     found = export("nbgrader", folder, ["3.2"])
+    ...     [path.name for path in found.files]
+    ['nbgrader_config.py', 'chapter3.ipynb']
+    """
+    make, usual = FORMATS[checks.choice(to, tuple(FORMATS), "to", ArgumentError)]
+    found = tasks(numbers, usual if seeds is None else seeds)
+    for task in found:
+        progress(task.number)
+        for exercise in task.variants:
+            exercise.solution()
+    files, note = make(found)
+    paths = []
+    for name, content in files.items():
+        path = Path(directory, name)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content.encode() if isinstance(content, str) else content)
+        paths.append(path)
+    return Export(tuple(paths), (note,))
