@@ -154,3 +154,31 @@ def test_grade(tmp_path):
     assert "ada.toml: graded: the file names no seed: graded as seed 0." in again.stderr
     named = run("exercises", "grade", str(folder), "-o", str(marks), "--only", "3.2")
     assert "counted" not in named.stdout
+
+
+@pytest.mark.parametrize(
+    ("to", "file", "says"),
+    [
+        ("stack", "geomtorsion-stack.xml", "Moodle XML"),
+        ("prairielearn", "geomtorsion/3-1-which-connection-is-flat/server.py", "serverFilesCourse"),
+        ("nbgrader", "source/chapter3/chapter3.ipynb", "generate_assignment"),
+        ("qti", "imsmanifest.xml", "QTI 2.1 grades 3 of 3 questions in full"),
+    ],
+)
+def test_export(to, file, says, tmp_path):
+    """Files, how many there are, and what to do with them."""
+    text = run("exercises", "export", "--to", to, "-o", str(tmp_path), "--only", "3.1").stdout
+    assert (tmp_path / file).is_file()
+    assert f"files to {tmp_path}" in text.replace("\n", " ")
+    assert says in " ".join(text.split())
+
+
+def test_export_of_chosen_variants(tmp_path):
+    """Seeds are those asked for; what is none is named."""
+    words = ("exercises", "export", "--to", "nbgrader", "-o", str(tmp_path), "--only", "3.1")
+    run(*words, "--seeds", "4,5")
+    assert (tmp_path / "source/chapter3-seed4/chapter3-seed4.ipynb").is_file()
+    assert "but 'x' came" in run(*words, "--seeds", "x", code=2).stderr
+    assert "no exercise has the number '9.9'" in run(
+        *words[:-1], "9.9", code=2
+    ).stderr  # fmt: skip

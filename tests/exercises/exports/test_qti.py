@@ -246,3 +246,19 @@ def test_the_reader_undoes_patterns():
     """What the tests above read from a pattern is a spelling of it."""
     for text in ("-r^2*x", "[1, 2]", "1,1 = a - b; 2,1 = 3*phi'"):
         assert re.fullmatch(spelling(text), plain(spelling(text)))
+
+
+def test_a_converter_reads_the_package(tmp_path):
+    """A package for QTI takes items and manifest to QTI 3 and back, with every declaration."""
+    converter = pytest.importorskip("qti_convert")
+    numbers = ("1.4", "3.1", "5.3")
+    exercises.export("qti", tmp_path, numbers)
+    found = converter.upgrade_package(tmp_path / "geomtorsion-qti21.zip", tmp_path / "three.zip")
+    items = [text for name, text in found.files.items() if name.startswith("items/")]
+    assert len(items) == len(numbers)
+    for text in items:
+        assert "<qti-response-processing>" in text
+        assert "<qti-item-body>" in text
+    back = converter.downgrade_package(tmp_path / "three.zip", tmp_path / "two.zip")
+    # QTI 3 says of a rubric what it is used for; nothing else is lost.
+    assert {warning.code for warning in back.warnings} <= {"removed-attribute"}
