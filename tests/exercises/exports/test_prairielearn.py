@@ -116,7 +116,7 @@ def test_round_trip(number):
             [row] = [k for k, one in enumerate(rows) if one["right"] == "true"]
             right[name] = ascii_lowercase[row]
         assert set(right) == {question.name for question in asked}
-        data = fresh | {"submitted_answers": right}
+        data: dict = fresh | {"submitted_answers": right}
         hooks.grade(data)
         assert data["score"] == 1
         assert {row["score"] for row in data["partial_scores"].values()} == {1}
