@@ -22,8 +22,6 @@ KINDS = ("expression", "components", "equations", "number", "choice")
 HALF = sympy.Rational(1, 2)
 BOTH = "It is off by a factor 2, and the sign is wrong as well."
 ANGLES = ("rad", "deg")
-# No measured number is known to so many digits.
-EXACTLY = 1e-6
 
 
 @dataclass(frozen=True)
@@ -89,7 +87,8 @@ class Question:
     @property
     def exact(self) -> bool:
         """Whether a number has to be given exactly: its tolerance is there for floats only."""
-        return self.tolerance < EXACTLY
+        # Nobody asks for a number in digits like these.
+        return self.tolerance < 1e-6
 
     @cached_property
     def mistakes(self) -> tuple[Mistake, ...]:
