@@ -36,7 +36,7 @@ class Forward:
     """Steps with their derivatives; places of the first steps are those of the old ones."""
 
     def __init__(self, steps: Sequence[Step], positions: Sequence[int]) -> None:
-        self.builder = Builder()
+        self.builder: Builder = Builder()
         self.slopes: list[Slopes] = []
         self._seeds = {position: j for j, position in enumerate(positions)}
         for step in steps:

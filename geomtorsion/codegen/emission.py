@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 
-from geomtorsion.codegen.reading import Reader
+from geomtorsion.codegen.reading import Meaning, Reader
 from geomtorsion.codegen.steps import Builder, Signed
-from geomtorsion.codegen.sums import Term, content, shared, without
+from geomtorsion.codegen.sums import Sums, Term, content, shared, without
 
 
 class Emitter:
     """Writes sums as steps, literals in the order in which they need each other."""
 
     def __init__(self, reader: Reader) -> None:
-        self.meaning = reader.meaning
-        self.sums = reader.sums
-        self.builder = Builder()
+        self.meaning: dict[int, Meaning] = reader.meaning
+        self.sums: Sums = reader.sums
+        self.builder: Builder = Builder()
         self._done: dict[int, Signed] = {}
 
     def outputs(self, numbers: Sequence[int]) -> list[Signed]:

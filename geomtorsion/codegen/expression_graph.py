@@ -90,7 +90,8 @@ class Graph:
     outputs: tuple[Signed, ...]
     is_complex: bool = False
 
-    __getstate__ = only_fields
+    def __getstate__(self) -> dict[str, object]:
+        return only_fields(self)
 
     @property
     def size(self) -> int:

@@ -60,7 +60,7 @@ class Reader:
     """
 
     def __init__(self, arguments: Sequence[str], constants: Collection[str]) -> None:
-        self.sums = Sums()
+        self.sums: Sums = Sums()
         self.meaning: dict[int, Meaning] = {}
         self.is_complex = False
         self.arguments: dict[str, Term] = {}
@@ -262,7 +262,7 @@ class Reader:
         if isinstance(tree, sp.NumberSymbol):
             return self._number(tree)
         if tree is sp.I:
-            self.is_complex = True
+            self.is_complex: bool = True
             return self._function("imaginary", "I")
         inner = [self._known[part] for part in tree.args]
         if isinstance(tree, sp.Add):

@@ -28,7 +28,7 @@ class Sums:
         self.pairs: dict[int, tuple[int, int]] = {}
         self.constant: set[int] = set()
         self.known: dict[tuple[Term, ...], int] = {}
-        self.count = 0
+        self.count: int = 0
 
     def fresh(self, *, constant: bool) -> int:
         """A new literal."""

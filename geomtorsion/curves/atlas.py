@@ -56,7 +56,8 @@ class Chart:
     kept: Element | None = None
     end: str = ""
 
-    __getstate__ = only_fields
+    def __getstate__(self) -> dict[str, object]:
+        return only_fields(self)
 
     @cached_property
     def edges(self) -> tuple[Edge, ...]:
@@ -186,7 +187,8 @@ class TransitionMap:
     sample: Mapping[sp.Symbol, Any] | None = None
     written: Written | None = None
 
-    __getstate__ = only_fields
+    def __getstate__(self) -> dict[str, object]:
+        return only_fields(self)
 
     @cached_property
     def elements(self) -> list[Element]:
@@ -255,7 +257,7 @@ class Atlas:
     order: tuple[str, ...] = ()
     origin: tuple[Callable[[Frame], Atlas], Frame] | None = None
 
-    def __reduce__(self) -> tuple:
+    def __reduce__(self) -> tuple[object, ...]:
         if self.origin is not None:
             return _of_origin, (*self.origin, self.order)
         charts = {name: partial(_same, self.chart(name)) for name in self.makers}

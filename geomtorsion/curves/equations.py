@@ -51,7 +51,8 @@ class Equations:
     invariants: Mapping[str, Products] = field(default_factory=dict)
     momenta: Momenta | None = None
 
-    __getstate__ = only_fields
+    def __getstate__(self) -> dict[str, object]:
+        return only_fields(self)
 
     @cached_property
     def system(self) -> System:

@@ -70,7 +70,8 @@ class CurveProblem:
     _written: dict[str, Equations] = field(default_factory=dict, repr=False)
     _stages: dict[tuple[int, float], Stage] = field(default_factory=dict, repr=False, init=False)
 
-    __getstate__ = only_fields
+    def __getstate__(self) -> dict[str, object]:
+        return only_fields(self)
 
     # -- what is to be solved --------------------------------------------------------------------
 

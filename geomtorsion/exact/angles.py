@@ -27,7 +27,7 @@ class Angles:
 
     def __init__(self, field: Tower) -> None:
         self._field = field
-        self.basis = RationalBasis(field, undone_by_cos)
+        self.basis: RationalBasis = RationalBasis(field, undone_by_cos)
         self._multiples: dict[tuple[int, fmpq], Pair] = {}
         self._finest: dict[int, tuple[fmpq, Pair]] = {}
 

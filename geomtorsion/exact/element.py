@@ -7,6 +7,7 @@ from math import inf
 from operator import methodcaller
 from typing import TYPE_CHECKING, Any
 
+import flint
 from flint import fmpq
 
 from geomtorsion.errors import UndecidedError
@@ -24,10 +25,10 @@ if TYPE_CHECKING:
     from geomtorsion.exact.tower import Tower
 
     # What users give for the value of a symbol.
-    Value = int | float | complex | Fraction | fmpq | mpmath.mpf | sympy.Expr
+    Value = int | float | complex | Fraction | flint.fmpq | mpmath.mpf | sympy.Expr
 
 Denominator = tuple[tuple[int, int], ...]
-Number = int | Fraction | fmpq
+Number = int | Fraction | flint.fmpq
 
 
 class Element:
@@ -343,7 +344,7 @@ class Element:
         """The element as a JSON-ready mapping; `Field.from_json` reads it back."""
         return self._field.to_json(self)
 
-    def __reduce__(self) -> tuple:
+    def __reduce__(self) -> tuple[object, ...]:
         return methodcaller("read", self.sympy), (self._field,)
 
     def __deepcopy__(self, _: object) -> Element:

@@ -85,7 +85,7 @@ class Expansion:
     ) -> None:
         self.expression = expression
         self.approach = approach
-        self.name = f"{name} = {expression}" if name else str(expression)
+        self.name: str = f"{name} = {expression}" if name else str(expression)
         name, taken = "w", {symbol.name for symbol in field.symbols}
         while name in taken:
             name += "_"

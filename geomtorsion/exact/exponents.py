@@ -25,7 +25,7 @@ class Exponents:
 
     def __init__(self, field: Tower) -> None:
         self._field = field
-        self.basis = RationalBasis(field, undone_by_exp)
+        self.basis: RationalBasis = RationalBasis(field, undone_by_exp)
         self._plain: set[int] = set()
         self._base: dict[int, tuple[fmpq, Element, Element]] = {}
         self._powers: dict[tuple[int, fmpq], tuple[Element, Element]] = {}

@@ -21,7 +21,7 @@ from geomtorsion.exact.radical_denominators import inverse
 from geomtorsion.exact.reading import Reader
 from geomtorsion.exact.roots import root
 from geomtorsion.exact.serialization import from_json, to_json
-from geomtorsion.exact.tower import Tower
+from geomtorsion.exact.tower import Point, Tower
 from geomtorsion.exact.twins import counted_as
 from geomtorsion.exact.writing import to_sympy
 
@@ -76,16 +76,16 @@ class Field(Tower):
         self.is_complex = complex
         # The frame that it belongs to, if any: copies of its elements share the field of the copy.
         self.owner: Any = None
-        self.chosen = dict(branches or {})
+        self.chosen: dict[sympy.Expr, sympy.Expr] = dict(branches or {})
         self._given_sample = dict(sample or {})
-        self.sample = GenericPoint(self, self._given_sample)
+        self.sample: Point = GenericPoint(self, self._given_sample)
         self._add_symbols(symbols)
         if complex:
             # First of all, so that later roots are compared with it.
             self.add(Generator("imaginary", "I", sympy.I, frozenset(), 2, self.rational(-1)))
         self._reader = Reader(self)
 
-    def __reduce__(self) -> tuple:
+    def __reduce__(self) -> tuple[object, ...]:
         if self.owner is not None:
             return getattr, (self.owner, "field")
         given = (self.is_complex, self._given_sample, self.chosen)
@@ -113,7 +113,7 @@ class Field(Tower):
             name = f"s{len(self.generators)}"
             element = self.add(Generator("symbol", name, symbol, frozenset((symbol,))))
             self._symbol_elements[symbol] = element
-        self.symbols = (*self.symbols, *symbols)
+        self.symbols: tuple[sympy.Symbol, ...] = (*self.symbols, *symbols)
 
     def read(self, expr: sympy.Expr | Fraction | int, where: str = "expression") -> Element:
         """Reads one sympy expression, int or Fraction.

@@ -49,7 +49,7 @@ class Radicals:
     """The quadratic generators of a field with their radicands in factors."""
 
     def __init__(self, field: Tower) -> None:
-        self.level = field.level
+        self.level: int = field.level
         self.sums: dict[str, tuple[Sum, int]] = {}
         self.table: list[tuple[str, fmpq, tuple[str, ...]]] = []
         self.partners: list[tuple[int, int, int]] = []

@@ -10,6 +10,7 @@ from functools import lru_cache
 from math import comb
 from typing import TYPE_CHECKING
 
+import flint
 import sympy
 from flint import fmpq
 
@@ -18,8 +19,8 @@ from geomtorsion.exact.generators import Generator
 if TYPE_CHECKING:
     from geomtorsion.exact.tower import Tower
 
-Terms = dict[tuple[int, ...], fmpq]
-Named = list[tuple[fmpq, tuple[tuple[Generator, int], ...]]]
+Terms = dict[tuple[int, ...], flint.fmpq]
+Named = list[tuple[flint.fmpq, tuple[tuple[Generator, int], ...]]]
 
 # Up to this degree powers lose less than two digits and read better.
 HIGHEST_DEGREE = 8

@@ -163,8 +163,8 @@ class Norms:
     """The denominators with roots met so far, each with conjugates and norm."""
 
     def __init__(self, field: Tower) -> None:
-        self.level = field.level
-        self.count = len(field.rooted)
+        self.level: int = field.level
+        self.count: int = len(field.rooted)
         self.table: list[tuple[list[fmpq_mpoly], Denominator]] = []
         seen: set[str] = set()
         for element in field.rooted:

@@ -35,9 +35,9 @@ class Reader:
 
     def __init__(self, field: Tower) -> None:
         self.field = field
-        self.angles = Angles(field)
-        self.exponents = Exponents(field)
-        self.primitives = Primitives(field, self._arguments)
+        self.angles: Angles = Angles(field)
+        self.exponents: Exponents = Exponents(field)
+        self.primitives: Primitives = Primitives(field, self._arguments)
         self._known: dict[sympy.Basic, Element] = {}
 
     def _arguments(self) -> list[Element]:

@@ -79,8 +79,8 @@ class Tower(ABC):
     def __init__(self) -> None:
         # Elements made before a generator was added stay valid: their level says in how many
         # variables they are written, and `lift` brings them up when they are needed.
-        self.ctx = fmpq_mpoly_ctx.get((), Ordering.lex)
-        self.level = 0
+        self.ctx: fmpq_mpoly_ctx = fmpq_mpoly_ctx.get((), Ordering.lex)
+        self.level: int = 0
         # Denominators are kept as exponents of these: no gcd is ever needed in a sum.
         self.factors: list[fmpq_mpoly] = []
         self.factor_index: dict[str, int] = {}
@@ -90,13 +90,13 @@ class Tower(ABC):
         self._cofactors: dict[tuple[Denominator, Denominator], fmpq_mpoly] = {}
         self._cofactor_sizes: dict[tuple[Denominator, Denominator], int] = {}
         self._algebraic: list[tuple[int, int, fmpq_mpoly]] = []
-        self.zero = Element(self, self.ctx.constant(0), (), 0)
-        self.one = Element(self, self.ctx.constant(1), (), 0)
+        self.zero: Element = Element(self, self.ctx.constant(0), (), 0)
+        self.one: Element = Element(self, self.ctx.constant(1), (), 0)
         self.symbols: tuple[sympy.Symbol, ...] = ()
         self._symbol_elements: dict[sympy.Symbol, Element] = {}
         self.generators: list[Generator] = []
         self.by_name: dict[str, Generator] = {}
-        self.all_sure = True
+        self.all_sure: bool = True
         self.tables: dict[str, Any] = {}
         self.rooted: list[Element] = []
         self._rooted_keys: set[Element] = set()

@@ -331,7 +331,7 @@ def _coordinates(question: Question, part: str) -> list[str]:
     return found
 
 
-def flat(given: list, shape: tuple[int, ...], where: str) -> list[tuple[Index, object]]:
+def flat(given: list[object], shape: tuple[int, ...], where: str) -> list[tuple[Index, object]]:
     """Pairs (index, entry) of nested lists, which must have the shape of the question.
 
     Raises

@@ -71,7 +71,7 @@ class Exercise:
     def _repr_markdown_(self) -> str:
         return f"**{self.number}. {self.title}** ({self.level})\n\n{self.statement}"
 
-    def __reduce__(self) -> tuple:
+    def __reduce__(self) -> tuple[object, ...]:
         return self.loader, (self.number, self.seed)
 
     @property

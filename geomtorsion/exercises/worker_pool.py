@@ -43,7 +43,7 @@ class Worker:
         # -P: nothing that lies about in the working folder is imported (a sympy.py among answers
         # that are graded); but this very package is, wherever it was imported from here.
         paths = [str(Path(__file__).parents[2]), os.environ.get("PYTHONPATH", "")]
-        self.process = subprocess.Popen(
+        self.process: subprocess.Popen[str] = subprocess.Popen(
             [sys.executable, "-P", "-m", "geomtorsion.exercises.worker_pool", function],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,

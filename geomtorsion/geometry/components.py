@@ -6,6 +6,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import product
+from typing import Any
 
 from geomtorsion.exact import Element, Field
 from geomtorsion.geometry.symmetry import Index, Symmetry, orbits
@@ -185,7 +186,7 @@ class Components:
         return self._orbits.of(index) == (1, index)
 
 
-def total(field: Field, terms: list) -> Element | None:
+def total(field: Field, terms: Sequence[tuple[Any, ...]]) -> Element | None:
     """Sum of products, or None if there is nothing to add."""
     # A single element needs no new common denominator.
     if len(terms) == 1 and len(terms[0]) == 2 and terms[0][0] == 1:

@@ -287,7 +287,7 @@ class Connection:
         """Whether the coefficients are symmetric."""
         return self.torsion.S.is_zero
 
-    def __reduce__(self) -> tuple:
+    def __reduce__(self) -> tuple[object, ...]:
         # The frame gives its own connections anew, which is shorter, and the same to the bit.
         if self.maker is not None:
             return self.maker, (self.frame,)

@@ -29,16 +29,7 @@ def from_frame(
     name: str | None = None,
     branches: Mapping[sp.Expr, sp.Expr] | None = None,
 ) -> Frame:
-    """Frame from its legs: legs[mu, i], one leg per column.
-
-    Examples
-    --------
-    >>> import sympy as sp
-    >>> from geomtorsion.geometry import Frame
-    >>> r, phi = sp.symbols("r phi", positive=True)
-    >>> Frame.from_frame([r, phi], [[1, 0], [0, 1 / r]]).coframe[1, 1]
-    r
-    """
+    """See Frame.from_frame."""
     n, entries = validation.matrix_entries(legs, "legs")
     opened = validation.opened(coordinates, n, entries, parameters, domain, complex, branches)
     elements = validation.read_matrix(opened.field, entries, "legs")
@@ -61,25 +52,7 @@ def from_metric(
     name: str | None = None,
     branches: Mapping[sp.Expr, sp.Expr] | None = None,
 ) -> Frame:
-    """Orthonormal frame of a metric g_{mu nu}, by completing squares (Lagrange, LDL).
-
-    The metric is kept as given, so that Levi-Civita quantities never see the square roots; they
-    are taken when the coframe itself is asked for.
-    Without a signature the rows have the signs that the metric has in the domain.
-
-    Raises
-    ------
-    MetricError
-        The metric is not symmetric, degenerate, or has another signature.
-
-    Examples
-    --------
-    >>> import sympy as sp
-    >>> from geomtorsion.geometry import Frame
-    >>> r, phi = sp.symbols("r phi", positive=True)
-    >>> Frame.from_metric([r, phi], [[1, 0], [0, r**2]]).coframe[1, 1]
-    r
-    """
+    """See Frame.from_metric."""
     n, entries = validation.matrix_entries(metric, "metric")
     opened = validation.opened(coordinates, n, entries, parameters, domain, False, branches)
     elements = validation.read_matrix(opened.field, entries, "metric")
@@ -134,32 +107,6 @@ def from_structure_constants(
     signature: object = None,
     name: str | None = None,
 ) -> Frame:
-    """Left-invariant frame of the Lie group with given structure constants.
-
-    Equation
-    --------
-    [E_i, E_j] = C_ij^k E_k,  de^k = -(1/2) C_ij^k e^i ^ e^j     (Maurer and Cartan)
-
-    Parameters
-    ----------
-    constants
-        C_ij^k, shape (n, n, n): the brackets of the legs. The object of anholonomy of the frame,
-        2 S of its Cartan connection, is minus these. Entries are numbers or parameters.
-    coordinates
-        Coordinates of the second kind; x1 ... xn if not given.
-
-    Raises
-    ------
-    StructureConstantError
-        C is not antisymmetric, violates the Jacobi identity (indices named), or has an
-        adjoint matrix whose exponential is not elementary.
-
-    Examples
-    --------
-    >>> from geomtorsion.geometry import Frame
-    >>> C = [[[0, 0], [0, 1]], [[0, -1], [0, 0]]]
-    >>> Frame.from_structure_constants(C).anholonomy.nonzero()
-    {(0, 1, 1): -1, (1, 0, 1): 1}
-    """
+    """See Frame.from_structure_constants."""
     symbols, coframe = invariant_coframe(constants, coordinates)
     return cls(symbols, coframe, signature=signature, name=name)

@@ -211,7 +211,7 @@ class Curvature:
         """The curvature with values for parameters and unknown functions (see Frame.subs)."""
         return self.connection.subs(values).curvature
 
-    def __reduce__(self) -> tuple:
+    def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.connection,)
 
     def __deepcopy__(self, _: object) -> Curvature:

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from geomtorsion.geometry.quantities import DependencyGraph
 
 Elements = dict[tuple[int, int], Element]
-Plain = tuple[str, validation.Matrix] | tuple[Callable[..., "Frame"], tuple]
+Plain = tuple[str, validation.Matrix] | tuple[Callable[..., "Frame"], tuple[object, ...]]
 
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)
@@ -129,9 +129,102 @@ class Frame:
         _kept: dict[Hashable, Any]
         _plain: Plain
 
-    from_frame = classmethod(constructors.from_frame)
-    from_metric = classmethod(constructors.from_metric)
-    from_structure_constants = classmethod(constructors.from_structure_constants)
+    @classmethod
+    def from_frame(
+        cls,
+        coordinates: validation.Coordinates,
+        legs: object,
+        signature: object = None,
+        parameters: Sequence[sp.Symbol] | None = None,
+        domain: object = None,
+        complex: bool = False,
+        name: str | None = None,
+        branches: Mapping[sp.Expr, sp.Expr] | None = None,
+    ) -> Frame:
+        """Frame from its legs: legs[mu, i], one leg per column.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> Frame.from_frame([r, phi], [[1, 0], [0, 1 / r]]).coframe[1, 1]
+        r
+        """
+        return constructors.from_frame(
+            cls, coordinates, legs, signature, parameters, domain, complex, name, branches
+        )
+
+    @classmethod
+    def from_metric(
+        cls,
+        coordinates: validation.Coordinates,
+        metric: object,
+        signature: Sequence[int] | None = None,
+        parameters: Sequence[sp.Symbol] | None = None,
+        domain: object = None,
+        name: str | None = None,
+        branches: Mapping[sp.Expr, sp.Expr] | None = None,
+    ) -> Frame:
+        """Orthonormal frame of a metric g_{mu nu}, by completing squares (Lagrange, LDL).
+
+        The metric is kept as given, so that Levi-Civita quantities never see the square roots; they
+        are taken when the coframe itself is asked for.
+        Without a signature the rows have the signs that the metric has in the domain.
+
+        Raises
+        ------
+        MetricError
+            The metric is not symmetric, degenerate, or has another signature.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> Frame.from_metric([r, phi], [[1, 0], [0, r**2]]).coframe[1, 1]
+        r
+        """
+        return constructors.from_metric(
+            cls, coordinates, metric, signature, parameters, domain, name, branches
+        )
+
+    @classmethod
+    def from_structure_constants(
+        cls,
+        constants: object,
+        coordinates: validation.Coordinates | None = None,
+        signature: object = None,
+        name: str | None = None,
+    ) -> Frame:
+        """Left-invariant frame of the Lie group with given structure constants.
+
+        Equation
+        --------
+        [E_i, E_j] = C_ij^k E_k,  de^k = -(1/2) C_ij^k e^i ^ e^j     (Maurer and Cartan)
+
+        Parameters
+        ----------
+        constants
+            C_ij^k, shape (n, n, n): the brackets of the legs. The object of anholonomy of the
+            frame, 2 S of its Cartan connection, is minus these. Entries are numbers or parameters.
+        coordinates
+            Coordinates of the second kind; x1 ... xn if not given.
+
+        Raises
+        ------
+        StructureConstantError
+            C is not antisymmetric, violates the Jacobi identity (indices named), or has an
+            adjoint matrix whose exponential is not elementary.
+
+        Examples
+        --------
+        >>> from geomtorsion.geometry import Frame
+        >>> C = [[[0, 0], [0, 1]], [[0, -1], [0, 0]]]
+        >>> Frame.from_structure_constants(C).anholonomy.nonzero()
+        {(0, 1, 1): -1, (1, 0, 1): 1}
+        """
+        return constructors.from_structure_constants(cls, constants, coordinates, signature, name)
 
     # -- what is kept ---------------------------------------------------------------------------
 
@@ -336,7 +429,7 @@ class Frame:
 
     # -- copies ---------------------------------------------------------------------------------
 
-    def __reduce__(self) -> tuple:
+    def __reduce__(self) -> tuple[object, ...]:
         """Made again from what it was made from, so that every result is the same to the bit."""
         # Further charts do not follow from the frame: spaces attach them.
         attached = {key: self._kept[key] for key in ("atlas",) if key in self._kept}

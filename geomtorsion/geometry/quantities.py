@@ -243,7 +243,7 @@ class DependencyGraph:
         _known(self.name)
 
     @cached_property
-    def graph(self) -> nx.DiGraph:
+    def graph(self) -> nx.DiGraph[str]:
         """Ancestors of the quantity, edges from what is needed to what needs it."""
         # networkx is slow to load, and few who import geomtorsion need it.
         import networkx as nx
@@ -298,7 +298,7 @@ class DependencyGraph:
         lines += [f"  {first} -> {second};" for first, second in self.graph.edges]
         return "\n".join([*lines, "}"])
 
-    def __reduce__(self) -> tuple:
+    def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.frame, self.name)
 
     def __repr__(self) -> str:

@@ -434,7 +434,7 @@ class Tensor:
 
     # -- copies --------------------------------------------------------------------------------
 
-    def __reduce__(self) -> tuple:
+    def __reduce__(self) -> tuple[object, ...]:
         values = {index: x.sympy for index, x in self.components.independent.items()}
         symmetry = effective(self.symmetry, self.slots)
         names = (self.symbol, self.name, self.anchored)

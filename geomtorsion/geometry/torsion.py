@@ -188,7 +188,7 @@ class Torsion:
         """The torsion with values for parameters and unknown functions (see Frame.subs)."""
         return self.connection.subs(values).torsion
 
-    def __reduce__(self) -> tuple:
+    def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.connection,)
 
     def __deepcopy__(self, _: object) -> Torsion:

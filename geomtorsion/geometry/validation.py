@@ -110,7 +110,9 @@ def _is_plain_zero(value: object) -> bool:
     return isinstance(value, int | float | sp.Expr) and value == 0
 
 
-def coordinate_symbols(coordinates: object, n: int, free: Iterable[sp.Symbol]) -> tuple:
+def coordinate_symbols(
+    coordinates: object, n: int, free: Iterable[sp.Symbol]
+) -> tuple[sp.Symbol, ...]:
     """Coordinates as distinct symbols, as many as the matrix has columns.
 
     Names given as text become the symbol of that name that occurs in the entries.

@@ -254,7 +254,9 @@ def kept_path(
     }
 
 
-def path_case(space: str, speeds: Mapping[str, float], inertia: Mapping[str, float]) -> dict:
+def path_case(
+    space: str, speeds: Mapping[str, float], inertia: Mapping[str, float]
+) -> dict[str, object]:
     """Sliders as the arguments of the task for paths.
 
     Examples

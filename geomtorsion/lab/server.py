@@ -73,9 +73,9 @@ class AccessControl:
     ) -> None:
         self.app = app
         self.ending = ending
-        self.hosts = frozenset(hosts)
+        self.hosts: frozenset[str] = frozenset(hosts)
         self.sessions = sessions
-        self.open = 0
+        self.open: int = 0
         self._opening = asyncio.Lock()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:

@@ -173,7 +173,7 @@ class Cochain:
     @classmethod
     def of_graph(
         cls,
-        graph: nx.DiGraph,
+        graph: nx.DiGraph[Hashable],
         value: str = "vector",
         error: str = "error",
         image: str = "image",

@@ -356,7 +356,7 @@ def spline(points: Sequence[Point] | np.ndarray, centre: Point | None, size: Num
     return Part(place, scale, sides)
 
 
-def cycle(graph: nx.Graph, nodes: Sequence[Hashable], position: str) -> Part:
+def cycle(graph: nx.Graph[Hashable], nodes: Sequence[Hashable], position: str) -> Part:
     """Polygon along a cycle of a graph; see Loop.from_cycle."""
     chain = list(nodes)
     if len(chain) > 1 and chain[0] == chain[-1]:

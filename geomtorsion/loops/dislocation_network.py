@@ -58,7 +58,7 @@ class DislocationNetwork:
     ((), ('j',))
     """
 
-    graph: nx.MultiDiGraph
+    graph: nx.MultiDiGraph[Hashable]
     tolerance: float = 1e-9
     box: Box | None = None
     _scale: float = field(init=False, default=1.0, repr=False)
@@ -258,7 +258,7 @@ class DislocationNetwork:
         surface += [False] * (len(self.arrays.positions) - len(surface))
         return polylines(self.arrays, self._vectors, surface, self.tolerance)
 
-    def to_networkx(self) -> nx.MultiDiGraph:
+    def to_networkx(self) -> nx.MultiDiGraph[Hashable]:
         """A copy of the graph that may be changed: nodes have `position`, edges `burgers`."""
         import networkx as nx  # as above
 

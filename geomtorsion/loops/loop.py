@@ -233,7 +233,7 @@ class Loop:
     @classmethod
     def from_cycle(
         cls,
-        graph: nx.Graph,
+        graph: nx.Graph[Hashable],
         cycle: Sequence[Hashable],
         position: str = "position",
         name: str = "cycle",

@@ -61,7 +61,7 @@ class EdgeList:
         return Complex.of_edges(self.pairs, len(self.positions), labels=self.labels)
 
 
-def edge_list(graph: nx.Graph | EdgeList, position: str, dimension: int) -> EdgeList:
+def edge_list(graph: nx.Graph[Hashable] | EdgeList, position: str, dimension: int) -> EdgeList:
     """Arrays of a graph (or of an `EdgeList`), with every position and edge checked.
 
     Raises
@@ -108,7 +108,7 @@ def edge_list(graph: nx.Graph | EdgeList, position: str, dimension: int) -> Edge
 
 
 def _of_graph(
-    graph: nx.Graph, position: str, dimension: int
+    graph: nx.Graph[Hashable], position: str, dimension: int
 ) -> tuple[np.ndarray, np.ndarray, list[Hashable]]:
     """Arrays of a networkx graph."""
     labels = list(graph.nodes)
@@ -162,7 +162,7 @@ class Network:
     """
 
     frame: Frame | SampledFrame
-    graph: nx.Graph | EdgeList
+    graph: nx.Graph[Hashable] | EdgeList
     position: str = "position"
     accuracy: float = 1e-12
     parameters: Parameters | None = field(default=None)

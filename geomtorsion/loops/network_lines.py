@@ -40,7 +40,7 @@ class DislocationLine(tuple[Hashable, Hashable, Hashable, Vector]):
     @classmethod
     def of(
         cls,
-        graph: nx.MultiDiGraph,
+        graph: nx.MultiDiGraph[Hashable],
         edge: tuple[Hashable, Hashable, Hashable],
         data: Mapping[str, Any],
         box: Box | None,
@@ -120,7 +120,7 @@ class DislocationLine(tuple[Hashable, Hashable, Hashable, Vector]):
         return self.kind == "closed"
 
 
-def line_arrays(graph: nx.MultiDiGraph, box: Box | None) -> tuple[LineArrays, list[int]]:
+def line_arrays(graph: nx.MultiDiGraph[Hashable], box: Box | None) -> tuple[LineArrays, list[int]]:
     """Straight pieces of all lines of a graph, and to which line each belongs.
 
     Raises

@@ -59,7 +59,7 @@ class Checkpoint:
     """
 
     def __init__(self, path: str | Path, key: str, *, overwrite: bool = False) -> None:
-        self.path = Path(path)
+        self.path: Path = Path(path)
         self.key = key
         self.metadata: dict[str, Any] = {"format": FORMAT, "key": key, "parts": {}}
         self.arrays: dict[str, np.ndarray] = {}

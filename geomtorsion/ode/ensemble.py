@@ -76,7 +76,8 @@ class Ensemble:
     members: Members
     rows: Rows
 
-    __getstate__ = only_fields
+    def __getstate__(self) -> dict[str, object]:
+        return only_fields(self)
 
     def __len__(self) -> int:
         return len(self.finished)

@@ -91,7 +91,9 @@ def floats(values: Iterable[Real]) -> list[float]:
     return [float(value) for value in values]
 
 
-def perturbed(values: Sequence[Real], part: float, precision: int, *, all_of_them: bool) -> list:
+def perturbed(
+    values: Sequence[Real], part: float, precision: int, *, all_of_them: bool
+) -> list[Real]:
     """Numbers changed by a relative part; zeros stay.
 
     Up and down in turn, or (for a part below zero) in pairs: another direction altogether.

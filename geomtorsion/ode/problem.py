@@ -66,10 +66,11 @@ class ODE:
     name: str = ""
     _stages: dict[tuple[int, float], Stage] = field(default_factory=dict, repr=False, init=False)
 
-    __getstate__ = only_fields
+    def __getstate__(self) -> dict[str, object]:
+        return only_fields(self)
 
     # Trajectories count time as users do.
-    time_unit = 1.0
+    time_unit: float = 1.0
     label = ""
 
     @classmethod
@@ -428,7 +429,7 @@ class ODE:
         values["states"] = states.reshape((*shape, self.size))
         return Moment(times.reshape(shape), values, whole=("states",))
 
-    def arguments(self, times: np.ndarray, states: np.ndarray) -> list:
+    def arguments(self, times: np.ndarray, states: np.ndarray) -> list[np.ndarray]:
         """Values of states, parameters as they are at the times, and times."""
         values: list = list(states.T)
         for name in self.rates.parameters:

@@ -48,7 +48,8 @@ class Rates:
     stop: sp.Expr | None
     norm_groups: tuple[tuple[str, ...], ...]
 
-    __getstate__ = only_fields
+    def __getstate__(self) -> dict[str, object]:
+        return only_fields(self)
 
     @cached_property
     def states(self) -> tuple[str, ...]:

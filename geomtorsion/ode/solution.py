@@ -167,7 +167,8 @@ class Solution:
     trajectory: Trajectory
     reference: Trajectory | None = None
 
-    __getstate__ = only_fields
+    def __getstate__(self) -> dict[str, object]:
+        return only_fields(self)
 
     @property
     def outcome(self) -> str:

@@ -243,8 +243,8 @@ class Report:
     def __init__(self, progress: Callable[[float], object], end: float) -> None:
         self.progress = progress
         self.end = end
-        self.left = 2.0
-        self.told = 0.0
+        self.left: float = 2.0
+        self.told: float = 0.0
 
     def next_run(self) -> Callable[[float], None]:
         """What is to be called with the times that the next run reaches."""

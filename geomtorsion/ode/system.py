@@ -41,7 +41,8 @@ class System:
     end: Graph | None = None
     clock: tuple[str, int] | None = None
 
-    __getstate__ = only_fields
+    def __getstate__(self) -> dict[str, object]:
+        return only_fields(self)
 
     @property
     def size(self) -> int:

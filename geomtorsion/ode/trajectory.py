@@ -197,7 +197,8 @@ class Trajectory:
     reason: str = ""
     _dense: dict[int, Dense] = field(default_factory=dict, repr=False, init=False)
 
-    __getstate__ = only_fields
+    def __getstate__(self) -> dict[str, object]:
+        return only_fields(self)
 
     @cached_property
     def count(self) -> int:

@@ -145,7 +145,8 @@ class Strip:
 
     def __init__(self, frame: Frame) -> None:
         s, t = sp.symbols("s t", real=True)
-        self.s, self.t = s, t
+        self.s: sp.Symbol = s
+        self.t: sp.Symbol = t
         self.paths = {q: sp.Function(q.name, real=True)(s, t) for q in frame.coordinates}
         self.coframe = frame.coframe.to_sympy().tomatrix()
         self.coordinates = frame.coordinates

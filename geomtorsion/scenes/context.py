@@ -98,8 +98,8 @@ class Context:
         self.switched: set[sp.Symbol] = set()
         self.key = ""
         self._taken = {s.name for group in GROUPS.values() for s in group} | {"work"}
-        self.mass = self.parameter("m", body.mass)
-        self.inertia = self._inertia()
+        self.mass: sp.Symbol = self.parameter("m", body.mass)
+        self.inertia: sp.Matrix = self._inertia()
 
     def parameter(self, name: str, value: Number) -> sp.Expr:
         """A symbol for a number, so that another value needs no new equations; 0 stays 0.

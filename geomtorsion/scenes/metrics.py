@@ -146,7 +146,9 @@ WORDS: Mapping[str, Reader] = {
 Measure = str | Callable[[SweepRun], float]
 
 
-def measures(asked: Measure | Mapping[str, Measure] | Sequence[str]) -> dict[str, Callable]:
+def measures(
+    asked: Measure | Mapping[str, Measure] | Sequence[str],
+) -> dict[str, Callable[..., object]]:
     """Name -> function of a run, from words, functions, or several of them by name.
 
     Raises

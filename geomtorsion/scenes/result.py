@@ -131,7 +131,8 @@ class SceneResult:
     solved: Solution | None = None
     form: ClosedForm | None = None
 
-    __getstate__ = only_fields
+    def __getstate__(self) -> dict[str, object]:
+        return only_fields(self)
 
     @property
     def complete(self) -> bool:

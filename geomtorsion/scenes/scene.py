@@ -164,7 +164,8 @@ class Scene:
     title: str = ""
     samples: int = 201
 
-    __getstate__ = only_fields
+    def __getstate__(self) -> dict[str, object]:
+        return only_fields(self)
 
     def __post_init__(self) -> None:
         """Check everything that can be checked without solving."""

@@ -73,14 +73,14 @@ class StateSelection:
     watch: tuple[Observable, ...]
     titles: Mapping[str, str]
 
-    def __reduce__(self) -> tuple:
+    def __reduce__(self) -> tuple[object, ...]:
         names = tuple(item.name for item in self.watch)
         return _selected_again, (self.title, self.assembly, names, self.titles)
 
     # -- the graph -------------------------------------------------------------------------------
 
     @cached_property
-    def graph(self) -> nx.DiGraph:
+    def graph(self) -> nx.DiGraph[str]:
         """Quantities, states and effects, with edges from what is needed to what needs it."""
         import networkx as nx  # 0.14 s to load, and only here
 
@@ -111,11 +111,11 @@ class StateSelection:
                 self._needs(graph, f"stop {key}", (self.assembly.constrained(part.stop),))
         return graph
 
-    def _needs(self, graph: nx.DiGraph, name: str, expressions: Sequence[sp.Expr]) -> None:
+    def _needs(self, graph: nx.DiGraph[str], name: str, expressions: Sequence[sp.Expr]) -> None:
         """Edges from every state in the expressions to the node."""
         for expression in expressions:
             for symbol in expression.free_symbols:
-                needed = _TOGETHER.get(symbol, symbol.name)
+                needed = str(_TOGETHER.get(symbol, symbol.name))
                 if symbol.name not in self.assembly.values and symbol != TIME and needed != name:
                     graph.add_edge(needed, name)
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from itertools import permutations
 
+import sympy
 from sympy import Expr, Integer
 from sympy.combinatorics.permutations import Permutation
 
 from geomtorsion.checks import expression
 
 Index = tuple[int, ...]
-Table = dict[Index, Expr]
+Table = dict[Index, sympy.Expr]
 
 
 def alternating(components: Mapping[Index, Expr | int]) -> Table:

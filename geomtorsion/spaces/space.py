@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import sympy
 from sympy import Basic, Expr, Symbol
 
 from geomtorsion.checks import expression
@@ -32,7 +33,7 @@ def box(ranges: Mapping[Symbol, tuple[Expr | int, Expr | int]]) -> tuple[Basic, 
 
 
 Index = tuple[int, ...]
-Closed = Expr | int | str
+Closed = sympy.Expr | int | str
 
 
 @dataclass(frozen=True)

@@ -95,7 +95,7 @@ def make(draw: Random, seed: int) -> Variant:
     )
 
 
-def added(frame: Frame, centre: list[float], radius: float, count: int, chords: bool):
+def added(frame: Frame, centre: list[float], radius: float, count: int, chords: bool) -> np.ndarray:
     """The sum over count points of a circle in the plane of the first two angles."""
     angles = [2 * pi * (k + 0.5 * chords) / count for k in range(count)]
     short = cos(pi / count) if chords else 1.0
@@ -117,7 +117,7 @@ def coframe_function(frame: Frame):
     return numpy_function(entries, frame.coordinates)
 
 
-def coframe_at(frame: Frame, place: tuple[float, ...]):
+def coframe_at(frame: Frame, place: tuple[float, ...]) -> np.ndarray:
     """The coframe at a point, shape (n, n)."""
     return coframe_function(frame)(*place).reshape(frame.dimension, frame.dimension)
 

@@ -86,7 +86,7 @@ def make(draw: Random, seed: int) -> Variant:
     )
 
 
-def closed_forms(frame) -> int:
+def closed_forms(frame: Frame) -> int:
     """How many forms have no derivative."""
     return frame.dimension - len({k for _, _, k in frame.anholonomy.nonzero()})
 

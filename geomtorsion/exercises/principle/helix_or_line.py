@@ -20,7 +20,7 @@ from geomtorsion.exercises.authoring import (
     steps,
     tex,
 )
-from geomtorsion.geometry import cartan
+from geomtorsion.geometry import Frame, cartan
 from geomtorsion.ode import solve
 from geomtorsion.spaces import load
 
@@ -184,7 +184,7 @@ def make(draw: Random, seed: int) -> Variant:
     )
 
 
-def force(frame) -> list[sp.Expr]:
+def force(frame: Frame) -> list[sp.Expr]:
     """The torsion force in the frame: what autoparallels have and geodesics have not."""
     energy = sp.Add(*(x**2 / 2 for x in sp.symbols("u1:7")))
     table = dict(zip(sp.symbols("u1:7"), U, strict=True))
@@ -192,7 +192,7 @@ def force(frame) -> list[sp.Expr]:
     return [-value.xreplace(table) for value in found]
 
 
-def flies_straight(frame, principle: str) -> bool:
+def flies_straight(frame: Frame, principle: str) -> bool:
     """Whether a principle gives V' = - Omega x V."""
     u = sp.symbols("u1:7")
     energy = sp.Add(*(x**2 / 2 for x in u))
@@ -201,7 +201,7 @@ def flies_straight(frame, principle: str) -> bool:
     return all(sp.expand(x + y) == 0 for x, y in zip(found, cross, strict=True))
 
 
-def is_straightest(frame) -> bool:
+def is_straightest(frame: Frame) -> bool:
     """Whether the motions of a free body are autoparallels."""
     return not any(force(frame))
 

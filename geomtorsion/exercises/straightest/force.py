@@ -1,5 +1,6 @@
 """4.2: the torsion force between the straightest and the shortest line."""
 
+from collections.abc import Mapping
 from random import Random
 
 import sympy as sp
@@ -85,7 +86,9 @@ def christoffel_terms(frame: Frame, rates: list[sp.Symbol]) -> dict[tuple[int, .
     return quadratic(frame.quantity("christoffel").nonzero(), rates)
 
 
-def quadratic(table: dict, rates: list[sp.Symbol], sign: int = 1) -> dict[tuple[int, ...], sp.Expr]:
+def quadratic(
+    table: Mapping[tuple[int, ...], sp.Expr], rates: list[sp.Symbol], sign: int = 1
+) -> dict[tuple[int, ...], sp.Expr]:
     """sign * t_ab^c q'^a q'^b for each c."""
     found: dict[tuple[int, ...], sp.Expr] = {}
     for (a, b, c), value in table.items():

@@ -207,8 +207,9 @@ class KnownNodes:
     """Which nodes of a grid are known, with sums that tell it of whole blocks at once."""
 
     def __init__(self, shape: tuple[int, ...], periodic: tuple[bool, ...], holes: np.ndarray):
-        self.shape, self.periodic = shape, periodic
-        self.holes = holes if holes.any() else None
+        self.shape: tuple[int, ...] = shape
+        self.periodic: tuple[bool, ...] = periodic
+        self.holes: np.ndarray | None = holes if holes.any() else None
 
     @cached_property
     def _sums(self) -> np.ndarray:

@@ -13,7 +13,7 @@ from geomtorsion.codegen import Graph, compiled
 from geomtorsion.ode.rates import KEPT
 from geomtorsion.ode.system import System
 
-STAGES = DOP853.n_stages
+STAGES: int = DOP853.n_stages
 # Rates whose source has more characters than this are called, not written into the step.
 LONGEST_SOURCE = 4000
 

@@ -24,8 +24,9 @@ class Piece:
     """Dense output of one step, worked out on first use: before the next step."""
 
     def __init__(self, solver: Any) -> None:
-        self.t, self.h = float(solver.t_old), float(solver.t - solver.t_old)
-        self.width = int(solver.n)
+        self.t: float = float(solver.t_old)
+        self.h: float = float(solver.t - solver.t_old)
+        self.width: int = int(solver.n)
         self._solver: Any = solver
 
     @cached_property
@@ -58,10 +59,12 @@ class ScipySteps:
         options: dict[str, Any] = {}
         if method != "DOP853":
             options["jac"] = lambda _, y: system.jacobian(y.tolist(), values)
+        self.time: float
         self.time, end = span
-        self.sign = 1.0 if end >= self.time else -1.0
+        self.sign: float = 1.0 if end >= self.time else -1.0
         self.state: Sequence[float] = tuple(y0)
-        self.count, self.stuck = 0, ""
+        self.count: int = 0
+        self.stuck: str = ""
         floors = tolerance * np.asarray(scales)
         self._solver: Any = None
         try:

@@ -33,7 +33,8 @@ class Polynomial:
     """
 
     def __init__(self, rows: Callable[..., Any], t: float, h: float, parts: Any) -> None:
-        self.t, self.h = t, h
+        self.t: float = t
+        self.h: float = h
         self._make, self._parts = rows, parts
 
     @property
@@ -93,16 +94,21 @@ class Steps:
     ) -> None:
         self.values: tuple[float, ...] = tuple(values)
         self.state: tuple[float, ...] = tuple(y0)
+        self.time: float
+        self.end: float
         self.time, self.end = span
-        self.duration = abs(self.end - self.time)
-        self.sign = 1.0 if self.end >= self.time else -1.0
-        self.tolerance, self.floors = tolerance, tuple(tolerance * x for x in scales)
-        self.longest, self.most = longest, most
+        self.duration: float = abs(self.end - self.time)
+        self.sign: float = 1.0 if self.end >= self.time else -1.0
+        self.tolerance: float = tolerance
+        self.floors: tuple[float, ...] = tuple(tolerance * x for x in scales)
+        self.longest: float = longest
+        self.most: int = most
         self._function = system.scalar_function
         self._step, self._rows = step_of(system), rows_of(system)
-        self.rates = tuple(self._function(*self.state, *self.values))
-        self.count = self.tried = 0
-        self.stuck = ""
+        self.rates: tuple[float, ...] = tuple(self._function(*self.state, *self.values))
+        self.count: int = 0
+        self.tried: int = 0
+        self.stuck: str = ""
         self._mark = self.time
         self._size = self._first()
 
