@@ -1,7 +1,10 @@
-"""Errors: every failure a user can cause, each saying what was needed, what came, what to do."""
+"""Errors: every failure a user can cause, each saying what was needed, what came, what to do.
+
+Pages of the documentation in examples/site say more; each error names its own (`error.page`).
+"""
 
 import re
-from typing import Any
+from typing import Any, ClassVar
 
 # Longer values are cut in messages: what came is recognised by its beginning and its end.
 LONGEST_SHOWN = 200
@@ -23,13 +26,19 @@ def _shortened(message: str) -> str:
 class GeomtorsionError(Exception):
     """Base of every error this package raises on purpose; no message of one is endless.
 
+    page: name of the page of the documentation (examples/site) that helps.
+
     Examples
     --------
+    >>> LoopError.page
+    'tutorials/loops_that_do_not_close'
     >>> issubclass(CoframeError, GeomtorsionError)
     True
     >>> len(str(CoframeError("x" * 10**6)))
     199
     """
+
+    page: ClassVar[str] = "errors"
 
     def __init__(self, *args: object) -> None:
         super().__init__(*(_shortened(x) if isinstance(x, str) else x for x in args))
@@ -41,6 +50,8 @@ class ArgumentError(GeomtorsionError, TypeError):
 
 class ExpressionError(GeomtorsionError, ValueError):
     """An expression cannot be read exactly: the message names the entry and the part."""
+
+    page = "howto/tetrad_file"
 
 
 class LimitError(GeomtorsionError, ValueError):
@@ -58,21 +69,31 @@ class AllowanceError(LimitError):
 class CoframeError(GeomtorsionError, ValueError):
     """A coframe (or set of legs) is not square, singular or otherwise no basis."""
 
+    page = "howto/tetrad_file"
+
 
 class CoordinateError(GeomtorsionError, ValueError):
     """Coordinates or parameters are repeated, missing or clash."""
+
+    page = "howto/tetrad_file"
 
 
 class MetricError(GeomtorsionError, ValueError):
     """A metric is not symmetric, degenerate, or not of the signature asked for."""
 
+    page = "howto/tetrad_file"
+
 
 class SignatureError(GeomtorsionError, ValueError):
     """eta is not a constant, symmetric, non-degenerate matrix of the right size."""
 
+    page = "howto/tetrad_file"
+
 
 class StructureConstantError(GeomtorsionError, ValueError):
     """Structure constants are not antisymmetric or violate the Jacobi identity."""
+
+    page = "howto/tetrad_file"
 
 
 class ShapeError(GeomtorsionError, ValueError):
@@ -81,6 +102,8 @@ class ShapeError(GeomtorsionError, ValueError):
 
 class TensorIndexError(GeomtorsionError, ValueError):
     """Index letters, positions or kinds do not fit together."""
+
+    page = "tutorials/connections"
 
 
 class MissingValueError(GeomtorsionError, KeyError):
@@ -101,9 +124,13 @@ class BranchError(SingularPointError):
 class UndecidedError(GeomtorsionError, ArithmeticError):
     """Whether an expression vanishes cannot be decided exactly."""
 
+    page = "tutorials/accuracy"
+
 
 class FileFormatError(GeomtorsionError, ValueError):
     """A file cannot be read: the message names the file, the key and the reason."""
+
+    page = "howto/tetrad_file"
 
 
 class UnknownNameError(GeomtorsionError, LookupError):
@@ -121,6 +148,8 @@ class PackageError(GeomtorsionError, OSError):
 class LoopError(GeomtorsionError, ValueError):
     """A path is no loop (it does not close, has no length), or cannot be integrated over."""
 
+    page = "tutorials/loops_that_do_not_close"
+
 
 class StartError(GeomtorsionError, ValueError):
     """A motion cannot start like this: the message names the number and the remedy."""
@@ -136,6 +165,8 @@ class AccuracyError(GeomtorsionError, ArithmeticError):
     ensemble: the members of an ensemble that do reach it, or None.
     """
 
+    page = "tutorials/accuracy"
+
     def __init__(self, message: str, ensemble: Any = None) -> None:
         super().__init__(message)
         self.ensemble: Any = ensemble
@@ -143,6 +174,8 @@ class AccuracyError(GeomtorsionError, ArithmeticError):
 
 class ChartEdgeError(GeomtorsionError, ArithmeticError):
     """A motion ran out of its chart; `solution` holds everything computed so far, or None."""
+
+    page = "howto/second_chart"
 
     def __init__(self, message: str, solution: Any = None) -> None:
         super().__init__(message)
@@ -168,21 +201,31 @@ class EndpointError(GeomtorsionError, ArithmeticError):
 class NetworkError(GeomtorsionError, ValueError):
     """A network of paths or dislocation lines lacks data or violates a conservation law."""
 
+    page = "tutorials/loops_that_do_not_close"
+
 
 class CrystalError(GeomtorsionError, ValueError):
     """Atoms form no crystal, or not the one that was named: the message says what fits."""
+
+    page = "tutorials/from_data"
 
 
 class GridError(GeomtorsionError, ValueError):
     """A sampled frame has no regular grid, holds no finite values, or is left by a loop."""
 
+    page = "tutorials/from_data"
+
 
 class OrientationError(GeomtorsionError, ValueError):
     """An orientation map lacks something, or a circuit in it leaves its grain: it names pixels."""
 
+    page = "tutorials/from_data"
+
 
 class ImageError(GeomtorsionError, ValueError):
     """An image shows no lattice, or too little of one where it was asked for."""
+
+    page = "tutorials/from_data"
 
 
 class UnitError(GeomtorsionError, ValueError):
@@ -192,18 +235,28 @@ class UnitError(GeomtorsionError, ValueError):
 class BodyError(GeomtorsionError, ValueError):
     """A body has no mass, or moments of inertia that no body can have."""
 
+    page = "tutorials/top_and_effects"
+
 
 class SceneError(GeomtorsionError, ValueError):
     """A scene contradicts itself or lacks something: effects, start, or what is watched."""
+
+    page = "tutorials/top_and_effects"
 
 
 class LagrangianError(GeomtorsionError, ValueError):
     """A Lagrangian or force holds a symbol that means nothing here, or is no expression."""
 
+    page = "tutorials/top_and_effects"
+
 
 class KineticMatrixError(GeomtorsionError, ValueError):
     """The kinetic matrix of a Lagrangian is singular: accelerations are not determined."""
 
+    page = "tutorials/top_and_effects"
+
 
 class ConstraintError(GeomtorsionError, ValueError):
     """A constraint is not linear in the velocities, or follows from the others."""
+
+    page = "tutorials/top_and_effects"

@@ -18,7 +18,9 @@ PROFILE = Path(tempfile.mkdtemp(prefix="geomtorsion-site-"))
 atexit.register(shutil.rmtree, PROFILE, ignore_errors=True)
 (PROFILE / "profile_default").mkdir()
 (PROFILE / "profile_default/ipython_kernel_config.py").write_text(
-    'get_config().IPKernelApp.log_level = "ERROR"\n', "utf-8"
+    'c = get_config()\nc.IPKernelApp.log_level = "ERROR"\n'
+    'c.IPKernelApp.matplotlib = "inline"\nc.InlineBackend.figure_formats = ["svg"]\n',
+    "utf-8",
 )
 os.environ["IPYTHONDIR"] = str(PROFILE)
 
@@ -35,6 +37,8 @@ extensions = [
     "formulas",
     "docstrings",
     "reference",
+    "gallery",
+    "tables",
     "laws",
 ]
 source_suffix = {".md": "myst-nb", ".rst": "restructuredtext"}

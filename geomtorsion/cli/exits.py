@@ -30,7 +30,7 @@ def clean_exits() -> Iterator[None]:
     try:
         yield
     except GeomtorsionError as error:
-        typer.echo(f"geomtorsion: {error}", err=True)
+        typer.echo(f"geomtorsion: {error}\n{more_on(error)}", err=True)
         raise typer.Exit(ExitCode.wrong_input) from None
     except BrokenPipeError:
         # `| head` closed the pipe: typer ends without a word.
@@ -42,6 +42,17 @@ def clean_exits() -> Iterator[None]:
     except KeyboardInterrupt:
         stopped()
         raise typer.Exit(ExitCode.interrupted) from None
+
+
+def more_on(error: GeomtorsionError) -> str:
+    """Where the documentation says more.
+
+    Examples
+    --------
+    >>> more_on(GeomtorsionError("no"))
+    '(More on this: page errors of examples/site.)'
+    """
+    return f"(More on this: page {error.page} of examples/site.)"
 
 
 def stopped(more: str = "") -> None:

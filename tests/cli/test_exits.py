@@ -8,6 +8,10 @@ import time
 from pathlib import Path
 
 import pytest
+import typer
+
+from geomtorsion import errors
+from geomtorsion.cli.exits import clean_exits
 
 ROOT = Path(__file__).parent.parent.parent
 
@@ -79,3 +83,19 @@ def test_limits_that_are_none():
         _, error = running.communicate(timeout=60)
     assert running.returncode == 2
     assert "seconds: a positive number was needed, but -1" in error
+
+
+@pytest.mark.parametrize(
+    ("kind", "page"),
+    [
+        pytest.param(errors.LoopError, "tutorials/", id="its own"),
+        pytest.param(errors.GeomtorsionError, "errors", id="the general one"),
+    ],
+)
+def test_an_error_names_the_page_that_helps(kind, page, capsys):
+    """Below the message, for every error of the package."""
+    with pytest.raises(typer.Exit), clean_exits():
+        raise kind("no")
+    message, more = capsys.readouterr().err.splitlines()
+    assert message == "geomtorsion: no"
+    assert more.startswith(f"(More on this: page {page}")

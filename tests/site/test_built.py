@@ -1,16 +1,81 @@
 """The site as a reader has it: complete, closed, every cell run, every link good."""
 
 import re
+from pathlib import Path
 
 import pytest
 
-TUTORIALS = ("first_tetrad",)
+import geomtorsion
+from geomtorsion import errors
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+TUTORIALS = (
+    "first_tetrad",
+    "connections",
+    "straightest_and_shortest",
+    "loops_that_do_not_close",
+    "from_data",
+    "top_and_effects",
+    "own_torsion",
+    "accuracy",
+)
+TASKS = ("tetrad_file", "second_chart", "effect", "space", "exercise", "engine")
+OTHERS = (
+    "index", "api/index", "genindex", "gallery/index", "conventions", "errors", "comparison",
+    "design", "cite", "contribute", "licences",
+)  # fmt: skip
 
 
 def test_pages_are_there(built):
-    """One for each tutorial, and the reference."""
-    for name in ("index", "api/index", "genindex", *(f"tutorials/{one}" for one in TUTORIALS)):
+    """Tutorials, tasks, examples and what is looked up."""
+    names = [
+        *OTHERS,
+        *(f"tutorials/{one}" for one in TUTORIALS),
+        *(f"howto/{one}" for one in TASKS),
+    ]
+    for name in names:
         assert (built / f"{name}.html").is_file(), name
+
+
+def test_every_example_has_a_page_and_a_picture(built):
+    """What it printed stands on its page, and the gallery leads there."""
+    gallery = (built / "gallery" / "index.html").read_text("utf-8")
+    scripts = [*EXAMPLES.glob("*.py"), *(EXAMPLES / "scenes").glob("*.py")]
+    assert len(scripts) >= 32
+    links = re.findall(r'<a class="card" href="([^"]+)"><img src="([^"]+)"', gallery)
+    assert len(links) == len(scripts)
+    for page, picture in links:
+        assert (built / "gallery" / picture).stat().st_size > 500, picture
+        assert 'id="what-it-prints"' in (built / "gallery" / page).read_text("utf-8")
+
+
+def test_pages_that_errors_name_are_there(built):
+    """`error.page` leads somewhere, for every error of the package."""
+    kinds = [one for one in vars(errors).values() if isinstance(one, type)]
+    pages = {one.page for one in kinds if issubclass(one, errors.GeomtorsionError)}
+    assert len(pages) >= 6
+    assert not [page for page in pages if not (built / f"{page}.html").is_file()]
+    named = re.findall(r"\b(?:tutorials|howto|api)/\w+", geomtorsion.__doc__ or "")
+    assert len(named) == 3
+    assert not [page for page in named if not (built / f"{page}.html").is_file()]
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_a_task_is_really_done(built, name):
+    """Cells ran and assert what they claim."""
+    text = (built / f"howto/{name}.html").read_text("utf-8")
+    assert len(re.findall(r'<div class="cell_output', text)) >= 2
+    assert "Traceback" not in text
+
+
+def test_versions_are_those_of_this_checkout(built):
+    """What to cite has the version, in both forms; licences name what is needed."""
+    text = (built / "cite.html").read_text("utf-8")
+    assert text.count(geomtorsion.__version__) >= 2
+    assert "cff-version" in text
+    licences = (built / "licences.html").read_text("utf-8")
+    assert all(name in licences for name in ("sympy", "python-flint", "heyoka", "orix"))
 
 
 def test_nothing_is_asked_of_other_hosts_and_links_lead_somewhere(built):

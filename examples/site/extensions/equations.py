@@ -18,6 +18,8 @@ _OPERATORS = ("tr", "atan2", "grad", "sn", "cn", "dn")
 # What is set already stands as one letter of the private use area until the rest is set.
 _FIRST_PRIVATE = 0xE000
 _REWRITTEN = (
+    (re.compile(r"\bGamma_bar"), "Γ̄"),
+    (re.compile(r"\b([RD])_bar"), "\\1̄"),
     (re.compile(r"\^(-\w+)"), r"^{\1}"),
     (re.compile(r"([_^])(\w+)\]"), r"\1{\2}]"),
     (re.compile(r"([_^])(mu|nu|rho) (mu|nu|rho)\b"), r"\1{\2 \3}"),
@@ -43,6 +45,9 @@ _DIFFERENTIAL = re.compile(rf"\bd(?!n u)({_LETTERS}|[a-zA-Z])(?=[\^_\s,;.)/]|$)"
 _FUNCTION = re.compile(rf"\b({'|'.join(FUNCTIONS)})\b")
 _PRIVATE = re.compile("[\ue000-\uf8ff]")
 _GREEK_BASE = re.compile(rf"(?<![A-Za-z\\])({_LETTERS})(?=[_^'0-9(\s,;.)/]|$)")
+_GREEK_INDEX = re.compile(rf"([_^])({_LETTERS})(?![a-z])")
+_TWO_INDICES = re.compile(r"([_^])\{(\w)\}\1\{(\w)\}")
+_CAPITALS = {"Γ": r"\Gamma ", "Ω": r"\Omega ", "Φ": r"\Phi "}
 _WORD = re.compile(r"[a-z]{2,}|[A-Z][a-z]+|a|A|I")
 _NAME = re.compile(r"\b[a-z]{3,}_[a-z]{3,}|_in_|[A-Z]'s|[`\"\[][A-Za-z]{4,}|\.py|[0-9]{4}\]")
 _SIGNS = re.compile(r"[=^_']|->")
@@ -55,6 +60,8 @@ def latex_of(text: str) -> str | None:
     """Plain mathematics in LaTeX, or None where it cannot be read."""
     for pattern, new in _REWRITTEN:
         text = pattern.sub(new, text)
+    text = _GREEK_INDEX.sub(lambda found: f"{found[1]}{{{GREEK[found[2]]}}}", text)
+    text = _TWO_INDICES.sub(r"\1{\2 \3}", text)
     kept: list[str] = []
 
     def keep(latex: str) -> str:
@@ -77,6 +84,8 @@ def latex_of(text: str) -> str | None:
     latex = latex.replace("∑", r"\sum ").replace("∫", r"\int ").replace("∮", r"\oint ")
     latex = re.sub(r"√\(([^()]*)\)", r"\\sqrt{\1}", latex).replace(";  ", r";\quad ")
     latex = latex.replace(",  ", r",\quad ")
+    for letter, name in _CAPITALS.items():
+        latex = latex.replace(letter, name)
     try:
         mathml(latex, display=False)
     except LatexError:

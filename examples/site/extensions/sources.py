@@ -9,11 +9,14 @@ from __future__ import annotations
 
 import hashlib
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from importlib.metadata import distributions
 from pathlib import Path
 
 ROOT = Path(__file__).parents[3]
+SITE = ROOT / "examples" / "site"
+# Written while the site is built.
+MADE = SITE / "gallery" / "pages"
 FOLDERS = ("geomtorsion", "examples")
 FILES = ("README.md", "CHANGELOG.md", "LICENSE", "pyproject.toml")
 
@@ -21,16 +24,22 @@ FILES = ("README.md", "CHANGELOG.md", "LICENSE", "pyproject.toml")
 def files() -> Iterator[Path]:
     """Every file that a page may be made from."""
     for folder in FOLDERS:
-        yield from (path for path in (ROOT / folder).rglob("*") if path.is_file())
+        for path in (ROOT / folder).rglob("*"):
+            if path.is_file() and path.suffix != ".pyc" and MADE not in path.parents:
+                yield path
     yield from (ROOT / name for name in FILES)
 
 
-def digest(*, versions: bool = False) -> str:
-    """The digest: of names and contents, in a fixed order."""
+def scripts() -> Iterator[Path]:
+    """What examples do depends on these alone."""
+    return (path for path in files() if path.suffix == ".py" and SITE not in path.parents)
+
+
+def digest(given: Iterable[Path] | None = None, *, versions: bool = False) -> str:
+    """The digest of some files, or of all: of names and contents, in a fixed order."""
     found = hashlib.sha256()
-    for path in sorted(files()):
-        if path.suffix != ".pyc":
-            found.update(f"{path.relative_to(ROOT).as_posix()}\n".encode() + path.read_bytes())
+    for path in sorted(files() if given is None else given):
+        found.update(f"{path.relative_to(ROOT).as_posix()}\n".encode() + path.read_bytes())
     if versions:
         installed = sorted({f"{one.name}=={one.version}" for one in distributions()})
         found.update("\n".join([sys.version, *installed]).encode())
