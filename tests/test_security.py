@@ -424,6 +424,7 @@ COMMANDS = {
     "exercises grade": ["none"],
     "exercises sheet": ["1.1"],
     "exercises hint": ["1.1"],
+    "exercises export": ["--to", "nbgrader", "-o", "course", "--only", "3.1"],
 }
 # They start servers or pages, or write pictures that are tested elsewhere.
 UNTRIED = {"lab", "paper"}

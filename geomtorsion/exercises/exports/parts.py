@@ -203,7 +203,7 @@ class Part:
         if self._stacked:
             rows = self.shape[1]
             first, last = rows * place + 1, rows * (place + 1)
-            return f"apply(matrix,makelist({variable}[k],k,{first},{last}))"
+            return f"apply(matrix,makelist({variable}[ma],ma,{first},{last}))"
         if self.shape and self.kind == "number":
             return f"matrix({variable})"
         return variable
@@ -232,18 +232,17 @@ class Part:
 
     def _completed(self) -> str:
         """With what follows from a component by exchanging its first two indices, if it is zero."""
+        # Of names of one letter, i is the imaginary unit in STACK.
         n, given, sign = self.shape[0], f"given{self.place}", self._sign.strip()
         if not self._stacked:
-            entry, other = f"{given}[i,j]", f"{sign}{given}[j,i]"
-            return (
-                f"apply(matrix,makelist(makelist(if is({entry}=0) then {other} else {entry},"
-                f"j,1,{n}),i,1,{n}))"
-            )
-        entry, other = f"{given}[{n}*(i-1)+j,k]", f"{sign}{given}[{n}*(j-1)+i,k]"
-        return (
-            f"apply(matrix,create_list(makelist(if is({entry}=0) then {other} else {entry},"
-            f"k,1,{self.shape[-1]}),i,makelist(m,m,1,{n}),j,makelist(m,m,1,{n})))"
-        )
+            entry, other = f"{given}[ma,mb]", f"{sign}{given}[mb,ma]"
+            rows = f"makelist(makelist(@,mb,1,{n}),ma,1,{n})"
+        else:
+            entry, other = f"{given}[{n}*(ma-1)+mb,mc]", f"{sign}{given}[{n}*(mb-1)+ma,mc]"
+            row = f"makelist(@,mc,1,{self.shape[-1]})"
+            rows = f"apply(append,makelist(makelist({row},mb,1,{n}),ma,1,{n}))"
+        filled = f"if is({entry}=0) then {other} else {entry}"
+        return f"apply(matrix,{rows.replace('@', filled)})"
 
     @property
     def given(self) -> str:

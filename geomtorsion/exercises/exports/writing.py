@@ -83,17 +83,26 @@ def _qti(found: Sequence[Task]) -> tuple[Files, str]:
     return files, note
 
 
-# Name -> what makes the files, and the seeds if none are given: several where the system itself
-# gives each student a variant.
-FORMATS: Mapping[str, tuple[Callable[[Sequence[Task]], tuple[Files, str]], tuple[int, ...]]] = (
-    MappingProxyType(
-        {
-            "stack": (_stack, (0, 1, 2)),
-            "prairielearn": (_prairielearn, (0, 1, 2)),
-            "nbgrader": (_nbgrader, (0,)),
-            "qti": (_qti, (0,)),
-        }
-    )
+@dataclass(frozen=True)
+class Format:
+    """A format: what makes the files, and what they need.
+
+    seeds: the variants if none are asked for; several where the system gives each student one.
+    worked: whether the files hold the solutions step by step, which take their time.
+    """
+
+    make: Callable[[Sequence[Task]], tuple[Files, str]]
+    seeds: tuple[int, ...]
+    worked: bool = False
+
+
+FORMATS: Mapping[str, Format] = MappingProxyType(
+    {
+        "stack": Format(_stack, (0, 1, 2), worked=True),
+        "prairielearn": Format(_prairielearn, (0, 1, 2)),
+        "nbgrader": Format(_nbgrader, (0,)),
+        "qti": Format(_qti, (0,)),
+    }
 )
 
 
@@ -139,13 +148,14 @@ def export(
     ...     [path.name for path in found.files]
     ['nbgrader_config.py', 'chapter3.ipynb']
     """
-    make, usual = FORMATS[checks.choice(to, tuple(FORMATS), "to", ArgumentError)]
-    found = tasks(numbers, usual if seeds is None else seeds)
+    chosen = FORMATS[checks.choice(to, tuple(FORMATS), "to", ArgumentError)]
+    found = tasks(numbers, chosen.seeds if seeds is None else seeds)
     for task in found:
         progress(task.number)
+        # Kept by the exercise: the files are written at once afterwards.
         for exercise in task.variants:
-            exercise.solution()
-    files, note = make(found)
+            _ = exercise.solution(), exercise.worked if chosen.worked else ()
+    files, note = chosen.make(found)
     paths = []
     for name, content in files.items():
         path = Path(directory, name)

@@ -4,12 +4,14 @@ import re
 import shutil
 import subprocess
 from functools import cache
+from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
 
 from geomtorsion import exercises
 from geomtorsion.exercises.checking import check_question
+from geomtorsion.exercises.exports.maxima import maxima_matrix
 from geomtorsion.exercises.exports.parts import MISSING
 from geomtorsion.exercises.exports.stack import stack_quiz
 from geomtorsion.exercises.exports.tasks import tasks
@@ -188,25 +190,55 @@ def script(found: StackQuestion) -> str:
     return "\n".join(lines) + "\n"
 
 
-@pytest.mark.parametrize("number", NUMBERS)
-def test_maxima_ends_where_the_tests_say(number, tmp_path):
-    """Each question test, in each variant, ends at its node."""
+def ends(found: StackQuestion, folder: Path) -> list[tuple[str, str]]:
+    """Where each question test ends in Maxima, and where it should."""
     settings = environment()
     if settings is None:
         pytest.skip("Maxima is not installed")
     program = shutil.which("maxima", path=settings["PATH"])
     assert program is not None
+    file = folder / "question.mac"
+    file.write_text(script(found), "utf-8")
+    done = subprocess.run(
+        [program, "--very-quiet", "-b", str(file)], capture_output=True, text=True,
+        env=settings, timeout=300, check=True,
+    )  # fmt: skip
+    rows = re.findall(r"^@ [0-9]+ (\S+) (\S+)\s*$", done.stdout, re.MULTILINE)
+    tests = sum(len(x.findall("expected")) for x in found.element.findall("qtest"))
+    assert len(rows) == tests * len(found.seeds), done.stdout[-3000:]
+    return rows
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_maxima_ends_where_the_tests_say(number, tmp_path):
+    """Each question test, in each variant, ends at its node."""
     for found in exported(number):
-        file = tmp_path / "question.mac"
-        file.write_text(script(found), "utf-8")
-        done = subprocess.run(
-            [program, "--very-quiet", "-b", str(file)], capture_output=True, text=True,
-            env=settings, timeout=300, check=True,
-        )  # fmt: skip
-        rows = re.findall(r"^@ ([0-9]+) (\S+) (\S+)\s*$", done.stdout, re.MULTILINE)
-        tests = sum(len(x.findall("expected")) for x in found.element.findall("qtest"))
-        assert len(rows) == tests * len(found.seeds), done.stdout[-3000:]
-        assert not [row for row in rows if row[1] != row[2]]
+        assert not [row for row in ends(found, tmp_path) if row[0] != row[1]]
+
+
+@pytest.mark.parametrize("number", ["1.2", "1.3", "2.3", "3.4"])
+def test_half_of_a_symmetric_answer_in_maxima(number, tmp_path):
+    """Components with i <= j alone are right, as they are to the library."""
+    question = exercises.load(number).questions[0]
+    half = {key: x for key, x in question.solution.items() if key[0] <= key[1]}
+    assert len(half) < len(question.solution) or question.symmetry == "symmetric"
+    slices = [
+        {key[1:]: x for key, x in half.items() if key[0] == k} for k in range(question.shape[0])
+    ]
+    stacked = len(question.shape) == 3
+    texts = [maxima_matrix(x, question.shape[1:]) for x in slices] if stacked else [
+        maxima_matrix(half, question.shape)]  # fmt: skip
+    [found] = stack_questions(stack_quiz(tasks([number], [0])))
+    first, *rest = found.element.findall("qtest")
+    for case in rest:
+        found.element.remove(case)
+    for given, text in zip(first.findall("testinput"), texts, strict=False):
+        value = given.find("value")
+        assert value is not None
+        value.text = text
+    assert set(ends(found, tmp_path)) == {
+        (f"prt{k}-right", f"prt{k}-right") for k in range(1, len(found.trees) + 1)
+    }
 
 
 def test_the_export_is_xml_of_one_kind():
