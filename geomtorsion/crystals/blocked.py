@@ -239,8 +239,10 @@ def blocked_crystal(
 ) -> BlockedCrystal:
     """A crystal of more atoms than memory holds, sorted into blocks and looked through.
 
-    Memory is that of a block with a layer of some twelve neighbour distances about it, some 700
-    bytes for each of its atoms, or of all atoms near torsion, some 3 kB each.
+    It is taken as a single crystal, in the one frame into which most of a sample fit. Memory is
+    that of a block with a layer of some twelve neighbour distances about it, some 1 kB for each of
+    its atoms, or of all atoms near torsion, some 3 kB each: under noise that puts every second atom
+    in doubt, these are all.
 
     Parameters
     ----------

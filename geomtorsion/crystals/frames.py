@@ -12,8 +12,8 @@ from geomtorsion.crystals.method import METHOD
 from geomtorsion.crystals.triangulation import Cell
 from geomtorsion.errors import CrystalError
 
-# Of each atom of a sample: all that tell a lattice from the others.
-NEIGHBOURS = max(lattice.shells for lattice in LATTICES.values())
+# Of each atom of a sample: twice as many as tell a lattice, since noise brings others among them.
+NEIGHBOURS = 2 * max(lattice.shells for lattice in LATTICES.values())
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,6 +127,25 @@ def fitted(frame: Frame, vectors: np.ndarray) -> Fit:
     pick = [np.choose(kind, [x[m] for x in found]) for m in (0, 1)]
     labels = np.where(kind[:, None, None] == 0, found[0][2], found[-1][2])
     return Fit(kind, labels, pick[0].astype(bool), np.sqrt(pick[1]) / lattice.nearest)
+
+
+def occupied(frame: Frame, vectors: np.ndarray) -> np.ndarray:
+    """Atoms with another one at every neighbour vector, shape (atoms,) of truth values.
+
+    It is there if it lies nearer than half the neighbour distance; what else is near, as in a
+    lattice whose next shell noise mixes with this one, does not count.
+    """
+    lattice = frame.lattice
+    at = vectors @ (frame.orient.T / frame.constant)
+    found = np.zeros(len(vectors), dtype=bool)
+    for template in lattice.neighbours:
+        ideal = template * np.array(lattice.units)
+        there = np.ones(len(vectors), dtype=bool)
+        for place in ideal:
+            apart = ((at - place) ** 2).sum(axis=2).min(axis=1)
+            there &= apart < (lattice.nearest / 2) ** 2
+        found |= there
+    return found
 
 
 def _seeded(lattice: Lattice, vectors: np.ndarray) -> Frame:
@@ -268,7 +287,7 @@ def frame_of(
                 f"{other[0].lattice.name}, but {name} came, into which {share:.1%} fit. Name "
                 "that one, or none."
             )
-    if share < METHOD.share:
+    if max(share, occupied(found[0], vectors).mean()) < METHOD.share:
         raise CrystalError(
             f"positions: a crystal was needed ({name or 'fcc, bcc, hcp or diamond'}), but of "
             f"only {share:.1%} of the atoms the neighbours fit, as in a liquid. Name the "
