@@ -136,8 +136,7 @@ def generate(data: Data, number: str, seeds: Sequence[int]) -> None:
     params["seed"] = exercise.seed
     params["statement"] = html_of(exercise.statement, tex=True)
     params["prompts"] = {
-        question.name: html_of(question.prompt, tex=True)
-        + f"<p><small>{escape(_how(question))}</small></p>"
+        question.name: html_of(question.prompt, tex=True) + _how(question)
         for question in exercise.questions
     }
     params["choices"] = {
@@ -157,8 +156,10 @@ def generate(data: Data, number: str, seeds: Sequence[int]) -> None:
 
 
 def _how(question: Question) -> str:
-    """How to answer, as plain text."""
-    return "" if question.options else f"Answer: {how_to_answer(question).replace('`', '')}."
+    """How to answer, as HTML; of choices nothing."""
+    if question.options:
+        return ""
+    return f"<p><small>{escape(f'Answer: {how_to_answer(question)}.'.replace('`', ''))}</small></p>"
 
 
 def grade(data: Data, number: str) -> None:
