@@ -17,6 +17,7 @@ from geomtorsion.codegen.emission import Emitter
 from geomtorsion.codegen.evaluation import exact_values
 from geomtorsion.codegen.factoring import factor as pull_out
 from geomtorsion.codegen.heyoka_code import Expression, Number, heyoka_expressions
+from geomtorsion.codegen.hoisting import hoisted
 from geomtorsion.codegen.python_code import Body, compiled, python_body, python_source
 from geomtorsion.codegen.reading import Output, Reader
 from geomtorsion.codegen.steps import Builder, Signed, Step
@@ -262,6 +263,27 @@ class Graph:
             pairs = zip(found, outputs, strict=True)
             found = [(s, builder.product(place, factors[name])) for (s, place), name in pairs]
         return Graph((*self.arguments, *more), *builder.needed(found), self.is_complex)
+
+    def hoisted(self, first: int, name: str) -> tuple[Graph, Graph]:
+        """The same over constants that are worked out once, and the graph that makes these.
+
+        first: position of the first constant argument; all after it are constant, too, and are
+        the arguments of the second graph; name: of the new arguments, which are numbered.
+
+        Examples
+        --------
+        >>> import sympy
+        >>> x, a, b = sympy.symbols("x a b")
+        >>> made, constants = graph(["x", "a", "b"], [x * a / b], ["a", "b"]).hoisted(1, "c")
+        >>> made.arguments, constants.python()(3.0, 2.0), made.python()(10.0, 3.0, 2.0, 1.5)
+        (('x', 'a', 'b', 'c 0'), (1.5,), (15.0,))
+        """
+        rest, made = hoisted(self.steps, self.outputs, len(self.arguments), first)
+        more = (f"{name} {k}" for k in range(len(made[1])))
+        return (
+            Graph((*self.arguments, *more), *rest, self.is_complex),
+            Graph(self.arguments[first:], *made, self.is_complex),
+        )
 
     def derivative(self, names: Sequence[str]) -> Graph:
         """All derivatives with respect to arguments, those of the first output first.

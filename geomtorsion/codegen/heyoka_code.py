@@ -77,9 +77,7 @@ class _Writer:
             parts = zip(step.signs, inner, strict=True)
             return self.heyoka.sum([value if sign > 0 else -value for sign, value in parts])
         if kind == "product":
-            if step.constant:
-                return self.heyoka.prod(inner)
-            return self._product(step.operands[0], inner[1])
+            return self.heyoka.prod(inner)
         if kind == "square":
             return inner[0] ** 2.0
         if kind == "quotient":
@@ -96,24 +94,8 @@ class _Writer:
             )
         return getattr(self.heyoka, name)(*inner)
 
-    def _product(self, place: int, value: Expression) -> Expression:
-        """A product; with a product of constants one constant after another.
-
-        Each of them costs one multiplication at each order, while heyoka takes their product for
-        a series in compact mode.
-        """
-        first = self.steps[place]
-        if first.constant and first.kind in ("product", "square"):
-            for factor in (first.operands * 2)[:2]:
-                value = self._product(factor, value)
-            return value
-        return self.heyoka.prod([self.made[place], value])
-
     def _quotient(self, step: Step, above: Expression, below: Expression) -> Expression:
-        first, second = (self.steps[place] for place in step.operands)
-        if second.constant and not step.constant:
-            # A product costs less than a quotient at each order, and the inverse nothing.
-            return self.heyoka.prod([self.number(1, 1) / below, above])
+        first = self.steps[step.operands[0]]
         if is_one(first):
             # Of 1/x heyoka makes the power -1, of -1/x a quotient, which costs two thirds.
             return -self.heyoka.prod([self.number(-1, 1), below**-1.0])

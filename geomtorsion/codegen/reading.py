@@ -161,8 +161,16 @@ class Reader:
     # Elements.
 
     def _product(self, element: Element, names: tuple[str, ...]) -> Term:
-        """An element times arguments."""
-        return self._times([self._element(element), *(self.arguments[name] for name in names)])
+        """An element times arguments, those that it divides by left out."""
+        number, constants, rest = self._element(element)
+        left, below = list[Term](), list(rest)
+        for term in (self.arguments[name] for name in names):
+            literal = term[2][0] if term[2] else 0
+            if -literal in below:
+                below.remove(-literal)
+            else:
+                left.append(term)
+        return self._times([(number, constants, tuple(below)), *left])
 
     def _element(self, element: Element) -> Term:
         if element.is_kept:

@@ -5,6 +5,7 @@ Optional: without it the same curves are followed by their frame velocities, som
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -30,8 +31,49 @@ _CHEAP = ("argument", "number", "sum")
 ROUNDINGS = 64
 
 
+class Reduction(ABC):
+    """A smaller system that stands in the place of the equations of frame velocities."""
+
+    equations: Equations
+
+    @property
+    @abstractmethod
+    def system(self) -> System:
+        """The smaller system."""
+
+    @abstractmethod
+    def reduced(
+        self, states: np.ndarray, parameters: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Starts of the smaller system, their parameters, and for which no digits are lost.
+
+        states, parameters: full ones in double precision, shapes (number, size).
+        """
+
+    @abstractmethod
+    def lifted(self, states: np.ndarray, parameters: np.ndarray) -> np.ndarray:
+        """Full states, shape (number, m, size), of states (number, m, smaller size)."""
+
+    def lifted_one(self, parameters: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """Full states, shape (m, size), of the states of one motion."""
+        return self.lifted(states[None], parameters)[0]
+
+    def parts(self, members: Members) -> Iterator[Part]:
+        """Members of an ensemble by the smaller system, and those that would lose digits."""
+        start, numbers, kept = self.reduced(members.states, members.parameters)
+        system = self.system if members.system is self.equations.system else self.system.to_the_end
+        index = np.flatnonzero(kept)
+        if len(index):
+            own = numbers[index]
+            yield Part(index, system, start[index], own, lambda rows: self.lifted(rows, own))
+        rest = np.flatnonzero(~kept)
+        if len(rest):
+            full = members.states[rest], members.parameters[rest]
+            yield Part(rest, members.system, *full, lambda rows: rows)
+
+
 @dataclass(frozen=True, eq=False)
-class CyclicReduction:
+class CyclicReduction(Reduction):
     """Hamilton's equations, the momenta of cyclic coordinates being parameters.
 
     Equation
@@ -67,7 +109,7 @@ class CyclicReduction:
         return self.equations.states[: self.equations.width]
 
     @cached_property
-    def _names(self) -> tuple[str, ...]:
+    def names(self) -> tuple[str, ...]:
         """Names of the momenta, coordinate by coordinate."""
         taken = (*self.equations.states, *self.equations.parameters)
         letters = ("p_", "momentum_", "P_", "Momentum_")
@@ -75,23 +117,24 @@ class CyclicReduction:
         return tuple(letter + name for name in self._coordinates)
 
     @cached_property
-    def _moving(self) -> tuple[int, ...]:
+    def moving(self) -> tuple[int, ...]:
         """Places of the coordinates whose momenta change."""
         return tuple(k for k in range(self.equations.width) if k not in self.momenta.cyclic)
 
     @cached_property
     def _states(self) -> tuple[str, ...]:
-        return (*self._coordinates, *(self._names[k] for k in self._moving))
+        return (*self._coordinates, *(self.names[k] for k in self.moving))
 
     @cached_property
-    def _parameters(self) -> tuple[str, ...]:
-        constant = (self._names[k] for k in self.momenta.cyclic)
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the parameters: those of the equations, the constant momenta, and N."""
+        constant = (self.names[k] for k in self.momenta.cyclic)
         return (*self.equations.parameters, *constant, self._norm)
 
     @cached_property
     def _norm(self) -> str:
         """Name of the constant N."""
-        taken = (*self.equations.states, *self.equations.parameters, *self._names)
+        taken = (*self.equations.states, *self.equations.parameters, *self.names)
         return next(x for x in ("norm", "squared_norm", "norm_of_p") if x not in taken)
 
     # -- exact matrices --------------------------------------------------------------------------
@@ -120,7 +163,7 @@ class CyclicReduction:
         return _summed(pairs)
 
     @cached_property
-    def _inverse_metric(self) -> Mapping[tuple[int, int], Element]:
+    def inverse_metric(self) -> Mapping[tuple[int, int], Element]:
         """g^mu nu by (mu, nu), mu <= nu."""
         chart = self.equations.chart
         assert chart is not None
@@ -138,42 +181,37 @@ class CyclicReduction:
     def system(self) -> System:
         """All coordinates, and the momenta that change, with the divisor that costs the least."""
         field = self.momenta.frame.field
-        own = [self._inverse_metric.get((k, k)) for k in self._moving]
+        own = [self.inverse_metric.get((k, k)) for k in self.moving]
         divisors = [field.one, *(field.one / x for x in own if x is not None)]
-        arguments = (*self._states, *self._parameters)
-        made = [graph(arguments, self._rates(x), self._parameters) for x in divisors]
-        rates = min(made, key=_cost)
-        guard, end = self.equations.guards(arguments, self._parameters)
+        arguments = (*self._states, *self.parameters)
+        made = [graph(arguments, self._rates(x), self.parameters) for x in divisors]
+        rates = min(made, key=cost)
+        guard, end = self.equations.guards(arguments, self.parameters)
         width = self.equations.width
         places = (group for group in self.equations.groups if group[-1] < width)
         groups = (*places, tuple(range(width, len(self._states))))
-        return System(self._states, self._parameters, rates, groups, guard, end)
+        return System(self._states, self.parameters, rates, groups, guard, end)
 
     def _rates(self, divisor: Element) -> list[Products]:
         """Rates of coordinates and momenta, by D g^mu nu for a divisor D."""
         rates: list[Products] = [()] * self.equations.width
-        for (mu, nu), value in self._inverse_metric.items():
-            rates[mu] += ((value, (self._names[nu],)),)
+        for (mu, nu), value in self.inverse_metric.items():
+            rates[mu] += ((value, (self.names[nu],)),)
             if mu != nu:
-                rates[nu] += ((value, (self._names[mu],)),)
+                rates[nu] += ((value, (self.names[mu],)),)
         symbols, inverse = self.momenta.frame.coordinates, divisor.field.one / divisor
-        for k in self._moving:
+        for k in self.moving:
             terms: list[tuple[Element, tuple[str, ...]]] = []
-            for (mu, nu), value in self._inverse_metric.items():
+            for (mu, nu), value in self.inverse_metric.items():
                 slope = (value * divisor).diff(symbols[k])
                 if not slope.is_zero:
                     weight = Fraction(-1, 2) if mu == nu else Fraction(-1)
-                    terms.append((slope * inverse * weight, (self._names[mu], self._names[nu])))
+                    terms.append((slope * inverse * weight, (self.names[mu], self.names[nu])))
             slope = divisor.diff(symbols[k])
             if not slope.is_zero:
                 terms.append((slope * inverse * Fraction(1, 2), (self._norm,)))
             rates.append(tuple(terms))
         return rates
-
-    @property
-    def pays(self) -> bool:
-        """Whether a step of the smaller system costs less."""
-        return _cost(self.system.rates) < _cost(self.equations.system.rates)
 
     @cached_property
     def _to_momenta(self) -> Graph:
@@ -195,21 +233,18 @@ class CyclicReduction:
         """Frame velocities over states and parameters of the smaller system."""
         rows: list[Products] = [()] * len(self.equations.velocities)
         for (i, mu), value in self._raised.items():
-            rows[i] += ((value, (self._names[mu],)),)
-        return graph((*self._states, *self._parameters), rows, factor=False)
+            rows[i] += ((value, (self.names[mu],)),)
+        return graph((*self._states, *self.parameters), rows, factor=False)
 
     # -- there and back --------------------------------------------------------------------------
 
     def reduced(
         self, states: np.ndarray, parameters: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Starts of the smaller system, their parameters, and for which no digits are lost.
-
-        states, parameters: full ones in double precision, shapes (number, size).
-        """
+        """See `Reduction.reduced`."""
         width = self.equations.width
         momenta = self._to_momenta.numpy()(*states.T, *parameters.T).T
-        start = np.concatenate((states[:, :width], momenta[:, list(self._moving)]), axis=1)
+        start = np.concatenate((states[:, :width], momenta[:, list(self.moving)]), axis=1)
         constant = [*self.momenta.cyclic, width]
         numbers = np.concatenate((parameters, momenta[:, constant]), axis=1)
         back = self.lifted(start[:, None, :], numbers)[:, 0, width:]
@@ -219,7 +254,7 @@ class CyclicReduction:
         return start, numbers, kept & np.isfinite(start).all(axis=1)
 
     def lifted(self, states: np.ndarray, parameters: np.ndarray) -> np.ndarray:
-        """Full states, shape (number, m, size), of states (number, m, smaller size)."""
+        """See `Reduction.lifted`."""
         number, m, size = states.shape
         columns = states.reshape(-1, size).T
         numbers = parameters[0] if number == 1 else np.repeat(parameters, m, axis=0).T
@@ -229,25 +264,8 @@ class CyclicReduction:
         found[width:] = self._to_velocities.numpy()(*columns, *numbers)
         return found.T.reshape(number, m, len(found))
 
-    def lifted_one(self, parameters: np.ndarray, states: np.ndarray) -> np.ndarray:
-        """Full states, shape (m, size), of the states of one motion."""
-        return self.lifted(states[None], parameters)[0]
 
-    def parts(self, members: Members) -> Iterator[Part]:
-        """Members of an ensemble by the smaller system, and those that would lose digits."""
-        start, numbers, kept = self.reduced(members.states, members.parameters)
-        system = self.system if members.system is self.equations.system else self.system.to_the_end
-        index = np.flatnonzero(kept)
-        if len(index):
-            own = numbers[index]
-            yield Part(index, system, start[index], own, lambda rows: self.lifted(rows, own))
-        rest = np.flatnonzero(~kept)
-        if len(rest):
-            full = members.states[rest], members.parameters[rest]
-            yield Part(rest, members.system, *full, lambda rows: rows)
-
-
-def _cost(rates: Graph) -> int:
+def cost(rates: Graph) -> int:
     """Products, quotients and functions in a step, those of parameters alone left out."""
     return sum(not step.constant and step.kind not in _CHEAP for step in rates.steps)
 

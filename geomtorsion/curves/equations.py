@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 from geomtorsion.codegen import Graph, Products, graph
 from geomtorsion.copies import only_fields
 from geomtorsion.curves.atlas import Chart
-from geomtorsion.curves.cyclic import CyclicReduction
+from geomtorsion.curves.cyclic import CyclicReduction, Reduction, cost
 from geomtorsion.curves.laws import Law, Momenta
+from geomtorsion.curves.separated import separated
 from geomtorsion.errors import ChartEdgeError, StartError
 from geomtorsion.exact.sign import of_same_sign
 from geomtorsion.ode.system import System
@@ -79,7 +80,7 @@ class Equations:
         return guard, graph(arguments, ends, parameters)
 
     @cached_property
-    def reduction(self) -> CyclicReduction | None:
+    def reduction(self) -> Reduction | None:
         """A smaller system in the place of this one, where a step of it costs less."""
         if self.momenta is None or not self.momenta.cyclic or self.chart is None:
             return None
@@ -89,7 +90,10 @@ class Equations:
         if len(self.system.rates.steps) > LONGEST:
             return None
         found = CyclicReduction(self, self.momenta)
-        return found if found.pays else None
+        apart = separated(found)
+        offered = [self, found] if apart is None else [self, found, apart]
+        best = min(offered, key=lambda one: cost(one.system.rates))
+        return None if best is self else best
 
     @property
     def moves(self) -> bool:

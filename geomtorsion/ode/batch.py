@@ -84,7 +84,8 @@ def run_batch(
             backward = bool(times[-1] < times[0])
             kept, compiling = engine.compiled(system, tolerance, width=width, backward=backward)
             with kept.lock:
-                calls = _calls(states, parameters, units, pace, times, width)
+                numbers = system.with_constants(parameters)
+                calls = _calls(states, numbers, units, pace, times, width)
                 watched = crossed if system.guard is not None else None
                 _by_heyoka(kept.integrator, calls, result, finished, watched, show)
         else:

@@ -85,7 +85,7 @@ def run_jointly(
         integrator.state[:-1] = np.array([starts[k] for k in order]).T
         integrator.state[-1] = [size * tolerances[k] / finest for k in order]
         if len(integrator.pars):
-            pars = np.array([parameters[k] for k in order]).T
+            pars = system.with_constants(np.array([parameters[k] for k in order])).T
             integrator.pars[:] = pars[: len(integrator.pars)]
         if integrator.with_events:
             integrator.reset_cooldowns()

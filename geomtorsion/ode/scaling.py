@@ -88,11 +88,12 @@ def member_units(
     durations: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray] | None:
     """Sizes (number, size) and times (number,) of members; None where all run as they are."""
-    found = [
-        units_of(system, *row) for row in zip(
-            states.tolist(), parameters.tolist(), durations.tolist(), strict=True
-        )
-    ]  # fmt: skip
+    far = np.flatnonzero(~_run_as_they_are(system, states, parameters, np.abs(durations)))
+    if not len(far):
+        return None
+    found: list[Units | None] = [None] * len(states)
+    for k in far:
+        found[k] = units_of(system, states[k], parameters[k], float(durations[k]))
     if all(units is None for units in found):
         return None
     plain = Units(np.ones(states.shape[1]), 1.0)
@@ -164,6 +165,29 @@ def units_of(
     if system.clock is not None:
         found[system.states.index(system.clock[0])] = time / system.clock[1]
     return Units(found, time)
+
+
+def _run_as_they_are(
+    system: System, states: np.ndarray, parameters: np.ndarray, durations: np.ndarray
+) -> np.ndarray:
+    """Which members have numbers near one: the first question of `units_of`, all at once."""
+    near = (durations == 0) | _are_near(durations)
+    for group in map(list, system.groups_but_clock):
+        tops = np.abs(states[:, group]).max(axis=1)
+        still = np.flatnonzero(tops == 0)
+        if len(still):
+            with np.errstate(all="ignore"):
+                rates = system.array_function(*states[still].T, *parameters[still].T)
+            shape = (system.size, len(still))
+            tops[still] = np.abs(np.broadcast_to(rates, shape)[group]).max(axis=0)
+            tops[still] *= durations[still]
+        near &= (tops == 0) | _are_near(tops)
+    return near
+
+
+def _are_near(sizes: np.ndarray) -> np.ndarray:
+    """Which of many sizes are near enough to one."""
+    return (sizes >= 1 / FAR) & (sizes <= FAR)
 
 
 def _is_near(size: float) -> bool:

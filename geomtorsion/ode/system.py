@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -139,6 +140,44 @@ class System:
         assert self._guard_above_rounding is not None
         least = self._guard_above_rounding.numpy()(*states, *values).min(axis=0)
         return np.where(np.isnan(least), -1.0, least)
+
+    @cached_property
+    def _hoisted(self) -> tuple[System, list[Graph]]:
+        """See `hoisted`, and the graphs that make its further parameters, one after another."""
+        names, parts, made = self.parameters, list[Graph](), list[Graph]()
+        for k, part in enumerate((self.rates, self.guard)):
+            if part is not None:
+                wide = replace(part, arguments=(*self.states, *names))
+                rest, constants = wide.hoisted(self.size, f"constant {k}")
+                names = rest.arguments[self.size :]
+                parts.append(rest)
+                made.append(constants)
+        rates = replace(parts[0], arguments=(*self.states, *names))
+        guard = None if self.guard is None else parts[1]
+        return replace(self, parameters=names, rates=rates, guard=guard, end=None), made
+
+    @property
+    def hoisted(self) -> System:
+        """The same equations, over further parameters where these are made of others alone."""
+        return self._hoisted[0]
+
+    def with_constants(self, values: np.ndarray) -> np.ndarray:
+        """Parameters of `hoisted` in doubles, from those of this; the last axis counts them."""
+        for made in self._hoisted[1]:
+            if made.size:
+                further = made.numpy()(*np.moveaxis(values, -1, 0))
+                values = np.concatenate((values, np.moveaxis(further, 0, -1)), axis=-1)
+        return values
+
+    def with_long_constants(self, values: Sequence[Any], bits: int) -> list[Any]:
+        """The same for one motion in numbers of more bits."""
+        found = list(values)
+        for made in self._hoisted[1]:
+            try:
+                found += made.exactly(found, bits)
+            except NO_VALUE:
+                found += [float("nan")] * made.size
+        return found
 
     @cached_property
     def unguarded(self) -> System:

@@ -120,6 +120,12 @@ class Taylor:
         kind = type(self.number(0.0))
         return np.array([self.number(value) for value in values], dtype=kind)
 
+    def _numbers(self, system: System, parameters: Sequence[Real] | np.ndarray) -> np.ndarray:
+        """What the compiled integrator of a system takes for its parameters."""
+        if self.precision == 53:
+            return system.with_constants(self.array(parameters))
+        return self.array(system.with_long_constants(parameters, self.precision + 20))
+
     def compiled(
         self,
         system: System,
@@ -132,7 +138,8 @@ class Taylor:
     ) -> tuple[Compiled, float]:
         """The compiled integrator of a system, kept or made now; the seconds that it took."""
         order, bits = order_of(tolerance), self.precision
-        return compiled(system, order, bits, width, optimised, measured, self.number, backward)
+        hoisted = system.hoisted
+        return compiled(hoisted, order, bits, width, optimised, measured, self.number, backward)
 
     def run(
         self,
@@ -176,7 +183,7 @@ class Taylor:
             began = time.perf_counter()
             integrator, record = kept.integrator, None
             grid, start = self.array(times), self.array(start)
-            numbers = self.array(parameters) if system.parameters else None
+            numbers = self._numbers(system, parameters) if system.parameters else None
             _place(integrator, grid[0], start, numbers)
             at = partial(_room, system, [float(x) for x in parameters], integrator)
             room = None if system.guard_is_entire else at
