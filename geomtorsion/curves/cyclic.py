@@ -9,7 +9,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -34,8 +34,6 @@ ROUNDINGS = 64
 class Reduction(ABC):
     """A smaller system that stands in the place of the equations of frame velocities."""
 
-    equations: Equations
-
     @property
     @abstractmethod
     def system(self) -> System:
@@ -58,18 +56,25 @@ class Reduction(ABC):
         """Full states, shape (m, size), of the states of one motion."""
         return self.lifted(states[None], parameters)[0]
 
-    def parts(self, members: Members) -> Iterator[Part]:
-        """Members of an ensemble by the smaller system, and those that would lose digits."""
-        start, numbers, kept = self.reduced(members.states, members.parameters)
-        system = self.system if members.system is self.equations.system else self.system.to_the_end
-        index = np.flatnonzero(kept)
-        if len(index):
-            own = numbers[index]
-            yield Part(index, system, start[index], own, lambda rows: self.lifted(rows, own))
-        rest = np.flatnonzero(~kept)
-        if len(rest):
-            full = members.states[rest], members.parameters[rest]
-            yield Part(rest, members.system, *full, lambda rows: rows)
+
+def parts_of(equations: Equations, members: Members) -> Iterator[Part]:
+    """Members of an ensemble, each by the first smaller system by which it loses no digits."""
+    rest = np.arange(len(members.states))
+    several = members.system is equations.system
+    for one in equations.reductions:
+        start, numbers, kept = one.reduced(members.states[rest], members.parameters[rest])
+        if kept.any():
+            own = numbers[kept]
+            system = one.system if several else one.system.to_the_end
+            yield Part(rest[kept], system, start[kept], own, partial(_lifted, one, own))
+        rest = rest[~kept]
+    if len(rest):
+        full = members.states[rest], members.parameters[rest]
+        yield Part(rest, members.system, *full, lambda rows: rows)
+
+
+def _lifted(reduction: Reduction, numbers: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    return reduction.lifted(rows, numbers)
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +98,7 @@ class CyclicReduction(Reduction):
     >>> from geomtorsion.spaces import load
     >>> orbit = geodesic(load("kerr").frame, [0, 8, 1.5, 0], [1.3, 0, 0, 0.05],
     ...                  parameters={"M": 1, "a": 0.9})
-    >>> orbit.equations("kerr").reduction.system.states
+    >>> orbit.equations("kerr").reductions[1].system.states
     ('t', 'r', 'theta', 'phi', 'p_r', 'p_theta')
     """
 

@@ -80,20 +80,20 @@ class Equations:
         return guard, graph(arguments, ends, parameters)
 
     @cached_property
-    def reduction(self) -> Reduction | None:
-        """A smaller system in the place of this one, where a step of it costs less."""
+    def reductions(self) -> tuple[Reduction, ...]:
+        """Smaller systems in the place of this one that cost less; the cheapest first."""
         if self.momenta is None or not self.momenta.cyclic or self.chart is None:
-            return None
+            return ()
         # Where a root of the frame vanishes, momenta may grow without bound; velocities do not.
         if any(edge.is_root for edge in self.chart.edges):
-            return None
+            return ()
         if len(self.system.rates.steps) > LONGEST:
-            return None
-        found = CyclicReduction(self, self.momenta)
-        apart = separated(found)
-        offered = [self, found] if apart is None else [self, found, apart]
-        best = min(offered, key=lambda one: cost(one.system.rates))
-        return None if best is self else best
+            return ()
+        cyclic = CyclicReduction(self, self.momenta)
+        offered = [one for one in (separated(cyclic), cyclic) if one is not None]
+        costs = {id(one): cost(one.system.rates) for one in (self, *offered)}
+        paying = [one for one in offered if costs[id(one)] < costs[id(self)]]
+        return tuple(sorted(paying, key=lambda one: costs[id(one)]))
 
     @property
     def moves(self) -> bool:

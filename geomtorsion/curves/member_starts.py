@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.curves import readout
+from geomtorsion.curves.cyclic import parts_of
 from geomtorsion.errors import ShapeError, StartError
 from geomtorsion.ode.members import Members
 
@@ -95,7 +97,7 @@ def laid_out(problem: CurveProblem, place: np.ndarray | None, velocities: np.nda
         parameters,
         units,
         np.abs(velocities).sum(axis=1),
-        parts=None if equations.reduction is None else equations.reduction.parts,
+        parts=partial(parts_of, equations) if equations.reductions else None,
         label=label,
         varied=varied,
     )

@@ -267,23 +267,20 @@ class CurveProblem:
         return self._reduced(stage, equations, several) if precision == 53 else stage
 
     def _reduced(self, stage: Stage, equations: Equations, several: bool) -> Stage:
-        """The same stage by a smaller system, where that loses no digits."""
-        smaller = equations.reduction
-        if smaller is None:
-            return stage
+        """The same stage by the first smaller system that loses no digits."""
         rows = [np.asarray(x)[None, :] for x in (stage.start, stage.parameters)]
-        start, numbers, kept = smaller.reduced(*rows)
-        if not kept[0]:
-            return stage
-        system = smaller.system if several else smaller.system.to_the_end
-        return replace(
-            stage,
-            system=system,
-            start=start[0],
-            parameters=numbers[0],
-            lift=partial(smaller.lifted_one, numbers),
-            full_start=rows[0][0],
-        )
+        for smaller in equations.reductions:
+            start, numbers, kept = smaller.reduced(*rows)
+            if kept[0]:
+                return replace(
+                    stage,
+                    system=smaller.system if several else smaller.system.to_the_end,
+                    start=start[0],
+                    parameters=numbers[0],
+                    lift=partial(smaller.lifted_one, numbers),
+                    full_start=rows[0][0],
+                )
+        return stage
 
     def _follower(
         self, label: str, velocities: Sequence[Real], precision: int

@@ -9,7 +9,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 import sympy as sp
@@ -21,10 +20,12 @@ from geomtorsion.exact.sign import of_same_sign
 from geomtorsion.ode.system import System
 from geomtorsion.precision import EPS
 
-if TYPE_CHECKING:
-    from geomtorsion.curves.equations import Equations
-
 HALF = Fraction(1, 2)
+# Coordinates have to stay within this factor of their start, sines above its inverse: x grows as
+# D, most often as their square, and roundings that large are left where it has become small again.
+CONFINED = 4.0
+# Places on either side where a motion may be stopped.
+LOOKED_AT = 8
 # Names of constants -> the function of one coordinate that their product multiplies.
 Terms = Mapping[tuple[str, ...], Element]
 
@@ -50,13 +51,18 @@ class Single:
         terms = ((value, names) for names, value in self.potential.items())
         return ((self.inertia, (momentum, momentum)), *terms)
 
+    @property
+    def square(self) -> Products:
+        """R = a (kappa - V)."""
+        terms = ((-self.inertia * value, names) for names, value in self.potential.items())
+        return ((self.inertia, (self.constant,)), *terms)
+
+    @property
     def slope(self) -> Products:
-        """R'(q) / 2 for R = a (kappa - V), by powers of q where it is a polynomial."""
-        squares = [((self.constant,), self.inertia)]
-        squares += [(names, -self.inertia * value) for names, value in self.potential.items()]
+        """R'(q) / 2, by powers of q where it is a polynomial."""
         return tuple(
             (value, (*powers, *names))
-            for names, square in squares
+            for square, names in self.square
             for value, powers in _by_powers(square.diff(self.symbol) * HALF, self.symbol)
         )
 
@@ -83,7 +89,7 @@ class SeparatedReduction(Reduction):
     >>> from geomtorsion.spaces import load
     >>> orbit = geodesic(load("kerr").frame, [0, 8, 1.5, 0], [1.3, 0, 0, 0.05],
     ...                  parameters={"M": 1, "a": 0.9})
-    >>> orbit.equations("kerr").reduction.system.states
+    >>> orbit.equations("kerr").reductions[0].system.states
     ('t', 'r', 'cos_theta', 'phi', 'x_r', 'x_theta')
     """
 
@@ -93,15 +99,10 @@ class SeparatedReduction(Reduction):
     along: Mapping[int, Products]
     edges: tuple[Sequence[Products], Sequence[Products]]
 
-    @property
-    def equations(self) -> Equations:
-        """Those of the frame velocities."""
-        return self.cyclic.equations
-
     @cached_property
     def _places(self) -> tuple[str, ...]:
         """Names of the coordinates, or of their cosines."""
-        names = list(self.equations.states[: self.equations.width])
+        names = list(self.cyclic.equations.states[: self.cyclic.equations.width])
         for one in self.singles:
             names[one.place] = one.symbol.name
         return tuple(names)
@@ -120,11 +121,11 @@ class SeparatedReduction(Reduction):
             rates[mu] = products
         for one in self.singles:
             rates[one.place] = ((self.divisor.field.one, (one.velocity,)),)
-        rates += [one.slope() for one in self.singles]
+        rates += [one.slope for one in self.singles]
         divided = [tuple((x * inverse, names) for x, names in row) for row in rates]
         guard, end = (graph(arguments, x, self._parameters) if x else None for x in self.edges)
         width = len(self._places)
-        places = (group for group in self.equations.groups if group[-1] < width)
+        places = (group for group in self.cyclic.equations.groups if group[-1] < width)
         groups = (*places, tuple(range(width, len(states))))
         made = graph(arguments, divided, self._parameters)
         return System(states, self._parameters, made, groups, guard, end)
@@ -149,6 +150,30 @@ class SeparatedReduction(Reduction):
         ]
         return graph((*self.system.states, *self._parameters), outputs, factor=False)
 
+    @cached_property
+    def _squares(self) -> tuple[Graph, ...]:
+        """R_k over its coordinate or cosine and parameters, one for each."""
+        return tuple(
+            graph((one.symbol.name, *self._parameters), [one.square]) for one in self.singles
+        )
+
+    def _confined(self, places: np.ndarray, numbers: np.ndarray) -> np.ndarray:
+        """Which motions stay where no digits are lost: R_k is negative on either side of them."""
+        kept = np.ones(places.shape[1], dtype=bool)
+        edge = np.sqrt(1 - CONFINED**-2)
+        shares = np.linspace(0, 1, LOOKED_AT + 1)[1:, None]
+        for one, square in zip(self.singles, self._squares, strict=True):
+            here = places[one.place]
+            for side in (-1, 1):
+                if one.is_cosine:
+                    there = here + shares * (side * edge - here)
+                else:
+                    there = here * CONFINED ** (side * shares)
+                kept &= (square.numpy()(there, *numbers)[0] < 0).any(axis=0)
+            if one.is_cosine:
+                kept &= np.abs(here) <= edge
+        return kept
+
     def reduced(
         self, states: np.ndarray, parameters: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -165,6 +190,7 @@ class SeparatedReduction(Reduction):
             start = np.concatenate((columns[:width], opened[:count])).T
             numbers = np.concatenate((numbers.T, opened[count:])).T
             back = self._to_cyclic(start.T, numbers.T)
+            kept = kept & self._confined(start.T[:width], numbers.T)
         # An angle beyond those that its cosine stands for does not come back.
         near = np.abs(back - full.T) <= ROUNDINGS * EPS * np.abs(full.T).max(axis=0)
         return start, numbers, kept & near.all(axis=0) & np.isfinite(start).all(axis=1)
@@ -197,7 +223,7 @@ def separated(cyclic: CyclicReduction) -> SeparatedReduction | None:
     cosines = _cosines(cyclic)
     if cosines is None or any((k, k) not in inverse for k in moving):
         return None
-    edges = cosines.edges(cyclic.equations)
+    edges = cosines.edges(cyclic)
     if edges is None:
         return None
     over = {key: cosines.read(value.sympy) for key, value in inverse.items()}
@@ -230,13 +256,13 @@ class _Cosines:
         """Those of the symbols that are cosines."""
         return [x for x in self.table.values() if x.is_Symbol]
 
-    def edges(self, equations: Equations) -> tuple[list[Products], list[Products]] | None:
+    def edges(self, cyclic: CyclicReduction) -> tuple[list[Products], list[Products]] | None:
         """What is positive up to the margin of the chart, and up to its end.
 
         Sines are roots over the cosines: an edge with such a factor is squared, or multiplied with
         it. None where none of the edges keeps an angle between 0 and pi, as its cosine does.
         """
-        chart = equations.chart
+        chart = cyclic.equations.chart
         assert chart is not None
         sines = sp.Mul(*(sp.sqrt(1 - z**2) for z in self.cosines))
         margin, inner, ends = Fraction(chart.margin), [], []
