@@ -6,10 +6,10 @@ Optional: without it the same curves are followed by their frame velocities, som
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,7 +17,6 @@ import numpy as np
 from geomtorsion.codegen import Graph, Products, graph
 from geomtorsion.copies import only_fields
 from geomtorsion.curves.laws import Momenta, inverted
-from geomtorsion.ode.members import Members, Part
 from geomtorsion.ode.system import System
 
 if TYPE_CHECKING:
@@ -55,26 +54,6 @@ class Reduction(ABC):
     def lifted_one(self, parameters: np.ndarray, states: np.ndarray) -> np.ndarray:
         """Full states, shape (m, size), of the states of one motion."""
         return self.lifted(states[None], parameters)[0]
-
-
-def parts_of(equations: Equations, members: Members) -> Iterator[Part]:
-    """Members of an ensemble, each by the first smaller system by which it loses no digits."""
-    rest = np.arange(len(members.states))
-    several = members.system is equations.system
-    for one in equations.reductions:
-        start, numbers, kept = one.reduced(members.states[rest], members.parameters[rest])
-        if kept.any():
-            own = numbers[kept]
-            system = one.system if several else one.system.to_the_end
-            yield Part(rest[kept], system, start[kept], own, partial(_lifted, one, own))
-        rest = rest[~kept]
-    if len(rest):
-        full = members.states[rest], members.parameters[rest]
-        yield Part(rest, members.system, *full, lambda rows: rows)
-
-
-def _lifted(reduction: Reduction, numbers: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    return reduction.lifted(rows, numbers)
 
 
 @dataclass(frozen=True, eq=False)

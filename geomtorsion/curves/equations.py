@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from geomtorsion.codegen import Graph, Products, graph
 from geomtorsion.copies import only_fields
@@ -16,6 +18,7 @@ from geomtorsion.curves.laws import Law, Momenta
 from geomtorsion.curves.separated import separated
 from geomtorsion.errors import ChartEdgeError, StartError
 from geomtorsion.exact.sign import of_same_sign
+from geomtorsion.ode.members import Members, Part
 from geomtorsion.ode.system import System
 
 if TYPE_CHECKING:
@@ -95,6 +98,21 @@ class Equations:
         paying = [one for one in offered if costs[id(one)] < costs[id(self)]]
         return tuple(sorted(paying, key=lambda one: costs[id(one)]))
 
+    def parts(self, members: Members) -> Iterator[Part]:
+        """Members of an ensemble, each by the first smaller system by which it loses no digits."""
+        rest, several = np.arange(len(members.states)), members.system is self.system
+        for one in self.reductions:
+            start, numbers, kept = one.reduced(members.states[rest], members.parameters[rest])
+            if kept.any():
+                own = numbers[kept]
+                system = one.system if several else one.system.to_the_end
+                lift = partial(_lifted, one, own)
+                yield Part(rest[kept], system, start[kept], own, lift)
+            rest = rest[~kept]
+        if len(rest):
+            full = members.states[rest], members.parameters[rest]
+            yield Part(rest, members.system, *full, lambda rows: rows)
+
     @property
     def moves(self) -> bool:
         """Whether velocities are states."""
@@ -116,6 +134,11 @@ class Equations:
             )
             for name, products in self.invariants.items()
         }
+
+
+def _lifted(reduction: Reduction, numbers: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Full states of the states of a smaller system."""
+    return reduction.lifted(rows, numbers)
 
 
 def derivative(products: Products, name: str) -> Products:

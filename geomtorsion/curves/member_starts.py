@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.curves import readout
-from geomtorsion.curves.cyclic import parts_of
 from geomtorsion.errors import ShapeError, StartError
 from geomtorsion.ode.members import Members
 
@@ -97,7 +95,7 @@ def laid_out(problem: CurveProblem, place: np.ndarray | None, velocities: np.nda
         parameters,
         units,
         np.abs(velocities).sum(axis=1),
-        parts=partial(parts_of, equations) if equations.reductions else None,
+        parts=equations.parts if equations.reductions else None,
         label=label,
         varied=varied,
     )
