@@ -5,12 +5,11 @@ Optional: without it the same curves are followed by their frame velocities, som
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -20,7 +19,7 @@ from geomtorsion.curves.laws import Momenta, inverted
 from geomtorsion.ode.system import System
 
 if TYPE_CHECKING:
-    from geomtorsion.curves.equations import Equations
+    from geomtorsion.curves.atlas import Chart
     from geomtorsion.exact import Element
 
 # Kinds of steps in a graph that cost little.
@@ -30,34 +29,48 @@ _CHEAP = ("argument", "number", "sum")
 ROUNDINGS = 64
 
 
-class Reduction(ABC):
-    """A smaller system that stands in the place of the equations of frame velocities."""
+class Full(Protocol):
+    """What a reduction has to know of the equations of frame velocities (`Equations`)."""
 
     @property
-    @abstractmethod
-    def system(self) -> System:
-        """The smaller system."""
+    def chart(self) -> Chart | None:
+        """The chart in which they are written."""
+        ...
 
-    @abstractmethod
-    def reduced(
-        self, states: np.ndarray, parameters: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Starts of the smaller system, their parameters, and for which no digits are lost.
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of all states, coordinates first."""
+        ...
 
-        states, parameters: full ones in double precision, shapes (number, size).
-        """
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of all parameters."""
+        ...
 
-    @abstractmethod
-    def lifted(self, states: np.ndarray, parameters: np.ndarray) -> np.ndarray:
-        """Full states, shape (number, m, size), of states (number, m, smaller size)."""
+    @property
+    def velocities(self) -> tuple[str, ...]:
+        """Names of the frame velocities."""
+        ...
 
-    def lifted_one(self, parameters: np.ndarray, states: np.ndarray) -> np.ndarray:
-        """Full states, shape (m, size), of the states of one motion."""
-        return self.lifted(states[None], parameters)[0]
+    @property
+    def groups(self) -> tuple[tuple[int, ...], ...]:
+        """States that are measured by a common size."""
+        ...
+
+    @property
+    def width(self) -> int:
+        """Number of coordinates."""
+        ...
+
+    def guards(
+        self, arguments: Sequence[str], parameters: Sequence[str]
+    ) -> tuple[Graph | None, Graph | None]:
+        """What falls through zero at the margin of the chart, and at its very end."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
-class CyclicReduction(Reduction):
+class CyclicReduction:
     """Hamilton's equations, the momenta of cyclic coordinates being parameters.
 
     Equation
@@ -81,7 +94,7 @@ class CyclicReduction(Reduction):
     ('t', 'r', 'theta', 'phi', 'p_r', 'p_theta')
     """
 
-    equations: Equations
+    equations: Full
     momenta: Momenta
 
     def __getstate__(self) -> Mapping[str, object]:
@@ -225,20 +238,23 @@ class CyclicReduction(Reduction):
     def reduced(
         self, states: np.ndarray, parameters: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """See `Reduction.reduced`."""
+        """Starts of the smaller system, their parameters, and for which no digits are lost.
+
+        states, parameters: full ones in double precision, shapes (number, size).
+        """
         width = self.equations.width
         momenta = self._to_momenta.numpy()(*states.T, *parameters.T).T
         start = np.concatenate((states[:, :width], momenta[:, list(self.moving)]), axis=1)
         constant = [*self.momenta.cyclic, width]
         numbers = np.concatenate((parameters, momenta[:, constant]), axis=1)
-        back = self.lifted(start[:, None, :], numbers)[:, 0, width:]
+        back = self.lifted(numbers, start[:, None, :])[:, 0, width:]
         own = states[:, width:]
         gap = np.abs(back - own).max(axis=1)
         kept = gap <= ROUNDINGS * 2.0**-53 * np.abs(own).max(axis=1)
         return start, numbers, kept & np.isfinite(start).all(axis=1)
 
-    def lifted(self, states: np.ndarray, parameters: np.ndarray) -> np.ndarray:
-        """See `Reduction.lifted`."""
+    def lifted(self, parameters: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """Full states, shape (number, m, size), of states (number, m, smaller size)."""
         number, m, size = states.shape
         columns = states.reshape(-1, size).T
         numbers = parameters[0] if number == 1 else np.repeat(parameters, m, axis=0).T

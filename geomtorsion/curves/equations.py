@@ -6,16 +6,16 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property, partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from geomtorsion.codegen import Graph, Products, graph
 from geomtorsion.copies import only_fields
 from geomtorsion.curves.atlas import Chart
-from geomtorsion.curves.cyclic import CyclicReduction, Reduction, cost
+from geomtorsion.curves.cyclic import CyclicReduction, cost
 from geomtorsion.curves.laws import Law, Momenta
-from geomtorsion.curves.separated import separated
+from geomtorsion.curves.separated import SeparatedReduction, separated
 from geomtorsion.errors import ChartEdgeError, StartError
 from geomtorsion.exact.sign import of_same_sign
 from geomtorsion.ode.members import Members, Part
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
 
 
+# Smaller systems that stand in the place of the equations of frame velocities.
+Reduction: TypeAlias = CyclicReduction | SeparatedReduction
 # Longer rates (values in a graph) belong to frames whose inverse metric is too long to work with.
 LONGEST = 100
 
@@ -106,8 +108,7 @@ class Equations:
             if kept.any():
                 own = numbers[kept]
                 system = one.system if several else one.system.to_the_end
-                lift = partial(_lifted, one, own)
-                yield Part(rest[kept], system, start[kept], own, lift)
+                yield Part(rest[kept], system, start[kept], own, partial(one.lifted, own))
             rest = rest[~kept]
         if len(rest):
             full = members.states[rest], members.parameters[rest]
@@ -134,11 +135,6 @@ class Equations:
             )
             for name, products in self.invariants.items()
         }
-
-
-def _lifted(reduction: Reduction, numbers: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Full states of the states of a smaller system."""
-    return reduction.lifted(rows, numbers)
 
 
 def derivative(products: Products, name: str) -> Products:

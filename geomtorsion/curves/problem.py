@@ -15,7 +15,7 @@ from geomtorsion.codegen import graph
 from geomtorsion.copies import only_fields
 from geomtorsion.curves import readout, transition
 from geomtorsion.curves.atlas import Atlas
-from geomtorsion.curves.equations import Equations, written
+from geomtorsion.curves.equations import Equations, Reduction, written
 from geomtorsion.curves.laws import Law
 from geomtorsion.curves.member_starts import laid_out, start_lists
 from geomtorsion.curves.start import checked_start, frame_velocities
@@ -277,7 +277,7 @@ class CurveProblem:
                     system=smaller.system if several else smaller.system.to_the_end,
                     start=start[0],
                     parameters=numbers[0],
-                    lift=partial(smaller.lifted_one, numbers),
+                    lift=partial(_lifted, smaller, numbers),
                     full_start=rows[0][0],
                 )
         return stage
@@ -479,3 +479,8 @@ class CurveProblem:
 
 def _number(value: Real) -> str:
     return value.hex() if isinstance(value, float) else str(value)
+
+
+def _lifted(smaller: Reduction, numbers: np.ndarray, states: np.ndarray) -> np.ndarray:
+    """Full states of the states of one motion, shape (m, size)."""
+    return smaller.lifted(numbers, states[None])[0]

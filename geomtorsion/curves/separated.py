@@ -14,18 +14,17 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion.codegen import Graph, Products, graph
-from geomtorsion.curves.cyclic import ROUNDINGS, CyclicReduction, Reduction
+from geomtorsion.curves.cyclic import ROUNDINGS, CyclicReduction
 from geomtorsion.exact import Element, Field
 from geomtorsion.exact.sign import of_same_sign
 from geomtorsion.ode.system import System
+from geomtorsion.ode.trajectory import PER_STEP
 from geomtorsion.precision import EPS
 
 HALF = Fraction(1, 2)
 # Coordinates have to stay within this factor of their start, sines above its inverse: x grows as
 # D, most often as their square, and roundings that large are left where it has become small again.
 CONFINED = 4.0
-# Places on either side where a motion may be stopped.
-LOOKED_AT = 8
 # Names of constants -> the function of one coordinate that their product multiplies.
 Terms = Mapping[tuple[str, ...], Element]
 
@@ -68,7 +67,7 @@ class Single:
 
 
 @dataclass(frozen=True, eq=False)
-class SeparatedReduction(Reduction):
+class SeparatedReduction:
     """Equations in which each coordinate that occurs has a constant of its own.
 
     Equation
@@ -161,7 +160,7 @@ class SeparatedReduction(Reduction):
         """Which motions stay where no digits are lost: R_k is negative on either side of them."""
         kept = np.ones(places.shape[1], dtype=bool)
         edge = np.sqrt(1 - CONFINED**-2)
-        shares = np.linspace(0, 1, LOOKED_AT + 1)[1:, None]
+        shares = np.linspace(0, 1, PER_STEP + 1)[1:, None]
         for one, square in zip(self.singles, self._squares, strict=True):
             here = places[one.place]
             for side in (-1, 1):
@@ -177,7 +176,7 @@ class SeparatedReduction(Reduction):
     def reduced(
         self, states: np.ndarray, parameters: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """See `Reduction.reduced`."""
+        """See `CyclicReduction.reduced`."""
         full, numbers, kept = self.cyclic.reduced(states, parameters)
         columns, width, count = full.T.copy(), len(self._places), len(self.singles)
         with np.errstate(all="ignore"):
@@ -195,13 +194,13 @@ class SeparatedReduction(Reduction):
         near = np.abs(back - full.T) <= ROUNDINGS * EPS * np.abs(full.T).max(axis=0)
         return start, numbers, kept & near.all(axis=0) & np.isfinite(start).all(axis=1)
 
-    def lifted(self, states: np.ndarray, parameters: np.ndarray) -> np.ndarray:
-        """See `Reduction.lifted`."""
+    def lifted(self, parameters: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """See `CyclicReduction.lifted`."""
         number, m, size = states.shape
         numbers = parameters[0] if number == 1 else np.repeat(parameters, m, axis=0).T
         full = self._to_cyclic(states.reshape(-1, size).T, numbers)
         rest = parameters[:, : len(self.cyclic.parameters)]
-        return self.cyclic.lifted(full.T.reshape(number, m, size), rest)
+        return self.cyclic.lifted(rest, full.T.reshape(number, m, size))
 
     def _to_cyclic(self, columns: np.ndarray, numbers: np.ndarray) -> np.ndarray:
         """States of the cyclic equations, each a row."""

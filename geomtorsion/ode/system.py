@@ -169,7 +169,7 @@ class System:
                 values = np.concatenate((values, np.moveaxis(further, 0, -1)), axis=-1)
         return values
 
-    def with_long_constants(self, values: Sequence[Any], bits: int) -> list[Any]:
+    def with_long_constants(self, values: Sequence[Any] | np.ndarray, bits: int) -> list[Any]:
         """The same for one motion in numbers of more bits."""
         found = list(values)
         for made in self._hoisted[1]:

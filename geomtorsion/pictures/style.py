@@ -15,6 +15,7 @@ import sympy as sp
 
 from geomtorsion.errors import GeomtorsionError, MissingExtraError
 from geomtorsion.pictures.text import greek_name
+from geomtorsion.precision import EPS
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -31,7 +32,7 @@ FORMATS = ("png", "svg", "pdf")
 # What is less than this share of the largest is not worth an axis or a panel of its own.
 FLAT = 1e-6
 # Below the rounding of doubles: zero on a logarithmic scale.
-NOTHING = 1e-17
+NOTHING = EPS / 20
 
 
 @dataclass(frozen=True)
