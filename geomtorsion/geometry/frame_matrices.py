@@ -207,8 +207,10 @@ def anholonomy(frame: Frame) -> Tensor:
 
     def rule(index: Index) -> Element | None:
         i, j, k = index
-        found = [(x, get((a, b, k))) for a, b, x in pairs()[i, j]]
-        return total(frame.field, [(1, x, y) for x, y in found if y is not None])
+        factor, minors = pairs()[i, j]
+        found = [(x, get((a, b, k))) for a, b, x in minors]
+        value = total(frame.field, [(1, x, y) for x, y in found if y is not None])
+        return None if value is None else value * factor
 
     return Tensor(frame, "DDU", rule, antisymmetric(3), "C", "anholonomy")
 
@@ -226,11 +228,11 @@ def is_dense(frame: Frame) -> bool:
     )
 
 
-def _pairs_of_legs(frame: Frame) -> Callable[[], dict[tuple[int, int], list[Pair]]]:
+def _pairs_of_legs(frame: Frame) -> Callable[[], dict[tuple[int, int], tuple[Element, list[Pair]]]]:
     """E_i^a E_j^b - E_i^b E_j^a of all legs i < j, made when they are asked for."""
     entries, inverted = frame.coframe.components, frame.legs.components
 
-    def make() -> dict[tuple[int, int], list[Pair]]:
+    def make() -> dict[tuple[int, int], tuple[Element, list[Pair]]]:
         n = frame.dimension
         return pairs_of_inverse(frame.field, entries.nonzero, inverted.nonzero, n)
 

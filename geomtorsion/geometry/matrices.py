@@ -113,13 +113,14 @@ def inverse(field: Field, entries: Entries, n: int) -> dict[tuple[int, int], Ele
 
 def pairs_of_inverse(
     field: Field, entries: Entries, inverted: Entries, n: int
-) -> dict[tuple[int, int], list[Pair]]:
-    """E_i^a E_j^b - E_i^b E_j^a of the inverse E[a, i]: for i < j the triples (a, b, value), a < b.
+) -> dict[tuple[int, int], tuple[Element, list[Pair]]]:
+    """E_i^a E_j^b - E_i^b E_j^a of the inverse E[a, i]: for i < j a factor and (a, b, value), a < b.
 
     Such a minor of the inverse is, up to its sign, the minor of all other rows and columns over the
-    determinant (Jacobi): no square of the determinant is left that would cancel.
+    determinant (Jacobi): no square of the determinant is left that would cancel. The factor is
+    1 over the determinant of a block; the values are to be multiplied by it.
     """
-    found: dict[tuple[int, int], list[Pair]] = defaultdict(list)
+    found: dict[tuple[int, int], tuple[Element, list[Pair]]] = {}
     single: list[list[tuple[int, int, Element]]] = []
     for rows, columns in blocks(entries, n):
         everything = (1 << len(rows)) - 1
@@ -127,11 +128,12 @@ def pairs_of_inverse(
         reciprocal = field.inverse(whole, briefly=True) if len(rows) > 1 else field.one
         for r, s in combinations(range(len(rows)), 2):
             others = [row for k, row in enumerate(rows) if k not in (r, s)]
+            minors: list[Pair] = []
             for mask, minor in _minors(field, entries, others, columns).items():
                 c, d = (k for k in range(len(rows)) if not mask >> k & 1)
-                sign = -1 if (r + s + c + d) % 2 else 1
-                value = field.sum([(sign, minor, reciprocal)])
-                found[rows[r], rows[s]].append((columns[c], columns[d], value))
+                value = -minor if (r + s + c + d) % 2 else minor
+                minors.append((columns[c], columns[d], value))
+            found[rows[r], rows[s]] = (reciprocal, minors)
         own = [(i, a) for i in rows for a in columns if (a, i) in inverted]
         single.append([(i, a, inverted[a, i]) for i, a in own])
     for one, two in combinations(single, 2):
@@ -140,7 +142,8 @@ def pairs_of_inverse(
                 sign = 1 if (i < j) == (a < b) else -1
                 place = (min(i, j), max(i, j))
                 value = field.sum([(sign, first, second)])
-                found[place].append((min(a, b), max(a, b), value))
+                products = found.setdefault(place, (field.one, []))[1]
+                products.append((min(a, b), max(a, b), value))
     return found
 
 
