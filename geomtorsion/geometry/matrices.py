@@ -114,7 +114,7 @@ def inverse(field: Field, entries: Entries, n: int) -> dict[tuple[int, int], Ele
 def pairs_of_inverse(
     field: Field, entries: Entries, inverted: Entries, n: int
 ) -> dict[tuple[int, int], tuple[Element, list[Pair]]]:
-    """E_i^a E_j^b - E_i^b E_j^a of the inverse E[a, i]: for i < j a factor and (a, b, value), a < b.
+    """E_i^a E_j^b - E_i^b E_j^a of the inverse E[a, i], for i < j: a factor, (a, b, value), a < b.
 
     Such a minor of the inverse is, up to its sign, the minor of all other rows and columns over the
     determinant (Jacobi): no square of the determinant is left that would cancel. The factor is

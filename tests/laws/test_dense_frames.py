@@ -7,8 +7,10 @@ from typing import Any
 import mpmath
 import pytest
 import sympy as sp
+from hypothesis import given, settings
 
 from geomtorsion.geometry import Frame, cartan, contract, identities, levi_civita
+from tests.laws.dense import dense_frames
 
 t, r, x, y, z = sp.symbols("t r x y z", real=True)
 M = sp.Symbol("M", positive=True)
@@ -176,6 +178,55 @@ def curvature_scalar(metric, place):
         )
 
     return sum(inverse[b, c] * ricci(b, c) for b in range(n) for c in range(n))
+
+
+def check_numbers(frame: Frame) -> None:
+    """All is decided, and the scalar is that of difference quotients of the metric."""
+    curvature = levi_civita(frame).curvature
+    tensors = (
+        frame.metric,
+        cartan(frame).torsion.S,
+        cartan(frame).contortion,
+        curvature.riemann,
+        curvature.ricci,
+        curvature.scalar,
+        curvature.kretschmann,
+    )
+    assert None not in [tensor.is_zero for tensor in tensors]
+    coordinates = frame.coordinates
+    with mpmath.workdps(60):
+        rows = frame.coframe.to_sympy().tolist()
+        known = sp.Matrix(rows).replace(f, lambda u: sp.sin(u) + u**2 / 3 + 2)
+        coframe = sp.lambdify(coordinates, known.tolist(), "mpmath")
+        eta = mpmath.matrix(frame.eta.to_sympy().tolist())
+
+        def metric(*q):
+            e = mpmath.matrix(coframe(*q))
+            return e.T * eta * e
+
+        place = {s: sp.Rational(3 + k, 7) for k, s in enumerate(coordinates)}
+        want = curvature_scalar(metric, [mpmath.mpf(3 + k) / 7 for k in range(len(coordinates))])
+        values: dict = dict(place)
+        if known != sp.Matrix(rows):
+            values |= jets(frame, coordinates, place, lambda u: sp.sin(u) + u**2 / 3 + 2)
+        have = curvature.scalar.at(values, digits=40).item()
+        assert abs(have - want) < mpmath.mpf(10) ** -12 * (1 + abs(want))
+        assert curvature.scalar.is_zero is (abs(want) < mpmath.mpf(10) ** -20)
+
+
+@settings(max_examples=3, deadline=None)
+@given(dense_frames(largest=2))
+def test_random_dense_frames_have_the_numbers_of_finite_differences(frame):
+    """Polynomials, trigonometric and unknown functions, roots; any signature, null legs."""
+    check_numbers(frame)
+
+
+@pytest.mark.slow
+@settings(max_examples=100, deadline=None)
+@given(dense_frames(largest=6))
+def test_many_random_dense_frames_have_the_numbers_of_finite_differences(frame):
+    """The same of a hundred, up to six dimensions."""
+    check_numbers(frame)
 
 
 def test_many_centres_solve_their_equations():
