@@ -136,6 +136,18 @@ class AtomCircuits:
         CrystalError
             No numbers, a normal or a radius of zero, or no atoms or a core on the way.
         """
+        rim = self.rim(point, normal, radius)
+        found = [self.nearest(place) for place in rim]
+        sites = [one for k, one in enumerate(found) if one != found[k - 1]]
+        if len(sites) < 3:
+            raise CrystalError(
+                f"radius: a circle with three atoms or more next to it was needed, but there are "
+                f"{len(sites)}. Take a larger one."
+            )
+        return self._through([*sites, sites[0]])
+
+    def rim(self, point: ArrayLike, normal: ArrayLike, radius: float) -> np.ndarray:
+        """Places on the circle of `around`, as far apart as neighbours, shape (k, 3)."""
         centre = checks.array(point, "point", CrystalError, shape=(3,))
         axis = checks.array(normal, "normal", CrystalError, shape=(3,))
         size = checks.positive(radius, "radius", CrystalError)
@@ -152,15 +164,7 @@ class AtomCircuits:
         first = across[:, 1]
         second = np.cross(axis / np.linalg.norm(axis), first)
         angles = np.linspace(0, 2 * np.pi, max(int(2 * np.pi * size / nearest), 6), endpoint=False)
-        rim = centre + size * (np.outer(np.cos(angles), first) + np.outer(np.sin(angles), second))
-        found = [self._nearest(place) for place in rim]
-        sites = [one for k, one in enumerate(found) if one != found[k - 1]]
-        if len(sites) < 3:
-            raise CrystalError(
-                f"radius: a circle with three atoms or more next to it was needed, but there are "
-                f"{len(sites)}. Take a larger one."
-            )
-        return self._through([*sites, sites[0]])
+        return centre + size * (np.outer(np.cos(angles), first) + np.outer(np.sin(angles), second))
 
     # -- the way ----------------------------------------------------------------------------------
 
@@ -181,7 +185,7 @@ class AtomCircuits:
         """Where an atom in one of its images lies."""
         return self.places[site[0]] + np.array(site[1:]) @ self.cell.vectors
 
-    def _nearest(self, place: np.ndarray) -> Site:
+    def nearest(self, place: np.ndarray) -> Site:
         """The atom that is nearest to a place."""
         inside, moved = self.cell.wrapped(place[None])
         _, numbers, offsets, tree = self._images

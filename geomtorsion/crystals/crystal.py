@@ -17,13 +17,19 @@ from geomtorsion.crystals.frames import (
     Frame,
     fitted,
     frame_of,
-    neighbour_vectors,
+    neighbours_of,
     sampled,
 )
 from geomtorsion.crystals.given import Given
+from geomtorsion.crystals.grain_circuits import GrainCircuits
+from geomtorsion.crystals.grain_networks import network_of_grains
+from geomtorsion.crystals.grains import Grains, single_grain
+from geomtorsion.crystals.lattices import Lattice
 from geomtorsion.crystals.method import METHOD
 from geomtorsion.crystals.near_torsion import Atoms, lines_of, torsion_near, torsion_on
-from geomtorsion.crystals.shells import dilated, shells_of
+from geomtorsion.crystals.segmentation import segmented
+from geomtorsion.crystals.shells import Shells, dilated, shells_of
+from geomtorsion.crystals.specimen import Specimen, is_single, seems_many, share_of_lattices
 from geomtorsion.crystals.torsion import Torsion
 from geomtorsion.crystals.triangulation import Cell, Triangulation, triangulated
 from geomtorsion.errors import CrystalError
@@ -70,6 +76,7 @@ class Crystal:
     periodic: np.ndarray
     species: tuple[str, ...] | None
     _given: Given
+    _own: Frame | None
 
     def __init__(
         self,
@@ -89,6 +96,7 @@ class Crystal:
         put("cell", given.cell)
         put("periodic", given.box.periodic)
         put("_given", given)
+        put("_own", None)
         put("species", None)
         if species is not None:
             names = checks.entries(species, "species", CrystalError)
@@ -121,20 +129,28 @@ class Crystal:
         """Lattice constant a, in the unit of the positions."""
         return self.frame.constant
 
-    @property
+    @cached_property
     def frame(self) -> Frame:
-        """Lattice, orientation and lattice constant together."""
-        return self._found[0]
+        """Lattice, orientation and lattice constant together; of a polycrystal those of grain 0."""
+        found, fit = self._found
+        if self._own is not None:
+            return found
+        atoms = sampled(len(self.positions))
+        return self.grains[0].frame if seems_many(self._specimen, atoms, fit.whole) else found
 
     @property
     def share(self) -> float:
-        """Share of the atoms whose neighbours are all where the lattice has them."""
-        return float(self._found[1].whole.mean())
+        """Share of the atoms whose neighbours are all where the lattice of their grain has them."""
+        found = self.grains.fitting if self.frame is not self._found[0] else None
+        return float(self._found[1].whole.mean()) if found is None else found
 
     @cached_property
     def _found(self) -> tuple[Frame, Fit]:
         """The frame, and how a sample of the atoms fits into it."""
         given = self._given
+        if self._own is not None:
+            vectors = self._neighbours(self._own.lattice.shells, sampled(len(self.positions)))
+            return self._own, fitted(self._own, vectors)
         if len(self.positions) < 20:
             raise CrystalError(
                 f"positions: 20 atoms or more were needed to tell a crystal, but "
@@ -142,13 +158,21 @@ class Crystal:
             )
         numbers = sampled(len(self.positions))
         vectors = self._neighbours(NEIGHBOURS, numbers)
-        return frame_of(vectors, given.lattice, given.orient, given.constant)
+
+        def shares(lattice: Lattice) -> dict[str, float]:
+            return share_of_lattices(lattice, self._near, numbers)
+
+        return frame_of(vectors, given.lattice, given.orient, given.constant, shares)
 
     def _neighbours(self, count: int, atoms: np.ndarray) -> np.ndarray:
         """Vectors to the nearest neighbours of some atoms, shape (atoms, count, 3)."""
+        return self._near(atoms, count)[1]
+
+    def _near(self, atoms: np.ndarray, count: int = NEIGHBOURS) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers of the nearest neighbours of some atoms, and the vectors to them."""
         places, cell = self._wrapped[0], self._box
         reach = reach_of_sample(_spanned(self.positions, self._box), len(places))
-        return neighbour_vectors(places, cell, count, atoms, reach)
+        return neighbours_of(places, cell, count, atoms, reach)
 
     @property
     def _box(self) -> Cell:
@@ -159,6 +183,63 @@ class Crystal:
     def _wrapped(self) -> tuple[np.ndarray, np.ndarray]:
         """Positions in the cell and the periods added to each."""
         return self._box.wrapped(self.positions)
+
+    # -- grains -----------------------------------------------------------------------------------
+
+    @cached_property
+    def grains(self) -> Grains:
+        """Its grains in order, the walls between them with their misorientation, and what lies in
+        none; a single crystal is one grain.
+
+        Grains of another lattice are those of another phase. Two orientations that differ by less
+        than 15 degrees are one grain, with dislocations between them.
+
+        Examples
+        --------
+        >>> from itertools import product
+        >>> sites = np.array([np.add(cell, site) for cell in product(range(-9, 9), repeat=3)
+        ...                   for site in ((0, 0, 0), (0.5, 0.5, 0.5))])
+        >>> turn = np.array([[4, -3, 0], [3, 4, 0], [0, 0, 5]]) / 5
+        >>> low, high = sites[sites[:, 1] < -0.4], sites @ turn.T
+        >>> high = high[high[:, 1] > 0]
+        >>> both = np.concatenate([low, high])
+        >>> both = both[np.abs(both).max(axis=1) < 5.9]
+        >>> Crystal(both).grains.walls
+        (Wall(grains 0 and 1, misoriented by 36.87 degrees about [0 0 1]),)
+        """
+        if self._own is None:
+            near = None if self._is_narrow else self._shells.near
+            if not is_single(self._specimen, near):
+                return segmented(self._specimen)
+        return single_grain(self._found[0], self._wrapped[0])
+
+    def grain(self, number: int) -> Crystal:
+        """The crystal of one grain alone, in its own frame; atoms are those of `grains`."""
+        count = checks.count(number, "number", CrystalError, 0, len(self.grains) - 1)
+        grain = self.grains[count]
+        species = None if self.species is None else [self.species[k] for k in grain.atoms]
+        periodic = self.periodic.tolist()
+        made = Crystal(self.positions[grain.atoms], self.cell, periodic, species=species)
+        object.__setattr__(made, "_own", grain.frame)
+        return made
+
+    @cached_property
+    def _specimen(self) -> Specimen:
+        """The atoms and the frame into which most of them fit."""
+        given = self._given.orient is not None, self._given.constant is not None
+        return Specimen(self._wrapped[0], self._box, self._found[0], *given)
+
+    @property
+    def _is_narrow(self) -> bool:
+        """Whether an atom may be its own neighbour: numbers alone do not tell images there."""
+        frame = self._found[0]
+        width = 4 * frame.lattice.nearest * frame.constant
+        return bool((self._box.heights < width)[self.periodic].any())
+
+    @cached_property
+    def _shells(self) -> Shells:
+        """Neighbours of all atoms by lattice vector."""
+        return shells_of(self._wrapped[0], self._box, self._found[0])
 
     # -- bonds ------------------------------------------------------------------------------------
 
@@ -221,7 +302,7 @@ class Crystal:
         return torsion_on(self.frame, self.mesh, self.kinds)
 
     @cached_property
-    def circuit(self) -> AtomCircuits:
+    def circuit(self) -> AtomCircuits | GrainCircuits:
         """Closed paths from atom to atom: `crystal.circuit(atoms=[...])` through atoms by number,
         `crystal.circuit.around(point, normal, radius)` along a circle; see `AtomCircuits`.
 
@@ -233,6 +314,15 @@ class Crystal:
         >>> crystal.circuit.around([10, 10, 10], [1, 1, 1], 6).burgers
         (0.0, 0.0, 0.0)
         """
+        if self.grains.is_single:
+            return self._circuits
+        return GrainCircuits(
+            self._circuits, self.grains, lambda number: self.grain(number)._circuits
+        )
+
+    @cached_property
+    def _circuits(self) -> AtomCircuits:
+        """Circuits in its one frame."""
         return AtomCircuits(
             self._wrapped[0], self._wrapped[1], self._box, self.frame, self._decoded
         )
@@ -254,16 +344,21 @@ class Crystal:
         constants, exact), `.family`, `.length`, `.path`, `.kind` and `.is_closed`.
         """
         checks.flag(partials, "partials", CrystalError)
+        if not self.grains.is_single:
+            crystals = [self.grain(k) for k in range(len(self.grains))]
+            networks = [one.dislocations(partials) for one in crystals]
+            return network_of_grains(networks, self.grains, self._wrapped[0], self._box)
         found, vacancies = self._near_torsion(partials)
-        return lines_of(found, self.frame, len(self.positions) + vacancies)
+        # A grain does not fill its cell.
+        occupied = None if self._own is not None else len(self.positions) + vacancies
+        return lines_of(found, self.frame, occupied)
 
     def _near_torsion(self, partials: bool) -> tuple[Torsion, int]:
         """The torsion, on tetrahedra where neighbours alone do not exclude it, and vacancies."""
         frame, (places, _) = self.frame, self._wrapped
-        # In a narrow cell an atom is its own neighbour: numbers alone do not tell images.
-        if (self._box.heights < 4 * frame.lattice.nearest * frame.constant)[self.periodic].any():
+        if self._is_narrow:
             return torsion_on(frame, self.mesh, self.kinds, partials), 0
-        shells = shells_of(places, self._box, frame)
+        shells = self._shells
         wanted = np.flatnonzero(dilated(~shells.closed, shells.near))
         atoms = Atoms(np.arange(len(places)), places, shells.kind)
         return torsion_near(frame, self._box, wanted, atoms, lambda *_: atoms, partials), len(

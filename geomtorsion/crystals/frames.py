@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,10 +42,11 @@ class Frame:
         return np.linalg.norm(vectors - self.vectors(labels), axis=1)
 
 
-def neighbour_vectors(
+def neighbours_of(
     places: np.ndarray, cell: Cell, count: int, atoms: np.ndarray, reach: float
-) -> np.ndarray:
-    """Vectors from some atoms to their nearest neighbours, nearest first, (atoms, count, 3).
+) -> tuple[np.ndarray, np.ndarray]:
+    """Numbers of the nearest neighbours of some atoms, nearest first, shape (atoms, count), and
+    the vectors to them, shape (atoms, count, 3).
 
     Raises
     ------
@@ -54,7 +56,7 @@ def neighbour_vectors(
     points, numbers, _ = cell.with_ghosts(places, reach)
     near, closest = nearest_points(points, numbers, places[atoms], count)
     check_apart(points, numbers, closest or reach)
-    return points[near] - places[atoms][:, None]
+    return numbers[near], points[near] - places[atoms][:, None]
 
 
 def nearest_points(
@@ -263,10 +265,12 @@ def frame_of(
     name: str | None = None,
     orient: np.ndarray | None = None,
     constant: float | None = None,
+    shares: Callable[[Lattice], dict[str, float]] | None = None,
 ) -> tuple[Frame, Fit]:
     """The frame of a crystal from neighbour vectors of a sample of its atoms, and how they fit.
 
-    name, orient, constant: of the lattice, where they are given.
+    name, orient, constant: of the lattice, where they are given. shares: of atoms that fit into
+    each lattice in frames of their own, as in a polycrystal.
 
     Raises
     ------
@@ -278,6 +282,13 @@ def frame_of(
     else:
         found = single_frame(lattice_named(name), vectors, orient, constant)
     share = float(found[1].whole.mean())
+    if share < 0.5 and shares is not None:
+        # In many grains single atoms tell the lattice.
+        parts = shares(found[0].lattice)
+        most = max(parts, key=lambda key: parts[key])
+        if name is None and most != found[0].lattice.name and parts[most] > 2 * share:
+            found = single_frame(lattice_named(most), vectors, orient, constant)
+        share = max(share, parts[found[0].lattice.name])
     if name is not None and share < 0.5:
         other = likely_lattice(vectors)
         # Without a doubt it is another one.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import radians
 
 
 @dataclass(frozen=True)
@@ -17,6 +18,8 @@ class Method:
         stay where the crystal is torn.
     width: of a core, in neighbour distances: lines have no shorter waves, closed lines no
         wider than this are point defects, nearer junctions are one.
+    wall: least misorientation of two grains, rad: walls of less are rows of dislocations, of more
+        a wall (the usual limit, [Brandon1966]: their cores, b/wall = 4 b apart, then touch).
     share: no more than this share of the atoms of a liquid have neighbours like those of a crystal.
     seeds, sample: atoms that suggest an orientation, and atoms that decide.
     together: atoms that are looked at together: it decides about memory, not about values.
@@ -26,6 +29,7 @@ class Method:
     jitter: float = 1e-5
     sound: float = 2.0
     width: float = 2.0
+    wall: float = radians(15)
     share: float = 0.1
     seeds: int = 16
     sample: int = 2000

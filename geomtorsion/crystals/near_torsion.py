@@ -96,12 +96,12 @@ def sites_in(frame: Frame, cell: Cell) -> int | None:
     return round(cells) * (2 if lattice.basis else 1)
 
 
-def lines_of(found: Torsion, frame: Frame, occupied: int) -> DislocationNetwork:
+def lines_of(found: Torsion, frame: Frame, occupied: int | None) -> DislocationNetwork:
     """The dislocation lines that carry a torsion.
 
-    occupied: atoms, and vacancies that are not part of a line.
+    occupied: atoms, and vacancies that are not part of a line; None if they do not fill the cell.
     """
-    sites = sites_in(frame, found.mesh.cell)
+    sites = None if occupied is None else sites_in(frame, found.mesh.cell)
     width = METHOD.width * frame.lattice.nearest * frame.constant
-    extra = None if sites is None else occupied - sites
+    extra = None if occupied is None or sites is None else occupied - sites
     return network_of(found.relaxed(), replace(frame, lattice=found.lattice), width, extra)

@@ -11,6 +11,7 @@ import scipy  # loads its parts when they are asked for
 from geomtorsion.conventions import burgers
 from geomtorsion.crystals.blocked import BlockedCrystal
 from geomtorsion.crystals.crystal import Crystal
+from geomtorsion.crystals.grains import Grain, Wall
 from geomtorsion.loops import DislocationNetwork
 from geomtorsion.loops.network_lines import DislocationLine
 
@@ -35,6 +36,11 @@ def crystal_report(
     lattice constants), family, length, kind, path, and of closed ones `inserted`, how many atoms
     their half plane has: less than none for vacancies.
 
+    What is no single crystal has more. shares: of the atoms in each lattice, in walls and in none.
+    grains: of each number, lattice, constant, orient, atoms (how many) and centre. walls: of each
+    the two grains, degrees and axis of the misorientation, and atoms (how many). Lines have their
+    grain.
+
     Raises
     ------
     UnknownNameError
@@ -47,6 +53,7 @@ def crystal_report(
         "constant": crystal.constant,
         "orient": crystal.orient.tolist(),
         "share": crystal.share,
+        **_polycrystal(crystal),
         "cell": None if cell is None else cell.tolist(),
         "periodic": crystal.periodic.tolist(),
         "convention": convention,
@@ -54,6 +61,39 @@ def crystal_report(
         "junctions": len(net.junctions),
         "nye": _signed(net.nye, convention).tolist(),
         "lines": [_line(crystal, line, convention) for line in net.lines],
+    }
+
+
+def _polycrystal(crystal: Crystal | BlockedCrystal) -> Json:
+    """Grains and walls of what is no single crystal; in blocks there are none."""
+    if isinstance(crystal, BlockedCrystal) or crystal.grains.is_single:
+        return {}
+    return {
+        "shares": crystal.grains.shares,
+        "grains": [_grain(grain) for grain in crystal.grains],
+        "walls": [_wall(wall) for wall in crystal.grains.walls],
+    }
+
+
+def _grain(grain: Grain) -> Json:
+    """A grain as plain data."""
+    return {
+        "number": grain.number,
+        "lattice": grain.lattice,
+        "constant": grain.frame.constant,
+        "orient": grain.orient.tolist(),
+        "atoms": len(grain.atoms),
+        "centre": grain.centre.tolist(),
+    }
+
+
+def _wall(wall: Wall) -> Json:
+    """A wall between grains as plain data."""
+    return {
+        "grains": list(wall.grains),
+        "degrees": wall.degrees,
+        "axis": None if wall.axis is None else list(wall.axis),
+        "atoms": len(wall.atoms),
     }
 
 
@@ -66,6 +106,7 @@ def _line(crystal: Crystal | BlockedCrystal, line: DislocationLine, convention: 
     """One line as plain data."""
     exact = burgers(list(line.burgers_lattice or ()), convention)
     found: Json = {
+        **({} if line.grain is None else {"grain": line.grain}),
         "burgers": _signed(line.burgers, convention).tolist(),
         "burgers_lattice": [str(x) for x in exact],
         "family": line.family,
@@ -86,8 +127,10 @@ def inserted_atoms(line: DislocationLine, crystal: Crystal | BlockedCrystal) -> 
     n = b . A / (volume of an atom), A = closed integral of r x dr / 2 along the line; b as in
     conventions.py, of which the integral of du, the opening of a cut, is minus.
     """
-    lattice = crystal.frame.lattice
-    volume = lattice.atom_volume * crystal.constant**3
+    frame = crystal.frame
+    if line.grain is not None and isinstance(crystal, Crystal):
+        frame = crystal.grains[line.grain].frame
+    volume = frame.lattice.atom_volume * frame.constant**3
     return float(np.array([float(x) for x in line.burgers]) @ line.area / volume)
 
 

@@ -68,6 +68,11 @@ class DislocationLine(tuple[Hashable, Hashable, Hashable, Vector]):
         return self.data.get("family")
 
     @property
+    def grain(self) -> int | None:
+        """The grain in which it lies, along whose axes b is meant; None: it is not known."""
+        return self.data.get("grain")
+
+    @property
     def image(self) -> tuple[int, ...]:
         """How many periods further the end is meant, shape (3,); (): it is not given."""
         return self.data.get("image", ())
@@ -108,10 +113,13 @@ class DislocationLine(tuple[Hashable, Hashable, Hashable, Vector]):
 
     @property
     def kind(self) -> str:
-        """ "closed": ends where it begins; "periodic": ends there in another image; "surface": an
-        end lies on a surface; "joined": both ends are junctions."""
+        """ "closed": ends where it begins; "periodic": ends there in another image; "wall": an end
+        lies in a wall between grains; "surface": on a surface; "joined": both ends are
+        junctions."""
         if self[0] == self[1]:
             return "periodic" if any(self.image) else "closed"
+        if any(node.get("wall") for node in self.ends):
+            return "wall"
         return "surface" if any(node.get("surface") for node in self.ends) else "joined"
 
     @property

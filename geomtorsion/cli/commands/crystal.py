@@ -36,6 +36,8 @@ from geomtorsion.pictures.style import save
 from geomtorsion.progress import bar
 
 FRAMES = "frames"
+# What is no lattice, in words.
+_REGIONS = {"wall": "in walls", "none": "without a lattice"}
 
 
 def crystal(
@@ -225,19 +227,20 @@ def _text(document: Json) -> str:
     several = len(frames) > 1
     if several:
         rows.append(f"  {len(frames)} frames, in the axes of the first")
-    table = [_columns(line, frame, several) for frame in frames for line in frame["lines"]]
+    in_grains = any(len(frame.get("grains", ())) > 1 for frame in frames)
+    rows += _grain_rows(frames[-1], several)
+    table = [
+        _columns(line, frame, several, in_grains) for frame in frames for line in frame["lines"]
+    ]
     if not table:
         return "\n".join([*rows, "", "  no dislocation line"])
     heads = ["line", f"b / a ({first['convention']})", "b", "family", "length", "ends"]
+    if in_grains:
+        heads.insert(1, "grain")
     if several:
         heads.insert(0, "frame")
     shown = [heads, *(table[k] for k in some_rows(len(table)))]
-    widths = [max(len(row[k]) for row in shown) for k in range(len(heads))]
-    rows.append("")
-    rows += [
-        "  " + "  ".join(word.ljust(w) for word, w in zip(row, widths, strict=True)).rstrip()
-        for row in shown
-    ]
+    rows += ["", *_table(shown)]
     if len(shown) <= len(table):
         rows.append(f"  {len(shown) - 1} of {len(table):,} rows; -o DIR writes all")
     if not several:
@@ -246,10 +249,55 @@ def _text(document: Json) -> str:
     return "\n".join(rows)
 
 
-def _columns(line: Json, frame: Json, several: bool) -> list[str]:
+def _grain_rows(frame: Json, several: bool) -> list[str]:
+    """Grains, walls and phases of a polycrystal; none of a single crystal."""
+    shares, grains = frame.get("shares", {}), frame.get("grains", [])
+    if len(grains) < 2 and len(shares) < 2:
+        return []
+    parts = ", ".join(f"{_REGIONS.get(name, name)} {part:.1%}" for name, part in shares.items())
+    of_frame = f" of frame {frame['frame']}" if several else ""
+    rows = ["", f"  {len(grains)} grain{'s' * (len(grains) != 1)}{of_frame}: {parts} of the atoms"]
+    table = [["grain", "lattice", "a", "atoms", "centre"]]
+    table += [
+        [
+            str(one["number"]), one["lattice"], f"{one['constant']:.6g}", f"{one['atoms']:,}",
+            f"({_row(one['centre'])})",
+        ]
+        for one in (grains[k] for k in some_rows(len(grains)))
+    ]  # fmt: skip
+    rows += _table(table)
+    walls = frame["walls"]
+    if walls:
+        table = [["wall", "misorientation", "about", "atoms"]]
+        table += [
+            [
+                " | ".join(map(str, one["grains"])),
+                "other lattice" if one["degrees"] is None else f"{one['degrees']:.2f} degrees",
+                "" if one["axis"] is None else f"[{_row(one['axis'])}]",
+                f"{one['atoms']:,}",
+            ]
+            for one in (walls[k] for k in some_rows(len(walls)))
+        ]
+        rows += ["", *_table(table)]
+    if len(table) <= len(walls) or len(grains) > len(some_rows(len(grains))):
+        rows.append(f"  {len(walls)} walls of {len(grains)} grains; -o DIR writes all")
+    return rows
+
+
+def _table(rows: list[list[str]]) -> list[str]:
+    """Rows in columns."""
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    return [
+        "  " + "  ".join(word.ljust(w) for word, w in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
+
+
+def _columns(line: Json, frame: Json, several: bool, in_grains: bool) -> list[str]:
     """One line as a row of the table."""
     row = [
         str(line["track"]),
+        *([str(line.get("grain", 0))] if in_grains else []),
         f"({', '.join(line['burgers_lattice'])})",
         f"({_row(line['burgers'])})",
         line["family"],

@@ -1,0 +1,253 @@
+"""Specimen: atoms of unknown order, and whether they are one crystal."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import scipy  # loads its parts when they are asked for
+
+from geomtorsion.crystals.frames import Frame, fitted, neighbours_of, refined, sampled
+from geomtorsion.crystals.grains import quaternion_of
+from geomtorsion.crystals.lattices import LATTICES, Lattice
+from geomtorsion.crystals.local_frames import clear_misfit, local_frames, symmetry_of
+from geomtorsion.crystals.method import METHOD
+from geomtorsion.crystals.shells import dilated
+from geomtorsion.crystals.triangulation import Cell
+from geomtorsion.rigid.attitude import matrix_from_quaternion
+
+# Numbers of neighbours, shape (atoms, k), and vectors to them, shape (atoms, k, 3).
+Neighbours = tuple[np.ndarray, np.ndarray]
+# Neighbours of an atom that any of the lattices asks for.
+MOST = max(lattice.shells for lattice in LATTICES.values())
+
+
+@dataclass(frozen=True, eq=False)
+class Specimen:
+    """Atoms, and the frame of one of their grains.
+
+    places: in the cell, shape (atoms, 3). frame: as found for all of them together.
+    keep_orient, keep_constant: whether these were given.
+    """
+
+    places: np.ndarray
+    cell: Cell
+    frame: Frame
+    keep_orient: bool = False
+    keep_constant: bool = False
+
+    @property
+    def lattices(self) -> list[Lattice]:
+        """All lattices that are looked for, that of the frame first."""
+        own = self.frame.lattice
+        return [own, *(lattice for name, lattice in LATTICES.items() if name != own.name)]
+
+    @property
+    def nearest(self) -> float:
+        """Distance of neighbours in the frame, coordinates."""
+        return self.frame.lattice.nearest * self.frame.constant
+
+    def neighbours(self, atoms: np.ndarray) -> Neighbours:
+        """Numbers of the nearest neighbours of some atoms and the vectors to them."""
+        reach = 2 * METHOD.width * self.nearest
+        return neighbours_of(self.places, self.cell, MOST, atoms, reach)
+
+
+@dataclass(frozen=True, eq=False)
+class Local:
+    """The lattice of each atom, -1 where there is none, and its orientation, shape (atoms, 4)."""
+
+    phase: np.ndarray
+    quaternions: np.ndarray
+    constants: np.ndarray
+
+
+def local_of(lattices: list[Lattice], vectors: np.ndarray) -> Local:
+    """The lattice into which the neighbours of each atom fit best, and how it lies."""
+    count = len(vectors)
+    phase = np.full(count, -1)
+    best = np.full(count, np.inf)
+    quaternions, constants = np.zeros((count, 4)), np.ones(count)
+    left = np.arange(count)
+    for number, lattice in enumerate(lattices):
+        found = local_frames(lattice, vectors[left])
+        better = found.good & (found.misfit < best[left])
+        mine = left[better]
+        phase[mine], best[mine] = number, found.misfit[better]
+        quaternions[mine] = found.quaternions[better]
+        constants[mine] = found.constants[better]
+        # So well no atom of another lattice fits.
+        left = left[~(found.good & (found.misfit < clear_misfit(lattice.name)))]
+    return Local(phase, quaternions, constants)
+
+
+def share_of_lattices(
+    own: Lattice, neighbours: Callable[[np.ndarray], Neighbours], atoms: np.ndarray
+) -> dict[str, float]:
+    """Share of some atoms whose neighbours fit into each lattice, each atom in a frame of its own.
+
+    It is zero where the neighbours of such atoms do not lie alike: some atoms of a glass have
+    neighbours as in a crystal, too.
+
+    Parameters
+    ----------
+    own
+        A lattice as it was found, with c/a of hcp, in the place of the ideal one.
+    neighbours
+        Of atoms the numbers of the nearest others, and the vectors to them.
+    """
+    lattices = [own, *(x for name, x in LATTICES.items() if name != own.name)]
+    numbers, vectors = neighbours(atoms)
+    local = local_of(lattices, vectors)
+    found = {}
+    for k, lattice in enumerate(lattices):
+        mine = np.flatnonzero(local.phase == k)
+        found[lattice.name] = len(mine) / len(atoms)
+        some = mine[:: max(len(mine) // (10 * METHOD.seeds), 1)]
+        if not len(some):
+            continue
+        around = numbers[some, : lattice.shells].ravel()
+        other = local_of(lattices, neighbours(around)[1])
+        mean = np.repeat(local.quaternions[some], lattice.shells, axis=0)
+        _, angles = symmetry_of(lattice.name).nearest(mean, other.quaternions)
+        if ((other.phase == k) & (angles < METHOD.wall)).mean() < METHOD.share:
+            found[lattice.name] = 0.0
+    return found
+
+
+def mean_frame(lattice: Lattice, local: Local, part: np.ndarray, vectors: np.ndarray) -> Frame:
+    """The frame of a group: the rotation that fits best to all neighbours, begun at its median."""
+    group, q = symmetry_of(lattice.name), local.quaternions
+    some = part[np.linspace(0, len(part) - 1, min(METHOD.sample, len(part))).astype(int)]
+    seeds = some[np.linspace(0, len(some) - 1, min(METHOD.seeds, len(some))).astype(int)]
+    spread = []
+    for seed in seeds:
+        _, angles = group.nearest(np.tile(q[seed], (len(some), 1)), q[some])
+        spread.append(float(np.minimum(angles, METHOD.wall).mean()))
+    first = seeds[int(np.argmin(spread))]
+    start = Frame(lattice, matrix_from_quaternion(q[first]).T, float(local.constants[first]))
+    _, angles = group.nearest(np.tile(q[first], (len(some), 1)), q[some])
+    return refined(start, vectors[some[angles < METHOD.wall]][:, : lattice.shells])
+
+
+def is_other(specimen: Specimen, vectors: np.ndarray) -> np.ndarray:
+    """Which atoms lie in another lattice or another orientation than the frame, shape (atoms,)."""
+    local = local_of(specimen.lattices, vectors)
+    own = np.tile(quaternion_of(specimen.frame), (len(vectors), 1))
+    _, angles = symmetry_of(specimen.frame.lattice.name).nearest(own, local.quaternions)
+    return (local.phase > 0) | ((local.phase == 0) & (angles > METHOD.wall))
+
+
+def seems_many(specimen: Specimen, atoms: np.ndarray, whole: np.ndarray) -> bool:
+    """Whether some atoms lie in another lattice or orientation; whole: which fit into the frame."""
+    odd = atoms[~whole]
+    if len(odd) and is_other(specimen, specimen.neighbours(odd)[1]).any():
+        return True
+    return bool(len(_turned(specimen)))
+
+
+def _turned(specimen: Specimen) -> np.ndarray:
+    """Of a few atoms those that lie further from the orientation of most than the angle of a wall.
+
+    Where bonds can still be read in a frame between two grains, up to some 25 degrees, this tells
+    that there are two.
+    """
+    lattice, count = specimen.frame.lattice, len(specimen.places)
+    some = np.linspace(0, count - 1, min(10 * METHOD.seeds, count)).astype(int)
+    _, vectors = specimen.neighbours(some)
+    local = local_of([lattice], vectors)
+    good = np.flatnonzero(local.phase == 0)
+    if not len(good):
+        return good
+    most = np.tile(quaternion_of(mean_frame(lattice, local, good, vectors)), (len(good), 1))
+    _, angles = symmetry_of(lattice.name).nearest(most, local.quaternions[good])
+    return some[good[angles > METHOD.wall]]
+
+
+def _turned_together(specimen: Specimen) -> bool:
+    """Whether an atom that is turned lies among others, and is not turned by noise alone."""
+    lattice = specimen.frame.lattice
+    for atom in _turned(specimen):
+        numbers, own = specimen.neighbours(np.array([atom]))
+        _, vectors = specimen.neighbours(numbers[0, : lattice.shells])
+        local = local_of([lattice], np.concatenate([own, vectors]))
+        q = local.quaternions
+        _, angles = symmetry_of(lattice.name).nearest(np.tile(q[0], (len(q), 1)), q)
+        if ((local.phase == 0) & (angles < METHOD.wall / 2))[1:].sum() > lattice.shells / 2:
+            return True
+    return False
+
+
+def fitting(frame: Frame, vectors: np.ndarray) -> np.ndarray:
+    """Atoms whose neighbours all lie nearer to places of their own than half their distance."""
+    near = vectors[:, : frame.lattice.shells]
+    fit = fitted(frame, near)
+    apart = frame.apart(near.reshape(-1, 3), fit.labels.reshape(-1, 3)).reshape(near.shape[:2])
+    return fit.whole & (apart.max(axis=1) < frame.constant * frame.lattice.nearest / 2)
+
+
+def is_single(specimen: Specimen, near: np.ndarray | None) -> bool:
+    """Whether nothing but one crystal, with its defects and surfaces, is there.
+
+    Inside of another grain or phase no atom fits into the frame of the crystal, and neither does
+    any of its neighbours: hardly an atom of a single crystal is looked at any further.
+
+    near: neighbours by lattice vector, as `Shells` has them, shape (atoms, k); None where numbers
+        do not tell images.
+    """
+    count = len(specimen.places)
+    if near is None:
+        numbers, vectors = specimen.neighbours(np.arange(count))
+        fits = fitting(specimen.frame, vectors)
+        touched = dilated(fits, numbers[:, : specimen.frame.lattice.shells])
+    else:
+        fits = np.all(near >= 0, axis=1)
+        touched = dilated(fits, near)
+    deep = np.flatnonzero(~touched)
+    if _turned_together(specimen):
+        return False
+    if not len(deep):
+        return True
+    # A grain has more atoms than an atom has neighbours; a sample tells a large one.
+    least = specimen.frame.lattice.shells
+    if is_other(specimen, specimen.neighbours(deep[sampled(len(deep))])[1]).sum() > least:
+        return False
+    _, vectors = specimen.neighbours(deep)
+    if is_other(specimen, vectors).sum() > least:
+        return False
+    return not is_lost(specimen, deep, vectors, fits).any()
+
+
+def is_lost(
+    specimen: Specimen, atoms: np.ndarray, vectors: np.ndarray, held: np.ndarray
+) -> np.ndarray:
+    """Which of some atoms lie in a region without a lattice: wider about them than any core is no
+    more of the atoms are held than in a liquid, but they have as many neighbours as in a crystal.
+    """
+    lattice, cell, places = specimen.frame.lattice, specimen.cell, specimen.places
+    longest = np.linalg.norm(lattice.neighbours[0] * lattice.units, axis=1).max()
+    reach = specimen.frame.constant * longest + specimen.nearest / 2
+    found = np.linalg.norm(vectors[:, lattice.shells - 1], axis=1) < reach
+    far = 2 * METHOD.width * specimen.nearest
+    counts = []
+    for chosen in (places[held], places):
+        points, _, _ = cell.with_ghosts(chosen, far)
+        tree = scipy.spatial.cKDTree(points)
+        counts.append(tree.query_ball_point(places[atoms[found]], far, return_length=True))
+    found[found] = counts[0] < METHOD.share * counts[1]
+    return found
+
+
+def nearest_held(
+    specimen: Specimen, atoms: np.ndarray, held: np.ndarray, reach: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """The nearest of the atoms that are held to each of some atoms, and its distance; as many
+    atoms as there are, and infinity, where none lies within reach."""
+    chosen = np.flatnonzero(held)
+    points, numbers, _ = specimen.cell.with_ghosts(specimen.places[chosen], reach)
+    if not len(points):
+        return np.full(len(atoms), len(held)), np.full(len(atoms), np.inf)
+    tree = scipy.spatial.cKDTree(points)
+    apart, k = tree.query(specimen.places[atoms], distance_upper_bound=reach)
+    return np.append(chosen[numbers], len(held))[k], apart
