@@ -231,8 +231,7 @@ def single_frame(
         best = every[int(np.argmin(scores))]
     if constant is not None:
         best = refined(best, vectors, orient is not None)
-        # Strain of more than this is no crystal any more.
-        if abs(best.constant / constant - 1) > 0.15:
+        if abs(best.constant / constant - 1) > METHOD.strain:
             raise CrystalError(
                 f"constant: neighbours are as far apart as with a = {best.constant:.4g}, but "
                 f"{constant:.4g} came. Give it in the unit of the positions, or leave it out."

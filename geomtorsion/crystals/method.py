@@ -12,6 +12,9 @@ class Method:
 
     reach: radius of the largest empty sphere of a crystal with a vacancy in it, in neighbour
         distances; what is larger is a void, or lies outside.
+    uneven: share of that radius beyond which other atoms leave an atom at a surface: up to about
+        the sphere of a single vacancy, one neighbour distance or two thirds of the radius, would
+        take cores for surfaces, the whole radius no surface with a step or an edge for one.
     jitter: share of that radius by which atoms are moved, so that those on exact lattice sites have
         one Delaunay triangulation, the same in every image.
     sound: a line through triangles without torsion and doubt counts as so many times as long: lines
@@ -20,16 +23,20 @@ class Method:
         wider than this are point defects, nearer junctions are one.
     wall: least misorientation of two grains, rad: walls of less are rows of dislocations, of more
         a wall (the usual limit, [Brandon1966]: their cores, b/wall = 4 b apart, then touch).
+    strain: a lattice constant further than this from that of the atoms is one of other units or of
+        another lattice: perfect metals yield at shears of 1 / 2 pi [HirthLothe1982].
     share: no more than this share of the atoms of a liquid have neighbours like those of a crystal.
     seeds, sample: atoms that suggest an orientation, and atoms that decide.
     together: atoms that are looked at together: it decides about memory, not about values.
     """
 
     reach: float = 1.5
+    uneven: float = 0.8
     jitter: float = 1e-5
     sound: float = 2.0
     width: float = 2.0
     wall: float = radians(15)
+    strain: float = 0.15
     share: float = 0.1
     seeds: int = 16
     sample: int = 2000

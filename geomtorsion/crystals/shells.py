@@ -202,7 +202,7 @@ def _at_surface(
         out = way[left] / np.maximum(np.linalg.norm(way[left], axis=1), 1e-300)[:, None]
         apart, _ = tree.query(places[atoms[left]] + radius * out)
         # The atom itself touches it; others may reach in a little where the surface is uneven.
-        found[left[apart > 0.8 * radius]] = True
+        found[left[apart > METHOD.uneven * radius]] = True
     return found
 
 

@@ -260,6 +260,18 @@ def test_bad_input_is_refused(name):
         make().dislocations()
 
 
+@pytest.mark.parametrize("lattice", ["fcc", "bcc"])
+def test_a_given_constant_is_that_of_the_atoms_but_for_strain(lattice):
+    """14 % more or less are taken, 16 % are told."""
+    places, cell = block(lattice, (6, 6, 6))
+    for share in (0.86, 1.14):
+        crystal = Crystal(places, cell, constant=1 / share)
+        assert (crystal.constant, crystal.lattice) == (1 / share, lattice)
+    for share in (0.84, 1.16):
+        with pytest.raises(CrystalError, match="as far apart as with a = 1, but"):
+            _ = Crystal(places, cell, constant=1 / share).constant
+
+
 def test_what_is_unusual_is_told_not_refused():
     """Left-handed cells, open boxes without a cell, two species, mixed phases."""
     assert Crystal(X * [1, 1, -1], np.diag(CELL * [1, 1, -1])).share == 1

@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 
 from geomtorsion.crystals import Crystal, read
@@ -67,6 +68,20 @@ def test_a_report_is_plain_data():
     assert one["burgers"] == list(net.lines[0].burgers)
     assert one["burgers_lattice"] == [str(x) for x in net.lines[0].burgers_lattice or ()]
     assert found["lattice"] == "fcc"
+
+
+def test_lines_of_a_crystal_come_back_from_vtk(tmp_path):
+    """Another program reads points, lines and b as they were written, bit by bit."""
+    meshio = pytest.importorskip("meshio")
+    net = Crystal(copper_screw(), BOX, (False, False, True), "fcc").dislocations()
+    net.save(tmp_path / "lines.vtk")
+    mesh = meshio.read(tmp_path / "lines.vtk")
+    ((one,), (line,), (pieces,)) = net.polylines, net.lines, mesh.cells
+    assert pieces.type == "line"
+    assert np.array_equal(mesh.points, one.points)
+    assert pieces.data.tolist() == [[k, k + 1] for k in range(len(one.points) - 1)]
+    assert mesh.cell_data["line"][0].ravel().tolist() == [0] * len(pieces.data)
+    assert mesh.cell_data["burgers"][0].tolist() == [list(line.burgers)] * len(pieces.data)
 
 
 def test_a_loop_of_vacancies_encloses_vacancies():

@@ -65,3 +65,18 @@ def test_blocks_of_any_size_give_the_same(together):
     )
     for name in ("near", "kind", "closed"):
         assert (getattr(one, name) == getattr(other, name)).all()
+
+
+@pytest.mark.parametrize("lattice", ["fcc", "bcc"])
+def test_faces_edges_and_corners_are_surfaces(lattice):
+    """An open block needs no triangulation; with spheres that nothing may reach into it would."""
+    places, _ = block(lattice, (8, 8, 8))
+    assert closed_share(Crystal(places, lattice=lattice, orient=np.eye(3))) == 1
+
+
+def test_a_core_is_no_surface():
+    """Of all atoms without some neighbour those of an edge stay open, not only the innermost."""
+    places, cell = with_line("bcc", (1, 0, 0), margin=0.45)
+    crystal = Crystal(places, cell, (False, False, True), lattice="bcc", orient=np.eye(3))
+    # Three layers of four atoms for each period; with smaller spheres there are 32 or fewer.
+    assert round((1 - closed_share(crystal)) * len(places)) == 36

@@ -89,6 +89,9 @@ def test_meshio_reads_the_vtk_file(tmp_path: Path, name: str) -> None:
     lengths = np.linalg.norm(np.diff(mesh.points[block.data], axis=1)[:, 0], axis=1)
     (numbers,), (vectors,) = mesh.cell_data["line"], mesh.cell_data["burgers"]
     for k, one in enumerate(net.polylines):
+        pieces = mesh.points[block.data[numbers.ravel() == k]]
+        assert np.array_equal(pieces[:, 0], one.points[:-1])
+        assert np.array_equal(pieces[:, 1], one.points[1:])
         assert lengths[numbers.ravel() == k].sum() == pytest.approx(one.length, rel=1e-12)
         assert (vectors[numbers.ravel() == k] == [float(x) for x in one.burgers]).all()
 
