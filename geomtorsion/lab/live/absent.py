@@ -77,9 +77,8 @@ class Absent:
     def _refuse(self, *_: object) -> NoReturn:
         package = self._name.partition(".")[0]
         raise MissingExtraError(
-            f"this needs {package} ({self._name}), which has no build for browsers in the "
-            "registries from which this page was made. Use `geomtorsion lab` or Python on a "
-            "computer."
+            f"this needs {package} ({self._name}), which has no build for browsers on PyPI or npm. "
+            "Use `geomtorsion lab` or Python on a computer."
         )
 
     def _same(self, *_: object) -> Absent:

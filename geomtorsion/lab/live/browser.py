@@ -13,7 +13,7 @@ from geomtorsion.lab.views import TETRAD
 
 # What a request of the page looks like.
 FORM = {
-    "tab": frozenset(TABS), "values": {str: str}, "kept?": {str: str}, "changed?": str,
+    "tab": frozenset(TABS), "values": {str: str}, "kept?": {str: str}, "changed?": [str],
     "action?": str,
 }  # fmt: skip
 

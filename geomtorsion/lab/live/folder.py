@@ -182,5 +182,6 @@ def panel(tab: str) -> str:
     return (
         f'<p class="guide">{escape(guide.seen)}</p>'
         f'<p class="guide"><strong>Try:</strong> {escape(guide.tried)}</p>'
-        f'<div data-tab="{escape(tab)}"><form></form><div data-part="result"></div></div>'
+        f'<div data-tab="{escape(tab)}"><form></form>'
+        '<div data-part="problem"></div><div data-part="result"></div></div>'
     )

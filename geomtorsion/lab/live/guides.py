@@ -31,8 +31,8 @@ LIVE: Mapping[str, Guide] = {
     views.EXERCISES: GUIDES[views.EXERCISES],
 }
 _NEEDS = (
-    "numpy and scipy have no builds for browsers in the registries from which this page is made. "
-    "`geomtorsion lab` on a computer has this tab."
+    "numpy and scipy have no builds for browsers on PyPI or npm. `geomtorsion lab` on a computer "
+    "has this tab."
 )
 # Tab -> why it is empty.
 UNAVAILABLE: Mapping[str, str] = {
@@ -44,8 +44,8 @@ def note() -> str:
     """What the page is, and what it cannot do, in a few sentences."""
     text = (
         "Everything here is computed in your browser; nothing that you type leaves it. What is "
-        "exact works. Motions as curves and films, loops of any shape in numbers, maps of your own "
-        "and the exercises that need numbers of motions or loops do not: numpy and scipy cannot be "
-        "had for browsers. "
+        "exact works. Motions as curves and films, loops in numbers, maps of your own, and the "
+        "exercises that need these do not: they take numpy and scipy, which have no builds for "
+        "browsers on PyPI or npm. "
     )
     return f'<p class="note">{escape(text)}<code>geomtorsion lab</code> on a computer has all.</p>'

@@ -86,7 +86,10 @@ function valuesOf(tab) {
 function ask(tab, changed = "", action = "") {
   const values = valuesOf(tab);
   const kept = Object.keys(values).length ? {} : opened;
-  waiting.set(tab, { tab, values, kept, changed, action });
+  // What was wanted, and has not begun, is still wanted.
+  const before = waiting.get(tab);
+  const every = [...(before?.changed ?? []), ...(changed ? [changed] : [])];
+  waiting.set(tab, { tab, values, kept, changed: every, action: action || before?.action || "" });
   next();
 }
 
@@ -95,15 +98,22 @@ const named = (panel, name) =>
 
 function shown(tab, request, reply) {
   const panel = panels.get(tab);
+  const form = panel.querySelector("form");
+  const told = panel.querySelector('[data-part="problem"]');
   if (reply.problem) {
     const notice = document.createElement("pre");
     notice.className = "notice";
     notice.setAttribute("role", "alert");
     notice.textContent = reply.problem;
-    panel.querySelector('[data-part="result"]').replaceChildren(notice);
+    told.replaceChildren(notice);
+    panel.querySelector('[data-part="result"]').replaceChildren();
+    // Whoever followed a link that asks too much gets a form to begin with.
+    if (!("shape" in form.dataset) && !request.instead) {
+      waiting.set(tab, { tab, values: {}, kept: {}, changed: [], action: "", instead: true });
+    }
     return;
   }
-  const form = panel.querySelector("form");
+  if (!request.instead) told.replaceChildren();
   if (form.dataset.shape !== reply.shape) {
     // What was typed while Python worked stays.
     const before = valuesOf(tab);

@@ -241,7 +241,7 @@ def show(request: Json, runner: Runner) -> Json:
     ----------
     request
         tab; values: name of a control -> text, empty when the tab is opened; kept: what stood in
-        the address then; changed: the control that was changed last; action: "check" or nothing.
+        the address then; changed: controls that were changed since; action: "check" or nothing.
 
     Returns
     -------
@@ -259,7 +259,7 @@ def show(request: Json, runner: Runner) -> Json:
     """
     maker, begins, survives = TABS[request["tab"]]
     values = {str(k): str(text) for k, text in request.get("values", {}).items()}
-    if request.get("changed") in begins:
+    if begins & set(request.get("changed", ())):
         values = {k: text for k, text in values.items() if k in begins | survives}
     form = Form(values)
     kept = Kept.of(request.get("kept", {})) if not values else Kept()

@@ -9,9 +9,11 @@ import re
 import threading
 import zipfile
 from collections.abc import Iterator
+from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlencode
 
 import pytest
 
@@ -85,16 +87,25 @@ class Quiet(http.server.SimpleHTTPRequestHandler):
         return
 
 
+@contextmanager
+def served_folder(folder: Path) -> Iterator[str]:
+    """The address of a folder on a static host."""
+    handler = functools.partial(Quiet, directory=str(folder))
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    try:
+        yield f"http://127.0.0.1:{server.server_port}/"
+    finally:
+        server.shutdown()
+        server.server_close()
+
+
 @pytest.fixture(scope="module")
 def offline(site: Path, browser: Any) -> Iterator[Watched]:
     """The page, opened once from a static host and then again without any network.
 
     What the page asked for and logged is checked at the end.
     """
-    handler = functools.partial(Quiet, directory=str(site))
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
-    threading.Thread(target=server.serve_forever, daemon=True).start()
-    address = f"http://127.0.0.1:{server.server_port}/"
     context = browser.new_context(viewport={"width": 1280, "height": 900})
     opened = context.new_page()
     opened.set_default_timeout(START)
@@ -103,11 +114,10 @@ def offline(site: Path, browser: Any) -> Iterator[Watched]:
     opened.on("pageerror", lambda error: seen.errors.append(str(error)))
     opened.on("dialog", lambda dialog: seen.errors.append(dialog.message))
     context.on("request", lambda request: seen.asked.append(request.url))
-    opened.goto(address)
-    # Everything is loaded when Python starts to import.
-    opened.wait_for_selector("#starting:has-text('starting exact')")
-    server.shutdown()
-    server.server_close()
+    with served_folder(site) as address:
+        opened.goto(address)
+        # Everything is loaded when Python starts to import.
+        opened.wait_for_selector("#starting:has-text('starting exact')")
     context.set_offline(True)
     opened.goto(f"{address}?start=flat_polar")
     opened.wait_for_selector("body[data-state=ready] #torsion math")
@@ -219,9 +229,22 @@ def test_a_hostile_tetrad_ends_its_worker(offline: Watched):
     for i, row in enumerate(SLOW["entries"]):
         for k, text in enumerate(row):
             page.locator(f'[data-name="{i},{k}"]').fill(text)
-    says(offline, "Any tetrad", '[data-part="result"]', f"takes longer than the {LIMIT} s")
+    says(offline, "Any tetrad", '[data-part="problem"]', f"takes longer than the {LIMIT} s")
     page.wait_for_selector("body[data-state=ready]")
     page.get_by_label("start from").select_option(index=0)
     says(offline, "Any tetrad", "#torsion", "sin", START)
     offline.tab("Exercises")
     assert "✓ right" in says(offline, "Exercises", "#verdict", "right")
+
+
+@pytest.mark.slow
+def test_a_link_that_asks_too_much(offline: Watched):
+    """Whoever follows it is told, and gets a form to begin with."""
+    page = offline.page
+    coframe = ";".join("|".join(row) for row in SLOW["entries"])
+    query = urlencode({"coordinates": SLOW["coordinates"], "coframe": coframe, "show": "weyl"})
+    page.goto(f"{page.url.partition('?')[0]}?{query}")
+    page.wait_for_selector("body[data-state=ready]")
+    says(offline, "Any tetrad", '[data-part="problem"]', f"longer than the {LIMIT} s", START)
+    says(offline, "Any tetrad", "#torsion", "sin", START)
+    assert page.get_by_label("coordinates", exact=True).input_value() == "phi1, phi2, phi3"

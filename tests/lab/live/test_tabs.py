@@ -60,7 +60,7 @@ def test_another_space_begins_anew():
     values = {"start from": "s2: the sphere of radius R, compass frame", "0,0": "17"}
     values |= {name: str(name == "metric").lower() for name in USUAL}
     kept_on = shown(views.TETRAD, values)
-    anew = shown(views.TETRAD, values, changed="start from")
+    anew = shown(views.TETRAD, values, changed=["1,1", "start from"])
     assert kept_on["kept"]["coframe"].startswith("17|")
     assert anew["kept"]["coframe"] == ""
     assert anew["kept"]["show"] == "metric"
