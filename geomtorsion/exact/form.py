@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from flint import fmpq
 
+from geomtorsion.exact.factoring import factored
 from geomtorsion.exact.fourier import HIGHEST_DEGREE, high_pairs, multiple_angles
 from geomtorsion.exact.radical_denominators import monic, roots_restored
 
@@ -58,7 +59,7 @@ class Radicals:
             tail = generator.tail
             if generator.degree != 2 or tail is None or generator.kind == "imaginary":
                 continue
-            content, factors = field.lift(tail).factor()
+            content, factors = factored(field.lift(tail))
             pairs = [monic(factor) for factor, _ in factors]
             for _, sign in pairs:
                 content = content * sign
@@ -106,7 +107,7 @@ def _made(element: Element) -> Form:
     if len(num) == 1 and not den and not below:
         return _monomial(field, num)
     # A long polynomial is written as it is: its factors would cost more than they explain.
-    content, factors = num.factor() if len(num) <= LONGEST_FACTORED else (fmpq(1), [(num, 1)])
+    content, factors = factored(num) if len(num) <= LONGEST_FACTORED else (fmpq(1), [(num, 1)])
     if len(factors) > 1 and _is_short_wave(field, table, num):
         # cos(3 x) + cos(2 x) is shorter and more precise than the product of its factors.
         content, factors = fmpq(1), [(num, 1)]

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from flint.utils.flint_exceptions import DomainError
 
+from geomtorsion.exact.factoring import factored
 from geomtorsion.exact.limits import LARGEST_PRODUCT
 
 if TYPE_CHECKING:
@@ -71,7 +72,7 @@ def inverse(field: Tower, element: Element, largest: int = LARGEST_PRODUCT) -> E
         return None
     if rooted:
         field.note_rooted(field.polynomial(given))
-    content, factors = num.factor()
+    content, factors = factored(num)
     signed = []
     for factor, exponent in factors:
         positive, sign = monic(factor)
@@ -168,7 +169,7 @@ class Norms:
         self.table: list[tuple[list[fmpq_mpoly], Denominator]] = []
         seen: set[str] = set()
         for element in field.rooted:
-            for factor, _ in field.lift(element).factor()[1]:
+            for factor, _ in factored(field.lift(element))[1]:
                 key = str(factor)
                 if key not in seen and len(factor) > 1:
                     seen.add(key)
@@ -196,7 +197,7 @@ class Norms:
                 flipped.append(low - high * w)
             conjugates += flipped
         powers: dict[int, int] = {}
-        for part, exponent in norm.factor()[1]:
+        for part, exponent in factored(norm)[1]:
             index = field.factor_index.get(str(monic(part)[0]))
             # Only norms that stand below some element can be replaced.
             if index is None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from flint import fmpq, fmpz
 
+from geomtorsion.exact.factoring import factored
 from geomtorsion.exact.integers import prime_factors
 from geomtorsion.exact.radical_denominators import monic, split
 
@@ -118,7 +119,7 @@ def _by_parity(field: Tower, element: Element, base: list[Generator]) -> Element
 
 def _odd_factors(field: Tower, element: Element) -> frozenset[str]:
     """The irreducible factors, primes and sign with odd exponents."""
-    content, factors = field.lift(element).factor()
+    content, factors = factored(field.lift(element))
     content = fmpq(content)
     odd: set[str] = set()
     for factor, exponent in factors:
@@ -166,7 +167,7 @@ def _rational_square_root(field: Tower, element: Element) -> Element | None:
         return None
     scale, element = taken
     num = field.lift(element)
-    content, factors = num.factor()
+    content, factors = factored(num)
     if any(exponent % 2 for _, exponent in factors) or any(e % 2 for _, e in element._den):
         return None
     outside = _square_of_rational(content)

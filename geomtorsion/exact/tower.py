@@ -22,7 +22,7 @@ from geomtorsion.exact.element import Denominator, Element
 from geomtorsion.exact.generators import Branch, Generator
 from geomtorsion.exact.integers import as_fmpq
 from geomtorsion.exact.kept import kept, leaves
-from geomtorsion.exact.limits import MOST_AT_ONCE, terms_of_power
+from geomtorsion.exact.limits import LARGEST_POWER_TERMS, MOST_AT_ONCE, terms_of_power
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -338,7 +338,7 @@ class Tower(ABC):
                 else:
                     if len(num) * len(part) > largest:
                         return None
-                    num = num * part
+                    num = _product(num, part)
                 if element._den:
                     den = self.merged(den, element._den) if den else element._den
             if num is None:
@@ -364,7 +364,7 @@ class Tower(ABC):
             if den != common:
                 if len(num) * self._cofactor_terms(common, den) > largest:
                     return None
-                num = num * self.cofactor(common, den)
+                num = _product(num, self.cofactor(common, den))
             whole.append(num)
         return self._normalised(_added(whole), common)
 
@@ -486,6 +486,16 @@ def _lifted(ctx: fmpq_mpoly_ctx, poly: fmpq_mpoly, by: int) -> fmpq_mpoly:
     """A polynomial in a ring of `by` variables more."""
     pad = (0,) * by
     return ctx.from_dict({pad + tuple(m): c for m, c in poly.to_dict().items()})
+
+
+def _product(one: fmpq_mpoly, two: fmpq_mpoly) -> fmpq_mpoly:
+    """The product of polynomials, in pieces of a part of a second: between them one can stop."""
+    if len(one) * len(two) <= LARGEST_POWER_TERMS:
+        return one * two
+    long, short = (one, two) if len(one) > len(two) else (two, one)
+    terms, size = list(short.to_dict().items()), max(1, LARGEST_POWER_TERMS // len(long))
+    pieces = (terms[k : k + size] for k in range(0, len(terms), size))
+    return _added([long * long.context().from_dict(dict(piece)) for piece in pieces])
 
 
 def _added(polys: list[fmpq_mpoly]) -> fmpq_mpoly:

@@ -109,3 +109,15 @@ def test_read_as_written():
     potential = 1 + m / sp.sqrt(x**2 + y**2 + z**2) + n / sp.sqrt(x**2 + y**2 + (z - c) ** 2)
     element = Field([x, y, z, m, n, c]).read(1 / potential**2)
     assert element.sympy == 1 / potential**2
+
+
+def test_products_in_pieces(field):
+    """More than a million pairs of terms: the same as term by term."""
+    powers = range(32)
+    a, b = (
+        field.read(sp.Add(*[(i + m * j + 1) * x**i * y**j for i in powers for j in powers]))
+        for m in (1, 2)
+    )
+    whole = field.lift(a * b)
+    assert len(field.lift(a)) * len(field.lift(b)) > 10**6
+    assert whole == field.lift(a) * field.lift(b)

@@ -1,0 +1,123 @@
+"""Factoring: polynomials in factors; long work is done in a process of its own.
+
+Flint is deaf to Ctrl-C and to limits while it factors, which takes half a minute for some
+polynomials of 300 terms.  A process can be ended at once; its answer is the same.
+"""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import json
+import os
+import queue
+import subprocess
+import sys
+import threading
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from flint import fmpq, fmpz
+
+from geomtorsion.exact import factoring_process
+from geomtorsion.exact.limits import MOST_AT_ONCE
+
+if TYPE_CHECKING:
+    from flint import fmpq_mpoly
+
+    Factors = tuple[fmpq, list[tuple[fmpq_mpoly, int]]]
+
+# Terms times degrees: what is below takes less than a second, also two variables of high degree.
+LONG = MOST_AT_ONCE // 5
+
+
+def factored(poly: fmpq_mpoly) -> Factors:
+    """(content, [(irreducible factor, exponent)]) of a polynomial that is not zero."""
+    if len(poly) * sum(map(int, poly.degrees())) > LONG:
+        found = _OTHER.factored(poly)
+        if found is not None:
+            return found
+    content, factors = poly.factor()
+    return fmpq(content), [(factor, int(exponent)) for factor, exponent in factors]
+
+
+class OtherProcess:
+    """The process that factors; it is started when it is first needed."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._process: subprocess.Popen[str] | None = None
+        self._replies: queue.Queue[str] = queue.Queue()
+        self._owner = 0
+
+    def factored(self, poly: fmpq_mpoly) -> Factors | None:
+        """The factors, from the other process; None where there is none."""
+        ctx = poly.context()
+        # One request at a time; whoever interrupts ends the process.
+        with self._lock:
+            try:
+                line = self._answer(json.dumps([ctx.nvars(), factoring_process.terms_of(poly)]))
+            except (OSError, ValueError):
+                line = ""
+            except BaseException:
+                self.end()
+                raise
+            if not line:
+                self.end()
+                return None
+        p, q, factors = json.loads(line)
+        found = [(factoring_process.polynomial(ctx, terms), e) for terms, e in factors]
+        return fmpq(fmpz(int(p)), fmpz(int(q))), found
+
+    def _answer(self, request: str) -> str:
+        process = self._process
+        # A fork of this process has the pipes of its parent.
+        if process is None or process.poll() is not None or self._owner != os.getpid():
+            process = self._start()
+        assert process.stdin is not None
+        process.stdin.write(request + "\n")
+        process.stdin.flush()
+        while True:
+            # In short waits: an error that another thread sends arrives between them.
+            with contextlib.suppress(queue.Empty):
+                return self._replies.get(timeout=0.05)
+
+    def _start(self) -> subprocess.Popen[str]:
+        self._process = process = subprocess.Popen(
+            [sys.executable, "-P", str(Path(factoring_process.__file__))],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+            # Ctrl-C is for the one who asked.
+            start_new_session=True,
+        )
+        self._owner, self._replies = os.getpid(), queue.Queue()
+        threading.Thread(target=_listen, args=(process, self._replies), daemon=True).start()
+        return process
+
+    def end(self) -> None:
+        """End the process, at once; the next one who asks starts another."""
+        process, self._process = self._process, None
+        if process is None or self._owner != os.getpid():
+            return
+        process.kill()
+        process.wait()
+        for stream in (process.stdin, process.stdout):
+            if stream is not None:
+                # What was still to be written has no reader any more.
+                with contextlib.suppress(OSError, ValueError):
+                    stream.close()
+
+
+def _listen(process: subprocess.Popen[str], replies: queue.Queue[str]) -> None:
+    """Pass on the lines of a process, and one that is empty at its end."""
+    assert process.stdout is not None
+    with contextlib.suppress(ValueError, OSError):
+        for line in process.stdout:
+            replies.put(line)
+    replies.put("")
+
+
+_OTHER = OtherProcess()
+atexit.register(_OTHER.end)

@@ -1,0 +1,102 @@
+"""Factoring: the other process gives the same factors, and can be ended."""
+
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import sympy as sp
+from flint import Ordering, fmpq, fmpq_mpoly_ctx
+
+import geomtorsion as gt
+from geomtorsion.errors import AllowanceError
+from geomtorsion.exact import Field
+from geomtorsion.exact.factoring import LONG, OtherProcess, factored
+
+ROOT = Path(__file__).parents[2]
+CTX = fmpq_mpoly_ctx.get(["x", "y"], Ordering.lex)
+
+
+def sparse(degree, terms, seed):
+    """A polynomial with few terms of high degree."""
+    rng = random.Random(seed)
+    exponents = [tuple(rng.randint(0, degree) for _ in range(2)) for _ in range(terms)]
+    return CTX.from_dict({e: fmpq(rng.randint(1, 9), rng.randint(1, 9)) for e in exponents})
+
+
+def size(poly):
+    """What decides where it is factored."""
+    return len(poly) * sum(map(int, poly.degrees()))
+
+
+@pytest.mark.parametrize(("degree", "apart"), [(6, False), (30, True)])
+def test_here_and_apart(degree, apart):
+    """On both sides of the bound: what flint finds itself."""
+    product = sparse(degree, 12, 1) * sparse(degree, 12, 2) ** 2
+    assert (size(product) > LONG) is apart
+    content, factors = factored(product)
+    plain_content, plain = product.factor()
+    assert content == plain_content
+    assert factors == [(factor, int(exponent)) for factor, exponent in plain]
+
+
+def test_a_process_that_ended_is_replaced():
+    """It may be ended at any time."""
+    other, poly = OtherProcess(), sparse(6, 12, 1) * sparse(6, 12, 2)
+    for _ in range(2):
+        found = other.factored(poly)
+        assert found is not None
+        assert found[1] == [(factor, int(exponent)) for factor, exponent in poly.factor()[1]]
+        other.end()
+
+
+x, y = sp.symbols("x y", positive=True)
+# Half a minute and more for flint.
+RNG = random.Random(1)
+SLOW = sp.Mul(
+    *[
+        sp.Add(
+            *[
+                RNG.randint(1, 9) * x ** RNG.randint(0, 80) * y ** RNG.randint(0, 80)
+                for _ in range(17)
+            ]
+        )
+        for _ in range(2)
+    ]
+)
+
+
+def test_limits_end_it():
+    """The root of a product needs its factors; the field is as good as before."""
+    field = Field([x, y])
+    began = time.monotonic()
+    with pytest.raises(AllowanceError, match="more than 1 s"), gt.limits(seconds=1):
+        field.read(sp.sqrt(sp.expand(SLOW)))
+    assert time.monotonic() - began < 15
+    assert field.read(sp.sqrt(x**2 * y) - x * sp.sqrt(y)).is_zero is True
+
+
+def test_ctrl_c_ends_it():
+    """In a process of its own, which it leaves quietly."""
+    code = "import geomtorsion as gt, sympy\nx, y = sympy.symbols('x y', positive=True)\n"
+    code += f"value = {sp.expand(SLOW)}\nprint('reads', flush=True)\n"
+    code += "gt.Frame([x, y], [[sympy.sqrt(value), 0], [0, 1]])\n"
+    with subprocess.Popen(
+        [sys.executable, "-c", code],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        cwd=ROOT,
+        text=True,
+    ) as running:
+        assert running.stdout is not None
+        running.stdout.readline()
+        time.sleep(2)
+        assert running.poll() is None, "this was meant to take long"
+        began = time.monotonic()
+        running.send_signal(signal.SIGINT)
+        _, error = running.communicate(timeout=60)
+        assert time.monotonic() - began < 15
+    assert "KeyboardInterrupt" in error
