@@ -53,6 +53,8 @@ class Radicals:
         self.level: int = field.level
         self.sums: dict[str, tuple[Sum, int]] = {}
         self.table: list[tuple[str, fmpq, tuple[str, ...]]] = []
+        # Root -> its square without the number that all its terms share, and that number.
+        self.squares: dict[str, tuple[fmpq_mpoly, fmpq]] = {}
         self.partners: list[tuple[int, int, int]] = []
         self.circular: list[tuple[int, int]] = []
         for position, generator in enumerate(field.generators):
@@ -65,7 +67,11 @@ class Radicals:
                 content = content * sign
             if all(exponent == 1 for _, exponent in factors) and pairs:
                 keys = tuple(str(factor) for factor, _ in pairs)
-                self.table.append((str(field.ctx.gen(position)), content, keys))
+                key = str(field.ctx.gen(position))
+                self.table.append((key, content, keys))
+                if abs(content) != 1 and len(field.lift(tail)) > 1:
+                    share = abs(fmpq(content))
+                    self.squares[key] = (field.lift(tail) * (1 / share), share)
             if generator.kind in ("sin", "sinh"):
                 partner = field.by_name[generator.argument[1]]
                 sign = -1 if generator.kind == "sin" else 1
@@ -134,6 +140,12 @@ def _made(element: Element) -> Form:
     powers: list[tuple[Generator | Sum, int]] = []
     for key, exponent in exponents.items():
         if exponent:
+            if key in table.squares and exponent % 2 == 0:
+                # 3*r**2 - 6*M*r under a root is 3*(r**2 - 2*M*r) where the root is squared.
+                square, share = table.squares[key]
+                exponent //= 2
+                content, key = content * share**exponent, str(square)
+                polys[key] = square
             base, sign = _base(field, table, key, polys.get(key))
             content = content * sign if exponent % 2 else content
             powers.append((base, exponent))

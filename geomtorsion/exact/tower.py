@@ -18,11 +18,12 @@ from flint import Ordering, fmpq, fmpq_mpoly_ctx
 from flint.utils.flint_exceptions import DomainError
 
 from geomtorsion.errors import ExpressionError
+from geomtorsion.exact import polynomials
 from geomtorsion.exact.element import Denominator, Element
 from geomtorsion.exact.generators import Branch, Generator
 from geomtorsion.exact.integers import as_fmpq
 from geomtorsion.exact.kept import kept, leaves
-from geomtorsion.exact.limits import LARGEST_POWER_TERMS, MOST_AT_ONCE, terms_of_power
+from geomtorsion.exact.limits import MOST_AT_ONCE, terms_of_power
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -32,9 +33,6 @@ if TYPE_CHECKING:
 
     from geomtorsion.exact.certainty import Certainty
     from geomtorsion.exact.element import Value
-
-# Above this many products a sum is added up pairwise, so that its cost stays n log n.
-_PAIRWISE = 24
 
 
 class Point(Protocol):
@@ -174,14 +172,14 @@ class Tower(ABC):
         # w before all that its tail contains.
         ctx = fmpq_mpoly_ctx.get((generator.name, *self.ctx.names()), Ordering.lex)
         # Factors are used far more often than numerators: they are lifted at once.
-        factors = [_lifted(ctx, poly, 1) for poly in self.factors]
+        factors = [polynomials.lifted(ctx, poly, 1) for poly in self.factors]
         algebraic = [
-            (position + 1, degree, _lifted(ctx, relation, 1))
+            (position + 1, degree, polynomials.lifted(ctx, relation, 1))
             for position, degree, relation in self._algebraic
         ]
         if generator.tail is not None:
             w = ctx.gen(0)
-            relation = w**generator.degree - _lifted(ctx, self.lift(generator.tail), 1)
+            relation = w**generator.degree - polynomials.lifted(ctx, self.lift(generator.tail), 1)
             for power, value in generator.middle:
                 relation = relation - w**power * value
             algebraic.insert(0, (0, generator.degree, relation))
@@ -299,7 +297,7 @@ class Tower(ABC):
 
     def lifted(self, poly: fmpq_mpoly, by: int) -> fmpq_mpoly:
         """A polynomial of an earlier ring, `by` variables smaller, in the present one."""
-        return _lifted(self.ctx, poly, by)
+        return polynomials.lifted(self.ctx, poly, by)
 
     def lift(self, element: Element) -> fmpq_mpoly:
         """The numerator of an element, moved to the present polynomial ring."""
@@ -338,7 +336,7 @@ class Tower(ABC):
                 else:
                     if len(num) * len(part) > largest:
                         return None
-                    num = _product(num, part)
+                    num = polynomials.product(num, part)
                 if element._den:
                     den = self.merged(den, element._den) if den else element._den
             if num is None:
@@ -354,19 +352,19 @@ class Tower(ABC):
             return self.zero
         if len(groups) == 1:
             ((den, nums),) = groups.items()
-            return self._normalised(_added(nums), den)
+            return self._normalised(polynomials.added(nums), den)
         common: Denominator = ()
         for den in groups:
             common = self.lcm(common, den)
         whole = []
         for den, nums in groups.items():
-            num = _added(nums)
+            num = polynomials.added(nums)
             if den != common:
                 if len(num) * self._cofactor_terms(common, den) > largest:
                     return None
-                num = _product(num, self.cofactor(common, den))
+                num = polynomials.product(num, self.cofactor(common, den))
             whole.append(num)
-        return self._normalised(_added(whole), common)
+        return self._normalised(polynomials.added(whole), common)
 
     def _cofactor_terms(self, common: Denominator, den: Denominator) -> int:
         """How many terms common/den has at most, whether or not it has been multiplied out."""
@@ -480,30 +478,3 @@ class Tower(ABC):
     def denominator(self, element: Element) -> Element:
         """The denominator of an element as an element."""
         return Element(self, self.cofactor(element._den, ()), (), self.level)
-
-
-def _lifted(ctx: fmpq_mpoly_ctx, poly: fmpq_mpoly, by: int) -> fmpq_mpoly:
-    """A polynomial in a ring of `by` variables more."""
-    pad = (0,) * by
-    return ctx.from_dict({pad + tuple(m): c for m, c in poly.to_dict().items()})
-
-
-def _product(one: fmpq_mpoly, two: fmpq_mpoly) -> fmpq_mpoly:
-    """The product of polynomials, in pieces of a part of a second: between them one can stop."""
-    if len(one) * len(two) <= LARGEST_POWER_TERMS:
-        return one * two
-    long, short = (one, two) if len(one) > len(two) else (two, one)
-    terms, size = list(short.to_dict().items()), max(1, LARGEST_POWER_TERMS // len(long))
-    pieces = (terms[k : k + size] for k in range(0, len(terms), size))
-    return _added([long * long.context().from_dict(dict(piece)) for piece in pieces])
-
-
-def _added(polys: list[fmpq_mpoly]) -> fmpq_mpoly:
-    """The sum of polynomials, pairwise where there are many."""
-    if len(polys) > _PAIRWISE:
-        half = len(polys) // 2
-        return _added(polys[:half]) + _added(polys[half:])
-    total = polys[0]
-    for poly in polys[1:]:
-        total = total + poly
-    return total

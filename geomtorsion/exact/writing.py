@@ -14,7 +14,7 @@ from geomtorsion.exact.kept import in_order
 from geomtorsion.exact.limits import check_written
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from flint import fmpq
 
@@ -36,7 +36,7 @@ def to_sympy(element: Element) -> sympy.Expr:
         return sympy.S.Zero
     written = form(element)
     known = element.field.tables.setdefault("sympy", {})
-    factors = [_power(known, base, exponent) for base, exponent in written.powers]
+    factors = _factors(known, written.powers)
     sums = sum(isinstance(base, Sum) for base, _ in written.powers)
     plain = all(isinstance(base, Sum) or base.kind in _PLAIN for base, _ in written.powers)
     # sympy distributes a number over a lone sum; then its own product is taken.
@@ -174,6 +174,23 @@ def _product(value: fmpq, factors: list[sympy.Expr], plain: bool) -> sympy.Expr:
     return sympy.Mul._from_args(ordered, is_commutative=True)
 
 
+def _factors(known: Powers, powers: Iterable[tuple[Generator | Sum, int]]) -> list[sympy.Expr]:
+    """base**exponent of each; exponentials of numbers and functions are joined in one."""
+    exponents = [
+        exponent * base.shown.args[0]
+        for base, exponent in powers
+        if isinstance(base, Generator) and isinstance(base.shown, sympy.exp)
+    ]
+    if len(exponents) < 2:
+        return [_power(known, base, exponent) for base, exponent in powers]
+    rest = [
+        _power(known, base, exponent)
+        for base, exponent in powers
+        if not (isinstance(base, Generator) and isinstance(base.shown, sympy.exp))
+    ]
+    return [*rest, sympy.exp(sympy.Add(*exponents))]
+
+
 def _power(known: Powers, base: Generator | Sum, exponent: int) -> sympy.Expr:
     """base**exponent, made once."""
     key = (base, exponent)
@@ -189,7 +206,7 @@ def _sum(known: Powers, base: Sum) -> sympy.Expr:
     terms = []
     all_plain = True
     for value, monomial in base.terms:
-        factors = [_power(known, generator, exponent) for generator, exponent in monomial]
+        factors = _factors(known, monomial)
         plain = all(generator.kind in _PLAIN for generator, _ in monomial)
         all_plain = all_plain and plain
         terms.append(_product(value, factors, plain))

@@ -95,3 +95,26 @@ def test_conversion_is_memoised():
     """The second conversion returns the same object."""
     element = Field([x]).read(log(1 + sinh(x) ** 2))
     assert element.sympy is element.sympy
+
+
+def test_a_number_that_all_terms_share_stands_in_front():
+    """The square of a root has no factor in all its terms; an odd power has the root as read."""
+    r, M, Q, L = sp.symbols("r M Q Lambda", positive=True)
+    field = Field([r, M, Q, L])
+    root = field.read(sp.sqrt(1 - 2 * M / r + Q**2 / r**2 - L * r**2 / 3))
+    inside = L * r**4 + 6 * M * r - 3 * Q**2 - 3 * r**2
+    assert (-root * root).sympy == inside / (3 * r**2)
+    assert (root**-4).sympy == 9 * r**4 / (-inside).expand() ** 2
+    assert root.sympy == sp.sqrt((-3 * inside).expand()) / (3 * r)
+
+
+def test_exponentials_are_joined():
+    """exp(2 a) exp(-2 b) is one exponential, in products and in the terms of sums."""
+    x, y = sp.symbols("x y", real=True)
+    a, b = sp.Function("a"), sp.Function("b")
+    field = Field([x, y])
+    product = field.read(sp.exp(2 * a(x)) * sp.exp(-2 * b(x)))
+    assert str(product.sympy) == "exp(2*a(x) - 2*b(x))"
+    assert field.read(product.sympy) == product
+    assert str(field.read(3 * sp.exp(x) * sp.exp(-y) * x).sympy) == "3*x*exp(x - y)"
+    assert str(field.read(sp.exp(x) * sp.exp(y) + sp.sin(x)).sympy) == "exp(x + y) + sin(x)"

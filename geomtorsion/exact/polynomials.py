@@ -1,0 +1,40 @@
+"""Polynomials: those of flint in a larger ring, their long sums and products."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from geomtorsion.exact.limits import LARGEST_POWER_TERMS
+
+if TYPE_CHECKING:
+    from flint import fmpq_mpoly, fmpq_mpoly_ctx
+
+# Above this many products a sum is added up pairwise, so that its cost stays n log n.
+_PAIRWISE = 24
+
+
+def lifted(ctx: fmpq_mpoly_ctx, poly: fmpq_mpoly, by: int) -> fmpq_mpoly:
+    """A polynomial in a ring of `by` variables more."""
+    pad = (0,) * by
+    return ctx.from_dict({pad + tuple(m): c for m, c in poly.to_dict().items()})
+
+
+def product(one: fmpq_mpoly, two: fmpq_mpoly) -> fmpq_mpoly:
+    """The product of polynomials, in pieces of a part of a second: between them one can stop."""
+    if len(one) * len(two) <= LARGEST_POWER_TERMS:
+        return one * two
+    long, short = (one, two) if len(one) > len(two) else (two, one)
+    terms, size = list(short.to_dict().items()), max(1, LARGEST_POWER_TERMS // len(long))
+    pieces = (terms[k : k + size] for k in range(0, len(terms), size))
+    return added([long * long.context().from_dict(dict(piece)) for piece in pieces])
+
+
+def added(polys: list[fmpq_mpoly]) -> fmpq_mpoly:
+    """The sum of polynomials, pairwise where there are many."""
+    if len(polys) > _PAIRWISE:
+        half = len(polys) // 2
+        return added(polys[:half]) + added(polys[half:])
+    total = polys[0]
+    for poly in polys[1:]:
+        total = total + poly
+    return total
