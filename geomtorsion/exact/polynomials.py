@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from geomtorsion.exact.limits import LARGEST_POWER_TERMS
-
 if TYPE_CHECKING:
     from flint import fmpq_mpoly, fmpq_mpoly_ctx
 
@@ -19,12 +17,12 @@ def lifted(ctx: fmpq_mpoly_ctx, poly: fmpq_mpoly, by: int) -> fmpq_mpoly:
     return ctx.from_dict({pad + tuple(m): c for m, c in poly.to_dict().items()})
 
 
-def product(one: fmpq_mpoly, two: fmpq_mpoly) -> fmpq_mpoly:
-    """The product of polynomials, in pieces of a part of a second: between them one can stop."""
-    if len(one) * len(two) <= LARGEST_POWER_TERMS:
+def product(one: fmpq_mpoly, two: fmpq_mpoly, pairs: int) -> fmpq_mpoly:
+    """The product, in pieces of so many pairs of terms: between them one can stop."""
+    if len(one) * len(two) <= pairs:
         return one * two
     long, short = (one, two) if len(one) > len(two) else (two, one)
-    terms, size = list(short.to_dict().items()), max(1, LARGEST_POWER_TERMS // len(long))
+    terms, size = list(short.to_dict().items()), max(1, pairs // len(long))
     pieces = (terms[k : k + size] for k in range(0, len(terms), size))
     return added([long * long.context().from_dict(dict(piece)) for piece in pieces])
 

@@ -23,7 +23,7 @@ from geomtorsion.exact.element import Denominator, Element
 from geomtorsion.exact.generators import Branch, Generator
 from geomtorsion.exact.integers import as_fmpq
 from geomtorsion.exact.kept import kept, leaves
-from geomtorsion.exact.limits import MOST_AT_ONCE, terms_of_power
+from geomtorsion.exact.limits import LARGEST_POWER_TERMS, MOST_AT_ONCE, terms_of_power
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -336,7 +336,7 @@ class Tower(ABC):
                 else:
                     if len(num) * len(part) > largest:
                         return None
-                    num = polynomials.product(num, part)
+                    num = polynomials.product(num, part, LARGEST_POWER_TERMS)
                 if element._den:
                     den = self.merged(den, element._den) if den else element._den
             if num is None:
@@ -362,7 +362,7 @@ class Tower(ABC):
             if den != common:
                 if len(num) * self._cofactor_terms(common, den) > largest:
                     return None
-                num = polynomials.product(num, self.cofactor(common, den))
+                num = polynomials.product(num, self.cofactor(common, den), LARGEST_POWER_TERMS)
             whole.append(num)
         return self._normalised(polynomials.added(whole), common)
 
