@@ -51,9 +51,10 @@ def report_in_blocks(
 ) -> tuple[Json, DislocationNetwork]:
     """What is found in the atoms of a file, by way of blocks in a folder."""
     source, cell, periodic = _opened(file, wanted, blocks)
+    orient = None if wanted.orient is None else np.array(wanted.orient)
     crystal = blocked_crystal(
         source, folder, cell, blocks.size or 0.0, periodic, lattice=wanted.lattice,
-        orient=wanted.orient, constant=wanted.constant, workers=blocks.workers,
+        orient=orient, constant=wanted.constant, workers=blocks.workers,
     )  # fmt: skip
     net = crystal.dislocations(wanted.partials)
     return {"frame": 0, **crystal_report(crystal, net, wanted.convention)}, net

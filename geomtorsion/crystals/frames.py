@@ -252,10 +252,12 @@ def likely_lattice(
     vectors: np.ndarray, orient: np.ndarray | None = None, constant: float | None = None
 ) -> tuple[Frame, Fit]:
     """The frame of the lattice into which most atoms fit, in axes that may be given."""
-    # Few tell the lattice, all then its orientation and constant.
-    some = vectors[:: max(len(vectors) // (10 * METHOD.seeds), 1)]
-    found = [single_frame(lattice, some, orient) for lattice in LATTICES.values()]
-    frame, _ = max(found, key=lambda pair: (pair[1].whole.mean(), -pair[1].misfit.mean()))
+    # Few tell the lattice, all then its orientation and constant; where few fit, all tell it.
+    for some in (vectors[:: max(len(vectors) // (10 * METHOD.seeds), 1)], vectors):
+        found = [single_frame(lattice, some, orient) for lattice in LATTICES.values()]
+        frame, fit = max(found, key=lambda pair: (pair[1].whole.mean(), -pair[1].misfit.mean()))
+        if fit.whole.mean() >= METHOD.share:
+            break
     return single_frame(frame.lattice, vectors, orient, constant)
 
 
