@@ -1,5 +1,6 @@
 """The site as a reader has it: complete, closed, every cell run, every link good."""
 
+import html
 import re
 from pathlib import Path
 
@@ -20,7 +21,9 @@ TUTORIALS = (
     "own_torsion",
     "accuracy",
 )
-TASKS = ("tetrad_file", "second_chart", "effect", "space", "exercise", "engine")
+TASKS = (
+    "tetrad_file", "notebook", "classroom", "second_chart", "effect", "space", "exercise", "engine",
+)  # fmt: skip
 OTHERS = (
     "index", "api/index", "genindex", "gallery/index", "conventions", "errors", "comparison",
     "design", "cite", "contribute", "licences",
@@ -75,6 +78,12 @@ def test_versions_are_those_of_this_checkout(built):
     text = (built / "cite.html").read_text("utf-8")
     assert text.count(geomtorsion.__version__) >= 2
     assert "cff-version" in text
+    readme = (EXAMPLES.parent / "README.md").read_text("utf-8")
+    told = readme.split("## How to cite")[1].split("\n## ")[0]
+    plain = html.unescape(re.sub(r"<[^>]*>", "", text))
+    lines = re.findall(r"\{+[^{}\n]+\}+|^(?:title|type|license): .*$", told, re.MULTILINE)
+    assert len(lines) >= 5
+    assert not [line for line in lines if line not in plain]
     licences = (built / "licences.html").read_text("utf-8")
     assert all(name in licences for name in ("sympy", "python-flint", "heyoka", "orix"))
 

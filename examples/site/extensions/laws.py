@@ -9,23 +9,17 @@ followed.
 
 from __future__ import annotations
 
-import pkgutil
 import re
 from collections.abc import Iterable, Iterator
 from html.parser import HTMLParser
-from importlib import import_module
 from inspect import ismodule
 from pathlib import Path
-from types import ModuleType
 from urllib.parse import unquote, urlsplit
 
-from reference import exported_above, public_names
+from reference import exported_above, public_modules, public_names
 from sources import digest
 from sphinx.errors import SphinxError
 
-import geomtorsion
-
-ALL_PUBLIC = ("geomtorsion.conventions", "geomtorsion.errors")
 # Attributes by which a page loads something; of <a> only where it leads matters.
 _LOADING = {
     "script": ("src",), "img": ("src", "srcset"), "link": ("href",), "source": ("src", "srcset"),
@@ -105,16 +99,6 @@ def _leads(path: Path, link: str, pages: dict[Path, _Page]) -> bool:
     if target not in pages:
         return target.exists()
     return not parts.fragment or unquote(parts.fragment) in pages[target].anchors
-
-
-def public_modules() -> Iterator[ModuleType]:
-    """Every module that says what it exports, and those of which all is public."""
-    yield geomtorsion
-    for found in pkgutil.walk_packages(geomtorsion.__path__, "geomtorsion."):
-        if not found.name.endswith("__main__"):
-            module = import_module(found.name)
-            if hasattr(module, "__all__") or found.name in ALL_PUBLIC:
-                yield module
 
 
 def missing_names(known: Iterable[str]) -> list[str]:

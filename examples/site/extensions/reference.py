@@ -7,9 +7,13 @@ A name that `geomtorsion` itself exports is documented on the first page; pages 
 
 from __future__ import annotations
 
+import pkgutil
+import re
+from collections.abc import Iterator
 from contextlib import suppress
 from importlib import import_module
 from inspect import isclass, isfunction, ismodule
+from pathlib import Path
 from types import ModuleType
 
 from docstrings import converted, escaped
@@ -19,6 +23,19 @@ from sphinx.util.docutils import SphinxDirective
 from sphinx.util.nodes import make_refnode, nested_parse_with_titles
 
 import geomtorsion
+
+ALL_PUBLIC = ("geomtorsion.conventions", "geomtorsion.errors")
+_PLACED = re.compile(r"^\.\. public:: (\S+)(?:\n    :of: (\w+))?", re.MULTILINE)
+
+
+def public_modules() -> Iterator[ModuleType]:
+    """Every module that says what it exports, and those of which all is public."""
+    yield geomtorsion
+    for found in pkgutil.walk_packages(geomtorsion.__path__, "geomtorsion."):
+        if not found.name.endswith("__main__"):
+            module = import_module(found.name)
+            if hasattr(module, "__all__") or found.name in ALL_PUBLIC:
+                yield module
 
 
 def public_names(module: ModuleType) -> list[str]:
@@ -58,7 +75,7 @@ class Public(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         """What the lines of `written` become."""
-        lines = StringList(self.written(), source=f"public names of {self.arguments[0]}")
+        lines = StringList(self.written(), source="public names")
         node = nodes.section()
         node.document = self.state.document
         nested_parse_with_titles(self.state, lines, node)
@@ -66,12 +83,15 @@ class Public(SphinxDirective):
 
     def written(self) -> list[str]:
         """Directives of autodoc, one for each name that has its place here."""
-        name = self.arguments[0]
+        return self.documented(self.arguments[0], self.options.get("of"))
+
+    def documented(self, name: str, of: str | None = None) -> list[str]:
+        """The names of a package; of `geomtorsion` those that are at home in one below it."""
         module = import_module(name)
         names = public_names(module)
         lines: list[str] = []
         if name == "geomtorsion":
-            names = [one for one in names if package_of(one) == self.options["of"]]
+            names = [one for one in names if package_of(one) == of]
         else:
             lines += [f".. py:module:: {name}", "", *converted((module.__doc__ or "").split("\n"))]
             elsewhere = {one: homes[0] for one in names if (homes := exported_above(name, one))}
@@ -102,6 +122,26 @@ class Public(SphinxDirective):
         return [f".. autodata:: {full}", "    :no-value:", ""]
 
 
+class Rest(Public):
+    """`.. rest::`: what is public and has no page yet, so that nothing new goes missing."""
+
+    required_arguments = 0
+
+    def written(self) -> list[str]:
+        """Whatever no `.. public::` of any page places."""
+        pages = Path(self.env.srcdir, "api").glob("*.rst")
+        placed = {found for page in pages for found in _PLACED.findall(page.read_text("utf-8"))}
+        homes = dict.fromkeys(package_of(one) for one in geomtorsion.__all__)
+        lines: list[str] = []
+        for home in homes:
+            if ("geomtorsion", home) not in placed:
+                lines += self.documented("geomtorsion", home)
+        for module in public_modules():
+            if module is not geomtorsion and (module.__name__, "") not in placed:
+                lines += self.documented(module.__name__)
+        return lines
+
+
 def _resolve(app, env, node, contnode):
     """A link for a type in a signature that names a public class without its package.
 
@@ -126,5 +166,6 @@ def _resolve(app, env, node, contnode):
 def setup(app) -> dict[str, bool]:
     """Register the directive and the links."""
     app.add_directive("public", Public)
+    app.add_directive("rest", Rest)
     app.connect("missing-reference", _resolve)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
