@@ -93,3 +93,15 @@ def test_version():
     assert stated is not None
     assert geomtorsion.__version__ == stated[1]
     assert "__version__" in dir(geomtorsion)
+
+
+def test_the_version_is_told_alike():
+    """The changelog has a section of it with a date, and who cites it finds both in the README."""
+    changes = (ROOT / "CHANGELOG.md").read_text("utf-8")
+    sections = re.findall(r"^## \[(\d[\d.]*)\] - (\d{4}-\d{2}-\d{2})$", changes, re.MULTILINE)
+    version, date = sections[0]
+    assert version == geomtorsion.__version__
+    readme = (ROOT / "README.md").read_text("utf-8")
+    assert f"version = {{{version}}}" in readme
+    assert f"date    = {{{date}}}" in readme
+    assert f"version: {version}\ndate-released: {date}" in readme

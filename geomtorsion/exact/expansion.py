@@ -10,6 +10,7 @@ from math import factorial, lcm
 from typing import TYPE_CHECKING
 
 import sympy
+from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import GeomtorsionError, SingularPointError, UndecidedError
 from geomtorsion.exact.functions import with_roots
@@ -222,7 +223,11 @@ class Expansion:
             raise SingularPointError(
                 f"{self.name} does not settle as {self.approach}: it has no limit."
             )
-        if found.has(sympy.oo, -sympy.oo, sympy.zoo):
+        far = (sympy.oo, -sympy.oo, sympy.zoo)
+        # An unknown function at infinity is not known to be large.
+        if any(function.has(*far) for function in found.atoms(AppliedUndef)):
+            raise undecided
+        if found.has(*far):
             raise self._grows()
         if found.has(sympy.Limit, sympy.nan) or found.has(self._w):
             raise undecided

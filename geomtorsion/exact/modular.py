@@ -261,7 +261,7 @@ class ModularPoint:
         roots = self._degrees()
         # The norm multiplies degrees by those of all roots; points without roots are left out.
         size = degree(element) * prod(roots) ** 2
-        return float(fmpq(size, fmpz(2) ** (_BITS - 1)))
+        return int(size) / 2 ** (_BITS - 1)
 
 
 def degree(element: Element) -> int:
