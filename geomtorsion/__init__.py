@@ -311,18 +311,18 @@ if not TYPE_CHECKING:
 
 def _version() -> str:
     """The version, which stands in pyproject.toml alone."""
-    # Loading this takes as long as a short solution, and few ask.
-    from importlib.metadata import PackageNotFoundError, version
+    # Loading these takes as long as a short solution, and few ask.
+    import tomllib
+    from importlib.metadata import version
+    from pathlib import Path
 
-    try:
-        return version("geomtorsion")
-    except PackageNotFoundError:
-        # Run from a checkout that is not installed.
-        import tomllib
-        from pathlib import Path
-
-        file = Path(__file__).parents[1] / "pyproject.toml"
-        return tomllib.loads(file.read_text("utf-8"))["project"]["version"]
+    # In a checkout its own file counts, whatever was installed from an older one.
+    file = Path(__file__).parents[1] / "pyproject.toml"
+    if file.exists():
+        project = tomllib.loads(file.read_text("utf-8")).get("project", {})
+        if project.get("name") == "geomtorsion":
+            return project["version"]
+    return version("geomtorsion")
 
 
 def __dir__() -> list[str]:
