@@ -146,10 +146,11 @@ class Field(Tower):
             raise ZeroDivisionError("division by an element that is exactly zero")
         largest = MOST_AT_ONCE
         if briefly:
-            # As a sum under a root is short, so is what is left of it when the root is cleared.
             tails = [g.tail for g in self.generators_of(element) if g.tail is not None]
-            own = len(element._num) + sum(len(self.lift(tail)) for tail in tails)
-            largest = min(largest, own**4)
+            if tails:
+                # Where a sum under a root is short, so is what is left when the root is cleared.
+                own = int(element.length) + sum(len(self.lift(tail)) for tail in tails)
+                largest = min(largest, own**4)
         found = inverse(self, element, largest)
         return kept.reciprocal(self, element) if found is None else found
 

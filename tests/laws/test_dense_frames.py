@@ -314,3 +314,12 @@ def test_roots_stand_below_the_line_where_that_is_shorter():
     want = frame.coframe.at({t: 1, r: 2, M: 3, f(t): 5}, digits=30)
     with mpmath.workdps(40):
         assert abs((have @ want)[0, 0] - 1) < 1e-28
+
+
+def test_quotients_without_roots_are_inverted_whole():
+    """1 over r / (r - 2 M) is what it looks like, not kept as it was built."""
+    static = Frame.from_metric(
+        [t, r], [[2 * M / r - 1, 0], [0, r / (r - 2 * M)]], signature=(-1, 1)
+    )
+    assert not any(value.is_kept for value in static.inverse_metric.components.independent.values())
+    assert static.inverse_metric.certainty.proved
