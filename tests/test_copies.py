@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import pickle
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +13,7 @@ import pytest
 
 import geomtorsion as gt
 from tests.copied import answers, things
+from tests.public_values import values
 
 ROOT = Path(__file__).parents[1]
 
@@ -67,3 +69,34 @@ def test_a_pickle_is_small():
     before = len(pickle.dumps(kerr))
     gt.levi_civita(kerr).curvature.kretschmann[()]
     assert len(pickle.dumps(kerr)) == before < 10_000
+
+
+VALUES = values()
+# Protocols and errors; and small plain results, which are parts of those that are copied.
+PARTS = {
+    "AffineMap", "Chart", "CostRow", "CostTable", "Defect", "EdgeList", "EnclosedDefect", "Engine",
+    "GeomtorsionError", "LatticeBurgers", "Network", "NodeRule", "Phase", "Reaction", "SceneCost",
+    "TransitionMap",
+}  # fmt: skip
+
+
+def text(value):
+    """What a value says of itself, without places in memory."""
+    return re.sub(r" at 0x[0-9a-f]+", "", str(value))
+
+
+@pytest.mark.parametrize("name", VALUES)
+def test_public_values_pickle_and_copy(name):
+    """One of each class: a copy is of the same class and says the same."""
+    value = VALUES[name]()
+    assert type(value).__name__ == name
+    for again in (pickle.loads(pickle.dumps(value)), copy.deepcopy(value)):
+        assert type(again) is type(value)
+        assert text(again) == text(value)
+
+
+def test_no_public_class_is_left_out(originals):
+    """Whoever adds one adds it here, or says why not."""
+    copied = {*VALUES, *(type(thing).__name__ for thing in originals[0].values())}
+    public = {name for name in gt.__all__ if isinstance(getattr(gt, name), type)}
+    assert public - copied == PARTS

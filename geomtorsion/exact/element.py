@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from fractions import Fraction
 from math import inf
-from operator import methodcaller
 from typing import TYPE_CHECKING, Any
 
 import flint
@@ -345,7 +344,7 @@ class Element:
         return self._field.to_json(self)
 
     def __reduce__(self) -> tuple[object, ...]:
-        return methodcaller("read", self.sympy), (self._field,)
+        return _read_again, (self._field, self.sympy)
 
     def __deepcopy__(self, _: object) -> Element:
         """Itself: it never changes."""
@@ -376,3 +375,11 @@ def _power(element: Element, exponent: int) -> Element:
         if exponent:
             square = product(square, square)
     return result
+
+
+def _read_again(field: Any, expression: sympy.Expr) -> Element:
+    """An element from the plain data that `Element.__reduce__` gives."""
+    # Such as velocities, which the field of a frame gets to know later.
+    new = expression.free_symbols - set(field.symbols)
+    field.declare(sorted(new, key=lambda symbol: symbol.name))
+    return field.read(expression)

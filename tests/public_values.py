@@ -1,0 +1,77 @@
+"""One value of each public class that `tests.copied` has none of, for the tests of copies."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import geomtorsion as gt
+
+
+def values() -> dict[str, Callable[[], Any]]:
+    """Small ones, made as in the README."""
+    so3, s2 = gt.spaces.load("so3").frame, gt.spaces.load("s2").frame
+    motion = gt.ODE.of({"x": "-x"}, [1])
+    solution = gt.solve(motion, 1.0)
+    file = Path(tempfile.mkdtemp()) / "motion.npz"
+    solution.save(file)
+    corners, sides = [[1, 1, 2], [3, 1, 2], [3, 3, 2], [1, 3, 2]], [[0, 1], [1, 2], [2, 3], [3, 0]]
+    box = gt.Box.of_bounds([0, 0, 0], [4, 4, 4])
+    arrays = gt.LineArrays(corners, sides, [[0, 0, 1]] * 4, box)
+    line = np.linspace(-3, 3, 20)
+    x, y = np.meshgrid(line, line, indexing="ij")
+    jump = 0.286 / (2 * np.pi) * np.arctan2(y, x)
+    points = np.random.default_rng(0).uniform(-3, 3, (200, 2))
+    tracked = 0.286 / (2 * np.pi) * np.arctan2(points[:, 1], points[:, 0])
+    rows, columns = np.mgrid[127:-1:-1, 0:128] - 63.5
+    fringes = np.cos(2 * np.pi * columns / 8) + np.cos(2 * np.pi * rows / 8)
+    picture = gt.LatticeImage(fringes, step=0.04, unit="nm")
+    energy = "u1**2/2 + u2**2/2 + u3**2/2"
+    scene = gt.scenes.load("dzhanibekov")
+    wall = gt.OrientationMap.from_euler(np.zeros((6, 6, 3)), steps=0.5, phase="m-3m", threshold=10)
+    problem = gt.geodesic(s2, [1.0, 0.0], [0.0, 1.0], parameters={"R": 1})
+    atoms = np.argwhere(np.ones((6, 6, 6))) * 3.0
+    return {
+        "At": lambda: gt.At(0.5, {"x": 1}),
+        "Atlas": lambda: problem.atlas,
+        "Body": lambda: gt.Body(moments=(1, 2, 3)),
+        "Box": lambda: box,
+        "BurgersMap": lambda: gt.burgers_map(so3, [[0.2, 0.3], [1.0, 1.1]]),
+        "Certainty": lambda: so3.metric.certainty,
+        "Circuit": lambda: gt.Circuit.rectangle((0, 1), rows=2, columns=2),
+        "Cochain": lambda: gt.Cochain.of_edges([[0, 1], [1, 0]], [[3, 0], [-3, 0]]),
+        "Complex": lambda: gt.Complex.grid((4, 3)),
+        "ComponentTable": lambda: so3.metric.table("abc"),
+        "Crystal": lambda: gt.crystals.Crystal(atoms, np.diag([18.0] * 3)),
+        "DislocationNetwork": lambda: gt.DislocationNetwork.of_arrays(arrays),
+        "EquationsOfMotion": lambda: gt.equations_of_motion(so3, energy),
+        "FreeTop": lambda: gt.free_top((1, 2, 3), (0.1, 1, 0)),
+        "Gravity": lambda: gt.effects.Gravity(9.81),
+        "IdentityCheck": lambda: gt.identities(gt.cartan(s2))[0],
+        "LatticeImage": lambda: picture,
+        "LatticePhases": picture.phases,
+        "LineArrays": lambda: arrays,
+        "LogMap": lambda: gt.log_map(
+            gt.levi_civita(s2), [1.0, 0.0], [1.2, 0.3], parameters={"R": 1}
+        ),
+        "OrientationMap": lambda: wall,
+        "RungeKutta": gt.RungeKutta,
+        "SampledFrame": lambda: gt.SampledFrame.from_displacement(
+            [line, line], jump[None], branch=0.286, unit="nm"
+        ),
+        "SavedSolution": lambda: gt.SavedSolution.load(file),
+        "ScatteredFrame": lambda: gt.ScatteredFrame.from_displacement(
+            points, tracked[None], branch=0.286, unit="nm"
+        ),
+        "Space": lambda: gt.spaces.load("so3"),
+        "State": lambda: scene.start,
+        "StateSelection": lambda: scene.selection,
+        "Stiff": gt.Stiff,
+        "Taylor": gt.Taylor,
+        "Variation": lambda: gt.variation(so3),
+        "When": lambda: gt.When("x"),
+    }
