@@ -33,7 +33,7 @@ LONG = MOST_AT_ONCE // 5
 
 def factored(poly: fmpq_mpoly) -> Factors:
     """(content, [(irreducible factor, exponent)]) of a polynomial that is not zero."""
-    if len(poly) * sum(map(int, poly.degrees())) > LONG:
+    if len(poly) * sum(poly.degrees()) > LONG:
         found = _OTHER.factored(poly)
         if found is not None:
             return found

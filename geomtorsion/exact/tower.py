@@ -334,9 +334,13 @@ class Tower(ABC):
                 if num is None:
                     num = part
                 else:
-                    if len(num) * len(part) > largest:
+                    pairs = len(num) * len(part)
+                    if pairs > largest:
                         return None
-                    num = polynomials.product(num, part, LARGEST_POWER_TERMS)
+                    if pairs > LARGEST_POWER_TERMS:
+                        num = polynomials.product(num, part, LARGEST_POWER_TERMS)
+                    else:
+                        num = num * part
                 if element._den:
                     den = self.merged(den, element._den) if den else element._den
             if num is None:
