@@ -126,7 +126,7 @@ class Lattice:
             second = x[1] / 3
             return (x[0] / 2 + second / 2, second, x[2] / 2)
         return tuple(
-            v * Fraction(u).limit_denominator(6) for v, u in zip(x, self.units, strict=True)
+            v * Fraction(u).limit_denominator(12) for v, u in zip(x, self.units, strict=True)
         )
 
 

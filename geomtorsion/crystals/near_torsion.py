@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geomtorsion.crystals.faults import SIXTHS, fault_shifts
+from geomtorsion.crystals.faults import MODULES, fault_shifts
 from geomtorsion.crystals.frames import Frame
 from geomtorsion.crystals.method import METHOD
 from geomtorsion.crystals.networks import network_of
@@ -39,12 +39,12 @@ def torsion_on(
     steps = places[second] - places[first] + images @ mesh.cell.vectors
     labels = frame.lattice.decode(frame.values(steps), kinds[second] - kinds[first])
     doubtful = frame.apart(steps, labels) > frame.constant * frame.lattice.nearest / 2
-    if frame.lattice.name != "fcc":
+    if frame.lattice.name != "fcc" and not (partials and frame.lattice.name in MODULES):
         return Torsion(mesh, frame.lattice, labels, doubtful)
     values = frame.values(steps)
-    crossing, sixths = fault_shifts(frame.lattice, values, labels, pairs, len(places))
+    crossing, sixths = fault_shifts(frame.lattice, values, labels, pairs, kinds)
     if partials:
-        return Torsion(mesh, SIXTHS, sixths, doubtful & ~crossing)
+        return Torsion(mesh, MODULES[frame.lattice.name], sixths, doubtful & ~crossing)
     # A fault joins its partials to one core, in which they cannot be told apart.
     return Torsion(mesh, frame.lattice, labels, doubtful | crossing)
 

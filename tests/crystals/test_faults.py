@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from geomtorsion.crystals import Crystal
-from tests.crystals.synthetic import block
+from tests.crystals.polycrystals import filled
+from tests.crystals.synthetic import block, displaced
 from tests.crystals.test_crystal import atoms_of
 
 
@@ -42,3 +43,33 @@ def test_a_fault_put_in_is_no_line():
     assert crystal.lattice == "fcc"
     for partials in (False, True):
         assert crystal.dislocations(partials=partials).lines == ()
+
+
+@pytest.mark.parametrize(("lattice", "height"), [("fcc", 0.5), ("diamond", 0.125)])
+def test_partials_that_are_put_in_come_out(lattice, height):
+    """Two opposite 1/6[1 1 -2] with a fault in (111), of diamond in its glide set: no whole line,
+    and each partial where it is, with a sum of nothing."""
+    z, y = np.array([1, -1, 0]) / 2**0.5, np.ones(3) / 3**0.5
+    turn = np.array([np.cross(y, z), y, z])
+    sites = (filled(lattice, np.eye(3), 20) - 0.117) @ turn.T
+    period = 6 / 2**0.5
+    inside = (np.abs(sites[:, 2] - period / 2 + 1e-6) < period / 2) & (
+        np.hypot(sites[:, 0], sites[:, 1]) < 14
+    )
+    sites = sites[inside]
+    b = turn @ np.array([1, 1, -2]) / 6
+    places = sites.copy()
+    for sense in (1, -1):
+        centre = np.array([-5.03 * sense, height / 3**0.5])
+        places += displaced(sites, centre, sense * b) - sites
+    crystal = Crystal(places, [60, 60, period], (False, False, True), lattice)
+    assert crystal.dislocations().lines == ()
+    lines = crystal.dislocations(partials=True).lines
+    assert [(line.family, line.kind) for line in lines] == [("1/6<1 1 2>", "periodic")] * 2
+    assert sorted(line.path[:, 0].mean() for line in lines) == pytest.approx([-5, 5], abs=0.6)
+    each = [np.sign(line.image[2]) * np.array(line.burgers, float) for line in lines]
+    assert sum(each) == pytest.approx(np.zeros(3), abs=1e-9)
+    for line, found in zip(lines, each, strict=True):
+        assert line.length == pytest.approx(period, rel=0.03)
+        # Minus the closed integral of du.
+        assert found == pytest.approx(np.sign(line.path[:, 0].mean()) * b, abs=0.01)
