@@ -226,7 +226,7 @@ def export(
         option(metavar="N,...", text="Variants; default: 0,1,2, for nbgrader and qti 0."),
     ] = None,
 ) -> None:
-    """Write exercises for a system that teachers use.
+    """Write exercises for Moodle (STACK), PrairieLearn, nbgrader or QTI.
 
     \b
     stack         Moodle XML: questions of STACK, a deployed seed for each variant,
