@@ -176,7 +176,8 @@ def _places(
     import networkx as nx  # 0.15 s, and networks without places alone need it
 
     # A layout is made up only where no node has a place: half of each would mislead.
-    given = positions or dict(net.graph.nodes(data="position"))
+    placed: dict[Hashable, Any] = {n: net.graph.nodes[n].get("position") for n in net.graph}
+    given = positions or placed
     if all(place is None for place in given.values()):
         layout = nx.kamada_kawai_layout(nx.Graph(net.graph))
         return {node: (float(x), float(y)) for node, (x, y) in layout.items()}

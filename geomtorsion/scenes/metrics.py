@@ -148,7 +148,7 @@ Measure = str | Callable[[SweepRun], float]
 
 def measures(
     asked: Measure | Mapping[str, Measure] | Sequence[str],
-) -> dict[str, Callable[..., object]]:
+) -> dict[str, Callable[..., float]]:
     """Name -> function of a run, from words, functions, or several of them by name.
 
     Raises

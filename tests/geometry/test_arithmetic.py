@@ -70,9 +70,9 @@ def test_scalar_times_tensor():
     assert scaled == POLAR.metric * POLAR.scalar(R) == POLAR.metric * R
     assert POLAR.metric / POLAR.scalar(R) == POLAR.metric / R
     with pytest.raises(TensorIndexError, match="Say which indices are summed"):
-        POLAR.metric * POLAR.metric
+        _ = POLAR.metric * POLAR.metric
     with pytest.raises(TensorIndexError, match="can be divided by a scalar"):
-        POLAR.metric / POLAR.metric
+        _ = POLAR.metric / POLAR.metric
 
 
 def test_what_a_scalar_cannot_be(curvature):
@@ -82,15 +82,15 @@ def test_what_a_scalar_cannot_be(curvature):
     with pytest.raises(TypeError, match="has indices"):
         float(POLAR.metric)
     with pytest.raises(ZeroDivisionError, match="exactly zero"):
-        1 / POLAR.scalar(0)
+        _ = 1 / POLAR.scalar(0)
     with pytest.raises(TensorIndexError, match="no powers"):
-        POLAR.metric**2
+        _ = POLAR.metric**2
     with pytest.raises(TensorIndexError, match="can be added to a tensor"):
-        POLAR.metric + 1
+        _ = POLAR.metric + 1
     with pytest.raises(TensorIndexError, match="can be added to a tensor"):
-        curvature + "1"
+        _ = curvature + "1"
     with pytest.raises(TensorIndexError, match="different frames"):
-        POLAR.metric * curvature
+        _ = POLAR.metric * curvature
 
 
 def test_scalar_of_an_expression():

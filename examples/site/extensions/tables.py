@@ -7,8 +7,9 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Mapping
+from email.message import Message
 from importlib.metadata import PackageNotFoundError, metadata
-from typing import Any
+from typing import Any, cast
 
 from docstrings import escaped, with_formulas
 from docutils import nodes
@@ -102,7 +103,7 @@ def _name(requirement: str) -> str:
 
 def _licence(name: str) -> tuple[str, str]:
     try:
-        told = metadata(name)
+        told = cast(Message, metadata(name))
     except PackageNotFoundError:
         return "not installed where this was built", "-"
     text = told.get("License-Expression") or ""
