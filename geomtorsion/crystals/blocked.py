@@ -36,6 +36,7 @@ from geomtorsion.crystals.method import METHOD
 from geomtorsion.crystals.near_torsion import Atoms, lines_of, torsion_near
 from geomtorsion.crystals.shells import dilated, reach_of_shells, shells_of
 from geomtorsion.crystals.sorted_atoms import Block, Part, SortedAtoms
+from geomtorsion.crystals.specimen import Specimen, few, lies_in_many
 from geomtorsion.crystals.triangulation import Cell
 from geomtorsion.errors import CheckpointError, CrystalError
 from geomtorsion.loops.dislocation_network import DislocationNetwork
@@ -119,6 +120,24 @@ class BlockedCrystal:
     def _sample(self) -> dict[Block, Part]:
         """Atoms that stand for all, in the blocks in which they lie."""
         return self.atoms.chosen(sampled(self.count))
+
+    def check_single(self) -> None:
+        """Refuse more than one grain: in the frame of one the bonds of others are no lattice
+        vectors, and give lines that are none."""
+        frame = self.frame
+        reach = 2 * METHOD.width * frame.lattice.nearest * frame.constant
+        chosen = Part.joined(list(self.atoms.chosen(few(self.count)).values()))
+        parts = [part for _, _, part in self.atoms.near(chosen.places, reach)]
+        near = Part.joined(parts)
+        check_apart(near.places, near.numbers, frame.lattice.nearest * frame.constant)
+        specimen = Specimen(near.places, self.atoms.cell, frame)
+        if lies_in_many(specimen, np.searchsorted(near.numbers, chosen.numbers)):
+            raise CrystalError(
+                "positions: in blocks a single crystal was needed, but some atoms lie in another "
+                f"lattice or orientation than most; the neighbours of {self.share:.1%} fit into "
+                f"one {self.lattice} crystal. Cut out one grain, or read all grains at once: "
+                "Crystal(positions, cell).dislocations()."
+            )
 
     # -- blocks -----------------------------------------------------------------------------------
 
@@ -239,10 +258,11 @@ def blocked_crystal(
 ) -> BlockedCrystal:
     """A crystal of more atoms than memory holds, sorted into blocks and looked through.
 
-    It is taken as a single crystal, in the one frame into which most of a sample fit. Memory is
-    that of a block with a layer of some twelve neighbour distances about it, some 1 kB for each of
-    its atoms, or of all atoms near torsion, some 3 kB each: under noise that puts every second atom
-    in doubt, these are all.
+    It is taken as a single crystal, in the one frame into which most of a sample fit; where a few
+    of its atoms tell that it has several grains it is refused. `share` tells how many fit. Memory
+    is that of a block with a layer of some twelve neighbour distances about it, some 1 kB for each
+    of its atoms, or of all atoms near torsion, some 3 kB each: under noise that puts every second
+    atom in doubt, these are all.
 
     Parameters
     ----------
@@ -265,7 +285,7 @@ def blocked_crystal(
     Raises
     ------
     CrystalError
-        Positions, cell or block are none, or the atoms are no crystal.
+        Positions, cell or block are none, or the atoms are no crystal, or several grains.
     CheckpointError
         The folder holds blocks of another run.
     FileFormatError
@@ -306,6 +326,7 @@ def blocked_crystal(
             f"distances, but edge {k + 1} repeats after {given.box.heights[k]:.4g}. Repeat the "
             "cell, or do it at once: Crystal(positions, cell).dislocations()."
         )
+    made.check_single()
     done = set(made.done)
     run_blocks(made.compute, [k for k in made.atoms.blocks if k not in done], workers, client)
     return made

@@ -31,10 +31,10 @@ def crystal_report(
 
     Returns
     -------
-    atoms, lattice, constant, orient, share, cell, periodic: of the crystal. length, junctions,
-    nye: of all lines. lines: of each burgers (coordinates), burgers_lattice (fractions as text, in
-    lattice constants), family, length, kind, path, and of closed ones `inserted`, how many atoms
-    their half plane has: less than none for vacancies.
+    atoms, lattice, constant, orient, share, cell, periodic: of the crystal; of hcp also ratio, its
+    c/a. length, junctions, nye: of all lines. lines: of each burgers (coordinates), burgers_lattice
+    (fractions as text, in lattice constants), family, length, kind, path, and of closed ones
+    `inserted`, how many atoms their half plane has: less than none for vacancies.
 
     What is no single crystal has more. shares: of the atoms in each lattice, in walls and in none.
     grains: of each number, lattice, constant, orient, atoms (how many) and centre. walls: of each
@@ -51,6 +51,7 @@ def crystal_report(
         "atoms": crystal.count,
         "lattice": crystal.lattice,
         "constant": crystal.constant,
+        **_ratio(crystal),
         "orient": crystal.orient.tolist(),
         "share": crystal.share,
         **_polycrystal(crystal),
@@ -62,6 +63,13 @@ def crystal_report(
         "nye": _signed(net.nye, convention).tolist(),
         "lines": [_line(crystal, line, convention) for line in net.lines],
     }
+
+
+def _ratio(crystal: Crystal | BlockedCrystal) -> Json:
+    """c/a of hcp."""
+    lattice = crystal.frame.lattice
+    # Along c whole numbers count halves.
+    return {"ratio": 2 * lattice.units[2]} if lattice.name == "hcp" else {}
 
 
 def _polycrystal(crystal: Crystal | BlockedCrystal) -> Json:

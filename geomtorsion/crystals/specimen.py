@@ -144,17 +144,21 @@ def seems_many(specimen: Specimen, atoms: np.ndarray, whole: np.ndarray) -> bool
     odd = atoms[~whole]
     if len(odd) and is_other(specimen, specimen.neighbours(odd)[1]).any():
         return True
-    return bool(len(_turned(specimen)))
+    return bool(len(_turned(specimen, few(len(specimen.places)))))
 
 
-def _turned(specimen: Specimen) -> np.ndarray:
+def few(count: int) -> np.ndarray:
+    """Numbers of a few of so many atoms, evenly spread."""
+    return np.linspace(0, count - 1, min(10 * METHOD.seeds, count)).astype(int)
+
+
+def _turned(specimen: Specimen, some: np.ndarray) -> np.ndarray:
     """Of a few atoms those that lie further from the orientation of most than the angle of a wall.
 
     Where bonds can still be read in a frame between two grains, up to some 25 degrees, this tells
     that there are two.
     """
-    lattice, count = specimen.frame.lattice, len(specimen.places)
-    some = np.linspace(0, count - 1, min(10 * METHOD.seeds, count)).astype(int)
+    lattice = specimen.frame.lattice
     _, vectors = specimen.neighbours(some)
     local = local_of([lattice], vectors)
     good = np.flatnonzero(local.phase == 0)
@@ -165,10 +169,20 @@ def _turned(specimen: Specimen) -> np.ndarray:
     return some[good[angles > METHOD.wall]]
 
 
-def _turned_together(specimen: Specimen) -> bool:
-    """Whether an atom that is turned lies among others, and is not turned by noise alone."""
+def lies_in_many(specimen: Specimen, some: np.ndarray) -> bool:
+    """Whether a few atoms alone tell that there is more than one grain: one is turned as others
+    about it are, or more of them lie in another lattice than in that of the frame.
+
+    Fewer in another one may lie in stacking faults.
+    """
+    phase = local_of(specimen.lattices, specimen.neighbours(some)[1]).phase
+    return bool((phase > 0).sum() > (phase == 0).sum()) or _turned_together(specimen, some)
+
+
+def _turned_together(specimen: Specimen, some: np.ndarray) -> bool:
+    """Whether one of some atoms that is turned lies among others, and not by noise alone."""
     lattice = specimen.frame.lattice
-    for atom in _turned(specimen):
+    for atom in _turned(specimen, some):
         numbers, own = specimen.neighbours(np.array([atom]))
         _, vectors = specimen.neighbours(numbers[0, : lattice.shells])
         local = local_of([lattice], np.concatenate([own, vectors]))
@@ -205,7 +219,7 @@ def is_single(specimen: Specimen, near: np.ndarray | None) -> bool:
         fits = np.all(near >= 0, axis=1)
         touched = dilated(fits, near)
     deep = np.flatnonzero(~touched)
-    if _turned_together(specimen):
+    if _turned_together(specimen, few(count)):
         return False
     if not len(deep):
         return True

@@ -47,6 +47,9 @@ STRUCTURES: Mapping[str, tuple[int, str, tuple[Family, ...]]] = {
         (
             ("1/3<1-210>", f"{math.sqrt(0.5)!r} 0 0", "0 1 0"),
             ("<0001>", f"0 0 {math.sqrt(4 / 3)!r}", "0.2 0.2 1"),
+            ("<1-100>", f"0 {math.sqrt(1.5)!r} 0", "1 0 1"),
+            ("1/3<1-100>", f"0 {math.sqrt(1 / 6)!r} 0", "1 0.5 0"),
+            ("1/3<1-213>", f"{math.sqrt(0.5)!r} 0 {math.sqrt(4 / 3)!r}", "1 1 0"),
         ),
     ),
     "bcc": (

@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from geomtorsion.crystals import Crystal, blocked_crystal
 from geomtorsion.errors import CheckpointError, CrystalError, FileFormatError, GridError
+from tests.crystals.polycrystals import bicrystal, turned
 from tests.crystals.synthetic import block, quadrupole, with_line
 
 ROOT = Path(__file__).parents[2]
@@ -244,3 +245,26 @@ def test_damaged_npz_files_are_told(tmp_path):
     for name in ("cut", "other", "flat"):
         with pytest.raises(FileFormatError, match=f"{name}.npz"):
             blocked_crystal(tmp_path / f"{name}.npz", tmp_path / name, CELL, 4)
+
+
+@pytest.mark.parametrize("degrees", [20, 37])
+@pytest.mark.parametrize("lattice", ["fcc", "bcc", "hcp"])
+def test_two_grains_are_refused(tmp_path, lattice, degrees):
+    """In one frame the bonds of the other grain are no lattice vectors: no lines are better than
+    false ones, and it is told what reads both."""
+    places, _, cell = bicrystal(lattice, turned(degrees, [0, 0, 1]))
+    with pytest.raises(CrystalError, match=r"single crystal was needed.*% fit.*Cut out one grain"):
+        blocked_crystal(places + cell / 2, tmp_path, cell, 30, (False,) * 3)
+
+
+def test_a_small_grain_is_refused(tmp_path):
+    """A turned cylinder in a periodic crystal is; noise that turns single atoms is not."""
+    places, cell = block("fcc", (16, 8, 8))
+    noisy = places + 0.12 / 2**0.5 * np.random.default_rng(0).normal(size=places.shape)
+    assert blocked_crystal(noisy, tmp_path / "noise", cell, 30).dislocations().lines == ()
+    inside = np.hypot(*(places - cell / 2)[:, :2].T) < 2.9
+    middle = (places - cell / 2) @ turned(37, [0, 0, 1]).T + cell / 2
+    both = np.concatenate([places[~inside], middle[inside]])
+    assert inside.mean() < 0.25
+    with pytest.raises(CrystalError, match="some atoms lie in another lattice or orientation"):
+        blocked_crystal(both, tmp_path / "grain", cell, 30)

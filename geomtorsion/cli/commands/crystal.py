@@ -352,11 +352,14 @@ def _save(document: Json, net: DislocationNetwork, folder: Path) -> None:
 
 def _for_ovito(frame: Json, net: DislocationNetwork) -> str:
     """Lines with b in lattice constants and its family, as OVITO shows them."""
-    lattice = frame["lattice"]
-    # What OVITO calls Cartesian axes of hcp are other ones: those of the file serve there.
-    cubic = lattice in ("fcc", "bcc", "diamond")
-    matrix = frame["constant"] * np.array(frame["orient"]).T if cubic else None
-    return crystal_analysis_text(net.arrays, net.polylines, lattice if cubic else "", matrix)
+    lattice, scale = LATTICES[frame["lattice"]], np.ones(3)
+    if lattice.name == "hcp":
+        # Its vectors of hcp are those of the ideal c/a, with neighbours 1/sqrt(2) apart.
+        # What an older run has kept says no c/a.
+        ratio = frame.get("ratio", 2 * lattice.units[2])
+        scale = np.sqrt([2, 2, 3 / 4 * ratio**2])
+    matrix = frame["constant"] * np.array(frame["orient"]).T * scale
+    return crystal_analysis_text(net.arrays, net.polylines, lattice.name, matrix)
 
 
 def _write_tracks(frames: list[Json], path: Path) -> None:

@@ -14,6 +14,7 @@ from geomtorsion.loops import DislocationNetwork
 from tests.cli import running
 from tests.crystals.making import BOX, copper_screw, written
 from tests.crystals.polycrystals import bicrystal
+from tests.crystals.synthetic import block
 from tests.real import real
 
 pytest.importorskip("ase")
@@ -73,6 +74,37 @@ def test_files_for_others(tmp_path: Path) -> None:
     page = (out / "crystal.html").read_text("utf-8")
     assert "<canvas" in page
     assert "http" not in page
+
+
+def test_families_of_hcp_for_others(tmp_path: Path) -> None:
+    """c and a screws with c/a of 1.58 stand in OVITO's units, where its neighbours are 1/sqrt(2)
+    apart and c/a is ideal; its families are named, and b comes back in space."""
+    for b, local in (((0, 0, 1.58), (0, 0, (4 / 3) ** 0.5)), ((1.0, 0, 0), (0.5**0.5, 0, 0))):
+        sites, cell = block("hcp", (12, 7, 8))
+        way = int(np.argmax(b))
+        places = sites * [1, 1, 1.58 / (8 / 3) ** 0.5]
+        cell = cell * [1, 1, 1.58 / (8 / 3) ** 0.5]
+        one, other = (k for k in range(3) if k != way)
+        centre = cell / 2 + [0.131, 0.077, 0.113]
+        angle = np.arctan2(*(places - centre)[:, [other, one]].T)
+        places[:, way] += np.max(b) * angle / (2 * np.pi)
+        file, out = tmp_path / f"{way}.xyz", tmp_path / str(way)
+        rows = [f"Mg {x!r} {y!r} {z!r}" for x, y, z in places.tolist()]
+        edges = " ".join(map(str, np.diag(cell).ravel().tolist()))
+        periodic = " ".join("FT"[k == way] for k in range(3))
+        head = f'Lattice="{edges}" Properties=species:S:1:pos:R:3 pbc="{periodic}"'
+        file.write_text("\n".join([str(len(rows)), head, *rows]) + "\n")
+        run(str(file), "--lattice", "hcp", "-o", str(out))
+        text = (out / "lines.ca").read_text()
+        for name in ("1/3<1-210>", "<0001>", "<1-100>", "1/3<1-100>", "1/3<1-213>"):
+            assert f"\n{name}\n" in text
+        rows = text.splitlines()
+        kept = np.array(rows[rows.index("DISLOCATIONS 1") + 2].split(), dtype=float)
+        assert np.linalg.norm(kept) == pytest.approx(np.linalg.norm(local), abs=1e-9)
+        assert abs(kept[2]) == pytest.approx(local[2], abs=1e-9)
+        (line,) = DislocationNetwork.read(out / "lines.ca").polylines
+        found = [float(x) for x in line.burgers]
+        assert np.abs(found) == pytest.approx(b, abs=0.02)
 
 
 def test_a_trajectory_that_is_stopped_goes_on_to_the_same_bits(
