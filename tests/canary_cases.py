@@ -94,6 +94,7 @@ def public_functions() -> list[Case]:
         _public("DependencyGraph", frame=PLANE, name="ricci"),
         _public("blend", first=CARTAN, second=RIEMANN, share=sp.Rational(1, 2)),
         _public("cartan", frame=PLANE),
+        _public("limits", seconds=1.0, megabytes=100.0),
         _public("levi_civita", frame=PLANE),
         _public("identities", connection=CARTAN),
         _of("contract", _contracted, letters="ab,b->a"),
@@ -561,5 +562,5 @@ RESULTS = frozenset(
     "BurgersMap BurgersVector CostRow CostTable Development EnclosedDefect Ensemble "
     "EquationsOfMotion ExactBurgersVector IdentityCheck LogMap NodeRule SavedSolution SceneCost "
     "SceneResult Solution StateSelection Variation Atlas Chart CurveProblem DislocationNetwork "
-    "Engine LatticeBurgers LatticePhases".split()
+    "Engine LatticeBurgers LatticePhases Certainty".split()
 )

@@ -195,6 +195,15 @@ class Oracle:
         return self.riemann @ self.metric
 
     @quantity
+    def riemann_in_frame(self) -> np.ndarray:
+        """R_mnlk in the frame."""
+        found = self.riemann_lowered
+        for _ in range(4):
+            # The first index goes, and comes back as the last.
+            found = np.tensordot(found, self.legs, axes=(0, 0))
+        return found
+
+    @quantity
     def ricci(self) -> np.ndarray:
         """R_nl = R_mnl^m."""
         return np.einsum("mnlm->nl", self.riemann)

@@ -15,6 +15,9 @@ import geomtorsion as gt
 from geomtorsion.errors import AllowanceError, ArgumentError, LimitError
 from geomtorsion.exact import Field
 
+# A callback of hypothesis at each collection of garbage may be what an interruption hits.
+pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+
 t, r, x, y, z = sp.symbols("t r x y z", real=True)
 f, g = sp.Function("f"), sp.Function("g")
 # Some seconds of work, of all kinds: reading, signs of roots, sums, zeros, writing.
@@ -32,9 +35,9 @@ SMALL = [
 
 def endless(frame):
     """Longer than any limit of a test."""
-    curvature = gt.levi_civita(frame).curvature
+    torsion = gt.cartan(frame).torsion.T
     for power in itertools.count(1):
-        _ = (curvature.ricci * power).to_sympy()
+        _ = (torsion * power).to_sympy()
 
 
 def test_a_limit_of_time_is_met_in_time():
@@ -57,7 +60,7 @@ def again_and_again():
     """The same geometry, each time anew."""
     while True:
         curvature = gt.levi_civita(gt.Frame([x, y, z], ROWS)).curvature
-        _ = curvature.ricci.nonzero(), curvature.kretschmann.is_zero
+        _ = curvature.ricci.is_zero, curvature.kretschmann.is_zero
 
 
 def test_the_quantity_is_named():
@@ -164,6 +167,16 @@ ZEROS = (
 )
 
 
+@pytest.fixture
+def many_turns():
+    """Threads take turns often, so that short work is interrupted, too."""
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(1e-5)
+    yield
+    sys.setswitchinterval(before)
+
+
+@pytest.mark.usefixtures("many_turns")
 @pytest.mark.parametrize("seed", range(6))
 def test_a_field_survives_interruptions(seed):
     """One field, interrupted while it reads: what it holds afterwards obeys all identities."""
@@ -173,7 +186,7 @@ def test_a_field_survives_interruptions(seed):
         verdict = None
         for attempt in itertools.count(1):
             try:
-                with gt.limits(seconds=rng.uniform(1e-4, 5e-4) * 1.1**attempt):
+                with gt.limits(seconds=rng.uniform(1e-5, 2e-4) * 1.1**attempt):
                     element = field.read(expression)
                     verdict = element.is_zero
             except AllowanceError:

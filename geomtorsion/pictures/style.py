@@ -229,8 +229,8 @@ def visible(values: ArrayLike) -> np.ndarray:
 
     Examples
     --------
-    >>> visible([0.0, -1e-12]).tolist()
-    [1e-17, 1e-12]
+    >>> visible([0.0, -1e-12]).tolist() == [NOTHING, 1e-12]
+    True
     """
     return np.maximum(np.abs(np.asarray(values, dtype=float)), NOTHING)
 

@@ -14,7 +14,7 @@ from geomtorsion.pictures.scene_over_time import (
 )
 from geomtorsion.pictures.scene_path import path_picture
 from geomtorsion.pictures.scene_plan import plan_picture
-from geomtorsion.pictures.style import save
+from geomtorsion.pictures.style import NOTHING, save
 
 pytest.importorskip("matplotlib")
 
@@ -100,7 +100,7 @@ def test_trust_and_change():
     """Zero is drawn, and named; two laws are told apart."""
     figure = trust_picture(TIMES, {"energy": NIL, "momentum": 1e-15 * TIMES}, 1e-12, 1e-10)
     assert "drift of energy: none" in words(figure)
-    assert np.min(np.asarray(figure.axes[0].lines[0].get_ydata())) == 1e-17
+    assert np.min(np.asarray(figure.axes[0].lines[0].get_ydata())) == NOTHING
     figure = change_picture(TIMES, {"energy": {"right": NIL + 1, "naive": 1 + TIMES}})
     assert figure.axes[0].lines[1].get_ydata() == pytest.approx(TIMES)
     assert trust_picture(TIMES, {}, 0.0, 1e-10, errors=NIL).axes
