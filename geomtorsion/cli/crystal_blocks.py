@@ -66,16 +66,26 @@ def opened_folder(output: Path | None, *, resume: bool, overwrite: bool) -> Path
         raise CheckpointError("--blocks: they are kept in a directory: name it with -o.")
     folder = output / BLOCKS
     begun = folder.is_dir() and any(folder.iterdir())
-    if begun and overwrite:
+    if begins_anew(folder, "crystal", begun=begun, resume=resume, overwrite=overwrite):
         forget_blocks(folder)
-    elif begun and not resume:
+    return folder
+
+
+def begins_anew(folder: Path, holds: str, *, begun: bool, resume: bool, overwrite: bool) -> bool:
+    """Whether what a folder holds is to be removed; refuse to run over what was not finished.
+
+    begun: whether something was stopped there; holds: what that is.
+    """
+    if resume and overwrite:
+        raise CheckpointError("--overwrite begins anew, --resume does not: give one of them.")
+    if begun and not resume and not overwrite:
         raise CheckpointError(
-            f"{folder} holds a crystal that was stopped. Give --resume to go on with it, or "
+            f"{folder} holds a {holds} that was stopped. Give --resume to go on with it, or "
             "--overwrite to begin anew."
         )
-    elif resume and not begun:
+    if resume and not begun:
         raise CheckpointError(f"{folder} holds nothing that was stopped. Leave out --resume.")
-    return folder
+    return begun and overwrite
 
 
 def _opened(

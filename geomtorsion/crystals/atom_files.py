@@ -169,7 +169,7 @@ def _one(name: str, kind: str, line: int, rows: list[str]) -> Atoms:
     try:
         found = ase_io.read(io.StringIO("".join(rows)), format=kind, index=0)
     except Exception as error:  # noqa: BLE001
-        # As above.
+        # Here, too, ase fails with errors of many classes.
         odd = _odd_row(rows)
         if odd is not None:
             raise FileFormatError(

@@ -13,6 +13,7 @@ import multiprocessing
 import resource
 import tempfile
 import time
+from collections.abc import Callable
 from contextlib import ExitStack
 from typing import Any
 
@@ -53,7 +54,7 @@ def run(nodes: float, workers: int, dask: bool) -> None:
             )
             # Workers are there, and have loaded what they need.
             client.gather(client.map(_warm, range(workers), pure=False))
-        began = time.perf_counter(), sum(_processor())
+        began = time.perf_counter(), sum(processor())
         found = blocked_map(
             field, folder, (1, 1), BLOCK // SIZE, SIZE, shape=(1, 2, side, side), sigma=0.01,
             stride=SIZE, workers=1 if dask else workers, client=client,
@@ -66,7 +67,7 @@ def run(nodes: float, workers: int, dask: bool) -> None:
             corners = [SIZE * np.arange(*ends) for ends in found.span(number)]
             worst = max(worst, float(np.abs(values[0] - expected(*corners)).max()))
         assert worst < 1e-9, worst
-    own, children = _processor()
+    own, children = processor()
     peak = max(resource.getrusage(k).ru_maxrss for k in (0, resource.RUSAGE_CHILDREN)) / 1024
     print(
         f"{side**2:.3g} nodes, {len(found.numbers)} blocks, {workers} workers"
@@ -81,11 +82,20 @@ def _warm(_: int) -> None:
     time.sleep(0.5)
 
 
-def _processor() -> tuple[float, float]:
+def processor() -> tuple[float, float]:
     """Processor time of this process and of those that it has waited for."""
     both = (resource.getrusage(k) for k in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     own, children = (used.ru_utime + used.ru_stime for used in both)
     return own, children
+
+
+def alone(target: Callable[..., None], *arguments: Any) -> None:
+    """A call in a process of its own; its failure ends this one."""
+    process = multiprocessing.get_context("spawn").Process(target=target, args=arguments)
+    process.start()
+    process.join()
+    if process.exitcode:
+        raise SystemExit(process.exitcode)
 
 
 def main() -> None:
@@ -96,13 +106,7 @@ def main() -> None:
     parser.add_argument("--dask", action="store_true")
     given = parser.parse_args()
     for nodes in given.nodes:
-        process = multiprocessing.get_context("spawn").Process(
-            target=run, args=(nodes, given.workers, given.dask)
-        )
-        process.start()
-        process.join()
-        if process.exitcode:
-            raise SystemExit(process.exitcode)
+        alone(run, nodes, given.workers, given.dask)
 
 
 if __name__ == "__main__":

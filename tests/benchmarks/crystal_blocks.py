@@ -7,7 +7,6 @@ python -m tests.benchmarks.crystal_blocks --atoms 1e6 1e8 --block 100 --workers 
 from __future__ import annotations
 
 import argparse
-import multiprocessing
 import resource
 import tempfile
 import time
@@ -17,6 +16,7 @@ from functools import partial
 import numpy as np
 
 from geomtorsion.crystals import blocked_crystal
+from tests.benchmarks.blocks import alone, processor
 
 
 def layers(side: int, depth: int) -> Iterator[np.ndarray]:
@@ -41,7 +41,7 @@ def run(atoms: float, block: float, workers: int) -> None:
     """Four lines, looked for in atoms that are made as they are read."""
     depth = round((atoms / 2 / 2.5) ** (1 / 3))
     side = round((atoms / 2 / depth) ** 0.5)
-    began = time.perf_counter(), sum(_processor())
+    began = time.perf_counter(), sum(processor())
     with tempfile.TemporaryDirectory() as folder:
         crystal = blocked_crystal(
             partial(layers, side, depth), folder, (side, side, depth), block, workers=workers
@@ -50,7 +50,7 @@ def run(atoms: float, block: float, workers: int) -> None:
     families = [line.family for line in lines]
     assert families == ["<1 0 0>"] * 4, families
     assert all(abs(line.length / depth - 1) < 0.01 for line in lines)
-    own, children = _processor()
+    own, children = processor()
     spent, wall = own + children - began[1], time.perf_counter() - began[0]
     peak = max(resource.getrusage(k).ru_maxrss for k in (0, resource.RUSAGE_CHILDREN)) / 1024
     print(
@@ -61,13 +61,6 @@ def run(atoms: float, block: float, workers: int) -> None:
     )
 
 
-def _processor() -> tuple[float, float]:
-    """Processor time of this process and of those that it has waited for."""
-    both = (resource.getrusage(k) for k in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-    own, children = (used.ru_utime + used.ru_stime for used in both)
-    return own, children
-
-
 def main() -> None:
     """Every number of atoms in a process of its own, so that peaks are apart."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -76,13 +69,7 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=1)
     given = parser.parse_args()
     for atoms in given.atoms:
-        process = multiprocessing.get_context("spawn").Process(
-            target=run, args=(atoms, given.block, given.workers)
-        )
-        process.start()
-        process.join()
-        if process.exitcode:
-            raise SystemExit(process.exitcode)
+        alone(run, atoms, given.block, given.workers)
 
 
 if __name__ == "__main__":

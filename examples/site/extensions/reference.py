@@ -15,6 +15,7 @@ from importlib import import_module
 from inspect import isclass, isfunction, ismodule
 from pathlib import Path
 from types import ModuleType
+from typing import ClassVar
 
 from docstrings import converted, escaped
 from docutils import nodes
@@ -71,7 +72,7 @@ class Public(SphinxDirective):
     """`.. public:: geomtorsion.loops`, or `.. public:: geomtorsion` with `:of: loops`."""
 
     required_arguments = 1
-    option_spec = {"of": str}  # noqa: RUF012  # docutils wants it so
+    option_spec: ClassVar = {"of": str}
 
     def run(self) -> list[nodes.Node]:
         """What the lines of `written` become."""

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from email.message import Message
 from importlib.metadata import PackageNotFoundError, metadata
@@ -20,15 +21,13 @@ from sphinx.util.docutils import SphinxDirective
 
 from geomtorsion.conventions import BURGERS, CONVENTIONS
 
-YEAR = 2026
 
-
-class _Lines(SphinxDirective):
+class _Lines(SphinxDirective, ABC):
     """Lines of reStructuredText in the place of the directive."""
 
+    @abstractmethod
     def lines(self) -> list[str]:
         """What it becomes."""
-        raise NotImplementedError
 
     def run(self) -> list[nodes.Node]:
         """The lines, read."""
@@ -114,6 +113,15 @@ def _licence(name: str) -> tuple[str, str]:
     return text or (told.get("License") or "not told").split("\n")[0][:60], told["Version"]
 
 
+def _year() -> str:
+    """The year of the newest release, as the changelog tells."""
+    found = re.search(
+        r"^## \[[0-9.]+\] - (\d{4})", (ROOT / "CHANGELOG.md").read_text("utf-8"), re.MULTILINE
+    )
+    assert found is not None
+    return found[1]
+
+
 def bibtex(project: Mapping[str, Any]) -> str:
     """The package, and the paper whose conventions it follows."""
     authors = " and ".join(f"{{{one['name']}}}" for one in project["authors"])
@@ -121,7 +129,7 @@ def bibtex(project: Mapping[str, Any]) -> str:
   title   = {{geomtorsion: geometry, motions and defects of any tetrad}},
   author  = {{{authors}}},
   version = {{{project["version"]}}},
-  year    = {{{YEAR}}}
+  year    = {{{_year()}}}
 }}
 
 @techreport{{FizievKleinert1994,

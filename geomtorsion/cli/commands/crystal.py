@@ -15,6 +15,7 @@ from geomtorsion.checks import cut
 from geomtorsion.cli.commands.burgers import Form
 from geomtorsion.cli.crystal_blocks import (
     Blocks,
+    begins_anew,
     is_blocked,
     opened_folder,
     report_in_blocks,
@@ -188,23 +189,14 @@ def _axes(text: str | None) -> tuple[tuple[float, ...], ...] | None:
 
 def _folder(output: Path | None, *, resume: bool, overwrite: bool) -> Path | None:
     """Where frames are kept; refuse to run over what was not finished."""
-    if resume and overwrite:
-        raise CheckpointError("--overwrite begins anew, --resume does not: give one of them.")
     if output is None:
         if resume or overwrite:
             raise CheckpointError("--resume and --overwrite are about a directory: name it by -o.")
         return None
     folder = output / FRAMES
     begun = is_begun(folder)
-    if begun and overwrite:
+    if begins_anew(folder, "trajectory", begun=begun, resume=resume, overwrite=overwrite):
         forget(folder)
-    elif begun and not resume:
-        raise CheckpointError(
-            f"{folder} holds a trajectory that was stopped. Give --resume to go on with it, or "
-            "--overwrite to begin anew."
-        )
-    elif resume and not begun:
-        raise CheckpointError(f"{folder} holds nothing that was stopped. Leave out --resume.")
     return folder
 
 

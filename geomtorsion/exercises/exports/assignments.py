@@ -13,7 +13,7 @@ from geomtorsion.exercises.question import Question, how_to_answer
 from geomtorsion.exercises.worker_pool import Json
 
 _CONFIG = """\
-c = get_config()  # noqa: F821
+c = get_config()
 c.CourseDirectory.course_id = "geomtorsion"
 """
 

@@ -257,6 +257,7 @@ def test_blocks_that_are_stopped_go_on_to_the_same_bits(
         (("--blocks", "25", "-o", "out"), "--periodic none"),
         ((*BLOCKS,), "-o"),
         ((*BLOCKS, "-o", "out", "--resume"), "nothing that was stopped"),
+        ((*BLOCKS, "-o", "out", "--resume", "--overwrite"), "give one of them"),
         (("--cell", "80,80", "--blocks", "25", "-o", "out"), "three lengths"),
         (("--cell", "a;b;c", "--blocks", "25", "-o", "out"), "three lengths"),
         (("--periodic", "w", "--blocks", "25", "-o", "out"), "letters of xyz"),
