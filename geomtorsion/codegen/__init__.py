@@ -3,7 +3,7 @@
 from geomtorsion.codegen.arrays import numpy_function
 from geomtorsion.codegen.evaluation import exact_number, rational
 from geomtorsion.codegen.expression_graph import Graph, graph
-from geomtorsion.codegen.python_code import compiled
+from geomtorsion.codegen.printers import compiled
 from geomtorsion.codegen.reading import Output, Products
 
 __all__ = [

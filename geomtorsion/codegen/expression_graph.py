@@ -12,16 +12,20 @@ import mpmath
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geomtorsion.codegen.differentiation import jacobian
-from geomtorsion.codegen.emission import Emitter
 from geomtorsion.codegen.evaluation import exact_values
-from geomtorsion.codegen.factoring import factor as pull_out
-from geomtorsion.codegen.heyoka_code import Expression, Number, heyoka_expressions
-from geomtorsion.codegen.hoisting import hoisted
-from geomtorsion.codegen.python_code import Body, compiled, python_body, python_source
-from geomtorsion.codegen.reading import Output, Reader
+from geomtorsion.codegen.printers import (
+    Body,
+    Expression,
+    Number,
+    compiled,
+    heyoka_expressions,
+    python_body,
+    python_source,
+)
+from geomtorsion.codegen.reading import Emitter, Output, Reader
 from geomtorsion.codegen.steps import Builder, Signed, Step
-from geomtorsion.codegen.term_sizes import above_rounding, term_sizes
+from geomtorsion.codegen.sums import factor as pull_out
+from geomtorsion.codegen.transformations import above_rounding, hoisted, jacobian, term_sizes
 from geomtorsion.copies import only_fields
 from geomtorsion.precision import EXACT_BITS
 

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from geomtorsion.codegen.differentiation import Forward
-from geomtorsion.codegen.functions import FUNCTIONS
+from geomtorsion.codegen.printers import FUNCTIONS
 from geomtorsion.codegen.steps import Signed, Step
+from geomtorsion.codegen.transformations import Forward
 from geomtorsion.errors import ExpressionError
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geomtorsion.codegen.settled import BLOCK
+from geomtorsion.codegen.arrays import BLOCK
 from geomtorsion.errors import ExpressionError
 from geomtorsion.ode.roots import crossings
 from geomtorsion.ode.trajectory import close_times

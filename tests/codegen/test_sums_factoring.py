@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geomtorsion.codegen import graph
-from geomtorsion.codegen.factoring import MOST_COMPARED
 from geomtorsion.codegen.reading import SPELT_OUT
 from geomtorsion.codegen.steps import MANY_QUOTIENTS
+from geomtorsion.codegen.sums import MOST_COMPARED
 from geomtorsion.exact import Field
 from tests.codegen.systems import (
     NAMES,

@@ -1,4 +1,4 @@
-"""Differentiation: the derivatives of steps, as steps."""
+"""Transformations: steps made of steps: derivatives, hoisted constants, sizes of terms."""
 
 from __future__ import annotations
 
@@ -181,3 +181,108 @@ class Forward:
             slope = self.builder.product(place, self._call("log", base))
             parts.append((1, self._scaled(inner[1], slope)))
         return self._sum(parts)
+
+
+# What costs an engine nothing: it stays where it is.
+_GIVEN = ("argument", "number", "digits")
+Part = tuple[tuple[Step, ...], tuple[Signed, ...]]
+
+
+def hoisted(
+    steps: Sequence[Step], outputs: Sequence[Signed], width: int, first: int
+) -> tuple[Part, Part]:
+    """Steps that read constants as further arguments, and steps that make these.
+
+    An engine of series takes any value that is made in the equations for a series, and a product
+    with it for one of two series; a number that is given to it costs one multiplication at each
+    order.
+
+    Quotients by constants become products with their inverses.
+
+    width: how many arguments there are; first: position of the first that is constant, as all
+    after it are, which are the arguments of what makes the constants.
+    """
+    made, found = Builder(), list[Signed]()
+    rest, places, own = Builder(), list[int](), list[int]()
+    positions: dict[int, int] = {}
+
+    def further(place: int) -> int:
+        """An argument for a constant, by its place in `made`."""
+        if place not in positions:
+            positions[place] = width + len(found)
+            found.append((1, place))
+        return rest.argument(positions[place], constant=True)
+
+    def read(place: int) -> int:
+        step = steps[place]
+        return further(own[place]) if step.constant and step.kind not in _GIVEN else places[place]
+
+    for step in steps:
+        if step.constant:
+            detail = step.detail - first if step.kind == "argument" else step.detail
+            operands = tuple(own[place] for place in step.operands)
+            own.append(made.add(step.kind, operands, detail, signs=step.signs, constant=True))
+            given = step.kind in _GIVEN
+            places.append(rest.add(step.kind, (), step.detail, constant=True) if given else -1)
+            continue
+        own.append(-1)
+        below = steps[step.operands[1]] if step.kind == "quotient" else None
+        if below is not None and below.constant and below.kind != "number":
+            one = made.number(Fraction(1))
+            inverse = further(made.quotient(one, own[step.operands[1]]))
+            places.append(rest.product(read(step.operands[0]), inverse))
+            continue
+        operands = tuple(map(read, step.operands))
+        places.append(rest.add(step.kind, operands, step.detail, signs=step.signs, constant=False))
+    results = [(sign, read(place)) for sign, place in outputs]
+    return rest.needed(results), made.needed(found)
+
+
+# A value that is smaller than so many roundings of its terms has no sign of its own.
+ROUNDINGS = 8
+
+
+def term_sizes(
+    steps: Sequence[Step], outputs: Sequence[Signed]
+) -> tuple[tuple[Step, ...], tuple[Signed, ...]]:
+    """Steps and outputs for the sizes, which are what roundings of terms are measured by."""
+    builder, sizes = _with_sizes(steps)
+    return builder.needed([(1, sizes[place]) for _, place in outputs])
+
+
+def above_rounding(
+    steps: Sequence[Step], outputs: Sequence[Signed]
+) -> tuple[tuple[Step, ...], tuple[Signed, ...]]:
+    """Steps and outputs that are positive only where rounding in doubles leaves no doubt of it.
+
+    Of roots what is under them stands here: it has the same sign as long as there is a root.
+    """
+    builder, sizes = _with_sizes(steps)
+    share = builder.number(Fraction(ROUNDINGS, 2**52))
+    found = []
+    for sign, place in outputs:
+        inner = steps[place].operands[0] if steps[place].kind == "root" else place
+        doubt = builder.product(share, sizes[inner])
+        found.append(builder.total([(sign, inner), (-1, doubt)]))
+    return builder.needed(found)
+
+
+def _with_sizes(steps: Sequence[Step]) -> tuple[Builder, list[int]]:
+    """All steps, and for each the place of its size."""
+    builder = Builder()
+    sizes: list[int] = []
+    # First all old steps, so that their places stay.
+    for step in steps:
+        builder.add(step.kind, step.operands, step.detail, signs=step.signs, constant=step.constant)
+    for place, step in enumerate(steps):
+        inner = [sizes[operand] for operand in step.operands]
+        if step.kind == "sum":
+            size = builder.total([(1, operand) for operand in inner])[1]
+        elif step.kind in ("product", "square"):
+            size = builder.product(inner[0], inner[-1])
+        elif step.kind == "quotient":
+            size = builder.quotient(inner[0], builder.add("call", step.operands[1:], "Abs"))
+        else:
+            size = builder.add("call", (place,), "Abs")
+        sizes.append(size)
+    return builder, sizes

@@ -1,18 +1,73 @@
-"""Python code: steps as source text, and the one place where text becomes a function."""
+"""Printers: steps as Python source or heyoka expressions; what functions are called where.
+
+The one place where text becomes a function.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from enum import IntEnum
 from fractions import Fraction
 from functools import lru_cache, reduce
-from typing import Any, Literal
+from importlib import import_module
+from typing import Any, Literal, Protocol
 
 import numpy as np
+from mpmath.libmp import prec_to_dps
 
-from geomtorsion.codegen.functions import FUNCTIONS
-from geomtorsion.codegen.steps import Signed, Step, uses
+from geomtorsion.codegen.steps import Signed, Step, is_one, uses
+from geomtorsion.errors import ExpressionError
+from geomtorsion.precision import EXACT_BITS
+
+
+@dataclass(frozen=True)
+class Names:
+    """Names of one function; empty where it does not exist.
+
+    math: in generated source; of the math module, but for power, sign and what scipy brings.
+    numpy: of numpy, or of scipy.special.
+    mpmath: of mpmath.
+    heyoka: of heyoka.
+    roundings: to how many of them NumPy and SciPy are right.
+    """
+
+    math: str
+    numpy: str
+    mpmath: str
+    heyoka: str = ""
+    roundings: int = 4
+
+
+def _plain(name: str, numpy: str = "") -> Names:
+    """A function that everybody has."""
+    return Names(name, numpy or name, name, name)
+
+
+# By the names of sympy's classes.
+FUNCTIONS = {
+    **{name: _plain(name) for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "exp", "log")},
+    **{name: _plain(name, "arc" + name[1:]) for name in ("asin", "acos", "atan", "asinh", "acosh",
+                                                         "atanh", "atan2")},
+    "Abs": Names("fabs", "abs", "fabs"),
+    "sign": Names("sign", "sign", "sign"),
+    "floor": Names("floor", "floor", "floor"),
+    "ceiling": Names("ceil", "ceil", "ceil"),
+    "Max": Names("max", "maximum", "max"),
+    "Min": Names("min", "minimum", "min"),
+    "erf": Names("erf", "erf", "erf", roundings=16),
+    "erfc": Names("erfc", "erfc", "erfc", roundings=16),
+    "erfi": Names("erfi", "erfi", "erfi", roundings=16),
+    "gamma": Names("gamma", "gamma", "gamma", roundings=16),
+    "loggamma": Names("lgamma", "gammaln", "loggamma", roundings=16),
+    "besselj": Names("jv", "jv", "besselj", roundings=16),
+    "bessely": Names("yv", "yv", "bessely", roundings=16),
+    "besseli": Names("iv", "iv", "besseli", roundings=16),
+    "besselk": Names("kv", "kv", "besselk", roundings=16),
+    "Ei": Names("expi", "expi", "ei", roundings=16),
+}  # fmt: skip
+
 
 # Longer pieces become statements: Python's parser has a limit for brackets within brackets.
 _LONGEST_PIECE = 500
@@ -32,7 +87,7 @@ Body = tuple[tuple[str, ...], tuple[str, ...]]
 
 def python_body(steps: Sequence[Step], outputs: Sequence[Signed]) -> Body:
     """The code of outputs over a0, a1, ..."""
-    writer = _Writer(steps, outputs)
+    writer = _PythonWriter(steps, outputs)
     results = tuple(writer.signed(sign, place) for sign, place in outputs)
     return tuple(writer.lines), results
 
@@ -45,7 +100,7 @@ def python_source(arguments: int, body: Body) -> str:
     return "\n    ".join([header, *lines, ending])
 
 
-class _Writer:
+class _PythonWriter:
     """Writes steps: those needed once in place, others as statements before."""
 
     def __init__(self, steps: Sequence[Step], outputs: Sequence[Signed]) -> None:
@@ -173,3 +228,90 @@ def compiled(
     # The source is made of our own names and numbers; no text of a user gets into it.
     exec(compile(source, "<geomtorsion>", "exec"), table)  # noqa: S102
     return table[name]
+
+
+class Expression(Protocol):
+    """An expression of heyoka, which does not tell its types."""
+
+    def __neg__(self) -> Expression:
+        """Its opposite."""
+        ...
+
+    def __truediv__(self, other: Expression) -> Expression:
+        """A quotient."""
+        ...
+
+    def __pow__(self, other: Expression | float) -> Expression:
+        """A power."""
+        ...
+
+
+# p, q -> p/q, rounded at the precision in use.
+Number = Callable[[int, int], Expression]
+
+
+def heyoka_expressions(
+    steps: Sequence[Step],
+    outputs: Sequence[Signed],
+    arguments: Sequence[Expression | None],
+    number: Number,
+) -> list[Expression]:
+    """Outputs as expressions of those that stand for the arguments."""
+    writer = _HeyokaWriter(steps, arguments, number)
+    return [writer.made[place] if sign > 0 else -writer.made[place] for sign, place in outputs]
+
+
+class _HeyokaWriter:
+    """Writes steps as expressions, in order."""
+
+    def __init__(
+        self, steps: Sequence[Step], arguments: Sequence[Expression | None], number: Number
+    ) -> None:
+        # heyoka is an extra: it is loaded only where it is used.
+        self.heyoka = import_module("heyoka")
+        self.steps = steps
+        self.arguments = arguments
+        self.number = number
+        self.made: list[Expression] = []
+        for step in steps:
+            self.made.append(self._step(step))
+
+    def _step(self, step: Step) -> Expression:
+        kind, detail = step.kind, step.detail
+        if kind == "argument":
+            found = self.arguments[detail]
+            assert found is not None
+            return found
+        if kind == "number":
+            return self.number(detail.numerator, detail.denominator)
+        if kind == "digits":
+            digits = Fraction(str(detail.evalf(prec_to_dps(EXACT_BITS))))
+            return self.number(digits.numerator, digits.denominator)
+        inner = [self.made[place] for place in step.operands]
+        if kind == "sum":
+            parts = zip(step.signs, inner, strict=True)
+            return self.heyoka.sum([value if sign > 0 else -value for sign, value in parts])
+        if kind == "product":
+            return self.heyoka.prod(inner)
+        if kind == "square":
+            return inner[0] ** 2.0
+        if kind == "quotient":
+            return self._quotient(step, *inner)
+        if kind == "root":
+            return self.heyoka.sqrt(inner[0]) if detail == 2 else inner[0] ** self.number(1, detail)
+        if detail == "power":
+            return inner[0] ** inner[1]
+        name = FUNCTIONS[detail].heyoka if kind == "call" else ""
+        if not name:
+            raise ExpressionError(
+                f"{detail} has no Taylor series in these equations; replace it by an expression in "
+                "other functions, or take another engine"
+            )
+        return getattr(self.heyoka, name)(*inner)
+
+    def _quotient(self, step: Step, above: Expression, below: Expression) -> Expression:
+        first = self.steps[step.operands[0]]
+        if is_one(first):
+            # Of 1/x heyoka makes the power -1, of -1/x a quotient, which costs two thirds.
+            return -self.heyoka.prod([self.number(-1, 1), below**-1.0])
+        return above / below
