@@ -13,8 +13,8 @@ from geomtorsion.accuracy.truth import States, Truth, truth_of
 from geomtorsion.curves import CurveProblem
 from geomtorsion.errors import AccuracyError, GeomtorsionError
 from geomtorsion.ode import ODE, Engine, RungeKutta, Solution, Taylor, solve
-from geomtorsion.ode.asked import checked_accuracy, checked_times
 from geomtorsion.ode.engines.taylor import is_available
+from geomtorsion.ode.numbers import checked_accuracy, checked_times
 
 ACCURACIES = (1e-3, 1e-6, 1e-9, 1e-12)
 # Each solution is repeated for at least this long, in seconds, and the fastest counts.

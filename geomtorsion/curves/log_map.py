@@ -16,10 +16,9 @@ from geomtorsion.curves.readout import converted
 from geomtorsion.curves.start import checked_start
 from geomtorsion.errors import ChartEdgeError, EndpointError, GeomtorsionError
 from geomtorsion.geometry import Connection
-from geomtorsion.ode.asked import checked_accuracy, checked_engine
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.engines.taylor import is_available
-from geomtorsion.ode.numbers import Numbers, checked_numbers
+from geomtorsion.ode.numbers import Numbers, checked_accuracy, checked_engine, checked_numbers
 from geomtorsion.ode.solution import Solution
 from geomtorsion.ode.solve import solve
 from geomtorsion.ode.trajectory import integrate

@@ -73,6 +73,9 @@ class CurveProblem:
     def __getstate__(self) -> dict[str, object]:
         return only_fields(self)
 
+    # What files call it.
+    kind = "curve"
+
     # -- what is to be solved --------------------------------------------------------------------
 
     def equations(self, chart: str | None = None) -> Equations:

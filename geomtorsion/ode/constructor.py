@@ -4,25 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import numpy as np
 import sympy as sp
 
 from geomtorsion import checks
 from geomtorsion.errors import ExpressionError, ShapeError, StartError, TimeError, UnknownNameError
-from geomtorsion.ode.events import At, When
 from geomtorsion.ode.numbers import Numbers, Real
 from geomtorsion.ode.rates import Rates, default_groups
-from geomtorsion.ode.terms import expression, number, symbol_table
+from geomtorsion.ode.terms import At, Terms, When, expression, number, symbol_table
 from geomtorsion.precision import PRINTED
 
-if TYPE_CHECKING:
-    from geomtorsion.ode.problem import ODE, Terms
-
 Given = tuple[
-    Rates, tuple[Real, ...], "dict[str, Real]", "dict[str, Terms]", "dict[str, Terms]",
-    tuple[At, ...],
+    Rates, tuple[Real, ...], dict[str, Real], dict[str, Terms], dict[str, Terms], tuple[At, ...],
 ]  # fmt: skip
 
 
@@ -81,16 +76,16 @@ def _stop(found: list[When], symbols: Mapping[str, sp.Symbol]) -> sp.Expr | None
     return expression(found[0].falls, "stop", symbols) if found else None
 
 
-def term(problem: ODE, entry: object) -> sp.Expr:
+def term(outputs: Mapping[str, Terms], names: Sequence[str], entry: object) -> sp.Expr:
     """One output, or an expression over states, parameters and time."""
-    if isinstance(entry, str) and entry in problem.outputs:
-        known = problem.outputs[entry]
+    if isinstance(entry, str) and entry in outputs:
+        known = outputs[entry]
         if isinstance(known, tuple):
             raise UnknownNameError(
                 f"{entry} has {len(known)} components; give an expression of one number."
             )
         return known
-    return expression(entry, "event_times", symbol_table(problem.rates.names), smooth=False)
+    return expression(entry, "event_times", symbol_table(names), smooth=False)
 
 
 def _read_terms(
@@ -207,18 +202,18 @@ def check_lengths(
             )
 
 
-def start_columns(problem: ODE, starts: object) -> tuple[np.ndarray, dict[str, Real | np.ndarray]]:
-    """States of members (number, size), and parameters: name -> array (number,) or number."""
-    parameters: dict[str, Real | np.ndarray] = dict(problem.parameters)
-    names = (*problem.states, *problem.rates.parameters)
+def start_columns(
+    states: Sequence[str], start: Sequence[Real], parameters: Sequence[str], starts: object
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """States of members (number, size), and those parameters that are given: (number,)."""
     if not isinstance(starts, Mapping):
-        states = _array("starts", starts)
-        if states.ndim != 2 or states.shape[1] != problem.size or not len(states):
+        rows = _array("starts", starts)
+        if rows.ndim != 2 or rows.shape[1] != len(states) or not len(rows):
             raise ShapeError(
-                f"starts: shape (number, {problem.size}) was needed, {states.shape} came."
+                f"starts: shape (number, {len(states)}) was needed, {rows.shape} came."
             )
-        _check_many_lengths(problem, states)
-        return states, parameters
+        return rows, {}
+    names = (*states, *parameters)
     arrays = {}
     for name, values in starts.items():
         if name not in names:
@@ -232,21 +227,19 @@ def start_columns(problem: ODE, starts: object) -> tuple[np.ndarray, dict[str, R
     (number_of,) = next(iter(lengths.values()))
     if not number_of:
         raise StartError("starts: the lists are empty; give one number for each motion.")
-    states = np.tile([float(x) for x in problem.start], (number_of, 1))
-    for name, array in arrays.items():
-        if name in problem.states:
-            states[:, problem.states.index(name)] = array
-        else:
-            parameters[name] = np.array(array)
-    _check_many_lengths(problem, states)
-    return states, parameters
+    rows = np.tile([float(x) for x in start], (number_of, 1))
+    for name in arrays.keys() & set(states):
+        rows[:, states.index(name)] = arrays[name]
+    return rows, {name: np.array(x) for name, x in arrays.items() if name not in states}
 
 
-def _check_many_lengths(problem: ODE, states: np.ndarray) -> None:
+def check_many_lengths(
+    states: Sequence[str], rows: np.ndarray, normalized: Sequence[Sequence[str]]
+) -> None:
     """Refuse starts whose length is not one where it should be."""
-    for names in problem.normalized:
-        places = [problem.states.index(name) for name in names]
-        lengths = np.sqrt((states[:, places] ** 2).sum(axis=1))
+    for names in normalized:
+        places = [states.index(name) for name in names]
+        lengths = np.sqrt((rows[:, places] ** 2).sum(axis=1))
         if (np.abs(lengths - 1) > PRINTED).any():
             k = int(np.argmax(np.abs(lengths - 1)))
             raise StartError(

@@ -13,13 +13,6 @@ import numpy as np
 from geomtorsion.copies import only_fields
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import AccuracyError, GeomtorsionError, StartError, TimeError
-from geomtorsion.ode.asked import (
-    check_memory,
-    checked_accuracy,
-    checked_engine,
-    checked_times,
-    one_time_only,
-)
 from geomtorsion.ode.batch import Show
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.engines.taylor import is_available
@@ -32,6 +25,13 @@ from geomtorsion.ode.error_estimate import (
     rounding,
 )
 from geomtorsion.ode.members import Members, Rows, run_members
+from geomtorsion.ode.numbers import (
+    check_memory,
+    checked_accuracy,
+    checked_engine,
+    checked_times,
+    one_time_only,
+)
 from geomtorsion.ode.trajectory import Trajectory, integrate
 from geomtorsion.progress import PATIENCE, bar
 

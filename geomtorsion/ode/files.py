@@ -1,8 +1,7 @@
-"""Files: solved motions written to NPZ files, and read from them again."""
+"""Files: solved motions read from the files that they were written to."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
@@ -11,21 +10,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import sympy as sp
 
 from geomtorsion.checks import cut, shown
 from geomtorsion.errors import FileFormatError, GeomtorsionError, StartError
 from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz
-from geomtorsion.ode.asked import checked_times
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
-from geomtorsion.ode.events import At, When
 from geomtorsion.ode.moment import Moment, unknown
-from geomtorsion.ode.numbers import Real
+from geomtorsion.ode.numbers import checked_times
 from geomtorsion.ode.problem import ODE
 from geomtorsion.ode.solution import Cost, Solution
+from geomtorsion.ode.terms import At, When
 from geomtorsion.ode.trajectory import integrate
+from geomtorsion.ode.writing import FORMAT
 
-FORMAT = 2
 _FORMS = {
     "metadata": TEXT_FORM,
     # A file of another version may lack them, and is to be named as such.
@@ -187,61 +184,6 @@ class SavedSolution(Mapping[str, np.ndarray]):
         return cls(arrays["times"], moment, metadata, arrays["grid"], problem)
 
 
-def save(solution: Solution, path: str | Path) -> None:
-    """Write arrays (as doubles) and metadata."""
-    problem, moment, trajectory = solution.problem, solution.moment, solution.trajectory
-    metadata = {
-        "format": FORMAT,
-        "kind": "ode" if isinstance(problem, ODE) else "curve",
-        "problem": problem.described(),
-        "accuracy": solution.accuracy,
-        "error": solution.error,
-        "engine": solution.engine,
-        "reason": solution.reason,
-        "outcome": solution.outcome,
-        "cost": {name: float(value) for name, value in vars(solution.cost).items()},
-        "drift": {name: float(value) for name, value in solution.drift.items()},
-        "whole": list(moment.whole),
-        "made": {
-            "engine": _engine_text(trajectory.engine),
-            "tolerance": trajectory.tolerance.hex(),
-            "unit": problem.time_unit,
-        },
-    }
-    # Any array may be named as it likes; the type takes one name for an option.
-    plain: dict[str, Any] = {
-        f"value {x}": np.asarray(y).astype(float) for x, y in moment.values.items()
-    }
-    grid = solution.times.astype(float)
-    if grid[0] != 0:
-        grid = np.concatenate(([0.0], grid))
-    np.savez_compressed(
-        path,
-        metadata=np.array(json.dumps(metadata)),
-        times=solution.times.astype(float),
-        grid=grid,
-        **plain,
-    )
-
-
-def described(problem: ODE) -> dict[str, Any]:
-    """Equations as plain text, and numbers as text."""
-    events = [[event.time, _numbers(event.changes)] for event in problem.events]
-    return {
-        "rates": {name: _text(rate) for name, rate in problem.rates.expressions.items()},
-        "start": [_number(x) for x in problem.start],
-        "parameters": _numbers(problem.parameters),
-        "invariants": {name: _texts(term) for name, term in problem.invariants.items()},
-        "outputs": {name: _texts(term) for name, term in problem.outputs.items()},
-        "time": problem.rates.time,
-        "events": events,
-        "stop": None if problem.rates.stop is None else _text(problem.rates.stop),
-        "norm_groups": [list(group) for group in problem.rates.norm_groups],
-        "normalized": [list(group) for group in problem.normalized],
-        "name": problem.name,
-    }
-
-
 def _problem(data: Mapping[str, Any]) -> ODE:
     """The equations that were described; nothing in the text is run."""
     events: list[At | When] = [
@@ -290,30 +232,6 @@ def _engine(text: str) -> Engine:
     if name == "RungeKutta":
         return RungeKutta()
     raise ValueError(f"{shown(text)} is no engine")
-
-
-def _engine_text(engine: Engine) -> str:
-    """An engine in a word."""
-    if isinstance(engine, Taylor):
-        return f"Taylor:{engine.precision}"
-    return f"Stiff:{engine.method}" if isinstance(engine, Stiff) else "RungeKutta:"
-
-
-def _text(term: sp.Expr) -> str:
-    """An expression with its floats as the fractions that they are."""
-    return str(term.xreplace({number: sp.Rational(number) for number in term.atoms(sp.Float)}))
-
-
-def _texts(term: sp.Expr | tuple[sp.Expr, ...]) -> str | list[str]:
-    return [_text(part) for part in term] if isinstance(term, tuple) else _text(term)
-
-
-def _numbers(table: Mapping[str, Real]) -> dict[str, str]:
-    return {name: _number(x) for name, x in table.items()}
-
-
-def _number(value: Real) -> str:
-    return f"f{value.hex()}" if isinstance(value, float) else str(value)
 
 
 def _value(text: Any) -> Any:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import Any, TypeAlias
+from typing import Any
 
 import mpmath
 import numpy as np
@@ -18,18 +18,16 @@ from geomtorsion.copies import only_fields
 from geomtorsion.errors import ExpressionError, StartError, StuckError
 from geomtorsion.ode import constructor
 from geomtorsion.ode.engines import Taylor
-from geomtorsion.ode.events import At, When
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.numbers import Numbers, Real, mpf, perturbed
 from geomtorsion.ode.rates import CLOCK, Rates
 from geomtorsion.ode.roots import shares_left
 from geomtorsion.ode.system import System
+from geomtorsion.ode.terms import At, Terms, When
 from geomtorsion.ode.trajectory import Event, Segment, Stage, State, Trajectory
+from geomtorsion.ode.writing import number_text, numbers_text, term_text, terms_text
 from geomtorsion.precision import working_precision
-
-# An output is one expression, or several that make a vector.
-Terms: TypeAlias = sp.Expr | tuple[sp.Expr, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +70,8 @@ class ODE:
     # Trajectories count time as users do.
     time_unit: float = 1.0
     label = ""
+    # What files call it.
+    kind = "ode"
 
     @classmethod
     def of(
@@ -521,7 +521,7 @@ class ODE:
 
     def term(self, term: object) -> Callable[[Moment], np.ndarray]:
         """A function of moments for an output, or an expression over what may occur."""
-        read = constructor.term(self, term)
+        read = constructor.term(self.outputs, self.rates.names, term)
         made = graph(self.rates.names, [read], factor=False).numpy()
 
         def values(moment: Moment) -> np.ndarray:
@@ -535,10 +535,20 @@ class ODE:
 
     def described(self) -> dict[str, Any]:
         """The equations as plain text, and numbers as text, for files."""
-        # The file format knows equations, not the other way round.
-        from geomtorsion.ode.files import described
-
-        return described(self)
+        events = [[event.time, numbers_text(event.changes)] for event in self.events]
+        return {
+            "rates": {name: term_text(rate) for name, rate in self.rates.expressions.items()},
+            "start": [number_text(x) for x in self.start],
+            "parameters": numbers_text(self.parameters),
+            "invariants": {name: terms_text(term) for name, term in self.invariants.items()},
+            "outputs": {name: terms_text(term) for name, term in self.outputs.items()},
+            "time": self.rates.time,
+            "events": events,
+            "stop": None if self.rates.stop is None else term_text(self.rates.stop),
+            "norm_groups": [list(group) for group in self.rates.norm_groups],
+            "normalized": [list(group) for group in self.normalized],
+            "name": self.name,
+        }
 
     def columns(self, moment: Moment) -> dict[str, np.ndarray]:
         """Named columns for tables."""
@@ -581,7 +591,11 @@ class ODE:
                 "equations with When(...) end at times of their own; solve them one by one, or "
                 "leave it out and use event_times."
             )
-        states, parameters = constructor.start_columns(self, starts)
+        states, given = constructor.start_columns(
+            self.states, self.start, self.rates.parameters, starts
+        )
+        constructor.check_many_lengths(self.states, states, self.normalized)
+        parameters: dict[str, Real | np.ndarray] = dict(self.parameters) | given
         return self._members(0.0, self.unit_rows(states), parameters, self.events)
 
     def _members(

@@ -10,13 +10,16 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from geomtorsion.codegen.arrays import BLOCK
 from geomtorsion.copies import only_fields
 from geomtorsion.displays import drawn_by
-from geomtorsion.errors import TimeError
-from geomtorsion.ode import dense_error, event_times
+from geomtorsion.errors import ExpressionError, TimeError
+from geomtorsion.ode.error_estimate import SAFETY, difference
 from geomtorsion.ode.moment import Moment
-from geomtorsion.ode.tables import pandas_table
-from geomtorsion.ode.trajectory import Segment, Stage, Trajectory
+from geomtorsion.ode.numbers import PARTS
+from geomtorsion.ode.roots import GOLDEN, crossings
+from geomtorsion.ode.trajectory import Segment, Stage, Trajectory, close_times
+from geomtorsion.ode.writing import pandas_table, write_solution
 from geomtorsion.precision import EPS
 
 if TYPE_CHECKING:
@@ -24,8 +27,14 @@ if TYPE_CHECKING:
 
     from geomtorsion.errors import GeomtorsionError
 
+
 # Doubles hold numbers to this part; solutions to a finer accuracy keep their longer numbers.
 DOUBLE = EPS / 2
+# So many places are looked at between each two times, at least.
+LEAST = 3
+# Where the first of them lies, in units of their distance: at the golden section, off the middle
+# and off the ends.
+SHIFT = 1 - GOLDEN
 
 
 class Problem(Protocol):
@@ -81,6 +90,11 @@ class Problem(Protocol):
 
     def columns(self, moment: Moment) -> Mapping[str, np.ndarray]:
         """Named columns for tables."""
+        ...
+
+    @property
+    def kind(self) -> str:
+        """ "ode", which can be read from a file again, or "curve"."""
         ...
 
     def described(self) -> dict[str, Any]:
@@ -343,7 +357,22 @@ class Solution:
         >>> swing.event_times("x").round(6).tolist()
         [1.570796, 4.712389, 7.853982]
         """
-        return event_times.event_times(self, term, direction)
+        read = self.problem.term(term)
+
+        def function(times: np.ndarray) -> np.ndarray:
+            return np.broadcast_to(read(self.at(times)), len(times))
+
+        found = [np.zeros(0)]
+        for times in _stretches(self):
+            blocks = range(0, len(times), BLOCK)
+            values = np.concatenate([function(times[k : k + BLOCK]) for k in blocks])
+            if not np.isfinite(values).all():
+                raise ExpressionError(
+                    f"{term!r} has no finite value at {self.problem.time_name} = "
+                    f"{times[~np.isfinite(values)][0]:.6g}."
+                )
+            found.append(crossings(function, times, values, direction))
+        return np.concatenate(found)
 
     # -- how good it is --------------------------------------------------------------------------
 
@@ -374,7 +403,19 @@ class Solution:
         Worked out on first use, from dense output of the solution and of the run with which it
         was compared, at about a hundred places: it costs as much as the solution did.
         """
-        return dense_error.error_between(self)
+        one, two = self.trajectory, self.reference
+        if two is None:
+            return float("inf")
+        reached = min(one.reached, two.reached, key=abs)
+        knots = np.concatenate(([0.0], self.times.astype(float) * self.problem.time_unit))
+        knots = np.unique(knots[np.abs(knots) <= abs(reached)])
+        if len(knots) < 2:
+            return self.error
+        count = max(LEAST, -(-PARTS // (len(knots) - 1)))
+        parts = (np.arange(count) + SHIFT) / count
+        times = (knots[:-1, None] + parts * np.diff(knots)[:, None]).ravel()
+        gap = difference(self.problem, _sampled(one, times), _sampled(two, times))
+        return max(self.error, SAFETY * gap)
 
     def __str__(self) -> str:
         ended = {"stopped": ", where it stops", "stuck": f", stuck: {self.trajectory.reason}"}
@@ -417,7 +458,38 @@ class Solution:
         >>> round(float(SavedSolution.load(file).at(0.5)["x"]), 9)
         0.60653066
         """
-        # The file format knows solutions, not the other way round.
-        from geomtorsion.ode.files import save
+        words = ("accuracy", "error", "engine", "reason", "outcome")
+        known = {word: getattr(self, word) for word in words}
+        known |= {"kind": self.problem.kind, "problem": self.problem.described()}
+        known["cost"] = {name: float(value) for name, value in vars(self.cost).items()}
+        known["drift"] = {name: float(value) for name, value in self.drift.items()}
+        unit = self.problem.time_unit
+        write_solution(path, self.times, self.moment, self.trajectory, unit, known)
 
-        save(self, path)
+
+def _sampled(trajectory: Trajectory, times: np.ndarray) -> Trajectory:
+    """A trajectory with its dense output as samples."""
+    order = times if trajectory.reached > 0 else times[::-1]
+    segments = []
+    for segment, states, index in trajectory.at(order):
+        segments.append(segment.resampled(order[index], states))
+    return Trajectory(trajectory.engine, trajectory.tolerance, tuple(segments), "done")
+
+
+def _stretches(solution: Solution) -> list[np.ndarray]:
+    """Times close enough to see each crossing, for each stretch in which nothing jumps."""
+    unit, breaks = solution.problem.time_unit, solution.problem.breaks()
+    stretches: list[list[np.ndarray]] = []
+    for segment in solution.trajectory.segments:
+        begin, end = float(segment.stage.begin), float(segment.run.reached)
+        if begin == end:
+            continue
+        times = close_times(begin, end, segment.run) / unit
+        if stretches and begin / unit not in breaks:
+            stretches[-1].append(times[1:])
+        else:
+            if stretches:
+                # What is at the very time of a jump belongs to what comes after it.
+                stretches[-1][-1][-1] = np.nextafter(times[0], stretches[-1][-1][-2])
+            stretches.append([times])
+    return [np.concatenate(parts) for parts in stretches]

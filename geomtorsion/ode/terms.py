@@ -1,11 +1,12 @@
-"""Terms: what users give as rates and outputs, as sympy expressions over known names."""
+"""Terms: what users give as rates, outputs and events, as expressions over known names."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeAlias
 
 import sympy as sp
 
@@ -15,6 +16,8 @@ from geomtorsion.exact import parse_expression
 from geomtorsion.exact.element import Element
 from geomtorsion.ode.numbers import Real
 
+# An output is one expression, or several that make a vector.
+Terms: TypeAlias = sp.Expr | tuple[sp.Expr, ...]
 # What may stand in outputs, but not in rates.
 _KINKED = {name: getattr(sp, name) for name in ("Abs", "sign", "Max", "Min", "floor", "ceiling")}
 _KINKED["abs"] = sp.Abs
@@ -120,3 +123,41 @@ def number(value: Any, what: str) -> Real:
         message="{subject} = {value} is no number; give a finite real number.",
         infinite="{subject} = {value} is not finite; give a finite real number.",
     )
+
+
+@dataclass(frozen=True)
+class At:
+    """From exactly this time on a parameter has a new value, or a state starts from a new one.
+
+    time: from t = 0 on.
+    changes: name of a parameter or state -> number.
+
+    Examples
+    --------
+    >>> from geomtorsion.ode import ODE, solve
+    >>> burn = ODE.of({"v": "a"}, [0], parameters={"a": 2}, events=[At(1.0, {"a": 0})])
+    >>> solve(burn, 3.0)["v"][-1].item()
+    2.0
+    """
+
+    time: float
+    changes: Mapping[str, Real] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class When:
+    """The motion ends where an expression falls through zero.
+
+    falls: text or sympy, over states, parameters and the time.
+
+    Examples
+    --------
+    >>> from geomtorsion.ode import ODE, solve
+    >>> fall = ODE.of({"z": "v", "v": "-g"}, {"z": 20, "v": 0}, parameters={"g": 10},
+    ...               events=[When("z")])
+    >>> solution = solve(fall, 5.0)
+    >>> solution.outcome, round(float(solution.times[-1]), 9)
+    ('stopped', 2.0)
+    """
+
+    falls: Any

@@ -11,9 +11,8 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.copies import only_fields
-from geomtorsion.ode.asked import PARTS
 from geomtorsion.ode.engines.protocol import STANDSTILL, Dense, Engine, Run, Watch
-from geomtorsion.ode.numbers import Real, floats, perturbed
+from geomtorsion.ode.numbers import PARTS, Real, floats, perturbed
 from geomtorsion.ode.roots import crossings
 from geomtorsion.ode.scaling import Extents, extents_of, scaled_run
 from geomtorsion.ode.system import System

@@ -15,7 +15,7 @@ from geomtorsion.curves import CurveProblem, autoparallel, distance_apart, geode
 from geomtorsion.errors import AccuracyError, ChartEdgeError, StartError
 from geomtorsion.geometry import cartan
 from geomtorsion.ode import Engine, Solution, solve
-from geomtorsion.ode.asked import check_memory
+from geomtorsion.ode.numbers import check_memory
 from geomtorsion.spaces.embeddings import Embedding, embedding_of
 from geomtorsion.spaces.first_motions import first_motion
 

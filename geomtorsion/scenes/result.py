@@ -19,7 +19,7 @@ from geomtorsion.errors import FileFormatError, SceneError, UnknownNameError
 from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz
 from geomtorsion.ode import solve
 from geomtorsion.ode.solution import Cost
-from geomtorsion.ode.tables import pandas_table
+from geomtorsion.ode.writing import pandas_table
 from geomtorsion.pictures.style import pictured
 from geomtorsion.scenes.plotting import plot
 from geomtorsion.scenes.to_ode import observed

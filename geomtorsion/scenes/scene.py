@@ -14,7 +14,7 @@ import sympy as sp
 from geomtorsion.checks import near_names, shown
 from geomtorsion.copies import only_fields
 from geomtorsion.errors import SceneError, UnknownNameError
-from geomtorsion.ode.asked import check_memory, checked_accuracy, checked_times
+from geomtorsion.ode.numbers import check_memory, checked_accuracy, checked_times
 from geomtorsion.scenes.assembly import Assembly, assemble
 from geomtorsion.scenes.body import Body
 from geomtorsion.scenes.context import Number

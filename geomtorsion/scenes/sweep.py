@@ -15,7 +15,7 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.errors import AccuracyError, SceneError, StartError, StuckError
 from geomtorsion.ode import solve_many
-from geomtorsion.ode.tables import pandas_table
+from geomtorsion.ode.writing import pandas_table
 from geomtorsion.pictures.scene_over_time import sweep_picture
 from geomtorsion.pictures.style import STYLE, number, save
 from geomtorsion.scenes.context import Number

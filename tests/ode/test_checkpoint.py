@@ -11,7 +11,7 @@ import pytest
 
 from geomtorsion.errors import CheckpointError
 from geomtorsion.ode import ODE, At, RungeKutta, Stiff, Taylor, solve
-from geomtorsion.ode.asked import PARTS
+from geomtorsion.ode.numbers import PARTS
 from tests.ode.engines import every_engine, needs_heyoka
 
 

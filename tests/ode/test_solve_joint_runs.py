@@ -5,7 +5,7 @@ import pytest
 
 from geomtorsion.ode import ODE, Taylor, When, solve
 from geomtorsion.ode.engines.protocol import STEPS_AT_ONCE
-from geomtorsion.ode.joint_runs import run_jointly
+from geomtorsion.ode.solve import run_jointly
 
 pytest.importorskip("heyoka", reason="joint runs are heyoka's batches")
 

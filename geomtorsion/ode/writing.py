@@ -1,0 +1,98 @@
+"""Writing: solved motions as files, and as tables of pandas."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from geomtorsion.errors import MissingExtraError
+from geomtorsion.ode.engines import Engine, Stiff, Taylor
+from geomtorsion.ode.moment import Moment
+from geomtorsion.ode.numbers import Real
+from geomtorsion.ode.trajectory import Trajectory
+
+# Of what `write_solution` writes.
+FORMAT = 2
+
+
+def write_solution(
+    path: str | Path,
+    times: np.ndarray,
+    moment: Moment,
+    trajectory: Trajectory,
+    unit: float,
+    known: Mapping[str, object],
+) -> None:
+    """Write arrays (as doubles) and metadata.
+
+    unit: trajectories count time in units of 1/unit; known: further metadata, by name.
+    """
+    metadata = {
+        "format": FORMAT,
+        **known,
+        "whole": list(moment.whole),
+        "made": {
+            "engine": _engine_text(trajectory.engine),
+            "tolerance": trajectory.tolerance.hex(),
+            "unit": unit,
+        },
+    }
+    # Any array may be named as it likes; the type takes one name for an option.
+    plain: dict[str, Any] = {
+        f"value {x}": np.asarray(y).astype(float) for x, y in moment.values.items()
+    }
+    times = times.astype(float)
+    grid = times if times[0] == 0 else np.concatenate(([0.0], times))
+    np.savez_compressed(
+        path, metadata=np.array(json.dumps(metadata)), times=times, grid=grid, **plain
+    )
+
+
+def _engine_text(engine: Engine) -> str:
+    """An engine in a word."""
+    if isinstance(engine, Taylor):
+        return f"Taylor:{engine.precision}"
+    return f"Stiff:{engine.method}" if isinstance(engine, Stiff) else "RungeKutta:"
+
+
+def term_text(term: sp.Expr) -> str:
+    """An expression with its floats as the fractions that they are."""
+    return str(term.xreplace({number: sp.Rational(number) for number in term.atoms(sp.Float)}))
+
+
+def terms_text(term: sp.Expr | tuple[sp.Expr, ...]) -> str | list[str]:
+    """The same of one term, or of each component of a vector."""
+    return [term_text(part) for part in term] if isinstance(term, tuple) else term_text(term)
+
+
+def number_text(value: Real) -> str:
+    """A number with all its digits; that of a float begins with f."""
+    return f"f{value.hex()}" if isinstance(value, float) else str(value)
+
+
+def numbers_text(table: Mapping[str, Real]) -> dict[str, str]:
+    """The same of numbers by name."""
+    return {name: number_text(x) for name, x in table.items()}
+
+
+def pandas_table(columns: Mapping[str, Any]) -> Any:
+    """Columns of equal length, by name, as a pandas DataFrame.
+
+    Raises
+    ------
+    MissingExtraError
+        pandas is not installed.
+    """
+    try:
+        pandas = import_module("pandas")
+    except ImportError:
+        raise MissingExtraError(
+            "to_pandas needs pandas, which is not installed. Run `pip install pandas`."
+        ) from None
+    return pandas.DataFrame(columns)
