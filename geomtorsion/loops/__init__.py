@@ -16,13 +16,14 @@ from geomtorsion.loops.defect_frames import (
 from geomtorsion.loops.defects import Defect, EnclosedDefect, enclosed_defects, find_defects
 from geomtorsion.loops.development import Development, develop
 from geomtorsion.loops.dislocation_network import DislocationNetwork
+from geomtorsion.loops.edges import EdgeList
 from geomtorsion.loops.exact_integral import ExactBurgersVector, exact_burgers_vector
 from geomtorsion.loops.fields.blocks import BlockMap, blocked_map
 from geomtorsion.loops.line_arrays import LineArrays
 from geomtorsion.loops.line_families import LineFamily
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.maps import BurgersMap, burgers_map, burgers_vectors
-from geomtorsion.loops.network import EdgeList, Network
+from geomtorsion.loops.network import Network
 from geomtorsion.loops.node_rule import NodeRule
 from geomtorsion.loops.paths import develop_path, develop_period
 from geomtorsion.loops.reactions import Reaction

@@ -19,8 +19,8 @@ from geomtorsion.errors import FileFormatError, GeomtorsionError, NetworkError
 from geomtorsion.files import read_text
 from geomtorsion.loops.box import Box
 from geomtorsion.loops.line_arrays import LineArrays
-from geomtorsion.loops.node_violation import CONSTRAINTS
 from geomtorsion.loops.polylines import Polyline
+from geomtorsion.loops.reactions import CONSTRAINTS
 
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 # One of the numbers that ParaDiS gives nodes at which a line leaves the crystal.

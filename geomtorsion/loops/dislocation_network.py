@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from os import PathLike
@@ -23,10 +24,18 @@ from geomtorsion.loops.line_files import lines_text, read_lines
 from geomtorsion.loops.line_table import line_table, node_table
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.network_lines import DislocationLine, line_arrays
-from geomtorsion.loops.node_violation import CONSTRAINTS, NodeViolation
 from geomtorsion.loops.opendis import arrays_of_opendis, opendis_of_arrays
 from geomtorsion.loops.polylines import Polyline, polylines
-from geomtorsion.loops.reactions import Reaction, Vector, exact_vector, size, total, vanishes
+from geomtorsion.loops.reactions import (
+    CONSTRAINTS,
+    NodeViolation,
+    Reaction,
+    Vector,
+    exact_vector,
+    size,
+    total,
+    vanishes,
+)
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -477,18 +486,10 @@ class DislocationNetwork:
             graph.add_edge(first[0], junction, burgers=joint)
         return DislocationNetwork(graph, self.tolerance, self.box)
 
-    def _has(self, line: Line) -> bool:
-        """Whether a line is there; tuples with a list in them are no names of nodes."""
-        try:
-            return self.graph.has_edge(*line)
-        except TypeError:
-            return False
-
     def _burgers(self, line: Line) -> Vector:
         """The Burgers vector of a line that exists."""
-        known = isinstance(line, tuple) and len(line) == 3
-        if not known or not self._has(line):
-            raise NetworkError(
-                f"there is no line {checks.shown(line)}; a line is (start, end, key)."
-            )
-        return self.graph.edges[line]["burgers"]
+        # Tuples with a list in them are no names of nodes.
+        with suppress(KeyError, TypeError, ValueError):
+            if isinstance(line, tuple):
+                return self.graph.edges[line]["burgers"]
+        raise NetworkError(f"there is no line {checks.shown(line)}; a line is (start, end, key).")

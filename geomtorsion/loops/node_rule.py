@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy  # loads its parts when they are asked for
 
 from geomtorsion.errors import LimitError, NetworkError
-from geomtorsion.geometry import Frame
 from geomtorsion.loops.arcs import shown
 from geomtorsion.loops.cochain import Cochain
 from geomtorsion.loops.complexes import Complex, sides_of
-from geomtorsion.loops.forms import Forms, forms
+from geomtorsion.loops.edges import EdgeList
+from geomtorsion.loops.forms import Forms
 from geomtorsion.loops.integrals import DISAGREE
 from geomtorsion.loops.quadrature import (
     LEVELS,
@@ -25,9 +24,6 @@ from geomtorsion.loops.quadrature import (
     ray_rule,
     refined,
 )
-
-if TYPE_CHECKING:
-    from geomtorsion.loops.network import Network
 
 Face = tuple[Hashable, ...]
 Cell = tuple[Face, ...]
@@ -82,46 +78,45 @@ class NodeRule:
         return "\n".join(lines)
 
 
-def node_rule(net: Network, cells: Sequence[Sequence[Sequence[Hashable]]] | None) -> NodeRule:
+def node_rule(
+    forms: Forms,
+    edges: EdgeList,
+    along: Cochain,
+    cells: Sequence[Sequence[Sequence[Hashable]]] | None,
+    accuracy: float,
+) -> NodeRule:
     """Check all cells of a network; see Network.node_rule."""
-    frame = net.frame
-    if not isinstance(frame, Frame):
-        raise NetworkError(
-            "the node rule compares line integrals with the flux of torsion, which samples of a "
-            "frame do not give exactly. Use .cochain.coboundary() of the SampledFrame."
-        )
-    made, corners = _of_tetrahedra(net) if cells is None else _of_cells(net, cells)
+    made, corners = _of_tetrahedra(edges) if cells is None else _of_cells(edges.complex, cells)
     if made.cells is None:
         return NodeRule(0, (), ())
-    lines = replace(net.cochain, complex=made).coboundary()
-    compiled = forms(frame, net.parameters)
-    fluxes, errors = _fluxes(compiled, net.edges.positions, corners, net.accuracy)
+    lines = replace(along, complex=made).coboundary()
+    fluxes, errors = _fluxes(forms, edges.positions, corners, accuracy)
     flux = Cochain(made, fluxes, np.where(np.isfinite(errors), errors, 0.0), degree=2)
     unknown = abs(made.cells) @ ~np.isfinite(errors) > 0
     found: list[tuple[int, Violation]] = []
     for total, free in ((lines.coboundary(), False), (flux.coboundary(), unknown)):
         wrong = np.abs(total.values).max(axis=1) > DISAGREE * total.bounds
         for k in np.flatnonzero(wrong & ~np.asarray(free)).tolist():
-            cell = _faces_of(net, made, corners, k) if cells is None else _named(cells[k])
+            cell = _faces_of(edges, made, corners, k) if cells is None else _named(cells[k])
             found.append((k, Violation(cell, total.values[k], float(total.bounds[k]))))
     difference = lines.values - fluxes
     wrong = ~(np.abs(difference).max(axis=1) <= DISAGREE * (errors + lines.bounds))
-    pierced = [(_labels(net, corners[k]), difference[k]) for k in np.flatnonzero(wrong).tolist()]
+    pierced = [(_labels(edges, corners[k]), difference[k]) for k in np.flatnonzero(wrong).tolist()]
     found.sort(key=lambda pair: pair[0])
     return NodeRule(len(total.values), tuple(one for _, one in found), tuple(pierced))
 
 
-def _labels(net: Network, nodes: Sequence[int] | np.ndarray) -> Face:
+def _labels(edges: EdgeList, nodes: Sequence[int] | np.ndarray) -> Face:
     """What the nodes of a face are called."""
-    return tuple(net.edges.labels[int(node)] for node in nodes)
+    return tuple(edges.labels[int(node)] for node in nodes)
 
 
-def _faces_of(net: Network, made: Complex, corners: Corners, cell: int) -> Cell:
+def _faces_of(edges: EdgeList, made: Complex, corners: Corners, cell: int) -> Cell:
     """The faces of a cell, turned outwards."""
     assert made.cells is not None
     row = made.cells[[cell]]
     sides = [corners[k][::sign] for k, sign in zip(row.indices, row.data, strict=True)]
-    return tuple(_labels(net, side) for side in sides)
+    return tuple(_labels(edges, side) for side in sides)
 
 
 def _named(cell: Sequence[Sequence[Hashable]]) -> Cell:
@@ -132,13 +127,13 @@ def _named(cell: Sequence[Sequence[Hashable]]) -> Cell:
 # -- cells ----------------------------------------------------------------------------------------
 
 
-def _of_tetrahedra(net: Network) -> tuple[Complex, np.ndarray]:
+def _of_tetrahedra(edges: EdgeList) -> tuple[Complex, np.ndarray]:
     """All sets of four nodes that are joined pairwise, and the corners of their faces, (m, 3)."""
-    found = tetrahedra(net.edges.complex)
-    plain = net.edges.complex
+    plain = edges.complex
+    found = tetrahedra(plain)
     if not len(found):
         return plain, np.zeros((0, 3), dtype=np.int64)
-    places = net.edges.positions[found]
+    places = edges.positions[found]
     if places.shape[2] == 3:
         # Only three dimensions have an outside; elsewhere one sense is as good.
         turned = np.linalg.det(places[:, 1:] - places[:, :1]) < 0
@@ -201,10 +196,9 @@ def _blocks(ends: np.ndarray) -> Iterator[tuple[int, int]]:
 
 
 def _of_cells(
-    net: Network, cells: Sequence[Sequence[Sequence[Hashable]]]
+    plain: Complex, cells: Sequence[Sequence[Sequence[Hashable]]]
 ) -> tuple[Complex, list[np.ndarray]]:
     """Given cells, and the corners of their faces, each once."""
-    plain = net.edges.complex
     known: dict[frozenset[Hashable], int] = {}
     faces: list[Face] = []
     rows, columns, senses = [], [], []
@@ -250,7 +244,7 @@ def _sense(face: Face, other: Face) -> int:
 
 
 def _fluxes(
-    compiled: Forms, places: np.ndarray, corners: Corners, accuracy: float
+    forms: Forms, places: np.ndarray, corners: Corners, accuracy: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Flux of torsion through faces, each spanned from its first node, (m, n), and errors, (m,)."""
     count, n = len(corners), places.shape[1]
@@ -264,7 +258,7 @@ def _fluxes(
     # As many as fit in the cache, with some 16 points each.
     for start in range(0, len(triples), PIECE // 16):
         part = slice(start, start + PIECE // 16)
-        values, errors = _triangles(compiled, places[triples[part]].transpose(1, 2, 0), accuracy)
+        values, errors = _triangles(forms, places[triples[part]].transpose(1, 2, 0), accuracy)
         np.add.at(totals, owner[part], values.T)
         np.add.at(bounds, owner[part], errors)
     return totals, bounds

@@ -3,20 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import SceneError
+from geomtorsion.scenes.body import Body, Number, exact
 
-if TYPE_CHECKING:
-    from geomtorsion.scenes.body import Body
-
-# A number as users give it: exact ones stay exact. An expression may also be text.
-Number = float | Fraction | sp.Expr
-Expression = Number | str
 Symbols = tuple[sp.Symbol, ...]
 
 OMEGA: Symbols = sp.symbols("Omega1:4")
@@ -167,20 +159,3 @@ class Context:
             for j in range(i):
                 rows[i, j] = rows[j, i] = self.parameter(f"I{j + 1}{i + 1}", tensor[i][j])
         return rows
-
-
-def exact(value: object, name: str) -> sp.Expr:
-    """A finite number as an exact rational; roots and pi as they are.
-
-    Raises
-    ------
-    SceneError
-        it is no finite real number.
-    """
-    return checks.rational(
-        value,
-        name,
-        SceneError,
-        message="{subject} = {value} is no number.",
-        infinite="{subject} = {value}: a finite number was needed.",
-    )

@@ -16,8 +16,7 @@ from geomtorsion.copies import only_fields
 from geomtorsion.errors import SceneError, UnknownNameError
 from geomtorsion.ode.numbers import check_memory, checked_accuracy, checked_times
 from geomtorsion.scenes.assembly import Assembly, assemble
-from geomtorsion.scenes.body import Body
-from geomtorsion.scenes.context import Number
+from geomtorsion.scenes.body import Body, Number
 from geomtorsion.scenes.cost import SceneCost, scene_cost
 from geomtorsion.scenes.effects import EFFECTS, Drift, Effect, Spin
 from geomtorsion.scenes.metrics import Measure

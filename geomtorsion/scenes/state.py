@@ -11,7 +11,7 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.errors import StartError
 from geomtorsion.rigid import attitude
-from geomtorsion.scenes.context import Number
+from geomtorsion.scenes.body import Number
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from geomtorsion.ode import solve_many
 from geomtorsion.ode.writing import pandas_table
 from geomtorsion.pictures.scene_over_time import sweep_picture
 from geomtorsion.pictures.style import STYLE, number, save
-from geomtorsion.scenes.context import Number
+from geomtorsion.scenes.body import Number
 from geomtorsion.scenes.metrics import Measure, SweepRun, Values, measures, only_words, quantities
 from geomtorsion.scenes.observables import FINE
 from geomtorsion.scenes.result import write_csv

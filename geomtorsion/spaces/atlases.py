@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 
 import sympy as sp
 
@@ -12,7 +13,6 @@ from geomtorsion.curves.map_functions import MapFunctions
 from geomtorsion.geometry import Frame
 from geomtorsion.rigid.attitude import hamilton_product, rotation_rows
 from geomtorsion.spaces.atlas_kerr import AXIS, kerr
-from geomtorsion.spaces.registry import load
 from geomtorsion.spaces.space import Space
 
 # Motions leave a chart of angles when the sine in its determinant falls below this.
@@ -108,6 +108,15 @@ def _euler_changes(
     )
 
 
+@cache
+def _frame_of(name: str) -> Frame:
+    """The frame of a second set of angles."""
+    # Loading a space imports no other.
+    from geomtorsion.spaces import euler, so3
+
+    return (so3 if name == "so3" else euler).space(name, "").frame
+
+
 def rotations(frame: Frame) -> Atlas:
     """Home angles, a second set of angles whose edge lies elsewhere, and the quaternion."""
     home = frame.name
@@ -119,7 +128,7 @@ def rotations(frame: Frame) -> Atlas:
         return Chart.of(frame, edge=edge(frame.coordinates[1]), margin=MARGIN)
 
     def other() -> Chart:
-        there = load(second).frame
+        there = _frame_of(second)
         function = EULER[second][2]
         return Chart.of(there, edge=function(there.coordinates[1]), margin=MARGIN)
 
@@ -128,7 +137,7 @@ def rotations(frame: Frame) -> Atlas:
         return Atlas(home, makers, lambda: _euler_changes(home, frame.coordinates[:3], places))
 
     def changes() -> tuple[TransitionMap, ...]:
-        there = load(second).frame.coordinates
+        there = _frame_of(second).coordinates
         return (*_euler_changes(home, frame.coordinates), *_euler_changes(second, there))
 
     return Atlas(home, makers | {second: other}, changes)

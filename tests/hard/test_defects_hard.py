@@ -8,7 +8,8 @@ import geomtorsion.spaces as spaces
 from geomtorsion.errors import LoopError, SingularPointError
 from geomtorsion.geometry import Connection, Frame, cartan, levi_civita
 from geomtorsion.loops import Loop, develop, dispiration, parallel_screws
-from geomtorsion.loops.network import EdgeList, Network
+from geomtorsion.loops.edges import EdgeList
+from geomtorsion.loops.network import Network
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from geomtorsion.errors import SceneError
-from geomtorsion.scenes.context import Context, Number, exact
+from geomtorsion.scenes.body import Number, exact
+from geomtorsion.scenes.context import Context
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
 
 

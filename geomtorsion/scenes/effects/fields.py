@@ -11,7 +11,8 @@ import sympy as sp
 from geomtorsion.checks import did_you_mean
 from geomtorsion.errors import ExpressionError, SceneError
 from geomtorsion.exact import parse_expression
-from geomtorsion.scenes.context import GROUPS, Context, Expression, Number, exact
+from geomtorsion.scenes.body import Expression, Number, exact
+from geomtorsion.scenes.context import GROUPS, Context
 from geomtorsion.scenes.effects.protocol import Effect, Switch, symbols_in
 from geomtorsion.scenes.units import exact as without_decimals
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from geomtorsion.scenes.context import Context, Number
+from geomtorsion.scenes.body import Number
+from geomtorsion.scenes.context import Context
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
 
 

@@ -9,7 +9,8 @@ from typing import ClassVar
 import sympy as sp
 
 from geomtorsion.errors import SceneError
-from geomtorsion.scenes.context import Context, Expression, Number
+from geomtorsion.scenes.body import Expression, Number
+from geomtorsion.scenes.context import Context
 from geomtorsion.scenes.effects.fields import check_vectors, read_three
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
 

@@ -9,7 +9,8 @@ from typing import ClassVar
 import sympy as sp
 
 from geomtorsion.errors import SceneError
-from geomtorsion.scenes.context import Context, Number
+from geomtorsion.scenes.body import Number
+from geomtorsion.scenes.context import Context
 from geomtorsion.scenes.effects.fields import check_vectors
 from geomtorsion.scenes.effects.protocol import Constraint, Contribution, Effect, unit
 

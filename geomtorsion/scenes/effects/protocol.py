@@ -8,8 +8,8 @@ from typing import Any, ClassVar
 
 import sympy as sp
 
-from geomtorsion.scenes.body import Body
-from geomtorsion.scenes.context import GROUPS, Context, Number
+from geomtorsion.scenes.body import Body, Number
+from geomtorsion.scenes.context import GROUPS, Context
 
 Triple = tuple[sp.Expr, sp.Expr, sp.Expr] | tuple[sp.Expr, ...]
 # Time, and the new values of parameters or states.

@@ -9,7 +9,8 @@ from typing import ClassVar
 import sympy as sp
 
 from geomtorsion.errors import SceneError
-from geomtorsion.scenes.context import Context, Expression, Number, exact
+from geomtorsion.scenes.body import Expression, Number, exact
+from geomtorsion.scenes.context import Context
 from geomtorsion.scenes.effects.fields import check_axis, check_numbers, read, unit_axis
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
 

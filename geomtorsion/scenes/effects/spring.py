@@ -8,7 +8,8 @@ from typing import ClassVar
 
 import sympy as sp
 
-from geomtorsion.scenes.context import Context, Number
+from geomtorsion.scenes.body import Number
+from geomtorsion.scenes.context import Context
 from geomtorsion.scenes.effects.fields import check_numbers, check_vectors
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
 

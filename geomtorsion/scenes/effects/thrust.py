@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from geomtorsion.errors import SceneError
-from geomtorsion.scenes.context import Context, Expression, Number
+from geomtorsion.scenes.body import Expression, Number
+from geomtorsion.scenes.context import Context
 from geomtorsion.scenes.effects.fields import between, check_numbers, check_vectors, read_three
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
 
