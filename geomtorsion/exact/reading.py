@@ -39,6 +39,8 @@ class Reader:
         self.exponents: Exponents = Exponents(field)
         self.primitives: Primitives = Primitives(field, self._arguments)
         self._known: dict[sympy.Basic, Element] = {}
+        # Roots whose chosen values are being read.
+        self._choosing: set[sympy.Basic] = set()
 
     def _arguments(self) -> list[Element]:
         return [*self.angles.basis.elements, *self.exponents.basis.elements]
@@ -166,7 +168,16 @@ class Reader:
         chosen = self.field.chosen.get(expr)
         if chosen is None:
             return None
-        value = self.element(chosen)
+        if expr in self._choosing:
+            raise _chosen_by_itself(expr, chosen)
+        self._choosing.add(expr)
+        try:
+            value = self.element(chosen)
+        finally:
+            self._choosing.remove(expr)
+        # The same root written otherwise: results with it would be read as those of the other one.
+        if value.sympy.has(expr):
+            raise _chosen_by_itself(expr, chosen)
         base, exponent = expr.args
         if value ** int(exponent.q) != self.element(base) ** int(exponent.p):
             raise ExpressionError(
@@ -263,6 +274,15 @@ class Reader:
         if expr.is_number and expr.is_finite and expr.is_Atom:
             return opaque(field, expr, ())
         raise ExpressionError(f"{expr} cannot be read as an exact scalar")
+
+
+def _chosen_by_itself(root: sympy.Basic, value: sympy.Expr) -> ExpressionError:
+    """The error for a root whose chosen value is made of the root."""
+    return ExpressionError(
+        f"branches[{root}]: a value without this root was needed, such as -cos(x) for "
+        f"sqrt(1 - sin(x)**2), but {value} came. To take the other sign write -{root} in the place "
+        f"of {root}, in every entry where it is meant, and leave branches out."
+    )
 
 
 def _is_longer(element: Element, written: sympy.Expr) -> bool:

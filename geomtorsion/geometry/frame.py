@@ -50,7 +50,8 @@ class Frame:
 
     To make one: coframe (rows i, columns mu) as nested lists or a sympy matrix; signature None
     (all +1), a tuple of signs, or a constant symmetric matrix eta; domain one relation or several;
-    branches {root: value} where the sign of a root shall not be the positive one.
+    branches {root: value}: values of roots that are rational in other names, where the sign shall
+        not be the positive one, such as {sqrt(1 - sin(x)**2): -cos(x)}.
 
     Raises
     ------

@@ -7,6 +7,7 @@ import pytest
 import sympy as sp
 from sympy import acos, asin, atan, atan2, cos, log, pi, sin, sqrt, tan
 
+import geomtorsion as gt
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact import Field
 
@@ -114,6 +115,47 @@ def test_branches_can_be_chosen():
     assert field.read(root) == field.read(-cos(x))
     with pytest.raises(ExpressionError, match="root"):
         Field([x], branches={root: sin(x)}).read(root)
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        pytest.param(-sqrt(1 + x**2), id="the other sign"),
+        pytest.param(sqrt(1 + x**2), id="itself"),
+    ],
+)
+def test_a_root_is_not_chosen_by_itself(value):
+    """Results written with it would be read as those of the other branch; what to write is said."""
+    root = sqrt(1 + x**2)
+    field = Field([x], branches={root: value})
+    for _ in range(2):
+        with pytest.raises(ExpressionError, match=r"without this root .* came\. .*write -sqrt\(x"):
+            field.read(root)
+    with pytest.raises(ExpressionError, match=r"coframe\[0, 0\]: branches\[sqrt"):
+        gt.Frame([x], [[root]], branches={root: value})
+
+
+def test_the_same_root_written_otherwise():
+    """A value that the field writes with the root."""
+    root = sqrt(1 + x**2)
+    field = Field([x], branches={root: -sqrt(2 + 2 * x**2) / sqrt(2)})
+    field.read(root**3)
+    with pytest.raises(ExpressionError, match="without this root"):
+        field.read(root)
+
+
+def test_roots_chosen_in_a_circle():
+    """The same where each is chosen by the other."""
+    one, two = sqrt(1 + x**2), sqrt(1 + y**2)
+    with pytest.raises(ExpressionError, match="without this root"):
+        Field([x, y], branches={one: two, two: one}).read(one)
+
+
+def test_the_other_sign_in_the_coframe():
+    """What the message says gives the other branch: e = x - sqrt(1 + x^2)."""
+    root = sqrt(1 + x**2)
+    other = gt.cartan(gt.Frame([x, y], [[1, 0], [0, x - root]]))[0, 1, 1]
+    assert other == gt.cartan(gt.Frame([x, y], [[1, 0], [0, root - x]]))[0, 1, 1] == -1 / root
 
 
 def test_negative_symbols():
