@@ -26,6 +26,8 @@ _NAME = re.compile("|".join(_NAMES))
 _BARRED = re.compile("(.)\u0304")
 _WORD = r"\b[A-Za-z][a-z]+(?![_^\w])"
 _WORDS = re.compile(rf" ?{_WORD}(?:[ ,]+{_WORD})* ?")
+# Stands for ] until indices are set, where it closes none of theirs.
+_CLOSING = "\uf8ff"
 _MARKS = re.compile(r"([_^])(?:\{([^{}]*)\}|(\[?[a-z0-9]+\]?))")
 
 
@@ -75,13 +77,28 @@ def equation_latex(text: str) -> str:
     --------
     >>> equation_latex("f^c = 2 S_a^c_b q'^a, where D_bar_a g_bc = 0")
     "f^{c} = 2\\,S_{a}{}^{c}{}_{b}\\,q'^{a},\\text{ where }\\bar D_{a}\\,g_{b c} = 0"
+    >>> equation_latex("[E_i, E_j] = C_ij^k E_k"), equation_latex("A_[abc]")
+    ('[E_{i}, E_{j}] = C_{i j}{}^{k}\\,E_{k}', 'A_{[ a b c ]}')
     """
-    text = _NAME.sub(lambda match: _NAMES[match.group()], text)
+    text = _NAME.sub(lambda match: _NAMES[match.group()], _commutators(text))
     text = re.sub(rf"(?:{_MARKS.pattern})+", lambda match: _staggered(match.group()), text)
     text = _WORDS.sub(lambda match: rf"\text{{{match.group()}}}", text)
     text = _BARRED.sub(lambda match: rf"\bar {match[1]}", text)
     # A blank between two factors is a thin space.
-    return re.sub(r"(?<=[}0-9]) (?=[^\W\d_]|[∂(\\])", r"\\,", text)
+    text = re.sub(r"(?<=[}0-9]) (?=[^\W\d_]|[∂(\\])", r"\\,", text)
+    return text.replace(_CLOSING, "]")
+
+
+def _commutators(text: str) -> str:
+    """The text with brackets that do not begin in an index, [X_a, Y_b], kept out of indices."""
+    of_indices: list[bool] = []
+    signs = list(text)
+    for place, sign in enumerate(signs):
+        if sign == "[":
+            of_indices.append(text[:place].endswith(("_", "^")))
+        elif sign == "]" and not (of_indices and of_indices.pop()):
+            signs[place] = _CLOSING
+    return "".join(signs)
 
 
 def _staggered(marks: str) -> str:

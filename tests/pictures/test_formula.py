@@ -132,6 +132,23 @@ def test_equations_are_well_formed(entry):
     assert "{" not in "".join(root.itertext())
 
 
+@pytest.mark.parametrize(
+    ("text", "latex"),
+    [
+        pytest.param(
+            "[E_i, E_j] = C_ij^k E_k", r"[E_{i}, E_{j}] = C_{i j}{}^{k}\,E_{k}", id="frame"
+        ),
+        pytest.param("[X_a, Y_b]^c", "[X_{a}, Y_{b}]^{c}", id="with an index"),
+        pytest.param("T_[abc]", "T_{[ a b c ]}", id="antisymmetric"),
+        pytest.param("d_[n e^i_m]", r"d_{[ n}\,e^{i}{}_{m ]}", id="across factors"),
+    ],
+)
+def test_brackets_of_commutators_and_of_indices(text, latex):
+    """A bracket closes among the indices only where it was opened there."""
+    assert equation_latex(text) == latex
+    parsed(mathml(equation_latex(text)))
+
+
 def test_index_positions_are_visible():
     """Lower and upper indices stand one after the other, not above each other."""
     assert text_label("S", list("abc"), "ddu") == "S_{ab}^c"

@@ -21,7 +21,6 @@ _REWRITTEN = (
     (re.compile(r"\bGamma_bar"), "Γ̄"),
     (re.compile(r"\b([RD])_bar"), "\\1̄"),
     (re.compile(r"\^(-\w+)"), r"^{\1}"),
-    (re.compile(r"([_^])(\w+)\]"), r"\1{\2}]"),
     (re.compile(r"([_^])(mu|nu|rho) (mu|nu|rho)\b"), r"\1{\2 \3}"),
     (re.compile(r"\bdelta-bar "), "δ̄ "),
     (re.compile(r"(?<=[\w)]) x (?=[A-Z(v])"), " × "),
