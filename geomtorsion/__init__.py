@@ -1,9 +1,9 @@
 """Give it any tetrad; get its geometry, its motions and its defects: exactly and fast.
 
 Start with `Frame` or `spaces.load`, then `cartan`, `levi_civita`, `solve`, `burgers_vector` or
-`Scene`. The documentation is in examples/site, and README says how to build it. Of its pages
-tutorials/first_tetrad is the place to begin, howto/tetrad_file is for spaces of your own, and
-api/index lists every public name; `error.page` of an error names the one that helps.
+`Scene`. The documentation is in examples/site of the sources, and README says how to build it. Of
+its pages tutorials/first_tetrad is the place to begin, howto/tetrad_file is for spaces of your own,
+and api/index lists every public name; `error.page` of an error names the one that helps.
 """
 
 from importlib import import_module

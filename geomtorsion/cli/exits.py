@@ -5,11 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from enum import IntEnum
+from pathlib import Path
 
 import typer
 
 from geomtorsion.checks import cut
 from geomtorsion.errors import GeomtorsionError
+
+# In a checkout and in the source distribution; a wheel has no pages.
+SITE = Path(__file__).parents[2] / "examples/site"
 
 
 class ExitCode(IntEnum):
@@ -30,7 +34,9 @@ def clean_exits() -> Iterator[None]:
     try:
         yield
     except GeomtorsionError as error:
-        typer.echo(f"geomtorsion: {error}\n{more_on(error)}", err=True)
+        typer.echo(f"geomtorsion: {error}", err=True)
+        if pages := more_on(error):
+            typer.echo(pages, err=True)
         raise typer.Exit(ExitCode.wrong_input) from None
     except BrokenPipeError:
         # `| head` closed the pipe: typer ends without a word.
@@ -44,15 +50,16 @@ def clean_exits() -> Iterator[None]:
         raise typer.Exit(ExitCode.interrupted) from None
 
 
-def more_on(error: GeomtorsionError) -> str:
-    """Where the documentation says more.
+def more_on(error: GeomtorsionError, site: Path = SITE) -> str:
+    """Where the documentation says more; empty where the package came without it.
 
     Examples
     --------
-    >>> more_on(GeomtorsionError("no"))
-    '(More on this: page errors of examples/site.)'
+    >>> more_on(GeomtorsionError("no"), Path("nowhere"))
+    ''
     """
-    return f"(More on this: page {error.page} of examples/site.)"
+    page = f"{error.page}.md"
+    return f"(More on this: examples/site/{page})" if (site / page).is_file() else ""
 
 
 def stopped(more: str = "") -> None:

@@ -1,6 +1,7 @@
 """How commands end, as processes: without Greek, by Ctrl-C, with a closed pipe."""
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -8,10 +9,9 @@ import time
 from pathlib import Path
 
 import pytest
-import typer
 
 from geomtorsion import errors
-from geomtorsion.cli.exits import clean_exits
+from geomtorsion.cli.exits import more_on
 
 ROOT = Path(__file__).parent.parent.parent
 
@@ -86,16 +86,39 @@ def test_limits_that_are_none():
 
 
 @pytest.mark.parametrize(
-    ("kind", "page"),
+    "kind",
     [
-        pytest.param(errors.LoopError, "tutorials/", id="its own"),
-        pytest.param(errors.GeomtorsionError, "errors", id="the general one"),
+        pytest.param(kind, id=name)
+        for name, kind in sorted(vars(errors).items())
+        if isinstance(kind, type) and issubclass(kind, errors.GeomtorsionError)
     ],
 )
-def test_an_error_names_the_page_that_helps(kind, page, capsys):
-    """Below the message, for every error of the package."""
-    with pytest.raises(typer.Exit), clean_exits():
-        raise kind("no")
-    message, more = capsys.readouterr().err.splitlines()
-    assert message == "geomtorsion: no"
-    assert more.startswith(f"(More on this: page {page}")
+def test_every_error_names_a_page_that_is_there(kind):
+    """The source of a page of the site, so that none names one that was moved."""
+    site = ROOT / "examples/site"
+    assert (site / f"{kind.page}.md").is_file()
+    assert more_on(kind("no"), site) == f"(More on this: examples/site/{kind.page}.md)"
+
+
+def test_a_checkout_names_the_page_that_helps():
+    """Below the message, in a line of its own."""
+    with process("geometry", "nowhere") as running:
+        _, error = running.communicate(timeout=60)
+    message, more = error.splitlines()
+    assert message.startswith("geomtorsion: ")
+    assert more == f"(More on this: examples/site/{errors.UnknownNameError.page}.md)"
+
+
+def test_a_wheel_names_no_page_that_it_lacks(tmp_path):
+    """The package alone, as a wheel installs it: the message, and nothing that is not there."""
+    shutil.copytree(
+        ROOT / "geomtorsion", tmp_path / "geomtorsion", ignore=shutil.ignore_patterns("*.pyc")
+    )
+    done = subprocess.run(
+        [sys.executable, "-m", "geomtorsion", "geometry", "nowhere"],
+        cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(tmp_path)},
+        capture_output=True, text=True, timeout=60, check=False,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert done.stderr.startswith("geomtorsion: ")
+    assert "examples/site" not in done.stderr
