@@ -212,6 +212,7 @@ class Format(StrEnum):
     stack = "stack"
     prairielearn = "prairielearn"
     nbgrader = "nbgrader"
+    otter = "otter"
     qti = "qti"
 
 
@@ -223,16 +224,17 @@ def export(
     ] = None,
     seeds: Annotated[
         str | None,
-        option(metavar="N,...", text="Variants; default: 0,1,2, for nbgrader and qti 0."),
+        option(metavar="N,...", text="Variants; default: 0; for stack and prairielearn 0,1,2."),
     ] = None,
 ) -> None:
-    """Write exercises for Moodle (STACK), PrairieLearn, nbgrader or QTI.
+    """Write exercises for Moodle (STACK), PrairieLearn, nbgrader, Otter or QTI.
 
     \b
     stack         Moodle XML: questions of STACK, a deployed seed for each variant,
                   a node of the response tree for each mistake that is recognised
     prairielearn  question folders; server.py generates and grades with this library
     nbgrader      a course with notebooks: solutions, and hidden tests that grade
+    otter         notebooks for otter assign: the same with raw cells
     qti           a content package of QTI 2.1; what it cannot grade is said
 
     \b

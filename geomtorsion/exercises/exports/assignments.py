@@ -1,9 +1,13 @@
-"""assignments: chapters as assignments of nbgrader, notebooks with solutions and hidden tests."""
+"""assignments: chapters as notebooks for teachers, with solutions and hidden tests.
+
+What stands in them is the same for all systems; how a system finds solutions and tests is not.
+"""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 
 from geomtorsion.exercises.answers import answer_text
 from geomtorsion.exercises.cells import code_cell, markdown_cell, notebook
@@ -12,27 +16,71 @@ from geomtorsion.exercises.exports.tasks import Task
 from geomtorsion.exercises.question import Question, how_to_answer
 from geomtorsion.exercises.worker_pool import Json
 
-_CONFIG = """\
-c = get_config()
-c.CourseDirectory.course_id = "geomtorsion"
-"""
+
+@dataclass(frozen=True)
+class Asked:
+    """A question of an exercise, as a notebook asks it."""
+
+    exercise: Exercise
+    question: Question
+
+    @property
+    def key(self) -> str:
+        """What ends the ids of its cells."""
+        return f"{self.exercise.number.replace('.', '-')}-{self.question.name}"
+
+    @property
+    def name(self) -> str:
+        """The variable that holds the answer."""
+        return f"{self.question.name}_{self.exercise.number.replace('.', '_')}"
+
+    @property
+    def prompt(self) -> str:
+        """What is asked and how it is answered: Markdown with LaTeX."""
+        how = how_to_answer(self.question)
+        return f"{self.question.prompt}\n\n*Answer: `{self.name} =` {how}, in quotes.*"
+
+    @property
+    def solved(self) -> str:
+        """The line of Python with the solution."""
+        answer = answer_text(self.question, self.question.solution)
+        return f"{self.name} = {json.dumps(answer, ensure_ascii=False)}"
+
+    @property
+    def graded(self) -> str:
+        """Lines of Python that grade the answer; what is said about it is in `verdict`."""
+        name, exercise = self.question.name, self.exercise
+        return (
+            f'answers = {{"{name}": {self.name}}}\n'
+            f'verdict = gt.exercises.check("{exercise.number}", answers, seed={exercise.seed})\n'
+            f'verdict = verdict["{name}"]\n'
+        )
 
 
-def assignment_files(tasks: Sequence[Task]) -> dict[str, str]:
-    """Path -> text: nbgrader_config.py, and a notebook for each chapter and variant in source/.
+@dataclass(frozen=True)
+class Marking:
+    """How a system tells cells apart.
 
-    In the teacher's version a solution stands between BEGIN SOLUTION and END SOLUTION, and a test
-    that grades with the library between BEGIN HIDDEN TESTS and END HIDDEN TESTS; `nbgrader
-    generate_assignment` takes both out. A test gives the share of the points that was earned, and
-    says what the likely mistake is.
+    locked: id -> metadata of a cell that students leave alone. opening: name of the assignment ->
+    cells before all others. question: a question and the cell that asks it -> that cell, the one
+    for the answer, and what grades it.
+    """
+
+    locked: Callable[[str], Json]
+    opening: Callable[[str], Sequence[Json]]
+    question: Callable[[Asked, Json], Iterator[Json]]
+
+
+def notebooks(tasks: Sequence[Task], marking: Marking) -> dict[str, str]:
+    """Name -> text of a notebook: one for each chapter and variant.
 
     Examples
     --------
     >>> from geomtorsion.exercises.exports.tasks import tasks
-    >>> list(assignment_files(tasks(["3.1", "3.2"], [0])))
-    ['nbgrader_config.py', 'source/chapter3/chapter3.ipynb']
+    >>> bare = Marking(lambda key: {}, lambda name: (), lambda asked, prompt: iter([prompt]))
+    >>> list(notebooks(tasks(["3.1", "3.2"], [0, 5]), bare))
+    ['chapter3', 'chapter3-seed5']
     """
-    files = {"nbgrader_config.py": _CONFIG}
     chapters: dict[str, list[Exercise]] = {}
     titles: dict[str, str] = {}
     for task in tasks:
@@ -41,80 +89,30 @@ def assignment_files(tasks: Sequence[Task]) -> dict[str, str]:
             name += f"-seed{exercise.seed}" if exercise.seed else ""
             chapters.setdefault(name, []).append(exercise)
             titles[name] = task.chapter
+    found = {}
     for name, exercises in chapters.items():
-        found = notebook(list(_cells(titles[name], exercises)))
-        text = json.dumps(found, indent=1, ensure_ascii=False)
-        files[f"source/{name}/{name}.ipynb"] = text + "\n"
-    return files
+        cells = [*marking.opening(name), *_cells(titles[name], exercises, marking)]
+        found[name] = json.dumps(notebook(cells), indent=1, ensure_ascii=False) + "\n"
+    return found
 
 
-def _cells(title: str, exercises: Sequence[Exercise]) -> Iterator[Json]:
-    """Title, import, and each exercise with a field and a test for each question."""
-    yield markdown_cell(
+def _cells(title: str, exercises: Sequence[Exercise], marking: Marking) -> Iterator[Json]:
+    """Title, import, and each exercise with its questions."""
+
+    def text(key: str, content: str) -> Json:
+        return markdown_cell(key, content, marking.locked(key))
+
+    yield text(
         "title",
         f'# {title}\n\nEach answer is a text in quotes, such as `"2*sin(r)"`. Indices are counted '
         "from 1; the first lower index of a connection is the direction of differentiation; "
         "$S = T/2$.",
-        _locked("title"),
     )
-    yield code_cell("imports", "import geomtorsion as gt", _locked("imports"))
+    yield code_cell("imports", "import geomtorsion as gt", marking.locked("imports"))
     for exercise in exercises:
         key = exercise.number.replace(".", "-")
         heading = f"## {exercise.number} {exercise.title}"
-        yield markdown_cell(
-            f"statement-{key}", f"{heading}\n\n{exercise.statement}", _locked(f"statement-{key}")
-        )
+        yield text(f"statement-{key}", f"{heading}\n\n{exercise.statement}")
         for question in exercise.questions:
-            yield from _asked(exercise, question)
-
-
-def _asked(exercise: Exercise, question: Question) -> Iterator[Json]:
-    """What is asked, the cell for the answer, and the test that grades it."""
-    key = f"{exercise.number.replace('.', '-')}-{question.name}"
-    name = f"{question.name}_{exercise.number.replace('.', '_')}"
-    asked = f"{question.prompt}\n\n*Answer: `{name} =` {how_to_answer(question)}, in quotes.*"
-    yield markdown_cell(f"asked-{key}", asked, _locked(f"asked-{key}"))
-    answer = json.dumps(answer_text(question, question.solution), ensure_ascii=False)
-    yield code_cell(
-        f"answer-{key}",
-        f"### BEGIN SOLUTION\n{name} = {answer}\n### END SOLUTION",
-        _nbgrader(f"answer-{key}", solution=True),
-    )
-    yield code_cell(
-        f"test-{key}",
-        f"# {name} is checked when the notebook is graded.\n"
-        "### BEGIN HIDDEN TESTS\n"
-        f'answers = {{"{question.name}": {name}}}\n'
-        f'verdict = gt.exercises.check("{exercise.number}", answers, seed={exercise.seed})\n'
-        f'verdict = verdict["{question.name}"]\n'
-        "assert verdict.score > 0, verdict.message\n"
-        "print(verdict.message)\n"
-        "verdict.points * verdict.score\n"
-        "### END HIDDEN TESTS",
-        _nbgrader(f"test-{key}", grade=True, locked=True, points=question.points),
-    )
-
-
-def _locked(key: str) -> Json:
-    """Metadata of a cell that students do not change."""
-    return _nbgrader(key, locked=True)
-
-
-def _nbgrader(
-    key: str,
-    *,
-    grade: bool = False,
-    solution: bool = False,
-    locked: bool = False,
-    points: int | None = None,
-) -> Json:
-    """Metadata of nbgrader, version 3."""
-    found = {
-        "grade": grade,
-        "grade_id": key,
-        "locked": locked,
-        "schema_version": 3,
-        "solution": solution,
-        "task": False,
-    }
-    return {"nbgrader": found | ({} if points is None else {"points": points})}
+            asked = Asked(exercise, question)
+            yield from marking.question(asked, text(f"asked-{asked.key}", asked.prompt))

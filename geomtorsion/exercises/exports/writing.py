@@ -12,7 +12,8 @@ from types import MappingProxyType
 
 from geomtorsion import checks
 from geomtorsion.errors import ArgumentError
-from geomtorsion.exercises.exports.assignments import assignment_files
+from geomtorsion.exercises.exports.nbgrader import course_files
+from geomtorsion.exercises.exports.otter import assign_files
 from geomtorsion.exercises.exports.prairielearn import question_files
 from geomtorsion.exercises.exports.qti import DECIDED, item_files
 from geomtorsion.exercises.exports.stack import stack_quiz
@@ -60,7 +61,16 @@ def _nbgrader(found: Sequence[Task]) -> tuple[Files, str]:
         "The folder is a course of nbgrader: nbgrader generate_assignment makes what students get, "
         "nbgrader autograde grades it. Both need geomtorsion in their kernel."
     )
-    return {**assignment_files(found)}, note
+    return {**course_files(found)}, note
+
+
+def _otter(found: Sequence[Task]) -> tuple[Files, str]:
+    note = (
+        "otter assign chapter1.ipynb chapter1 makes of a notebook what students get, in "
+        "chapter1/student, and in chapter1/autograder the ZIP file that grades it: for Gradescope, "
+        "otter grade or otter run. Where it grades, geomtorsion has to be installed."
+    )
+    return {**assign_files(found)}, note
 
 
 def _qti(found: Sequence[Task]) -> tuple[Files, str]:
@@ -101,6 +111,7 @@ FORMATS: Mapping[str, Format] = MappingProxyType(
         "stack": Format(_stack, (0, 1, 2), worked=True),
         "prairielearn": Format(_prairielearn, (0, 1, 2)),
         "nbgrader": Format(_nbgrader, (0,)),
+        "otter": Format(_otter, (0,)),
         "qti": Format(_qti, (0,)),
     }
 )
@@ -119,13 +130,14 @@ def export(
     ----------
     to
         "stack" (Moodle XML), "prairielearn" (question folders), "nbgrader" (a course with
-        notebooks) or "qti" (a content package of QTI 2.1, as folder and as ZIP file).
+        notebooks), "otter" (notebooks for Otter Assign) or "qti" (a content package of QTI 2.1,
+        as folder and as ZIP file).
     directory
         made if it is missing; files in it that have the same names are replaced.
     numbers
         of the exercises, such as ["3.1", "3.2"]; all if None.
     seeds
-        the variants; None: 0, 1 and 2 for stack and prairielearn, 0 for nbgrader and qti.
+        the variants; None: 0, 1 and 2 for stack and prairielearn, 0 for the others.
     progress
         called with the number of each exercise before it is solved.
 

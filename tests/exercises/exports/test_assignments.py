@@ -1,169 +1,30 @@
-"""nbgrader: notebooks read back and graded by their hidden tests, and by nbgrader itself."""
+"""Assignments: the same notebooks for every system, apart from what it marks."""
 
-import csv
 import json
-import os
-import re
-import subprocess
-import sys
-from functools import cache
-from pathlib import Path
 
 import pytest
 
-import geomtorsion
-from geomtorsion import exercises
-from geomtorsion.exercises.answers import answer_text
-from geomtorsion.exercises.exports.assignments import assignment_files
+from geomtorsion.exercises.exports.nbgrader import course_files
+from geomtorsion.exercises.exports.otter import assign_files
 from geomtorsion.exercises.exports.tasks import tasks
 
-NUMBERS = exercises.names()
-SEED = 2
-SOLUTION = re.compile(r"### BEGIN SOLUTION\n(\w+) = (.+)\n### END SOLUTION")
-HIDDEN = re.compile(r"### BEGIN HIDDEN TESTS\n(.+)\n### END HIDDEN TESTS", re.DOTALL)
 
-
-def source(cell: dict) -> str:
-    return "".join(cell["source"])
-
-
-@cache
-def exported(number: str) -> dict:
-    files = assignment_files(tasks([number], [SEED]))
-    [name] = [name for name in files if name.endswith(".ipynb")]
-    return json.loads(files[name])
-
-
-def graded(test: str, name: str, answer: str) -> tuple[float, str]:
-    """Points and message that a hidden test gives, run as a notebook runs it."""
-    said: list[str] = []
-    scope: dict = {"print": said.append, name: answer}
-    exec("import geomtorsion as gt", scope)
-    *lines, last = test.splitlines()
-    try:
-        exec("\n".join(lines), scope)
-    except AssertionError as error:
-        return 0.0, str(error)
-    exec(f"points = {last}", scope)
-    return scope["points"], said[0]
-
-
-@pytest.mark.parametrize("number", NUMBERS)
-def test_round_trip(number):
-    """The solution in the notebook earns all points; each mistake is told as that mistake."""
-    cells = {cell["id"]: cell for cell in exported(number)["cells"]}
-    asked = exercises.load(number, SEED).questions
-    for question in asked:
-        key = f"{number.replace('.', '-')}-{question.name}"
-        solved = SOLUTION.fullmatch(source(cells[f"answer-{key}"]))
-        hidden = HIDDEN.search(source(cells[f"test-{key}"]))
-        assert solved is not None
-        assert hidden is not None
-        points, said = graded(hidden[1], solved[1], json.loads(solved[2]))
-        assert (points, said) == (question.points, "Right.")
-        for mistake in question.mistakes:
-            text = answer_text(question, mistake.value)
-            points, said = graded(hidden[1], solved[1], text)
-            verdict = exercises.check(number, {question.name: text}, SEED)[question.name]
-            assert mistake.code in verdict.codes
-            assert points == question.points * verdict.score < question.points
-            assert said == verdict.message
-
-
-@pytest.mark.parametrize("number", NUMBERS)
-def test_cells_are_marked(number):
-    """Each cell has its own id; tests are locked and graded, answers are solutions."""
-    cells = exported(number)["cells"]
-    keys = [cell["id"] for cell in cells]
-    assert len(keys) == len(set(keys))
-    assert all(re.fullmatch(r"[a-zA-Z0-9_-]{1,64}", key) for key in keys)
-    for cell in cells:
-        marks = cell["metadata"]["nbgrader"]
-        assert marks["schema_version"] == 3
-        assert marks["grade_id"] == cell["id"]
-        assert marks["grade"] == ("HIDDEN TESTS" in source(cell)) == ("points" in marks)
-        assert marks["solution"] == ("BEGIN SOLUTION" in source(cell))
-        assert marks["locked"] != marks["solution"]
-
-
-def test_a_chapter_and_its_variants():
-    """One assignment for each chapter and variant."""
-    files = assignment_files(tasks(["3.1", "3.2", "7.1"], [0, 5]))
-    assert list(files) == [
-        "nbgrader_config.py",
-        "source/chapter3/chapter3.ipynb",
-        "source/chapter3-seed5/chapter3-seed5.ipynb",
-        "source/chapter7/chapter7.ipynb",
-        "source/chapter7-seed5/chapter7-seed5.ipynb",
-    ]
-
-
-def test_nbgrader_validates_the_cells():
-    """nbgrader's own reader takes a notebook, and finds a graded cell for each question."""
-    formats = pytest.importorskip("nbgrader.nbgraderformat")
-    [text] = list(assignment_files(tasks(["3.3"], [0])).values())[1:]
-    read = formats.reads(text, as_version=4)
-    assert sum(cell.metadata.nbgrader.grade for cell in read.cells) == 2
-
-
-def filled(release: dict, answers: dict[str, dict[str, str]]) -> dict:
-    """A released notebook with answers, as a student hands it in."""
-    handed = json.loads(json.dumps(release))
-    for cell in handed["cells"]:
-        found = re.fullmatch(r"answer-([0-9])-([0-9])-(\w+)", cell["id"])
-        if found and f"{found[1]}.{found[2]}" in answers:
-            text = answers[f"{found[1]}.{found[2]}"][found[3]]
-            cell["source"] = [f"{found[3]}_{found[1]}_{found[2]} = {json.dumps(text)}"]
-    return handed
-
-
-def test_nbgrader_grades(tmp_path):
-    """generate_assignment takes out solutions and tests; autograde puts the tests back.
-
-    One student answers all; one leaves out an exercise, makes a mistake, and half of a table.
-    """
-    pytest.importorskip("nbgrader")
-    beside = str(Path(sys.executable).parent)
-    # nbgrader starts alembic and the kernel by their names, which stand beside the interpreter.
-    settings = os.environ | {
-        "PATH": f"{beside}{os.pathsep}{os.environ['PATH']}",
-        "PYTHONPATH": str(Path(geomtorsion.__file__).parents[1]),
-        "JUPYTER_PREFER_ENV_PATH": "1",
-    }
-
-    def nbgrader(*words: str) -> None:
-        done = subprocess.run(
-            [sys.executable, "-m", "nbgrader", *words],
-            cwd=tmp_path, env=settings, capture_output=True, text=True, timeout=300, check=False,
-        )  # fmt: skip
-        assert done.returncode == 0, done.stderr[-3000:]
-
-    def write(path: Path, text: str) -> None:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, "utf-8")
-
-    numbers = ("3.1", "3.2", "3.3")
-    for name, text in assignment_files(tasks(numbers, [0])).items():
-        write(tmp_path / name, text)
-    nbgrader("generate_assignment", "chapter3")
-    released = (tmp_path / "release/chapter3/chapter3.ipynb").read_text("utf-8")
-    assert "exercises.check" not in released
-    assert "BEGIN SOLUTION" not in released
-    right = {number: exercises.load(number).answers() for number in numbers}
-    partly = {"3.2": {"christoffel": "-cot(phi2)"},
-              "3.3": {"ricci": "1,1 = 1/R^2", "scalar": "2/R^2"}}  # fmt: skip
-    for student, answers in {"ada": right, "bob": partly}.items():
-        handed = json.dumps(filled(json.loads(released), answers))
-        write(tmp_path / f"submitted/{student}/chapter3/chapter3.ipynb", handed)
-    nbgrader("autograde", "chapter3")
-    nbgrader("export", "--to", "marks.csv")
-    with (tmp_path / "marks.csv").open(encoding="utf-8") as file:
-        marks = {row["student_id"]: row for row in csv.DictReader(file)}
-    verdicts = [exercises.check(number, partly.get(number, {})) for number in numbers]
-    earned, most = (sum(getattr(x, key) for x in verdicts) for key in ("earned", "points"))
-    assert {float(row["max_score"]) for row in marks.values()} == {most}
-    assert float(marks["ada"]["score"]) == most
-    assert float(marks["bob"]["score"]) == pytest.approx(earned)
-    assert 0 < earned < most
-    bob = (tmp_path / "autograded/bob/chapter3/chapter3.ipynb").read_text("utf-8")
-    assert "The sign is wrong." in bob
+@pytest.mark.parametrize("number", ["1.2", "3.1", "5.7"])
+def test_students_read_the_same(number):
+    """Text is the same for nbgrader and otter, and so is the solution."""
+    found = tasks([number], [1])
+    read = []
+    for files in (course_files(found), assign_files(found)):
+        [text] = [text for name, text in files.items() if name.endswith(".ipynb")]
+        cells = json.loads(text)["cells"]
+        shown = [cell["source"] for cell in cells if cell["cell_type"] == "markdown"]
+        solved = [
+            line.rstrip("\n").removesuffix("  # SOLUTION")
+            for cell in cells
+            if cell["id"].startswith("answer-")
+            for line in cell["source"]
+            if not line.startswith("###")
+        ]
+        read.append((shown, solved))
+    assert read[0] == read[1]
+    assert len(read[0][1]) == len(found[0].variants[0].questions)

@@ -13,6 +13,7 @@ FILES = {
     "prairielearn": {f"geomtorsion/3-1-which-connection-is-flat/{name}"
                      for name in ("info.json", "question.html", "server.py")},
     "nbgrader": {"nbgrader_config.py", "source/chapter3/chapter3.ipynb"},
+    "otter": {"chapter3.ipynb"},
     "qti": {"imsmanifest.xml", "items/3-1-which-connection-is-flat-seed0.xml",
             "geomtorsion-qti21.zip"},
 }  # fmt: skip
@@ -62,5 +63,7 @@ def test_progress_and_seeds(tmp_path):
 
 def test_no_such_format(tmp_path):
     """The formats are listed."""
-    with pytest.raises(ArgumentError, match="to: one of stack, prairielearn, nbgrader, qti was"):
+    with pytest.raises(
+        ArgumentError, match="to: one of stack, prairielearn, nbgrader, otter, qti was"
+    ):
         exercises.export("moodle", tmp_path)
