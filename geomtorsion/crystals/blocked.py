@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
 from numpy.typing import ArrayLike
 
 from geomtorsion import checks
@@ -26,6 +25,7 @@ from geomtorsion.crystals.frames import (
     NEIGHBOURS,
     Fit,
     Frame,
+    InFrame,
     check_apart,
     frame_of,
     nearest_points,
@@ -54,7 +54,7 @@ STEPS = (
 
 
 @dataclass(frozen=True, eq=False)
-class BlockedCrystal:
+class BlockedCrystal(InFrame):
     """A crystal in blocks, one file each in a folder; lines as of a `Crystal`.
 
     atoms: sorted, on disk. count: how many. lattice, orient, constant, share: as of a `Crystal`.
@@ -80,21 +80,6 @@ class BlockedCrystal:
     def periodic(self) -> np.ndarray:
         """Along which edges the cell repeats, shape (3,)."""
         return self.atoms.cell.periodic
-
-    @property
-    def lattice(self) -> str:
-        """ "fcc", "bcc", "hcp" or "diamond"."""
-        return self.frame.lattice.name
-
-    @property
-    def orient(self) -> np.ndarray:
-        """Crystal axes from specimen axes, shape (3, 3): v_crystal = orient @ v."""
-        return self.frame.orient
-
-    @property
-    def constant(self) -> float:
-        """Lattice constant a, in the unit of the positions."""
-        return self.frame.constant
 
     @property
     def share(self) -> float:
@@ -168,15 +153,14 @@ class BlockedCrystal:
 
     def sample(self, block: Block) -> None:
         """Find the neighbours of some atoms of a block."""
-        centres = self._sample[block].places
+
+        def about(places: np.ndarray, distance: float) -> tuple[np.ndarray, np.ndarray, bool]:
+            part = self.atoms.close(block, places, distance)
+            whole = not self.periodic.any() and len(part.numbers) == self.count
+            return part.places, part.numbers, whole
+
         reach = reach_of_sample(self.atoms.spanned, self.count)
-        part, _ = self.atoms.around(block, reach)
-        # All but those near by are none of their neighbours.
-        apart, _ = scipy.spatial.cKDTree(centres).query(part.places, distance_upper_bound=reach)
-        some = part[np.isfinite(apart)]
-        near, closest = nearest_points(some.places, some.numbers, centres, NEIGHBOURS)
-        check_apart(some.places, some.numbers, closest or reach)
-        vectors = some.places[near] - centres[:, None]
+        _, vectors = nearest_points(about, self._sample[block].places, NEIGHBOURS, reach)
         write_array(self._file(block, "sample"), vectors)
 
     def compute(self, block: Block) -> None:
@@ -307,7 +291,9 @@ def blocked_crystal(
     checks.count(workers, "workers", CrystalError, 1)
     place = Path(folder)
     slabs = AtomSlabs(source)
-    open_ledger(place, {"source": slabs.name, "block": size, **given.described})
+    # Blocks of version 1 were others where a cell is open.
+    said = {"source": slabs.name, "block": size, "version": 2, **given.described}
+    open_ledger(place, said)
     made = BlockedCrystal(str(place), SortedAtoms.sized(place, given.box, size), given)
     made.atoms.sort(slabs)
     if made.count < 20:

@@ -15,6 +15,7 @@ from geomtorsion.crystals.frames import (
     NEIGHBOURS,
     Fit,
     Frame,
+    InFrame,
     fitted,
     frame_of,
     neighbours_of,
@@ -39,7 +40,7 @@ from geomtorsion.loops.dislocation_network import DislocationNetwork
 
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)
-class Crystal:
+class Crystal(InFrame):
     """Atoms of a crystal, and the integer 1-cochain of their bonds.
 
     Equation
@@ -113,21 +114,6 @@ class Crystal:
     def count(self) -> int:
         """How many atoms there are."""
         return len(self.positions)
-
-    @property
-    def lattice(self) -> str:
-        """ "fcc", "bcc", "hcp" or "diamond"."""
-        return self.frame.lattice.name
-
-    @property
-    def orient(self) -> np.ndarray:
-        """Crystal axes from specimen axes, a rotation, shape (3, 3): v_crystal = orient @ v."""
-        return self.frame.orient
-
-    @property
-    def constant(self) -> float:
-        """Lattice constant a, in the unit of the positions."""
-        return self.frame.constant
 
     @cached_property
     def frame(self) -> Frame:

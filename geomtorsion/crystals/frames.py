@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy  # loads its parts when they are asked for
@@ -42,6 +43,30 @@ class Frame:
         return np.linalg.norm(vectors - self.vectors(labels), axis=1)
 
 
+# Points as near to some places as a distance, or more, the atoms they are images of, and whether
+# there are no others.
+About = Callable[[np.ndarray, float], tuple[np.ndarray, np.ndarray, bool]]
+
+
+class InFrame:
+    """The parts of the frame in which something lies: a field `frame`, or found when asked for."""
+
+    @property
+    def lattice(self: Any) -> str:
+        """ "fcc", "bcc", "hcp" or "diamond"."""
+        return self.frame.lattice.name
+
+    @property
+    def orient(self: Any) -> np.ndarray:
+        """Crystal axes from specimen axes, a rotation, shape (3, 3): v_crystal = orient @ v."""
+        return self.frame.orient
+
+    @property
+    def constant(self: Any) -> float:
+        """Lattice constant a, in the unit of the positions."""
+        return self.frame.constant
+
+
 def neighbours_of(
     places: np.ndarray, cell: Cell, count: int, atoms: np.ndarray, reach: float
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -53,28 +78,45 @@ def neighbours_of(
     CrystalError
         Atoms lie upon each other, or have not so many neighbours.
     """
-    points, numbers, _ = cell.with_ghosts(places, reach)
-    near, closest = nearest_points(points, numbers, places[atoms], count)
-    check_apart(points, numbers, closest or reach)
-    return numbers[near], points[near] - places[atoms][:, None]
+
+    def about(_: np.ndarray, distance: float) -> tuple[np.ndarray, np.ndarray, bool]:
+        points, numbers, _ = cell.with_ghosts(places, distance)
+        return points, numbers, not cell.periodic.any()
+
+    return nearest_points(about, places[atoms], count, reach)
 
 
 def nearest_points(
-    points: np.ndarray, numbers: np.ndarray, centres: np.ndarray, count: int
-) -> tuple[np.ndarray, float]:
-    """Which points are nearest to atoms among them, (atoms, count), and how far the first is.
+    about: About, centres: np.ndarray, count: int, reach: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """The same of atoms of which those near by are asked for; most have enough within reach.
 
     Of equally near ones those with lower numbers come first.
     """
-    tree = scipy.spatial.cKDTree(points, balanced_tree=False, compact_nodes=False)
-    apart, near = tree.query(centres, k=min(count + 1, len(points)))
-    if near.shape[1] <= count:
-        raise CrystalError(
-            f"positions: atoms with {count} neighbours were needed, but there are "
-            f"{len(np.unique(numbers))} atoms. Repeat the cell."
-        )
-    order = np.lexsort((numbers[near], apart), axis=1)[:, 1:]
-    return np.take_along_axis(near, order, axis=1), float(np.median(apart[:, 1]))
+    found = np.empty((len(centres), count), dtype=np.int64)
+    vectors = np.empty((len(centres), count, 3))
+    left, closest = np.arange(len(centres)), None
+    while len(left):
+        points, numbers, whole = about(centres[left], reach)
+        if whole and len(points) <= count:
+            raise CrystalError(
+                f"positions: atoms with {count} neighbours were needed, but there are "
+                f"{len(points)} atoms. Give more of the crystal."
+            )
+        if len(points) > count:
+            tree = scipy.spatial.cKDTree(points, balanced_tree=False, compact_nodes=False)
+            apart, near = tree.query(centres[left], k=count + 1)
+            if closest is None:
+                closest = float(np.median(apart[:, 1])) or reach
+                check_apart(points, numbers, closest)
+            order = np.lexsort((numbers[near], apart), axis=1)[:, 1:]
+            near = np.take_along_axis(near, order, axis=1)
+            found[left] = numbers[near]
+            vectors[left] = points[near] - centres[left][:, None]
+            left = left[(apart[:, -1] > reach) & (not whole)]
+        # At corners, and in a gas about the crystal, neighbours are far away.
+        reach = 2 * reach
+    return found, vectors
 
 
 def check_apart(points: np.ndarray, numbers: np.ndarray, closest: float) -> None:

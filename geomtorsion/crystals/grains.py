@@ -9,7 +9,7 @@ from enum import IntEnum
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.crystals.frames import Frame
+from geomtorsion.crystals.frames import Frame, InFrame
 from geomtorsion.crystals.local_frames import symmetry_of
 from geomtorsion.errors import CrystalError
 from geomtorsion.orientations.symmetry import angle_of
@@ -24,7 +24,7 @@ class Nowhere(IntEnum):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Grain:
+class Grain(InFrame):
     """A single crystal of a polycrystal.
 
     number: from 0; 0 is the grain of `crystal.frame`, the others are larger first.
@@ -37,16 +37,6 @@ class Grain:
     frame: Frame
     atoms: np.ndarray
     centre: np.ndarray
-
-    @property
-    def lattice(self) -> str:
-        """ "fcc", "bcc", "hcp" or "diamond"."""
-        return self.frame.lattice.name
-
-    @property
-    def orient(self) -> np.ndarray:
-        """Crystal axes from specimen axes, a rotation, shape (3, 3)."""
-        return self.frame.orient
 
     def __repr__(self) -> str:
         return f"Grain({self.number}: {len(self.atoms):,} atoms, {self.lattice})"

@@ -50,19 +50,20 @@ class Part:
 class SortedAtoms:
     """Atoms on disk, sorted into blocks of space slab by slab.
 
-    folder: of the files. cell: the cell. counts: blocks along each edge of the cell; the same size
-    goes on outside of it where it is open.
+    folder: of the files. cell: the cell. counts: blocks along each edge of the cell, a whole number
+    where it repeats, since the same size goes on outside of it where it is open.
     """
 
     folder: str
     cell: Cell
-    counts: tuple[int, int, int]
+    counts: tuple[float, float, float]
 
     @classmethod
     def sized(cls, folder: Path, cell: Cell, block: float) -> SortedAtoms:
         """With blocks about as wide as a length."""
-        counts = tuple(max(round(height / block), 1) for height in cell.heights.tolist())
-        return cls(str(folder), cell, (counts[0], counts[1], counts[2]))
+        shares = cell.heights / block
+        x, y, z = np.where(cell.periodic, np.maximum(np.rint(shares), 1), shares).tolist()
+        return cls(str(folder), cell, (x, y, z))
 
     def _file(self, number: int, what: str) -> Path:
         """A file of a slab."""
@@ -88,7 +89,7 @@ class SortedAtoms:
         blocks = np.floor(shares * self.counts).astype(np.int64)
         # Rounding may leave an atom on the face at which the next period begins.
         inner = np.clip(blocks, 0, np.array(self.counts) - 1)
-        blocks = np.where(self.cell.periodic, inner, blocks)
+        blocks = np.where(self.cell.periodic, inner, blocks).astype(np.int64)
         order = np.lexsort((*blocks.T[::-1],))
         blocks = blocks[order]
         new = np.flatnonzero(np.r_[True, (np.diff(blocks, axis=0) != 0).any(axis=1)])
@@ -174,47 +175,62 @@ class SortedAtoms:
                 found.setdefault((x, y, z), []).append(part)
         return {block: Part.joined(parts) for block, parts in sorted(found.items())}
 
-    def _images(self, block: Block, margin: np.ndarray) -> Iterator[tuple[Block, Block]]:
-        """Blocks that reach as near to a block as a margin, in blocks, and their images."""
-        ways = [
-            range(int(np.floor(k - m)), int(np.ceil(k + m)) + 1)
-            for k, m in zip(block, margin.tolist(), strict=True)
+    def _images(self, block: Block, margin: np.ndarray) -> Iterator[tuple[Part, bool]]:
+        """Blocks that reach as near to a block as a margin, in blocks, each in its images, and
+        whether it is the block itself."""
+        low, high = np.floor(block - margin), np.ceil(block + margin)
+        every = np.array(self.blocks)
+        wraps = [
+            range(int(a // n), int(b // n) + 1) if flag else (0,)
+            for a, b, n, flag in zip(low, high, self.counts, self.cell.periodic, strict=True)
         ]
-        for numbers in product(*ways):
-            pairs = [
-                divmod(k, n) if wraps else (0, k)
-                for k, n, wraps in zip(numbers, self.counts, self.cell.periodic, strict=True)
-            ]
-            inner = (pairs[0][1], pairs[1][1], pairs[2][1])
-            if inner in self._index:
-                yield inner, (pairs[0][0], pairs[1][0], pairs[2][0])
+        for image in product(*wraps):
+            shift = np.where(self.cell.periodic, np.array(image) * self.counts, 0.0)
+            # They are in order of their first number.
+            ends = np.searchsorted(every[:, 0], [low[0] - shift[0], high[0] - shift[0] + 0.5])
+            some = every[slice(*ends)]
+            near = ((some >= low - shift) & (some <= high - shift)).all(axis=1)
+            for x, y, z in some[near].tolist():
+                part = self.inside((x, y, z))
+                places = self.cell.moved(part.places, image)
+                own = (x, y, z) == block and not any(image)
+                yield Part(part.numbers, places, part.images + np.array(image)), own
 
     def around(self, block: Block, width: float) -> tuple[Part, np.ndarray]:
         """The atoms of a block with a layer of others about it, and which of them are its own."""
         margin = width / self.cell.heights * self.counts
         parts, mine = [], self.inside(block).numbers
-        for inner, image in self._images(block, margin):
-            part = self.inside(inner)
-            place = self.cell.moved(part.places, image)
-            at = place @ self.cell.inverse * self.counts - block
+        for part, own in self._images(block, margin):
+            at = part.places @ self.cell.inverse * self.counts - block
             # Rounding at the faces is far less than any layer.
-            near = ((at > -margin) & (at < 1 + margin)).all(axis=1)
-            near = np.asarray(near | (inner == block and not any(image)))
-            parts.append(Part(part.numbers, place, part.images + np.array(image))[near])
+            near = np.all((at > -margin) & (at < 1 + margin), axis=1)
+            parts.append(part if own else part[near])
         whole = Part.joined(parts)
         return whole, np.isin(whole.numbers, mine) & ~whole.images.any(axis=1)
+
+    def close(self, block: Block, places: np.ndarray, distance: float) -> Part:
+        """All atoms, in their images, as near to some places in a block as a distance."""
+        tree = scipy.spatial.cKDTree(places)
+        parts = []
+        for part, _ in self._images(block, distance / self.cell.heights * self.counts):
+            apart, _ = tree.query(part.places, distance_upper_bound=distance)
+            parts.append(part[np.isfinite(apart)])
+        return Part.joined(parts)
 
     def near(self, places: np.ndarray, distance: float) -> Iterator[tuple[Block, np.ndarray, Part]]:
         """All atoms as near to some places in the cell as a distance: block, rows in it, atoms."""
         points, _, _ = self.cell.with_ghosts(places, distance)
         at = points @ self.cell.inverse * self.counts
+        order = at[:, 0].argsort()
+        points, at = points[order], at[order]
         margin = distance / self.cell.heights * self.counts
         for block in self.blocks:
-            low = np.array(block)
-            mine = ((at > low - margin) & (at < low + 1 + margin)).all(axis=1)
+            low, high = block - margin, np.array(block) + 1 + margin
+            some = slice(*np.searchsorted(at[:, 0], [low[0], high[0]]))
+            mine = ((at[some] > low) & (at[some] < high)).all(axis=1)
             if mine.any():
                 part = self.inside(block)
-                apart, _ = scipy.spatial.cKDTree(points[mine]).query(
+                apart, _ = scipy.spatial.cKDTree(points[some][mine]).query(
                     part.places, distance_upper_bound=distance
                 )
                 rows = np.flatnonzero(np.isfinite(apart))

@@ -72,6 +72,33 @@ def test_open_and_turned_cells(tmp_path_factory, size, seed):
     assert bits(cut.dislocations()) == bits(whole)
 
 
+@pytest.mark.parametrize("size", [3.0, 7.0, 100.0])
+def test_without_a_cell_blocks_are_as_wide_as_asked(tmp_path, size):
+    """An open crystal needs no cell: as many blocks as its atoms fill, and the same lines."""
+    places, _ = line()
+    expected = bits(Crystal(places).dislocations())
+    assert [kind for *_, kind, _ in expected] == ["surface"]
+    cut = blocked_crystal(places, tmp_path, None, size)
+    assert len(cut.atoms.blocks) == len(np.unique(np.floor(places / size), axis=0))
+    assert bits(cut.dislocations()) == expected
+
+
+@pytest.mark.parametrize("axes", [(False, False, False), (True, True, False)])
+def test_sparse_blocks_are_what_they_are_in_memory(tmp_path, axes):
+    """A gas above the surface, and corners in blocks of their own: neighbours are looked for as far
+    as they are, in the same images, and nobody is told to repeat a cell."""
+    places, cell = block("fcc", (5, 5, 4))
+    gas = np.random.default_rng(0).uniform([0, 0, 7], [5, 5, 40], (12, 3))
+    both = np.concatenate([places + 0.01, gas])
+    vectors = [*cell[:2], 60] if axes[0] else None
+    whole = Crystal(both, vectors, axes, orient=np.eye(3))
+    for size in (4.0, 11.0):
+        folder = tmp_path / str(size)
+        cut = blocked_crystal(both, folder, vectors, size, axes, orient=np.eye(3))
+        assert (cut.constant, cut.share) == (whole.constant, whole.share)
+        assert bits(cut.dislocations()) == bits(whole.dislocations()) == []
+
+
 def test_vacancies_are_counted_once_on_the_faces_of_blocks(tmp_path):
     """A cell of blocks of whole lattice constants, vacancies at their corners and a loop."""
     places, cell = block("bcc", (12, 12, 12))
@@ -216,6 +243,7 @@ REFUSED = {
     "twice": (np.r_[X, X[5:6]], CELL, 4, CrystalError, "atoms 5 and 2048 lie upon each other"),
     "nan": (np.where(X == 1, np.nan, X), CELL, 4, CrystalError, "is not finite"),
     "few": (X[:9], CELL, 4, CrystalError, "20 atoms or more"),
+    "too few": (X[:30], None, 4, CrystalError, "30 atoms. Give more of the crystal"),
     "block": (X, CELL, 0, CrystalError, "block"),
     "narrow": (block("fcc", (8, 8, 2))[0], [8, 8, 2], 4, CrystalError, "edge 3 repeats after 2"),
     "shape": (X[:, :2], CELL, 4, CrystalError, r"\(atoms, 3\)"),
