@@ -1,7 +1,8 @@
 """Noise: no line is added and none is lost, up to 12 % of the neighbour distance per coordinate.
 
-A few seeds at the upper end are run always; the campaign of 20 seeds for 4, 6, 8, 10 and 12 % is
-slow: `pytest -m slow tests/hard/test_crystal_noise.py`.
+One seed at the upper end is run always, where a line of each kind and none at all are to be found;
+the campaign of 20 seeds for 4, 6, 8, 10 and 12 % is slow:
+`pytest -m slow tests/hard/test_crystal_noise.py`.
 """
 
 import json
@@ -18,6 +19,8 @@ FILES = (
     "w_screw_quadrupole_relax", "w_screw111", "w_screw111_relax", "w_edge100", "cu_edge110",
     "w_perfect", "cu_perfect",
 )  # fmt: skip
+# Four screws, an edge of bcc, and one of fcc that is split into partials.
+SHARP = ("w_screw_quadrupole_relax", "w_edge100", "cu_edge110")
 PERCENT = (4, 6, 8, 10, 12)
 SEEDS = 20
 
@@ -48,11 +51,10 @@ def check(name, percent, seed):
     assert all(line.kind == "periodic" for line in found)
 
 
-@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("name", SHARP)
 def test_the_most_noise_adds_no_line_and_takes_none(name):
     """12 %, where every second atom has a neighbour in doubt."""
-    for seed in range(2):
-        check(name, 12, seed)
+    check(name, 12, 0)
 
 
 @pytest.mark.slow
@@ -76,6 +78,8 @@ MADE = {
     "edge of hcp": lambda: (*with_line("hcp", (1, 0, 0), (14, 8, 4)), "hcp", 1),
     "screws of fcc": lambda: (*quadrupole("fcc", (12, 12, 4), (0, 0, 1)), "fcc", 4),
     "hcp": lambda: (*block("hcp", (8, 5, 5)), "hcp", 0),
+    "bcc": lambda: (*block("bcc", (8, 8, 8)), "bcc", 0),
+    "fcc": lambda: (*block("fcc", (6, 6, 6)), "fcc", 0),
 }
 
 
@@ -89,7 +93,7 @@ def check_made(name, percent, seed):
     assert kinds == ["periodic"] * count, f"seed {seed}"
 
 
-@pytest.mark.parametrize("name", ["screw of diamond", "diamond", "edge of hcp"])
+@pytest.mark.parametrize("name", ["screw of diamond", "edge of hcp", "bcc", "fcc"])
 def test_the_most_noise_in_other_lattices(name):
     """Of diamond noise mixes the third shell with the second: its lattice is found all the same."""
     check_made(name, 12, 0)
