@@ -188,24 +188,23 @@ def test_without_the_token_nobody_comes_in():
     assert statuses[2][0] in (200, 302, 303, 307)
 
 
-def test_the_page_runs_no_code_of_its_visitors():
+def test_the_page_runs_no_code_of_its_visitors(address: str):
     """The kernel refuses to run cells, and refuses other origins."""
-    with served() as url:
-        body = json.dumps({"cellIds": ["Hbol"], "codes": ["import os"]}).encode()
-        headers = {"Content-Type": "application/json", "Marimo-Session-Id": "s_000000"}
-        codes = []
-        for path, more in (
-            ("api/kernel/run", {}),
-            ("api/kernel/save", {}),
-            ("api/kernel/set_ui_element_value", {"Origin": "http://evil.example"}),
-        ):
-            request = urllib.request.Request(url + path, body, headers | more)
-            try:
-                with urllib.request.urlopen(request, timeout=30) as reply:
-                    codes.append(reply.status)
-            except urllib.error.HTTPError as error:
-                with error:
-                    codes.append(error.code)
+    body = json.dumps({"cellIds": ["Hbol"], "codes": ["import os"]}).encode()
+    headers = {"Content-Type": "application/json", "Marimo-Session-Id": "s_000000"}
+    codes = []
+    for path, more in (
+        ("api/kernel/run", {}),
+        ("api/kernel/save", {}),
+        ("api/kernel/set_ui_element_value", {"Origin": "http://evil.example"}),
+    ):
+        request = urllib.request.Request(address + path, body, headers | more)
+        try:
+            with urllib.request.urlopen(request, timeout=30) as reply:
+                codes.append(reply.status)
+        except urllib.error.HTTPError as error:
+            with error:
+                codes.append(error.code)
     assert all(code >= 400 for code in codes), codes
     assert codes[2] == 403
 
@@ -264,18 +263,17 @@ def test_only_the_session_has_a_socket(path: str):
     assert sent == ["websocket.close"]
 
 
-def test_no_path_of_this_machine_is_told():
+def test_no_path_of_this_machine_is_told(address: str):
     """What answered without need: no file names, no export of the page as a file."""
-    with served() as url:
-        headers = {"Content-Type": "application/json", "Marimo-Session-Id": "s_000000"}
-        for path in ("api/home/workspace_files", "api/export/html", "api/status", "api/sessions"):
-            for body in (b"{}", None):
-                request = urllib.request.Request(url + path, body, headers)
-                with pytest.raises(urllib.error.HTTPError) as told:
-                    urllib.request.urlopen(request, timeout=30)
-                with told.value as error:
-                    assert error.code == 404
-                    assert str(ROOT).encode() not in error.read()
+    headers = {"Content-Type": "application/json", "Marimo-Session-Id": "s_000000"}
+    for path in ("api/home/workspace_files", "api/export/html", "api/status", "api/sessions"):
+        for body in (b"{}", None):
+            request = urllib.request.Request(address + path, body, headers)
+            with pytest.raises(urllib.error.HTTPError) as told:
+                urllib.request.urlopen(request, timeout=30)
+            with told.value as error:
+                assert error.code == 404
+                assert str(ROOT).encode() not in error.read()
 
 
 def test_importing_the_command_is_light():

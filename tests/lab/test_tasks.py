@@ -26,8 +26,9 @@ SLOW = {
 }
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def runner() -> Iterator[TaskRunner]:
+    """One for all tests, whatever one of them does to its worker."""
     found = TaskRunner(workers=1, patience=20.0, limits={"tetrad": 2.0})
     yield found
     found.close()

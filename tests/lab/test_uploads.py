@@ -23,7 +23,6 @@ from geomtorsion.measured import LatticeField
 from geomtorsion.orientations import OrientationMap
 from tests.browser import Watched
 from tests.lab.maps import STEP, TILT, TWIST, atoms, bomb, saved, twisted, wall_ctf
-from tests.lab.serving import served
 from tests.lab.session import Session, run
 from tests.real import real
 
@@ -173,7 +172,7 @@ async def give(session: Session, field: str, name: str, content: bytes) -> None:
     await session.set(field, [[name, base64.b64encode(content).decode()]])
 
 
-def test_a_session_gives_good_maps_and_bad_ones(tmp_path: Path):
+def test_a_session_gives_good_maps_and_bad_ones(tmp_path: Path, address: str):
     """A frame, then what is none, then an orientation map: each answered, none stops the page."""
     frame = saved(twisted(), tmp_path, ".npz")
 
@@ -207,8 +206,7 @@ def test_a_session_gives_good_maps_and_bad_ones(tmp_path: Path):
             seen["wall"] = (await session.shown("Nickel; components along the axes"))[0]
         return seen
 
-    with served() as url:
-        seen = run(visit(url))
+    seen = run(visit(address))
     # The first circuit has an eighth of the shorter side.
     assert float(seen["frame"]) == pytest.approx(TWIST * (2 * STEP) ** 2)
     assert seen["wall"]
