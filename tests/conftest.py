@@ -1,4 +1,4 @@
-"""Settings of the whole suite: random tests repeat themselves, nothing stays set; one browser."""
+"""Settings of the whole suite: random tests repeat themselves, nothing stays set; what is shared."""
 
 import decimal
 import warnings
@@ -12,8 +12,9 @@ import pytest
 from hypothesis import settings
 
 from tests.browser import address, browser, context, lab, watched
+from tests.exercises.processes import one_pool
 
-__all__ = ["address", "browser", "context", "lab", "watched"]
+__all__ = ["address", "browser", "context", "lab", "one_pool", "watched"]
 
 settings.register_profile("geomtorsion", deadline=None, derandomize=True, print_blob=True)
 settings.load_profile("geomtorsion")

@@ -16,6 +16,7 @@ from geomtorsion.exercises.grading import GRADED, PARTLY, REFUSED, TWICE, grade,
 from geomtorsion.exercises.limits import MOST
 from tests.exercises.forms import another_form
 
+pytestmark = pytest.mark.usefixtures("one_pool")
 STUDENTS = 200
 NUMBERS = ("1.1", "2.1", "3.2", "3.3")
 

@@ -17,6 +17,9 @@ from geomtorsion.exercises.question import normal
 NUMBERS = exercises.names()
 # Variants of the normal run, and of the long one.
 SEEDS = [range(2), pytest.param(range(2, 12), marks=pytest.mark.slow)]
+# One of those that take longest, and all others in the long run.
+LONG = "1.4"
+FEW_AND_ALL = [x if x == LONG else pytest.param(x, marks=pytest.mark.slow) for x in NUMBERS]
 
 
 @pytest.mark.parametrize("seeds", SEEDS, ids=len)
@@ -42,10 +45,11 @@ def test_the_way_by_hand_leads_to_the_solution(number, seeds):
                 assert verdict.right, (seed, step.question, given, exercise.answers(), verdict)
 
 
+@pytest.mark.parametrize("seeds", SEEDS, ids=len)
 @pytest.mark.parametrize("number", NUMBERS)
-def test_steps_can_be_read(number):
+def test_steps_can_be_read(number, seeds):
     """As a page and in a terminal: whole sentences, no LaTeX left over, nothing undefined."""
-    for seed in range(3):
+    for seed in seeds:
         for step in exercises.load(number, seed).worked:
             assert "<math" in html_of(step.text) or "$" not in step.text
             plain = text_of(step.text)
@@ -53,7 +57,7 @@ def test_steps_can_be_read(number):
             assert re.search(r"[.](\$\$)?$", step.text), plain
 
 
-@pytest.mark.parametrize("number", NUMBERS)
+@pytest.mark.parametrize("number", FEW_AND_ALL)
 def test_steps_are_made_soon(number):
     """A teacher waits for a sheet, but not long."""
     start = time.process_time()

@@ -7,6 +7,8 @@ import pytest
 from geomtorsion import exercises
 from tests.cli.running import run
 
+pytestmark = pytest.mark.usefixtures("one_pool")
+
 
 def test_the_list():
     """Every number with its title, by chapter; help has examples."""

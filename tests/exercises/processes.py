@@ -1,0 +1,35 @@
+"""Processes: one pool for all examiners of a file, each of which would start its own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from geomtorsion.exercises import examiner
+from geomtorsion.exercises.worker_pool import Json
+from geomtorsion.exercises.workers import workers
+
+
+class Lent:
+    """A pool that whoever has it may close, and which stays open for the next."""
+
+    def __init__(self, function: str) -> None:
+        self.pool = workers(function)
+
+    def ask(self, request: Json, seconds: float) -> Json:
+        """The reply of the pool."""
+        return self.pool.ask(request, seconds)
+
+    def close(self) -> None:
+        """The pool is closed at the end of the file."""
+
+
+@pytest.fixture(scope="module")
+def one_pool() -> Iterator[None]:
+    """All examiners of this file ask the same processes, which start once."""
+    lent = Lent(f"{examiner.__name__}:reply")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(examiner, "workers", lambda function: lent)
+        yield
+    lent.pool.close()
