@@ -1,4 +1,4 @@
-"""Settings of the whole suite: random tests repeat themselves, nothing stays set; what is shared."""
+"""Settings of the whole suite: random tests repeat themselves, nothing stays set; one browser."""
 
 import decimal
 import warnings

@@ -20,7 +20,8 @@ import geomtorsion as gt
 from tests.golden.calls import MOMENTS, ORBIT, SPIN, START, heavy_top, kerr, ode, pushed, so3
 
 ACCURACIES = (1e-6, 1e-9, 1e-12)
-CALLS = 2000
+# In the normal run, and in the long one.
+CALLS = [400, pytest.param(2000, marks=pytest.mark.slow)]
 # Slow engines are called less often: of a hundred calls these many.
 SELDOM = 2
 
@@ -137,22 +138,25 @@ def test_digits_tell_solutions_apart(first):
     assert len({bits for (bits,) in first.values()}) == len(first)
 
 
-def test_calls_in_any_order(first):
-    """A thousand calls, shuffled, of problems that are kept and of problems made anew."""
-    keys = shuffled(1, CALLS // 2)
+@pytest.mark.parametrize("calls", CALLS)
+def test_calls_in_any_order(first, calls):
+    """Half of the calls, shuffled, of problems that are kept and of problems made anew."""
+    keys = shuffled(1, calls // 2)
     found = [(key, solved(key, anew=n % 4 == 0)) for n, key in enumerate(keys)]
     assert unlike(gathered(found), first) == []
 
 
-def test_calls_in_threads(first):
-    """Six hundred calls in four threads at once, of the same problems."""
-    keys = shuffled(2, 3 * CALLS // 10)
+@pytest.mark.parametrize("calls", CALLS)
+def test_calls_in_threads(first, calls):
+    """A third of the calls in four threads at once, of the same problems."""
+    keys = shuffled(2, 3 * calls // 10)
     with ThreadPoolExecutor(4) as pool:
         found = list(pool.map(lambda key: (key, solved(key, anew=False)), keys))
     assert unlike(gathered(found), first) == []
 
 
+@pytest.mark.parametrize("calls", CALLS)
 @pytest.mark.parametrize("seed", [3, 4])
-def test_calls_in_fresh_processes(first, seed):
-    """Two hundred calls in a process of their own, twice, each in another order."""
-    assert unlike(of_a_process(seed, CALLS // 10), first) == []
+def test_calls_in_fresh_processes(first, seed, calls):
+    """A tenth of the calls in a process of their own, twice, each in another order."""
+    assert unlike(of_a_process(seed, calls // 10), first) == []

@@ -64,7 +64,8 @@ def lines_found(checker, tmp_path):
     return {int(line) for line in found}
 
 
-@pytest.mark.parametrize("checker", ["mypy", "pyright"])
+# mypy reads the whole package for as long as a hundred other tests take.
+@pytest.mark.parametrize("checker", [pytest.param("mypy", marks=pytest.mark.slow), "pyright"])
 def test_planted_mistakes(checker, tmp_path):
     """Twelve of twelve, and nothing else."""
     pytest.importorskip(checker)
