@@ -156,7 +156,7 @@ def test_calls_in_threads(first, calls):
 
 
 @pytest.mark.parametrize("calls", CALLS)
-@pytest.mark.parametrize("seed", [3, 4])
+@pytest.mark.parametrize("seed", [3, pytest.param(4, marks=pytest.mark.slow)])
 def test_calls_in_fresh_processes(first, seed, calls):
     """A tenth of the calls in a process of their own, twice, each in another order."""
     assert unlike(of_a_process(seed, calls // 10), first) == []
