@@ -178,8 +178,9 @@ NOISY = [
 ]
 
 
+@pytest.mark.parametrize("seeds", [range(1), pytest.param(range(1, 3), marks=pytest.mark.slow)])
 @pytest.mark.parametrize(("name", "percent"), NOISY)
-def test_noise_adds_no_line_and_takes_none(name, percent):
+def test_noise_adds_no_line_and_takes_none(name, percent, seeds):
     """Gaussian noise on each coordinate, as share of the neighbour distance."""
     if name == "quadrupole":
         places, cell = quadrupole("bcc", (12, 12, 4), (0, 0, 1))
@@ -190,7 +191,7 @@ def test_noise_adds_no_line_and_takes_none(name, percent):
     else:
         places, cell = line_of("bcc", (0.5, 0.5, 0.5) if name == "screw" else (1, 0, 0))
         periodic, count = (False, False, True), 1
-    for seed in range(3):
+    for seed in seeds:
         noise = np.random.default_rng(seed).normal(size=places.shape)
         moved = places + percent / 100 * LATTICES["bcc"].nearest * noise
         lines = Crystal(moved, cell, periodic).dislocations().lines

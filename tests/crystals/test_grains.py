@@ -24,8 +24,15 @@ def least_angle(one, other):
     return np.degrees(np.arccos(np.clip(cosines.max(), -1, 1)))
 
 
-@pytest.mark.parametrize("lattice", ["fcc", "bcc"])
-@pytest.mark.parametrize("noise", [0, 0.05])
+@pytest.mark.parametrize(
+    ("lattice", "noise"),
+    [
+        pytest.param("fcc", 0, marks=pytest.mark.slow),
+        ("bcc", 0),
+        ("fcc", 0.05),
+        pytest.param("bcc", 0.05, marks=pytest.mark.slow),
+    ],
+)
 def test_grains_of_a_polycrystal_lie_as_they_were_made(lattice, noise):
     """Voronoi grains, periodic: atoms, orientations, misorientations of all walls."""
     turns = [turned(0, (0, 0, 1)), TURN, turned(45, (1, 0, 0)), turned(40, (-1, 1, 3))]
