@@ -13,7 +13,7 @@ from geomtorsion.curves.linear import closed_form
 from geomtorsion.ode import ODE, Engine, RungeKutta, Solution, Taylor
 from geomtorsion.ode.engines import Run
 from geomtorsion.ode.engines.protocol import WorkLimitError
-from geomtorsion.ode.engines.scipy_steps import FLOOR
+from geomtorsion.ode.engines.stepwise import FLOOR
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.error_estimate import difference
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory, integrate

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 import sympy as sp
@@ -33,7 +33,13 @@ def branch_check(fields: Iterable[Tower], names: Sequence[str]) -> BranchCheck |
         for branch in field.relied_on
         if {symbol.name for symbol in branch.radical.free_symbols} <= known
     ]
-    return BranchCheck(tuple(names), tuple(found)) if found else None
+    return _made(tuple(names), tuple(found)) if found else None
+
+
+@lru_cache(maxsize=64)
+def _made(names: tuple[str, ...], branches: tuple[tuple[bool, Branch], ...]) -> BranchCheck:
+    """The same check for the same branches: its code is made once."""
+    return BranchCheck(names, branches)
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,8 +14,6 @@ import sympy as sp
 from geomtorsion.codegen import Graph, graph, numpy_function
 from geomtorsion.copies import only_fields
 from geomtorsion.curves.edges import Edge, edges_of
-from geomtorsion.curves.map_functions import DIGITS, FLOATS, MapFunctions
-from geomtorsion.curves.matrix import ElementMatrix
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.exact import Element, Field
 from geomtorsion.exact.tower import Tower
@@ -25,10 +23,92 @@ from geomtorsion.precision import working_precision
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
 
+
+Rows = tuple[tuple[tuple[int, Element], ...], ...]
+
+
+@dataclass(frozen=True)
+class MapFunctions:
+    """Functions of double precision arrays, or of mpmath numbers at the precision that is set.
+
+    choose: (condition, value where it holds, value where it does not).
+
+    Examples
+    --------
+    >>> float(FLOATS.sqrt(2.0)) == float(DIGITS.sqrt(2.0))
+    True
+    """
+
+    sqrt: Callable[[Any], Any]
+    log: Callable[[Any], Any]
+    atanh: Callable[[Any], Any]
+    atan2: Callable[[Any, Any], Any]
+    hypot: Callable[[Any, Any], Any]
+    sin: Callable[[Any], Any]
+    cos: Callable[[Any], Any]
+    choose: Callable[[Any, Any, Any], Any]
+
+
+FLOATS = MapFunctions(
+    np.sqrt, np.log, np.arctanh, np.arctan2, np.hypot, np.sin, np.cos, np.where
+)  # fmt: skip
+DIGITS = MapFunctions(
+    mpmath.sqrt, mpmath.log, mpmath.atanh, mpmath.atan2, mpmath.hypot, mpmath.sin, mpmath.cos,
+    lambda condition, one, other: one if condition else other,
+)  # fmt: skip
 # (functions, coordinates of the source, parameters by name) -> coordinates of the target
 Written = Callable[[MapFunctions, Sequence[Any], Mapping[str, Any]], Sequence[Any]]
 
-Rows = tuple[tuple[tuple[int, Element], ...], ...]
+
+@dataclass(frozen=True, eq=False)
+class ElementMatrix:
+    """A matrix of which only the entries that do not vanish are kept.
+
+    entries: (row, column) -> element; shape: (rows, columns).
+    """
+
+    entries: Mapping[tuple[int, ...], Element]
+    shape: tuple[int, int]
+
+    @cached_property
+    def _graph(self) -> Graph:
+        symbols = {symbol.name for element in self.entries.values() for symbol in element.symbols}
+        return graph(sorted(symbols), list(self.entries.values()), factor=False)
+
+    def values(self, point: Mapping[str, Real | np.ndarray]) -> np.ndarray:
+        """The entries at one point or many, shape (entries, ...)."""
+        given = [point[name] for name in self._graph.arguments]
+        columns = [x if isinstance(x, np.ndarray) else float(x) for x in given]
+        return self._graph.numpy()(*columns)
+
+    def at(self, point: Mapping[str, Real]) -> np.ndarray:
+        """The matrix at one point."""
+        matrix = np.zeros(self.shape)
+        for index, number in zip(self.entries, self.values(point), strict=True):
+            matrix[index] = number
+        return matrix
+
+    def applied(self, point: Mapping[str, Real | np.ndarray], vectors: np.ndarray) -> np.ndarray:
+        """The matrix at many points times a vector at each: shapes (columns, m), (rows, m)."""
+        result = np.zeros((self.shape[0], vectors.shape[1]))
+        # Where a chart ends entries are infinite; what becomes of them is looked at afterwards.
+        with np.errstate(all="ignore"):
+            for (i, j), number in zip(self.entries, self.values(point), strict=True):
+                result[i] += number * vectors[j]
+        return result
+
+    def precisely(self, point: Mapping[str, Real], vector: Sequence[Real], bits: int) -> list[Real]:
+        """The matrix at one point times a vector, in numbers of so many bits."""
+        if bits <= 53:
+            column = np.array([[float(x)] for x in vector])
+            return self.applied(point, column)[:, 0].tolist()
+        numbers = {name: mpf(x, bits) for name, x in point.items()}
+        factors = [mpf(x, bits) for x in vector]
+        with working_precision(bits):
+            total: list[Real] = [mpmath.mpf(0)] * self.shape[0]
+            for (i, j), element in self.entries.items():
+                total[i] += element.evaluate(numbers, bits) * factors[j]
+        return total
 
 
 @dataclass(frozen=True, eq=False)

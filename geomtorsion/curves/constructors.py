@@ -13,13 +13,13 @@ from geomtorsion.codegen import rational
 from geomtorsion.curves.atlas import Atlas, atlas_of
 from geomtorsion.curves.atlas_check import check_atlas
 from geomtorsion.curves.laws import Autoparallel, CartanAutoparallel, Geodesic, Law, inverted
-from geomtorsion.curves.problem import CurveProblem
-from geomtorsion.curves.start import (
+from geomtorsion.curves.moving_point import (
     check_causal,
     checked_parameters,
     checked_start,
     frame_velocities,
 )
+from geomtorsion.curves.problem import CurveProblem
 from geomtorsion.curves.transported import Deviation, TransportedVectors
 from geomtorsion.errors import MetricError, ShapeError, StartError
 from geomtorsion.geometry import Connection, Frame, levi_civita

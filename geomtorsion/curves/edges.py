@@ -10,7 +10,7 @@ import sympy as sp
 from geomtorsion.errors import ExpressionError, StartError
 from geomtorsion.exact import Element
 from geomtorsion.exact.generators import Generator
-from geomtorsion.ode.edges import changes_with_sign
+from geomtorsion.ode.rates import changes_with_sign
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

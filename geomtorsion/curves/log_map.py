@@ -11,9 +11,9 @@ import sympy as sp
 
 from geomtorsion import checks
 from geomtorsion.curves.constructors import autoparallel
+from geomtorsion.curves.moving_point import checked_start
 from geomtorsion.curves.problem import CurveProblem
 from geomtorsion.curves.readout import converted
-from geomtorsion.curves.start import checked_start
 from geomtorsion.errors import ChartEdgeError, EndpointError, GeomtorsionError
 from geomtorsion.geometry import Connection
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor

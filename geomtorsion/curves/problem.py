@@ -13,13 +13,12 @@ import sympy as sp
 
 from geomtorsion.codegen import graph
 from geomtorsion.copies import only_fields
-from geomtorsion.curves import readout, transition
+from geomtorsion.curves import moving_point, readout
 from geomtorsion.curves.atlas import Atlas
 from geomtorsion.curves.equations import Equations, Reduction, written
 from geomtorsion.curves.laws import Law
 from geomtorsion.curves.member_starts import laid_out, start_lists
-from geomtorsion.curves.start import checked_start, frame_velocities
-from geomtorsion.curves.transition import MovingPoint
+from geomtorsion.curves.moving_point import MovingPoint, checked_start, frame_velocities
 from geomtorsion.curves.transported import Carried, carrying
 from geomtorsion.errors import ChartEdgeError, StartError
 from geomtorsion.ode.engines import Taylor
@@ -245,7 +244,7 @@ class CurveProblem:
         """The motion from its start on; perturbation: the part by which this is changed."""
         key = precision, perturbation
         if key not in self._stages:
-            label, point = transition.beginning(self, precision)
+            label, point = moving_point.beginning(self, precision)
             self._stages[key] = self._stage(label, point, 0.0, precision, perturbation)
         return self._stages[key]
 
@@ -292,10 +291,10 @@ class CurveProblem:
 
         def follow(time: float, state: State) -> Stage | None:
             point = self._taken_apart(label, state, velocities)
-            target = transition.best_chart(self, label, point, precision)
+            target = moving_point.best_chart(self, label, point, precision)
             if target is None:
                 return None
-            there = transition.moved(self, label, target, point, precision)
+            there = moving_point.moved(self, label, target, point, precision)
             return self._stage(target, there, time, precision, 0.0)
 
         return follow
@@ -350,7 +349,7 @@ class CurveProblem:
         found = []
         for row in states:
             point = self._taken_apart(segment.label, row, velocities)
-            there = transition.moved(self, segment.label, label, point, bits)
+            there = moving_point.moved(self, segment.label, label, point, bits)
             moving = there.velocities if self.equations(label).moves else []
             found.append(Taylor(bits).array([*there.coordinates, *moving, *there.carried]))
         return np.array(found)

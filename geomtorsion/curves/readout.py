@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import mpmath
 import numpy as np
 
-from geomtorsion.curves import transition
-from geomtorsion.curves.transition import MovingPoint
+from geomtorsion.curves import moving_point
+from geomtorsion.curves.moving_point import MovingPoint
 from geomtorsion.curves.transported import speed_powers
 from geomtorsion.errors import ChartEdgeError
 from geomtorsion.ode.engines import Taylor
@@ -91,9 +91,9 @@ def converted(
     """
     if bits == 53:
         q, u = np.asarray(q, dtype=float), np.asarray(u, dtype=float)
-    if bits > 53 or not transition.same_frame(problem, source, target):
+    if bits > 53 or not moving_point.same_frame(problem, source, target):
         points = [
-            transition.moved(problem, source, target, MovingPoint(list(a), list(b), []), bits)
+            moving_point.moved(problem, source, target, MovingPoint(list(a), list(b), []), bits)
             for a, b in zip(q, u, strict=True)
         ]
         there = _long_rows([point.coordinates for point in points], bits)

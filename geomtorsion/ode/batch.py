@@ -11,8 +11,7 @@ from scipy.integrate import solve_ivp
 
 from geomtorsion.ode.engines import Engine, Taylor
 from geomtorsion.ode.engines.protocol import STANDSTILL
-from geomtorsion.ode.engines.scipy_steps import FLOOR
-from geomtorsion.ode.engines.stepwise import error_scales
+from geomtorsion.ode.engines.stepwise import FLOOR, error_scales
 from geomtorsion.ode.engines.taylor import heyoka
 from geomtorsion.ode.scaling import member_units, scaled_system
 from geomtorsion.ode.system import System

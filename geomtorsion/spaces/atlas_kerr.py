@@ -7,9 +7,8 @@ from typing import Any
 
 import sympy as sp
 
-from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap, Written
-from geomtorsion.curves.map_functions import MapFunctions
-from geomtorsion.curves.transition import GAIN
+from geomtorsion.curves.atlas import Atlas, Chart, MapFunctions, TransitionMap, Written
+from geomtorsion.curves.moving_point import GAIN
 from geomtorsion.geometry import Frame
 
 # So near to an axis its angles are left: by the sine of the colatitude, or in units of length.

@@ -8,8 +8,7 @@ from functools import cache
 
 import sympy as sp
 
-from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap, Written, single
-from geomtorsion.curves.map_functions import MapFunctions
+from geomtorsion.curves.atlas import Atlas, Chart, MapFunctions, TransitionMap, Written, single
 from geomtorsion.geometry import Frame
 from geomtorsion.rigid.attitude import hamilton_product, rotation_rows
 from geomtorsion.spaces.atlas_kerr import AXIS, kerr
