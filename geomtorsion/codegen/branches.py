@@ -33,13 +33,7 @@ def branch_check(fields: Iterable[Tower], names: Sequence[str]) -> BranchCheck |
         for branch in field.relied_on
         if {symbol.name for symbol in branch.radical.free_symbols} <= known
     ]
-    return _made(tuple(names), tuple(found)) if found else None
-
-
-@lru_cache(maxsize=64)
-def _made(names: tuple[str, ...], branches: tuple[tuple[bool, Branch], ...]) -> BranchCheck:
-    """The same check for the same branches: its code is made once."""
-    return BranchCheck(names, branches)
+    return _kept(BranchCheck(tuple(names), tuple(found))) if found else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +45,17 @@ class BranchCheck:
 
     names: tuple[str, ...]
     branches: tuple[tuple[bool, Branch], ...]
+
+    # Checks of the very same branches are the same; whether others are may be undecided.
+    @property
+    def _key(self) -> tuple[object, ...]:
+        return self.names, *((is_complex, id(branch)) for is_complex, branch in self.branches)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, BranchCheck) and self._key == other._key
+
+    def __hash__(self) -> int:
+        return hash(self._key)
 
     @cached_property
     def _graph(self) -> Graph:
@@ -98,3 +103,9 @@ class BranchCheck:
                 f"that is meant: branches={{{branch.radical}: ...}}."
             )
         raise BranchError(f"{branch}; {point} came. {advice}")
+
+
+@lru_cache(maxsize=64)
+def _kept(check: BranchCheck) -> BranchCheck:
+    """The first of equal checks: its code is made once."""
+    return check
