@@ -56,7 +56,7 @@ def main(arguments: list[str] | None = None) -> None:
     apart = np.linalg.norm(helix["position"] - line["position"], axis=1)
     print(f"at the end they are {apart[-1]:.4f} m apart")
     if options.picture:
-        from geomtorsion.pictures.scene_path import path_picture
+        from geomtorsion.pictures.scene_attitude import path_picture
         from geomtorsion.pictures.style import save
 
         paths = {"autoparallel": helix["position"], "geodesic": line["position"]}

@@ -2,8 +2,7 @@
 
 from geomtorsion.images.circuits import LatticeBurgers
 from geomtorsion.images.lattice_image import LatticeImage
-from geomtorsion.images.phases import LatticePhases
+from geomtorsion.images.phases import LatticeCircuits, LatticePhases
 from geomtorsion.images.spots import Spots
-from geomtorsion.images.squares import LatticeCircuits
 
 __all__ = ["LatticeBurgers", "LatticeCircuits", "LatticeImage", "LatticePhases", "Spots"]

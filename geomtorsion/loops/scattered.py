@@ -18,8 +18,8 @@ from geomtorsion.loops.fields.displacement import lattice_vectors
 from geomtorsion.loops.fields.edge_noise import EdgeNoise, JumpNoise, NodeNoise
 from geomtorsion.loops.fields.grid import Grid, mask_of, numbers
 from geomtorsion.loops.fields.noise import noise_of, robust_covariance, spread
+from geomtorsion.loops.fields.samples import strain_and_rotation
 from geomtorsion.loops.fields.scattered_map import ScatteredMap
-from geomtorsion.loops.fields.strain import strain_and_rotation
 from geomtorsion.loops.fields.triangulation import Triangulation, checked_polygons
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.quadrature import ROUNDING

@@ -1,10 +1,8 @@
 """Measured: measured fields of any kind, as commands and pictures ask for them."""
 
-from geomtorsion.measured.crystal_field import CrystalField
-from geomtorsion.measured.lattice_field import LatticeField
+from geomtorsion.measured.fields import CrystalField, LatticeField, SampledField
 from geomtorsion.measured.opening import SUFFIXES, is_array, is_measured, open_measured
 from geomtorsion.measured.results import Backdrop, Closure, Measured, Section, Survey
-from geomtorsion.measured.sampled_field import SampledField
 
 __all__ = [
     "SUFFIXES",

@@ -18,10 +18,9 @@ from geomtorsion.files import read_json_text, read_text
 from geomtorsion.loops import BlockMap, blocked_map
 from geomtorsion.loops.fields.sources import Source
 from geomtorsion.loops.quadrature import PIECE
+from geomtorsion.measured.fields import SampledField, layer_names
 from geomtorsion.measured.opening import is_array, open_measured
-from geomtorsion.measured.results import Survey, noise_level
-from geomtorsion.measured.sampled_field import SampledField, layer_names
-from geomtorsion.measured.writing import summary
+from geomtorsion.measured.results import Survey, noise_level, summary
 
 # What the folder of blocks is called, and what it says of the run that fills it.
 BLOCKS, RUN = "blocks", "run.json"

@@ -17,10 +17,8 @@ from geomtorsion.images import LatticeImage
 from geomtorsion.images.image_files import KINDS as PICTURES
 from geomtorsion.loops import SampledFrame
 from geomtorsion.loops.grid_files import FORMATS
-from geomtorsion.measured.crystal_field import CrystalField
-from geomtorsion.measured.lattice_field import LatticeField
+from geomtorsion.measured.fields import CrystalField, LatticeField, SampledField
 from geomtorsion.measured.results import Measured
-from geomtorsion.measured.sampled_field import SampledField
 from geomtorsion.orientations import OrientationMap
 from geomtorsion.orientations.slip import FAMILIES as SLIP
 

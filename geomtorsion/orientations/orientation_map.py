@@ -17,10 +17,14 @@ from geomtorsion.loops.fields.noise import significances
 from geomtorsion.loops.fields.stencils import SLACK
 from geomtorsion.loops.quadrature import PIECE
 from geomtorsion.orientations.circuits import Circuit, windings
-from geomtorsion.orientations.lattice_edges import GrainMap, grains_of
-from geomtorsion.orientations.map_files import MapFile, read_map_file
-from geomtorsion.orientations.noise import estimated_covariance, given_covariance, spread_of
-from geomtorsion.orientations.orix_files import SUFFIXES, read_orix
+from geomtorsion.orientations.lattice_edges import (
+    GrainMap,
+    estimated_covariance,
+    given_covariance,
+    grains_of,
+    spread_of,
+)
+from geomtorsion.orientations.map_files import SUFFIXES, MapFile, read_map_file, read_orix
 from geomtorsion.orientations.phases import Phase
 from geomtorsion.orientations.results import (
     CircuitMap,

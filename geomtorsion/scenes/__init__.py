@@ -2,15 +2,14 @@
 
 from geomtorsion.scenes import effects
 from geomtorsion.scenes.body import Body
-from geomtorsion.scenes.cost import SceneCost
 from geomtorsion.scenes.files import read_file
 from geomtorsion.scenes.result import SceneResult
-from geomtorsion.scenes.scene import Scene
+from geomtorsion.scenes.saving import to_toml, write_file
+from geomtorsion.scenes.scene import Scene, SceneCost
 from geomtorsion.scenes.selection import StateSelection
 from geomtorsion.scenes.shipped import load, names
 from geomtorsion.scenes.state import State
 from geomtorsion.scenes.sweep import SceneSweep
-from geomtorsion.scenes.writing import to_toml, write_file
 
 __all__ = [
     "Body",

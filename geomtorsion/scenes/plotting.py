@@ -9,9 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion.pictures.scene_attitude import axes_picture, axis_picture, cones_picture
+from geomtorsion.pictures.scene_attitude import (
+    axes_picture,
+    axis_picture,
+    cones_picture,
+    path_picture,
+)
 from geomtorsion.pictures.scene_over_time import change_picture, trust_picture, watched_picture
-from geomtorsion.pictures.scene_path import path_picture
 from geomtorsion.pictures.style import FLAT, number, save
 from geomtorsion.scenes.observables import FINE
 from geomtorsion.scenes.selection import selection_figure

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geomtorsion.accuracy.cost import ACCURACIES, CostTable, accuracy_cost
-from geomtorsion.accuracy.truth import truth_of
+from geomtorsion.accuracy.cost import ACCURACIES, CostTable, accuracy_cost, truth_of
 from geomtorsion.errors import AccuracyError, StuckError, TimeError
 from geomtorsion.ode import Engine, solve
 from geomtorsion.ode.solution import DOUBLE, Cost

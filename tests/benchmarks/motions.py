@@ -11,7 +11,7 @@ import numpy as np
 import sympy as sp
 from scipy.spatial.transform import Rotation
 
-from geomtorsion.accuracy.truth import truth_of
+from geomtorsion.accuracy.cost import truth_of
 from geomtorsion.curves import CurveProblem, autoparallel, geodesic
 from geomtorsion.geometry import Frame, cartan, levi_civita
 from geomtorsion.ode import ODE

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from geomtorsion.accuracy.truth import truth_of
+from geomtorsion.accuracy.cost import truth_of
 from geomtorsion.curves import autoparallel, geodesic
 from geomtorsion.errors import ChartEdgeError
 from geomtorsion.geometry import blend, cartan, levi_civita

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from geomtorsion.accuracy.truth import truth_of
+from geomtorsion.accuracy.cost import truth_of
 from geomtorsion.curves import geodesic
 from geomtorsion.errors import ChartEdgeError
 from geomtorsion.ode import RungeKutta, SavedSolution, Taylor, solve, solve_many

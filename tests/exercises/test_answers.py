@@ -5,10 +5,9 @@ import sympy as sp
 
 from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.exercises.answers import answer_text, components, expression
-from geomtorsion.exercises.checking import check_question, numbers
+from geomtorsion.exercises.checking import check_question, equations, numbers
 from geomtorsion.exercises.domain import Domain
 from geomtorsion.exercises.entries import index
-from geomtorsion.exercises.equations import equations
 from geomtorsion.exercises.question import (
     Question,
     plain_name,

@@ -7,8 +7,8 @@ import sympy as sp
 
 from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.exercises.answers import components
+from geomtorsion.exercises.checking import equations
 from geomtorsion.exercises.domain import Domain
-from geomtorsion.exercises.equations import equations
 from geomtorsion.exercises.limits import ANSWER, MOST, check_constants, check_weight
 from geomtorsion.exercises.question import (
     Question,

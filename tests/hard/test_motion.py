@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from geomtorsion.accuracy.truth import truth_of
+from geomtorsion.accuracy.cost import truth_of
 from geomtorsion.curves import autoparallel, geodesic
 from geomtorsion.errors import AccuracyError
 from geomtorsion.geometry import Frame, cartan, from_coefficients

@@ -15,7 +15,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geomtorsion.accuracy.truth import truth_of
+from geomtorsion.accuracy.cost import truth_of
 from geomtorsion.curves import autoparallel, geodesic
 from geomtorsion.errors import AccuracyError, ChartEdgeError, StuckError
 from geomtorsion.geometry import blend, cartan, levi_civita

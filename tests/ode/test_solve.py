@@ -7,7 +7,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from geomtorsion.accuracy.truth import truth_of
+from geomtorsion.accuracy.cost import truth_of
 from geomtorsion.curves import autoparallel, distance_apart, geodesic
 from geomtorsion.errors import AccuracyError, ChartEdgeError, TimeError, UnknownNameError
 from geomtorsion.geometry import cartan, levi_civita

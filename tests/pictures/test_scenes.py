@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from geomtorsion.errors import FileFormatError, MissingExtraError
-from geomtorsion.pictures.scene_attitude import axes_picture, axis_picture, cones_picture, polhodes
+from geomtorsion.pictures.scene_attitude import (
+    axes_picture,
+    axis_picture,
+    cones_picture,
+    path_picture,
+    polhodes,
+)
 from geomtorsion.pictures.scene_film import block_sides, write_film
 from geomtorsion.pictures.scene_over_time import (
     change_picture,
@@ -12,7 +18,6 @@ from geomtorsion.pictures.scene_over_time import (
     trust_picture,
     watched_picture,
 )
-from geomtorsion.pictures.scene_path import path_picture
 from geomtorsion.pictures.scene_plan import plan_picture
 from geomtorsion.pictures.style import NOTHING, save
 

@@ -8,8 +8,8 @@ from geomtorsion.errors import FileFormatError, GeomtorsionError, StartError, Un
 from geomtorsion.files import read_toml_text
 from geomtorsion.scenes import Body, Scene, State, effects, load, names, read_file, to_toml
 from geomtorsion.scenes.files import scene_from
+from geomtorsion.scenes.saving import write_file
 from geomtorsion.scenes.shipped import described
-from geomtorsion.scenes.writing import write_file
 
 TOP = """\
 name = "top"

@@ -45,7 +45,7 @@ from geomtorsion.errors import CheckpointError, GridError, ImageError, Orientati
 from geomtorsion.loops.loop_files import loop_from_data
 from geomtorsion.measured import is_array
 from geomtorsion.measured.in_blocks import BLOCKS, BlockedRun, open_in_blocks
-from geomtorsion.measured.writing import summary
+from geomtorsion.measured.results import summary
 from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.progress import bar

@@ -7,7 +7,7 @@ import sympy as sp
 from geomtorsion.ode import RungeKutta
 from geomtorsion.scenes import Body, Scene, State, effects, load
 from geomtorsion.scenes.assembly import assemble
-from geomtorsion.scenes.conserved import is_constant
+from geomtorsion.scenes.to_ode import is_constant
 
 E = effects
 START = State(omega=(0.1, 0.2, 3), euler=(0, 0.3, 0))

@@ -7,7 +7,7 @@ import pytest
 
 from geomtorsion.loops import SampledFrame
 from geomtorsion.measured import SampledField
-from geomtorsion.measured.writing import summary, write_arrays, write_table
+from geomtorsion.measured.results import summary, write_arrays, write_table
 from tests.measured.test_sampled_field import field
 
 
