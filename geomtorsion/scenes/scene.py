@@ -237,7 +237,8 @@ class Scene:
     @cached_property
     def ode(self) -> ODE:
         """The equations that are solved, with start, parameters and invariants."""
-        return ode_of(self)
+        name = self.title or self.name
+        return ode_of(self.selection, self.start, self.correct_assembly, name)
 
     @property
     def equations(self) -> Mapping[str, sp.Expr]:

@@ -30,7 +30,6 @@ from geomtorsion.scenes.context import (
 )
 
 if TYPE_CHECKING:
-    from geomtorsion.scenes.scene import Scene
     from geomtorsion.scenes.selection import StateSelection
     from geomtorsion.scenes.state import State
 
@@ -61,9 +60,11 @@ def attitude_states(selection: StateSelection) -> dict[sp.Symbol, sp.Expr]:
     return by_quaternion() if selection.uses_quaternion else {}
 
 
-def ode_of(scene: Scene) -> ODE:
-    """The equations of a scene: one compiled integrator serves all scenes with equal equations."""
-    selection = scene.selection
+def ode_of(selection: StateSelection, start: State, correct: Assembly, name: str) -> ODE:
+    """The equations of a scene: one compiled integrator serves all scenes with equal equations.
+
+    correct: the equations without what is shipped as a wrong law, which tell what is conserved.
+    """
     chosen = attitude_states(selection)
     assembly = selection.assembly
     unit = [
@@ -87,13 +88,13 @@ def ode_of(scene: Scene) -> ODE:
         events.append(When(assembly.constrained(stops[0]).xreplace(chosen)))
     return ODE.of(
         pruned_rates(selection),
-        start_of(selection, scene.start),
-        parameters=parameters_of(selection, scene.start),
-        invariants=invariants(selection, scene.correct_assembly, chosen),
+        start_of(selection, start),
+        parameters=parameters_of(selection, start),
+        invariants=invariants(selection, correct, chosen),
         outputs=outputs,
         events=events,
         normalized=unit,
-        name=scene.title or scene.name,
+        name=name,
     )
 
 

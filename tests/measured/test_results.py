@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geomtorsion.measured.results import noise_level
-from tests.measured.test_sampled_field import field
+from tests.measured.test_fields import field
 
 
 @pytest.mark.parametrize("rows", [1, 2, 3])

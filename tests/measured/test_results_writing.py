@@ -8,7 +8,7 @@ import pytest
 from geomtorsion.loops import SampledFrame
 from geomtorsion.measured import SampledField
 from geomtorsion.measured.results import summary, write_arrays, write_table
-from tests.measured.test_sampled_field import field
+from tests.measured.test_fields import field
 
 
 def test_tables_leave_out_what_is_not_known(tmp_path):

@@ -13,7 +13,7 @@ from tests.orientations.test_map_files import ang, write
 
 def test_without_orix(tmp_path, monkeypatch):
     """The message names the extra, and another way."""
-    monkeypatch.setitem(sys.modules, "orix", None)
+    monkeypatch.setitem(sys.modules, "orix.io", None)
     with pytest.raises(MissingExtraError, match=r"geomtorsion\[ebsd\].*\.ctf or \.ang"):
         OrientationMap.read(tmp_path / "a.h5")
 

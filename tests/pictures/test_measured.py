@@ -12,7 +12,7 @@ from geomtorsion.measured import CrystalField, SampledField
 from geomtorsion.orientations import Circuit, OrientationMap
 from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from geomtorsion.pictures.style import save
-from tests.measured.test_sampled_field import field
+from tests.measured.test_fields import field
 from tests.orientations.synthetic import wall
 
 
