@@ -25,6 +25,7 @@ from geomtorsion.crystals.given import Given
 from geomtorsion.crystals.grain_circuits import GrainCircuits
 from geomtorsion.crystals.grain_networks import network_of_grains
 from geomtorsion.crystals.grains import Grains, single_grain
+from geomtorsion.crystals.known_grains import KnownGrains
 from geomtorsion.crystals.lattices import Lattice
 from geomtorsion.crystals.method import METHOD
 from geomtorsion.crystals.near_torsion import Atoms, lines_of, torsion_near, torsion_on
@@ -78,6 +79,7 @@ class Crystal(InFrame):
     species: tuple[str, ...] | None
     _given: Given
     _own: Frame | None
+    _before: KnownGrains | None
 
     def __init__(
         self,
@@ -98,6 +100,7 @@ class Crystal(InFrame):
         put("periodic", given.box.periodic)
         put("_given", given)
         put("_own", None)
+        put("_before", None)
         put("species", None)
         if species is not None:
             names = checks.entries(species, "species", CrystalError)
@@ -122,7 +125,8 @@ class Crystal(InFrame):
         if self._own is not None:
             return found
         atoms = sampled(len(self.positions))
-        return self.grains[0].frame if seems_many(self._specimen, atoms, fit.whole) else found
+        many = seems_many(self._specimen, atoms, fit.whole)
+        return self.grains.grains[0].frame if many else found
 
     @property
     def share(self) -> float:
@@ -193,16 +197,43 @@ class Crystal(InFrame):
         >>> Crystal(both).grains.walls
         (Wall(grains 0 and 1, misoriented by 36.87 degrees about [0 0 1]),)
         """
+        found = None
         if self._own is None:
             near = None if self._is_narrow else self._shells.near
             if not is_single(self._specimen, near):
-                return segmented(self._specimen)
-        return single_grain(self._found[0], self._wrapped[0])
+                found = segmented(self._specimen)
+        if found is None:
+            found = single_grain(self._found[0], self._wrapped[0])
+        return found if self._before is None else self._before.followed(found)
+
+    def following(self, before: Crystal | KnownGrains) -> Crystal:
+        """The same atoms as the next frame of a trajectory: grains that hold the same atoms, by
+        their order, as in the frame before keep their numbers and their frames, so that Burgers
+        vectors of their lines are the same in time.
+
+        Examples
+        --------
+        >>> from itertools import product
+        >>> sites = np.array(list(product(range(12), repeat=3)))
+        >>> places = sites[sites.sum(axis=1) % 2 == 0] * 1.8
+        >>> crystal = Crystal(places, cell=[21.6] * 3)
+        >>> later = Crystal(places * 1.001, cell=[21.6216] * 3).following(crystal)
+        >>> later.constant == crystal.constant, later.grains.vanished
+        (True, ())
+        """
+        known = KnownGrains.of(before.grains) if isinstance(before, Crystal) else before
+        checks.instance(known, KnownGrains, "before", CrystalError)
+        frame, periodic = known.largest, self.periodic.tolist()
+        made = Crystal(
+            self.positions, self.cell, periodic, frame.lattice.name, frame.orient, frame.constant,
+            self.species,
+        )  # fmt: skip
+        object.__setattr__(made, "_before", known)
+        return made
 
     def grain(self, number: int) -> Crystal:
         """The crystal of one grain alone, in its own frame; atoms are those of `grains`."""
-        count = checks.count(number, "number", CrystalError, 0, len(self.grains) - 1)
-        grain = self.grains[count]
+        grain = self.grains[number]
         species = None if self.species is None else [self.species[k] for k in grain.atoms]
         periodic = self.periodic.tolist()
         made = Crystal(self.positions[grain.atoms], self.cell, periodic, species=species)
@@ -331,7 +362,7 @@ class Crystal(InFrame):
         """
         checks.flag(partials, "partials", CrystalError)
         if not self.grains.is_single:
-            crystals = [self.grain(k) for k in range(len(self.grains))]
+            crystals = [self.grain(grain.number) for grain in self.grains]
             networks = [one.dislocations(partials) for one in crystals]
             return network_of_grains(networks, self.grains, self._wrapped[0], self._box)
         found, vacancies = self._near_torsion(partials)

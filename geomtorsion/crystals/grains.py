@@ -27,7 +27,8 @@ class Nowhere(IntEnum):
 class Grain(InFrame):
     """A single crystal of a polycrystal.
 
-    number: from 0; 0 is the grain of `crystal.frame`, the others are larger first.
+    number: from 0; 0 is the grain of `crystal.frame`, the others are larger first. In a trajectory
+        a grain keeps its number.
     frame: how it lies; orient is the variant nearest to that of grain 0 of the same lattice.
     atoms: their numbers, ascending, those of its dislocation cores included, shape (n,).
     centre: centre of gravity of the atoms, in the cell, shape (3,).
@@ -82,12 +83,16 @@ class Grains:
     walls: those between two grains that touch, by the numbers of the grains.
     fitting: share of the atoms whose neighbours are where the lattice of their grain has them;
         None of a single crystal.
+    used: how many numbers have been given, in this frame of a trajectory and before.
+    vanished: numbers of grains that were there in the frame before and are there no more.
     """
 
     grains: tuple[Grain, ...]
     number: np.ndarray
     walls: tuple[Wall, ...]
     fitting: float | None
+    used: int
+    vanished: tuple[int, ...] = ()
 
     @property
     def is_single(self) -> bool:
@@ -108,13 +113,11 @@ class Grains:
 
     def wall(self, one: int, other: int) -> Wall:
         """The wall between two grains, or what it would be where they do not touch."""
-        count = len(self.grains)
-        first, second = sorted(checks.count(n, "grain", CrystalError, 0, count - 1)
-                               for n in (one, other))  # fmt: skip
+        first, second = sorted((self[one], self[other]), key=lambda grain: grain.number)
         for wall in self.walls:
-            if wall.grains == (first, second):
+            if wall.grains == (first.number, second.number):
                 return wall
-        return wall_between(self.grains[first], self.grains[second], np.zeros(0, dtype=np.int64))
+        return wall_between(first, second, np.zeros(0, dtype=np.int64))
 
     def __len__(self) -> int:
         return len(self.grains)
@@ -123,7 +126,16 @@ class Grains:
         return iter(self.grains)
 
     def __getitem__(self, number: int) -> Grain:
-        return self.grains[number]
+        """The grain of a number."""
+        wanted = checks.count(number, "number", CrystalError)
+        for grain in self.grains:
+            if grain.number == wanted:
+                return grain
+        known = ", ".join(str(grain.number) for grain in self.grains)
+        raise CrystalError(
+            f"number: that of a grain was needed ({checks.cut(known)}), but {wanted} came. Give "
+            "one of these."
+        )
 
     def __repr__(self) -> str:
         count = len(self.grains)
@@ -135,7 +147,7 @@ def single_grain(frame: Frame, places: np.ndarray) -> Grains:
     """A single crystal as its one grain."""
     count = len(places)
     grain = Grain(0, frame, np.arange(count), places.mean(axis=0))
-    return Grains((grain,), np.zeros(count, dtype=np.int64), (), None)
+    return Grains((grain,), np.zeros(count, dtype=np.int64), (), None, 1)
 
 
 def wall_between(one: Grain, other: Grain, atoms: np.ndarray) -> Wall:

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from geomtorsion import checks
 from geomtorsion.crystals.atom_files import AtomData, atom_frames
 from geomtorsion.crystals.crystal import Crystal
+from geomtorsion.crystals.known_grains import KnownGrains
 from geomtorsion.errors import CrystalError, FileFormatError
 
 
@@ -75,23 +76,30 @@ def read_all(
     """The crystals of all frames of a trajectory, one after another, in one frame of axes.
 
     What is found in the first frame (lattice, orientation, lattice constant) is kept in all later
-    ones, so that a Burgers vector is the same from frame to frame. Parameters and errors as for
-    `read`.
+    ones, so that a Burgers vector is the same from frame to frame; of a polycrystal that of each
+    grain, which keeps its number (`Crystal.following`). Parameters and errors as for `read`.
     """
+    known = None
     for data in atom_frames(path, form):
-        crystal = crystal_of(data, lattice, orient, constant)
-        lattice, orient, constant = crystal.lattice, crystal.orient, crystal.constant
+        crystal = crystal_of(data, lattice, orient, constant, known)
+        known = KnownGrains.of(crystal.grains)
         yield crystal
 
 
 def crystal_of(
-    data: AtomData, lattice: str | None, orient: ArrayLike | None, constant: float | None
+    data: AtomData,
+    lattice: str | None,
+    orient: ArrayLike | None,
+    constant: float | None,
+    known: KnownGrains | None = None,
 ) -> Crystal:
-    """The crystal of a frame; what is wrong with it is told with its file."""
+    """The crystal of a frame, behind one whose grains are known; what is wrong with it is told with
+    its file."""
     try:
         made = Crystal(
             data.positions, data.cell, data.periodic, lattice, orient, constant, data.species
         )
+        made = made if known is None else made.following(known)
         # Found now, so that a file that holds no crystal is told as such.
         _ = made.frame
     except CrystalError as error:

@@ -11,7 +11,10 @@ import scipy  # loads its parts when they are asked for
 from geomtorsion.conventions import burgers
 from geomtorsion.crystals.blocked import BlockedCrystal
 from geomtorsion.crystals.crystal import Crystal
+from geomtorsion.crystals.frames import Frame
 from geomtorsion.crystals.grains import Grain, Wall
+from geomtorsion.crystals.known_grains import KnownGrains
+from geomtorsion.crystals.lattices import lattice_named
 from geomtorsion.loops import DislocationNetwork
 from geomtorsion.loops.network_lines import DislocationLine
 
@@ -36,10 +39,11 @@ def crystal_report(
     (fractions as text, in lattice constants), family, length, kind, path, and of closed ones
     `inserted`, how many atoms their half plane has: less than none for vacancies.
 
-    What is no single crystal has more. shares: of the atoms in each lattice, in walls and in none.
-    grains: of each number, lattice, constant, orient, atoms (how many) and centre. walls: of each
-    the two grains, degrees and axis of the misorientation, and atoms (how many). Lines have their
-    grain.
+    What is no single crystal, or was none in a frame before, has more. shares: of the atoms in each
+    lattice, in walls and in none. grains: of each number, lattice, constant, orient, atoms (how
+    many) and centre. walls: of each the two grains, degrees and axis of the misorientation, and
+    atoms (how many). vanished: grains that were there in the frame before; numbers: how many have
+    been given. Lines have their grain.
 
     Raises
     ------
@@ -51,7 +55,7 @@ def crystal_report(
         "atoms": crystal.count,
         "lattice": crystal.lattice,
         "constant": crystal.constant,
-        **_ratio(crystal),
+        **_ratio(crystal.frame),
         "orient": crystal.orient.tolist(),
         "share": crystal.share,
         **_polycrystal(crystal),
@@ -65,22 +69,40 @@ def crystal_report(
     }
 
 
-def _ratio(crystal: Crystal | BlockedCrystal) -> Json:
+def _ratio(frame: Frame) -> Json:
     """c/a of hcp."""
-    lattice = crystal.frame.lattice
+    lattice = frame.lattice
     # Along c whole numbers count halves.
     return {"ratio": 2 * lattice.units[2]} if lattice.name == "hcp" else {}
 
 
 def _polycrystal(crystal: Crystal | BlockedCrystal) -> Json:
     """Grains and walls of what is no single crystal; in blocks there are none."""
-    if isinstance(crystal, BlockedCrystal) or crystal.grains.is_single:
+    if isinstance(crystal, BlockedCrystal):
+        return {}
+    grains = crystal.grains
+    if grains.is_single and grains.used == 1:
         return {}
     return {
-        "shares": crystal.grains.shares,
-        "grains": [_grain(grain) for grain in crystal.grains],
-        "walls": [_wall(wall) for wall in crystal.grains.walls],
+        "shares": grains.shares,
+        "grains": [_grain(grain) for grain in grains],
+        "walls": [_wall(wall) for wall in grains.walls],
+        "vanished": list(grains.vanished),
+        "numbers": grains.used,
     }
+
+
+def known_of(report: Json, owner: np.ndarray) -> KnownGrains:
+    """The grains of a report, for the frame behind it; owner: the grain of each atom."""
+    rows = report.get("grains", [{"number": 0, **report}])
+    frames = {
+        row["number"]: Frame(
+            lattice_named(row["lattice"], row.get("ratio")), np.array(row["orient"]),
+            row["constant"],
+        )
+        for row in rows
+    }  # fmt: skip
+    return KnownGrains(frames, owner, report.get("numbers", 1))
 
 
 def _grain(grain: Grain) -> Json:
@@ -88,7 +110,8 @@ def _grain(grain: Grain) -> Json:
     return {
         "number": grain.number,
         "lattice": grain.lattice,
-        "constant": grain.frame.constant,
+        "constant": grain.constant,
+        **_ratio(grain.frame),
         "orient": grain.orient.tolist(),
         "atoms": len(grain.atoms),
         "centre": grain.centre.tolist(),
@@ -113,8 +136,11 @@ def _signed(values: object, convention: str) -> np.ndarray:
 def _line(crystal: Crystal | BlockedCrystal, line: DislocationLine, convention: str) -> Json:
     """One line as plain data."""
     exact = burgers(list(line.burgers_lattice or ()), convention)
+    grain = line.grain
+    if grain is None and isinstance(crystal, Crystal) and crystal.grains.used > 1:
+        grain = crystal.grains.grains[0].number
     found: Json = {
-        **({} if line.grain is None else {"grain": line.grain}),
+        **({} if grain is None else {"grain": grain}),
         "burgers": _signed(line.burgers, convention).tolist(),
         "burgers_lattice": [str(x) for x in exact],
         "family": line.family,
@@ -145,9 +171,9 @@ def inserted_atoms(line: DislocationLine, crystal: Crystal | BlockedCrystal) -> 
 def tracks(frames: Sequence[Json]) -> list[list[int]]:
     """Numbers of the lines of each frame, so that one line keeps its number in time.
 
-    Lines of two frames that follow each other are one if they have the same exact b (or one has
-    the opposite sense) and lie nearest to each other: of all ways to pair them that with the least
-    sum of mean distances. What has no partner ends or begins.
+    Lines of two frames that follow each other are one if they lie in one grain, have the same
+    exact b (or one has the opposite sense), and lie nearest to each other: of all ways to pair them
+    that with the least sum of mean distances. What has no partner ends or begins.
 
     Parameters
     ----------
@@ -210,10 +236,10 @@ def _opposite(exact: Sequence[str]) -> list[str]:
     return [x[1:] if x.startswith("-") else x if x == "0" else f"-{x}" for x in exact]
 
 
-def _direction(line: Json) -> tuple[str, ...]:
-    """b without its sign, which turns round with the sense of the line."""
+def _direction(line: Json) -> tuple[int, tuple[str, ...]]:
+    """The grain, and b without its sign, which turns round with the sense of the line."""
     exact = line["burgers_lattice"]
-    return max(tuple(exact), tuple(_opposite(exact)))
+    return line.get("grain", 0), max(tuple(exact), tuple(_opposite(exact)))
 
 
 def _apart(one: Json, two: Json, frame: Json) -> float:

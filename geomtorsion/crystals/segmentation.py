@@ -67,7 +67,8 @@ def segmented(specimen: Specimen) -> Grains:
     walls = [
         wall_between(grains[a], grains[b], atoms) for (a, b), atoms in sorted(touching.items())
     ]
-    return Grains(tuple(grains), filled, tuple(walls), float((owner >= 0).mean()))
+    fits = float((owner >= 0).mean())
+    return Grains(tuple(grains), filled, tuple(walls), fits, len(grains))
 
 
 # -- groups of atoms ------------------------------------------------------------------------------

@@ -7,13 +7,16 @@ from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
+import numpy as np
+
+from geomtorsion.blocks import read_array, write_array
 from geomtorsion.checks import LARGEST_ARRAYS
 from geomtorsion.crystals.atom_files import AtomData, atom_frames, frame_count
 from geomtorsion.crystals.crystal import Crystal
+from geomtorsion.crystals.known_grains import KnownGrains
 from geomtorsion.crystals.reading import crystal_of
-from geomtorsion.crystals.reports import Json, crystal_report
+from geomtorsion.crystals.reports import Json, crystal_report, known_of
 from geomtorsion.errors import CheckpointError, GeomtorsionError
 from geomtorsion.files import read_json_text, read_text
 from geomtorsion.loops import DislocationNetwork
@@ -61,18 +64,22 @@ def reports(
     total = frame_count(path, wanted.form)
     if folder is not None:
         _prepared(path, wanted, folder)
-    axes = wanted.lattice, wanted.orient, wanted.constant
+    known = None
     for number, data in enumerate(atom_frames(path, wanted.form)):
         seen(number, total)
-        frame = _Frame(data, axes, wanted.partials)
+        frame = _Frame(data, wanted, known)
         kept = None if folder is None else folder / f"{number:06}.json"
         if kept is not None and kept.exists():
             report = read_json_text(read_text(kept, LARGEST_ARRAYS), kept.name)
+            known = known_of(report, _owner(kept, report))
         else:
-            report = {"frame": number, **frame.report(wanted.convention)}
+            report = {"frame": number, **frame.report()}
+            known = KnownGrains.of(frame.crystal.grains)
             if kept is not None:
+                if "grains" in report:
+                    write_array(kept.with_suffix(".npy"), known.owner)
+                # What stands in it comes last: where it is, all is.
                 _write(kept, json.dumps(report))
-        axes = report["lattice"], report["orient"], report["constant"]
         yield report, frame.lines
     seen(total, total)
 
@@ -80,26 +87,42 @@ def reports(
 class _Frame:
     """A frame whose crystal is made when it is first asked for."""
 
-    def __init__(self, data: AtomData, axes: tuple[Any, Any, Any], partials: bool) -> None:
-        self.data, self.axes, self.partials = data, axes, partials
+    def __init__(self, data: AtomData, wanted: Wanted, known: KnownGrains | None) -> None:
+        self.data, self.wanted, self.known = data, wanted, known
 
     @cached_property
     def crystal(self) -> Crystal:
         """The crystal in the axes of the frames before."""
-        return crystal_of(self.data, *self.axes)
+        wanted = self.wanted
+        return crystal_of(self.data, wanted.lattice, wanted.orient, wanted.constant, self.known)
 
     @cached_property
     def network(self) -> DislocationNetwork:
         """Its lines."""
-        return self.crystal.dislocations(self.partials)
+        return self.crystal.dislocations(self.wanted.partials)
 
     def lines(self) -> DislocationNetwork:
         """Its lines, as a function."""
         return self.network
 
-    def report(self, convention: str) -> Json:
+    def report(self) -> Json:
         """What is found in it."""
-        return crystal_report(self.crystal, self.network, convention)
+        return crystal_report(self.crystal, self.network, self.wanted.convention)
+
+
+def _owner(kept: Path, report: Json) -> np.ndarray:
+    """The grain of each atom of a frame that was kept."""
+    count = report["atoms"]
+    if "grains" not in report:
+        return np.zeros(count, dtype=np.int64)
+    file = kept.with_suffix(".npy")
+    found = read_array(file, (count,), np.int64)
+    if found is None:
+        raise CheckpointError(
+            f"{file}: the grains of its atoms were needed, but the file is missing or damaged. "
+            "Begin anew with --overwrite."
+        )
+    return found
 
 
 def _prepared(path: Path, wanted: Wanted, folder: Path) -> None:
@@ -124,7 +147,8 @@ def is_begun(folder: Path) -> bool:
 
 def forget(folder: Path) -> None:
     """Remove the reports of a run, and nothing else."""
-    for file in (*sorted(folder.glob("[0-9][0-9][0-9][0-9][0-9][0-9].json")), folder / SETTINGS):
+    kept = [*folder.glob("[0-9]" * 6 + ".json"), *folder.glob("[0-9]" * 6 + ".npy")]
+    for file in (*sorted(kept), folder / SETTINGS):
         file.unlink(missing_ok=True)
     try:
         folder.rmdir()

@@ -221,6 +221,10 @@ def _text(document: Json) -> str:
         rows.append(f"  {len(frames)} frames, in the axes of the first")
     in_grains = any(len(frame.get("grains", ())) > 1 for frame in frames)
     rows += _grain_rows(frames[-1], several)
+    for frame in (frame for frame in frames if frame.get("vanished")):
+        gone = frame["vanished"]
+        names = f"grain{'s' * (len(gone) > 1)} {', '.join(map(str, gone))}"
+        rows.append(f"  {names} vanished in frame {frame['frame']}")
     table = [
         _columns(line, frame, several, in_grains) for frame in frames for line in frame["lines"]
     ]
