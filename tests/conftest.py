@@ -20,6 +20,16 @@ settings.register_profile("geomtorsion", deadline=None, derandomize=True, print_
 settings.load_profile("geomtorsion")
 
 
+# What takes longest, or waits for a browser: nothing of it is to be left for one worker at the end,
+# and one worker alone gets the browser and the served page.
+LONG = ("tests/lab/", "tests/test_types.py", "tests/hard/")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with what takes long."""
+    items.sort(key=lambda item: not item.nodeid.startswith(LONG))
+
+
 def global_settings() -> dict[str, Any]:
     """What libraries keep for the whole process, and what users would notice if it changed."""
     exact = decimal.getcontext()
