@@ -352,8 +352,9 @@ class Crystal(InFrame):
         Parameters
         ----------
         partials
-            Whether partial dislocations at the edges of stacking faults are told apart; if not,
-            their sum is given.
+            Whether partial dislocations at the edges of stacking faults are told apart, in fcc and
+            diamond those of 1/6<112>, in hcp those of basal faults (Shockley 1/3<1-100>, Frank
+            1/6<20-23>); if not, their sum is given.
 
         Returns
         -------

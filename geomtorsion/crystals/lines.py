@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -165,9 +165,10 @@ def simplified(
     """Lines between junctions nearer to each other than a width become one junction.
 
     What is smaller is inside of a core, where lines cannot be told apart; a ring no wider than a
-    core is a point defect. Sums of b at the junctions stay what they are.
+    core is a point defect, and two lines between the same junctions that are a ring no wider are
+    one. Sums of b at the junctions stay what they are.
     """
-    lines = dict(enumerate(found))
+    lines = dict(enumerate(_without_eyes(found, surface, vectors, width)))
     short = sorted(
         (k for k, one in lines.items() if one.start != one.end and one.length < width),
         key=lambda k: lines[k].length,
@@ -188,6 +189,27 @@ def simplified(
         if length_of(smoothed(lines[k].path, True, width)) < np.pi * width:
             del lines[k]
     return _joined(lines, surface, vectors)
+
+
+def _without_eyes(
+    found: list[Strand], surface: np.ndarray, vectors: np.ndarray, width: float
+) -> list[Strand]:
+    """Lines that part and meet again within a core, as one with the sum of their b."""
+    lines: dict[int, Strand] = {}
+    known: dict[tuple[int, ...], int] = {}
+    for k, one in enumerate(found):
+        line = one if one.start <= one.end else one.reversed(vectors)
+        ends = (line.start, line.end, *line.image.tolist())
+        other = lines.get(known.setdefault(ends, k))
+        if other is None or one.start == one.end:
+            lines[k] = line
+        elif line.length + other.length < np.pi * width:
+            first = min(line, other, key=lambda x: x.length)
+            lines[known[ends]] = replace(first, burgers=line.burgers + other.burgers)
+        else:
+            lines[k] = line
+    kept = {k: line for k, line in lines.items() if line.burgers.any()}
+    return found if len(kept) == len(found) else _joined(kept, surface, vectors)
 
 
 def _moved(

@@ -11,6 +11,7 @@ from geomtorsion.crystals.faults import MODULES, fault_shifts
 from geomtorsion.crystals.frames import Frame
 from geomtorsion.crystals.method import METHOD
 from geomtorsion.crystals.networks import network_of
+from geomtorsion.crystals.stacking import layered, stacked_labels
 from geomtorsion.crystals.torsion import Torsion
 from geomtorsion.crystals.triangulation import Cell, Triangulation, triangulated
 from geomtorsion.loops.dislocation_network import DislocationNetwork
@@ -35,18 +36,26 @@ def torsion_on(
     """T = de on some tetrahedra."""
     pairs, images, _ = mesh.edges
     first, second = pairs.T
-    places = mesh.places
-    steps = places[second] - places[first] + images @ mesh.cell.vectors
-    labels = frame.lattice.decode(frame.values(steps), kinds[second] - kinds[first])
-    doubtful = frame.apart(steps, labels) > frame.constant * frame.lattice.nearest / 2
-    if frame.lattice.name != "fcc" and not (partials and frame.lattice.name in MODULES):
-        return Torsion(mesh, frame.lattice, labels, doubtful)
+    lattice, limit = frame.lattice, frame.constant * frame.lattice.nearest / 2
+    steps = mesh.places[second] - mesh.places[first] + images @ mesh.cell.vectors
     values = frame.values(steps)
-    crossing, sixths = fault_shifts(frame.lattice, values, labels, pairs, kinds)
+    labels = lattice.decode(values, kinds[second] - kinds[first])
+    doubtful = frame.apart(steps, labels) > limit
+    if lattice.name == "hcp":
+        module = layered(lattice)
+        read, torn = stacked_labels(lattice, values, pairs, kinds, mesh.known)
+        crossing = (read != labels).any(axis=1)
+        unsure = torn | (frame.apart(steps, read) > limit)
+    elif lattice.name == "fcc" or (partials and lattice.name in MODULES):
+        module = MODULES[lattice.name]
+        crossing, read = fault_shifts(lattice, values, labels, pairs, kinds)
+        unsure = doubtful & ~crossing
+    else:
+        return Torsion(mesh, lattice, labels, doubtful)
     if partials:
-        return Torsion(mesh, MODULES[frame.lattice.name], sixths, doubtful & ~crossing)
+        return Torsion(mesh, module, read, unsure)
     # A fault joins its partials to one core, in which they cannot be told apart.
-    return Torsion(mesh, frame.lattice, labels, doubtful | crossing)
+    return Torsion(mesh, lattice, labels, doubtful | crossing)
 
 
 def torsion_near(
@@ -103,5 +112,7 @@ def lines_of(found: Torsion, frame: Frame, occupied: int | None) -> DislocationN
     """
     sites = None if occupied is None else sites_in(frame, found.mesh.cell)
     width = METHOD.width * frame.lattice.nearest * frame.constant
-    extra = None if occupied is None or sites is None else occupied - sites
-    return network_of(found.relaxed(), replace(frame, lattice=found.lattice), width, extra)
+    volume = 0.0
+    if occupied is not None and sites is not None:
+        volume = (occupied - sites) * frame.lattice.atom_volume * frame.constant**3
+    return network_of(found.relaxed(), replace(frame, lattice=found.lattice), width, volume)

@@ -17,12 +17,13 @@ from geomtorsion.loops.dislocation_network import DislocationNetwork
 
 
 def network_of(
-    torsion: Torsion, frame: Frame, width: float, extra: int | None = None
+    torsion: Torsion, frame: Frame, width: float, extra: float = 0.0
 ) -> DislocationNetwork:
     """The lines that carry torsion, smoothed, in the frame of a crystal.
 
-    width: of a core. extra: atoms more than sites, where they can be counted: a single closed line
-    is drawn so that b . A is their volume, since bonds across it flip a little inside of it.
+    width: of a core. extra: volume of the atoms more than sites, where they can be counted: a
+    single closed line is drawn so that b . A is that volume, since bonds across it flip a little
+    inside of it.
     """
     import networkx as nx  # 0.15 s, and networks alone need it
 
@@ -34,8 +35,7 @@ def network_of(
     alone = [line.start == line.end and ends[line.start] == 2 for line in lines]
     paths = [smoothed(line.path, one, width) for line, one in zip(lines, alone, strict=True)]
     if extra and len(lines) == 1 and alone[0] and not lines[0].image.any():
-        volume = extra * frame.lattice.atom_volume * frame.constant**3
-        paths[0] = _with_area(paths[0], frame.vectors(lines[0].burgers[None])[0], volume)
+        paths[0] = _with_area(paths[0], frame.vectors(lines[0].burgers[None])[0], extra)
     numbers: dict[int, int] = {}
     for line, path, one in zip(lines, paths, alone, strict=True):
         for node in (line.start, line.end):

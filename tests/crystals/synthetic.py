@@ -127,3 +127,91 @@ def interstitial_loop(radius):
     layer = disc & ~above & (places[:, 2] > centre[2] - b)
     filling = moved[layer] + [0, 0, b]
     return np.concatenate([moved, filling]), cell, int(layer.sum())
+
+
+def cylinder(lattice, axes, period, radius=12.0, ratio=None, centre=(0.117, 0.093, 0.071)):
+    """A cylinder of crystal along z, with a = 1: axes are those of space along the crystal's, as
+    rows; centre: crystal coordinates of its axis, over the cell; ratio: c/a of hcp."""
+    edges = CELLS[lattice] * ([1, 1, 1] if ratio is None else [1, 1, ratio / np.sqrt(8 / 3)])
+    count = np.ceil((radius + period) / edges).astype(int) + 1
+    cells = np.stack(np.meshgrid(*[np.arange(-n, n) for n in count], indexing="ij"), axis=-1)
+    sites = (cells.reshape(-1, 1, 3) + np.array(LATTICE_SITES[lattice])).reshape(-1, 3)
+    places = ((sites - centre) * edges) @ np.array(axes).T
+    inside = (places[:, 2] > -1e-6) & (places[:, 2] < period - 1e-6)
+    return places[inside & (np.hypot(*places[:, :2].T) < radius)]
+
+
+def torn(places, lines):
+    """Places moved by the fields of lines (position in x and y, b); all cuts go towards -x."""
+    moved = places.copy()
+    for centre, b in lines:
+        # The cut of `displaced` goes against the edge part of b.
+        sense = 1 if b[0] >= 0 else -1
+        moved += sense * (displaced(places, np.array(centre), sense * np.array(b)) - places)
+    return moved
+
+
+# Axes of space along those of hcp: z along a line in the basal plane, y along the axis c.
+BASAL = {
+    "edge": (np.array([[-1, 0, 0], [0, 0, 1], [0, 1, 0]]), 4 * np.sqrt(3)),
+    "screw": (np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0]]), 6.0),
+}
+
+
+def basal_partials(line, width=4.0, ratio=1.623):
+    """A dislocation 1/3[2 -1 -1 0] of hcp in two partials, its period, and both with their b.
+
+    The fault of type I2 lies between them in the plane y = 0.
+    """
+    axes, period = BASAL[line]
+    # Layers lie at a quarter and three quarters of c.
+    sites = cylinder("hcp", axes, period, ratio=ratio, centre=(0.117, 0.093, 0.25))
+    # In this order layers are nowhere above each other.
+    parts = [axes @ np.array([0.5, s / np.sqrt(12), 0]) for s in (1, -1)]
+    lines = [((x + 0.03, 0.0), b) for x, b in zip((-width, width), parts, strict=True)]
+    return torn(sites, lines), period, lines
+
+
+def frank_partials(line, ratio=1.623):
+    """Two opposite Frank partials of hcp with a layer less between them, their period and b.
+
+    The fault of type I1 lies between them: ABABCBCB.
+    """
+    axes, period = BASAL[line]
+    sites = cylinder("hcp", axes, period, ratio=ratio, centre=(0.117, 0.093, 0))
+    kept = sites[(np.abs(sites[:, 1]) > 0.1) | (np.abs(sites[:, 0]) > 5)]
+    b = axes @ np.array([0, 1 / np.sqrt(3), -ratio / 2])
+    lines = [((5.0, 1e-9), b), ((-5.0, 1e-9), -b)]
+    return torn(kept, lines), period, lines
+
+
+def stacked(layers, repeats=(9, 5), ratio=1.623):
+    """Close-packed layers such as "ABABCACA", each of so many cells a by sqrt(3) a, and the cell
+    with two layers left free above."""
+    cells = np.stack(np.meshgrid(*map(np.arange, repeats), indexing="ij"), axis=-1)
+    sites = cells.reshape(-1, 1, 2) + np.array([[0, 0], [0.5, 0.5]])
+    x, y = (sites.reshape(-1, 2) * [1, np.sqrt(3)]).T
+    places = [
+        np.stack([x, y + "ABC".index(layer) / np.sqrt(3), 0 * x + k * ratio / 2], axis=1)
+        for k, layer in enumerate(layers)
+    ]
+    cell = np.array([repeats[0], np.sqrt(3) * repeats[1], (len(layers) + 2) * ratio / 2])
+    return np.concatenate(places), cell
+
+
+def vacancy_disc(radius, ratio=1.623):
+    """hcp without a disc of one basal layer, closed with the shear of a Frank loop, its cell, and
+    how many atoms are missing."""
+    repeats = (2 * radius + 5, radius + 4, 8)
+    sites, cell = block("hcp", repeats)
+    sites, cell = (x * [1, 1, ratio / np.sqrt(8 / 3)] for x in (sites, cell))
+    centre = np.array([cell[0] / 2 + 0.11, cell[1] / 2 + 0.07, 4 * ratio])
+    height = sites[:, 2] - centre[2]
+    gone = (np.abs(height) < 0.1) & (np.hypot(*(sites - centre)[:, :2].T) < radius)
+    turn = np.linspace(0, 2 * np.pi, 48, endpoint=False)
+    ring = centre + radius * np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
+    kept = sites[~gone]
+    share = np.abs(solid_angle(kept, ring)) / (4 * np.pi)
+    b = np.array([0, 1 / np.sqrt(3), -ratio / 2])
+    side = np.where(np.abs(height) < 0.1, 0, np.sign(height))[~gone]
+    return kept + (side * share)[:, None] * b, cell, int(gone.sum())
