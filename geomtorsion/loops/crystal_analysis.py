@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 from os import PathLike
 from pathlib import Path
@@ -77,11 +78,40 @@ STRUCTURES: Mapping[str, tuple[int, str, tuple[Family, ...]]] = {
 # -- writing --------------------------------------------------------------------------------------
 
 
+@dataclass(frozen=True, eq=False)
+class Cluster:
+    """A grain, as OVITO has it.
+
+    lattice: "fcc", "bcc", "hcp" or "diamond", by whose families OVITO names and colours lines.
+    matrix: takes a vector in units of the lattice to one in space, shape (3, 3): what OVITO calls
+        the orientation of the cluster. The file has b in units of the lattice.
+    atoms: how many.
+    """
+
+    lattice: str = ""
+    matrix: np.ndarray = field(default_factory=lambda: np.eye(3))
+    atoms: int = 0
+
+    def __post_init__(self) -> None:
+        """Look at what came."""
+        checks.choice(self.lattice, tuple(STRUCTURES), "lattice", NetworkError)
+        matrix = checks.array(self.matrix, "matrix", NetworkError, shape=(3, 3))
+        if np.linalg.matrix_rank(matrix) < 3:
+            raise NetworkError("matrix: its columns lie in one plane. Give three independent ones.")
+        object.__setattr__(self, "matrix", matrix)
+
+    @cached_property
+    def inverse(self) -> np.ndarray:
+        """Takes a vector in space to one in units of the lattice."""
+        return np.linalg.inv(self.matrix)
+
+
 def crystal_analysis_text(
     lines: LineArrays,
     curves: Sequence[Polyline],
-    lattice: str = "",
-    matrix: np.ndarray | None = None,
+    clusters: Sequence[Cluster] = (Cluster(),),
+    owners: Sequence[int] | None = None,
+    walls: Sequence[tuple[int, int]] = (),
 ) -> str:
     """Lines as the text of a Crystal Analysis file, every number to the last digit.
 
@@ -89,16 +119,16 @@ def crystal_analysis_text(
     ----------
     curves
         The polylines of the lines; their b in the coordinates of the nodes.
-    lattice
-        "fcc", "bcc", "hcp" or "diamond", by whose families OVITO names and colours lines.
-    matrix
-        Takes a vector in units of the lattice to one in space, shape (3, 3): what OVITO calls the
-        orientation of the cluster. The file has b in units of the lattice.
+    clusters, owners
+        Grains, and in which of them each curve lies, counted from 0; all in the first if not given.
+    walls
+        Pairs of clusters that touch. The transition from one to the other takes a vector in units
+        of the lattice of the first to the same vector in space in those of the second.
 
     Raises
     ------
     NetworkError
-        There is no box, b has not three components, or the matrix is singular.
+        There is no box, or b has not three components.
     """
     if lines.box is None:
         raise NetworkError(
@@ -110,34 +140,47 @@ def crystal_analysis_text(
             f"a Crystal Analysis file needs three components of b, but {lines.burgers.shape[1]} "
             "came."
         )
-    checks.choice(lattice, tuple(STRUCTURES), "lattice", NetworkError)
-    whole = np.eye(3) if matrix is None else matrix
-    whole = checks.array(whole, "matrix", NetworkError, shape=(3, 3))
-    if np.linalg.matrix_rank(whole) < 3:
-        raise NetworkError("matrix: its columns lie in one plane. Give three independent ones.")
-    inverse = np.linalg.inv(whole)
-    number, title, families = STRUCTURES[lattice]
+    lattices = list(dict.fromkeys(cluster.lattice for cluster in clusters))
     head = [
-        "CA_FILE_VERSION 6", "CA_LIB_VERSION 0.0.0", "STRUCTURE_TYPES 1",
+        "CA_FILE_VERSION 6", "CA_LIB_VERSION 0.0.0", f"STRUCTURE_TYPES {len(lattices)}",
+        *(row for lattice in lattices for row in _structure(lattice)),
+    ]  # fmt: skip
+    vectors, origin = np.asarray(lines.box.vectors), np.asarray(lines.box.origin)
+    head += [
+        f"SIMULATION_CELL_ORIGIN {_row(origin)}", "SIMULATION_CELL_MATRIX",
+        *map(_row, vectors.T),
+        f"PBC_FLAGS {' '.join(str(int(flag)) for flag in lines.box.periodic)}",
+        f"CLUSTERS {len(clusters)}",
+    ]  # fmt: skip
+    for k, cluster in enumerate(clusters, 1):
+        head += [
+            f"CLUSTER {k}", f"CLUSTER_STRUCTURE {STRUCTURES[cluster.lattice][0]}",
+            "CLUSTER_ORIENTATION", *map(_row, cluster.matrix), "CLUSTER_COLOR 1 1 1",
+            f"CLUSTER_SIZE {cluster.atoms}", "END_CLUSTER",
+        ]  # fmt: skip
+    head.append(f"CLUSTER_TRANSITIONS {len(walls)}")
+    for one, other in walls:
+        between = clusters[other].inverse @ clusters[one].matrix
+        head += [f"TRANSITION {one} {other}", _row(between.ravel())]
+    head.append(f"DISLOCATIONS {len(curves)}")
+    for k, curve in enumerate(curves):
+        mine = 0 if owners is None else owners[k]
+        local = _row(clusters[mine].inverse @ np.array([float(x) for x in curve.burgers]))
+        head += [str(k), local, str(1 + mine), str(len(curve.points)), *map(_row, curve.points)]
+    return "\n".join([*head, "DISLOCATION_JUNCTIONS", *_rings(curves)]) + "\n"
+
+
+def _structure(lattice: str) -> Iterator[str]:
+    """A lattice with its families."""
+    number, title, families = STRUCTURES[lattice]
+    yield from (
         f"STRUCTURE_TYPE {number}", f"NAME {lattice or 'unknown'}", f"FULL_NAME {title}",
         "COLOR 0.4 0.4 1", "TYPE LATTICE", f"BURGERS_VECTOR_FAMILIES {1 + len(families)}",
         "BURGERS_VECTOR_FAMILY ID 0", "Other", "0 0 0", "0.9 0.2 0.2",
-    ]  # fmt: skip
+    )  # fmt: skip
     for k, family in enumerate(families, 1):
-        head += [f"BURGERS_VECTOR_FAMILY ID {k}", *family]
-    vectors, origin = np.asarray(lines.box.vectors), np.asarray(lines.box.origin)
-    head += [
-        "END_STRUCTURE_TYPE", f"SIMULATION_CELL_ORIGIN {_row(origin)}", "SIMULATION_CELL_MATRIX",
-        *map(_row, vectors.T),
-        f"PBC_FLAGS {' '.join(str(int(flag)) for flag in lines.box.periodic)}",
-        "CLUSTERS 1", "CLUSTER 1", f"CLUSTER_STRUCTURE {number}", "CLUSTER_ORIENTATION",
-        *map(_row, whole), "CLUSTER_COLOR 1 1 1", "CLUSTER_SIZE 0", "END_CLUSTER",
-        "CLUSTER_TRANSITIONS 0", f"DISLOCATIONS {len(curves)}",
-    ]  # fmt: skip
-    for k, curve in enumerate(curves):
-        local = inverse @ np.array([float(x) for x in curve.burgers])
-        head += [str(k), _row(local), "1", str(len(curve.points)), *map(_row, curve.points)]
-    return "\n".join([*head, "DISLOCATION_JUNCTIONS", *_rings(curves)]) + "\n"
+        yield from (f"BURGERS_VECTOR_FAMILY ID {k}", *family)
+    yield "END_STRUCTURE_TYPE"
 
 
 def _row(values: np.ndarray) -> str:

@@ -241,9 +241,14 @@ class DislocationNetwork:
         return line_arrays(self.graph, self.box)
 
     @property
+    def owners(self) -> list[int]:
+        """The number among `lines` of that to which each straight piece of `arrays` belongs."""
+        return self._pieces[1]
+
+    @property
     def _vectors(self) -> list[Vector]:
         """b of each straight piece, exact where that of its line is."""
-        return [self.lines[k].burgers for k in self._pieces[1]]
+        return [self.lines[k].burgers for k in self.owners]
 
     @cached_property
     def lines(self) -> tuple[DislocationLine, ...]:
@@ -281,7 +286,7 @@ class DislocationNetwork:
     @property
     def names(self) -> list[str] | None:
         """The family of each straight piece of `arrays` in its crystal, if all are known."""
-        found = [self.lines[k].family for k in self._pieces[1]]
+        found = [self.lines[k].family for k in self.owners]
         known = [name for name in found if name is not None]
         return known if found and len(known) == len(found) else None
 

@@ -10,7 +10,7 @@ import pytest
 
 from geomtorsion.errors import FileFormatError, NetworkError
 from geomtorsion.loops import Box, DislocationNetwork, LineArrays
-from geomtorsion.loops.crystal_analysis import crystal_analysis_text
+from geomtorsion.loops.crystal_analysis import Cluster, crystal_analysis_text
 
 # Two Shockley partials of a relaxed edge dislocation in copper, as OVITO 3.17.2 wrote them.
 FILE = Path(__file__).parents[1] / "data" / "partials.ca"
@@ -36,7 +36,7 @@ def test_units_of_the_lattice_and_families(tmp_path: Path):
     box = Box.of_bounds([0, 0, 0], [9, 9, 9])
     b = matrix @ [0.5, -0.5, 0]
     net = DislocationNetwork.of_arrays(LineArrays([[1, 1, 1]], [[0, 0]], [b], box, [[0, 0, 1]]))
-    text = crystal_analysis_text(net.arrays, net.polylines, "fcc", matrix)
+    text = crystal_analysis_text(net.arrays, net.polylines, [Cluster("fcc", matrix)])
     assert "1/2<110> (Perfect)" in text
     rows = text.splitlines()
     local = np.array(rows[rows.index("DISLOCATIONS 1") + 2].split(), dtype=float)
@@ -89,8 +89,37 @@ def test_damage_is_named(tmp_path: Path, old: str, new: str, message: str):
 
 def test_a_matrix_or_a_lattice_that_is_none():
     """Singular, or of a name that OVITO does not know."""
-    net = DislocationNetwork.read(FILE)
     with pytest.raises(NetworkError, match="in one plane"):
-        crystal_analysis_text(net.arrays, net.polylines, "fcc", np.ones((3, 3)))
+        Cluster("fcc", np.ones((3, 3)))
     with pytest.raises(NetworkError, match="lattice: one of"):
-        crystal_analysis_text(net.arrays, net.polylines, "quasi")
+        Cluster("quasi")
+
+
+def test_clusters_have_their_own_axes(tmp_path: Path):
+    """Two lines in two grains: b of each in the units of its grain, back in space to the last
+    digits; the transition takes the one description of a vector to the other."""
+    turn = np.array([[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, 1]])
+    matrices = [3.6 * np.eye(3), 2.9 * turn]
+    b = [matrices[0] @ [0.5, -0.5, 0], matrices[1] @ [0.5, 0.5, -0.5]]
+    box = Box.of_bounds([0, 0, 0], [9, 9, 9])
+    places, images = [[1, 1, 1], [5, 5, 5]], [[0, 0, 1]] * 2
+    net = DislocationNetwork.of_arrays(LineArrays(places, [[0, 0], [1, 1]], b, box, images))
+    clusters = [Cluster("fcc", matrices[0], 70), Cluster("bcc", matrices[1], 50)]
+    text = crystal_analysis_text(net.arrays, net.polylines, clusters, [0, 1], [(0, 1)])
+    rows = text.splitlines()
+    assert [row for row in rows if row.startswith("STRUCTURE_TYPE ")] == [
+        "STRUCTURE_TYPE 1", "STRUCTURE_TYPE 3",
+    ]  # fmt: skip
+    assert [row for row in rows if "CLUSTER_S" in row] == [
+        "CLUSTER_STRUCTURE 1", "CLUSTER_SIZE 70", "CLUSTER_STRUCTURE 3", "CLUSTER_SIZE 50",
+    ]  # fmt: skip
+    first = rows.index("DISLOCATIONS 2")
+    found = [np.array(rows[first + 2 + 6 * k].split(), float) for k in (0, 1)]
+    assert found[0] == pytest.approx([0.5, -0.5, 0], abs=1e-14)
+    assert found[1] == pytest.approx([0.5, 0.5, -0.5], abs=1e-14)
+    assert [rows[first + 3 + 6 * k] for k in (0, 1)] == ["1", "2"]
+    between = np.array(rows[rows.index("TRANSITION 0 1") + 1].split(), float).reshape(3, 3)
+    assert matrices[1] @ between @ found[0] == pytest.approx(b[0], abs=1e-14)
+    (tmp_path / "a.ca").write_text(text)
+    back = DislocationNetwork.read(tmp_path / "a.ca").polylines
+    assert [np.array(one.burgers) for one in back] == [pytest.approx(x, abs=1e-14) for x in b]

@@ -13,7 +13,7 @@ from geomtorsion.crystals import BlockedCrystal, trajectories
 from geomtorsion.loops import DislocationNetwork
 from tests.cli import running
 from tests.crystals.making import BOX, copper_screw, written
-from tests.crystals.polycrystals import bicrystal
+from tests.crystals.polycrystals import bicrystal, turned
 from tests.crystals.synthetic import block
 from tests.real import real
 
@@ -74,6 +74,30 @@ def test_files_for_others(tmp_path: Path) -> None:
     page = (out / "crystal.html").read_text("utf-8")
     assert "<canvas" in page
     assert "http" not in page
+
+
+def test_grains_are_clusters_for_others(tmp_path: Path) -> None:
+    """A line in the second cluster, along its axes: b there is that of the table, in space that of
+    the line; the wall is a transition by its misorientation."""
+    places, _, size = bicrystal("fcc", turned(40, (0, 0, 1)), (0.5, 0.5, 0), size=(11, 8, 2))
+    file, out = written(tmp_path, 3.6 * (places + size / 2)), tmp_path / "out"
+    run(str(file), "-o", str(out))
+    (frame,) = json.loads((out / "crystal.json").read_text())["frames"]
+    (line,), rows = frame["lines"], (out / "lines.ca").read_text().splitlines()
+    first = rows.index("DISLOCATIONS 1")
+    assert rows.count("CLUSTER_STRUCTURE 1") == len(frame["grains"]) == 2
+    assert int(rows[first + 3]) == 1 + line["grain"]
+    exact = [float(Fraction(x)) for x in line["burgers_lattice"]]
+    assert np.array(rows[first + 2].split(), float) == pytest.approx(exact, abs=1e-12)
+    assert [f"CLUSTER_SIZE {grain['atoms']}" in rows for grain in frame["grains"]] == [True, True]
+    between = np.array(rows[rows.index("TRANSITION 0 1") + 1].split(), float).reshape(3, 3)
+    scale = np.linalg.det(between) ** (1 / 3)
+    # In the variants nearest to each other the turn is the least.
+    angle = np.degrees(np.arccos((np.trace(between / scale) - 1) / 2))
+    assert angle == pytest.approx(frame["walls"][0]["degrees"], abs=1e-6)
+    (back,) = DislocationNetwork.read(out / "lines.ca").polylines
+    assert np.array(back.burgers) == pytest.approx(line["burgers"], abs=1e-12)
+    assert back.length == pytest.approx(line["length"], rel=1e-12)
 
 
 def test_families_of_hcp_for_others(tmp_path: Path) -> None:
