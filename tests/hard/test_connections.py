@@ -6,8 +6,9 @@ from itertools import product
 
 import mpmath
 import numpy as np
+import pytest
 import sympy as sp
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import geomtorsion as gt
@@ -72,10 +73,23 @@ def test_connections_from_a_spin_connection(data, case):
         assert connection.spin_connection.element(a, i, j) == frame.field.read(omega[a][i][j])
 
 
-@quick
+@settings(quick, max_examples=5)
 @given(st.data(), coframes(2, 3))
 def test_connections_from_a_contortion_and_blends(data, case):
     """K antisymmetric in: metric, the same contortion out; a blend obeys the oracle."""
+    check_contortion(data, case)
+
+
+@pytest.mark.slow
+@settings(quick, max_examples=40)
+@given(st.data(), coframes(2, 3))
+def test_many_connections_from_a_contortion(data, case):
+    """The same of more frames."""
+    check_contortion(data, case)
+
+
+def check_contortion(data, case):
+    """What comes out of a contortion, and of a blend of its connection."""
     coordinates, matrix, signature = case
     frame = gt.Frame(coordinates, matrix, signature=signature)
     size = frame.dimension
