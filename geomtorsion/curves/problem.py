@@ -68,6 +68,9 @@ class CurveProblem:
     coordinate_velocity: tuple[Real, ...] | None = None
     _written: dict[str, Equations] = field(default_factory=dict, repr=False)
     _stages: dict[tuple[int, float], Stage] = field(default_factory=dict, repr=False, init=False)
+    _beginnings: dict[int, tuple[str, MovingPoint]] = field(
+        default_factory=dict, repr=False, init=False
+    )
 
     def __getstate__(self) -> dict[str, object]:
         return only_fields(self)
@@ -244,7 +247,9 @@ class CurveProblem:
         """The motion from its start on; perturbation: the part by which this is changed."""
         key = precision, perturbation
         if key not in self._stages:
-            label, point = moving_point.beginning(self, precision)
+            if precision not in self._beginnings:
+                self._beginnings[precision] = moving_point.beginning(self, precision)
+            label, point = self._beginnings[precision]
             self._stages[key] = self._stage(label, point, 0.0, precision, perturbation)
         return self._stages[key]
 
