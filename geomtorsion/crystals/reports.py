@@ -16,7 +16,7 @@ from geomtorsion.crystals.grains import Grain, Wall
 from geomtorsion.crystals.known_grains import KnownGrains
 from geomtorsion.crystals.lattices import lattice_named
 from geomtorsion.loops import DislocationNetwork
-from geomtorsion.loops.network_lines import DislocationLine
+from geomtorsion.loops.line_arrays import DislocationLine
 
 # A frame, or a line in it, as JSON has it.
 Json = dict[str, Any]

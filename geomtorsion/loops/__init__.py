@@ -7,7 +7,7 @@ from geomtorsion.loops.burgers import burgers_vector
 from geomtorsion.loops.circuit import CircuitBurgers
 from geomtorsion.loops.cochain import ChainSums, Cochain
 from geomtorsion.loops.complexes import Complex
-from geomtorsion.loops.defect_frames import (
+from geomtorsion.loops.defect_lines import (
     dispiration,
     parallel_dislocations,
     parallel_edges,

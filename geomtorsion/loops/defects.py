@@ -14,10 +14,9 @@ from geomtorsion.checks import exact_number
 from geomtorsion.checks import expression as expression_of
 from geomtorsion.errors import LoopError, MissingValueError
 from geomtorsion.exact.form import Sum, form
-from geomtorsion.loops.affine_form import AffineForm
+from geomtorsion.loops.affine_form import AffineForm, line_rate
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Number, Parameters, shown
-from geomtorsion.loops.cone import line_rate
 from geomtorsion.loops.defect_lines import Lines
 from geomtorsion.loops.forms import Poles, forms, parameter_values
 from geomtorsion.loops.integrals import line_route

@@ -11,10 +11,9 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.errors import ArgumentError
 from geomtorsion.geometry import Connection
-from geomtorsion.loops.affine_form import AffineForm
+from geomtorsion.loops.affine_form import AffineForm, around_cone, line_rate
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Parameters, Part
-from geomtorsion.loops.cone import around_cone, line_rate
 from geomtorsion.loops.defects import Defect, EnclosedDefect, enclosed_defects, lines_alone
 from geomtorsion.loops.forms import perturbed
 from geomtorsion.loops.integrals import DISAGREE, probes

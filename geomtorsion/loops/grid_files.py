@@ -1,17 +1,27 @@
-"""Grid files: sampled frames read and written, each format by the library that has it."""
+"""Grid files: sampled frames in NPZ, NetCDF, HDF5, CSV and VTK, each by the library that has it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy  # loads its parts when they are asked for
 
 from geomtorsion.checks import cut, shown
-from geomtorsion.errors import FileFormatError, GridError
-from geomtorsion.loops.fields import netcdf, tables
-from geomtorsion.loops.fields.contents import TEXTS, Contents, key_of
+from geomtorsion.errors import FileFormatError, GridError, MissingExtraError
+from geomtorsion.loops.fields import tables
+from geomtorsion.loops.fields.contents import (
+    TEXTS,
+    Contents,
+    check_room,
+    guarded,
+    key_of,
+    module,
+    periodic_names,
+)
 from geomtorsion.npz import ArrayForm, read_npz, text_of
 
 FORMS = {
@@ -26,6 +36,9 @@ FORMS = {
     "vector_unit": ArrayForm((), "U", optional=True),
     "source": ArrayForm((), "U", optional=True),
 }
+HDF5 = b"\x89HDF"
+# What may say how the values scatter.
+NOISE = ("sigma", "covariance")
 
 
 def read_grid(path: Path) -> Contents:
@@ -117,11 +130,164 @@ def _write_npz(path: Path, contents: Contents) -> None:
         np.savez_compressed(stream, **arrays)
 
 
+def read_netcdf(path: Path) -> Contents:
+    """By xarray if it is installed; classic files by scipy otherwise."""
+    try:
+        xarray = import_module("xarray")
+    except ImportError:
+        return _classic(path)
+
+    def load() -> Any:
+        with xarray.open_dataset(path) as data:
+            for name, variable in data.variables.items():
+                check_room(path, str(name), variable.shape)
+            return data.load()
+
+    data = guarded(path, load)
+    key = key_of(path, data.variables)
+    variable = data[key]
+    names = tuple(str(name) for name in variable.dims[2:])
+    for name in names:
+        if name not in data.coords:
+            raise FileFormatError(f"{path}: dimension {name} of {key} has no coordinates.")
+    noise = {name: data[name].values for name in NOISE if name in data.variables}
+    axes = [data[name].values for name in names]
+    return Contents(
+        axes, variable.values, names, key == "distortion", _options(path, noise, data.attrs)
+    )
+
+
+def _classic(path: Path) -> Contents:
+    """A classic file, by scipy."""
+    with path.open("rb") as stream:
+        if stream.read(4) == HDF5:
+            raise MissingExtraError(
+                f"{path}: this is NetCDF 4, which needs xarray with a backend. "
+                "Install them: pip install geomtorsion[files]."
+            )
+
+    def load() -> tuple[dict[str, np.ndarray], dict[str, tuple[str, ...]], dict[str, Any]]:
+        with scipy.io.netcdf_file(path, mmap=False) as data:
+            arrays = {name: variable[:].copy() for name, variable in data.variables.items()}
+            sizes = {name: variable.dimensions for name, variable in data.variables.items()}
+            texts = {
+                name: value.decode() if isinstance(value, bytes) else value
+                for name, value in data._attributes.items()
+            }
+            return arrays, sizes, texts
+
+    arrays, dimensions, texts = guarded(path, load)
+    key = key_of(path, arrays)
+    names = tuple(dimensions[key][2:])
+    for name in names:
+        if name not in arrays:
+            raise FileFormatError(f"{path}: dimension {name} of {key} has no coordinate variable.")
+    options = _options(path, arrays, texts)
+    axes = [arrays[name] for name in names]
+    return Contents(axes, arrays[key], names, key == "distortion", options)
+
+
+def _options(path: Path, arrays: Mapping[str, np.ndarray], texts: Any) -> dict[str, Any]:
+    """Noise, periods and texts."""
+    found: dict[str, Any] = {key: texts[key] for key in TEXTS if key in texts}
+    found |= {name: arrays[name] for name in NOISE if name in arrays}
+    if "periodic" in texts:
+        found["periodic"] = periodic_names(texts["periodic"], path)
+    return found
+
+
+def write_netcdf(path: Path, contents: Contents) -> None:
+    """A classic file, which every library reads."""
+    with scipy.io.netcdf_file(path, "w") as data:
+        for name, axis in zip(contents.names, contents.axes, strict=True):
+            data.createDimension(name, len(axis))
+            data.createVariable(name, "d", (name,))[:] = axis
+        for name, length in zip(("row", "column"), contents.values.shape[:2], strict=True):
+            data.createDimension(name, length)
+        dims = ("row", "column", *contents.names)
+        data.createVariable("coframe", "d", dims)[:] = contents.values
+        for key in NOISE:
+            if key not in contents.options:
+                continue
+            values = contents.options[key]
+            inner = [f"{key}_axis_{k}" for k in range(values.ndim)]
+            for name, length in zip(inner, values.shape, strict=True):
+                data.createDimension(name, length)
+            data.createVariable(key, "d", inner)[:] = values
+        for name, text in _texts(contents).items():
+            setattr(data, name, text.encode())
+
+
+def _texts(contents: Contents) -> dict[str, str]:
+    """What is said in attributes."""
+    found = {key: contents.options[key] for key in TEXTS if contents.options.get(key)}
+    if "periodic" in contents.options:
+        pairs = zip(contents.names, contents.options["periodic"], strict=True)
+        found["periodic"] = " ".join(name for name, wraps in pairs if wraps)
+    return found
+
+
+# -- HDF5 -----------------------------------------------------------------------------------------
+
+
+def read_hdf5(path: Path) -> Contents:
+    """Data sets coframe (or distortion), axis_x, ... and sigma; texts as attributes."""
+    h5py = module("h5py", path)
+
+    def load() -> Contents:
+        with h5py.File(path, "r") as file:
+            names = [str(name) for name in file]
+            key = key_of(path, names)
+            said = dict(file.attrs)
+            axes = [name.removeprefix("axis_") for name in names if name.startswith("axis_")]
+            if "names" in said:
+                axes = str(said["names"]).split()
+            for name in axes:
+                if f"axis_{name}" not in names:
+                    raise FileFormatError(f"{path}: the data set axis_{name} is missing.")
+            arrays = {
+                name: _data_set(h5py, file, name, path)
+                for name in (key, *NOISE, *(f"axis_{name}" for name in axes))
+                if name in names
+            }
+        options = _options(path, arrays, {k: str(v) for k, v in said.items()})
+        lines = [arrays[f"axis_{name}"] for name in axes]
+        return Contents(lines, arrays[key], tuple(axes), key == "distortion", options)
+
+    return guarded(path, load)
+
+
+def _data_set(h5py: Any, file: Any, name: str, path: Path) -> np.ndarray:
+    """An array that lies in the file itself: links and other files are not followed."""
+    link = file.get(name, getlink=True)
+    if not isinstance(link, h5py.HardLink) or not isinstance(file[name], h5py.Dataset):
+        raise FileFormatError(f"{path}: {name} is no data set of this file, but a link or a group.")
+    found = file[name]
+    if found.is_virtual or found.external or found.dtype.kind not in "fiu":
+        raise FileFormatError(f"{path}: {name}: numbers in this file itself were needed.")
+    check_room(path, name, found.shape)
+    return found[...]
+
+
+def write_hdf5(path: Path, contents: Contents) -> None:
+    """The same names as in an NPZ file."""
+    h5py = module("h5py", path)
+    with h5py.File(path, "w") as file:
+        file["coframe"] = contents.values
+        for name, axis in zip(contents.names, contents.axes, strict=True):
+            file[f"axis_{name}"] = axis
+        for key in NOISE:
+            if key in contents.options:
+                file[key] = contents.options[key]
+        for name, text in {"names": " ".join(contents.names), **_texts(contents)}.items():
+            file.attrs[name] = text
+
+
 # How each format is read and written.
 FORMATS: dict[str, tuple[Callable[[Path], Contents], Callable[[Path, Contents], None]]] = {
     ".npz": (_npz, _write_npz),
-    **dict.fromkeys((".nc", ".cdf", ".netcdf"), (netcdf.read_netcdf, netcdf.write_netcdf)),
-    **dict.fromkeys((".h5", ".hdf5"), (netcdf.read_hdf5, netcdf.write_hdf5)),
+    **dict.fromkeys((".nc", ".cdf", ".netcdf"), (read_netcdf, write_netcdf)),
+    **dict.fromkeys((".h5", ".hdf5"), (read_hdf5, write_hdf5)),
     ".csv": (tables.read_csv, tables.write_csv),
     **dict.fromkeys((".vtk", ".vtu"), (tables.read_vtk, tables.write_vtk)),
 }

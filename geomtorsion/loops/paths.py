@@ -11,10 +11,9 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import LoopError
-from geomtorsion.loops.affine_form import AffineForm
+from geomtorsion.loops.affine_form import AffineForm, line_rate
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Parameters, Part, Segment, shown
-from geomtorsion.loops.cone import line_rate
 from geomtorsion.loops.development import back_by
 from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.transport import STAGES, collocation, increments, transported

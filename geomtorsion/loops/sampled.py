@@ -14,8 +14,12 @@ from geomtorsion.loops.cochain import Cochain
 from geomtorsion.loops.edges import EdgeIntegrals
 from geomtorsion.loops.fields import cells, holes
 from geomtorsion.loops.fields.cells import Plaquettes
-from geomtorsion.loops.fields.circuits import SampledBurgers, sampled_burgers
-from geomtorsion.loops.fields.edges import edge_cochain, sampled_edges
+from geomtorsion.loops.fields.circuits import (
+    SampledBurgers,
+    edge_cochain,
+    sampled_burgers,
+    sampled_edges,
+)
 from geomtorsion.loops.fields.holes import Hole
 from geomtorsion.loops.fields.samples import Samples
 from geomtorsion.loops.loop import Loop
