@@ -60,7 +60,7 @@ LONG: dict[str, str] = {
 LONGEST = 500
 # What is to come down: each is lowered as soon as less has been reached.
 CEILINGS = {
-    "files in rings": 29,
+    "files in rings": 28,
     "inner imports without a reason": 0,
     "percent of Any": 3.6,
     "tuned constants": 149,

@@ -17,8 +17,8 @@ from geomtorsion.curves import moving_point, readout
 from geomtorsion.curves.atlas import Atlas
 from geomtorsion.curves.equations import Equations, Reduction, written
 from geomtorsion.curves.laws import Law
-from geomtorsion.curves.member_starts import laid_out, start_lists
 from geomtorsion.curves.moving_point import MovingPoint, checked_start, frame_velocities
+from geomtorsion.curves.readout import laid_out, start_lists
 from geomtorsion.curves.transported import Carried, carrying
 from geomtorsion.errors import ChartEdgeError, StartError
 from geomtorsion.ode.engines import Taylor

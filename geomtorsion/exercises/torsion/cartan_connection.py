@@ -24,7 +24,6 @@ def make(draw: Random, seed: int) -> Variant:
     turning = seed == 0 or draw.random() < 0.5
     names = ["so3"] if seed == 0 else sorted(ANGLES)
     frame = load(draw.choice(names)).frame if turning else group(draw, seed)
-    connection = cartan(frame)
     return Variant(
         statement=(
             f"The coframe of this exercise, in the coordinates ${tex.symbols(frame)}$, is"
@@ -32,31 +31,10 @@ def make(draw: Random, seed: int) -> Variant:
             r"Its Cartan connection is $\Gamma_{ab}{}^c = E_i{}^c\,\partial_a e^i{}_b$."
         ),
         questions=(
-            Question(
-                name="connection",
-                kind="components",
-                prompt=r"All components $\Gamma_{ab}{}^c$ that do not vanish, in the order "
+            connection_question(
+                frame,
+                r"All components $\Gamma_{ab}{}^c$ that do not vanish, in the order "
                 "$a, b, c$, the direction of differentiation first.",
-                domain=Domain.of(frame),
-                answer=lambda: connection.coefficients,
-                errors=lambda: [
-                    Mistake("levi-civita", levi_civita(frame).coefficients),
-                    Mistake(
-                        "permuted",
-                        reordered(connection.coefficients, (1, 0, 2)),
-                        "The derivative index stands last in your answer; here it comes first.",
-                    ),
-                    Mistake(
-                        "inverse",
-                        connection.coefficients.lowered(2),
-                        r"That is $e^i{}_c\,\partial_a e^i{}_b$, with the coframe where its "
-                        "inverse, the legs, should be: all indices are down.",
-                    ),
-                ],
-                shape=(3, 3, 3),
-                label="Gamma",
-                marks="__^",
-                remarks=CONNECTION,
                 points=2,
             ),
         ),
@@ -67,6 +45,37 @@ def make(draw: Random, seed: int) -> Variant:
             f"There are {_count(frame)} coordinates on which the coframe depends.",
         ),
         worked=lambda: _worked(frame),
+    )
+
+
+def connection_question(frame: Frame, prompt: str, points: int = 1) -> Question:
+    """A question for all components of the Cartan connection, with its likely mistakes."""
+    connection = cartan(frame)
+    return Question(
+        name="connection",
+        kind="components",
+        prompt=prompt,
+        domain=Domain.of(frame),
+        answer=lambda: connection.coefficients,
+        errors=lambda: [
+            Mistake("levi-civita", levi_civita(frame).coefficients),
+            Mistake(
+                "permuted",
+                reordered(connection.coefficients, (1, 0, 2)),
+                "The derivative index stands last in your answer; here it comes first.",
+            ),
+            Mistake(
+                "inverse",
+                connection.coefficients.lowered(2),
+                r"That is $e^i{}_c\,\partial_a e^i{}_b$, with the coframe where its "
+                "inverse, the legs, should be: all indices are down.",
+            ),
+        ],
+        shape=(frame.dimension,) * 3,
+        label="Gamma",
+        marks="__^",
+        remarks=CONNECTION,
+        points=points,
     )
 
 

@@ -3,25 +3,20 @@
 from random import Random
 
 from geomtorsion.exercises.authoring import (
-    CONNECTION,
-    Domain,
-    Mistake,
-    Question,
     Step,
     Variant,
     by_hand,
-    reordered,
     steps,
     tex,
 )
 from geomtorsion.exercises.families import circles
-from geomtorsion.geometry import Frame, cartan, levi_civita
+from geomtorsion.exercises.torsion.cartan_connection import connection_question
+from geomtorsion.geometry import Frame
 
 
 def make(draw: Random, seed: int) -> Variant:
     """Polar legs for seed 0; other seeds: circles of other lengths."""
     frame = circles(draw, seed)
-    connection = cartan(frame)
     return Variant(
         statement=(
             f"In the coordinates ${tex.symbols(frame)}$ let ${tex.forms(frame)}$. "
@@ -30,31 +25,10 @@ def make(draw: Random, seed: int) -> Variant:
             "\n\nwhere the **first** lower index is the direction of differentiation."
         ),
         questions=(
-            Question(
-                name="connection",
-                kind="components",
-                prompt=r"The components $\Gamma_{ab}{}^c$ that do not vanish (there is one), "
+            connection_question(
+                frame,
+                r"The components $\Gamma_{ab}{}^c$ that do not vanish (there is one), "
                 "indices in the order $a, b, c$.",
-                domain=Domain.of(frame),
-                answer=lambda: connection.coefficients,
-                errors=lambda: [
-                    Mistake("levi-civita", levi_civita(frame).coefficients),
-                    Mistake(
-                        "permuted",
-                        reordered(connection.coefficients, (1, 0, 2)),
-                        "The derivative index stands last in your answer; here it comes first.",
-                    ),
-                    Mistake(
-                        "inverse",
-                        connection.coefficients.lowered(2),
-                        r"That is $e^i{}_c\,\partial_a e^i{}_b$, with the coframe where its "
-                        "inverse, the legs, should be: all indices are down.",
-                    ),
-                ],
-                shape=(2, 2, 2),
-                label="Gamma",
-                marks="__^",
-                remarks=CONNECTION,
             ),
         ),
         hints=steps(
