@@ -19,18 +19,11 @@ from geomtorsion.loops.box import Box
 from geomtorsion.loops.circuit import CircuitBurgers, circuit_burgers
 from geomtorsion.loops.complexes import Complex
 from geomtorsion.loops.line_arrays import DislocationLine, LineArrays, line_arrays
-from geomtorsion.loops.line_families import (
-    Lattice,
-    LineFamily,
-    Symmetry,
-    line_families,
-    line_table,
-    node_table,
-)
+from geomtorsion.loops.line_families import Lattice, LineFamily, Symmetry, line_families
 from geomtorsion.loops.line_files import lines_text, read_lines
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.opendis import arrays_of_opendis, opendis_of_arrays
-from geomtorsion.loops.polylines import Polyline, polylines
+from geomtorsion.loops.polylines import Polyline, line_table, node_table, polylines
 from geomtorsion.loops.reactions import (
     CONSTRAINTS,
     NodeViolation,
