@@ -14,6 +14,7 @@ from geomtorsion.exact.form import LONGEST_FACTORED, Sum, form
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.integers import as_fmpq
 from geomtorsion.exact.kept import in_order
+from geomtorsion.exact.radical_denominators import roots_restored
 from geomtorsion.precision import ball_precision, working_precision
 
 if TYPE_CHECKING:
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
 
     from flint import fmpq_mpoly
 
-    from geomtorsion.exact.element import Element
+    from geomtorsion.exact.element import Denominator, Element
+    from geomtorsion.exact.radical_denominators import Below
     from geomtorsion.exact.tower import Tower
 
     # The values of symbols and jets; the values of generators by name, once known.
@@ -102,9 +104,9 @@ def _written_value(element: Element, given: Given, known: Known) -> mpmath.mpf:
     """The value of the written form, which has fewer removable singularities."""
     if element.is_kept:
         return _kept_value(element, given, known, _written_value)
-    if not element._den and len(element._num) > LONGEST_FACTORED:
-        # It would be written term by term, as it is.
-        return values(element, given, known)
+    if len(element._num) > LONGEST_FACTORED:
+        # Its numerator would be written term by term, as it is.
+        return _quotient(element, *roots_restored(element), given, known)
     written = form(element)
     result = mpmath.mpf(int(written.coefficient.p)) / int(written.coefficient.q)
     for base, exponent in written.powers:
@@ -125,17 +127,25 @@ def values(element: Element, given: Given, known: Known) -> mpmath.mpf:
     """The value from the values of generators; `given` answers for symbols and jets."""
     if element.is_kept:
         return _kept_value(element, given, known, values)
+    return _quotient(element, element.field.lift(element), element._den, {}, given, known)
+
+
+def _quotient(
+    element: Element, num: fmpq_mpoly, den: Denominator, below: Below, given: Given, known: Known
+) -> mpmath.mpf:
+    """The value of an element that is num over den and over what is below, term by term."""
     field = element.field
-    num = _polynomial(field, field.lift(element), given, known)
-    for index, exponent in element._den:
-        factor = _polynomial(field, field.factors[index], given, known)
+    value = _polynomial(field, num, given, known)
+    divisors = [(field.factors[index], exponent) for index, exponent in den]
+    for divisor, exponent in [*divisors, *below.values()]:
+        factor = _polynomial(field, divisor, given, known)
         if not factor:
             raise SingularPointError(
                 f"{element} has no finite value here: its denominator vanishes; "
                 "move the point away from the edge of the chart"
             )
-        num /= factor**exponent
-    return num
+        value /= factor**exponent
+    return value
 
 
 def _kept_value(

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flint import fmpq, fmpz
+from flint.utils.flint_exceptions import DomainError
 
 from geomtorsion.exact import factoring_process
 from geomtorsion.exact.limits import MOST_AT_ONCE
@@ -39,6 +40,31 @@ def factored(poly: fmpq_mpoly) -> Factors:
             return found
     content, factors = poly.factor()
     return fmpq(content), [(factor, int(exponent)) for factor, exponent in factors]
+
+
+def known_taken_out(
+    poly: fmpq_mpoly, known: list[fmpq_mpoly]
+) -> tuple[fmpq, list[tuple[fmpq_mpoly, int]], fmpq_mpoly]:
+    """(content, powers, rest) with poly = content * powers * rest, where rest has leading
+    coefficient 1; the powers are those of variables and of irreducible polynomials that are known.
+
+    Trial division by a few of these is a hundred times cheaper than factoring.
+    """
+    common, context = poly.term_content(), poly.context()
+    powers = [(context.gen(k), int(e)) for k, e in enumerate(common.degrees()) if e]
+    rest = poly / common
+    for factor in known:
+        exponent = 0
+        while len(rest) > 1 and len(factor) > 1:
+            try:
+                rest = rest / factor
+            except DomainError:
+                break
+            exponent += 1
+        if exponent:
+            powers.append((factor, exponent))
+    leading = rest.leading_coefficient()
+    return common.leading_coefficient() * leading, powers, rest / leading
 
 
 class OtherProcess:

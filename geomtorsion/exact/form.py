@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 from flint import fmpq
 
-from geomtorsion.exact.factoring import factored
 from geomtorsion.exact.fourier import HIGHEST_DEGREE, high_pairs, multiple_angles
-from geomtorsion.exact.radical_denominators import monic, roots_restored
+from geomtorsion.exact.radical_denominators import roots_restored
 
 if TYPE_CHECKING:
     from flint import fmpq_mpoly
@@ -61,12 +60,9 @@ class Radicals:
             tail = generator.tail
             if generator.degree != 2 or tail is None or generator.kind == "imaginary":
                 continue
-            content, factors = factored(field.lift(tail))
-            pairs = [monic(factor) for factor, _ in factors]
-            for _, sign in pairs:
-                content = content * sign
-            if all(exponent == 1 for _, exponent in factors) and pairs:
-                keys = tuple(str(factor) for factor, _ in pairs)
+            content, factors = field.factored(field.lift(tail))
+            if all(exponent == 1 for _, exponent in factors) and factors:
+                keys = tuple(str(factor) for factor, _ in factors)
                 key = str(field.ctx.gen(position))
                 self.table.append((key, content, keys))
                 if abs(content) != 1 and len(field.lift(tail)) > 1:
@@ -113,15 +109,15 @@ def _made(element: Element) -> Form:
     if len(num) == 1 and not den and not below:
         return _monomial(field, num)
     # A long polynomial is written as it is: its factors would cost more than they explain.
-    content, factors = factored(num) if len(num) <= LONGEST_FACTORED else (fmpq(1), [(num, 1)])
+    content, factors = (
+        field.factored(num) if len(num) <= LONGEST_FACTORED else (fmpq(1), [(num, 1)])
+    )
     if len(factors) > 1 and _is_short_wave(field, table, num):
         # cos(3 x) + cos(2 x) is shorter and more precise than the product of its factors.
         content, factors = fmpq(1), [(num, 1)]
     for factor, exponent in factors:
-        positive, sign = monic(factor)
-        content = content * sign if exponent % 2 else content
-        key = str(positive)
-        polys[key], exponents[key] = positive, exponent
+        key = str(factor)
+        polys[key], exponents[key] = factor, exponent
     divisors = [(field.factors[index], exponent) for index, exponent in den]
     for factor, exponent in [*divisors, *below.values()]:
         key = str(factor)

@@ -54,16 +54,21 @@ class Branch:
         the sympy expression that was read.
     read_as
         the sympy expression that it was replaced with.
-    condition
-        where in the domain the replacement is right, in words.
+    words
+        where in the domain the replacement is right, unless `holds` says it all.
     holds
         an element that is positive where it is right; None where no single element says so.
     """
 
     radical: sympy.Expr
     read_as: sympy.Expr
-    condition: str
+    words: str
     holds: Element | None = None
+
+    @property
+    def condition(self) -> str:
+        """Where in the domain the replacement is right, in words."""
+        return self.words or f"{self.holds} >= 0"
 
     def __str__(self) -> str:
         return f"{self.radical} read as {self.read_as}: right where {self.condition}"

@@ -82,17 +82,18 @@ class GenericPoint:
 
     def prefer_positive(self, element: Element) -> bool:
         """Moves the point to where the element is positive, if that contradicts no sign."""
+        sign = self._sign(element)
         # A radicand that is negative here may be positive elsewhere in the domain.
-        if not self._sign(element) and not self._field.is_complex:
+        if not sign and not self._field.is_complex:
             before = self._place
             try:
-                if not self._moved(element):
+                sign = self._moved(element)
+            finally:
+                # Also whoever interrupts the search leaves the point where it was.
+                if not sign:
                     self._move(before)
-            # Whoever interrupts the search leaves the point where it was.
-            except BaseException:
-                self._move(before)
-                raise
-        return self.is_positive(element)
+        self._signs.append((element, sign))
+        return sign
 
     def _moved(self, element: Element) -> bool:
         """Whether the point moved to a place where the element is positive, all signs as before."""

@@ -110,6 +110,10 @@ class ModularPoint:
         """The value of a polynomial of the present ring."""
         total, powers = self._zero, {}
         newest = len(self._field.generators) - 1
+        if poly.total_degree() < _BITS:
+            # In whole numbers, which stay small enough: five times as fast for thousands of terms.
+            values = [0] * (newest + 1 - len(self._values)) + [int(v) for v in self._values[::-1]]
+            return self._number(poly(*values))
         for monomial, coefficient in poly.to_dict().items():
             term = self._number(coefficient)
             for position, exponent in enumerate(monomial):

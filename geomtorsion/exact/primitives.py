@@ -16,7 +16,6 @@ from flint import fmpq
 
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.constant_logarithms import ConstantLogarithms
-from geomtorsion.exact.factoring import factored
 from geomtorsion.exact.generators import Branch, Generator
 from geomtorsion.exact.integers import prime_factors
 from geomtorsion.exact.rational_basis import express
@@ -71,7 +70,7 @@ class Primitives:
         if not element._num:
             raise ExpressionError("log of an expression that is exactly zero")
         field.sample.prefer_positive(element)
-        content, factors = factored(field.lift(element))
+        content, factors = field.factored(field.lift(element))
         # log(x**2 y) = 2 log(x) + log(y): the logarithms of irreducible factors are independent.
         powers = [(field.polynomial(factor), exponent) for factor, exponent in factors]
         powers += [(field.polynomial(field.factors[i]), -e) for i, e in element._den]

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 from flint.utils.flint_exceptions import DomainError
 
-from geomtorsion.exact.factoring import factored
 from geomtorsion.exact.limits import LARGEST_PRODUCT
 
 if TYPE_CHECKING:
@@ -72,19 +71,9 @@ def inverse(field: Tower, element: Element, largest: int = LARGEST_PRODUCT) -> E
         return None
     if rooted:
         field.note_rooted(field.polynomial(given))
-    content, factors = factored(num)
-    signed = []
-    for factor, exponent in factors:
-        positive, sign = monic(factor)
-        content = content * sign if exponent % 2 else content
-        signed.append((positive, exponent))
+    content, factors = field.factored(num)
     # Irreducible factors are registered once, so that later sums share them.
-    return field.over_factors(multiplier * den * (1 / content), signed)
-
-
-def monic(factor: fmpq_mpoly) -> tuple[fmpq_mpoly, int]:
-    """A factor with positive leading coefficient, and the sign taken out."""
-    return (-factor, -1) if factor.leading_coefficient() < 0 else (factor, 1)
+    return field.over_factors(multiplier * den * (1 / content), factors)
 
 
 def split(field: Tower, poly: fmpq_mpoly, position: int) -> tuple[fmpq_mpoly, fmpq_mpoly]:
@@ -169,7 +158,7 @@ class Norms:
         self.table: list[tuple[list[fmpq_mpoly], Denominator]] = []
         seen: set[str] = set()
         for element in field.rooted:
-            for factor, _ in factored(field.lift(element))[1]:
+            for factor, _ in field.factored(field.lift(element))[1]:
                 key = str(factor)
                 if key not in seen and len(factor) > 1:
                     seen.add(key)
@@ -197,8 +186,8 @@ class Norms:
                 flipped.append(low - high * w)
             conjugates += flipped
         powers: dict[int, int] = {}
-        for part, exponent in factored(norm)[1]:
-            index = field.factor_index.get(str(monic(part)[0]))
+        for part, exponent in field.factored(norm)[1]:
+            index = field.factor_index.get(str(part))
             # Only norms that stand below some element can be replaced.
             if index is None:
                 return
@@ -233,10 +222,10 @@ def roots_restored(element: Element) -> tuple[fmpq_mpoly, Denominator, Below]:
             # num/part = (quotient * norm/part)/divisor, and the norm is gone from below.
             num = quotient * field.cofactor(powers, tuple((i, e) for i, e in part.items() if e))
             den = tuple((i, e - part.get(i, 0)) for i, e in den if e > part.get(i, 0))
-            positive, sign = monic(divisor)
-            num = num * sign
-            key = str(positive)
-            below[key] = (positive, below.get(key, (None, 0))[1] + 1)
+            if divisor.leading_coefficient() < 0:
+                num, divisor = -num, -divisor
+            key = str(divisor)
+            below[key] = (divisor, below.get(key, (None, 0))[1] + 1)
     return num, den, below
 
 

@@ -10,7 +10,6 @@ import sympy
 from flint import fmpq, fmpz
 
 from geomtorsion.errors import ExpressionError
-from geomtorsion.exact.factoring import factored
 from geomtorsion.exact.generators import Branch
 from geomtorsion.exact.integers import prime_factors
 from geomtorsion.exact.square_roots import square_root_inside, without_odd_roots
@@ -71,7 +70,7 @@ def _square_root(field: Tower, element: Element, radical: sympy.Expr | None) -> 
 
 def _squares_taken_out(field: Tower, element: Element) -> tuple[Element, fmpz, Element]:
     """(outer, content, tail) with element = outer**2 * tail, tail a polynomial."""
-    content, factors = factored(field.lift(element))
+    content, factors = field.factored(field.lift(element))
     # Squares go outside, so that sqrt(4 x) and sqrt(x) share one generator.
     outer, tail = field.ctx.constant(1), field.ctx.constant(1)
     for factor, exponent in factors:
@@ -124,10 +123,8 @@ def _state(
     if radical is None:
         return
     positive = value if outer is None else outer
-    shown = positive.sympy
-    if shown.is_nonnegative:
-        return
-    field.state_branch(Branch(radical, value.sympy, f"{shown} >= 0", positive))
+    if not positive.sympy.is_nonnegative:
+        field.state_branch(Branch(radical, value.sympy, "", positive))
 
 
 def _odd_root(field: Tower, element: Element, order: int) -> Element:
@@ -146,7 +143,7 @@ def _odd_root(field: Tower, element: Element, order: int) -> Element:
         # u**(1/m) = u / ((u**2)**(1/m))**((m - 1)/2), and u**2 has no algebraic generator.
         return element / _odd_root(field, square, order) ** ((order - 1) // 2)
     field.sample.prefer_positive(element)
-    content, factors = factored(field.lift(element))
+    content, factors = field.factored(field.lift(element))
     value = fmpq(content)
     powers = [(field.polynomial(factor), exponent) for factor, exponent in factors]
     powers += [(field.polynomial(field.factors[i]), -e) for i, e in element._den]

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING
 
 from flint import fmpq, fmpz
 
-from geomtorsion.exact.factoring import factored
 from geomtorsion.exact.integers import prime_factors
-from geomtorsion.exact.radical_denominators import monic, split
+from geomtorsion.exact.radical_denominators import split
 
 if TYPE_CHECKING:
     from geomtorsion.exact.element import Element
@@ -119,14 +118,9 @@ def _by_parity(field: Tower, element: Element, base: list[Generator]) -> Element
 
 def _odd_factors(field: Tower, element: Element) -> frozenset[str]:
     """The irreducible factors, primes and sign with odd exponents."""
-    content, factors = factored(field.lift(element))
+    content, factors = field.factored(field.lift(element))
     content = fmpq(content)
-    odd: set[str] = set()
-    for factor, exponent in factors:
-        positive, sign = monic(factor)
-        if exponent % 2:
-            odd.add(str(positive))
-            content = content * sign
+    odd = {str(factor) for factor, exponent in factors if exponent % 2}
     odd ^= {str(field.factors[index]) for index, exponent in element._den if exponent % 2}
     if content < 0:
         odd.add("-1")
@@ -167,7 +161,7 @@ def _rational_square_root(field: Tower, element: Element) -> Element | None:
         return None
     scale, element = taken
     num = field.lift(element)
-    content, factors = factored(num)
+    content, factors = field.factored(num)
     if any(exponent % 2 for _, exponent in factors) or any(e % 2 for _, e in element._den):
         return None
     outside = _square_of_rational(content)

@@ -20,6 +20,7 @@ from flint.utils.flint_exceptions import DomainError
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact import polynomials
 from geomtorsion.exact.element import Denominator, Element
+from geomtorsion.exact.factoring import factored, known_taken_out
 from geomtorsion.exact.generators import Branch, Generator
 from geomtorsion.exact.integers import as_fmpq
 from geomtorsion.exact.kept import kept, leaves
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 
     from geomtorsion.exact.certainty import Certainty
     from geomtorsion.exact.element import Value
+    from geomtorsion.exact.factoring import Factors
 
 
 class Point(Protocol):
@@ -87,6 +89,7 @@ class Tower(ABC):
         self._lcms: dict[tuple[Denominator, Denominator], Denominator] = {}
         self._cofactors: dict[tuple[Denominator, Denominator], fmpq_mpoly] = {}
         self._cofactor_sizes: dict[tuple[Denominator, Denominator], int] = {}
+        self._factored: dict[str, Factors] = {}
         self._algebraic: list[tuple[int, int, fmpq_mpoly]] = []
         self.zero: Element = Element(self, self.ctx.constant(0), (), 0)
         self.one: Element = Element(self, self.ctx.constant(1), (), 0)
@@ -189,7 +192,7 @@ class Tower(ABC):
         # All at once and without a call: whoever interrupts finds the field before or after.
         self.ctx, self.level, self.factors, self._algebraic = ctx, level, factors, algebraic
         self.generators, self.by_name, self.all_sure = generators, by_name, sure
-        self._cofactors = {}
+        self._cofactors, self._factored = {}, {}
         return Element(self, self.ctx.gen(0), (), self.level)
 
     def _rests_on_unsure(self, generator: Generator) -> bool:
@@ -460,6 +463,19 @@ class Tower(ABC):
             self._cofactors[common, den] = known
         return known
 
+    def factored(self, poly: fmpq_mpoly) -> Factors:
+        """The factors of a polynomial of the present ring that is not zero."""
+        content, factors, rest = known_taken_out(poly, self.factors)
+        if not rest.is_constant():
+            # Many numerators of one tensor differ by a number and by known factors.
+            key = str(rest)
+            known = self._factored.get(key)
+            if known is None:
+                known = self._factored[key] = factored(rest)
+            content, factors = content * known[0], factors + known[1]
+        # In an order that does not depend on which were known.
+        return content, sorted(factors, key=_by_text) if len(factors) > 1 else factors
+
     def register(self, factor: fmpq_mpoly) -> int:
         """The number of an irreducible polynomial without algebraic generators."""
         key = str(factor)
@@ -482,3 +498,7 @@ class Tower(ABC):
     def denominator(self, element: Element) -> Element:
         """The denominator of an element as an element."""
         return Element(self, self.cofactor(element._den, ()), (), self.level)
+
+
+def _by_text(power: tuple[fmpq_mpoly, int]) -> str:
+    return str(power[0])

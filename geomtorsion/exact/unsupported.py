@@ -14,6 +14,7 @@ _NOT_SMOOTH = (
     "Abs", "sign", "floor", "ceiling", "frac", "Piecewise", "Max", "Min", "Heaviside",
     "DiracDelta", "re", "im", "arg", "conjugate", "Mod", "KroneckerDelta", "SingularityFunction",
 )  # fmt: skip
+_INFINITE = frozenset((sympy.oo, -sympy.oo, sympy.zoo, sympy.nan))
 _REMEDIES = {
     "Abs": "choose the sign that holds in your domain (declare the symbol positive, or write x)",
     "Piecewise": "give one frame for each piece",
@@ -68,10 +69,12 @@ def checked(where: str, value: Any) -> sympy.Expr:
 
 def _reason(part: sympy.Basic) -> str:
     """Why a part cannot be read, or nothing."""
+    if part.is_Rational:
+        return ""
     if part.is_Float:
         exact = sympy.nsimplify(part, rational=True)
         return f"is a floating-point number; write it exactly, for example {exact}"
-    if part in (sympy.oo, -sympy.oo, sympy.zoo, sympy.nan):
+    if part in _INFINITE:
         return "is not a finite number"
     if isinstance(part, sympy.Integral | sympy.Sum | sympy.Product | sympy.Limit):
         return "is unevaluated; work it out, or use an unknown function with its derivative"

@@ -176,19 +176,16 @@ def _product(value: fmpq, factors: list[sympy.Expr], plain: bool) -> sympy.Expr:
 
 def _factors(known: Powers, powers: Iterable[tuple[Generator | Sum, int]]) -> list[sympy.Expr]:
     """base**exponent of each; exponentials of numbers and functions are joined in one."""
-    exponents = [
-        exponent * base.shown.args[0]
-        for base, exponent in powers
-        if isinstance(base, Generator) and isinstance(base.shown, sympy.exp)
-    ]
+    exponents = [exponent * base.shown.args[0] for base, exponent in powers if _is_exp(base)]
     if len(exponents) < 2:
         return [_power(known, base, exponent) for base, exponent in powers]
-    rest = [
-        _power(known, base, exponent)
-        for base, exponent in powers
-        if not (isinstance(base, Generator) and isinstance(base.shown, sympy.exp))
-    ]
+    rest = [_power(known, base, exponent) for base, exponent in powers if not _is_exp(base)]
     return [*rest, sympy.exp(sympy.Add(*exponents))]
+
+
+def _is_exp(base: Generator | Sum) -> bool:
+    """Whether a base is exp of something, which the number e is not."""
+    return isinstance(base, Generator) and base.kind == "exp" and isinstance(base.shown, sympy.exp)
 
 
 def _power(known: Powers, base: Generator | Sum, exponent: int) -> sympy.Expr:
