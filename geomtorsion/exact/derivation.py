@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 def derivative(field: Tower, element: Element, symbol: sympy.Symbol) -> Element:
     """d(num/den) = d num / den - num / den * sum of exponent * d factor / factor."""
-    if element.is_kept:
+    if element._level is None:
         return kept.derivative(field, element, symbol)
     num = field.lift(element)
     den = element._den

@@ -191,7 +191,7 @@ class Element:
             return NotImplemented
         if self is element:
             return True
-        if self.is_kept or element.is_kept:
+        if self._level is None or element._level is None:
             return (self - element).is_zero is True
         # Denominators are canonical, so different ones mean different elements.
         if self._den != element._den:
@@ -217,7 +217,7 @@ class Element:
         Opaque are functions known by their derivative alone (erf, Bessel), constants such as
         cos(pi/7) or atan(2), and odd roots of expressions with roots.
         """
-        if self.is_kept:
+        if self._level is None:
             return self._field.decide_zero(self)
         if not self._num:
             return True

@@ -22,9 +22,9 @@ LARGEST_POWER_TERMS = 1_000_000
 # Parts of an expression of sympy, which takes seconds to turn so many into text.
 LARGEST_WRITTEN = LARGEST_POWER_TERMS // 4
 LARGEST_PRODUCT = 30_000_000
-# A product of more pairs is not multiplied out before somebody asks for that: ten milliseconds.
+# A product of more pairs is not multiplied out before somebody asks for that: half a millisecond.
 # Numbers of what is multiplied out lose no digits where terms of a sum cancel.
-MOST_AT_ONCE = LARGEST_POWER_TERMS // 10
+MOST_AT_ONCE = LARGEST_POWER_TERMS // 250
 # Terms that a sum of quotients may have over its common denominator, which nobody multiplies out.
 LARGEST_KEPT = LARGEST_PRODUCT * LARGEST_POWER_TERMS
 _WORD = (sys.maxsize + 1).bit_length()

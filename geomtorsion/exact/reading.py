@@ -62,10 +62,9 @@ class Reader:
                 if not stays_kept(element):
                     check_size(element)
                 written = entry[1]
-                short = element._sympy is None and not written.has(RootOfSquare)
-                if short and _is_longer(element, written):
+                if element._sympy is None and _is_longer(element, written):
                     # What was written is shorter than all that can be made of it.
-                    element._sympy = written
+                    element._sympy = None if written.has(RootOfSquare) else written
                 elements.append(element)
             return elements
         except RecursionError as error:
@@ -290,4 +289,4 @@ def _is_longer(element: Element, written: sympy.Expr) -> bool:
     if element.is_kept:
         return True
     terms = len(element._num)
-    return sum(1 for _ in islice(sympy.preorder_traversal(written), terms)) < terms
+    return terms > 1 and sum(1 for _ in islice(sympy.preorder_traversal(written), terms)) < terms

@@ -30,12 +30,12 @@ _ORDER = cmp_to_key(sympy.Basic.compare)
 
 def to_sympy(element: Element) -> sympy.Expr:
     """The element in its short form: factored, radicals and sin**2 restored."""
-    if element.is_kept:
+    if element._level is None:
         return _as_built(element)
-    if not element.field.all_sure and element.is_zero:
+    if not element._field.all_sure and element.is_zero:
         return sympy.S.Zero
     written = form(element)
-    known = element.field.tables.setdefault("sympy", {})
+    known = element._field.tables.setdefault("sympy", {})
     factors = _factors(known, written.powers)
     sums = sum(isinstance(base, Sum) for base, _ in written.powers)
     plain = all(isinstance(base, Sum) or base.kind in _PLAIN for base, _ in written.powers)
