@@ -222,7 +222,8 @@ def stays_kept(element: Element) -> bool:
     Raises
     ------
     LimitError
-        its numerator would have more than LARGEST_KEPT terms over a common denominator.
+        its numerator would have more than LARGEST_KEPT terms over a common denominator, and it is
+        not brief.
     """
     if not element.is_kept:
         return False
@@ -249,7 +250,7 @@ def stays_kept(element: Element) -> bool:
     above, below = sizes[id(element)]
     if below == 1:
         return False
-    if above > LARGEST_KEPT:
+    if above > LARGEST_KEPT and field.brief(element) is None:
         raise LimitError(
             f"the expression would have some 10**{len(str(above)) - 1} terms over a common "
             f"denominator; the limit is {LARGEST_KEPT:.0e}. Name a sum in it by an "
