@@ -14,7 +14,7 @@ from flint import Ordering, fmpq, fmpq_mpoly_ctx
 import geomtorsion as gt
 from geomtorsion.errors import AllowanceError
 from geomtorsion.exact import Field
-from geomtorsion.exact.factoring import LONG, OtherProcess, factored
+from geomtorsion.exact.factoring import LONG, OtherProcess, factored, known_taken_out
 
 ROOT = Path(__file__).parents[2]
 CTX = fmpq_mpoly_ctx.get(["x", "y"], Ordering.lex)
@@ -100,3 +100,31 @@ def test_ctrl_c_ends_it():
         _, error = running.communicate(timeout=60)
         assert time.monotonic() - began < 15
     assert "KeyboardInterrupt" in error
+
+
+def test_known_factors_come_out_first():
+    """Each power once, also where a product is shorter than its factors; the rest is the rest."""
+    x, y = CTX.gens()
+    known = [x + y, x**2 + x + 1, x - 1, y]
+    poly = fmpq(-3, 2) * x**2 * y * (x + y) ** 3 * (x**3 - 1) ** 2 * (x**2 - 5 * y)
+    content, powers, rest = known_taken_out(poly, known)
+    assert {str(factor): exponent for factor, exponent in powers} == {
+        "x": 2, "y": 1, "x + y": 3, "x^2 + x + 1": 2, "x - 1": 2,
+    }  # fmt: skip
+    assert rest == x**2 - 5 * y
+    product = content * rest
+    for factor, exponent in powers:
+        product *= factor**exponent
+    assert product == poly
+
+
+def test_factors_do_not_depend_on_which_are_known():
+    """A field that has met some of them as denominators writes the same."""
+    x, y = sp.symbols("x y")
+    whole = sp.expand((x + y) ** 2 * (x - 2 * y) * (x**2 + y) * x * sp.Rational(-2, 3))
+    fresh, met = Field([x, y]), Field([x, y])
+    for expression in (1 / (x - 2 * y), y / (x**2 + y), 1 / (x + y)):
+        met.read(expression)
+    one, two = (field.factored(field.lift(field.read(whole))) for field in (fresh, met))
+    assert (one[0], [(str(f), e) for f, e in one[1]]) == (two[0], [(str(f), e) for f, e in two[1]])
+    assert len(one[1]) == 4

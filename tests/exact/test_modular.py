@@ -136,3 +136,13 @@ def test_parts_of_a_turn_are_decided(text):
     zero = field.read(sp.sympify(text))
     assert zero.is_zero is True
     assert (zero * field.read(x) + field.read(sp.Rational(1, 10**40))).is_zero is False
+
+
+@pytest.mark.parametrize("degree", [100, 400])
+def test_products_go_to_products(degree):
+    """Polynomials of a degree on both sides of what is evaluated in whole numbers."""
+    field = Field([x, y])
+    a, b = field.read(x**degree - 7 * y + sp.sqrt(2)), field.read(3 * x * y**5 + sp.Rational(1, 3))
+    point = ModularPoint(field)
+    assert point.image(a * b) == point.image(a) * point.image(b)
+    assert point.image(a + b) == point.image(a) + point.image(b)

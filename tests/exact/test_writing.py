@@ -118,3 +118,15 @@ def test_exponentials_are_joined():
     assert field.read(product.sympy) == product
     assert str(field.read(3 * sp.exp(x) * sp.exp(-y) * x).sympy) == "3*x*exp(x - y)"
     assert str(field.read(sp.exp(x) * sp.exp(y) + sp.sin(x)).sympy) == "exp(x + y) + sin(x)"
+
+
+def test_long_quotients_have_their_numbers():
+    """A numerator of thousands of terms over a root that vanishes as its conjugate does."""
+    x, y, z = sp.symbols("x y z")
+    written = (1 + x + 2 * y + 3 * z) ** 22 / (x - sp.sqrt(y + z))
+    element = Field([x, y, z]).read(sp.expand((1 + x + 2 * y + 3 * z) ** 22) / (x - sp.sqrt(y + z)))
+    assert len(element._num) > 2000
+    for place in ({x: -2, y: 3, z: sp.Rational(1, 7)}, {x: -2, y: 3, z: 1}):
+        want = written.subs(place).evalf(40)
+        have = element.evaluate(place, precision=120)
+        assert abs(have - want) < sp.Float(10) ** -30 * abs(want)
