@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from flint import fmpq
 
-from geomtorsion.exact import kept
+from geomtorsion.exact import kept, polynomials
 from geomtorsion.exact.element import Element
 from geomtorsion.exact.unknown_functions import jet
 
@@ -55,7 +55,7 @@ def _parts(
     inners = [_generator_derivative(field, generator, symbol) for generator in names]
     if poly.context() is not field.ctx:
         grown = field.ctx.nvars() - poly.context().nvars()
-        poly = field.lifted(poly, grown)
+        poly = polynomials.lifted(field.ctx, poly, grown)
     for generator, inner in zip(names, inners, strict=True):
         if inner._num:
             found.append((poly.derivative(field.generators.index(generator)), inner))

@@ -298,16 +298,12 @@ class Tower(ABC):
 
     # Sums, products and denominators.
 
-    def lifted(self, poly: fmpq_mpoly, by: int) -> fmpq_mpoly:
-        """A polynomial of an earlier ring, `by` variables smaller, in the present one."""
-        return polynomials.lifted(self.ctx, poly, by)
-
     def lift(self, element: Element) -> fmpq_mpoly:
         """The numerator of an element, moved to the present polynomial ring."""
         if element._level != self.level:
             if element._level is None:
                 return self.lift(self.whole(element))
-            element._num = self.lifted(element._num, self.level - element._level)
+            element._num = polynomials.lifted(self.ctx, element._num, self.level - element._level)
             element._level = self.level
         return element._num
 
@@ -474,7 +470,7 @@ class Tower(ABC):
                 known = self._factored[key] = factored(rest)
             content, factors = content * known[0], factors + known[1]
         # In an order that does not depend on which were known.
-        return content, sorted(factors, key=_by_text) if len(factors) > 1 else factors
+        return content, sorted(factors, key=lambda power: str(power[0]))
 
     def register(self, factor: fmpq_mpoly) -> int:
         """The number of an irreducible polynomial without algebraic generators."""
@@ -498,7 +494,3 @@ class Tower(ABC):
     def denominator(self, element: Element) -> Element:
         """The denominator of an element as an element."""
         return Element(self, self.cofactor(element._den, ()), (), self.level)
-
-
-def _by_text(power: tuple[fmpq_mpoly, int]) -> str:
-    return str(power[0])
