@@ -21,7 +21,6 @@ from flint import fmpq, fmpz
 from flint.utils.flint_exceptions import DomainError
 
 from geomtorsion.exact import factoring_process
-from geomtorsion.exact.limits import LARGEST_POWER_TERMS
 
 if TYPE_CHECKING:
     from flint import fmpq_mpoly
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
     Factors = tuple[fmpq, list[tuple[fmpq_mpoly, int]]]
 
 # Terms times degrees: what is below takes less than a second, also two variables of high degree.
-LONG = LARGEST_POWER_TERMS // 50
+LONG = 20_000
 
 
 def factored(poly: fmpq_mpoly) -> Factors:
