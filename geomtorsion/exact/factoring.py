@@ -27,13 +27,13 @@ if TYPE_CHECKING:
 
     Factors = tuple[fmpq, list[tuple[fmpq_mpoly, int]]]
 
-# Terms times degrees: what is below takes less than a second, also two variables of high degree.
-LONG = 20_000
 
+def factored(poly: fmpq_mpoly, largest: int) -> Factors:
+    """(content, [(irreducible factor, exponent)]) of a polynomial that is not zero.
 
-def factored(poly: fmpq_mpoly) -> Factors:
-    """(content, [(irreducible factor, exponent)]) of a polynomial that is not zero."""
-    if len(poly) * sum(poly.degrees()) > LONG:
+    What has more terms times degrees than the largest is done by the other process.
+    """
+    if len(poly) * sum(poly.degrees()) > largest:
         found = _OTHER.factored(poly)
         if found is not None:
             return found

@@ -25,6 +25,9 @@ LARGEST_PRODUCT = 30_000_000
 # A product of more pairs is not multiplied out before somebody asks for that: half a millisecond.
 # Numbers of what is multiplied out lose no digits where terms of a sum cancel.
 MOST_AT_ONCE = LARGEST_POWER_TERMS // 250
+# Terms times degrees: what is below is factored in less than a second, also two variables of high
+# degree.
+FACTORED_HERE = LARGEST_POWER_TERMS // 50
 # Terms that a sum of quotients may have over its common denominator, which nobody multiplies out.
 LARGEST_KEPT = LARGEST_PRODUCT * LARGEST_POWER_TERMS
 _WORD = (sys.maxsize + 1).bit_length()

@@ -24,7 +24,12 @@ from geomtorsion.exact.factoring import factored, known_taken_out
 from geomtorsion.exact.generators import Branch, Generator
 from geomtorsion.exact.integers import as_fmpq
 from geomtorsion.exact.kept import kept, leaves
-from geomtorsion.exact.limits import LARGEST_POWER_TERMS, MOST_AT_ONCE, terms_of_power
+from geomtorsion.exact.limits import (
+    FACTORED_HERE,
+    LARGEST_POWER_TERMS,
+    MOST_AT_ONCE,
+    terms_of_power,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -467,7 +472,7 @@ class Tower(ABC):
             key = str(rest)
             known = self._factored.get(key)
             if known is None:
-                known = self._factored[key] = factored(rest)
+                known = self._factored[key] = factored(rest, FACTORED_HERE)
             content, factors = content * known[0], factors + known[1]
         # In an order that does not depend on which were known.
         return content, sorted(factors, key=lambda power: str(power[0]))

@@ -14,7 +14,8 @@ from flint import Ordering, fmpq, fmpq_mpoly_ctx
 import geomtorsion as gt
 from geomtorsion.errors import AllowanceError
 from geomtorsion.exact import Field
-from geomtorsion.exact.factoring import LONG, OtherProcess, factored, known_taken_out
+from geomtorsion.exact.factoring import OtherProcess, factored, known_taken_out
+from geomtorsion.exact.limits import FACTORED_HERE
 
 ROOT = Path(__file__).parents[2]
 CTX = fmpq_mpoly_ctx.get(["x", "y"], Ordering.lex)
@@ -36,8 +37,8 @@ def size(poly):
 def test_here_and_apart(degree, apart):
     """On both sides of the bound: what flint finds itself."""
     product = sparse(degree, 12, 1) * sparse(degree, 12, 2) ** 2
-    assert (size(product) > LONG) is apart
-    content, factors = factored(product)
+    assert (size(product) > FACTORED_HERE) is apart
+    content, factors = factored(product, FACTORED_HERE)
     plain_content, plain = product.factor()
     assert content == plain_content
     assert factors == [(factor, int(exponent)) for factor, exponent in plain]
