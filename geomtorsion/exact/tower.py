@@ -18,18 +18,13 @@ from flint import Ordering, fmpq, fmpq_mpoly_ctx
 from flint.utils.flint_exceptions import DomainError
 
 from geomtorsion.errors import ExpressionError
-from geomtorsion.exact import polynomials
+from geomtorsion.exact import limits, polynomials
 from geomtorsion.exact.element import Denominator, Element
 from geomtorsion.exact.factoring import factored, known_taken_out
 from geomtorsion.exact.generators import Branch, Generator
 from geomtorsion.exact.integers import as_fmpq
 from geomtorsion.exact.kept import kept, leaves
-from geomtorsion.exact.limits import (
-    FACTORED_HERE,
-    LARGEST_POWER_TERMS,
-    MOST_AT_ONCE,
-    terms_of_power,
-)
+from geomtorsion.exact.limits import LARGEST_POWER_TERMS, MOST_AT_ONCE, terms_of_power
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -470,10 +465,10 @@ class Tower(ABC):
         if not rest.is_constant():
             # Many numerators of one tensor differ by a number and by known factors.
             key = str(rest)
-            known = self._factored.get(key)
-            if known is None:
-                known = self._factored[key] = factored(rest, FACTORED_HERE)
-            content, factors = content * known[0], factors + known[1]
+            if key not in self._factored:
+                self._factored[key] = factored(rest, limits.FACTORED_HERE)
+            own, others = self._factored[key]
+            content, factors = content * own, factors + others
         # In an order that does not depend on which were known.
         return content, sorted(factors, key=lambda power: str(power[0]))
 
