@@ -18,6 +18,8 @@ from geomtorsion.errors import CrystalError
 FACES = ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2))
 EDGES = tuple(combinations(range(4), 2))
 SIGNS = np.array([1, -1, 1, -1])
+# Of what there are some ten or more for each atom, of which there are less than 2^31 in memory.
+NUMBER = np.int32
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +108,7 @@ class Triangulation:
         pairs = np.concatenate([self.corners[:, list(e)] for e in EDGES])
         images = np.concatenate([self.offsets[:, b] - self.offsets[:, a] for a, b in EDGES])
         first, which = distinct(np.concatenate([pairs, images], axis=1))
-        return pairs[first], images[first], which.reshape(6, -1).T
+        return pairs[first], images[first], which.astype(NUMBER).reshape(6, -1).T
 
     @cached_property
     def faces(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -124,8 +126,8 @@ class Triangulation:
         first, which = distinct(rows)
         owner = np.tile(np.arange(count), 4)
         outwards = np.repeat(SIGNS, count) * np.tile(self.senses, 4)
-        sides = np.full((len(first), 2), -1, dtype=np.int64)
-        base = np.zeros((len(first), 2, 3), dtype=np.int64)
+        sides = np.full((len(first), 2), -1, dtype=NUMBER)
+        base = np.zeros((len(first), 2, 3), dtype=NUMBER)
         slot = (outwards < 0).astype(int)
         sides[which, slot] = owner
         base[which, slot] = bases
@@ -207,10 +209,8 @@ def triangulated(
         All atoms lie in one plane.
     """
     if wanted is not None and not wanted.any():
-        none = np.zeros((0, 4), dtype=np.int64)
-        return Triangulation(
-            none, np.zeros((0, 4, 3), dtype=np.int64), places, cell, none[:, 0], wanted
-        )
+        none, images = np.zeros((0, 4), dtype=NUMBER), np.zeros((0, 4, 3), dtype=NUMBER)
+        return Triangulation(none, images, places, cell, none[:, 0].astype(np.int64), wanted)
     noise = jitter(np.arange(len(places)) if atoms is None else atoms)
     moved = places + METHOD.jitter * reach * noise
     points, numbers, images = cell.with_ghosts(moved, 2 * reach)
@@ -226,12 +226,11 @@ def triangulated(
             f"positions: atoms that fill space were needed, but {len(places)} came. Give more."
         )
     try:
-        found = scipy.spatial.Delaunay(points)
+        simplices = scipy.spatial.Delaunay(points).simplices
     except scipy.spatial.QhullError:
         raise CrystalError(
             "positions: atoms that fill space were needed, but they lie in a plane. Give more."
         ) from None
-    simplices = found.simplices
     inside = simplices.min(axis=1) < inner
     if wanted is not None:
         inside &= wanted[numbers[simplices]].any(axis=1)
@@ -256,4 +255,5 @@ def triangulated(
     kept = simplices[small]
     known = np.ones(len(places), dtype=bool) if wanted is None else wanted
     senses = np.sign(volume[small]).astype(np.int64)
-    return Triangulation(numbers[kept], images[kept], places, cell, senses, known)
+    corners, offsets = numbers[kept].astype(NUMBER), images[kept].astype(NUMBER)
+    return Triangulation(corners, offsets, places, cell, senses, known)

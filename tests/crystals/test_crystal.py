@@ -1,6 +1,7 @@
 """Crystals: lattice, labels, torsion and dislocation lines of atoms."""
 
 import json
+import tracemalloc
 from fractions import Fraction
 
 import numpy as np
@@ -294,3 +295,18 @@ def test_what_is_unusual_is_told_not_refused():
     other, _ = block("bcc", (6, 6, 6))
     mixed = Crystal(np.concatenate([X, 0.8 * other + [6, 0, 0]]))
     assert 0.1 < mixed.share < 0.9
+
+
+def test_tetrahedra_take_whole_numbers_of_four_bytes():
+    """Under noise there are six for each atom, and all are kept: 46 numbers each, edges and faces
+    included."""
+    places, cell = block("bcc", (8, 8, 8))
+    crystal = Crystal(places + 0.08 * np.random.default_rng(0).normal(size=places.shape), cell)
+    _ = crystal.frame
+    tracemalloc.start()
+    mesh = crystal.mesh
+    _ = mesh.edges, mesh.faces
+    kept, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert 5 * len(places) < len(mesh.corners) < 7 * len(places)
+    assert kept < 1.1 * 4 * 46 * len(mesh.corners)
