@@ -113,10 +113,10 @@ def _licence(name: str) -> tuple[str, str]:
     return text or (told.get("License") or "not told").split("\n")[0][:60], told["Version"]
 
 
-def _year() -> str:
-    """The year of the newest release, as the changelog tells."""
+def _date() -> str:
+    """The day of the newest release, as the changelog tells."""
     found = re.search(
-        r"^## \[[0-9.]+\] - (\d{4})", (ROOT / "CHANGELOG.md").read_text("utf-8"), re.MULTILINE
+        r"^## \[[0-9.]+\] - ([0-9-]+)", (ROOT / "CHANGELOG.md").read_text("utf-8"), re.MULTILINE
     )
     assert found is not None
     return found[1]
@@ -129,7 +129,8 @@ def bibtex(project: Mapping[str, Any]) -> str:
   title   = {{geomtorsion: geometry, motions and defects of any tetrad}},
   author  = {{{authors}}},
   version = {{{project["version"]}}},
-  year    = {{{_year()}}}
+  date    = {{{_date()}}},
+  license = {{{project["license"]}}}
 }}
 
 @techreport{{FizievKleinert1994,
@@ -145,14 +146,16 @@ def bibtex(project: Mapping[str, Any]) -> str:
 def cff(project: Mapping[str, Any]) -> str:
     """The package in the Citation File Format, version 1.2."""
     authors = "\n".join(f"  - name: {one['name']}" for one in project["authors"])
+    licences = ", ".join(project["license"].split(" AND "))
     return f"""cff-version: 1.2.0
-message: If you use this software, please cite it as below.
-title: "geomtorsion: geometry, motions and defects of any tetrad"
+message: If you use geomtorsion, please cite it as below.
 type: software
+title: "geomtorsion: geometry, motions and defects of any tetrad"
 authors:
 {authors}
 version: {project["version"]}
-license: {project["license"].split()[0]}"""
+date-released: {_date()}
+license: [{licences}]"""
 
 
 class Citation(_Lines):
