@@ -78,7 +78,9 @@ def test_noise_and_strain_are_no_cuts():
         assert grid.source == "a displacement; jumps: none"
 
 
-@pytest.mark.parametrize(("share", "allowed"), [(0.01, 0.1), (0.04, 0.3)])
+@pytest.mark.parametrize(
+    ("share", "allowed"), [pytest.param(0.01, 0.1, marks=pytest.mark.slow), (0.04, 0.3)]
+)
 def test_noisy_displacements(share, allowed):
     """Some per cent of a lattice vector, 200 seeds: jumps are found, the error is the scatter."""
     rng = np.random.default_rng(1)

@@ -1,5 +1,7 @@
 """Noise: what is told of it against the scatter of many noisy fields, and against all weights."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -25,7 +27,7 @@ LOOPS = {
 
 
 @pytest.mark.parametrize("loop", LOOPS.values(), ids=LOOPS)
-@pytest.mark.parametrize("sigma", [0.01, 0.1])
+@pytest.mark.parametrize("sigma", [pytest.param(0.01, marks=pytest.mark.slow), 0.1])
 def test_the_error_told_is_the_scatter(loop, sigma):
     """Two hundred noisy fields: the mean error is the scatter within 20 per cent."""
     rng = np.random.default_rng(5)
@@ -40,9 +42,23 @@ def test_the_error_told_is_the_scatter(loop, sigma):
     assert np.mean(told) / scatter == pytest.approx([1, 1], abs=0.2)
 
 
-@pytest.mark.parametrize("options", [{}, {"periodic": True}, {"mask": np.hypot(X, Y - 1) < 0.2}])
-@pytest.mark.parametrize("order", [2, 4, 8])
-@pytest.mark.parametrize("size", [1, 3, (4, 7), 14])
+def in_pairs(*choices):
+    """All combinations, most of them slow: of three choices every pair of two occurs in others."""
+    return [
+        pytest.param(
+            *(choice[k] for choice, k in zip(choices, places, strict=True)),
+            marks=[pytest.mark.slow] if sum(places) % len(choices[-1]) else [],
+        )
+        for places in product(*(range(len(choice)) for choice in choices))
+    ]
+
+
+KINDS = ({}, {"periodic": True}, {"mask": np.hypot(X, Y - 1) < 0.2})
+
+
+@pytest.mark.parametrize(
+    ("size", "order", "options"), in_pairs((1, 3, (4, 7), 14), (2, 4, 8), KINDS)
+)
 def test_sigmas_are_the_sum_over_all_weights(size, order, options):
     """b is linear in the values: each node moved by one gives its weight, and these the sigma."""
     axes = [np.linspace(0, 1, 16), np.linspace(0, 3, 15)]
@@ -89,13 +105,17 @@ HOLES = np.zeros((13, 12), bool)
 HOLES[6, 5:8] = HOLES[2, 9] = HOLES[11, 3] = True
 
 
-@pytest.mark.parametrize("by_node", [False, True])
 @pytest.mark.parametrize(
-    "options", [{}, {"periodic": True}, {"mask": HOLES}], ids=["open", "periodic", "holes"]
+    ("size_order", "options", "by_node"),
+    in_pairs(
+        ((1, 2), (3, 4), ((4, 7), 8), (10, 4)),
+        ({}, {"periodic": True}, {"mask": HOLES}),
+        (False, True),
+    ),
 )
-@pytest.mark.parametrize(("size", "order"), [(1, 2), (3, 4), ((4, 7), 8), (10, 4)])
-def test_covariances_are_the_sum_over_all_weights(size, order, options, by_node):
+def test_covariances_are_the_sum_over_all_weights(size_order, options, by_node):
     """Each component of each node moved by one gives its weight; these and the covariance, C_b."""
+    size, order = size_order
     axes = [np.linspace(0, 1, 13), np.linspace(3, 0, 12)]
     rng = np.random.default_rng(4)
     values = rng.random((2, 2, 13, 12))
@@ -138,11 +158,12 @@ def test_covariances_are_the_sum_over_all_weights(size, order, options, by_node)
 
 
 @pytest.mark.parametrize(
-    "options", [{}, {"periodic": True}, {"mask": HOLES}], ids=["open", "periodic", "holes"]
+    ("size_order", "options"),
+    in_pairs(((1, 2), (3, 4), ((4, 7), 6), (10, 4)), ({}, {"periodic": True}, {"mask": HOLES})),
 )
-@pytest.mark.parametrize(("size", "order"), [(1, 2), (3, 4), ((4, 7), 6), (10, 4)])
-def test_noise_of_displacements_is_the_sum_over_all_weights(size, order, options):
+def test_noise_of_displacements_is_the_sum_over_all_weights(size_order, options):
     """Derivatives of neighbours have noise in common: each displacement moved by one says how."""
+    size, order = size_order
     axes = [np.arange(13) / 4, np.arange(12) / 3]
     rng = np.random.default_rng(5)
     sigma = 0.01 * (0.5 + rng.random((13, 12)))
