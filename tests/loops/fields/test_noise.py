@@ -1,12 +1,11 @@
 """Noise: what is told of it against the scatter of many noisy fields, and against all weights."""
 
-from itertools import product
-
 import numpy as np
 import pytest
 
 from geomtorsion.errors import GridError
 from geomtorsion.loops import Loop, SampledFrame
+from tests.chosen import one_in
 
 AXES = [np.linspace(-1, 1, 31), np.linspace(0, 2, 29)]
 X, Y = np.meshgrid(*AXES, indexing="ij")
@@ -42,22 +41,11 @@ def test_the_error_told_is_the_scatter(loop, sigma):
     assert np.mean(told) / scatter == pytest.approx([1, 1], abs=0.2)
 
 
-def in_pairs(*choices):
-    """All combinations, most of them slow: of three choices every pair of two occurs in others."""
-    return [
-        pytest.param(
-            *(choice[k] for choice, k in zip(choices, places, strict=True)),
-            marks=[pytest.mark.slow] if sum(places) % len(choices[-1]) else [],
-        )
-        for places in product(*(range(len(choice)) for choice in choices))
-    ]
-
-
 KINDS = ({}, {"periodic": True}, {"mask": np.hypot(X, Y - 1) < 0.2})
 
 
 @pytest.mark.parametrize(
-    ("size", "order", "options"), in_pairs((1, 3, (4, 7), 14), (2, 4, 8), KINDS)
+    ("size", "order", "options"), one_in(3, (1, 3, (4, 7), 14), (2, 4, 8), KINDS)
 )
 def test_sigmas_are_the_sum_over_all_weights(size, order, options):
     """b is linear in the values: each node moved by one gives its weight, and these the sigma."""
@@ -107,7 +95,8 @@ HOLES[6, 5:8] = HOLES[2, 9] = HOLES[11, 3] = True
 
 @pytest.mark.parametrize(
     ("size_order", "options", "by_node"),
-    in_pairs(
+    one_in(
+        2,
         ((1, 2), (3, 4), ((4, 7), 8), (10, 4)),
         ({}, {"periodic": True}, {"mask": HOLES}),
         (False, True),
@@ -159,7 +148,7 @@ def test_covariances_are_the_sum_over_all_weights(size_order, options, by_node):
 
 @pytest.mark.parametrize(
     ("size_order", "options"),
-    in_pairs(((1, 2), (3, 4), ((4, 7), 6), (10, 4)), ({}, {"periodic": True}, {"mask": HOLES})),
+    one_in(3, ((1, 2), (3, 4), ((4, 7), 6), (10, 4)), ({}, {"periodic": True}, {"mask": HOLES})),
 )
 def test_noise_of_displacements_is_the_sum_over_all_weights(size_order, options):
     """Derivatives of neighbours have noise in common: each displacement moved by one says how."""
