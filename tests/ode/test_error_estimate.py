@@ -19,7 +19,7 @@ from geomtorsion.accuracy.cost import truth_of
 from geomtorsion.curves import autoparallel, geodesic
 from geomtorsion.errors import AccuracyError, ChartEdgeError, StuckError
 from geomtorsion.geometry import blend, cartan, levi_civita
-from geomtorsion.ode import ODE, At, RungeKutta, Taylor, When, solve
+from geomtorsion.ode import ODE, At, RungeKutta, Stiff, Taylor, When, solve
 from geomtorsion.ode.engines.compiled import order_of, tolerance_of
 from geomtorsion.spaces import load
 from tests.ode.engines import every_engine, needs_heyoka
@@ -478,3 +478,26 @@ def test_an_ellipse_closes(accuracy, engine):
     true = max(np.abs(row[:2] - [x, 0.0]).max() / 0.4, np.abs(row[2:] - [0.0, 2.0]).max() / 2.0)
     assert true <= accuracy
     assert 0.5 * true <= sol.error <= 100 * true
+
+
+def test_series_have_an_order_of_at_least_six():
+    """Accuracies that a lower order would give start alike; finer ones do not."""
+    assert Taylor().first(1e-1) == Taylor().first(1e-3) == Taylor().first(5e-5)
+    assert Taylor().first(1e-6) < Taylor().first(5e-5)
+
+
+@pytest.mark.parametrize("engine", [RungeKutta(), Stiff()])
+def test_finer_runs_are_two_orders_finer(engine):
+    """Down to where only rounding is left."""
+    assert engine.finer(1e-6) == pytest.approx(1e-8)
+    assert engine.finer(2 * engine.finest) == engine.finest
+    assert engine.finer(engine.finest) is None
+
+
+def test_the_error_is_twice_the_difference():
+    """Where no rounding counts: of exp(t) the true error is half of what is told."""
+    grow = ODE.of({"x": "x"}, [1.0])
+    found = solve(grow, np.linspace(0, 3, 40), 1e-6, RungeKutta())
+    exact = np.exp(found.times)
+    away = np.abs(found["x"] - exact).max() / exact.max()
+    assert found.error / away == pytest.approx(2, rel=0.1)

@@ -248,3 +248,12 @@ def test_nothing_to_compare_is_said(monkeypatch):
     with pytest.raises(AccuracyError, match="gives no two runs to compare") as caught:
         solve(ODE.of({"x": "-x"}, [1]), 1.0, engine=RungeKutta())
     assert "inf" not in str(caught.value)
+
+
+@needs_heyoka
+@pytest.mark.parametrize(("rate", "implicit"), [(2e4, False), (5e4, True)])
+def test_how_fast_a_decay_makes_a_motion_stiff(rate, implicit):
+    """A decay 30,000 times within the motion is left to an implicit engine, a slower one is not."""
+    decay = ODE.of({"x": "-k*(x - cos(t))"}, [0], parameters={"k": rate})
+    found = solve(decay, 1.0, 1e-6)
+    assert found.engine.startswith("Stiff") == implicit
