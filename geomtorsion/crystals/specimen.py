@@ -98,6 +98,15 @@ def share_of_lattices(
         Of atoms the numbers of the nearest others, and the vectors to them.
     """
     lattices = [own, *(x for name, x in LATTICES.items() if name != own.name)]
+    # Of a glass a few tell that nowhere neighbours lie alike.
+    some = _shares(lattices, neighbours, atoms[few(len(atoms))])
+    return _shares(lattices, neighbours, atoms) if any(some.values()) else some
+
+
+def _shares(
+    lattices: list[Lattice], neighbours: Callable[[np.ndarray], Neighbours], atoms: np.ndarray
+) -> dict[str, float]:
+    """The same of all of these atoms."""
     numbers, vectors = neighbours(atoms)
     local = local_of(lattices, vectors)
     found = {}

@@ -1,0 +1,49 @@
+"""Specimen: which lattices the atoms of a crystal, a glass, or a mixture lie in."""
+
+import re
+
+import numpy as np
+import pytest
+
+from geomtorsion.crystals import LATTICES, Crystal
+from geomtorsion.crystals.frames import neighbours_of, sampled
+from geomtorsion.crystals.specimen import share_of_lattices
+from geomtorsion.crystals.triangulation import Cell
+from geomtorsion.errors import CrystalError
+from tests.crystals.polycrystals import amorphous, filled
+
+
+def shares(places, size):
+    """Share of each lattice among a sample, and how many atoms were looked at for it."""
+    cell, asked = Cell(size * np.eye(3), np.ones(3, dtype=bool)), []
+
+    def near(atoms):
+        asked.append(len(atoms))
+        return neighbours_of(places, cell, 32, atoms, 3.0)
+
+    return share_of_lattices(LATTICES["fcc"], near, sampled(len(places))), sum(asked)
+
+
+def test_a_glass_is_refused_by_a_few_of_its_atoms():
+    """Some have neighbours as in a crystal, but none lie alike; the message tells how many do."""
+    places = amorphous(10, 4.0)
+    found, asked = shares(places + 5, 10.0)
+    assert set(found.values()) == {0.0}
+    assert asked < 2000
+    with pytest.raises(CrystalError, match="as in a liquid") as error:
+        _ = Crystal(places, [10.0] * 3).lattice
+    told = re.search(r"of only ([0-9.]+)%", str(error.value))
+    assert told is not None
+    assert 1 < float(told[1]) < 10
+
+
+def test_a_crystal_in_a_glass_is_counted():
+    """A ball of fcc with a fifth of all atoms: its share, and no other lattice's."""
+    glass, ball = amorphous(10, 4.0), filled("fcc", np.eye(3), 3.6)
+    places = np.concatenate([glass[np.linalg.norm(glass, axis=1) > 3.9], ball])
+    found, asked = shares(places + 5, 10.0)
+    assert asked > 2000
+    # Those at its surface lack neighbours.
+    inside = (np.linalg.norm(ball, axis=1) < 2.9).sum()
+    assert inside < found["fcc"] * len(places) < 1.1 * len(ball)
+    assert max(found[name] for name in ("bcc", "diamond")) < 0.02
