@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from geomtorsion.crystals import Crystal
+from geomtorsion.crystals import LATTICES, Crystal
 from tests.crystals.polycrystals import filled
-from tests.crystals.synthetic import block, displaced
+from tests.crystals.synthetic import block, cylinder, displaced, torn
 from tests.crystals.test_crystal import atoms_of
 
 
@@ -73,3 +73,39 @@ def test_partials_that_are_put_in_come_out(lattice, height):
         assert line.length == pytest.approx(period, rel=0.03)
         # Minus the closed integral of du.
         assert found == pytest.approx(np.sign(line.path[:, 0].mean()) * b, abs=0.01)
+
+
+# b of two partials along [1 -1 0] in the plane (1 1 1), in sixths of a: leading one last.
+PAIRS = {"screw": ((2, -1, -1), (1, -2, 1)), "sixty": ((2, -1, -1), (1, 1, -2))}
+
+
+@pytest.mark.parametrize("percent", [0, 5])
+@pytest.mark.parametrize("line", PAIRS)
+@pytest.mark.parametrize("lattice", ["fcc", "diamond"])
+def test_a_dislocation_is_two_partials(lattice, line, percent):
+    """A screw in two partials of 30 degrees, one of 60 degrees in those of 30 and 90; of diamond
+    in its glide set. Each with its b where it was put; without the option one line, the sum."""
+    z, y = np.array([1, -1, 0]) / 2**0.5, np.ones(3) / 3**0.5
+    axes = np.array([np.cross(y, z), y, z])
+    period, height = 4 / 2**0.5, {"fcc": 0.5, "diamond": -0.125}[lattice] / 3**0.5
+    sites = cylinder(lattice, axes, period, radius=8, centre=(0, 0, 0))
+    put_in = [
+        ((x + 0.03, height), axes @ np.array(b) / 6)
+        for x, b in zip((-3, 3), PAIRS[line], strict=True)
+    ]
+    noise = percent / 100 * LATTICES[lattice].nearest
+    places = torn(sites, put_in) + noise * np.random.default_rng(0).normal(size=sites.shape)
+    # In the axes as they were put in, b is exact.
+    crystal = Crystal(places, [60, 60, period], (False, False, True), lattice, axes.T, 1.0)
+    (whole,) = crystal.dislocations().lines
+    assert whole.family == "1/2<1 1 0>"
+    parts = crystal.dislocations(partials=True).lines
+    parts = sorted(parts, key=lambda one: one.path[:, 0].mean())
+    assert [(part.family, part.kind) for part in parts] == [("1/6<1 1 2>", "periodic")] * 2
+    for part, ((x, _), b) in zip(parts, put_in, strict=True):
+        assert part.path[:, 0].mean() == pytest.approx(x, abs=0.6)
+        assert part.length == pytest.approx(period, rel=0.03)
+        # Minus the closed integral of du.
+        assert np.sign(part.image[2]) * np.array(part.burgers, float) == pytest.approx(-b)
+    total = sum(b for _, b in put_in)
+    assert np.sign(whole.image[2]) * np.array(whole.burgers, float) == pytest.approx(-total)
