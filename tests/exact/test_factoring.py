@@ -14,7 +14,12 @@ from flint import Ordering, fmpq, fmpq_mpoly_ctx
 import geomtorsion as gt
 from geomtorsion.errors import AllowanceError
 from geomtorsion.exact import Field
-from geomtorsion.exact.factoring import OtherProcess, factored, known_taken_out
+from geomtorsion.exact.factoring import (
+    OtherProcess,
+    factored,
+    is_irreducible_on_a_line,
+    known_taken_out,
+)
 from geomtorsion.exact.limits import FACTORED_HERE
 
 ROOT = Path(__file__).parents[2]
@@ -129,3 +134,30 @@ def test_factors_do_not_depend_on_which_are_known():
     one, two = (field.factored(field.lift(field.read(whole))) for field in (fresh, met))
     assert (one[0], [(str(f), e) for f, e in one[1]]) == (two[0], [(str(f), e) for f, e in two[1]])
     assert len(one[1]) == 4
+
+
+def dense(rng, variables, terms, degree):
+    """A polynomial with many terms of low degree."""
+    context = fmpq_mpoly_ctx.get([f"x{k}" for k in range(variables)], Ordering.lex)
+    found = {}
+    for _ in range(terms):
+        exponents = [0] * variables
+        for _ in range(rng.randint(0, degree)):
+            exponents[rng.randrange(variables)] += 1
+        found[tuple(exponents)] = fmpq(rng.choice((-9, -4, -1, 2, 6)), rng.randint(1, 4))
+    return context.from_dict(found)
+
+
+def test_what_is_irreducible_on_a_line_is_so():
+    """Many terms, irreducible or a product: what flint finds, signs and numbers included."""
+    rng, kinds = random.Random(5), set()
+    for k in range(60):
+        poly = dense(rng, 4, rng.randint(9, 20), 3)
+        poly *= dense(rng, 4, 4, 2) if k % 3 == 0 else fmpq(-6, 7) ** (k % 2)
+        content, factors = factored(poly, FACTORED_HERE)
+        plain_content, plain = poly.factor()
+        assert (content, factors) == (plain_content, [(f, int(e)) for f, e in plain])
+        kinds.add(is_irreducible_on_a_line(poly))
+    assert kinds == {True, False}
+    square = dense(rng, 3, 9, 2) ** 2
+    assert not is_irreducible_on_a_line(square)
