@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from geomtorsion import checks
 from geomtorsion.conventions import Signed
 from geomtorsion.crystals.frames import Frame
+from geomtorsion.crystals.shells import reach_of_shells
 from geomtorsion.crystals.triangulation import Cell
 from geomtorsion.errors import CrystalError
 from geomtorsion.loops.reactions import Vector, written
@@ -171,9 +172,7 @@ class AtomCircuits:
     @cached_property
     def _reach(self) -> float:
         """Bonds are no longer: the neighbours of a perfect crystal, and half a step more."""
-        lattice, constant = self.frame.lattice, self.frame.constant
-        ideal = np.linalg.norm(lattice.neighbours[0] * np.array(lattice.units), axis=1).max()
-        return float((ideal + lattice.nearest / 2) * constant)
+        return reach_of_shells(self.frame)
 
     @cached_property
     def _images(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, scipy.spatial.cKDTree]:

@@ -10,6 +10,7 @@ import numpy as np
 import scipy  # loads its parts when they are asked for
 
 from geomtorsion.crystals.lattices import LATTICES, Lattice, lattice_named
+from geomtorsion.crystals.local_frames import triads
 from geomtorsion.crystals.method import METHOD
 from geomtorsion.crystals.triangulation import Cell
 from geomtorsion.errors import CrystalError
@@ -153,8 +154,7 @@ def fitted(frame: Frame, vectors: np.ndarray) -> Fit:
     count, k, _ = vectors.shape
     at = vectors.reshape(-1, 3) @ (frame.orient.T / frame.constant)
     found = []
-    for template in lattice.neighbours:
-        ideal = template * np.array(lattice.units)
+    for template, ideal in zip(lattice.neighbours, lattice.ideal, strict=True):
         # The nearest is that with the largest 2 x.t - t.t.
         closeness = 2 * at @ ideal.T - (ideal**2).sum(axis=1)
         which = closeness.argmax(axis=1)
@@ -182,8 +182,7 @@ def occupied(frame: Frame, vectors: np.ndarray) -> np.ndarray:
     lattice = frame.lattice
     at = vectors @ (frame.orient.T / frame.constant)
     found = np.zeros(len(vectors), dtype=bool)
-    for template in lattice.neighbours:
-        ideal = template * np.array(lattice.units)
+    for ideal in lattice.ideal:
         there = np.ones(len(vectors), dtype=bool)
         for place in ideal:
             apart = ((at - place) ** 2).sum(axis=2).min(axis=1)
@@ -194,7 +193,7 @@ def occupied(frame: Frame, vectors: np.ndarray) -> np.ndarray:
 
 def _seeded(lattice: Lattice, vectors: np.ndarray) -> Frame:
     """The frame of one atom, from its neighbour vectors alone, shape (k, 3)."""
-    ideal = lattice.neighbours[0] * np.array(lattice.units)
+    ideal = lattice.ideal[0]
     scale = np.linalg.norm(vectors, axis=1).mean() / np.linalg.norm(ideal, axis=1).mean()
     r = vectors / scale
     unit = r / np.linalg.norm(r, axis=1)[:, None]
@@ -204,18 +203,11 @@ def _seeded(lattice: Lattice, vectors: np.ndarray) -> Frame:
     # Any pair of neighbour vectors with about this angle may be these two.
     cosines = directions @ directions.T
     first, second = np.nonzero((np.abs(cosines - angle) < 0.5) & (np.abs(cosines) < 0.9))
-    here = _triads(unit[:1], unit[other : other + 1])[0]
-    turns = np.swapaxes(_triads(directions[first], directions[second]), 1, 2) @ here
+    here = triads(unit[:1], unit[other : other + 1])[0]
+    turns = np.swapaxes(triads(directions[first], directions[second]), 1, 2) @ here
     at = np.einsum("nij,kj->nki", turns, r)
     apart = ((at[:, :, None] - ideal) ** 2).sum(axis=3).min(axis=2).sum(axis=1)
     return Frame(lattice, turns[apart.argmin()], float(scale))
-
-
-def _triads(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Orthonormal rows along the first vectors and in the plane of both, shape (n, 3, 3)."""
-    normal = np.cross(first, second)
-    normal /= np.linalg.norm(normal, axis=1)[:, None]
-    return np.stack([first, np.cross(normal, first), normal], axis=1)
 
 
 def refined(
@@ -262,7 +254,7 @@ def single_frame(
     k = lattice.shells
     vectors = vectors[:, :k]
     if orient is not None:
-        ideal = np.linalg.norm(lattice.neighbours[0] * np.array(lattice.units), axis=1).mean()
+        ideal = np.linalg.norm(lattice.ideal[0], axis=1).mean()
         scale = float(np.linalg.norm(vectors, axis=2).mean() / ideal)
         best = Frame(lattice, orient, scale)
     else:

@@ -82,6 +82,11 @@ class Lattice:
         return (near,) if not self.basis else (near, -near)
 
     @cached_property
+    def ideal(self) -> tuple[np.ndarray, ...]:
+        """The same in lattice constants."""
+        return tuple(vectors * np.array(self.units) for vectors in self.neighbours)
+
+    @cached_property
     def nearest(self) -> float:
         """Distance of nearest neighbours over the lattice constant."""
         return float(np.linalg.norm(self._near(1)[0] * self.units))

@@ -63,7 +63,7 @@ def clear_misfit(name: str) -> float:
     found = [np.inf]
     for other in LATTICES.values():
         if other.name != name:
-            ideal = replace(other, shells=50).neighbours[0] * np.array(other.units)
+            ideal = replace(other, shells=50).ideal[0]
             # Of neighbours that are equally far away any may be counted.
             moved = ideal + 1e-6 * np.random.default_rng(0).normal(size=(200, *ideal.shape))
             order = np.linalg.norm(moved, axis=2).argsort(axis=1)[:, :, None]
@@ -74,7 +74,7 @@ def clear_misfit(name: str) -> float:
 
 def _some(lattice: Lattice, vectors: np.ndarray) -> tuple[np.ndarray, ...]:
     """The fields of the local frames of some atoms."""
-    ideal = lattice.neighbours[0] * np.array(lattice.units)
+    ideal = lattice.ideal[0]
     count, k, _ = vectors.shape
     sizes = np.linalg.norm(vectors, axis=2)
     scale = sizes.mean(axis=1) / np.linalg.norm(ideal, axis=1).mean()
@@ -82,7 +82,7 @@ def _some(lattice: Lattice, vectors: np.ndarray) -> tuple[np.ndarray, ...]:
     unit = vectors / sizes[:, :, None]
     cosines = np.abs(np.einsum("ni,nki->nk", unit[:, 0], unit))
     other = cosines.argmin(axis=1)
-    here = _triads(unit[:, 0], unit[np.arange(count), other])
+    here = triads(unit[:, 0], unit[np.arange(count), other])
     best, turns = np.full(count, -np.inf), np.tile(np.eye(3), (count, 1, 1))
     squares = (ideal**2).sum(axis=1)
     for there in _seeds(lattice):
@@ -115,7 +115,7 @@ def _nearest(at: np.ndarray, ideal: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     return which, np.maximum((at**2).sum(axis=2) - best, 0.0)
 
 
-def _triads(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+def triads(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Orthonormal rows along the first vectors and in the plane of both, shape (n, 3, 3)."""
     normal = np.cross(first, second)
     normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
@@ -125,7 +125,7 @@ def _triads(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 @lru_cache(16)
 def _seeds(lattice: Lattice) -> np.ndarray:
     """Triads of pairs of neighbours, one of each set that symmetry makes one, shape (n, 3, 3)."""
-    ideal = lattice.neighbours[0] * np.array(lattice.units)
+    ideal = lattice.ideal[0]
     unit = ideal / np.linalg.norm(ideal, axis=1)[:, None]
     rotations = matrix_from_quaternion(symmetry_of(lattice.name).quaternions)
     turned = np.einsum("nij,kj->nki", rotations, ideal)
@@ -142,4 +142,4 @@ def _seeds(lattice: Lattice) -> np.ndarray:
             seen |= {(int(image[a]), int(image[b])) for image in images}
             found.append((a, b))
     first, second = np.array(found).T
-    return _triads(unit[first], unit[second])
+    return triads(unit[first], unit[second])

@@ -47,8 +47,8 @@ def dilated(atoms: np.ndarray, near: np.ndarray) -> np.ndarray:
 def reach_of_shells(frame: Frame) -> float:
     """Within which an atom has all its neighbours, coordinates."""
     lattice = frame.lattice
-    size = np.linalg.norm(lattice.neighbours[0] * lattice.units, axis=1).max()
-    return float(frame.constant * (size + lattice.nearest / 2))
+    longest = np.linalg.norm(lattice.ideal[0], axis=1).max()
+    return float(frame.constant * (longest + lattice.nearest / 2))
 
 
 def shells_of(
@@ -98,8 +98,7 @@ def _slots(
     rows = np.arange(len(places))[:, None]
     sure_below = (lattice.nearest / 2) ** 2
     best = None
-    for number, template in enumerate(lattice.neighbours):
-        ideal = template * np.array(lattice.units)
+    for number, ideal in enumerate(lattice.ideal):
         closeness = at @ (2 * ideal.T) - (ideal**2).sum(axis=1)
         which = closeness.argmax(axis=2)
         apart = ((at - ideal[which]) ** 2).sum(axis=2)
@@ -191,7 +190,7 @@ def _at_surface(
 ) -> np.ndarray:  # fmt: skip
     """Which of some atoms touch a sphere without atoms that is larger than any in a crystal."""
     lattice = frame.lattice
-    ideal = np.array([n * np.array(lattice.units) for n in lattice.neighbours])
+    ideal = np.array(lattice.ideal)
     missing = near[atoms] < 0
     steps = ideal[kind[atoms]] @ frame.orient
     radius = METHOD.reach * lattice.nearest * frame.constant
@@ -217,7 +216,7 @@ def _with_vacancies(
     atom, slot = np.nonzero((near < 0) & (gaps <= lattice.shells // 2)[:, None])
     if not len(atom):
         return near, kind, []
-    ideal = np.array([n * np.array(lattice.units) for n in lattice.neighbours])
+    ideal = np.array(lattice.ideal)
     steps = frame.constant * ideal[kind[atom], slot] @ frame.orient
     seen, _ = cell.wrapped(places[atom] + steps)
     near_by = frame.constant * lattice.nearest / 2

@@ -13,7 +13,7 @@ from geomtorsion.crystals.grains import quaternion_of
 from geomtorsion.crystals.lattices import LATTICES, Lattice
 from geomtorsion.crystals.local_frames import clear_misfit, local_frames, symmetry_of
 from geomtorsion.crystals.method import METHOD
-from geomtorsion.crystals.shells import dilated
+from geomtorsion.crystals.shells import dilated, reach_of_shells
 from geomtorsion.crystals.triangulation import Cell
 from geomtorsion.rigid.attitude import matrix_from_quaternion
 
@@ -21,6 +21,11 @@ from geomtorsion.rigid.attitude import matrix_from_quaternion
 Neighbours = tuple[np.ndarray, np.ndarray]
 # Neighbours of an atom that any of the lattices asks for.
 MOST = max(lattice.shells for lattice in LATTICES.values())
+
+
+def own_first(own: Lattice) -> list[Lattice]:
+    """All lattices, that of a specimen first as it was found."""
+    return [own, *(lattice for name, lattice in LATTICES.items() if name != own.name)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +45,7 @@ class Specimen:
     @property
     def lattices(self) -> list[Lattice]:
         """All lattices that are looked for, that of the frame first."""
-        own = self.frame.lattice
-        return [own, *(lattice for name, lattice in LATTICES.items() if name != own.name)]
+        return own_first(self.frame.lattice)
 
     @property
     def nearest(self) -> float:
@@ -97,7 +101,7 @@ def share_of_lattices(
     neighbours
         Of atoms the numbers of the nearest others, and the vectors to them.
     """
-    lattices = [own, *(x for name, x in LATTICES.items() if name != own.name)]
+    lattices = own_first(own)
     # Of a glass a few tell that nowhere neighbours lie alike.
     some = _shares(lattices, neighbours, atoms[few(len(atoms))])
     return _shares(lattices, neighbours, atoms) if any(some.values()) else some
@@ -248,10 +252,9 @@ def is_lost(
     """Which of some atoms lie in a region without a lattice: wider about them than any core is no
     more of the atoms are held than in a liquid, but they have as many neighbours as in a crystal.
     """
-    lattice, cell, places = specimen.frame.lattice, specimen.cell, specimen.places
-    longest = np.linalg.norm(lattice.neighbours[0] * lattice.units, axis=1).max()
-    reach = specimen.frame.constant * longest + specimen.nearest / 2
-    found = np.linalg.norm(vectors[:, lattice.shells - 1], axis=1) < reach
+    frame, cell, places = specimen.frame, specimen.cell, specimen.places
+    longest = np.linalg.norm(vectors[:, frame.lattice.shells - 1], axis=1)
+    found = longest < reach_of_shells(frame)
     far = 2 * METHOD.width * specimen.nearest
     counts = []
     for chosen in (places[held], places):
