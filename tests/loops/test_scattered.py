@@ -117,18 +117,18 @@ def linear_noise(frame_of, size, circuit):
 def test_noise_is_the_sum_over_all_weights():
     """Each component of each point moved by one gives its weight; these and the covariance, C_b."""
     rng = np.random.default_rng(3)
-    points = rng.uniform(-1, 1, (40, 2))
-    size, loop = (2, 2, 40), Loop.circle([0, 0], 0.5)
+    points = rng.uniform(-1, 1, (24, 2))
+    size, loop = (2, 2, 24), Loop.circle([0, 0], 0.4)
     root = rng.normal(size=(4, 4))
-    table = (root @ root.T)[:, :, None] * (0.5 + rng.random(40))
+    table = (root @ root.T)[:, :, None] * (0.5 + rng.random(24))
     weights = linear_noise(lambda v: ScatteredFrame.from_coframe(points, v), size, loop)
-    weights = weights.reshape(2, 4, 40)
+    weights = weights.reshape(2, 4, 24)
     exact = np.einsum("apn,pqn,bqn->ab", weights, table, weights)
     frame = ScatteredFrame.from_coframe(points, np.ones(size), covariance=table)
     assert frame.burgers(loop).covariance == pytest.approx(exact, rel=1e-9)
     sigma = np.sqrt(np.einsum("ppn->pn", table)).reshape(size)
     frame = ScatteredFrame.from_coframe(points, np.ones(size), sigma=sigma)
-    alone = (weights**2 * sigma.reshape(4, 40) ** 2).sum(axis=(1, 2))
+    alone = (weights**2 * sigma.reshape(4, 24) ** 2).sum(axis=(1, 2))
     assert frame.burgers(loop).sigmas == pytest.approx(np.sqrt(alone), rel=1e-9)
 
 
