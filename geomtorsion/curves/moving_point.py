@@ -9,10 +9,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.codegen.branches import branch_check
+from geomtorsion.curves.atlas import atlas_of
 from geomtorsion.curves.transported import speed_powers
 from geomtorsion.errors import (
     BranchError,
     ChartEdgeError,
+    GeomtorsionError,
     MissingValueError,
     SingularPointError,
     StartError,
@@ -175,7 +178,8 @@ def checked_start(frame: Frame, start: object, parameters: Mapping[str, Real]) -
     point |= {name: float(value) for name, value in parameters.items()}
     try:
         size = abs(complex(frame.determinant.element().evaluate(point)))
-        frame.legs.at(point)
+        if not _has_legs(frame, point):
+            frame.legs.at(point)
     except MissingValueError as error:
         raise StartError(f"{error} Give parameters={{...}}.") from None
     except BranchError as error:
@@ -190,6 +194,19 @@ def checked_start(frame: Frame, start: object, parameters: Mapping[str, Real]) -
             "or in another chart."
         )
     return found
+
+
+def _has_legs(frame: Frame, point: Mapping[str, float]) -> bool:
+    """Whether doubles give all legs at a point, on the right branches; exact work takes longer."""
+    atlas = atlas_of(frame)
+    try:
+        values = atlas.chart(atlas.home).frame_vectors.values(point)
+    except (KeyError, GeomtorsionError):
+        # What is missing, exact work says by name.
+        return False
+    branches = branch_check([frame.field], list(point))
+    kept = branches is None or not branches.broken(*point.values()).any()
+    return kept and not frame.complex and bool(np.isfinite(values).all())
 
 
 def frame_velocities(
