@@ -16,8 +16,7 @@ from geomtorsion.codegen.branches import branch_check
 from geomtorsion.codegen.evaluation import ball_values
 from geomtorsion.codegen.expression_graph import Graph, graph
 from geomtorsion.codegen.printers import FUNCTIONS, compiled, python_body, python_source
-from geomtorsion.codegen.steps import Signed, Step
-from geomtorsion.codegen.transformations import Forward
+from geomtorsion.codegen.steps import Forward, Signed, Step
 from geomtorsion.errors import ArgumentError, ExpressionError, MissingValueError, SingularPointError
 from geomtorsion.exact.element import Element
 from geomtorsion.precision import CALCULATED

@@ -23,9 +23,16 @@ from geomtorsion.codegen.printers import (
     python_source,
 )
 from geomtorsion.codegen.reading import Emitter, Output, Reader
-from geomtorsion.codegen.steps import Builder, Signed, Step
+from geomtorsion.codegen.steps import (
+    Builder,
+    Signed,
+    Step,
+    above_rounding,
+    hoisted,
+    jacobian,
+    term_sizes,
+)
 from geomtorsion.codegen.sums import factor as pull_out
-from geomtorsion.codegen.transformations import above_rounding, hoisted, jacobian, term_sizes
 from geomtorsion.copies import only_fields
 from geomtorsion.precision import EXACT_BITS
 

@@ -1,4 +1,4 @@
-"""Steps: values computed one after another, each once, ready to be printed for any engine."""
+"""Steps: values computed one after another, each once; and steps made of steps, as derivatives."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
+
+from geomtorsion.errors import ExpressionError
 
 # So many quotients by one value make its inverse pay: a product costs less than a quotient.
 MANY_QUOTIENTS = 6
@@ -151,3 +153,283 @@ def uses(steps: Sequence[Step], outputs: Sequence[Signed]) -> list[int]:
     for _, place in outputs:
         count[place] += 1
     return count
+
+
+# Derivatives that are not zero: which argument -> sign and place.
+Slopes = dict[int, Signed]
+
+
+def jacobian(
+    steps: Sequence[Step], outputs: Sequence[Signed], positions: Sequence[int]
+) -> tuple[tuple[Step, ...], tuple[Signed, ...]]:
+    """Steps and outputs for d output / d argument, those of the first output first.
+
+    Derivatives are carried forward from step to step; what is zero is never written.
+    """
+    work = Forward(steps, positions)
+    for place, step in enumerate(steps):
+        work.slopes.append(work.of_step(place, step))
+    zero = work.builder.number(Fraction(0))
+    found = []
+    for sign, place in outputs:
+        slopes = work.slopes[place]
+        for j in range(len(positions)):
+            turn, where = slopes.get(j, (1, zero))
+            found.append((sign * turn, where))
+    return work.builder.needed(found)
+
+
+class Forward:
+    """Steps with their derivatives; places of the first steps are those of the old ones."""
+
+    def __init__(self, steps: Sequence[Step], positions: Sequence[int]) -> None:
+        self.builder: Builder = Builder()
+        self.slopes: list[Slopes] = []
+        self._seeds = {position: j for j, position in enumerate(positions)}
+        for step in steps:
+            self.builder.add(
+                step.kind, step.operands, step.detail, signs=step.signs, constant=step.constant
+            )
+        self._one = self._number(1)
+
+    def _number(self, value: int | Fraction) -> int:
+        return self.builder.number(Fraction(value))
+
+    def _call(self, name: str, *operands: int) -> int:
+        return self.builder.add("call", operands, name)
+
+    def _plus_one(self, place: int, sign: int = 1) -> int:
+        """1 + (or minus) a step."""
+        return self.builder.total([(1, self._one), (sign, place)])[1]
+
+    def _times(self, slope: Signed, factor: int) -> Signed:
+        sign, place = slope
+        if place == self._one:
+            return sign, factor
+        return sign, place if factor == self._one else self.builder.product(factor, place)
+
+    def _over(self, slope: Signed, below: int) -> Signed:
+        return slope[0], self.builder.quotient(slope[1], below)
+
+    def _sum(self, parts: Sequence[tuple[int, Slopes]]) -> Slopes:
+        """The sum of signed slopes."""
+        found: dict[int, list[Signed]] = {}
+        for sign, slopes in parts:
+            for j, (turn, place) in slopes.items():
+                entry = (sign * turn, place)
+                opposite = (-sign * turn, place)
+                terms = found.setdefault(j, [])
+                if opposite in terms:
+                    terms.remove(opposite)
+                else:
+                    terms.append(entry)
+        return {j: self.builder.total(terms) for j, terms in found.items() if terms}
+
+    def _scaled(self, slopes: Slopes, factor: int, sign: int = 1) -> Slopes:
+        """Slopes times a step."""
+        found = {j: self._times(slope, factor) for j, slope in slopes.items()}
+        return {j: (sign * turn, place) for j, (turn, place) in found.items()}
+
+    def _divided(self, slopes: Slopes, below: int, sign: int = 1) -> Slopes:
+        found = {j: self._over(slope, below) for j, slope in slopes.items()}
+        return {j: (sign * turn, place) for j, (turn, place) in found.items()}
+
+    def partials(self, place: int, step: Step) -> Slopes:
+        """The derivatives of a call with respect to its operands, by their number.
+
+        Raises
+        ------
+        ExpressionError
+            the function has no derivative here.
+        """
+        return self._of_call(place, step, [{k: (1, self._one)} for k in range(len(step.operands))])
+
+    def of_step(self, place: int, step: Step) -> Slopes:
+        """The derivatives of a step."""
+        kind, operands = step.kind, step.operands
+        if kind == "argument":
+            assert isinstance(step.detail, int)
+            position = step.detail
+            return {self._seeds[position]: (1, self._one)} if position in self._seeds else {}
+        inner = [self.slopes[operand] for operand in operands]
+        if not any(inner):
+            return {}
+        if kind == "sum":
+            return self._sum(list(zip(step.signs, inner, strict=True)))
+        if kind == "product":
+            first, second = operands
+            return self._sum(
+                [(1, self._scaled(inner[0], second)), (1, self._scaled(inner[1], first))]
+            )
+        if kind == "square":
+            return self._scaled(inner[0], self.builder.product(self._number(2), operands[0]))
+        if kind == "quotient":
+            # (a / b)' = (a' - (a / b) b') / b
+            slopes = self._sum([(1, inner[0]), (-1, self._scaled(inner[1], place))])
+            return self._divided(slopes, operands[1])
+        if kind == "root":
+            # w**n = u: w' = w u' / (n u), for square roots u' / (2 w).
+            degree = self._number(Fraction(step.detail))
+            if step.detail == 2:
+                return self._divided(inner[0], self.builder.product(degree, place))
+            below = self.builder.product(degree, operands[0])
+            return self._divided(self._scaled(inner[0], place), below)
+        return self._of_call(place, step, inner)
+
+    def _of_call(self, place: int, step: Step, inner: Sequence[Slopes]) -> Slopes:
+        name, operands = str(step.detail), step.operands
+        first = operands[0]
+        if name == "power":
+            return self._of_power(place, operands, inner)
+        if name == "atan2":
+            # atan2(y, x)' = (x y' - y x') / (x**2 + y**2)
+            y, x = operands
+            parts = [(1, self._scaled(inner[0], x)), (-1, self._scaled(inner[1], y))]
+            squares = [(1, self.builder.product(x, x)), (1, self.builder.product(y, y))]
+            return self._divided(self._sum(parts), self.builder.total(squares)[1])
+        if name in ("sign", "floor", "ceiling"):
+            return {}
+        square = self.builder.product(first, first)
+        if name in ("sin", "sinh"):
+            return self._scaled(inner[0], self._call("cos" if name == "sin" else "cosh", first))
+        if name in ("cos", "cosh"):
+            other = self._call("sin" if name == "cos" else "sinh", first)
+            return self._scaled(inner[0], other, -1 if name == "cos" else 1)
+        if name in ("tan", "tanh"):
+            sign = 1 if name == "tan" else -1
+            return self._scaled(inner[0], self._plus_one(self.builder.product(place, place), sign))
+        if name == "exp":
+            return self._scaled(inner[0], place)
+        if name == "log":
+            return self._divided(inner[0], first)
+        if name in ("atan", "atanh"):
+            return self._divided(inner[0], self._plus_one(square, 1 if name == "atan" else -1))
+        if name in ("asin", "acos", "asinh", "acosh"):
+            below = self._plus_one(square, 1 if name == "asinh" else -1)
+            if name == "acosh":
+                below = self.builder.total([(1, square), (-1, self._one)])[1]
+            root = self.builder.root(below, 2)
+            return self._divided(inner[0], root, -1 if name == "acos" else 1)
+        if name == "Abs":
+            return self._scaled(inner[0], self._call("sign", first))
+        raise ExpressionError(f"{name} has no derivative here; write it in other functions")
+
+    def _of_power(self, place: int, operands: Sequence[int], inner: Sequence[Slopes]) -> Slopes:
+        """(u**v)' = v u**(v - 1) u' + u**v log(u) v'"""
+        base, exponent = operands
+        known = self.builder.steps[exponent]
+        if known.kind == "number":
+            less = self._number(Fraction(known.detail) - 1)
+        else:
+            less = self.builder.total([(1, exponent), (-1, self._one)])[1]
+        lower = self.builder.product(exponent, self._call("power", base, less))
+        parts = [(1, self._scaled(inner[0], lower))]
+        if inner[1]:
+            slope = self.builder.product(place, self._call("log", base))
+            parts.append((1, self._scaled(inner[1], slope)))
+        return self._sum(parts)
+
+
+# What costs an engine nothing: it stays where it is.
+_GIVEN = ("argument", "number", "digits")
+Part = tuple[tuple[Step, ...], tuple[Signed, ...]]
+
+
+def hoisted(
+    steps: Sequence[Step], outputs: Sequence[Signed], width: int, first: int
+) -> tuple[Part, Part]:
+    """Steps that read constants as further arguments, and steps that make these.
+
+    An engine of series takes any value that is made in the equations for a series, and a product
+    with it for one of two series; a number that is given to it costs one multiplication at each
+    order.
+
+    Quotients by constants become products with their inverses.
+
+    width: how many arguments there are; first: position of the first that is constant, as all
+    after it are, which are the arguments of what makes the constants.
+    """
+    made, found = Builder(), list[Signed]()
+    rest, places, own = Builder(), list[int](), list[int]()
+    positions: dict[int, int] = {}
+
+    def further(place: int) -> int:
+        """An argument for a constant, by its place in `made`."""
+        if place not in positions:
+            positions[place] = width + len(found)
+            found.append((1, place))
+        return rest.argument(positions[place], constant=True)
+
+    def read(place: int) -> int:
+        step = steps[place]
+        return further(own[place]) if step.constant and step.kind not in _GIVEN else places[place]
+
+    for step in steps:
+        if step.constant:
+            detail = step.detail - first if step.kind == "argument" else step.detail
+            operands = tuple(own[place] for place in step.operands)
+            own.append(made.add(step.kind, operands, detail, signs=step.signs, constant=True))
+            given = step.kind in _GIVEN
+            places.append(rest.add(step.kind, (), step.detail, constant=True) if given else -1)
+            continue
+        own.append(-1)
+        below = steps[step.operands[1]] if step.kind == "quotient" else None
+        if below is not None and below.constant and below.kind != "number":
+            one = made.number(Fraction(1))
+            inverse = further(made.quotient(one, own[step.operands[1]]))
+            places.append(rest.product(read(step.operands[0]), inverse))
+            continue
+        operands = tuple(map(read, step.operands))
+        places.append(rest.add(step.kind, operands, step.detail, signs=step.signs, constant=False))
+    results = [(sign, read(place)) for sign, place in outputs]
+    return rest.needed(results), made.needed(found)
+
+
+# A value that is smaller than so many roundings of its terms has no sign of its own.
+ROUNDINGS = 8
+
+
+def term_sizes(
+    steps: Sequence[Step], outputs: Sequence[Signed]
+) -> tuple[tuple[Step, ...], tuple[Signed, ...]]:
+    """Steps and outputs for the sizes, which are what roundings of terms are measured by."""
+    builder, sizes = _with_sizes(steps)
+    return builder.needed([(1, sizes[place]) for _, place in outputs])
+
+
+def above_rounding(
+    steps: Sequence[Step], outputs: Sequence[Signed]
+) -> tuple[tuple[Step, ...], tuple[Signed, ...]]:
+    """Steps and outputs that are positive only where rounding in doubles leaves no doubt of it.
+
+    Of roots what is under them stands here: it has the same sign as long as there is a root.
+    """
+    builder, sizes = _with_sizes(steps)
+    share = builder.number(Fraction(ROUNDINGS, 2**52))
+    found = []
+    for sign, place in outputs:
+        inner = steps[place].operands[0] if steps[place].kind == "root" else place
+        doubt = builder.product(share, sizes[inner])
+        found.append(builder.total([(sign, inner), (-1, doubt)]))
+    return builder.needed(found)
+
+
+def _with_sizes(steps: Sequence[Step]) -> tuple[Builder, list[int]]:
+    """All steps, and for each the place of its size."""
+    builder = Builder()
+    sizes: list[int] = []
+    # First all old steps, so that their places stay.
+    for step in steps:
+        builder.add(step.kind, step.operands, step.detail, signs=step.signs, constant=step.constant)
+    for place, step in enumerate(steps):
+        inner = [sizes[operand] for operand in step.operands]
+        if step.kind == "sum":
+            size = builder.total([(1, operand) for operand in inner])[1]
+        elif step.kind in ("product", "square"):
+            size = builder.product(inner[0], inner[-1])
+        elif step.kind == "quotient":
+            size = builder.quotient(inner[0], builder.add("call", step.operands[1:], "Abs"))
+        else:
+            size = builder.add("call", (place,), "Abs")
+        sizes.append(size)
+    return builder, sizes
