@@ -150,6 +150,7 @@ def _line(crystal: Crystal | BlockedCrystal, line: DislocationLine, convention: 
     }
     if line.is_closed:
         found["inserted"] = inserted_atoms(line, crystal)
+        found["inserted_error"] = inserted_error(line, crystal)
     return found
 
 
@@ -160,12 +161,36 @@ def inserted_atoms(line: DislocationLine, crystal: Crystal | BlockedCrystal) -> 
     --------
     n = b . A / (volume of an atom), A = closed integral of r x dr / 2 along the line; b as in
     conventions.py, of which the integral of du, the opening of a cut, is minus.
+
+    It is exact where the atoms of a cell could be counted: periodic along all edges, with one line,
+    which is drawn by that count. `inserted_error` tells.
     """
-    frame = crystal.frame
-    if line.grain is not None and isinstance(crystal, Crystal):
-        frame = crystal.grains[line.grain].frame
+    frame = _frame_of(line, crystal)
     volume = frame.lattice.atom_volume * frame.constant**3
     return float(np.array([float(x) for x in line.burgers]) @ line.area / volume)
+
+
+def inserted_error(line: DislocationLine, crystal: Crystal | BlockedCrystal) -> float:
+    """How far `inserted_atoms` may be off: 0.0 where the atoms of the cell were counted.
+
+    Elsewhere, in a box that is open along an edge or with several lines, the line alone tells. It
+    lies where bonds turn from one label to the next, within half a neighbour distance d:
+    |b| (length of the line) d / 2 over the volume of an atom.
+    """
+    found, frame = inserted_atoms(line, crystal), _frame_of(line, crystal)
+    # Of a line that is drawn by a count it is whole but for rounding.
+    if abs(found - round(found)) < 1e-9 * max(abs(found), 1.0):
+        return 0.0
+    b = np.linalg.norm([float(x) for x in line.burgers])
+    volume = frame.lattice.atom_volume * frame.constant**3
+    return float(b * line.length * frame.lattice.nearest * frame.constant / 2 / volume)
+
+
+def _frame_of(line: DislocationLine, crystal: Crystal | BlockedCrystal) -> Frame:
+    """The frame of the grain in which a line lies."""
+    if line.grain is not None and isinstance(crystal, Crystal):
+        return crystal.grains[line.grain].frame
+    return crystal.frame
 
 
 def tracks(frames: Sequence[Json]) -> list[list[int]]:

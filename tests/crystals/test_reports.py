@@ -8,6 +8,7 @@ import pytest
 from geomtorsion.crystals import Crystal, read
 from geomtorsion.crystals.reports import crystal_report, followed, tracks
 from tests.crystals.making import BOX, copper_screw
+from tests.crystals.synthetic import interstitial_loop
 from tests.real import real
 
 
@@ -94,3 +95,19 @@ def test_a_loop_of_vacancies_encloses_vacancies():
     assert missing == -109
     assert one["inserted"] == pytest.approx(missing, rel=0.01)
     assert one["kind"] == "closed"
+
+
+@pytest.mark.parametrize("radius", [3, 5])
+@pytest.mark.parametrize("periodic", [(True, True, True), (True, True, False), (False,) * 3])
+def test_atoms_of_a_loop_are_counted_or_told_with_an_error(radius, periodic):
+    """Exact with no error where the cell is periodic; else within an error that is told."""
+    places, cell, put_in = interstitial_loop(radius)
+    crystal = Crystal(places, cell, periodic)
+    (one,) = crystal_report(crystal, crystal.dislocations())["lines"]
+    assert one["kind"] == "closed"
+    if all(periodic):
+        assert one["inserted"] == pytest.approx(put_in, rel=1e-9)
+        assert one["inserted_error"] == 0.0
+    else:
+        assert abs(one["inserted"] - put_in) < one["inserted_error"] < put_in / 2
+        assert abs(one["inserted"] - put_in) > 1e-3

@@ -312,6 +312,12 @@ def _loop(line: Json) -> str:
     """What a closed line encloses."""
     count = line["inserted"]
     what = "interstitials" if count > 0 else "vacancies"
+    # What an older run has kept says no error.
+    error = line.get("inserted_error", 0.0)
+    if error:
+        what = (
+            f"+- {error:.2g} {what}: atoms of an open box, or with several lines, are not counted"
+        )
     return f"  line {line['track']} encloses b . A = {abs(count):.4g} {what}"
 
 
