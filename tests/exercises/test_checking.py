@@ -198,6 +198,8 @@ def number(value, **more) -> Question:
         ("-pi/4", "sign"),
         ("pi/2", "factor"),
         ("0.79", "rounded"),
+        ("0.81", "rounded"),
+        ("0.85", ""),
         ("3 s", "unit"),
         ("3 parsec", "unit"),
         ("2", ""),

@@ -120,3 +120,16 @@ def test_descending_axes_give_the_same_circuits():
     two = SampledFrame([AXIS[::-1], AXIS], WAVES[:, :, ::-1], mask=hole[::-1])
     a, b = (grid.burgers(grid.loop_around(margin=2)) for grid in (one, two))
     assert np.abs(a.vector - b.vector).max() < a.error < 0.02
+
+
+@pytest.mark.parametrize(("off", "taken"), [(5e-5, True), (5e-4, False)])
+def test_how_equal_steps_have_to_be(off, taken):
+    """32-bit floats keep a step to 1e-4 of itself; what is farther off is no regular grid."""
+    axis = np.arange(12.0)
+    axis[5:] += off
+    values = np.broadcast_to(np.eye(2)[:, :, None, None], (2, 2, 12, 12))
+    if taken:
+        assert SampledFrame([axis, axis], values).plaquettes().vectors.shape == (2, 11, 11)
+    else:
+        with pytest.raises(GridError, match="axis x: equal steps were needed, but step 4"):
+            SampledFrame([axis, axis], values)
