@@ -38,6 +38,46 @@ def test_copies_in_a_fresh_process(originals, tmp_path):
     assert not different
 
 
+def there_and_back(name, thing):
+    """What a worker of another library finds, and the thing sent on to whoever asked."""
+    return answers(name, thing), thing
+
+
+def check_sent(originals, found):
+    """What came back is what was found here, to the bit, and so is what the things give again."""
+    made, wanted = originals
+    assert len(found) == len(made) >= 31
+    different = [name for name, (said, _) in zip(made, found, strict=True) if said != wanted[name]]
+    assert not different
+    for name in ("frame", "solved curve", "scene", "burgers vector"):
+        [again] = [thing for key, (_, thing) in zip(made, found, strict=True) if key == name]
+        assert answers(name, again) == wanted[name], name
+
+
+def test_joblib_sends_them(originals, monkeypatch):
+    """To processes of loky, joblib's usual ones, and back."""
+    joblib = pytest.importorskip("joblib")
+    loky = pytest.importorskip("joblib.externals.loky")
+    monkeypatch.syspath_prepend(str(ROOT))
+    try:
+        with joblib.parallel_config(backend="loky", n_jobs=2):
+            tasks = (joblib.delayed(there_and_back)(*one) for one in originals[0].items())
+            check_sent(originals, joblib.Parallel()(tasks))
+    finally:
+        loky.get_reusable_executor().shutdown(wait=True)
+
+
+def test_dask_sends_them(originals, monkeypatch):
+    """To worker processes of dask, and back."""
+    distributed = pytest.importorskip("dask.distributed")
+    monkeypatch.syspath_prepend(str(ROOT))
+    made = originals[0]
+    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
+    with distributed.Client(processes=True, **options) as client:
+        sent = client.map(there_and_back, list(made), list(made.values()), pure=False)
+        check_sent(originals, client.gather(sent))
+
+
 def test_deep_copies(originals):
     """Copies in this process."""
     made, wanted = originals
