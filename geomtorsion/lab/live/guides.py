@@ -38,6 +38,9 @@ _NEEDS = (
 UNAVAILABLE: Mapping[str, str] = {
     views.COSTS: f"Measuring accuracy takes motions and integrals in numbers: {_NEEDS}",
 }
+# Exercises whose solutions are motions or loops in numbers, and what the list says above them.
+UNGRADED = frozenset("4.1 4.4 5.3 5.4 5.5 5.6 5.7 6.6 7.1 7.2 7.3 7.4".split())
+NOT_HERE = "need numbers: not in this page"
 
 
 def note() -> str:

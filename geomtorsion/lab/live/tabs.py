@@ -11,6 +11,7 @@ from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.lab import controls, exercise_controls, tetrad_controls, views
 from geomtorsion.lab.equations import PRINCIPLES
 from geomtorsion.lab.kept import Kept
+from geomtorsion.lab.live.guides import NOT_HERE, UNGRADED
 from geomtorsion.lab.live.toolkit import Form, row
 from geomtorsion.lab.tetrad import OFFERED
 
@@ -182,6 +183,7 @@ def exercises(asked: Asked, runner: Runner) -> Shown:
     form, kept = asked.form, asked.kept
     listing = runner.ask("listing")
     chosen = exercise_controls.exercises(form, listing, kept)
+    chosen.apart(NOT_HERE, UNGRADED)
     variant = exercise_controls.seed(form, kept)
     stated = runner.ask("exercise", number=chosen.value, seed=int(variant.value or 0))
     head = row([chosen, variant])

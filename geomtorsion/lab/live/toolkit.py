@@ -7,7 +7,7 @@ The functions that make the controls of the served page get this in its place: t
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from html import escape
 from types import ModuleType
 from typing import Any
@@ -68,6 +68,11 @@ class Choice(Control):
     ) -> None:
         super().__init__(form, label, options[first] if first is not None else None)
         self.options, self.first = options, first
+        self.heading, self.below = "", frozenset()
+
+    def apart(self, heading: str, values: Set[Any]) -> None:
+        """Let the options of these values stand at the end of the list, below a heading."""
+        self.heading, self.below = heading, values
 
     def read(self, given: str) -> Any:
         """The option of this name."""
@@ -79,11 +84,13 @@ class Choice(Control):
         chosen = chosen if chosen in self.options else self.first
         # Nothing chosen is a choice of its own, until something is.
         blank = "<option></option>" if self.first is None else ""
-        items = "".join(
-            f"<option{' selected' if text == chosen else ''}>{escape(text)}</option>"
-            for text in self.options
-        )
-        return f"<select {self.attributes()}>{blank}{items}</select>"
+        items, last = "", ""
+        for text, value in self.options.items():
+            item = f"<option{' selected' if text == chosen else ''}>{escape(text)}</option>"
+            items, last = (items, last + item) if value in self.below else (items + item, last)
+        if last:
+            last = f'<optgroup label="{escape(self.heading)}">{last}</optgroup>'
+        return f"<select {self.attributes()}>{blank}{items}{last}</select>"
 
 
 class Tick(Control):

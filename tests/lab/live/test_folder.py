@@ -21,6 +21,7 @@ from geomtorsion.errors import PackageError
 from geomtorsion.lab import views
 from geomtorsion.lab.live import packages
 from geomtorsion.lab.live.folder import PACKAGE, configuration, page, script, write_live, zipped
+from geomtorsion.lab.live.guides import UNGRADED
 from tests.browser import Watched
 from tests.lab.test_tasks import SLOW
 
@@ -194,6 +195,17 @@ def test_an_exercise_is_answered(offline: Watched):
     says(offline, "Exercises", "#verdict", "✓ right")
     page.get_by_role("button", name="Next hint").click()
     page.wait_for_selector("#hints li")
+    assert fits(offline)
+
+
+def test_the_list_marks_exercises_that_need_numbers(offline: Watched):
+    """Before one is opened, below a heading; the page does not grow wider, and says why."""
+    page = offline.tab("Exercises")
+    listed = page.locator('[data-tab="Exercises"] select')
+    marked = listed.locator('optgroup[label*="not in this page"] option').all_inner_texts()
+    assert {text.split()[0] for text in marked} == UNGRADED
+    listed.select_option(marked[0])
+    says(offline, "Exercises", '[data-part="result"]', "this needs numpy")
     assert fits(offline)
 
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import pytest
 
+from geomtorsion.exercises import names
 from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.lab import views
 from geomtorsion.lab.live.browser import answer as answered
+from geomtorsion.lab.live.guides import UNGRADED
 from geomtorsion.lab.live.tabs import TABS, TASKS, show
 from geomtorsion.lab.tasks import answer, task
 from geomtorsion.lab.tetrad import USUAL
@@ -72,6 +75,15 @@ def test_an_address_of_the_served_page_opens_the_same():
     assert shown(views.TETRAD, kept=kept)["kept"]["coframe"] == "1|0;0|r^3"
     found = shown(views.EXERCISES, kept=kept)
     assert found["shape"] == "3.2|4"
+
+
+def test_the_list_says_what_needs_numbers():
+    """Beforehand, in a part of the list with a heading of its own."""
+    found = shown(views.EXERCISES)["controls"]
+    here, not_here = found.split('<optgroup label="need numbers: not in this page">')
+    numbers = re.compile(r"<option[^>]*>([0-9.]+) ")
+    assert numbers.findall(here) == [number for number in names() if number not in UNGRADED]
+    assert numbers.findall(not_here.partition("</optgroup>")[0]) == sorted(UNGRADED)
 
 
 def test_an_answer_is_looked_at_when_it_is_sent():
