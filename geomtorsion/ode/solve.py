@@ -167,7 +167,8 @@ def _solved(
                 raise error
             return solution
     names = dict.fromkeys(run.engine.name for run in runs)
-    got = f"gets to {best:.2g}" if math.isfinite(best) else "gives no two runs to compare"
+    none = f"gives {'no ' if names else ''}two runs to compare"
+    got = f"gets to {best:.2g}" if math.isfinite(best) else none
     raise AccuracyError(
         f"accuracy {accuracy:.3g} was asked for; {', then '.join(names) or 'no engine at hand'} "
         f"{got}. " + _remedy(engine)

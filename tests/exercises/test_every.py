@@ -1,5 +1,6 @@
 """Every exercise in five variants: solution, other forms of it, and mistakes that are expected."""
 
+import sys
 from collections import Counter
 from random import Random
 
@@ -53,6 +54,14 @@ def test_the_solution_is_right(number, seeds):
         verdict = exercise.check(exercise.answers())
         assert verdict.right, verdict
         assert verdict.score == 1
+
+
+def test_heyoka_is_not_needed(monkeypatch):
+    """It comes with an extra, and not for every system; 77 is a variant of no other test."""
+    monkeypatch.setitem(sys.modules, "heyoka", None)
+    for number in NUMBERS:
+        exercise = exercises.load(number, 77)
+        assert exercise.check(exercise.answers()).right, number
 
 
 @pytest.mark.parametrize("number", NUMBERS)

@@ -243,6 +243,13 @@ def test_changes_of_charts_keep_all_digits():
             assert abs(mpmath.mpf(str(x)) - mpmath.mpf(str(y))) < mpmath.mpf(10) ** -24
 
 
+def test_no_engine_at_hand_is_said(monkeypatch):
+    """More digits than there are without heyoka."""
+    monkeypatch.setitem(sys.modules, "heyoka", None)
+    with pytest.raises(AccuracyError, match="no engine at hand gives two runs to compare. Install"):
+        solve(ODE.of({"x": "-x"}, [1]), 1.0, 1e-14)
+
+
 def test_nothing_to_compare_is_said(monkeypatch):
     """Where no two runs can be compared there is no number to name, and "inf" is none."""
     module = sys.modules["geomtorsion.ode.solve"]

@@ -51,7 +51,7 @@ def _number(
 
     @cache
     def at_end(problem: CurveProblem) -> float:
-        return float(solve(problem, [last], 1e-13).coordinates[-1, k])
+        return float(solve(problem, [last], 1e-12).coordinates[-1, k])
 
     return Question(
         name=name,
