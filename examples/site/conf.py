@@ -23,6 +23,8 @@ atexit.register(shutil.rmtree, PROFILE, ignore_errors=True)
     "utf-8",
 )
 os.environ["IPYTHONDIR"] = str(PROFILE)
+# Commands in cells think that they write to a terminal; this one has no moving bars.
+os.environ["TERM"] = "dumb"
 
 import geomtorsion as gt  # noqa: E402  # the one of this checkout
 
@@ -39,6 +41,7 @@ extensions = [
     "reference",
     "gallery",
     "tables",
+    "classroom",
     "laws",
 ]
 source_suffix = {".md": "myst-nb", ".rst": "restructuredtext"}
@@ -57,12 +60,15 @@ nb_output_stderr = "error"
 nb_code_prompt_show = "Show the answer"
 nb_code_prompt_hide = "Hide the answer"
 nb_merge_streams = True
+nb_render_markdown_format = "myst"
 myst_enable_extensions = ["dollarmath", "deflist", "attrs_inline", "colon_fence"]
 myst_heading_anchors = 3
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_preserve_defaults = True
+# Else every array is told by all that numpy can make one of.
+autodoc_type_aliases = {"ArrayLike": "ArrayLike"}
 autodoc_default_options = {"members": True}
 add_module_names = False
 python_use_unqualified_type_names = True

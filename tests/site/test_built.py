@@ -53,6 +53,16 @@ def test_every_example_has_a_page_and_a_picture(built):
         assert 'id="what-it-prints"' in (built / "gallery" / page).read_text("utf-8")
 
 
+def test_home_shows_the_page_of_a_class(built):
+    """An exercise with a wrong and a right answer, each with what is said about it."""
+    text = (built / "index.html").read_text("utf-8")
+    [shown] = re.findall(r'<div class="classroom".*?</template></div>', text, re.DOTALL)
+    said = re.findall(r'<div class="(wrong|right)" role="status"><strong>(.*?)</strong>', shown)
+    assert [kind for kind, _ in said] == ["wrong", "right"]
+    assert "The sign is wrong." in shown
+    assert 'value="-cos(phi2)/sin(phi2)"' in shown
+
+
 def test_pages_that_errors_name_are_there(built):
     """`error.page` leads somewhere, for every error of the package."""
     kinds = [one for one in vars(errors).values() if isinstance(one, type)]
@@ -71,6 +81,18 @@ def test_a_task_is_really_done(built, name):
     assert re.search(r'<span class="k">(assert|raise)</span>', text)
     assert '<div class="cell_output' in text
     assert "Traceback" not in text
+
+
+def test_pages_are_clean(built):
+    """No bars that moved, no places in memory, no LaTeX that was left as it is written."""
+    pages = [path for folder in ("tutorials", "howto") for path in (built / folder).glob("*.html")]
+    assert len(pages) == len(TUTORIALS) + len(TASKS)
+    for path in [*pages, built / "errors.html"]:
+        shown = re.findall(r'<div class="output .*?</div>', path.read_text("utf-8"), re.DOTALL)
+        assert shown, path
+        text = " ".join(shown)
+        for trash in ("Ctrl-C stops", " object at 0x", r"\begin{", "np.True_"):
+            assert trash not in text, (path.name, trash)
 
 
 def test_versions_are_those_of_this_checkout(built):

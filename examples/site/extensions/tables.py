@@ -53,10 +53,10 @@ class Conventions(_Lines):
     def lines(self) -> list[str]:
         """One row for each."""
         rows = [
-            (one.name, "\n".join(_formulas(one.formula)), with_formulas(one.note))
+            (one.name, "\n".join([*_formulas(one.formula), "", with_formulas(one.note)]))
             for one in CONVENTIONS
         ]
-        return table(("what", "equation", "note"), rows)
+        return table(("what", "equation and note"), rows)
 
 
 def _formulas(text: str) -> list[str]:
