@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 from collections.abc import Iterator
@@ -25,6 +26,14 @@ class Show(Protocol):
         ...
 
 
+def somebody_watches() -> bool:
+    """Whether standard error is a terminal in which lines can change.
+
+    Jupyter gives a command in a cell a terminal in which they cannot: each change is one line more.
+    """
+    return sys.stderr.isatty() and "JPY_PARENT_PID" not in os.environ
+
+
 @contextmanager
 def bar(
     what: str, total: float = 1.0, *, wanted: bool | None = None, patience: float = 0.0
@@ -35,7 +44,7 @@ def bar(
     wanted: None shows it on a terminal; True shows it anywhere, and leaves it there.
     patience: seconds after which it appears.
     """
-    if not (sys.stderr.isatty() if wanted is None else wanted):
+    if not (somebody_watches() if wanted is None else wanted):
         yield None
         return
     began = time.perf_counter()

@@ -2,7 +2,8 @@
 
 import pytest
 
-from geomtorsion.progress import PATIENCE, bar, time_left
+from geomtorsion.cli.terminal import working
+from geomtorsion.progress import PATIENCE, bar, somebody_watches, time_left
 from tests.screen import watched
 
 
@@ -33,6 +34,18 @@ def test_a_slow_start_counts(monkeypatch):
         show(0.25)
     assert "top (Ctrl-C stops)" in screen.getvalue()
     assert "90 s left" in screen.getvalue()
+
+
+def test_in_a_cell_of_a_notebook_nothing_moves(monkeypatch):
+    """What Jupyter takes for a terminal shows each change as a line of its own."""
+    screen = watched(monkeypatch)
+    assert somebody_watches()
+    monkeypatch.setenv("JPY_PARENT_PID", "1")
+    assert not somebody_watches()
+    with bar("top") as show, working("so3") as progress:
+        assert show is None
+        progress("solving")
+    assert screen.getvalue() == ""
 
 
 @pytest.mark.parametrize("waited", [0.9 * PATIENCE, 1.1 * PATIENCE])

@@ -23,8 +23,6 @@ atexit.register(shutil.rmtree, PROFILE, ignore_errors=True)
     "utf-8",
 )
 os.environ["IPYTHONDIR"] = str(PROFILE)
-# Commands in cells think that they write to a terminal; this one has no moving bars.
-os.environ["TERM"] = "dumb"
 
 import geomtorsion as gt  # noqa: E402  # the one of this checkout
 

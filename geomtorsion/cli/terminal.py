@@ -9,6 +9,8 @@ from contextlib import contextmanager
 
 import numpy as np
 
+from geomtorsion.progress import somebody_watches
+
 WIDTH = 88
 
 
@@ -37,7 +39,7 @@ def wrapped(text: str, taken: int = 0) -> str:
 @contextmanager
 def working(what: str) -> Iterator[Callable[[str], object]]:
     """Show a line that says what is being computed; call the result with each new step."""
-    if not sys.stderr.isatty():
+    if not somebody_watches():
         yield lambda _: None
         return
     # rich takes a tenth of a second to load, and is used only where somebody watches.
