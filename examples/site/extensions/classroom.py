@@ -1,5 +1,7 @@
 """classroom: the page of exercises as a class sees it, with a wrong and a right answer."""
 
+# pyright: reportMissingImports=false
+
 from __future__ import annotations
 
 from docutils import nodes

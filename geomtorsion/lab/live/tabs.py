@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from html import escape
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.lab import controls, exercise_controls, tetrad_controls, views
 from geomtorsion.lab.equations import PRINCIPLES
 from geomtorsion.lab.kept import Kept
 from geomtorsion.lab.live.guides import NOT_HERE, UNGRADED
-from geomtorsion.lab.live.toolkit import Form, row
+from geomtorsion.lab.live.toolkit import Choice, Form, row
 from geomtorsion.lab.tetrad import OFFERED
 
 if TYPE_CHECKING:
@@ -182,7 +182,7 @@ def exercises(asked: Asked, runner: Runner) -> Shown:
     """An exercise, and what is said about its answers."""
     form, kept = asked.form, asked.kept
     listing = runner.ask("listing")
-    chosen = exercise_controls.exercises(form, listing, kept)
+    chosen = cast(Choice, exercise_controls.exercises(form, listing, kept))
     chosen.apart(NOT_HERE, UNGRADED)
     variant = exercise_controls.seed(form, kept)
     stated = runner.ask("exercise", number=chosen.value, seed=int(variant.value or 0))
