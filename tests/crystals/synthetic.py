@@ -151,19 +151,22 @@ def torn(places, lines):
     return moved
 
 
-# Axes of space along those of hcp: z along a line in the basal plane, y along the axis c.
+# Axes of space along those of hcp, z along a line in the basal plane, y along the axis c; and the
+# period along that line.
 BASAL = {
-    "edge": (np.array([[-1, 0, 0], [0, 0, 1], [0, 1, 0]]), 4 * np.sqrt(3)),
-    "screw": (np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0]]), 6.0),
+    "edge": (np.array([[-1, 0, 0], [0, 0, 1], [0, 1, 0]]), np.sqrt(3)),
+    "screw": (np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0]]), 1.0),
 }
+PERIODS = {"edge": 4, "screw": 6}
 
 
-def basal_partials(line, width=4.0, ratio=1.623):
+def basal_partials(line, width=4.0, ratio=1.623, periods=None):
     """A dislocation 1/3[2 -1 -1 0] of hcp in two partials, its period, and both with their b.
 
     The fault of type I2 lies between them in the plane y = 0.
     """
     axes, period = BASAL[line]
+    period *= periods or PERIODS[line]
     # Layers lie at a quarter and three quarters of c.
     sites = cylinder("hcp", axes, period, ratio=ratio, centre=(0.117, 0.093, 0.25))
     # In this order layers are nowhere above each other.
@@ -178,6 +181,7 @@ def frank_partials(line, ratio=1.623):
     The fault of type I1 lies between them: ABABCBCB.
     """
     axes, period = BASAL[line]
+    period *= PERIODS[line]
     sites = cylinder("hcp", axes, period, ratio=ratio, centre=(0.117, 0.093, 0))
     kept = sites[(np.abs(sites[:, 1]) > 0.1) | (np.abs(sites[:, 0]) > 5)]
     b = axes @ np.array([0, 1 / np.sqrt(3), -ratio / 2])

@@ -6,10 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from geomtorsion.crystals import Crystal
+from geomtorsion.crystals import Crystal, blocked_crystal
 from geomtorsion.crystals.reports import inserted_atoms
 from geomtorsion.loops.crystal_analysis import crystal_analysis_text
 from tests.crystals.synthetic import basal_partials, frank_partials, stacked, vacancy_disc
+from tests.crystals.test_blocked import bits
 from tests.crystals.test_crystal import line_of
 
 IDEAL = (8 / 3) ** 0.5
@@ -152,3 +153,23 @@ def test_a_frank_loop_encloses_the_vacancies(radius):
     assert (line.family, line.kind) == ("1/6<0 2 -2 3>", "closed")
     assert inserted_atoms(line, crystal) == pytest.approx(-missing, rel=0.01)
     assert line.length == pytest.approx(2 * np.pi * radius, rel=0.05)
+
+
+def test_blocks_tell_the_same_partials(tmp_path):
+    """To the last bit, whatever the size of blocks; whole lines, too."""
+    places, period, _ = basal_partials("screw")
+    places, box = noisy(places, 3), np.diag([60, 60, period])
+    whole = Crystal(places, box, OPEN)
+    for size in (9.0, 31.0):
+        cut = blocked_crystal(places, tmp_path / str(size), box, size, OPEN)
+        for partials in (False, True):
+            assert bits(cut.dislocations(partials)) == bits(whole.dislocations(partials))
+
+
+def test_a_cell_a_few_atoms_long_has_the_same_partials():
+    """Along the line an atom is a neighbour of its own images."""
+    places, period, put_in = basal_partials("screw", periods=2)
+    crystal = Crystal(places, [60, 60, period], OPEN)
+    parts = sorted(crystal.dislocations(partials=True).lines, key=lambda x: x.path[:, 0].mean())
+    for part, (_, b) in zip(parts, put_in, strict=True):
+        assert upwards(part) == pytest.approx(-b, abs=0.03)
