@@ -109,3 +109,13 @@ def test_loops(options):
     left = Frame([x, y], [[1, 0], [0, 1 + sp.sqrt(x**2)]], domain=[x < 0])
     there = burgers_vector(left, Loop.circle([-2, 0], 1), **options)
     assert float(there.vector[1]) == pytest.approx(-np.pi, rel=1e-12)
+
+
+def test_equal_checks_are_made_once():
+    """The very same branches share a check, and with it its code; other names have their own."""
+    field = Frame([x, y], [[1, 0], [0, 1 + sp.sqrt(x**2)]]).field
+    first = branch_check([field], ["x", "y"])
+    assert first is not None
+    assert branch_check([field], ["x", "y"]) is first
+    assert branch_check([field], ["y", "x"]) is not first
+    assert branch_check([Frame([x, y], [[1, 0], [0, 1]]).field], ["x", "y"]) is None

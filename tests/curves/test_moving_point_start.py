@@ -1,10 +1,11 @@
 """Bad input: an error of ours that names the value and the remedy."""
 
 import pytest
+import sympy as sp
 
 from geomtorsion.curves import autoparallel, geodesic, geodesic_deviation, parallel_transport
 from geomtorsion.errors import MetricError, ShapeError, StartError
-from geomtorsion.geometry import cartan
+from geomtorsion.geometry import Frame, cartan
 from geomtorsion.ode import solve_many
 from geomtorsion.spaces import load
 
@@ -106,3 +107,25 @@ def test_refused(make, error, message):
     """Each names what came and what helps."""
     with pytest.raises(error, match=message):
         make()
+
+
+@pytest.mark.parametrize("place", [2.0, 2.0 * (1 + 2**-52), 5.0])
+def test_legs_that_end_where_the_determinant_does_not(place):
+    """On the horizon of Schwarzschild's coordinates the volume is finite, but legs are not."""
+    space = load("schwarzschild").frame
+    start, speed = [0, place, 1.2, 0], [1, 0, 0, 0]
+    if place == 2.0:
+        with pytest.raises(StartError, match="singular at the start"):
+            geodesic(space, start, frame_velocity=speed, parameters={"M": 1})
+    else:
+        problem = geodesic(space, start, frame_velocity=speed, parameters={"M": 1})
+        assert problem.start == tuple(start)
+
+
+def test_legs_that_doubles_do_not_give():
+    """Where a form has a gap that can be filled exact numbers decide about a start."""
+    r = sp.Symbol("r")
+    frame = Frame([r], [[(r**2 - 1) / (r - 1) + sp.sin(r) / r]])
+    assert geodesic(frame, [1.0], [1.0]).start == (1.0,)
+    with pytest.raises(StartError, match="singular at the start"):
+        geodesic(frame, [0.0], [1.0])
