@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from geomtorsion.crystals import Crystal, blocked_crystal
 from geomtorsion.crystals.reports import inserted_atoms
-from geomtorsion.loops.crystal_analysis import crystal_analysis_text
+from geomtorsion.loops.crystal_analysis import Cluster, crystal_analysis_text
 from tests.crystals.synthetic import basal_partials, frank_partials, stacked, vacancy_disc
 from tests.crystals.test_blocked import bits
 from tests.crystals.test_crystal import line_of
@@ -136,7 +136,8 @@ def test_ovito_names_the_partials():
     net = crystal.dislocations(partials=True)
     ratio = 2 * crystal.frame.lattice.units[2]
     matrix = crystal.constant * crystal.orient.T * np.sqrt([2, 2, 3 / 4 * ratio**2])
-    rows = crystal_analysis_text(net.arrays, net.polylines, "hcp", matrix).splitlines()
+    cluster = Cluster("hcp", matrix, len(places))
+    rows = crystal_analysis_text(net.arrays, net.polylines, [cluster]).splitlines()
     family = rows[rows.index("1/3<1-100>") + 1].split()
     kept = rows[rows.index("DISLOCATIONS 2") + 2].split()
     sizes = [np.linalg.norm([float(x) for x in b]) for b in (family, kept)]
