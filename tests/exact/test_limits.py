@@ -100,3 +100,16 @@ def test_what_is_too_long_to_write_has_numbers():
     assert ricci.is_zero is False
     with pytest.raises(LimitError, match="parts would be written; the limit is"):
         _ = ricci.to_sympy()
+
+
+def test_the_largest_multiple_of_an_angle():
+    """cos(1000 x) is a polynomial of cos(x); of a larger multiple it would be too long."""
+    x, y = sp.symbols("x y", real=True)
+
+    def entry(multiple):
+        frame = Frame([x, y], [[1, 0], [0, sp.cos(x) + sp.cos(multiple * x)]])
+        return frame.coframe[1, 1]
+
+    assert entry(1000) == sp.cos(x) + sp.cos(1000 * x)
+    with pytest.raises(LimitError, match="the multiple 1001 would be needed; the limit is 1000"):
+        entry(1001)

@@ -49,3 +49,11 @@ def test_no_value_is_none():
     assert other == 0.25
     [large] = at_points(sp.exp(sp.exp(sp.exp(x))), {x: [30.0]})
     assert not cmath.isfinite(large)
+
+
+@pytest.mark.parametrize(("exponent", "known"), [(3999, True), (4001, False)])
+def test_how_large_a_value_may_become(exponent, known):
+    """Numbers of four thousand bits are worked out, larger ones are given up."""
+    found = at_point(sp.Integer(2) ** x, {x: sp.Rational(exponent)})
+    assert (found is not None) == known
+    assert found is None or mpmath.mag(found.real) == exponent + 1
