@@ -9,6 +9,7 @@ import scipy  # loads its parts when they are asked for
 
 from geomtorsion.crystals.grains import Grains
 from geomtorsion.crystals.method import METHOD
+from geomtorsion.crystals.networks import cluster_of
 from geomtorsion.crystals.triangulation import Cell
 from geomtorsion.loops.box import Box
 from geomtorsion.loops.dislocation_network import DislocationNetwork
@@ -48,6 +49,8 @@ def network_of_grains(
             data["grain"] = grain.number
         names = {node: len(found) + k for k, node in enumerate(graph)}
         found.update(nx.relabel_nodes(graph, names))
+    clusters = {grain.number: cluster_of(grain.frame, len(grain.atoms)) for grain in grains}
+    found.graph.update(clusters=clusters, walls=[wall.grains for wall in grains.walls])
     return DislocationNetwork(found, box=Box(cell.vectors, periodic=cell.periodic))
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from geomtorsion.crystals.faults import MODULES, fault_shifts
 from geomtorsion.crystals.frames import Frame
 from geomtorsion.crystals.method import METHOD
-from geomtorsion.crystals.networks import network_of
+from geomtorsion.crystals.networks import cluster_of, network_of
 from geomtorsion.crystals.stacking import layered, stacked_labels
 from geomtorsion.crystals.torsion import Torsion
 from geomtorsion.crystals.triangulation import Cell, Triangulation, triangulated
@@ -115,4 +115,5 @@ def lines_of(found: Torsion, frame: Frame, occupied: int | None) -> DislocationN
     volume = 0.0
     if occupied is not None and sites is not None:
         volume = (occupied - sites) * frame.lattice.atom_volume * frame.constant**3
-    return network_of(found.relaxed(), replace(frame, lattice=found.lattice), width, volume)
+    here = replace(frame, lattice=found.lattice)
+    return network_of(found.relaxed(), here, width, volume, cluster_of(frame))

@@ -13,23 +13,24 @@ from geomtorsion.crystals.lattices import Lattice
 from geomtorsion.crystals.lines import DualGraph, simplified, smoothed, strands
 from geomtorsion.crystals.torsion import Torsion
 from geomtorsion.loops.box import Box
+from geomtorsion.loops.crystal_analysis import Cluster
 from geomtorsion.loops.dislocation_network import DislocationNetwork
 
 
 def network_of(
-    torsion: Torsion, frame: Frame, width: float, extra: float = 0.0
+    torsion: Torsion, frame: Frame, width: float, extra: float, cluster: Cluster
 ) -> DislocationNetwork:
     """The lines that carry torsion, smoothed, in the frame of a crystal.
 
     width: of a core. extra: volume of the atoms more than sites, where they can be counted: a
     single closed line is drawn so that b . A is that volume, since bonds across it flip a little
-    inside of it.
+    inside of it. cluster: how OVITO has the crystal.
     """
     import networkx as nx  # 0.15 s, and networks alone need it
 
     cell = torsion.mesh.cell
     graph = DualGraph.of(torsion)
-    found = nx.MultiDiGraph()
+    found = nx.MultiDiGraph(clusters={None: cluster})
     lines = simplified(strands(graph, cell.vectors), graph.surface, cell.vectors, width)
     ends = Counter(node for line in lines for node in (line.start, line.end))
     alone = [line.start == line.end and ends[line.start] == 2 for line in lines]
@@ -55,6 +56,16 @@ def network_of(
             image=tuple(line.image.tolist()),
         )
     return DislocationNetwork(found, box=Box(cell.vectors, periodic=cell.periodic))
+
+
+def cluster_of(frame: Frame, atoms: int = 0) -> Cluster:
+    """A crystal or a grain as OVITO has it."""
+    lattice, scale = frame.lattice, np.ones(3)
+    if lattice.name == "hcp":
+        # Its vectors of hcp are those of the ideal c/a, with neighbours 1/sqrt(2) apart; along c
+        # whole numbers count halves.
+        scale = np.sqrt([2, 2, 3 * lattice.units[2] ** 2])
+    return Cluster(lattice.name, frame.constant * frame.orient.T * scale, atoms)
 
 
 def _with_area(path: np.ndarray, burgers: np.ndarray, volume: float) -> np.ndarray:

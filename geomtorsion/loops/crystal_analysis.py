@@ -10,7 +10,7 @@ from functools import cached_property
 from itertools import pairwise
 from os import PathLike
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from geomtorsion.checks import shown
 from geomtorsion.errors import FileFormatError, GeomtorsionError, NetworkError
 from geomtorsion.files import read_text
 from geomtorsion.loops.box import Box
-from geomtorsion.loops.line_arrays import LineArrays
+from geomtorsion.loops.line_arrays import DislocationLine, LineArrays
 from geomtorsion.loops.polylines import Polyline
 from geomtorsion.loops.reactions import CONSTRAINTS
 
@@ -104,6 +104,28 @@ class Cluster:
     def inverse(self) -> np.ndarray:
         """Takes a vector in space to one in units of the lattice."""
         return np.linalg.inv(self.matrix)
+
+
+# Grains, in which of them each curve lies, and pairs of grains that touch.
+Clusters = tuple[Sequence[Cluster], Sequence[int], Sequence[tuple[int, int]]]
+
+
+def clusters_of(
+    known: Mapping[str, Any],
+    lines: Sequence[DislocationLine],
+    owners: Sequence[int],
+    curves: Sequence[Polyline],
+) -> Clusters:
+    """The grains of a network, that of each polyline, and which of them touch.
+
+    known: clusters by number of the grain, and walls, pairs of these, where there are any. owners:
+    number of the line to which each straight piece belongs.
+    """
+    clusters: Mapping[int | None, Cluster] = known.get("clusters") or {None: Cluster()}
+    place = {number: k for k, number in enumerate(clusters)}
+    mine = [place.get(lines[owners[curve.numbers[0]]].grain, 0) for curve in curves]
+    walls = [(place[one], place[other]) for one, other in known.get("walls", ())]
+    return list(clusters.values()), mine, walls
 
 
 def crystal_analysis_text(

@@ -18,6 +18,7 @@ from geomtorsion.loops.arcs import Number
 from geomtorsion.loops.box import Box
 from geomtorsion.loops.circuit import CircuitBurgers, circuit_burgers
 from geomtorsion.loops.complexes import Complex
+from geomtorsion.loops.crystal_analysis import clusters_of
 from geomtorsion.loops.line_arrays import DislocationLine, LineArrays, line_arrays
 from geomtorsion.loops.line_families import Lattice, LineFamily, Symmetry, line_families
 from geomtorsion.loops.line_files import lines_text, read_lines
@@ -76,7 +77,6 @@ class DislocationNetwork:
 
         if self.box is not None:
             checks.instance(self.box, Box, "box", NetworkError)
-
         if not isinstance(self.graph, nx.MultiDiGraph):
             raise NetworkError(
                 f"a networkx.MultiDiGraph was needed, but {type(self.graph).__name__} came: lines "
@@ -193,7 +193,8 @@ class DislocationNetwork:
     def save(self, path: str | PathLike[str]) -> None:
         """Write a file by the end of its name: .vtk, OVITO .ca, .json, and else ParaDiS .data.
 
-        All but .vtk, which has no box, read as the same network, digit by digit.
+        All but .vtk, which has no box, read as the same network, digit by digit. In .ca lines of
+        crystals lie in a cluster for each grain, with the families of its lattice.
 
         Raises
         ------
@@ -201,7 +202,8 @@ class DislocationNetwork:
             Nodes have no positions, there is no box that the format needs, b has not three
             components, or a line is too long for .data, which keeps no images.
         """
-        text = lines_text(path, self.arrays, self.polylines, self._vectors)
+        grains = clusters_of(self.graph.graph, self.lines, self.owners, self.polylines)
+        text = lines_text(path, self.arrays, self.polylines, self._vectors, grains)
         Path(path).write_text(text, "utf-8")
 
     @classmethod

@@ -17,7 +17,11 @@ from geomtorsion.errors import FileFormatError, GeomtorsionError, NetworkError
 from geomtorsion.files import conforming, read_json_text, read_text
 from geomtorsion.loops.arcs import Number
 from geomtorsion.loops.box import Box
-from geomtorsion.loops.crystal_analysis import crystal_analysis_text, read_crystal_analysis
+from geomtorsion.loops.crystal_analysis import (
+    Clusters,
+    crystal_analysis_text,
+    read_crystal_analysis,
+)
 from geomtorsion.loops.line_arrays import LineArrays
 from geomtorsion.loops.paradis import a_path, paradis_text, read_paradis
 from geomtorsion.loops.polylines import Polyline
@@ -68,6 +72,7 @@ def lines_text(
     lines: LineArrays,
     curves: Sequence[Polyline],
     vectors: Sequence[Vector],
+    clusters: Clusters,
 ) -> str:
     """A network as the text of a file with such a name.
 
@@ -77,6 +82,8 @@ def lines_text(
         Its polylines.
     vectors
         b of each line, exact where it is.
+    clusters
+        The grains in which the polylines lie.
 
     Raises
     ------
@@ -87,7 +94,7 @@ def lines_text(
     if kind == ".vtk":
         return vtk_text(curves)
     if kind == ".ca":
-        return crystal_analysis_text(lines, curves)
+        return crystal_analysis_text(lines, curves, *clusters)
     return json_text(lines, vectors) if kind == ".json" else paradis_text(lines)
 
 

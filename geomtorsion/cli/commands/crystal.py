@@ -31,7 +31,6 @@ from geomtorsion.crystals.reports import Json, followed
 from geomtorsion.crystals.trajectories import Wanted, forget, is_begun, reports
 from geomtorsion.errors import CheckpointError, CrystalError, GeomtorsionError, MissingExtraError
 from geomtorsion.loops import DislocationNetwork
-from geomtorsion.loops.crystal_analysis import Cluster, crystal_analysis_text
 from geomtorsion.pictures.network import draw_lines
 from geomtorsion.pictures.style import save
 from geomtorsion.progress import bar
@@ -334,14 +333,12 @@ def _save(document: Json, net: DislocationNetwork, folder: Path) -> None:
         _write_tracks(frames, written[-1])
     left_out = []
     if net.lines:
-        for end in (".vtk", ".data"):
+        for end in (".vtk", ".data", ".ca"):
             try:
                 net.save(folder / f"lines{end}")
                 written.append(folder / f"lines{end}")
             except GeomtorsionError as error:
                 left_out.append(f"no lines{end}: {error}")
-        written.append(folder / "lines.ca")
-        written[-1].write_text(_for_ovito(frames[-1], net), "utf-8")
         try:
             save(draw_lines(net), folder / "crystal.png")
             written.append(folder / "crystal.png")
@@ -350,31 +347,6 @@ def _save(document: Json, net: DislocationNetwork, folder: Path) -> None:
     for text in left_out:
         typer.echo(text, err=True)
     typer.echo(f"wrote {', '.join(map(str, written))}", err=True)
-
-
-def _for_ovito(frame: Json, net: DislocationNetwork) -> str:
-    """Lines with b in lattice constants and its family, as OVITO shows them: a cluster a grain."""
-    grains = frame.get("grains", [frame])
-    place = {grain.get("number"): k for k, grain in enumerate(grains)}
-    owners = [
-        place.get(net.lines[net.owners[curve.numbers[0]]].grain, 0) for curve in net.polylines
-    ]
-    walls = [(place[one], place[other]) for one, other in
-             (wall["grains"] for wall in frame.get("walls", ()))]  # fmt: skip
-    clusters = [_cluster(grain) for grain in grains]
-    return crystal_analysis_text(net.arrays, net.polylines, clusters, owners, walls)
-
-
-def _cluster(grain: Json) -> Cluster:
-    """A grain, or a crystal that is one."""
-    lattice, scale = LATTICES[grain["lattice"]], np.ones(3)
-    if lattice.name == "hcp":
-        # Its vectors of hcp are those of the ideal c/a, with neighbours 1/sqrt(2) apart.
-        # What an older run has kept says no c/a.
-        ratio = grain.get("ratio", 2 * lattice.units[2])
-        scale = np.sqrt([2, 2, 3 / 4 * ratio**2])
-    matrix = grain["constant"] * np.array(grain["orient"]).T * scale
-    return Cluster(lattice.name, matrix, grain["atoms"])
 
 
 def _write_tracks(frames: list[Json], path: Path) -> None:
