@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cmp_to_key
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeGuard
 
 import sympy
 
@@ -183,7 +183,7 @@ def _factors(known: Powers, powers: Iterable[tuple[Generator | Sum, int]]) -> li
     return [*rest, sympy.exp(sympy.Add(*exponents))]
 
 
-def _is_exp(base: Generator | Sum) -> bool:
+def _is_exp(base: Generator | Sum) -> TypeGuard[Generator]:
     """Whether a base is exp of something, which the number e is not."""
     return isinstance(base, Generator) and base.kind == "exp" and isinstance(base.shown, sympy.exp)
 
