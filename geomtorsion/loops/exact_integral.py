@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-import signal
-import sys
-import threading
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import product
 from math import comb
-from typing import NoReturn
 
 import mpmath
 import numpy as np
 import sympy as sp
 
 from geomtorsion import checks
+from geomtorsion.allowance import limits
 from geomtorsion.checks import expression as expression_of
 from geomtorsion.conventions import burgers
 from geomtorsion.errors import (
+    AllowanceError,
     ExpressionError,
     LimitError,
     LoopError,
@@ -41,41 +38,6 @@ from geomtorsion.precision import working_digits
 # A symbol for cos(t) and one for sin(t), once all multiples of t are expanded.
 COS, SIN = sp.Symbol("C", real=True), sp.Symbol("S", real=True)
 Method = Callable[[sp.Expr, sp.Symbol, sp.Expr, sp.Expr], sp.Expr | None]
-
-
-class OutOfTimeError(BaseException):
-    """Raised inside sympy when the time is over; not an Exception, so that nothing swallows it."""
-
-
-@contextmanager
-def deadline(seconds: float) -> Iterator[None]:
-    """End the body by OutOfTimeError when the time is over."""
-    if hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread():
-        before = signal.signal(signal.SIGALRM, _over)
-        signal.setitimer(signal.ITIMER_REAL, seconds)
-        try:
-            yield
-        finally:
-            signal.setitimer(signal.ITIMER_REAL, 0)
-            signal.signal(signal.SIGALRM, before)
-        return
-    # Where there are no timers, every call looks at the clock, at half the speed.
-    end, hook = time.monotonic() + seconds, sys.getprofile()
-
-    def watch(*_: object) -> None:
-        if time.monotonic() > end:
-            _over()
-
-    sys.setprofile(watch)
-    try:
-        yield
-    finally:
-        sys.setprofile(hook)
-
-
-def _over(*_: object) -> NoReturn:
-    """The time is over."""
-    raise OutOfTimeError
 
 
 def definite(f: sp.Expr, t: sp.Symbol, low: sp.Expr, high: sp.Expr) -> sp.Expr | None:
@@ -311,7 +273,7 @@ def exact_burgers_vector(frame: Frame, loop: Loop, seconds: float = 20.0) -> Exa
     _refuse_other_windings(frame, loop, where)
     numbers = [mpmath.mpf(0)] * frame.dimension
     try:
-        with deadline(seconds):
+        with limits(seconds=seconds):
             for times, piece in pieces(loop):
                 for i, f in enumerate(pulled_back(frame, piece)):
                     value = definite(f, *piece[1:])
@@ -323,7 +285,7 @@ def exact_burgers_vector(frame: Frame, loop: Loop, seconds: float = 20.0) -> Exa
                     total[i] += times * value
                     numbers[i] += times * _number(f, piece, where)
             vector = tuple(short(x) for x in total)
-    except OutOfTimeError:
+    except AllowanceError:
         raise UndecidedError(
             f"no closed form was found in {seconds:g} s. Ask for numbers, without exact=True."
         ) from None

@@ -14,7 +14,7 @@ from geomtorsion.errors import (
 )
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop, burgers_vector, exact_burgers_vector, parallel_screws
-from geomtorsion.loops.exact_integral import OutOfTimeError, deadline, definite
+from geomtorsion.loops.exact_integral import definite
 from geomtorsion.spaces import load
 
 R, b = sp.symbols("R b", positive=True)
@@ -121,21 +121,14 @@ def test_numbers_from_a_closed_form() -> None:
     assert "b = " in found._repr_latex_()
 
 
-def test_the_deadline_holds_in_threads_too() -> None:
-    """Where there is no timer, calls look at the clock."""
-
-    def count() -> str:
-        total = sp.S.Zero
-        try:
-            with deadline(0.05):
-                while True:
-                    total = total + sp.sin(total + 1)
-        except OutOfTimeError:
-            return "stopped"
-
-    assert count() == "stopped"
+def test_the_time_ends_in_threads_too() -> None:
+    """Where no signal arrives."""
+    x, y = sp.symbols("x y", real=True)
+    frame = Frame([x, y], [[1, sp.exp(sp.sin(x * y) + x**4)], [0, 1]])
     with ThreadPoolExecutor(1) as pool:
-        assert pool.submit(count).result(timeout=20) == "stopped"
+        found = pool.submit(exact_burgers_vector, frame, Loop.circle([0, 1], 1), seconds=0.2)
+        with pytest.raises(UndecidedError, match=r"no closed form was found in 0\.2 s"):
+            found.result(timeout=60)
 
 
 @pytest.mark.parametrize(
