@@ -12,7 +12,7 @@ import sys
 import threading
 import time
 from pathlib import Path
-from traceback import walk_tb
+from traceback import clear_frames, walk_tb
 from typing import TYPE_CHECKING
 
 import flint
@@ -81,9 +81,11 @@ class Limits:
             if not isinstance(met, self._kind):
                 raise
         if kind is not None and issubclass(kind, self._kind):
-            # Who sets a precision may have been stopped from setting it back.
-            mpmath.mp.prec, flint.ctx.prec = self._precision
             quantity, place = _where(trace)
+            # Who sets a precision may have been stopped from setting it back, or would do so late,
+            # when what it was entering is collected.
+            clear_frames(trace)
+            mpmath.mp.prec, flint.ctx.prec = self._precision
             at = f"; it was at {place}" if place else ""
             raise AllowanceError(
                 f"{quantity} takes more than {self._what}{at}. What was finished is kept: ask "

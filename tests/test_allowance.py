@@ -1,5 +1,6 @@
 """Allowance: limits of time and memory raise in time or do nothing, and what is done is kept."""
 
+import gc
 import itertools
 import os
 import random
@@ -8,12 +9,14 @@ import sys
 import time
 from pathlib import Path
 
+import flint
 import pytest
 import sympy as sp
 
 import geomtorsion as gt
 from geomtorsion.errors import AllowanceError, ArgumentError, LimitError
 from geomtorsion.exact import Field
+from geomtorsion.precision import ball_precision
 
 # A callback of hypothesis at each collection of garbage may be what an interruption hits.
 pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
@@ -196,6 +199,22 @@ def test_a_field_survives_interruptions(seed):
         assert verdict is True
         assert field.read(expression + sp.Rational(1, 10**30)).is_zero is False
     assert met
+
+
+def test_a_precision_that_was_being_set_is_not_set_back_late():
+    """A block that was entered and not left ends with the limit, not when it is collected."""
+
+    def enter_and_work():
+        held = ball_precision(800)
+        held.__enter__()
+        while True:
+            pass
+
+    before = flint.ctx.prec
+    with pytest.raises(AllowanceError), gt.limits(seconds=0.05), ball_precision(400):
+        enter_and_work()
+    gc.collect()
+    assert flint.ctx.prec == before
 
 
 def test_in_a_process(tmp_path):

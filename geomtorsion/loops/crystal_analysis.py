@@ -131,7 +131,7 @@ def clusters_of(
 def crystal_analysis_text(
     lines: LineArrays,
     curves: Sequence[Polyline],
-    clusters: Sequence[Cluster] = (Cluster(),),
+    clusters: Sequence[Cluster] = (),
     owners: Sequence[int] | None = None,
     walls: Sequence[tuple[int, int]] = (),
 ) -> str:
@@ -142,7 +142,8 @@ def crystal_analysis_text(
     curves
         The polylines of the lines; their b in the coordinates of the nodes.
     clusters, owners
-        Grains, and in which of them each curve lies, counted from 0; all in the first if not given.
+        Grains, and in which of them each curve lies, counted from 0; all in the first if not given,
+        and that of no lattice if none is.
     walls
         Pairs of clusters that touch. The transition from one to the other takes a vector in units
         of the lattice of the first to the same vector in space in those of the second.
@@ -162,6 +163,7 @@ def crystal_analysis_text(
             f"a Crystal Analysis file needs three components of b, but {lines.burgers.shape[1]} "
             "came."
         )
+    clusters = clusters or (Cluster(),)
     lattices = list(dict.fromkeys(cluster.lattice for cluster in clusters))
     head = [
         "CA_FILE_VERSION 6", "CA_LIB_VERSION 0.0.0", f"STRUCTURE_TYPES {len(lattices)}",
