@@ -1,6 +1,7 @@
 """The house: imports point down, names are exported once, files are short, importing is light."""
 
 import ast
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -226,3 +227,11 @@ def test_the_top_level_stays_clear():
     strangers = {name for name in listed - expected - made if not name.endswith("-report")}
     assert not strangers
     assert expected <= listed
+
+
+def test_what_ci_names_is_there():
+    """Files of tests that its scripts run, also after these have moved."""
+    scripts = [file.read_text("utf-8") for file in (ROOT / ".ci").iterdir() if file.is_file()]
+    named = {name for text in scripts for name in re.findall(r"\btests/[\w/]+\.py\b", text)}
+    assert len(named) > 10
+    assert not [name for name in named if not (ROOT / name).exists()]
