@@ -217,6 +217,7 @@ class Expansion:
         )
         try:
             found = sympy.limit(expression, self._w, 0, "+")
+        # In these ways sympy says that it finds none.
         except (NotImplementedError, ValueError, TypeError, sympy.PoleError):
             raise undecided from None
         if found.has(sympy.AccumBounds):

@@ -18,13 +18,18 @@ from flint import Ordering, fmpq, fmpq_mpoly_ctx
 from flint.utils.flint_exceptions import DomainError
 
 from geomtorsion.errors import ExpressionError
-from geomtorsion.exact import limits, polynomials
+from geomtorsion.exact import polynomials
 from geomtorsion.exact.element import Denominator, Element
 from geomtorsion.exact.factoring import factored, known_taken_out
 from geomtorsion.exact.generators import Branch, Generator
 from geomtorsion.exact.integers import as_fmpq
 from geomtorsion.exact.kept import kept, leaves
-from geomtorsion.exact.limits import LARGEST_POWER_TERMS, MOST_AT_ONCE, terms_of_power
+from geomtorsion.exact.limits import (
+    FACTORED_HERE,
+    LARGEST_POWER_TERMS,
+    MOST_AT_ONCE,
+    terms_of_power,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -460,14 +465,13 @@ class Tower(ABC):
         return known
 
     def factored(self, poly: fmpq_mpoly) -> Factors:
-        """The factors of a polynomial of the present ring that is not zero."""
+        """(content, [(factor, exponent)]) of a polynomial of the present ring that is not zero."""
         content, factors, rest = known_taken_out(poly, self.factors)
         if not rest.is_constant():
             # Many numerators of one tensor differ by a number and by known factors.
             key = str(rest)
-            if key not in self._factored:
-                self._factored[key] = factored(rest, limits.FACTORED_HERE)
-            own, others = self._factored[key]
+            own, others = self._factored.get(key) or factored(rest, FACTORED_HERE)
+            self._factored[key] = own, others
             content, factors = content * own, factors + others
         # In an order that does not depend on which were known.
         return content, sorted(factors, key=lambda power: str(power[0]))

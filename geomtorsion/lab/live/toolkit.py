@@ -7,6 +7,7 @@ The functions that make the controls of the served page get this in its place: t
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence, Set
 from html import escape
 from types import ModuleType
@@ -15,7 +16,7 @@ from typing import Any
 from geomtorsion.lab.settings import PAGE
 
 
-class Control:
+class Control(ABC):
     """One element of a form: a name, what it says, and what stands in it."""
 
     def __init__(self, form: Form, label: str, usual: Any) -> None:
@@ -32,9 +33,9 @@ class Control:
         """A text of the browser as a value."""
         return given[: PAGE.request]
 
+    @abstractmethod
     def element(self) -> str:
         """The element, without its label."""
-        raise NotImplementedError
 
     def __str__(self) -> str:
         return f"<label><span>{escape(self.label)}</span>{self.element()}</label>"

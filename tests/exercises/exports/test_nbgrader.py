@@ -2,20 +2,17 @@
 
 import csv
 import json
-import os
 import re
-import subprocess
-import sys
 from functools import cache
 from pathlib import Path
 
 import pytest
 
-import geomtorsion
 from geomtorsion import exercises
 from geomtorsion.exercises.answers import answer_text
 from geomtorsion.exercises.exports.nbgrader import course_files
 from geomtorsion.exercises.exports.tasks import tasks
+from tests.exercises.exports.graders import command
 
 NUMBERS = exercises.names()
 SEED = 2
@@ -123,20 +120,7 @@ def test_nbgrader_grades(tmp_path):
     One student answers all; one leaves out an exercise, makes a mistake, and half of a table.
     """
     pytest.importorskip("nbgrader")
-    beside = str(Path(sys.executable).parent)
-    # nbgrader starts alembic and the kernel by their names, which stand beside the interpreter.
-    settings = os.environ | {
-        "PATH": f"{beside}{os.pathsep}{os.environ['PATH']}",
-        "PYTHONPATH": str(Path(geomtorsion.__file__).parents[1]),
-        "JUPYTER_PREFER_ENV_PATH": "1",
-    }
-
-    def nbgrader(*words: str) -> None:
-        done = subprocess.run(
-            [sys.executable, "-m", "nbgrader", *words],
-            cwd=tmp_path, env=settings, capture_output=True, text=True, timeout=300, check=False,
-        )  # fmt: skip
-        assert done.returncode == 0, done.stderr[-3000:]
+    nbgrader = command("nbgrader", tmp_path)
 
     def write(path: Path, text: str) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)

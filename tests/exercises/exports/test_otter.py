@@ -1,20 +1,16 @@
 """otter: notebooks read back and graded by their hidden tests, and by otter itself."""
 
 import json
-import os
 import re
-import subprocess
-import sys
 from functools import cache
-from pathlib import Path
 
 import pytest
 
-import geomtorsion
 from geomtorsion import exercises
 from geomtorsion.exercises.answers import answer_text
 from geomtorsion.exercises.exports.otter import assign_files
 from geomtorsion.exercises.exports.tasks import tasks
+from tests.exercises.exports.graders import command
 
 NUMBERS = exercises.names()
 SEED = 2
@@ -113,19 +109,7 @@ def test_otter_assigns_and_grades(tmp_path):
     One student answers all; one makes a mistake, gives a part of a table, and leaves out the rest.
     """
     pytest.importorskip("otter.assign")
-    # otter grades by nbconvert, whose kernel stands beside the interpreter.
-    settings = os.environ | {
-        "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
-        "PYTHONPATH": str(Path(geomtorsion.__file__).parents[1]),
-        "JUPYTER_PREFER_ENV_PATH": "1",
-    }
-
-    def otter(*words: str) -> None:
-        done = subprocess.run(
-            [sys.executable, "-m", "otter", *words],
-            cwd=tmp_path, env=settings, capture_output=True, text=True, timeout=300, check=False,
-        )  # fmt: skip
-        assert done.returncode == 0, done.stderr[-3000:]
+    otter = command("otter", tmp_path)
 
     numbers = ("3.2", "3.3")
     [(name, text)] = assign_files(tasks(numbers, [0])).items()
