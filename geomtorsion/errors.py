@@ -130,8 +130,6 @@ class UndecidedError(GeomtorsionError, ArithmeticError):
 class FileFormatError(GeomtorsionError, ValueError):
     """A file cannot be read: the message names the file, the key and the reason."""
 
-    page = "howto/tetrad_file"
-
 
 class UnknownNameError(GeomtorsionError, LookupError):
     """No space, quantity or format has this name; the message lists near ones."""

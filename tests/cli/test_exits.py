@@ -100,6 +100,11 @@ def test_every_error_names_a_page_that_is_there(kind):
     assert more_on(kind("no"), site) == f"(More on this: examples/site/{kind.page}.md)"
 
 
+def test_a_file_of_any_kind_does_not_send_to_that_of_tetrads():
+    """Atoms, maps and pictures share the class of a file that cannot be read."""
+    assert errors.FileFormatError.page == "errors"
+
+
 def test_a_checkout_names_the_page_that_helps():
     """Below the message, in a line of its own."""
     with process("geometry", "nowhere") as running:
