@@ -1,6 +1,7 @@
 """Limits: what would grow without end is refused at once, or read and worked with."""
 
-import signal
+import subprocess
+import sys
 import time
 
 import pytest
@@ -63,29 +64,37 @@ def test_entries_from_python_too():
     assert Frame([x, y], [[sp.exp(sp.Integer(10) ** 18) + x, 0], [0, 1]]).dimension == 2
 
 
+# In a process of its own: hypothesis has a callback in the garbage collector of this one, and an
+# interruption that falls into it is lost.
+INTERRUPTED = """
+import signal
+import time
+import sympy as sp
+from geomtorsion.geometry import Frame, levi_civita
+signal.signal(signal.SIGALRM, signal.default_int_handler)
+x, y = sp.symbols("x y", real=True)
+rows = [[(x + y + 1) ** 100, x * y], [sp.sin(x) ** 80 + y, (x - y) ** 50 + 2]]
+signal.setitimer(signal.ITIMER_REAL, 0.5)
+began = time.process_time()
+try:
+    while True:
+        levi_civita(Frame([x, y], rows)).curvature.kretschmann.at({x: 1, y: 1})
+except KeyboardInterrupt:
+    print("interrupted", "late" if time.process_time() - began > 20 else "in time")
+"""
+
+
 def test_work_can_be_interrupted():
     """No single step is longer than seconds: Ctrl-C comes through."""
-    x, y = sp.symbols("x y", real=True)
-    rows = [[(x + y + 1) ** 100, x * y], [sp.sin(x) ** 80 + y, (x - y) ** 50 + 2]]
-
-    def press(_number, _stack):
-        raise KeyboardInterrupt
-
-    def for_ever():
-        while True:
-            levi_civita(Frame([x, y], rows)).curvature.kretschmann.at({x: 1, y: 1})
-
-    before = signal.signal(signal.SIGALRM, press)
-    # Again where a callback of the garbage collector, such as hypothesis has one, swallows it.
-    signal.setitimer(signal.ITIMER_REAL, 0.5, 1.0)
-    began = time.process_time()
-    try:
-        with pytest.raises(KeyboardInterrupt):
-            for_ever()
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
-    assert time.process_time() - began < 20
+    done = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED],
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert done.stdout == "interrupted in time\n", done.stderr
+    assert done.returncode == 0
 
 
 def test_what_is_too_long_to_write_has_numbers():
