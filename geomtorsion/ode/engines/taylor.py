@@ -101,9 +101,11 @@ class Taylor:
         """A number in the type of this precision, correctly rounded."""
         if self.precision == 53:
             return float(value)
+        # Wider types hold every double, without the way through text.
+        text: Any = value
         if type(value).__name__ in ("longdouble", "real128", "real"):
             text = str(value)
-        else:
+        elif not isinstance(value, float):
             digits = int(self.precision * 0.302) + 6
             text = str(mpmath.nstr(mpf(value, self.precision + 20), digits))
         if self.precision == 64:
