@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -14,7 +14,8 @@ from geomtorsion.codegen.arrays import BLOCK
 from geomtorsion.copies import only_fields
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ExpressionError, TimeError
-from geomtorsion.ode.error_estimate import SAFETY, difference
+from geomtorsion.ode.cost import Cost
+from geomtorsion.ode.error_estimate import SAFETY, difference, rounding
 from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.numbers import PARTS
 from geomtorsion.ode.roots import GOLDEN, crossings
@@ -106,42 +107,6 @@ class Problem(Protocol):
         ...
 
 
-@dataclass(frozen=True)
-class Cost:
-    """What a solution cost.
-
-    steps, evaluations: of the answer, without the run that gave the error estimate.
-    compile_seconds: compilation, of all runs; zero where everything was kept from before.
-    run_seconds: integration of the answer.
-    check_seconds: integration of everything else: finer runs, answers that were not good enough.
-    """
-
-    steps: int
-    evaluations: int
-    compile_seconds: float
-    run_seconds: float
-    check_seconds: float
-
-    @classmethod
-    def of(cls, answer: Trajectory, runs: Sequence[Trajectory]) -> Cost:
-        """The cost of an answer among all runs that were made."""
-        running = answer.run_seconds
-        return cls(
-            answer.steps,
-            answer.evaluations,
-            sum([run.compile_seconds for run in runs]),
-            running,
-            sum([run.run_seconds for run in runs]) - running,
-        )
-
-    def __str__(self) -> str:
-        return (
-            f"{self.steps} steps, {self.evaluations} evaluations, "
-            f"compiled in {self.compile_seconds:.3g} s, ran in {self.run_seconds:.3g} s, "
-            f"checked in {self.check_seconds:.3g} s"
-        )
-
-
 @dataclass(frozen=True, eq=False)
 class Solution:
     """A solved motion: of a curve in a space, of a scene, of any first-order equations.
@@ -150,9 +115,10 @@ class Solution:
     times: shape (m,), as asked for, or 65 of them up to the time asked for; where the motion was
         stopped they end there.
     accuracy: what was asked for, relative to the size of the solution.
-    error: estimate of the largest error at `times`, each group of states (coordinates,
-        velocities, ...) against its own largest size. What `at` gives between the times is not
-        part of it: see `error_between`.
+    error: estimate of the largest error at `times`, each group of states (coordinates, frame
+        velocities, ...) against its own largest size. What is read off the states, such as
+        velocities in coordinates or outputs, may be known better or worse: see `error_of`; so
+        may be what `at` gives between the times: see `error_between`.
     engine, reason: what solved it, and why that was chosen.
     cost: steps, evaluations, seconds.
     trajectory: the integration; reference: the finer one with which it was compared.
@@ -395,6 +361,41 @@ class Solution:
             name: float(np.nanmax(change)) if np.isfinite(change).any() else float("nan")
             for name, change in self.invariant_changes.items()
         }
+
+    def error_of(self, name: str) -> float:
+        """Estimate of the largest error at `times` of what a name gives, against its largest size.
+
+        `error` is about states. Where a velocity q'^mu = E_i^mu u^i changes much over a small
+        part of the way, it is known less well than the coordinates that it is read off.
+        Infinite where no finer run reached all of the times.
+
+        Raises
+        ------
+        UnknownNameError
+            nothing has this name.
+
+        Examples
+        --------
+        >>> from geomtorsion.ode import ODE, solve
+        >>> swing = solve(ODE.of({"x": "v", "v": "-x"}, [1, 0]), 10.0, accuracy=1e-8)
+        >>> 0 < swing.error_of("x") < 1e-8
+        True
+        """
+        here = np.abs(self[name])
+        if self.reference is None or self.reference.count != self.trajectory.count:
+            return float("inf")
+        gap = float(np.abs(self[name] - self._finer[name]).max(initial=0.0))
+        least = SAFETY * rounding(self.trajectory.engine, self.trajectory.steps)
+        if not gap <= 0:
+            size = float(here.max())
+            return max(least, SAFETY * gap / size) if size else float("inf")
+        return least
+
+    @cached_property
+    def _finer(self) -> Solution:
+        """What the finer run makes of the same times."""
+        assert self.reference is not None
+        return replace(self, trajectory=self.reference, reference=None)
 
     @cached_property
     def error_between(self) -> float:

@@ -2,14 +2,16 @@
 
 import sys
 
+import mpmath
 import numpy as np
 import pytest
+import sympy as sp
 
 from geomtorsion.curves import autoparallel, geodesic
 from geomtorsion.curves.atlas import atlas_of
 from geomtorsion.curves.linear import closed_form
 from geomtorsion.errors import FileFormatError, MissingExtraError
-from geomtorsion.geometry import cartan
+from geomtorsion.geometry import Frame, cartan
 from geomtorsion.ode import RungeKutta, SavedSolution, Taylor, solve
 from geomtorsion.ode.engines import taylor
 from geomtorsion.spaces import load
@@ -135,6 +137,31 @@ def test_error_between_the_times(engine, charts, accuracy):
     assert gap <= 10 * sol.error_between
     # Angles are worse than the attitude near the edge of their chart.
     assert sol.error_between <= 300 * max(gap, 1e-14)
+
+
+def test_error_of_the_velocity_in_coordinates():
+    """Of a quick ripple in the coframe the coordinates see little, the velocities much."""
+    q, y = sp.symbols("x y", real=True)
+    frame = Frame([q, y], [[2 + sp.sin(40 * q), 0], [0, 1]])
+    sol = solve(autoparallel(cartan(frame), [0, 0], frame_velocity=[1, 1]), 20.0, 1e-9)
+    with mpmath.workdps(30):
+        # 2 x - cos(40 x)/40 = t - 1/40
+        exact = [
+            mpmath.findroot(
+                lambda q, t=t: 2 * q - mpmath.cos(40 * q) / 40 - t + 0.025,
+                (0, 15),
+                solver="anderson",
+            )
+            for t in sol.times.tolist()
+        ]
+        speeds = np.array([1 / (2 + mpmath.sin(40 * q)) for q in exact], dtype=float)
+    places = np.array(exact, dtype=float)
+    gap = np.abs(sol.coordinates[:, 0] - places).max() / 20
+    slip = np.abs(sol.velocity[:, 0] - speeds).max() / speeds.max()
+    assert 0.5 * gap < sol.error < 100 * gap
+    assert slip > 50 * sol.error
+    assert 0.5 * slip < sol.error_of("velocity") < 100 * slip
+    assert sol.error_of("x") == pytest.approx(sol.error_of("coordinates"), rel=2)
 
 
 def test_dense_output_may_be_worse_than_the_times():

@@ -94,6 +94,26 @@ def test_outputs_and_moments(engine):
 
 
 @every_engine
+@pytest.mark.parametrize("accuracy", [1e-5, 1e-9])
+def test_error_of_what_is_read_off(engine, accuracy):
+    """x = exp(2 t), and an output that turns a thousand times as fast: known so much less."""
+    problem = ODE.of({"x": "2*x"}, [1], outputs={"fine": "sin(1000*x)"})
+    solution = solve(problem, 1.0, accuracy, engine)
+    truth = np.exp(2 * solution.times)
+    for name, exact, size in (("x", truth, truth.max()), ("fine", np.sin(1000 * truth), 1.0)):
+        gap = np.abs(solution[name] - exact).max() / size
+        assert 0.5 * gap < solution.error_of(name) < 100 * max(gap, 1e-15)
+    assert solution.error_of("x") == pytest.approx(solution.error, rel=1e-6)
+    assert solution.error_of("fine") > 500 * solution.error
+
+
+def test_error_of_what_is_not_there():
+    solution = solve(swing(), 1.0, 1e-8, RungeKutta())
+    with pytest.raises(UnknownNameError, match="Did you mean place"):
+        solution.error_of("plaec")
+
+
+@every_engine
 def test_drift(engine):
     """Invariants keep to the accuracy; what is none is seen to change."""
     sol = solve(swing(invariants={"energy": "v**2 + k*x**2", "no": ["x", "v"]}), 9.0, 1e-10, engine)
