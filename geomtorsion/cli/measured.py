@@ -196,7 +196,7 @@ def say_on_error(written: Sequence[Path]) -> None:
     """What was written, aside from the results, and whether pictures are missing."""
     typer.echo(f"wrote {', '.join(map(str, written))}", err=True)
     if not can_draw():
-        typer.echo("no pictures: matplotlib is missing: pip install geomtorsion[plots]", err=True)
+        typer.echo("no pictures: matplotlib is missing: pip install 'geomtorsion[plots]'", err=True)
 
 
 def explain(result: dict[str, Any]) -> None:

@@ -196,7 +196,7 @@ Seed = Annotated[int, typer.Option(metavar="N", help="Which variant; 0 is that o
 
 # -- files ----------------------------------------------------------------------------------------
 
-NO_PICTURES = "matplotlib is not installed. `pip install geomtorsion[plots]`."
+NO_PICTURES = "matplotlib is not installed. `pip install 'geomtorsion[plots]'`."
 
 
 def say_written(paths: Iterable[Path]) -> None:

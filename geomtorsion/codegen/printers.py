@@ -210,7 +210,7 @@ def compiled(
 ) -> Callable[..., Any]:
     """A function of source text that this package has written, by its name there.
 
-    numbers: what its functions take; on floats those of the math module are ten times faster.
+    numbers: what its functions take; floats go to those of the math module, which make no arrays.
 
     Examples
     --------

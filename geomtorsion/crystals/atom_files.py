@@ -114,7 +114,7 @@ def _ase(name: str) -> Any:
     except ImportError:
         raise MissingExtraError(
             "files of atoms are read by ase, which is not installed. Run `pip install "
-            "geomtorsion[crystals]`, or give arrays: Crystal(positions, cell)."
+            "'geomtorsion[crystals]'`, or give arrays: Crystal(positions, cell)."
         ) from None
 
 

@@ -43,7 +43,7 @@ def read_pixels(path: Path, page: int = 0, most: int | None = None) -> np.ndarra
     except ImportError:
         raise MissingExtraError(
             f"{path}: reading it needs {name.partition('.')[0]}, which is not installed. "
-            "Run `pip install geomtorsion[images]`; arrays need nothing."
+            "Run `pip install 'geomtorsion[images]'`; arrays need nothing."
         ) from None
     load = {"tifffile": _tiff, "PIL.Image": _png, "numpy": _npy}[name]
     try:

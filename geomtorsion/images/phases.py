@@ -214,7 +214,7 @@ class LatticePhases:
             In x and y of the image, in its units.
         risk
             A result is refused where the chance that noise has changed it is larger. That chance
-            is told some five times too large: of 250 circuits below 0.05 none was wrong.
+            is told too large rather than too small.
 
         Raises
         ------

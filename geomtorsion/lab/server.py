@@ -314,7 +314,7 @@ def application(address: Address, sessions: int = PAGE.sessions) -> Any:
         import marimo
     except ImportError:
         raise MissingExtraError(
-            "the page needs marimo, which is not installed. Run `pip install geomtorsion[lab]`; "
+            "the page needs marimo, which is not installed. Run `pip install 'geomtorsion[lab]'`; "
             "`geomtorsion lab --export DIR` writes pages without it."
         ) from None
     builder = marimo.create_asgi_app(

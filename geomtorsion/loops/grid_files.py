@@ -163,7 +163,7 @@ def _classic(path: Path) -> Contents:
         if stream.read(4) == HDF5:
             raise MissingExtraError(
                 f"{path}: this is NetCDF 4, which needs xarray with a backend. "
-                "Install them: pip install geomtorsion[files]."
+                "Install them: pip install 'geomtorsion[files]'."
             )
 
     def load() -> tuple[dict[str, np.ndarray], dict[str, tuple[str, ...]], dict[str, Any]]:

@@ -234,7 +234,7 @@ def _is_stiff(stage: Stage, lasts: float) -> bool:
 def _remedy(engine: Engine | None) -> str:
     """What to do where an accuracy is not reached."""
     if engine is None and not is_available():
-        return "Install heyoka (geomtorsion[fast]) for more digits, or ask for fewer."
+        return "Install heyoka (the extra fast) for more digits, or ask for fewer."
     return "Ask for less, for a shorter time, or use Taylor(precision=113) or more."
 
 

@@ -368,7 +368,7 @@ def read_orix(path: Path, laue: Mapping[int, str]) -> MapFile:
     except ImportError:
         raise MissingExtraError(
             f"{path.name}: HDF5 files need orix, which is not installed. Run `pip install "
-            "geomtorsion[ebsd]`, or export the map as .ctf or .ang."
+            "'geomtorsion[ebsd]'`, or export the map as .ctf or .ang."
         ) from None
     try:
         found = io.load(str(path))

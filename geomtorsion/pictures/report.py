@@ -204,7 +204,7 @@ def _anchor(section: str) -> str:
 # Large enough for a gap that is seen, small enough to stay within a chart.
 RADIUS = 0.25
 NO_PICTURES = (
-    '<p class="note">Pictures need matplotlib: <code>pip install geomtorsion[plots]</code>.</p>'
+    "<p class=\"note\">Pictures need matplotlib: <code>pip install 'geomtorsion[plots]'</code>.</p>"
 )
 
 

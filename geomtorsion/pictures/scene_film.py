@@ -164,7 +164,7 @@ def _writer(path: Path) -> FFMpegWriter | PillowWriter:
         from matplotlib.animation import FFMpegWriter, PillowWriter
     except ImportError:
         raise MissingExtraError(
-            "films need matplotlib, which is not installed. Run `pip install geomtorsion[plots]`."
+            "films need matplotlib, which is not installed. Run `pip install 'geomtorsion[plots]'`."
         ) from None
     if kind == ".gif":
         return PillowWriter(fps=STYLE.rate)

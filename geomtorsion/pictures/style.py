@@ -129,7 +129,7 @@ def new_figure(width: float, height: float) -> Figure:
     except ImportError:
         raise MissingExtraError(
             "pictures need matplotlib, which is not installed. "
-            "Run `pip install geomtorsion[plots]`; tables are written without it."
+            "Run `pip install 'geomtorsion[plots]'`; tables are written without it."
         ) from None
     return Figure(figsize=(width, height), layout="constrained", facecolor="white")
 

@@ -22,6 +22,7 @@ _BASES = ("kg", "m", "s", "A", "rad")
 _NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
 _GLUED = re.compile(rf"\s*([-+]?{_NUMBER})([^\W0-9_].*|°.*)", re.DOTALL)
 _PLAIN = re.compile(rf"\s*[-+]?{_NUMBER}\s*")
+_NOT_FINITE = re.compile(r"\s*[-+]?(inf|infinity|nan)\s*", re.IGNORECASE)
 _DECIMAL = re.compile(rf"(?<![\w.]){_NUMBER}")
 _PIECE = re.compile(
     r"\s*(?:([*/·])\s*)?(?:(1(?![0-9.]))|([^\W0-9_]+|°)(?:(?:\^|\*\*)([-+]?[0-9]+))?)"
@@ -257,7 +258,7 @@ def quantity(value: object, field: str = "") -> float:
 
 def _value(text: str) -> float:
     """The value of an expression without names."""
-    if _PLAIN.fullmatch(text):
+    if _PLAIN.fullmatch(text) or _NOT_FINITE.fullmatch(text):
         return float(text)
     read = parse_expression(exact(text), {}, {}, where="number")
     if not read.is_real:

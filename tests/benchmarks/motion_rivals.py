@@ -12,7 +12,7 @@ import sympy as sp
 from scipy.integrate import solve_ivp
 
 from geomtorsion.curves import CurveProblem
-from geomtorsion.ode import Taylor, solve
+from geomtorsion.ode import ODE, Taylor, solve
 from tests.benchmarks.motions import SAMPLES, Case, exact
 
 
@@ -73,17 +73,40 @@ def _error(states: Any, truth: Any, blocks: Sequence[slice] = (slice(None),)) ->
     return max([float(gaps[:, b].max() / np.abs(truth[:, b]).max()) for b in blocks])
 
 
+def _second_order(case: Case) -> tuple[list[Any], list[Any]]:
+    """Velocities of the coordinates, and their rates with Christoffel symbols."""
+    n = case.problem.frame.dimension
+    v = list(sp.symbols(f"v0:{n}"))
+    right = [sp.S.Zero] * n
+    for (a, b, c), value in case.connection.coefficients.nonzero().items():
+        right[c] -= value * v[a] * v[b]
+    return v, right
+
+
+def christoffel_ode(case: Case) -> ODE | None:
+    """The geodesic in its coordinates, with Christoffel symbols, for an engine of ours."""
+    if case.connection is None or not isinstance(case.problem, CurveProblem):
+        return None
+    v, right = _second_order(case)
+    q = case.problem.frame.coordinates
+    used = {symbol.name for rate in right for symbol in rate.free_symbols}
+    return ODE.of(
+        dict(zip([x.name for x in (*q, *v)], [*v, *right], strict=True)),
+        [*map(float, case.problem.start or ()), *map(float, case.problem.velocity)],
+        parameters={name: x for name, x in case.problem.parameters.items() if name in used},
+        time="parameter",
+        norm_groups=[[x.name for x in q], [x.name for x in v]],
+        name=f"{case.name}, with Christoffel symbols",
+    )
+
+
 def scipy_on_christoffel(case: Case, accuracy: float, limit: float = 20.0) -> float | None:
     """CPU seconds of scipy's DOP853 on lambdified Christoffel symbols; None if out of reach."""
     if case.connection is None or not isinstance(case.problem, CurveProblem):
         return None
     frame = case.problem.frame
-    n = frame.dimension
-    q, v = list(frame.coordinates), list(sp.symbols(f"v0:{n}"))
-    gamma = case.connection.coefficients.nonzero()
-    right = [sp.S.Zero] * n
-    for (a, b, c), value in gamma.items():
-        right[c] -= value * v[a] * v[b]
+    n, q = frame.dimension, list(frame.coordinates)
+    v, right = _second_order(case)
     numbers = {s: float(case.problem.parameters[s.name]) for s in frame.parameters}
     # The rival takes what sympy.lambdify makes of it, common subexpressions shared.
     function = sp.lambdify([*q, *v], [x.subs(numbers) for x in right], "numpy", cse=True)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from geomtorsion.crystals import Crystal
+from tests.benchmarks.memory import peak_gigabytes
 from tests.crystals.synthetic import block, quadrupole
 
 ROUNDS = 3
@@ -64,6 +65,6 @@ def test_a_million_atoms() -> None:
     places, cell = quadrupole("bcc", (100, 100, 50), (0, 0, 1))
     lines: list[int] = []
     spent = seconds(lambda: lines.append(len(Crystal(places, cell).dislocations().lines)))
-    print(f"a million atoms: {spent:.1f} s")
+    print(f"a million atoms: {spent:.1f} s, {peak_gigabytes():.2f} GB at most so far")
     assert lines == [4]
     assert spent < 30

@@ -12,8 +12,10 @@ from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop, burgers_vector
 from geomtorsion.spaces import load
 
-# What the library promises, and by how much its own estimate may be too small.
+# What the library promises, what shipped spaces get, and by how much its own estimate may be too
+# small.
 PROMISED = 1e-12
+REACHED = 1e-14
 HONEST = 10
 
 PLACES = {
@@ -56,7 +58,7 @@ def truth(
 
 @pytest.mark.parametrize(("name", "plane"), PLANES)
 def test_every_radius_and_every_plane(name: str, plane: tuple[int, int]) -> None:
-    """Radii from 1e-1 to 1e-12: relative error below 1e-12, and never ten times the estimate."""
+    """Radii from 1e-1 to 1e-12: relative error below 1e-14, and never ten times the estimate."""
     centre, values = PLACES[name]
     frame = load(name).frame
     with mpmath.workdps(70):
@@ -70,7 +72,7 @@ def test_every_radius_and_every_plane(name: str, plane: tuple[int, int]) -> None
                 assert b.vanishes
                 assert error <= max(b.error, largest)
                 continue
-            assert error <= PROMISED * largest, (radius, b)
+            assert error <= REACHED * largest, (radius, b)
             assert error <= HONEST * b.error, (radius, b, b.check)
             assert b.reached
             assert b.check.agrees

@@ -256,7 +256,8 @@ def loop_data(kind: str, text: str, interval: str, option: str = "") -> dict[str
         if not 2 <= len(fields) <= 3:
             wanted = f"{keys[0].upper()}:{keys[1].upper()}[:PLANE]"
             typed = option or f"--{kind} {cut(text)}"
-            raise LoopError(f"{typed}: {wanted} was needed, {len(fields)} parts came.")
+            came = "1 part" if len(fields) == 1 else f"{len(fields)} parts"
+            raise LoopError(f"{typed}: {wanted} was needed, {came} came.")
         inner = {key: _split(field, ",") for key, field in zip(keys, fields, strict=False)}
         if kind == "circle":
             inner["radius"] = fields[1]

@@ -71,7 +71,7 @@ def module(name: str, path: Path) -> Any:
     except ImportError:
         raise MissingExtraError(
             f"{path}: this format needs {name}, which is not installed. "
-            "Run `pip install geomtorsion[files]`, or use .npz, .nc or .csv."
+            "Run `pip install 'geomtorsion[files]'`, or use .npz, .nc or .csv."
         ) from None
 
 

@@ -60,7 +60,7 @@ def heyoka() -> Any:
     except ImportError:
         raise MissingExtraError(
             "the Taylor engine needs heyoka, which is not installed. "
-            "Run `pip install geomtorsion[fast]` (Linux), or use engine=RungeKutta()."
+            "Run `pip install 'geomtorsion[fast]'` (Linux), or use engine=RungeKutta()."
         ) from None
     _quieten(found)
     return found
@@ -101,7 +101,7 @@ def compiled(
     """A compiled integrator, kept or made now, and the seconds that it took.
 
     width: motions side by side in one batch; 0: one motion.
-    optimised: this takes ten times as long, and the code runs up to twice as fast.
+    optimised: this takes longer, and the code runs faster.
     measured: whether the last state is a constant of one's own by which steps are measured.
     number: makes numbers of the precision.
     backward: whether times run down, which changes what falls.

@@ -117,7 +117,7 @@ def test_an_interruption_keeps_what_is_done(monkeypatch: pytest.MonkeyPatch) -> 
     ("arguments", "message"),
     [
         ((), "no loop was given"),
-        (("--circle", "0,1,0"), "CENTRE:RADIUS[:PLANE] was needed, 1 parts came"),
+        (("--circle", "0,1,0"), "CENTRE:RADIUS[:PLANE] was needed, 1 part came"),
         (("--circle", "0,1:1"), "the loop has 2 coordinates, the frame 3"),
         (("--circle", "0,1,0:-1"), "a positive length was needed"),
         (("--circle", "0,1,0:one"), "one is neither"),

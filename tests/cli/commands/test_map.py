@@ -71,7 +71,7 @@ def test_without_matplotlib(tmp_path, no_pictures):
     """Tables are written all the same."""
     said = run(str(grid(tmp_path)), "-o", str(tmp_path / "o"), "--size", "2")
     assert (tmp_path / "o/map.csv").is_file()
-    assert "pip install geomtorsion[plots]" in said.stderr
+    assert "pip install 'geomtorsion[plots]'" in said.stderr
 
 
 @pytest.mark.parametrize(

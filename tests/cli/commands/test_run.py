@@ -82,6 +82,8 @@ def test_pictures_and_film(tmp_path, monkeypatch):
         (("run", "helix", "--accuracy", "0"), "positive number is needed"),
         (("run", "helix", "--engine", "magic"), "there is no engine 'magic'"),
         (("run", "helix", "--t", "3 m"), "measured in s"),
+        (("run", "helix", "--t", "inf"), "a finite number was needed, inf came"),
+        (("run", "helix", "--t", "nan s"), "a finite number was needed, nan s came"),
         (("run", "helix", "--set", "body.mas=2"), "Did you mean mass"),
         (("run", "helix", "--set", "body.mass"), "path=number was needed"),
         (("run", "helix", "--set", "body.mass=-1"), "positive number"),
