@@ -73,9 +73,8 @@ def _error(states: Any, truth: Any, blocks: Sequence[slice] = (slice(None),)) ->
     return max([float(gaps[:, b].max() / np.abs(truth[:, b]).max()) for b in blocks])
 
 
-def _second_order(case: Case) -> tuple[list[Any], list[Any]]:
-    """Velocities of the coordinates, and their rates with Christoffel symbols."""
-    n = case.problem.frame.dimension
+def _second_order(case: Case, n: int) -> tuple[list[Any], list[Any]]:
+    """Velocities of n coordinates, and their rates with Christoffel symbols."""
     v = list(sp.symbols(f"v0:{n}"))
     right = [sp.S.Zero] * n
     for (a, b, c), value in case.connection.coefficients.nonzero().items():
@@ -87,8 +86,8 @@ def christoffel_ode(case: Case) -> ODE | None:
     """The geodesic in its coordinates, with Christoffel symbols, for an engine of ours."""
     if case.connection is None or not isinstance(case.problem, CurveProblem):
         return None
-    v, right = _second_order(case)
     q = case.problem.frame.coordinates
+    v, right = _second_order(case, len(q))
     used = {symbol.name for rate in right for symbol in rate.free_symbols}
     return ODE.of(
         dict(zip([x.name for x in (*q, *v)], [*v, *right], strict=True)),
@@ -106,7 +105,7 @@ def scipy_on_christoffel(case: Case, accuracy: float, limit: float = 20.0) -> fl
         return None
     frame = case.problem.frame
     n, q = frame.dimension, list(frame.coordinates)
-    v, right = _second_order(case)
+    v, right = _second_order(case, n)
     numbers = {s: float(case.problem.parameters[s.name]) for s in frame.parameters}
     # The rival takes what sympy.lambdify makes of it, common subexpressions shared.
     function = sp.lambdify([*q, *v], [x.subs(numbers) for x in right], "numpy", cse=True)
