@@ -45,13 +45,20 @@ class AtomSlabs:
         return type(given).__name__ if shape is None else f"array {tuple(shape)}"
 
     def __iter__(self) -> Iterator[np.ndarray]:
-        """Slabs of shape (k, 3), each of at most SLAB atoms."""
+        """Slabs of shape (k, 3), each of at most SLAB atoms; small arrays become one of them."""
+        waiting: list[np.ndarray] = []
         for found in _parts(self.given):
             for start in range(0, found.shape[0], SLAB):
-                yield checks.array(
+                part = checks.array(
                     np.asarray(found[start : start + SLAB]), POSITIONS, CrystalError,
                     shape=(None, 3),
                 )  # fmt: skip
+                if sum(map(len, waiting)) + len(part) > SLAB:
+                    yield np.concatenate(waiting)
+                    waiting = []
+                waiting.append(part)
+        if waiting:
+            yield np.concatenate(waiting)
 
 
 def _parts(given: Any) -> Iterator[Any]:

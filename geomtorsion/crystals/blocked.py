@@ -291,8 +291,8 @@ def blocked_crystal(
     checks.count(workers, "workers", CrystalError, 1)
     place = Path(folder)
     slabs = AtomSlabs(source)
-    # Blocks of version 1 were others where a cell is open.
-    said = {"source": slabs.name, "block": size, "version": 2, **given.described}
+    # Blocks of version 1 were others where a cell is open, slabs of version 2 smaller.
+    said = {"source": slabs.name, "block": size, "version": 3, **given.described}
     open_ledger(place, said)
     made = BlockedCrystal(str(place), SortedAtoms.sized(place, given.box, size), given)
     made.atoms.sort(slabs)

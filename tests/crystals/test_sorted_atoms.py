@@ -55,3 +55,17 @@ def test_blocks_and_layers_are_what_a_search_finds(tmp_path_factory, seed, size,
     assert sorted(n for part in chosen.values() for n in part.numbers.tolist()) == [3, 60, 199]
     for block, part in chosen.items():
         assert np.isin(part.numbers, atoms.inside(block).numbers).all()
+
+
+def test_many_small_arrays_are_few_files(tmp_path):
+    """A function that gives atoms layer by layer leaves no file for each layer to be opened."""
+    rng = np.random.default_rng(0)
+    layers = [rng.uniform(0, 5, (20, 3)) for _ in range(30)]
+    atoms = SortedAtoms.sized(tmp_path, Cell(5 * np.eye(3), np.ones(3, dtype=bool)), 2.0)
+    atoms.sort(AtomSlabs(lambda: iter(layers)))
+    assert atoms.count == 600
+    assert len(list(tmp_path.glob("slab-*-places.npy"))) == 1
+    inside = [atoms.inside(block) for block in atoms.blocks]
+    numbers = np.concatenate([part.numbers for part in inside])
+    places = np.concatenate([part.places for part in inside])
+    assert np.array_equal(places[np.argsort(numbers)], np.concatenate(layers))
