@@ -203,7 +203,11 @@ class BlockedCrystal(InFrame):
         atoms = self._near(np.concatenate([np.zeros((0, 3)), *places]), 2.001 * reach)
         check_apart(atoms.places, atoms.numbers, frame.lattice.nearest * frame.constant)
         torsion = torsion_near(frame, cell, wanted, atoms, self._near, partials)
-        return lines_of(torsion, frame, self.count + vacancies)
+
+        def places_near(points: np.ndarray, distance: float) -> np.ndarray:
+            return self._near(points, distance).places
+
+        return lines_of(torsion, frame, self.count + vacancies, places_near)
 
     def _near(self, places: np.ndarray, distance: float) -> Atoms:
         """All atoms as near to some places as a distance."""

@@ -369,7 +369,7 @@ class Crystal(InFrame):
         found, vacancies = self._near_torsion(partials)
         # A grain does not fill its cell.
         occupied = None if self._own is not None else len(self.positions) + vacancies
-        return lines_of(found, self.frame, occupied)
+        return lines_of(found, self.frame, occupied, lambda *_: self._wrapped[0])
 
     def _near_torsion(self, partials: bool) -> tuple[Torsion, int]:
         """The torsion, on tetrahedra where neighbours alone do not exclude it, and vacancies."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from geomtorsion.crystals.enclosed import Near, inserted_about
 from geomtorsion.crystals.faults import MODULES, fault_shifts
 from geomtorsion.crystals.frames import Frame
 from geomtorsion.crystals.method import METHOD
@@ -105,15 +106,22 @@ def sites_in(frame: Frame, cell: Cell) -> int | None:
     return round(cells) * (2 if lattice.basis else 1)
 
 
-def lines_of(found: Torsion, frame: Frame, occupied: int | None) -> DislocationNetwork:
+def lines_of(found: Torsion, frame: Frame, occupied: int | None, near: Near) -> DislocationNetwork:
     """The dislocation lines that carry a torsion.
 
     occupied: atoms, and vacancies that are not part of a line; None if they do not fill the cell.
+    near: gives the places of all atoms as near to some places as a distance.
     """
-    sites = None if occupied is None else sites_in(frame, found.mesh.cell)
+    cell = found.mesh.cell
+    sites = None if occupied is None else sites_in(frame, cell)
     width = METHOD.width * frame.lattice.nearest * frame.constant
-    volume = 0.0
-    if occupied is not None and sites is not None:
-        volume = (occupied - sites) * frame.lattice.atom_volume * frame.constant**3
+
+    def extra(path: np.ndarray, others: np.ndarray) -> float:
+        more = None
+        if occupied is not None and sites is not None and not len(others):
+            more = occupied - sites
+        more = more or inserted_about(path, others, frame, cell, near) or 0
+        return more * frame.lattice.atom_volume * frame.constant**3
+
     here = replace(frame, lattice=found.lattice)
-    return network_of(found.relaxed(), here, width, volume, cluster_of(frame))
+    return network_of(found.relaxed(), here, width, extra, cluster_of(frame))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable
 from fractions import Fraction
 from math import gcd
 
@@ -18,13 +19,18 @@ from geomtorsion.loops.dislocation_network import DislocationNetwork
 
 
 def network_of(
-    torsion: Torsion, frame: Frame, width: float, extra: float, cluster: Cluster
+    torsion: Torsion,
+    frame: Frame,
+    width: float,
+    extra: Callable[[np.ndarray, np.ndarray], float],
+    cluster: Cluster,
 ) -> DislocationNetwork:
     """The lines that carry torsion, smoothed, in the frame of a crystal.
 
-    width: of a core. extra: volume of the atoms more than sites, where they can be counted: a
-    single closed line is drawn so that b . A is that volume, since bonds across it flip a little
-    inside of it. cluster: how OVITO has the crystal.
+    width: of a core. extra: volume of the atoms more than sites about a closed path, given the
+    points of all other lines; 0.0 where they cannot be counted. A closed line is drawn so that
+    b . A is that volume, since bonds across it flip a little inside of it. cluster: how OVITO has
+    the crystal.
     """
     import networkx as nx  # 0.15 s, and networks alone need it
 
@@ -35,8 +41,11 @@ def network_of(
     ends = Counter(node for line in lines for node in (line.start, line.end))
     alone = [line.start == line.end and ends[line.start] == 2 for line in lines]
     paths = [smoothed(line.path, one, width) for line, one in zip(lines, alone, strict=True)]
-    if extra and len(lines) == 1 and alone[0] and not lines[0].image.any():
-        paths[0] = _with_area(paths[0], frame.vectors(lines[0].burgers[None])[0], extra)
+    for k, line in enumerate(lines):
+        if alone[k] and not line.image.any():
+            others = [np.zeros((0, 3)), *(one.path for one in lines if one is not line)]
+            volume = extra(line.path, np.concatenate(others))
+            paths[k] = _with_area(paths[k], frame.vectors(line.burgers[None])[0], volume)
     numbers: dict[int, int] = {}
     for line, path, one in zip(lines, paths, alone, strict=True):
         for node in (line.start, line.end):

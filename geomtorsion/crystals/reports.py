@@ -162,8 +162,8 @@ def inserted_atoms(line: DislocationLine, crystal: Crystal | BlockedCrystal) -> 
     n = b . A / (volume of an atom), A = closed integral of r x dr / 2 along the line; b as in
     conventions.py, of which the integral of du, the opening of a cut, is minus.
 
-    It is exact where the atoms of a cell could be counted: periodic along all edges, with one line,
-    which is drawn by that count. `inserted_error` tells.
+    It is exact where atoms and sites could be counted: where good crystal lies all about the line,
+    which is then drawn by that count. `inserted_error` tells.
     """
     frame = _frame_of(line, crystal)
     volume = frame.lattice.atom_volume * frame.constant**3
@@ -171,10 +171,10 @@ def inserted_atoms(line: DislocationLine, crystal: Crystal | BlockedCrystal) -> 
 
 
 def inserted_error(line: DislocationLine, crystal: Crystal | BlockedCrystal) -> float:
-    """How far `inserted_atoms` may be off: 0.0 where the atoms of the cell were counted.
+    """How far `inserted_atoms` may be off: 0.0 where atoms and sites were counted.
 
-    Elsewhere, in a box that is open along an edge or with several lines, the line alone tells. It
-    lies where bonds turn from one label to the next, within half a neighbour distance d:
+    Elsewhere, at a surface, next to another line, in much noise, the line alone tells. It lies
+    where bonds turn from one label to the next, within half a neighbour distance d:
     |b| (length of the line) d / 2 over the volume of an atom.
     """
     found, frame = inserted_atoms(line, crystal), _frame_of(line, crystal)

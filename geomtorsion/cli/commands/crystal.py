@@ -315,7 +315,8 @@ def _loop(line: Json) -> str:
     error = line.get("inserted_error", 0.0)
     if error:
         what = (
-            f"+- {error:.2g} {what}: atoms of an open box, or with several lines, are not counted"
+            f"+- {error:.2g} {what}: at a surface, next to other lines, or in much noise they are "
+            "not counted"
         )
     return f"  line {line['track']} encloses b . A = {abs(count):.4g} {what}"
 
