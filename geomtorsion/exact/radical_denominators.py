@@ -211,32 +211,66 @@ def roots_restored(element: Element) -> tuple[fmpq_mpoly, Denominator, Below]:
     below: Below = {}
     if not field.rooted or not den:
         return num, den, below
-    for conjugates, powers in norms(field).table:
-        while True:
-            have = dict(den)
-            part = {i: min(e, have.get(i, 0)) for i, e in powers}
-            found = _divided(field, num, conjugates, powers) if any(part.values()) else None
-            if found is None:
-                break
-            quotient, divisor = found
-            # num/part = (quotient * norm/part)/divisor, and the norm is gone from below.
-            num = quotient * field.cofactor(powers, tuple((i, e) for i, e in part.items() if e))
-            den = tuple((i, e - part.get(i, 0)) for i, e in den if e > part.get(i, 0))
-            if divisor.leading_coefficient() < 0:
-                num, divisor = -num, -divisor
-            key = str(divisor)
-            below[key] = (divisor, below.get(key, (None, 0))[1] + 1)
+    # Whole norms first; what several inverses share, or one of them in part, may be left.
+    for whole in (True, False):
+        for conjugates, powers in norms(field).table:
+            while part := _shared(den, powers, whole):
+                found = _divided(field, num, conjugates, part)
+                if found is None:
+                    break
+                # num/part = quotient/divisor, and what was cleared is gone from below.
+                num, divisor = found
+                den = _without(den, part)
+                if divisor.leading_coefficient() < 0:
+                    num, divisor = -num, -divisor
+                key = str(divisor)
+                below[key] = (divisor, below.get(key, (None, 0))[1] + 1)
+        if whole and den and not below and (found := _reciprocal(field, num, den)) is not None:
+            return field.ctx.constant(1), (), {str(found): (found, 1)}
     return num, den, below
 
 
+def _shared(den: Denominator, powers: Denominator, whole: bool) -> Denominator:
+    """What a denominator and a norm have in common; nothing where all of its factors have to."""
+    have = dict(den)
+    part = tuple((i, min(e, have[i])) for i, e in powers if i in have)
+    return part if not whole or len(part) == len(powers) else ()
+
+
+def _without(den: Denominator, part: Denominator) -> Denominator:
+    """The quotient of two denominators."""
+    cleared = dict(part)
+    return tuple((i, e - cleared.get(i, 0)) for i, e in den if e > cleared.get(i, 0))
+
+
+def _reciprocal(field: Tower, num: fmpq_mpoly, den: Denominator) -> fmpq_mpoly | None:
+    """den/num where that is a polynomial with roots: what was inverted shared a norm with more."""
+    norm = field.cofactor(den, ())
+    # What is cleared from below is no shorter than the conjugate above.
+    if len(num) > len(norm) or len(num) < 2:
+        return None
+    other, own = field.ctx.constant(1), num
+    for place, generator in enumerate(field.generators):
+        if generator.degree == 2 and own.degrees()[place]:
+            below, above = split(field, own, place)
+            flipped = below - above * field.ctx.gen(place)
+            other, own = field.reduced(other * flipped), field.reduced(own * flipped)
+    if own == num:
+        return None
+    try:
+        return other / (own / norm)
+    except (DomainError, ZeroDivisionError):
+        return None
+
+
 def _divided(
-    field: Tower, num: fmpq_mpoly, conjugates: list[fmpq_mpoly], powers: Denominator
+    field: Tower, num: fmpq_mpoly, conjugates: list[fmpq_mpoly], part: Denominator
 ) -> tuple[fmpq_mpoly, fmpq_mpoly] | None:
-    """(q, c) with num/norm = q/c for a conjugate c, or None."""
-    norm = field.cofactor(powers, ())
+    """(q, c) with num/part = q/c for a conjugate c, or None."""
+    divided_by = field.cofactor(part, ())
     for conjugate in conjugates:
         try:
-            return field.reduced(num * conjugate) / norm, conjugate
+            return field.reduced(num * conjugate) / divided_by, conjugate
         except DomainError:
             continue
     return None

@@ -1,0 +1,70 @@
+"""Radical denominators: what is cleared by conjugates is written and evaluated as it was."""
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+
+from geomtorsion.curves import autoparallel, geodesic
+from geomtorsion.geometry import Frame, cartan, levi_civita
+from geomtorsion.ode import RungeKutta, solve
+
+X, Z = sp.symbols("x z", real=True)
+W = sp.sqrt(Z**2 + 1)
+
+
+def test_inverses_that_share_a_norm():
+    """det = w**2 + 12 w + 32 has no factor as a polynomial, yet each leg has one of its own."""
+    frame = Frame([X, Z], [[W + 4, sp.sin(X) / 4], [0, W + 8]])
+    vectors = frame.legs
+    assert vectors[0, 0] == 1 / (W + 4)
+    assert vectors[1, 1] == 1 / (W + 8)
+
+
+def test_a_part_of_a_norm_below():
+    """Coefficients stand over the determinant and not over its norm."""
+    x, y = sp.symbols("x y", positive=True)
+    rows = [[sp.sqrt(x) + 1, sp.sqrt(y)], [1, 2]]
+    found = levi_civita(Frame([x, y], rows)).coefficients.to_sympy()
+    for entry in sp.flatten(found):
+        numerator, denominator = sp.fraction(entry)
+        assert len(sp.Add.make_args(numerator)) <= 3
+        assert denominator.count(sp.Add) <= 1
+    # Legs that are curvilinear in the plane: Gamma = e^-1 de of the flat connection of x', y'.
+    inverse = sp.Matrix(rows).inv()
+    flat = inverse * sp.Matrix([[1 / (2 * sp.sqrt(x)), 0], [0, 0]])
+    assert sp.simplify(found[0][0][0] - flat[0, 0]) == 0
+    assert sp.simplify(found[0][0][1] - flat[1, 0]) == 0
+
+
+@pytest.mark.parametrize("accuracy", [1e-6, 1e-10])
+def test_motion_through_a_point_where_a_conjugate_vanishes(accuracy):
+    """w = 4 at z**2 = 15: w - 4 and the norm are zero, and nothing is wrong with the frame."""
+    frame = Frame([X, Z], [[W + 4, sp.sin(X) / 4], [0, W + 8]])
+    start = [0.1, float(sp.sqrt(15))]
+    motion = autoparallel(cartan(frame), start, frame_velocity=[0.5, 1.0])
+    solution = solve(motion, 10.0, accuracy, RungeKutta())
+    # The second leg alone: (z w + asinh z)/2 + 8 z grows as t.
+    with mpmath.workdps(30):
+
+        def grown(z):
+            return (z * mpmath.sqrt(z**2 + 1) + mpmath.asinh(z)) / 2 + 8 * z
+
+        begun = grown(mpmath.mpf(start[1]))
+        exact = mpmath.findroot(lambda z: grown(z) - begun - 10, 4.5)
+    assert abs(solution.coordinates[-1, 1] - float(exact)) < 5 * accuracy
+
+
+def test_motion_through_the_zero_of_a_long_norm():
+    """The norm of this determinant has 155 terms and vanishes at t = 3.835; e does not."""
+    q1, q2, q3 = sp.symbols("q1:4", real=True)
+    rows = [
+        [3 * sp.sqrt(q3**2 + 1) / 4 + 3, 3 * sp.sqrt(q1**2 + 1) / 4, sp.sin(q2) / 4],
+        [0, 3 * sp.sqrt(q3**2 + 1) / 8 + 3, 0],
+        [5 * sp.sin(q3) / 2, 0, 3 * sp.tanh(q2) / 2 + 3],
+    ]
+    frame = Frame([q1, q2, q3], rows)
+    solution = solve(geodesic(frame, [0.06, 0.42, -0.41], [-0.04, -0.71, -0.16]), 5.0, 1e-12)
+    # By extrapolation in long double, from the rows and their derivatives.
+    exact = [-0.488729892279124906, -1.811172568086939743, -5.332518932108212963]
+    assert np.abs(solution.coordinates[-1] - exact).max() < 5e-12
