@@ -135,6 +135,9 @@ def test_a_tutorial_ends_in_a_check(built, name):
     """Its cells ran without an error, its formulas are MathML, and an answer is there to open."""
     text = (built / f"tutorials/{name}.html").read_text("utf-8")
     assert "<math" in text
+    # Commas and full stops stay with the formula before them.
+    kept = re.sub(r'<span class="together">.*?</span>', "", text)
+    assert not re.search(r"</math>[.,;:]", kept)
     assert "Traceback" not in text
     assert len(re.findall(r'<div class="cell_output', text)) >= 4
     check = text.split('id="check-yourself"')[1]

@@ -5,8 +5,10 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
+from docutils import nodes
 from docutils.nodes import SkipNode
 from math_core import LatexError, LatexToMathML
 from sphinx.util import logging
@@ -14,6 +16,7 @@ from sphinx.util import logging
 from geomtorsion.pictures import formula
 
 _CONVERTER = LatexToMathML(fancy_error=False)
+_STOP = re.compile(r"[.,;:?)]+")
 _LOG = logging.getLogger(__name__)
 
 
@@ -31,8 +34,18 @@ def _element(node, *, display: bool) -> str:
 
 
 def _inline(visitor, node) -> None:
-    visitor.body.append(_element(node, display=False))
+    element, stop = _element(node, display=False), node.get("stop", "")
+    visitor.body.append(f'<span class="together">{element}{stop}</span>' if stop else element)
     raise SkipNode
+
+
+def _keep_stops(app, doctree, name) -> None:
+    """Give formulas the comma or full stop after them: browsers would begin a line with it."""
+    for node in doctree.findall(nodes.math):
+        after = node.next_node(siblings=True, descend=False)
+        if isinstance(after, nodes.Text) and (found := _STOP.match(after)):
+            node["stop"] = found[0]
+            node.parent.replace(after, nodes.Text(after[found.end() :]))
 
 
 def _block(visitor, node) -> None:
@@ -51,5 +64,6 @@ def _write_font(app, error) -> None:
 def setup(app) -> dict[str, bool]:
     """Register the renderer, and the style that holds the font."""
     app.add_html_math_renderer("mathml", (_inline, None), (_block, None))
+    app.connect("doctree-resolved", _keep_stops)
     app.connect("build-finished", _write_font)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -247,7 +247,8 @@ def export(
     variants: list[Any] | None = None if seeds is None else list(map(_seed, parts(seeds)))
     with working("exercises") as progress:
         done = exports.export(to.value, output, numbers, variants, progress)
-    typer.echo(f"wrote {len(done.files)} files to {output}")
+    count = len(done.files)
+    typer.echo(f"wrote {'1 file' if count == 1 else f'{count} files'} to {output}")
     for note in done.notes:
         typer.echo(wrapped(note))
 

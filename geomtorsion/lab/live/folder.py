@@ -177,7 +177,7 @@ def page(config: Mapping[str, object]) -> str:
 def panel(tab: str) -> str:
     """A tab as it is before anything is computed: what it is for, and places for the rest."""
     if tab in UNAVAILABLE:
-        return views.notice(UNAVAILABLE[tab])
+        return f'<p class="guide">{escape(UNAVAILABLE[tab])}</p>'
     guide = LIVE[tab]
     return (
         f'<p class="guide">{escape(guide.seen)}</p>'

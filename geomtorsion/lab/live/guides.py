@@ -30,13 +30,11 @@ LIVE: Mapping[str, Guide] = {
     ),
     views.EXERCISES: GUIDES[views.EXERCISES],
 }
-_NEEDS = (
-    "numpy and scipy have no builds for browsers on PyPI or npm. `geomtorsion lab` on a computer "
-    "has this tab."
-)
 # Tab -> why it is empty.
 UNAVAILABLE: Mapping[str, str] = {
-    views.COSTS: f"Measuring accuracy takes motions and integrals in numbers: {_NEEDS}",
+    views.COSTS: "What accuracy costs is measured on motions and integrals in numbers, and numpy "
+    "and scipy have no builds for browsers on PyPI or npm. Where geomtorsion is installed, "
+    "geomtorsion lab has this tab.",
 }
 # Exercises whose solutions are motions or loops in numbers, and what the list says above them.
 UNGRADED = frozenset("4.1 4.4 5.3 5.4 5.5 5.6 5.7 6.6 7.1 7.2 7.3 7.4".split())
