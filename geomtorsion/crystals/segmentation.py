@@ -117,16 +117,22 @@ def _parts(inside: np.ndarray, pairs: np.ndarray, least: int) -> list[np.ndarray
 def _inner(
     groups: list[tuple[Frame, np.ndarray]], numbers: np.ndarray
 ) -> list[tuple[Frame, np.ndarray]]:
-    """Groups with an inside: an atom most of whose neighbours belong to it, and none to another.
+    """Groups with an inside: an atom most of whose neighbours belong to it, and neither they nor
+    theirs to another.
 
-    The two layers of a stacking fault in fcc are as in hcp, but have none.
+    What is no wider about its middle than a core, two neighbour distances, is a fault: the two or
+    three layers of one in fcc are as in hcp, and the other way round, but have no inside.
     """
     owner = _owners(groups, len(numbers))
-    kept = []
+    clear = np.ones(len(numbers), dtype=bool)
     for k, (frame, part) in enumerate(groups):
         around = owner[numbers[part, : frame.lattice.shells]]
-        most = 2 * (around == k).sum(axis=1) > frame.lattice.shells
-        if (most & ((around == k) | (around < 0)).all(axis=1)).any():
+        clear[part] = ((around == k) | (around < 0)).all(axis=1)
+    kept = []
+    for k, (frame, part) in enumerate(groups):
+        near = numbers[part, : frame.lattice.shells]
+        most = 2 * (owner[near] == k).sum(axis=1) > frame.lattice.shells
+        if (most & clear[part] & clear[near].all(axis=1)).any():
             kept.append((frame, part))
     return kept
 

@@ -122,6 +122,11 @@ def clusters_of(
     number of the line to which each straight piece belongs.
     """
     clusters: Mapping[int | None, Cluster] = known.get("clusters") or {None: Cluster()}
+    if None not in clusters:
+        # Numbers of clusters are those of grains: one that is there no more has no atoms.
+        gone = Cluster(next(iter(clusters.values())).lattice)
+        numbers = [number for number in clusters if number is not None]
+        clusters = {number: clusters.get(number, gone) for number in range(max(numbers) + 1)}
     place = {number: k for k, number in enumerate(clusters)}
     mine = [place.get(lines[owners[curve.numbers[0]]].grain, 0) for curve in curves]
     walls = [(place[one], place[other]) for one, other in known.get("walls", ())]
@@ -278,7 +283,8 @@ class _Rows:
 def read_crystal_analysis(path: str | PathLike[str]) -> LineArrays:
     """Read the dislocation lines of a Crystal Analysis file; b in space, each line once.
 
-    Lines that end where no other begins (at a surface, a grain boundary) are marked so.
+    Of several clusters each is a grain, numbered from 0 in their order. Lines that end where no
+    other begins (at a surface, a grain boundary) are marked so.
 
     Raises
     ------
@@ -314,7 +320,12 @@ class _Contents:
         self.origin = np.zeros(3)
         self.vectors: np.ndarray | None = None
         self.periodic = [True] * 3
-        self.cluster = 0
+        self.cluster = self.structure = 0
+        self.names: dict[int, str] = {}
+        self.lattices: dict[int, int] = {}
+        self.sizes: dict[int, int] = {}
+        self.walls: list[tuple[int, int]] = []
+        self.owners: list[int] = []
         self.matrices: dict[int, np.ndarray] = {}
         self.curves: list[np.ndarray] = []
         self.burgers: list[np.ndarray] = []
@@ -324,7 +335,12 @@ class _Contents:
             "SIMULATION_CELL_ORIGIN": self._origin,
             "SIMULATION_CELL_MATRIX": self._cell,
             "PBC_FLAGS": self._flags,
+            "STRUCTURE_TYPE": self._structure,
+            "NAME": self._name,
             "CLUSTER": self._cluster,
+            "CLUSTER_STRUCTURE": self._lattice,
+            "CLUSTER_SIZE": self._size,
+            "TRANSITION": self._transition,
             "CLUSTER_ORIENTATION": self._orientation,
             "DISLOCATIONS": self._dislocations,
             "DISLOCATION_JUNCTIONS": self._junctions,
@@ -339,6 +355,23 @@ class _Contents:
 
     def _flags(self, rows: _Rows, words: list[str]) -> None:
         self.periodic = [bool(x) for x in rows.numbers(words[1:], 3, words[0])]
+
+    def _structure(self, rows: _Rows, words: list[str]) -> None:
+        self.structure = rows.whole(words, words[0], 10**18)
+
+    def _name(self, rows: _Rows, words: list[str]) -> None:
+        self.names[self.structure] = words[-1]
+
+    def _lattice(self, rows: _Rows, words: list[str]) -> None:
+        self.lattices[self.cluster] = rows.whole(words, words[0], 10**18)
+
+    def _size(self, rows: _Rows, words: list[str]) -> None:
+        self.sizes[self.cluster] = rows.whole(words, words[0], 10**18)
+
+    def _transition(self, rows: _Rows, words: list[str]) -> None:
+        # They are counted from 0.
+        one, other = (rows.whole(words[: k + 1], words[0], len(self.matrices)) for k in (1, 2))
+        self.walls.append((one, other))
 
     def _cluster(self, rows: _Rows, words: list[str]) -> None:
         self.cluster = rows.whole(words, words[0], 10**18)
@@ -361,6 +394,7 @@ class _Contents:
             points = [rows.numbers(rows.next(what), 3, f"a point of {what}") for _ in range(count)]
             self.curves.append(np.array(points))
             self.burgers.append(self.matrices[cluster] @ local)
+            self.owners.append(cluster)
 
     def _junctions(self, rows: _Rows, words: list[str]) -> None:
         for k in range(2 * len(self.curves)):
@@ -380,6 +414,9 @@ class _Contents:
         pairs: list[tuple[int, int]] = []
         vectors: list[np.ndarray] = []
         steps: list[np.ndarray] = []
+        grains: list[int | None] = []
+        known = self._known()
+        number_of = {cluster: k for k, cluster in enumerate(self.matrices)}
         ends, sizes = self._ends()
         made: dict[int, int] = {}
         constraints: list[int] = []
@@ -398,6 +435,8 @@ class _Contents:
             chain = [made[ends[k, 0]], *inner, made[ends[k, 1]]]
             pairs += pairwise(chain)
             vectors += [b] * (len(chain) - 1)
+            grain = None if None in known["clusters"] else number_of[self.owners[k]]
+            grains += [grain] * (len(chain) - 1)
             steps += list(np.diff(points, axis=0))
         positions = np.array(places).reshape(-1, 3)
         numbers = np.array(pairs, dtype=np.int64).reshape(-1, 2)
@@ -405,7 +444,23 @@ class _Contents:
         # By how many periods the node is meant farther: what the step has more than the places.
         images = -box.images(np.array(steps).reshape(-1, 3) - gaps)
         table = np.array(vectors).reshape(-1, 3)
-        return LineArrays(positions, numbers, table, box, images, constraints=constraints)
+        return LineArrays(
+            positions, numbers, table, box, images, constraints=constraints, grains=grains,
+            known=known,
+        )  # fmt: skip
+
+    def _known(self) -> dict[str, Any]:
+        """Clusters by number of the grain, None where there is one alone, and those that touch."""
+        found = []
+        for cluster, matrix in self.matrices.items():
+            name = self.names.get(self.lattices.get(cluster, -1), "")
+            # A cluster without lines may have no orientation.
+            whole = matrix if np.linalg.matrix_rank(matrix) == 3 else np.eye(3)
+            lattice = name if name in STRUCTURES else ""
+            found.append(Cluster(lattice, whole, self.sizes.get(cluster, 0)))
+        if len(found) < 2:
+            return {"clusters": {None: (found or [Cluster()])[0]}}
+        return {"clusters": dict(enumerate(found)), "walls": self.walls}
 
     def _ends(self) -> tuple[dict[tuple[int, int], int], dict[int, int]]:
         """The ring to which each end of a line belongs, and how many ends each ring has.

@@ -152,7 +152,7 @@ class DislocationNetwork:
         import networkx as nx  # as above
 
         checks.instance(lines, LineArrays, "lines", NetworkError)
-        graph, labels = nx.MultiDiGraph(), list(lines.labels)
+        graph, labels = nx.MultiDiGraph(**lines.known), list(lines.labels)
         places, numbers = lines.positions.tolist(), lines.constraint_list
         graph.add_nodes_from(
             (
@@ -162,14 +162,14 @@ class DislocationNetwork:
             for label, x, c in zip(labels, places, numbers, strict=True)
         )
         vectors = lines.burgers.tolist() if burgers is None else burgers
-        columns = [map(tuple, vectors), map(tuple, lines.image_list)]
-        names = ["burgers", "image"]
+        columns = {"burgers": map(tuple, vectors), "image": map(tuple, lines.image_list)}
         if lines.planes is not None:
-            columns.append(map(tuple, lines.planes.tolist()))
-            names.append("plane")
+            columns["plane"] = map(tuple, lines.planes.tolist())
+        if any(grain is not None for grain in lines.grains):
+            columns["grain"] = iter(lines.grains)
         graph.add_edges_from(
-            (labels[a], labels[b], dict(zip(names, row, strict=True)))
-            for (a, b), *row in zip(lines.pairs.tolist(), *columns, strict=True)
+            (labels[a], labels[b], dict(zip(columns, row, strict=True)))
+            for (a, b), *row in zip(lines.pairs.tolist(), *columns.values(), strict=True)
         )
         return cls(nx.freeze(graph), tolerance, lines.box)
 

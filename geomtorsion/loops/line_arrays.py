@@ -36,6 +36,8 @@ class LineArrays:
     labels: names of the nodes; their numbers if not given.
     constraints: the number that a simulation gives each node, shape (nodes,); zero if not given.
     planes: normal of the glide plane of each line, shape (lines, 3), if known.
+    grains: number of the grain in which each line lies, None where it is not known; () of none.
+    known: what a file says of these grains: `clusters` by number, and `walls` between them.
 
     Raises
     ------
@@ -51,6 +53,8 @@ class LineArrays:
     labels: Sequence[Hashable]
     constraints: np.ndarray
     planes: np.ndarray | None
+    grains: Sequence[int | None]
+    known: Mapping[str, Any]
 
     def __init__(
         self,
@@ -62,6 +66,8 @@ class LineArrays:
         labels: Sequence[Hashable] = (),
         constraints: ArrayLike | None = None,
         planes: ArrayLike | None = None,
+        grains: Sequence[int | None] = (),
+        known: Mapping[str, Any] | None = None,
     ) -> None:
         def put(name: str, value: object) -> None:
             object.__setattr__(self, name, value)
@@ -89,6 +95,13 @@ class LineArrays:
         if planes is not None:
             shape = (len(self.pairs), 3)
             put("planes", checks.array(planes, "planes", NetworkError, shape=shape))
+        put("grains", checks.entries(grains, "grains", NetworkError))
+        if len(self.grains) not in (0, len(self.pairs)):
+            raise NetworkError(
+                f"grains: one for each of {len(self.pairs)} lines was needed, but "
+                f"{len(self.grains)} came."
+            )
+        put("known", dict(known or {}))
         Complex(count, self.pairs, np.zeros((len(self.pairs), 0), np.int64), labels=self.labels)
         put("images", self._found_images(images))
         with np.errstate(over="ignore", invalid="ignore"):

@@ -76,10 +76,12 @@ def test_layers_that_end_nowhere_are_no_line(layers, percent):
         assert crystal.dislocations(partials).lines == ()
 
 
-def test_an_extrinsic_fault_is_no_line():
-    """ABABCABAB: three cubic layers."""
-    places, cell = stacked("ABABABCABABAB")
-    crystal = Crystal(places, cell, (True, True, False))
+@pytest.mark.parametrize("percent", [0, 4, 8])
+def test_an_extrinsic_fault_is_no_line_and_no_grain(percent):
+    """ABABCABAB: three cubic layers, between good crystal on either side."""
+    places, cell = stacked("ABABABABCABABABAB")
+    crystal = Crystal(noisy(places, percent), cell, (True, True, False))
+    assert crystal.grains.is_single
     for partials in (False, True):
         assert crystal.dislocations(partials).lines == ()
 

@@ -123,3 +123,56 @@ def test_clusters_have_their_own_axes(tmp_path: Path):
     (tmp_path / "a.ca").write_text(text)
     back = DislocationNetwork.read(tmp_path / "a.ca").polylines
     assert [np.array(one.burgers) for one in back] == [pytest.approx(x, abs=1e-14) for x in b]
+
+
+def test_grains_keep_their_numbers(tmp_path: Path):
+    """Those of a file with several clusters, and what is known of these, come back as written."""
+    turn = np.array([[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, 1]])
+    clusters = {0: Cluster("fcc", 3.6 * np.eye(3), 70), 2: Cluster("bcc", 2.9 * turn, 50)}
+    box = Box.of_bounds([0, 0, 0], [9, 9, 9])
+    lines = LineArrays(
+        [[1, 1, 1], [5, 5, 5]], [[0, 0], [1, 1]], [[0, 1.8, 1.8], [0, 0, 2.9]], box,
+        [[0, 0, 1]] * 2, grains=[2, 0], known={"clusters": clusters, "walls": [(0, 2)]},
+    )  # fmt: skip
+    net = DislocationNetwork.of_arrays(lines)
+    net.save(tmp_path / "a.ca")
+    back = DislocationNetwork.read(tmp_path / "a.ca")
+    assert [line.grain for line in back.lines] == [2, 0]
+    kept = back.graph.graph
+    assert [(c.lattice, c.atoms) for c in kept["clusters"].values()] == [
+        ("fcc", 70), ("fcc", 0), ("bcc", 50),
+    ]  # fmt: skip
+    assert np.array_equal(kept["clusters"][2].matrix, clusters[2].matrix)
+    assert kept["walls"] == [(0, 2)]
+    back.save(tmp_path / "b.ca")
+    again = DislocationNetwork.read(tmp_path / "b.ca")
+    assert [line.grain for line in again.lines] == [2, 0]
+
+
+def test_one_cluster_is_no_grain_but_keeps_its_lattice(tmp_path: Path):
+    """A single crystal has lines without a grain, and is written as it was read."""
+    crystal = {None: Cluster("hcp", 3.2 * np.eye(3), 12)}
+    box = Box.of_bounds([0, 0, 0], [9, 9, 9])
+    lines = LineArrays(
+        [[1, 1, 1]], [[0, 0]], [[0, 3.2, 0]], box, [[0, 0, 1]], known={"clusters": crystal}
+    )
+    DislocationNetwork.of_arrays(lines).save(tmp_path / "a.ca")
+    back = DislocationNetwork.read(tmp_path / "a.ca")
+    assert [line.grain for line in back.lines] == [None]
+    back.save(tmp_path / "b.ca")
+    assert (tmp_path / "a.ca").read_text() == (tmp_path / "b.ca").read_text()
+
+
+def test_a_transition_to_no_cluster_is_refused(tmp_path: Path):
+    """It is told with its line."""
+    box = Box.of_bounds([0, 0, 0], [9, 9, 9])
+    clusters = {0: Cluster("fcc"), 1: Cluster("fcc")}
+    lines = LineArrays(
+        [[1, 1, 1]], [[0, 0]], [[0, 1, 0]], box, [[0, 0, 1]], grains=[1],
+        known={"clusters": clusters, "walls": [(0, 1)]},
+    )  # fmt: skip
+    DislocationNetwork.of_arrays(lines).save(tmp_path / "a.ca")
+    text = (tmp_path / "a.ca").read_text()
+    (tmp_path / "a.ca").write_text(text.replace("TRANSITION 0 1", "TRANSITION 0 7"))
+    with pytest.raises(FileFormatError, match="line.*TRANSITION: a whole number below 2"):
+        DislocationNetwork.read(tmp_path / "a.ca")
