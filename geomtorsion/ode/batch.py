@@ -253,7 +253,7 @@ def _stacked(
         if not np.isfinite(first).all():
             return
         duration = float(times[-1]) * top
-        scales = error_scales(system, y0, first, duration)
+        scales = error_scales(system, y0, numbers, first, duration)
         used = max(tolerance, FLOOR)
         options: dict[str, Any] = {"rtol": used, "atol": (used * scales).ravel()}
         if tolerance < FLOOR:

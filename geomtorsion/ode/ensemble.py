@@ -18,7 +18,6 @@ from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.error_estimate import (
     AIM,
-    ROUNDINGS,
     SAFETY,
     difference,
     next_tolerance,
@@ -269,7 +268,7 @@ class _Job:
         states = np.full((number, len(self.grid), self.members.states.shape[1]), np.nan)
         finished = np.zeros(number, dtype=bool)
         trajectories: dict[int, Trajectory] = {}
-        part = ROUNDINGS * 2.0 ** (1 - self.engine.precision)
+        part = SAFETY * 2.0 ** (1 - self.engine.precision)
         pending, used, best, interrupted = some, 0.0, np.inf, False
         tolerance: float | None = self.engine.first(AIM * self.accuracy)
         while tolerance is not None and (finer := self.engine.finer(tolerance)) is not None:

@@ -18,22 +18,21 @@ import numpy as np
 from geomtorsion.ode.engines.protocol import Engine
 from geomtorsion.ode.trajectory import Segment, Trajectory
 
-# The error is so many times the difference: the finer run has an error of its own.
+# The error is so many times the difference, for the finer run has an error of its own; and that run
+# starts so many units in the last place away, for roundings add up on the way.
 SAFETY = 2.0
-# The finer run starts so many units in the last place away, as roundings add up on the way.
-ROUNDINGS = 2.0
 # Each tolerance aims at this part of the accuracy, for errors do not follow it to the letter and
 # one more pair of runs costs more than a finer one.
 AIM = 0.1
 # An error that is less than so many times below what was asked is confirmed by a second finer run,
 # which takes other steps and starts elsewhere: two roundings may agree by chance.
 CLOSE = 1 / AIM
-# A motion goes by fits and starts if this part of its way lies between two of its samples, of
-# which there are so many at least.
-PEAK, FEWEST_SAMPLES = 0.15, 16
-# States that differ by more than this part of their size may be nothing but rounding: they are
-# where they are no larger than so many roundings of the terms of their rates.
-UNALIKE, NOISE = 0.01, 100.0
+# A motion goes by fits and starts if this part of its way lies between two of its samples.
+PEAK = 0.15
+# States that are no larger than so many roundings of the terms of their rates are nothing else.
+NOISE = 100.0
+# They differ by more than this part of their size, for a rounding is no smaller.
+UNALIKE = 1 / NOISE
 
 
 class Comparable(Protocol):
@@ -70,7 +69,7 @@ def verified(
     answer and both finer runs, from starts changed by the part and by its opposite, where these
     can be had at one go.
     """
-    perturbation = ROUNDINGS * 2.0 ** (1 - engine.precision)
+    perturbation = SAFETY * 2.0 ** (1 - engine.precision)
     runs: list[Trajectory] = []
     best: Verified | None = None
     tolerance: float | None = engine.first(AIM * accuracy)
@@ -126,7 +125,8 @@ def busiest_time(one: Trajectory) -> float | None:
     best, found = PEAK, None
     for segment in one.segments:
         states = np.asarray(segment.states)
-        if len(states) < FEWEST_SAMPLES:
+        # Among fewer samples an even motion would take half of such steps.
+        if PEAK * (len(states) - 1) < 2:
             continue
         steps = np.abs(states[1:] - states[:-1]).astype(float)
         tops, totals = np.maximum.reduce(steps).tolist(), np.add.reduce(steps).tolist()
@@ -152,12 +152,15 @@ def difference(problem: Comparable, one: Trajectory, two: Trajectory) -> float:
     """Largest difference of two trajectories, each group of states against its own size.
 
     Over all samples that both reached, in the coordinates in which the first was followed.
-    Infinite where there is no such sample, where a difference is no number, or where only one of
-    them was stopped; where both were, their last states and times are compared, too.
+    Infinite where there is no such sample, where a difference is no number, where only one of them
+    was stopped, or where the first came to the end and the second did not; where both were stopped,
+    their last states and times are compared, too.
     """
     count = min(one.count, two.count)
     stopped = one.outcome == two.outcome == "stopped"
     if one.outcome != two.outcome and "stopped" in (one.outcome, two.outcome):
+        return math.inf
+    if one.outcome == "done" and two.count < one.count:
         return math.inf
     if not count and not stopped:
         return math.inf

@@ -31,10 +31,8 @@ if TYPE_CHECKING:
 
 # Doubles hold numbers to this part; solutions to a finer accuracy keep their longer numbers.
 DOUBLE = EPS / 2
-# So many places are looked at between each two times, at least.
-LEAST = 3
-# Where the first of them lies, in units of their distance: at the golden section, off the middle
-# and off the ends.
+# Where the first place between two times lies that is looked at, in units of their distance: at the
+# golden section, off the middle and off the ends.
 SHIFT = 1 - GOLDEN
 
 
@@ -412,7 +410,7 @@ class Solution:
         knots = np.unique(knots[np.abs(knots) <= abs(reached)])
         if len(knots) < 2:
             return self.error
-        count = max(LEAST, -(-PARTS // (len(knots) - 1)))
+        count = -(-PARTS // (len(knots) - 1))
         parts = (np.arange(count) + SHIFT) / count
         times = (knots[:-1, None] + parts * np.diff(knots)[:, None]).ravel()
         gap = difference(self.problem, _sampled(one, times), _sampled(two, times))

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import DOP853
 
 from geomtorsion.curves import geodesic
 from geomtorsion.errors import LimitError
@@ -54,6 +55,23 @@ def test_the_steps_are_those_of_scipy(name, tolerance, t):
     assert two.evaluations <= one.evaluations + 3 * 33 + 4
     assert one.states == pytest.approx(two.states, rel=1e-9, abs=1e-11)
     assert one.last == pytest.approx(one.states[-1], rel=1e-15)
+
+
+SUDDEN = [("10000/(1 + 1000*(t - 3)**2)", 1e-3), ("exp(-25*(t - 8)**2)", 1.0)]
+
+
+@pytest.mark.parametrize(("rate", "start"), SUDDEN, ids=["steps grow", "steps shrink"])
+def test_how_fast_steps_grow_and_shrink(rate, start):
+    """Tenfold at most and to a fifth, a tenth below what the error allows: where scipy steps."""
+    law = ODE.of({"x": rate}, [start])
+    system, values, begin = law.system, law.run_numbers({}), [start, 0.0]
+    ours = Steps(system, values, begin, (0.0, 10.0), 1e-8, [1.0, 1.0], math.inf, MOST)
+    rates = system.scalar_rates(values)
+    theirs = DOP853(rates, 0.0, np.array(begin), 10.0, rtol=1e-8, atol=1e-8)
+    while ours.time != 10.0:
+        assert ours.advance() is not None
+        theirs.step()
+        assert ours.time == pytest.approx(theirs.t, rel=1e-4)
 
 
 def test_edges_stop_where_scipy_stops():

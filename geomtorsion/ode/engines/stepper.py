@@ -21,10 +21,11 @@ from geomtorsion.ode.engines.protocol import STEPS_AT_ONCE, WorkLimitError
 from geomtorsion.ode.rates import KEPT
 from geomtorsion.ode.system import NO_VALUE, System
 
-# Larger systems are faster on arrays.
+# Larger systems are faster on arrays; the steps are the same.
 LARGEST = 24
+# The next step as part of what the error allows, and of the last step, as scipy has them.
 SAFETY, SHORTEST, LONGEST = 0.9, 0.2, 10.0
-# So many times are worked out one by one.
+# So many times are worked out one by one: faster, and the same.
 FEW_TIMES = 4
 
 
@@ -202,7 +203,8 @@ class Steps:
 
 
 STAGES: int = DOP853.n_stages
-# Rates whose source has more characters than this are called, not written into the step.
+# Rates whose source has more characters than this are called, not written into the step: that takes
+# as long, and less to compile.
 LONGEST_SOURCE = 4000
 
 

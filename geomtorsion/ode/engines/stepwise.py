@@ -13,13 +13,15 @@ import numpy as np
 from scipy.integrate import DOP853, LSODA, Radau
 from scipy.optimize import brentq
 
+from geomtorsion.codegen.steps import ROUNDINGS
 from geomtorsion.ode.engines.protocol import STEPS_AT_ONCE, Dense, Run, Watch, WorkLimitError
 from geomtorsion.ode.engines.stepper import STAGES, Polynomial, Steps, step_of, too_many_evaluations
 from geomtorsion.ode.numbers import Real, floats
 from geomtorsion.ode.system import ScalarRates, System
 from geomtorsion.precision import EPS
 
-# Smaller differences than this are told from rounding by no step of generated code.
+# Smaller differences than this are told from rounding by no step of generated code: below it steps
+# are shortened, by the order of the method, and wherever that begins they are as good.
 LEAST = 1e-15
 METHODS = {"DOP853": DOP853, "Radau": Radau, "LSODA": LSODA}
 # scipy accepts no smaller relative tolerance: it is its own rule.
@@ -166,7 +168,7 @@ def stepwise_run(
     span = last - first
     if method in ("Radau", "LSODA"):
         span = _settling(system.jacobian(y0, values), span)
-    scales = error_scales(system, np.array(y0), first_rates, span).tolist()
+    scales = error_scales(system, np.array(y0), values, first_rates, span).tolist()
     least = LEAST if generated else FLOOR
 
     def steps(longest: float) -> Steps | ScipySteps:
@@ -293,15 +295,25 @@ def _settling(jacobian: np.ndarray, duration: float) -> float:
 
 
 def error_scales(
-    system: System, y0: np.ndarray, rates: Sequence[float] | np.ndarray, duration: float
+    system: System,
+    y0: np.ndarray,
+    numbers: Sequence[float] | Sequence[np.ndarray],
+    rates: Sequence[float] | np.ndarray,
+    duration: float,
 ) -> np.ndarray:
-    """The size of each state for absolute tolerances: that of its group, now or soon."""
+    """The size of each state for absolute tolerances: that of its group, now or soon.
+
+    numbers: values of the parameters. Where terms of a rate cancel up to rounding they are the
+    scale: with what rounding leaves of them no step would be short enough.
+    """
     scales = np.empty(y0.shape)
     for group in system.groups:
         index = list(group)
         size = np.abs(y0[index]).max(axis=0)
         if not np.all(size > 0):
-            soon = np.abs(np.asarray(rates)[index]).max(axis=0) * abs(duration)
+            soon = np.abs(np.asarray(rates)[index]).max(axis=0)
+            terms = np.abs(system.rates.sizes(*y0, *numbers)[index]).max(axis=0)
+            soon = np.where(soon > ROUNDINGS * EPS * terms, soon, terms) * abs(duration)
             size = np.where(size > 0, size, soon)
         scales[index] = np.where(np.isfinite(size) & (size > 0), size, 1.0)
     return scales

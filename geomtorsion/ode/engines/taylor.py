@@ -358,11 +358,10 @@ def _edge_ahead(
     return (low, state) if room() <= first * math.sqrt(np.finfo(float).eps) else None
 
 
-# Steps before the end of a run that failed which are tried backwards.
+# Steps before the end of a run that failed which are tried backwards: some ten megabytes of them.
 LOOKED_AT = 100_000
-# A step that leads back to within this part of where it came from was a good one; the way back
-# may take so many steps.
-CLOSE, WAY_BACK = 1e-6, 100
+# A step that leads back to within this part of where it came from was a good one.
+CLOSE = 1e-6
 
 
 def _last_regular(
@@ -386,13 +385,15 @@ def _last_regular(
     _place(integrator, begin, start, None)
     integrator.propagate_until(end, callback=keep, max_steps=steps)
     good = trail.popleft()
+    # What begins at zero is as large as its first step makes it.
+    size = np.abs(trail[0][1].astype(float)).max()
     for at, state in trail:
         if not (np.isfinite(float(at)) and np.isfinite(state.astype(float)).all()):
             break
         _place(integrator, at, state, None)
-        integrator.propagate_until(good[0], max_steps=WAY_BACK)
+        integrator.propagate_until(good[0], max_steps=STEPS_AT_ONCE)
         gap = np.abs((integrator.state - good[1]).astype(float)).max()
-        if not gap <= CLOSE * np.abs(good[1].astype(float)).max():
+        if not gap <= CLOSE * max(size, np.abs(good[1].astype(float)).max()):
             break
-        good = at, state
+        good, size = (at, state), 0.0
     return good

@@ -1,0 +1,114 @@
+"""Error estimates: each number by which they decide, from both sides."""
+
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+
+from geomtorsion.errors import AccuracyError
+from geomtorsion.ode import ODE, RungeKutta, Taylor, solve
+from geomtorsion.ode.error_estimate import AIM, difference
+from geomtorsion.ode.trajectory import integrate
+from tests.ode.engines import needs_heyoka
+
+SWING = ODE.of({"x": "v", "v": "-sin(x)"}, [1.0, 0.0])
+
+
+@dataclass(frozen=True)
+class Counting(RungeKutta):
+    """Runge-Kutta that keeps the evaluations of each of its runs."""
+
+    runs: list[int] = field(default_factory=list)
+
+    def run(self, *given, **more):
+        """A run, and what it took."""
+        found = super().run(*given, **more)
+        self.runs.append(found.evaluations)
+        return found
+
+
+def test_a_start_is_known_to_about_a_rounding():
+    """An angle of 1.4e9 is rounded by 1e-7, which all runs from this very start would share."""
+    angle = Fraction(10**10 + 1, 7)
+    with mpmath.workdps(40):
+        rate = float(mpmath.cos(mpmath.mpf(angle.numerator) / angle.denominator))
+    found = solve(ODE.of({"a": "0", "q": "cos(a)"}, [angle, 0]), 1.0, 1e-3, RungeKutta())
+    error = abs(found["q"][-1] / rate - 1)
+    assert error > 1e-8
+    assert 0.5 * error <= found.error <= 100 * error
+
+
+@pytest.mark.parametrize(
+    ("samples", "share", "seen"), [(40, 0.14, False), (40, 0.16, True), (15, 0.16, True)]
+)
+def test_fits_and_starts(samples, share, seen):
+    """The finer run is put aside after a step that is 0.15 of the way, and cut there for that."""
+    steps = np.full(samples - 1, (1 - share) / (samples - 2))
+    steps[5] = share
+    found = solve(ODE.of({"x": "1"}, [1]), np.cumsum(steps), 1e-6, RungeKutta())
+    assert len(found.reference.segments) == 1 + seen
+
+
+def test_few_samples_show_no_fits():
+    """Steps that are a seventh of the way are what is to be expected of seven."""
+    found = solve(ODE.of({"x": "1"}, [1]), np.linspace(0, 1, 7), 1e-6, RungeKutta())
+    assert len(found.reference.segments) == 1
+
+
+def test_errors_near_what_is_asked_are_confirmed():
+    """By a third run, where they are more than a tenth of it; else there are two."""
+    seen = set()
+    for duration in np.linspace(0.5, 1, 9):
+        engine = Counting()
+        found = solve(ODE.of({"x": "x"}, [1.0]), duration, 1e-7, engine)
+        near = found.error > 1e-8
+        assert len(engine.runs) == 2 + near
+        seen.add(bool(near))
+    assert seen == {True, False}
+
+
+def test_where_tolerances_aim(monkeypatch):
+    """At a tenth of the accuracy: aiming at all of it fails more often, far below costs more."""
+    costs, tries = [], []
+    for factor in (20, 1, 1e-4):
+        monkeypatch.setattr("geomtorsion.ode.error_estimate.AIM", AIM * factor)
+        engine = Counting()
+        for accuracy in (1e-4, 1e-6, 1e-8):
+            solve(SWING, 10.0, accuracy, engine)
+        costs.append(sum(engine.runs))
+        tries.append(len(engine.runs))
+    assert tries[0] > tries[1]
+    assert costs[1] < min(costs[0], costs[2])
+
+
+@needs_heyoka
+def test_what_is_taken_for_noise():
+    """A sum of terms of size one that is zero has no digit to wait for; one that is 1e-12 has."""
+    rates, start = {"p": "q", "q": "-p"}, {"p": 1, "q": 0, "rest": 0}
+    found = solve(ODE.of(rates | {"rest": "p**2 + q**2 - 1"}, start), 10.0, 1e-6, Taylor())
+    assert np.abs(found["rest"]).max() < 1e-13
+    small = ODE.of(rates | {"rest": "p**2 + q**2 - (1 - 1e-12)"}, start)
+    with pytest.raises(AccuracyError, match=r"Taylor gets to 0\.00"):
+        solve(small, 10.0, 1e-3, Taylor())
+
+
+def test_what_begins_at_zero_with_rates_that_cancel():
+    """A push that holds a spring: what rounding leaves of the first rates is no scale of steps."""
+    pushed = ODE.of({"x": "v", "v": "-x + 1e-6*cos(t/2)"}, [1e-6, 0])
+    found = solve(pushed, 100.0, 1e-9, RungeKutta())
+    t = found.times
+    exact = 1e-6 * (np.cos(t) + (np.cos(t / 2) - np.cos(t)) / 0.75)
+    error = np.abs(found["x"] - exact).max() / exact.max()
+    assert 1e-14 < error <= 1e-9
+    assert 0.5 * error <= found.error <= 1e-9
+
+
+def test_a_finer_run_that_ends_early_tells_nothing():
+    """What the answer does after that has been compared with nothing."""
+    stage, times = SWING.first_stage(53, 0.0), np.linspace(0, 1, 5)
+    whole = integrate(stage, times, 1e-6, RungeKutta())
+    part = integrate(stage, times[:3], 1e-8, RungeKutta())
+    assert difference(SWING, whole, part) == np.inf
+    assert 0 < difference(SWING, part, whole) < 1e-5
