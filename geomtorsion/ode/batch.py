@@ -18,11 +18,13 @@ from geomtorsion.ode.system import System
 
 # Called with the number of members that are done.
 Show: TypeAlias = Callable[[float], None] | None
-# Systems of at most so many states take two registers at a time.
+# How members are put together and looked at decides about speed, not about results: systems of at
+# most so many states take two registers at a time;
 FEW = 4
-# After so many steps one looks which members still get anywhere.
+# after so many steps one looks which members still get anywhere;
 MOST_STEPS = 20_000
-# States in one stacked Runge-Kutta system: larger ones leave the cache and set BLAS threads off.
+# and so many states make one stacked Runge-Kutta system: larger ones leave the cache and set BLAS
+# threads off.
 STACKED = 6144
 
 

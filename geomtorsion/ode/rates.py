@@ -13,17 +13,19 @@ from geomtorsion.codegen import Graph, graph
 from geomtorsion.copies import only_fields
 from geomtorsion.errors import ExpressionError
 from geomtorsion.ode.system import System
+from geomtorsion.precision import EPS
 
-# Equations that are kept, and what is compiled of them: some hundred kilobytes each.
+# Equations that are kept, and what is compiled of them: some hundred kilobytes each. What is gone is
+# made again, and is the same.
 KEPT = 128
-# The clock counts in such units of time: its number stays far below all others, and engines that
-# measure errors against the largest state do not lose the small ones in it.
-CLOCK = 2**40
+# The clock counts in such units of time: its number is a rounding of others, and engines that measure
+# errors against the largest state do not lose the small ones in it. A power of two rounds nothing.
+CLOCK = int(1 / EPS)
 # Less than any rounding: heyoka misses all roots after one at the very start of a step.
 TINY = sp.Rational(1, 10**300)
 # Fractions p/q with no larger p, and a power of two up to this as q, are compiled in, for they are
 # held exactly. All other numbers are given at run time: a perturbed run shows what rounding them
-# does, and one compiled integrator serves all of them.
+# does, and one compiled integrator serves all of them. Results are the same.
 SMALL = 64
 # Names that go with the components of one vector.
 _AXES = ("x", "y", "z")

@@ -1,10 +1,15 @@
 """Limits of engines: where a motion ends, and numbers that decide about speed, not about results."""
 
+from collections import OrderedDict
+from importlib import import_module
+
 import numpy as np
 import pytest
 
 from geomtorsion.errors import StuckError
 from geomtorsion.ode import ODE, RungeKutta, Taylor, solve
+from geomtorsion.ode.engines import stepper
+from geomtorsion.ode.engines.compiled import _limit_disk_cache
 from geomtorsion.ode.engines.protocol import WorkLimitError
 from tests.ode.engines import needs_heyoka
 
@@ -56,3 +61,79 @@ def test_steps_are_shortened_where_tolerances_end(least, monkeypatch):
     assert np.abs(coarse.last - [np.cos(8), -np.sin(8)]).max() > 1e-13
     assert np.abs(fine.last - [np.cos(8), -np.sin(8)]).max() < 2e-15
     assert fine.steps / coarse.steps == pytest.approx(1e5 ** (1 / 8), rel=0.1)
+
+
+@needs_heyoka
+def test_the_clock_hides_no_small_states():
+    """States of a millionth keep their digits after a time of a thousand, which is a state too."""
+    pushed = ODE.of({"x": "v", "v": "-x + 1e-6*cos(t/2)"}, [1e-6, 0])
+    found = solve(pushed, [1000.0], 1e-8, Taylor())
+    exact = 1e-6 * (np.cos(1000) + (np.cos(500) - np.cos(1000)) / 0.75)
+    assert abs(found["x"][-1] - exact) <= 1e-14
+
+
+def test_which_numbers_are_compiled_in():
+    """Up to 64, with powers of two below; equations with others share a system, to the same end."""
+    made = {
+        k: ODE.of({"x": f"-{k}*x"}, [1]) for k in ("2", "3", "64", "65", "67", "3/64", "3/128")
+    }
+    shared = [name for name, ode in made.items() if ode.system is made["65"].system]
+    assert shared == ["65", "67", "3/128"]
+    for k in ("64", "65"):
+        found = solve(made[k], 0.1, 1e-12, RungeKutta())
+        assert found["x"] == pytest.approx(np.exp(-int(k) * found.times), abs=1e-12)
+
+
+def test_speed_changes_no_bit(monkeypatch):
+    """Few times or many at once, rates within the step or called: the same states."""
+    pendulum = ODE.of({"x": "v", "v": "-sin(x)"}, [1, 0])
+    system, times = pendulum.system, np.linspace(0.0, 9.0, 50)
+    found = RungeKutta().run(system, [1.0, 0.0], [], times, 1e-9, dense=True)
+    assert found.dense is not None
+    assert found.dense(times[:4]) == pytest.approx(found.dense(times)[:4], rel=1e-15)
+    monkeypatch.setattr("geomtorsion.ode.engines.stepper.LONGEST_SOURCE", 0)
+    stepper._made.cache_clear()
+    called = RungeKutta().run(system, [1.0, 0.0], [], times, 1e-9)
+    stepper._made.cache_clear()
+    assert (called.states == found.states).all()
+
+
+@needs_heyoka
+def test_what_is_kept_or_unrolled_changes_no_result(monkeypatch):
+    """One integrator at a time is compiled again; short code, and eight columns, agree."""
+    laws = [ODE.of({"x": "v", "v": f"-{k}*sin(x)"}, [1, 0]) for k in (2, 3)]
+    first = [solve(law, 5.0, 1e-9, Taylor()) for law in laws]
+    monkeypatch.setattr("geomtorsion.ode.engines.compiled._kept", OrderedDict())
+    monkeypatch.setattr("geomtorsion.ode.engines.compiled.KEPT", 1)
+    for law, before in [*zip(laws, first, strict=True)] * 2:
+        again = solve(law, 5.0, 1e-9, Taylor())
+        assert again.cost.compile_seconds > 0
+        assert (again.states == before.states).all()
+    for name, constant, value in (("engines.compiled", "LONGEST_UNROLLED", 0), ("solve", "WIDTH", 8)):
+        monkeypatch.setattr(import_module(f"geomtorsion.ode.{name}"), constant, value)
+        again = solve(laws[0], 5.0, 1e-9, Taylor())
+        assert again.cost.compile_seconds > 0
+        assert again.states == pytest.approx(first[0].states, abs=1e-9)
+
+
+@pytest.mark.parametrize("before", [2**20, 2**34])
+def test_how_much_heyoka_leaves_on_the_disk(before):
+    """A limit above a gigabyte is lowered to that, one below stays."""
+
+    class State:
+        """What heyoka keeps."""
+
+        limit = before
+        get_diskcache_enabled = staticmethod(lambda: True)
+
+        def get_diskcache_limit(self):
+            """Bytes."""
+            return self.limit
+
+        def set_diskcache_limit(self, value):
+            """Bytes."""
+            self.limit = value
+
+    state = State()
+    _limit_disk_cache.__wrapped__(state)
+    assert state.limit == min(before, 2**30)

@@ -1,0 +1,32 @@
+"""Batches: how members are put together decides about speed, not about results."""
+
+import numpy as np
+import pytest
+
+from geomtorsion.ode import ODE, RungeKutta, Taylor, solve_many
+from tests.ode.engines import needs_heyoka
+
+# The root ends where x does: two of the members fall that far, the others rise.
+FALL = ODE.of({"x": "v", "v": "-sqrt(x)"}, [1, 0])
+STARTS = {"x": np.linspace(0.1, 1, 12), "v": np.linspace(0, 10, 12)}
+
+
+@pytest.mark.parametrize(
+    ("constant", "values", "engine"),
+    [
+        ("STACKED", (2, 100), RungeKutta()),
+        pytest.param("FEW", (0, 100), Taylor(), marks=needs_heyoka),
+        pytest.param("MOST_STEPS", (1, 10**6), Taylor(), marks=needs_heyoka),
+    ],
+    ids=["states in a stack", "registers", "steps between two looks"],
+)
+@pytest.mark.parametrize("times", [3.0, [1.0, 3.0]], ids=["one time", "several"])
+def test_groups_of_members(constant, values, engine, times, monkeypatch):
+    """In small groups or large ones the same members come to the end, at the same places."""
+    found = []
+    for value in values:
+        monkeypatch.setattr(f"geomtorsion.ode.batch.{constant}", value)
+        found.append(solve_many(FALL, STARTS, times, 1e-8, engine))
+    one, two = found
+    assert one.finished.tolist() == two.finished.tolist() == [False] * 2 + [True] * 10
+    assert one["x"] == pytest.approx(two["x"], rel=2e-8, nan_ok=True)
