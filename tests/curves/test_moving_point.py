@@ -8,8 +8,10 @@ import pytest
 import sympy as sp
 
 from geomtorsion.curves import geodesic
+from geomtorsion.curves.moving_point import MovingPoint, best_chart
 from geomtorsion.geometry import Frame
 from geomtorsion.ode import ODE, Taylor, solve
+from geomtorsion.spaces import load
 from tests.ode.engines import needs_heyoka
 
 R, PHI = sp.symbols("r phi", positive=True)
@@ -113,3 +115,20 @@ def test_states_of_length_one_have_all_digits():
         a, b = (digits(found[name][-1]) for name in "ab")
         assert abs(a**2 + b**2 - 1) < 1e-32
         assert abs(a - (3 * mpmath.cos(1) - 4 * mpmath.sin(1)) / 5) < 1e-30
+
+
+@pytest.mark.parametrize(("theta", "label"), [(0.86, "s2"), (0.83, "s2_x")])
+def test_how_far_from_its_edge_a_chart_is_begun_in(theta, label):
+    """Three margins, sin(theta) = 3/4; nearer to the pole another chart is further from its own."""
+    start = [theta, np.pi / 2]
+    problem = geodesic(load("s2").frame, start, frame_velocity=[0.3, 0.4], parameters={"R": 1})
+    assert problem.first_stage(53, 0.0).label == label
+
+
+@pytest.mark.parametrize(("room", "found"), [(1.45, None), (1.55, "s2_x")])
+def test_how_much_further_another_chart_has_to_reach(room, found):
+    """One and a half margins: else motions would go to and fro between two charts."""
+    theta = float(np.arccos(room / 4))
+    problem = geodesic(load("s2").frame, [theta, 0], frame_velocity=[0.3, 0.4], parameters={"R": 1})
+    point = MovingPoint([theta, 0.0], [0.3, 0.4], [])
+    assert best_chart(problem, "s2", point, 53) == found

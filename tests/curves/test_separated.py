@@ -150,3 +150,19 @@ def test_ensembles_are_single_motions():
     for k in (0, 2):
         alone = solve(problem.with_start(list(starts[k])), 50.0, 1e-9)
         assert many["coordinates"][k, -1] == pytest.approx(alone.coordinates[-1], rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "turn", "kept"),
+    [(3.8, 0.5, True), (4.2, 0.5, False), (1.5, 0.96, True), (1.5, 0.975, False)],
+    ids=["a longer orbit", "too long", "a steep orbit", "too steep"],
+)
+def test_how_far_coordinates_may_move(ratio, turn, kept):
+    """Between turning points r is to grow fourfold at most, and the sine to stay above 1/4."""
+    near, far = 20.0, 20.0 * ratio
+    one, two = 1 - 2 / near, 1 - 2 / far
+    # E^2 = f (1 + L^2 / r^2) at both ends.
+    speed = np.sqrt((two - one) / (one / near**2 - two / far**2)) / near
+    velocity = [np.sqrt(1 + speed**2), 0.0, speed * turn, speed * np.sqrt(1 - turn**2)]
+    problem = orbit("schwarzschild", (0, near, np.pi / 2, 0), velocity, M=1)
+    assert ("x_r" in problem.first_stage(53, 0.0).system.states) is kept

@@ -1,0 +1,29 @@
+"""equations: which smaller systems are offered, and that they are the same motion."""
+
+import numpy as np
+
+from geomtorsion.curves import equations, geodesic
+from geomtorsion.ode import RungeKutta, solve
+from geomtorsion.spaces import load
+
+
+def orbit():
+    """A bound orbit around a turning hole, in one chart."""
+    problem = geodesic(
+        load("kerr").frame, [0, 8, 1.4, 0], frame_velocity=[1.2, 0.05, 0.2, 0.6],
+        parameters={"M": 1, "a": 0.6},
+    )  # fmt: skip
+    return problem.with_charts("kerr", "ingoing")
+
+
+def test_how_long_rates_may_be(monkeypatch):
+    """Those of Kerr, of 80 values, get smaller systems, those of 101 in another chart do not."""
+    problem = orbit()
+    assert problem.equations("kerr").reductions
+    assert not problem.equations("ingoing").reductions
+    found = solve(problem, 20.0, 1e-8, RungeKutta())
+    monkeypatch.setattr(equations, "LONGEST", 0)
+    full = orbit()
+    assert not full.equations("kerr").reductions
+    other = solve(full, 20.0, 1e-8, RungeKutta())
+    assert np.abs(found.coordinates - other.coordinates).max() <= 8 * (found.error + other.error)
