@@ -15,11 +15,12 @@ from geomtorsion.errors import ExpressionError
 from geomtorsion.ode.system import System
 from geomtorsion.precision import EPS
 
-# Equations that are kept, and what is compiled of them: some hundred kilobytes each. What is gone is
-# made again, and is the same.
+# Equations that are kept, and what is compiled of them: some hundred kilobytes each. What is gone
+# is made again, and is the same.
 KEPT = 128
-# The clock counts in such units of time: its number is a rounding of others, and engines that measure
-# errors against the largest state do not lose the small ones in it. A power of two rounds nothing.
+# The clock counts in such units of time: its number is a rounding of others, and engines that
+# measure errors against the largest state do not lose the small ones in it. A power of two rounds
+# nothing.
 CLOCK = int(1 / EPS)
 # Less than any rounding: heyoka misses all roots after one at the very start of a step.
 TINY = sp.Rational(1, 10**300)

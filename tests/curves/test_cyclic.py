@@ -18,6 +18,7 @@ def test_how_much_may_cancel(mixed, least, most):
     equations = problem.equations(problem.charts[0])
     states = np.random.default_rng(1).normal(size=(400, 4))
     states[:, 1] = 1 + np.abs(states[:, 1])
+    assert equations.momenta is not None
     cyclic = CyclicReduction(equations, equations.momenta)
     *_, kept = cyclic.reduced(states, np.full((400, 1), float(mixed)))
     assert least <= kept.mean() <= most

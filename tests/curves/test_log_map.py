@@ -1,11 +1,15 @@
-"""Logarithm: how near to a conjugate point geodesics between two places are found."""
+"""Logarithm: how near to a conjugate point geodesics are found, and by how many shots."""
+
+from importlib import import_module
 
 import numpy as np
 import pytest
 
 from geomtorsion.curves import log_map
-from geomtorsion.errors import GeomtorsionError
+from geomtorsion.errors import EndpointError, GeomtorsionError
 from geomtorsion.geometry import levi_civita
+from geomtorsion.ode import RungeKutta
+from geomtorsion.ode.trajectory import integrate
 from geomtorsion.spaces import load
 
 
@@ -21,3 +25,50 @@ def test_how_near_to_a_conjugate_point_geodesics_are_found(short, found):
     else:
         with pytest.raises(GeomtorsionError):
             log_map(connection, start, end, **call)
+
+
+MODULE = import_module("geomtorsion.curves.log_map")
+SPHERE = levi_civita(load("s2").frame), [1.5, 0.0], [1.6, 3.0], {"R": 1}
+PLANE = levi_civita(load("flat_polar").frame), [1, 0], [1, 0.5], {}
+
+
+def ends(case, guess, monkeypatch):
+    """How many motions are followed, and the answer; None where there is none."""
+    connection, start, end, parameters = case
+    followed = []
+
+    def counted(*given):
+        followed.append(given)
+        return integrate(*given)
+
+    monkeypatch.setattr(MODULE, "integrate", counted)
+    call = {"parameters": parameters, "accuracy": 1e-9, "engine": RungeKutta()}
+    try:
+        found = log_map(connection, start, end, guess=guess, **call)
+    except EndpointError:
+        return len(followed), None
+    return len(followed), found
+
+
+def test_how_many_shots_there_are(monkeypatch):
+    """A guess in the wrong direction takes thirteen; what leads nowhere is given up after forty."""
+    _, found = ends(PLANE, [-3.0, 0.1], monkeypatch)
+    assert found is not None
+    assert found.vector == pytest.approx([np.cos(0.5) - 1, np.sin(0.5)], abs=1e-8)
+    assert 10 < found.shots < 20
+    many, nowhere = ends(SPHERE, [3.0, 0.1], monkeypatch)
+    assert nowhere is None
+    assert 40 < many < 100
+
+
+def test_slopes_are_used_again_where_they_lead_closer_quickly(monkeypatch):
+    """That takes fewer motions than slopes anew at each shot; old ones all the way miss."""
+    again, found = ends(PLANE, [-3.0, 0.1], monkeypatch)
+    monkeypatch.setattr(MODULE, "STALE", 0.0)
+    anew, same = ends(PLANE, [-3.0, 0.1], monkeypatch)
+    assert found is not None
+    assert same is not None
+    assert same.vector == pytest.approx(found.vector, abs=1e-8)
+    assert again < anew
+    monkeypatch.setattr(MODULE, "STALE", 1.0)
+    assert ends(PLANE, [-3.0, 0.1], monkeypatch)[1] is None

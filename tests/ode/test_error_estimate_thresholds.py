@@ -48,12 +48,14 @@ def test_fits_and_starts(samples, share, seen):
     steps = np.full(samples - 1, (1 - share) / (samples - 2))
     steps[5] = share
     found = solve(ODE.of({"x": "1"}, [1]), np.cumsum(steps), 1e-6, RungeKutta())
+    assert found.reference is not None
     assert len(found.reference.segments) == 1 + seen
 
 
 def test_few_samples_show_no_fits():
     """Steps that are a seventh of the way are what is to be expected of seven."""
     found = solve(ODE.of({"x": "1"}, [1]), np.linspace(0, 1, 7), 1e-6, RungeKutta())
+    assert found.reference is not None
     assert len(found.reference.segments) == 1
 
 

@@ -64,7 +64,8 @@ SUDDEN = [("10000/(1 + 1000*(t - 3)**2)", 1e-3), ("exp(-25*(t - 8)**2)", 1.0)]
 def test_how_fast_steps_grow_and_shrink(rate, start):
     """Tenfold at most and to a fifth, a tenth below what the error allows: where scipy steps."""
     law = ODE.of({"x": rate}, [start])
-    system, values, begin = law.system, law.run_numbers({}), [start, 0.0]
+    system, begin = law.system, [start, 0.0]
+    values = [float(x) for x in law.run_numbers({})]
     ours = Steps(system, values, begin, (0.0, 10.0), 1e-8, [1.0, 1.0], math.inf, MOST)
     rates = system.scalar_rates(values)
     theirs = DOP853(rates, 0.0, np.array(begin), 10.0, rtol=1e-8, atol=1e-8)
