@@ -47,6 +47,16 @@ def test_tolerances_are_relative_to_the_size():
     assert 1e3 < gaps[1] / gaps[0] < 1e5
 
 
+@pytest.mark.parametrize("end", [0.1, 0.2, 0.3])
+def test_a_motion_of_one_step(end):
+    """Runs of one order that take one step each would agree; the truth is x = tan t."""
+    solution = solve(ODE.of({"x": "1 + x**2"}, [0]), end, 1e-3, Taylor())
+    assert solution.cost.steps == 1
+    gap = np.abs(solution["x"] - np.tan(solution.times)).max() / np.tan(end)
+    assert gap > 1e-13
+    assert 0.5 * gap < solution.error < 100 * gap
+
+
 def test_where_runs_go_one_by_one():
     """A guard that is met, many steps, many times, states that grow far above their size."""
     stopped = swing(events=[When("x + 1/2")])
