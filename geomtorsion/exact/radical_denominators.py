@@ -166,25 +166,20 @@ class Norms:
 
     def _enter(self, field: Tower, factor: fmpq_mpoly) -> None:
         """Notes one factor, if it has roots and its norm is a product of known factors."""
-        degrees = factor.degrees()
-        places = [k for k, g in enumerate(field.generators) if g.degree == 2 and degrees[k] > 0]
-        if not places:
-            return
-        conjugates = [factor]
-        norm = factor
-        for place in places:
+        conjugates, norm = [factor], factor
+        for place, generator in enumerate(field.generators):
+            # The norm over one root may bring in those that stand below it.
+            if generator.degree != 2 or not norm.degrees()[place]:
+                continue
             below, above = split(field, norm, place)
-            tail = field.generators[place].tail
-            assert tail is not None
-            w = field.ctx.gen(place)
-            # A root can already have left with another one: csc(x + y).
-            if above:
-                norm = field.reduced(below * below - above * above * field.lift(tail))
-            flipped = []
-            for poly in conjugates:
-                low, high = split(field, poly, place)
-                flipped.append(low - high * w)
-            conjugates += flipped
+            assert generator.tail is not None
+            norm = field.reduced(below * below - above * above * field.lift(generator.tail))
+            if factor.degrees()[place]:
+                w = field.ctx.gen(place)
+                halves = [split(field, poly, place) for poly in conjugates]
+                conjugates += [low - high * w for low, high in halves]
+        if norm == factor:
+            return
         powers: dict[int, int] = {}
         for part, exponent in field.factored(norm)[1]:
             index = field.factor_index.get(str(part))

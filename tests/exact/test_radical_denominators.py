@@ -21,6 +21,19 @@ def test_inverses_that_share_a_norm():
     assert vectors[1, 1] == 1 / (W + 8)
 
 
+@pytest.mark.parametrize(
+    "root",
+    [sp.sqrt(2 + sp.sin(Z)), sp.sqrt(1 + W), sp.sqrt(1 + W) + W, sp.sqrt(1 + sp.cos(2 * Z) / 3)],
+    ids=["of a sine", "of a root", "two", "of two angles"],
+)
+def test_roots_of_what_is_cleared_in_its_turn(root):
+    """The norm of 1 + w has a sine, and is cleared once more: nothing of that is to be seen."""
+    legs = Frame([X, Z], [[1 + root, X], [0, 1]]).legs
+    assert sp.simplify(legs[0, 0] * (1 + root)) == 1
+    assert sp.fraction(legs[0, 0])[0].is_number
+    assert legs[0, 1] == -X * legs[0, 0]
+
+
 def test_a_part_of_a_norm_below():
     """Coefficients stand over the determinant and not over its norm."""
     x, y = sp.symbols("x y", positive=True)
