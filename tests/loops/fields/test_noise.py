@@ -59,14 +59,12 @@ def test_sigmas_are_the_sum_over_all_weights(size, order, options):
     sigma = rng.random((1, 2, *shape))
     grid = SampledFrame(axes, rng.random((1, 2, *shape)), order, mask=mask, sigma=sigma, **kinds)
     found = grid.burgers_map(size)
-    total = np.zeros(found.known.shape)
-    for node in np.argwhere(np.ones((2, *shape), bool)):
-        if mask[tuple(node[1:])]:
-            continue
-        moved = np.zeros((1, 2, *shape))
-        moved[(0, *node)] = sigma[(0, *node)]
-        one = SampledFrame(axes, moved, order, mask=mask, **kinds).burgers_map(size)
-        total += one.vectors[0] ** 2
+    # b of a row follows from this row alone: all of them at once, with one value moved in each.
+    nodes = np.argwhere(~np.broadcast_to(mask, (2, *shape)))
+    moved = np.zeros((len(nodes), 2, *shape))
+    moved[np.arange(len(nodes)), *nodes.T] = sigma[0][tuple(nodes.T)]
+    each = SampledFrame(axes, moved, order, mask=mask, **kinds).burgers_map(size)
+    total = (each.vectors**2).sum(axis=0)
     known = found.known
     assert known.all() or mask.any()
     assert known.any() or size == 14
@@ -116,11 +114,9 @@ def test_covariances_are_the_sum_over_all_weights(size_order, options, by_node):
     found = frame.burgers_map(size)
     place = tuple(np.argwhere(found.known)[len(np.argwhere(found.known)) // 2])
     weights = np.zeros((2, 2, 2, 13, 12))
-    for mu, *node in np.argwhere(np.ones((2, 13, 12))):
-        moved = np.zeros((2, 2, 13, 12))
-        moved[0, mu, *node] = 1.0
-        one = SampledFrame(axes, moved, order, **options).burgers_map(size)
-        weights[0, 0, mu, *node] = weights[1, 1, mu, *node] = one.vectors[(0, *place)]
+    moved = np.eye(2 * 13 * 12).reshape(-1, 2, 13, 12)
+    each = SampledFrame(axes, moved, order, **options).burgers_map(size)
+    weights[0, 0] = weights[1, 1] = each.vectors[(slice(None), *place)].reshape(2, 13, 12)
     flat, holes = weights.reshape(2, 4, -1), options.get("mask", np.zeros((13, 12), bool))
     each = table.reshape(4, 4, -1) * ~holes.ravel()
     exact = np.einsum("apn,pqn,bqn->ab", flat, each, flat)
@@ -159,14 +155,13 @@ def test_noise_of_displacements_is_the_sum_over_all_weights(size_order, options)
     u = np.zeros((1, 13, 12))
     frame = SampledFrame.from_displacement(axes, u, order, sigma=sigma, branch=9.0, **options)
     found = frame.burgers_map(size)
-    total, alone = np.zeros(found.known.shape), 0.0
     loop = Loop.circle([2.3, 2.7], 0.4)
-    for node in np.argwhere(~options.get("mask", np.zeros((13, 12), bool))):
-        moved = u.copy()
-        moved[0, *node] = sigma[tuple(node)]
-        one = SampledFrame.from_displacement(axes, moved, order, branch=9.0, **options)
-        total += one.burgers_map(size).vectors[0] ** 2
-        alone += one.burgers(loop).vector[0] ** 2
+    nodes = np.argwhere(~options.get("mask", np.zeros((13, 12), bool)))
+    moved = np.zeros((len(nodes), 13, 12))
+    moved[np.arange(len(nodes)), *nodes.T] = sigma[tuple(nodes.T)]
+    each = SampledFrame.from_displacement(axes, moved, order, branch=9.0, **options)
+    total = (each.burgers_map(size).vectors ** 2).sum(axis=0)
+    alone = (each.burgers(loop).vector ** 2).sum()
     known = found.known
     assert found.sigmas[0][known] == pytest.approx(np.sqrt(total[known]), rel=1e-6, abs=1e-12)
     assert frame.burgers(loop).noise == pytest.approx(np.sqrt(alone), rel=1e-9)
