@@ -72,7 +72,7 @@ def test_dask_sends_them(originals, monkeypatch):
     distributed = pytest.importorskip("dask.distributed")
     monkeypatch.syspath_prepend(str(ROOT))
     made = originals[0]
-    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
+    options = {"n_workers": 1, "threads_per_worker": 1, "dashboard_address": None}
     with distributed.Client(processes=True, **options) as client:
         sent = client.map(there_and_back, list(made), list(made.values()), pure=False)
         check_sent(originals, client.gather(sent))

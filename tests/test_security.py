@@ -5,6 +5,7 @@ import csv
 import io
 import json
 import warnings
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ from geomtorsion.exercises.grading import read_submission
 from geomtorsion.loops.loop_files import read_loops
 from tests import canary_cases
 from tests.canary import EVENT, PAYLOAD, WATCH, leaves, payloads, poisoned
+from tests.source import tree_of
 
 PACKAGE = Path(gt.__file__).parent
 FILES = sorted(PACKAGE.rglob("*.py"))
@@ -92,11 +94,17 @@ def _is_text(call: ast.Call) -> bool:
     return any(isinstance(argument, ast.JoinedStr) for argument in call.args)
 
 
+@cache
+def barred_in(file: Path) -> list[tuple[str, int]]:
+    """The same of a file, which is looked through once."""
+    return barred(tree_of(file))
+
+
 @pytest.mark.parametrize("file", FILES, ids=lambda file: str(file.relative_to(PACKAGE)))
 def test_no_source_runs_text(file):
     """sympify, eval and their like stand only where a reason is written down."""
     name = file.relative_to(PACKAGE).as_posix()
-    found = barred(ast.parse(file.read_text("utf-8")))
+    found = barred_in(file)
     wrong = [f"line {line}: {what}" for what, line in found if (name, what) not in ALLOWED]
     assert not wrong, f"{name}: use checks.expression or exact.parse_expression: {wrong}"
 
@@ -106,7 +114,7 @@ def test_no_reason_is_stale():
     present = {
         (file.relative_to(PACKAGE).as_posix(), what)
         for file in FILES
-        for what, _ in barred(ast.parse(file.read_text("utf-8")))
+        for what, _ in barred_in(file)
     }
     assert set(ALLOWED) <= present, f"remove: {set(ALLOWED) - present}"
     assert all(len(reason) > 5 for reason in ALLOWED.values())
