@@ -10,7 +10,7 @@ import numpy as np
 import scipy  # loads its parts when they are asked for
 
 from geomtorsion.crystals.lattices import LATTICES, Lattice, lattice_named
-from geomtorsion.crystals.local_frames import triads
+from geomtorsion.crystals.local_frames import squared, triads
 from geomtorsion.crystals.method import METHOD
 from geomtorsion.crystals.triangulation import Cell
 from geomtorsion.errors import CrystalError
@@ -158,7 +158,7 @@ def fitted(frame: Frame, vectors: np.ndarray) -> Fit:
         # The nearest is that with the largest 2 x.t - t.t.
         closeness = 2 * at @ ideal.T - (ideal**2).sum(axis=1)
         which = closeness.argmax(axis=1)
-        apart = ((at - ideal[which]) ** 2).sum(axis=1).reshape(count, k)
+        apart = squared(at - ideal[which]).reshape(count, k)
         which = which.reshape(count, k)
         filled = np.zeros((count, k), dtype=bool)
         filled[np.arange(count)[:, None], which] = True
@@ -185,7 +185,7 @@ def occupied(frame: Frame, vectors: np.ndarray) -> np.ndarray:
     for ideal in lattice.ideal:
         there = np.ones(len(vectors), dtype=bool)
         for place in ideal:
-            apart = ((at - place) ** 2).sum(axis=2).min(axis=1)
+            apart = squared(at - place).min(axis=1)
             there &= apart < (lattice.nearest / 2) ** 2
         found |= there
     return found
@@ -206,7 +206,7 @@ def _seeded(lattice: Lattice, vectors: np.ndarray) -> Frame:
     here = triads(unit[:1], unit[other : other + 1])[0]
     turns = np.swapaxes(triads(directions[first], directions[second]), 1, 2) @ here
     at = np.einsum("nij,kj->nki", turns, r)
-    apart = ((at[:, :, None] - ideal) ** 2).sum(axis=3).min(axis=2).sum(axis=1)
+    apart = squared(at[:, :, None] - ideal).min(axis=2).sum(axis=1)
     return Frame(lattice, turns[apart.argmin()], float(scale))
 
 

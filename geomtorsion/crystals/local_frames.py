@@ -76,7 +76,7 @@ def _some(lattice: Lattice, vectors: np.ndarray) -> tuple[np.ndarray, ...]:
     """The fields of the local frames of some atoms."""
     ideal = lattice.ideal[0]
     count, k, _ = vectors.shape
-    sizes = np.linalg.norm(vectors, axis=2)
+    sizes = np.sqrt(squared(vectors))
     scale = sizes.mean(axis=1) / np.linalg.norm(ideal, axis=1).mean()
     r = vectors / scale[:, None, None]
     unit = vectors / sizes[:, :, None]
@@ -88,7 +88,7 @@ def _some(lattice: Lattice, vectors: np.ndarray) -> tuple[np.ndarray, ...]:
     for there in _seeds(lattice):
         # Neighbours along the triad here, places along the triad there.
         at = r @ np.swapaxes(here, 1, 2)
-        close = (at.reshape(-1, 3) @ (2 * there @ ideal.T) - squares).max(axis=1)
+        close = largest(at.reshape(-1, 3) @ (2 * there @ ideal.T) - squares)
         total = close.reshape(count, k).sum(axis=1)
         closer = total > best
         best = np.where(closer, total, best)
@@ -112,7 +112,21 @@ def _nearest(at: np.ndarray, ideal: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     closeness = 2 * at @ ideal.T - (ideal**2).sum(axis=1)
     which = closeness.argmax(axis=2)
     best = np.take_along_axis(closeness, which[:, :, None], axis=2)[:, :, 0]
-    return which, np.maximum((at**2).sum(axis=2) - best, 0.0)
+    return which, np.maximum(squared(at) - best, 0.0)
+
+
+def squared(vectors: np.ndarray) -> np.ndarray:
+    """Squares of lengths, shape (..., 3) to (...); numpy is slow at sums of three."""
+    x, y, z = np.moveaxis(vectors, -1, 0)
+    return x**2 + y**2 + z**2
+
+
+def largest(table: np.ndarray) -> np.ndarray:
+    """The largest of each row; numpy is slow at rows of a dozen, and fast at columns."""
+    found = table[:, 0].copy()
+    for column in table.T[1:]:
+        np.maximum(found, column, out=found)
+    return found
 
 
 def triads(first: np.ndarray, second: np.ndarray) -> np.ndarray:

@@ -13,6 +13,7 @@ import scipy  # loads its parts when they are asked for
 
 from geomtorsion.crystals.frames import Frame
 from geomtorsion.crystals.lattices import Lattice
+from geomtorsion.crystals.local_frames import squared
 from geomtorsion.crystals.method import METHOD
 from geomtorsion.crystals.triangulation import Cell
 
@@ -101,7 +102,7 @@ def _slots(
     for number, ideal in enumerate(lattice.ideal):
         closeness = at @ (2 * ideal.T) - (ideal**2).sum(axis=1)
         which = closeness.argmax(axis=2)
-        apart = ((at - ideal[which]) ** 2).sum(axis=2)
+        apart = squared(at - ideal[which])
         sure = there & (apart < sure_below)
         near = np.full(found.shape, -1, dtype=np.int64)
         near[np.broadcast_to(rows, found.shape)[sure], which[sure]] = numbers[safe[sure]]

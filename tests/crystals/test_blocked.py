@@ -86,7 +86,7 @@ def test_open_and_turned_cells(tmp_path_factory, size, seed):
     assert bits(cut.dislocations()) == bits(whole)
 
 
-@pytest.mark.parametrize("size", [3.0, 7.0, 100.0])
+@pytest.mark.parametrize("size", [3.0, pytest.param(7.0, marks=pytest.mark.slow), 100.0])
 def test_without_a_cell_blocks_are_as_wide_as_asked(tmp_path, size):
     """An open crystal needs no cell: as many blocks as its atoms fill, and the same lines."""
     places, _ = line()
