@@ -8,6 +8,7 @@ import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, NoReturn
+from urllib.parse import parse_qs, urlsplit
 
 import pytest
 
@@ -16,9 +17,15 @@ from tests.lab.serving import served
 # Where a browser may be named, and whether its absence is a failure.
 NAMED, NEEDED = "GEOMTORSION_BROWSER", ("CI", "GEOMTORSION_NEED_BROWSER")
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-FLAGS = ("--headless", "--no-sandbox", "--disable-gpu")
+# One process draws all pages, which show the same: each of several would read the scripts again.
+FLAGS = (
+    "--headless", "--no-sandbox", "--disable-gpu", "--renderer-process-limit=1",
+    "--disable-site-isolation-trials",
+)  # fmt: skip
+WINDOW = {"width": 1200, "height": 900}
 # Milliseconds that a page may take to show what is waited for, on a loaded machine.
 PATIENCE = 30_000
+FIRST_TAB = "Any tetrad"
 MISSING = (
     "no browser was found. Install one (`apt-get install chromium` or `playwright install "
     f"chromium`), or name one in {NAMED}."
@@ -103,28 +110,67 @@ class Watched:
 @pytest.fixture(scope="session")
 def context(browser: Any) -> Iterator[Any]:
     """Windows of one browser, which loads what the page is made of once."""
-    made = browser.new_context(viewport={"width": 1200, "height": 900})
+    made = browser.new_context(viewport=WINDOW)
     yield made
     made.close()
 
 
-@pytest.fixture
-def watched(context: Any) -> Iterator[Watched]:
-    """An empty page; what it logs as an error fails the test."""
+def _opened(context: Any) -> Watched:
+    """An empty page that is watched."""
     page = context.new_page()
     page.set_default_timeout(PATIENCE)
     seen = Watched(page)
     page.on("console", lambda m: seen.errors.append(m.text) if m.type == "error" else None)
     page.on("pageerror", lambda error: seen.errors.append(str(error)))
     page.on("request", lambda request: seen.asked.append(request.url))
+    return seen
+
+
+def _loaded(seen: Watched, address: str) -> Watched:
+    """The page, with its first tab ready."""
+    seen.page.goto(address)
+    seen.page.wait_for_selector("#torsion math")
+    return seen
+
+
+@pytest.fixture
+def watched(context: Any) -> Iterator[Watched]:
+    """An empty page; what it logs as an error fails the test."""
+    seen = _opened(context)
     yield seen
-    page.close()
+    seen.page.close()
     assert seen.errors == []
 
 
 @pytest.fixture
 def lab(watched: Watched, address: str) -> Watched:
     """The page, loaded."""
-    watched.page.goto(address)
-    watched.page.wait_for_selector("#torsion math")
-    return watched
+    return _loaded(watched, address)
+
+
+@pytest.fixture(scope="session")
+def standing_pages() -> list[Watched]:
+    """The page that stands open between the tests that leave it as they found it."""
+    return []
+
+
+@pytest.fixture
+def standing(context: Any, address: str, standing_pages: list[Watched]) -> Iterator[Watched]:
+    """The page as it was when it was loaded, for a test that leaves it so: a load takes seconds.
+
+    The address tells what was changed. Where that is anything but the tab, another is loaded.
+    """
+    if not (standing_pages and _is_untouched(standing_pages[0])):
+        for seen in standing_pages:
+            seen.page.close()
+        standing_pages[:] = [_loaded(_opened(context), address)]
+    [seen] = standing_pages
+    seen.page.set_viewport_size(WINDOW)
+    seen.tab(FIRST_TAB).wait_for_selector("#torsion math")
+    yield seen
+    assert seen.errors == []
+
+
+def _is_untouched(seen: Watched) -> bool:
+    """Whether all input of a page is what it was at first, and nothing has gone wrong on it."""
+    return not seen.errors and parse_qs(urlsplit(seen.page.url).query).keys() <= {"tab"}

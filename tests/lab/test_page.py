@@ -78,25 +78,25 @@ def test_a_tetrad_is_typed(lab: Watched):
     lab.typed({"row 2, dφ": "0"}, page.get_by_text("coframe is singular"))
 
 
-def test_a_bad_tetrad_shows_its_error(lab: Watched):
+def test_a_bad_tetrad_shows_its_error(standing: Watched):
     """The reason stands beside the entry at fault, and goes when it is mended."""
-    page = lab.tab("Any tetrad")
+    page = standing.tab("Any tetrad")
     page.get_by_label("row 1, dφ2").wait_for()
     fault = page.locator(".fault")
-    lab.typed({"row 1, dφ2": "sin(phi1"}, fault)
+    standing.typed({"row 1, dφ2": "sin(phi1"}, fault)
     assert fault.count() == 1
     cell = fault.locator("xpath=..")
     assert cell.get_by_label("row 1, dφ2").count() == 1
     assert page.locator("#torsion").count() == 0
     code = page.locator(".fault", has_text="expressions are not code")
-    lab.typed({"row 1, dφ2": "__import__('os')"}, code)
-    lab.typed({"row 1, dφ2": "sin(phi1)"}, page.locator("#torsion math").first)
+    standing.typed({"row 1, dφ2": "__import__('os')"}, code)
+    standing.typed({"row 1, dφ2": "sin(phi1)"}, page.locator("#torsion math").first)
     assert fault.count() == 0
 
 
-def test_a_slider_moves_the_loop(lab: Watched):
+def test_a_slider_moves_the_loop(standing: Watched):
     """The radius moved by key: new numbers, and they are the library's."""
-    page = lab.tab("Loops")
+    page = standing.tab("Loops")
     page.wait_for_selector("#loop svg")
     slider = page.get_by_role("slider").first
     slider.focus()
@@ -104,15 +104,18 @@ def test_a_slider_moves_the_loop(lab: Watched):
         page.keyboard.press("ArrowRight")
     frame = spaces.load("so3").frame
     b = burgers_vector(frame, Loop.circle((0.3, 1.0, 0.2), 0.45, (0, 1)))
-    lab.says("#loop-said", f"|b| = {b.magnitude:.6g}")
+    standing.says("#loop-said", f"|b| = {b.magnitude:.6g}")
     cells = page.locator("table.numbers tbody tr td:nth-child(2)").all_inner_texts()
     assert np.allclose([number(text) for text in cells], b.vector, atol=1e-6)
+    for _ in range(3):
+        page.keyboard.press("ArrowLeft")
+    standing.says("#loop-said", f"Area A = {np.pi * 0.3**2:.6g}")
 
 
-def test_the_curves_can_be_turned(lab: Watched):
+def test_the_curves_can_be_turned(standing: Watched):
     """Arrow keys turn the picture in space; the film runs to its end."""
-    page = lab.tab("Straightest and shortest")
-    lab.says("#paths-said", "part: by")
+    page = standing.tab("Straightest and shortest")
+    standing.says("#paths-said", "part: by")
     frame = page.frame_locator("iframe")
     canvas = frame.locator("canvas")
     canvas.wait_for()
@@ -216,9 +219,9 @@ def test_unknown_functions_have_a_field(lab: Watched):
     assert page.get_by_label("unknown functions").input_value() == "a(t)"
 
 
-def test_latex_is_copied(lab: Watched):
+def test_latex_is_copied(standing: Watched):
     """The button puts the equations of its card onto the clipboard."""
-    page = lab.page
+    page = standing.page
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     page.get_by_role("button", name="Copy LaTeX: Scalar curvature").click()
     page.get_by_text("Copied").wait_for()
@@ -227,9 +230,9 @@ def test_latex_is_copied(lab: Watched):
     assert "frac{3}{2}" in copied
 
 
-def test_latex_of_an_exercise_is_copied(lab: Watched):
+def test_latex_of_an_exercise_is_copied(standing: Watched):
     """Statement and questions, the hints taken, and what is said of an answer."""
-    page = lab.tab("Exercises")
+    page = standing.tab("Exercises")
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     posed = exercises.load("1.1")
     page.locator("#statement", has_text="coframe").wait_for()
@@ -279,9 +282,9 @@ def test_the_keyboard_alone(lab: Watched):
     page.get_by_role("radio", name="the straightest path", checked=True).wait_for()
 
 
-def test_names_and_values_for_readers(lab: Watched):
+def test_names_and_values_for_readers(standing: Watched):
     """A slider says its value and unit; no name holds markup; every picture has one."""
-    page = lab.tab("Loops")
+    page = standing.tab("Loops")
     page.wait_for_selector("#loop svg")
     radius = page.get_by_role("slider", name="radius")
     assert radius.get_attribute("aria-valuetext") == "0.3"
@@ -289,13 +292,15 @@ def test_names_and_values_for_readers(lab: Watched):
     page.keyboard.press("ArrowLeft")
     page.wait_for_function("document.querySelector('#loop-said').innerText.includes('0.19635')")
     assert radius.get_attribute("aria-valuetext") == "0.25"
+    page.keyboard.press("ArrowRight")
+    standing.says("#loop-said", f"Area A = {np.pi * 0.3**2:.6g}")
     assert page.get_by_role("slider", name="φ2 in rad").count() == 1
-    lab.tab("The top")
+    standing.tab("The top")
     page.wait_for_selector(READY["The top"])
     for name in ("I1 in kg m²", "ω3 in rad/s", "tilt in rad", "time in s"):
         assert page.get_by_role("slider", name=name).count() == 1
     assert page.locator("iframe").get_attribute("title") == "Film: body cone and space cone"
-    lab.tab("Exercises")
+    standing.tab("Exercises")
     page.wait_for_selector(READY["Exercises"])
     assert page.get_by_role("textbox", name="variant", exact=True).count() == 1
     link = page.context.new_cdp_session(page)
@@ -329,44 +334,54 @@ def test_dark_and_narrow(browser: Any, address: str):
     context.close()
 
 
-def test_what_is_watched_is_drawn(lab: Watched):
+def test_what_is_watched_is_drawn(standing: Watched):
     """Another choice of what to watch changes the graph as well as the plan."""
-    page = lab.tab("The top")
+    page = standing.tab("The top")
     page.get_by_label("nutation angle over time: right, and naive").wait_for()
     page.get_by_label("to watch").select_option(label="energy")
     page.get_by_label("energy over time: right, and naive").wait_for()
     page.locator("#top-plan").get_by_text("To watch energy").wait_for()
+    page.get_by_label("to watch").select_option(label="nutation angle")
+    page.get_by_label("nutation angle over time: right, and naive").wait_for()
 
 
-def test_effects_are_switched(lab: Watched):
+def test_effects_are_switched(standing: Watched):
     """Gravity alone changes nothing that is watched; with a fixed point it is in the equations."""
-    page = lab.tab("The top")
+    page = standing.tab("The top")
     plan = page.locator("#top-plan")
     plan.get_by_text("To watch nutation angle: 6 equations").wait_for()
     page.get_by_label(re.compile("^gravity")).check()
     plan.locator("tr", has_text=re.compile(r"^\s*left out.*gravity", re.DOTALL)).first.wait_for()
     page.get_by_label(re.compile("^fixed point")).check()
     plan.locator("tr", has_text=re.compile(r"^\s*in.*gravity", re.DOTALL)).first.wait_for()
-    lab.says("#top-said", "angular momentum moves in space")
+    standing.says("#top-said", "angular momentum moves in space")
+    for effect, left in (("fixed point", "gravity"), ("gravity", "nothing")):
+        page.get_by_label(re.compile(f"^{effect}")).uncheck()
+        page.wait_for_url(lambda url, left=left: ("effects" in url) == (left != "nothing"))
+    plan.get_by_text("To watch nutation angle: 6 equations").wait_for()
 
 
-def test_another_space_and_what_it_costs(lab: Watched):
+def test_another_space_and_what_it_costs(standing: Watched):
     """A chosen space brings its own coordinates and its loop; this case is the one measured."""
-    page = lab.tab("Loops")
+    page = standing.tab("Loops")
     page.wait_for_selector("#loop svg")
-    page.get_by_label("space", exact=True).select_option(
-        label="heisenberg: the Heisenberg group (Nil)"
-    )
-    assert f"|b| = {np.pi * 0.3**2:.6g}" in lab.says("#loop-said", "in x and y")
-    lab.tab("What accuracy costs")
+    spaces_offered = page.get_by_label("space", exact=True)
+    usual = spaces_offered.input_value()
+    spaces_offered.select_option(label="heisenberg: the Heisenberg group (Nil)")
+    assert f"|b| = {np.pi * 0.3**2:.6g}" in standing.says("#loop-said", "in x and y")
+    standing.tab("What accuracy costs")
     page.get_by_label("A circle of radius 0.3 in heisenberg").wait_for()
     page.get_by_label("the top", exact=True).click()
     page.get_by_label("The top (free), to t = 12 s").wait_for()
+    page.get_by_role("radio", name="the loop").check()
+    standing.tab("Loops")
+    spaces_offered.select_option(usual)
+    standing.says("#loop-said", "in φ")
 
 
-def test_an_exercise_is_answered(lab: Watched):
+def test_an_exercise_is_answered(standing: Watched):
     """Wrong with its diagnosis, then right; a hint is taken."""
-    page = lab.tab("Exercises")
+    page = standing.tab("Exercises")
     page.get_by_label("exercise", exact=True).select_option(
         label=f"2.1 {exercises.titles()['2.1']}"
     )
@@ -383,3 +398,7 @@ def test_an_exercise_is_answered(lab: Watched):
     page.get_by_role("button", name="Next hint").click()
     page.locator("#hints li").first.wait_for()
     assert page.locator("#hints li").count() == 1
+    page.get_by_label("exercise", exact=True).select_option(
+        label=f"1.1 {exercises.titles()['1.1']}"
+    )
+    page.get_by_label("legs").wait_for()

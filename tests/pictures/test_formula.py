@@ -262,8 +262,8 @@ def test_a_sheet_brings_its_font(watched: Watched, tmp_path: Path):
     assert cut_off(watched.page) == []
 
 
-def test_the_page_brings_its_font(lab: Watched):
+def test_the_page_brings_its_font(standing: Watched):
     """The same for the page, which is served."""
-    lab.page.evaluate("document.fonts.ready")
-    assert fonts_of(lab.page, LEAVES) == {("STIX Two Math", True)}
-    assert cut_off(lab.page) == []
+    standing.page.evaluate("document.fonts.ready")
+    assert fonts_of(standing.page, LEAVES) == {("STIX Two Math", True)}
+    assert cut_off(standing.page) == []
