@@ -1,6 +1,7 @@
 """Settings of the whole suite: random tests repeat themselves, nothing stays set; one browser."""
 
 import decimal
+import gc
 import warnings
 from collections.abc import Iterator
 from typing import Any
@@ -30,6 +31,17 @@ LONG = ("tests/lab/", "tests/test_types.py", "tests/hard/")
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with what takes long."""
     items.sort(key=lambda item: not item.nodeid.startswith(LONG))
+
+
+def pytest_collection(session: pytest.Session) -> None:
+    """Do not look for rubbish among what is collected: all of it is kept."""
+    gc.disable()
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """Look for rubbish of tests only: looking through all tests again takes a second each time."""
+    gc.enable()
+    gc.freeze()
 
 
 def global_settings() -> dict[str, Any]:
