@@ -147,13 +147,13 @@ def _counted(
         return around.depth(root + frame.vectors(some))
 
     free, outside = _free(sites, lattice, apart, outer + 2 * reach_of_shells(frame))
-    if len(distinct(sites)[0]) < len(sites):
+    if len(distinct(sites.T)[0]) < len(sites):
         # Two atoms are at one site.
         return None
     every = np.concatenate([free, sites])
     # Where a free site next to the shell should lie tells on which side of it: nothing else is
     # missing in the shell, and it has no hole.
-    which = distinct(np.concatenate([every, beside]))[1]
+    which = distinct(np.concatenate([every, beside]).T)[1]
     number = np.full(which.max() + 1, len(every))
     number[which[: len(every)]] = np.arange(len(every))
     other = number[which[len(every) :]]
@@ -219,7 +219,7 @@ def _free(
         parts.append(some[depth(some) < far])
     every = np.concatenate(parts)
     # The first occurrence of each is kept: what comes behind is taken.
-    first, _ = distinct(np.concatenate([sites, every]))
+    first, _ = distinct(np.concatenate([sites, every]).T)
     free = every[first[first >= len(sites)] - len(sites)]
     longest = np.linalg.norm(lattice.ideal[0], axis=1).max()
     tree = scipy.spatial.cKDTree(free * np.array(lattice.units))

@@ -71,18 +71,23 @@ class Torsion:
         torn = self.torn
         if not torn.any():
             return self
-        rows, sides, images = self.mesh.faces
-        sound = ~(self.values.any(axis=1) | self.doubtful[rows].any(axis=1))
-        a, b = sides.T
-        steps = self.mesh.centres[b] - self.mesh.centres[a] + images @ self.mesh.cell.vectors
-        sizes = np.where((sides < 0).any(axis=1), 0.0, np.linalg.norm(steps, axis=1))
-        # Slivers have no length at all: a share of the mean keeps lines from running to and fro.
-        weights = (sizes + 0.1 * sizes.mean()) * np.where(sound, METHOD.sound, 1.0)
+        weights = self._weights
         torn[self.doubtful[self.mesh.edges[2]].any(axis=1)] = True
         found = self._within(torn, weights, descend=True)
         atoms = np.zeros(len(self.mesh.places), dtype=bool)
         atoms[self.mesh.corners[found.torn].ravel()] = True
         return found._within(atoms[self.mesh.corners].max(axis=1), weights)
+
+    @property
+    def _weights(self) -> np.ndarray:
+        """How long a line through each face counts, shape (faces,)."""
+        rows, sides, images = self.mesh.faces
+        a, b = sides.T
+        steps = self.mesh.centres[b] - self.mesh.centres[a] + images @ self.mesh.cell.vectors
+        sizes = np.where((sides < 0).any(axis=1), 0.0, np.linalg.norm(steps, axis=1))
+        sound = ~(self.values.any(axis=1) | self.doubtful[rows].any(axis=1))
+        # Slivers have no length at all: a share of the mean keeps lines from running to and fro.
+        return (sizes + 0.1 * sizes.mean()) * np.where(sound, METHOD.sound, 1.0)
 
     def _within(self, bad: np.ndarray, weights: np.ndarray, descend: bool = False) -> Torsion:
         """Shortest lines inside cores: bad tetrahedra that hang together, with torsion in them."""

@@ -105,10 +105,15 @@ class Triangulation:
     def edges(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Atoms of each edge, shape (n, 2); image of the second, (n, 3); edges of each
         tetrahedron, (k, 6)."""
-        pairs = np.concatenate([self.corners[:, list(e)] for e in EDGES])
-        images = np.concatenate([self.offsets[:, b] - self.offsets[:, a] for a, b in EDGES])
-        first, which = distinct(np.concatenate([pairs, images], axis=1))
-        return pairs[first], images[first], which.astype(NUMBER).reshape(6, -1).T
+        # Column by column: all rows at once would take four times as much memory.
+        ends = [np.concatenate([self.corners[:, e[k]] for e in EDGES]) for k in (0, 1)]
+        images = [
+            np.concatenate([self.offsets[:, b, k] - self.offsets[:, a, k] for a, b in EDGES])
+            for k in range(3)
+        ]
+        first, which = distinct([*ends, *images])
+        pairs, moved = (np.stack([x[first] for x in part], axis=1) for part in (ends, images))
+        return pairs, moved, which.reshape(6, -1).T
 
     @cached_property
     def faces(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -118,21 +123,19 @@ class Triangulation:
         edge_of = {pair: k for k, pair in enumerate(EDGES)}
         of_cell = self.edges[2]
         count = len(self.corners)
-        rows = np.concatenate(
-            [of_cell[:, [edge_of[(a, b)], edge_of[(a, c)], edge_of[(b, c)]]] for a, b, c in FACES]
-        )
-        # Three edges can be those of two faces only in a cell of one atom or so: images tell.
-        bases = np.concatenate([self.offsets[:, f[0]] for f in FACES])
+        sides_of = [[edge_of[(a, b)], edge_of[(a, c)], edge_of[(b, c)]] for a, b, c in FACES]
+        rows = [np.concatenate([of_cell[:, face[k]] for face in sides_of]) for k in range(3)]
         first, which = distinct(rows)
-        owner = np.tile(np.arange(count), 4)
-        outwards = np.repeat(SIGNS, count) * np.tile(self.senses, 4)
         sides = np.full((len(first), 2), -1, dtype=NUMBER)
         base = np.zeros((len(first), 2, 3), dtype=NUMBER)
-        slot = (outwards < 0).astype(int)
-        sides[which, slot] = owner
-        base[which, slot] = bases
+        owner = np.arange(count, dtype=NUMBER)
+        # Three edges can be those of two faces only in a cell of one atom or so: images tell.
+        for face, sign, mine in zip(FACES, SIGNS, which.reshape(4, -1), strict=True):
+            slot = (sign * self.senses < 0).astype(np.int8)
+            sides[mine, slot] = owner
+            base[mine, slot] = self.offsets[:, face[0]]
         images = base[:, 0] - base[:, 1]
-        return rows[first], sides, images
+        return np.stack([x[first] for x in rows], axis=1), sides, images
 
     @cached_property
     def centres(self) -> np.ndarray:
@@ -141,28 +144,30 @@ class Triangulation:
         return self.places[self.corners].mean(axis=1) + shift
 
 
-def distinct(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def distinct(columns: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """First occurrence of each different row of whole numbers, and which of them each row is."""
-    low = rows.min(axis=0, initial=0)
-    span = rows.max(axis=0, initial=0) - low + 1
-    keys, room = [np.zeros(len(rows), dtype=np.int64)], 1
-    for k in range(rows.shape[1]):
+    count = len(columns[0])
+    keys, room = [np.zeros(count, dtype=np.int64)], 1
+    for column in columns:
+        low = int(column.min(initial=0))
+        span = int(column.max(initial=0)) - low + 1
         # As many columns in one key as 63 bits hold.
-        if room * int(span[k]) >= 2**62:
-            keys.append(np.zeros(len(rows), dtype=np.int64))
+        if room * span >= 2**62:
+            keys.append(np.zeros(count, dtype=np.int64))
             room = 1
-        keys[-1] = keys[-1] * span[k] + (rows[:, k] - low[k])
-        room *= int(span[k])
-    if len(keys) == 1:
-        _, first, which = np.unique(keys[0], return_index=True, return_inverse=True)
-        return first, which
-    order = np.lexsort(keys[::-1])
-    new = np.zeros(len(rows), dtype=bool)
+        keys[-1] *= span
+        keys[-1] += column
+        keys[-1] -= low
+        room *= span
+    # Equal rows stay in their order.
+    order = keys[0].argsort(kind="stable") if len(keys) == 1 else np.lexsort(keys[::-1])
+    new = np.zeros(count, dtype=bool)
     new[:1] = True
-    for key in keys:
-        new[1:] |= np.diff(key[order]) != 0
-    which = np.empty(len(rows), dtype=np.int64)
-    which[order] = np.cumsum(new) - 1
+    while keys:
+        key = keys.pop()[order]
+        new[1:] |= key[1:] != key[:-1]
+    which = np.empty(count, dtype=NUMBER)
+    which[order] = np.cumsum(new, dtype=NUMBER) - 1
     return order[new], which
 
 
@@ -244,16 +249,23 @@ def triangulated(
     simplices = rank[np.sort(place[simplices], axis=1)]
     # Each is found in several images: that whose first corner is in the cell is kept.
     simplices = simplices[simplices[:, 0] < inner]
-    sides = points[simplices[:, 1:]] - points[simplices[:, :1]]
-    volume = np.linalg.det(sides)
-    squares = (sides**2).sum(axis=2)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        middle = np.cross(sides[:, 1], sides[:, 2]) * squares[:, :1]
-        middle += np.cross(sides[:, 2], sides[:, 0]) * squares[:, 1:2]
-        middle += np.cross(sides[:, 0], sides[:, 1]) * squares[:, 2:]
-        small = np.linalg.norm(middle, axis=1) <= 2 * reach * np.abs(volume)
+    small, senses = np.empty(len(simplices), dtype=bool), np.empty(len(simplices), dtype=np.int8)
+    for start in range(0, len(simplices), METHOD.together):
+        part = slice(start, start + METHOD.together)
+        small[part], senses[part] = _spheres(points[simplices[part]], reach)
     kept = simplices[small]
     known = np.ones(len(places), dtype=bool) if wanted is None else wanted
-    senses = np.sign(volume[small]).astype(np.int64)
-    corners, offsets = numbers[kept].astype(NUMBER), images[kept].astype(NUMBER)
-    return Triangulation(corners, offsets, places, cell, senses, known)
+    corners, offsets = numbers.astype(NUMBER)[kept], images.astype(NUMBER)[kept]
+    return Triangulation(corners, offsets, places, cell, senses[small].astype(np.int64), known)
+
+
+def _spheres(corners: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
+    """Which tetrahedra have a sphere about them no larger than a radius, and the signs of their
+    volumes; corners: shape (k, 4, 3)."""
+    sides = corners[:, 1:] - corners[:, :1]
+    volume = np.linalg.det(sides)
+    squares = (sides**2).sum(axis=2)
+    middle = np.cross(sides[:, 1], sides[:, 2]) * squares[:, :1]
+    middle += np.cross(sides[:, 2], sides[:, 0]) * squares[:, 1:2]
+    middle += np.cross(sides[:, 0], sides[:, 1]) * squares[:, 2:]
+    return np.linalg.norm(middle, axis=1) <= 2 * reach * np.abs(volume), np.sign(volume)
