@@ -35,21 +35,38 @@ def factored(poly: fmpq_mpoly, largest: int) -> Factors:
 
     What has more terms times degrees than the largest is done by the other process.
     """
-    # In few variables Flint is as fast.
-    if len(poly) > 2 * poly.total_degree() and is_irreducible_on_a_line(poly):
-        # As Flint writes it: whole numbers without a common divisor, the first one positive.
-        coefficients = poly.coeffs()
-        content = fmpq(
-            gcd(*(int(c.p) for c in coefficients)), lcm(*(int(c.q) for c in coefficients))
-        )
-        content = content if coefficients[0] > 0 else -content
-        return content, [(poly / content, 1)]
-    if len(poly) * sum(poly.degrees()) > largest:
+    degrees = poly.degrees()
+    # What has degree 1 in a variable is irreducible up to what its two coefficients share.
+    slopes = [poly.derivative(k) for k, degree in enumerate(degrees) if degree == 1]
+    slope = min(slopes, key=len, default=None)
+    # One term shares nothing where no variable divides the whole.
+    single = slope is not None and len(slope) == 1 and not any(poly.term_content().degrees())
+    # In few variables Flint is as fast as a line.
+    if single or (len(poly) > 2 * poly.total_degree() and is_irreducible_on_a_line(poly)):
+        return _irreducible(poly)
+    if len(poly) * sum(degrees) > largest:
         found = _OTHER.factored(poly)
         if found is not None:
             return found
+    if slope is not None:
+        shared = poly.gcd(slope)
+        if shared.is_constant():
+            return _irreducible(poly)
+        content, rest = _irreducible(poly / shared)
+        inner, factors = factored(shared, largest)
+        return content * inner, factors + rest
     content, factors = poly.factor()
     return fmpq(content), [(factor, int(exponent)) for factor, exponent in factors]
+
+
+def _irreducible(poly: fmpq_mpoly) -> Factors:
+    """What has no factors, as Flint writes it: whole numbers without a common divisor, the first
+    one positive.
+    """
+    coefficients = poly.coeffs()
+    content = fmpq(gcd(*(int(c.p) for c in coefficients)), lcm(*(int(c.q) for c in coefficients)))
+    content = content if coefficients[0] > 0 else -content
+    return content, [(poly / content, 1)]
 
 
 def is_irreducible_on_a_line(poly: fmpq_mpoly) -> bool:

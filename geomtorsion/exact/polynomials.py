@@ -12,7 +12,10 @@ _PAIRWISE = 24
 
 
 def lifted(ctx: fmpq_mpoly_ctx, poly: fmpq_mpoly, by: int) -> fmpq_mpoly:
-    """A polynomial in a ring of `by` variables more."""
+    """A polynomial in a ring of `by` variables more, which come first."""
+    if len(poly) > 2:
+        # By the names of the variables; what is shorter is written down again more quickly.
+        return poly.project_to_context(ctx)
     pad = (0,) * by
     return ctx.from_dict({pad + tuple(m): c for m, c in poly.to_dict().items()})
 

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 # Generators that sympy never merges with others in a product, as it does exp(x)*exp(y).
 _PLAIN = frozenset(("symbol", "cos", "sin", "cosh", "sinh", "log", "jet"))
 _ORDER = cmp_to_key(sympy.Basic.compare)
+# Stands for all products where parts of different kinds are put in order.
+_A_PRODUCT = sympy.Mul(2, sympy.Symbol("x"))
 
 
 def to_sympy(element: Element) -> sympy.Expr:
@@ -200,16 +202,33 @@ def _power(known: Powers, base: Generator | Sum, exponent: int) -> sympy.Expr:
 
 def _sum(known: Powers, base: Sum) -> sympy.Expr:
     """A sum of monomials."""
-    terms = []
-    all_plain = True
-    for value, monomial in base.terms:
-        factors = _factors(known, monomial)
-        plain = all(generator.kind in _PLAIN for generator, _ in monomial)
-        all_plain = all_plain and plain
-        terms.append(_product(value, factors, plain))
-    if not all_plain:
-        return sympy.Add(*terms)
-    # Longer sums stay in their own order: sorting them takes sympy minutes.
+    if not all(generator.kind in _PLAIN for _, powers in base.terms for generator, _ in powers):
+        plain = [all(g.kind in _PLAIN for g, _ in powers) for _, powers in base.terms]
+        terms = zip(base.terms, plain, strict=True)
+        return sympy.Add(
+            *(_product(x, _factors(known, powers), flag) for (x, powers), flag in terms)
+        )
+    split = [(_number(x), [_power(known, g, e) for g, e in powers]) for x, powers in base.terms]
+    # sympy's order of all that occurs gives that of every product, and that of the products.
+    parts = {_A_PRODUCT: None} | {part: None for x, factors in split for part in (x, *factors)}
+    place = {part: k for k, part in enumerate(sorted(parts, key=_ORDER))}
+    terms = [_plain_product(x, factors, place) for x, factors in split]
+    # Longer sums stay in their own order.
     if len(terms) <= LONGEST_FACTORED:
-        terms.sort(key=lambda term: (not term.is_Number, _ORDER(term)))
-    return sympy.Add._from_args(terms, is_commutative=True)
+        terms.sort(key=lambda term: term[0])
+    return sympy.Add._from_args([term for _, term in terms], is_commutative=True)
+
+
+def _plain_product(
+    value: sympy.Expr, factors: list[sympy.Expr], place: dict[sympy.Expr, int]
+) -> tuple[tuple[int, ...], sympy.Expr]:
+    """A product of plain factors, and what sympy orders it by: numbers first, then by its parts."""
+    if not factors:
+        return (-1,), value
+    if value is sympy.S.One and len(factors) == 1:
+        return (place[factors[0]],), factors[0]
+    ordered = sorted(factors, key=place.__getitem__)
+    if value is not sympy.S.One:
+        ordered.insert(0, value)
+    key = (place[_A_PRODUCT], len(ordered), *(place[part] for part in ordered))
+    return key, sympy.Mul._from_args(ordered, is_commutative=True)
