@@ -224,6 +224,8 @@ def of_inverse_function(
 
 def sum_of_angles(a: Pair, b: Pair) -> Pair:
     """cos and sin of a sum of angles."""
+    if a[0].is_one:
+        return b
     field = a[0].field
     return (
         field.sum(((1, a[0], b[0]), (-1, a[1], b[1]))),

@@ -39,7 +39,7 @@ def derivative(field: Tower, element: Element, symbol: sympy.Symbol) -> Element:
             # d(1/f**e) = -e (1/f**e) df/f: the denominator grows by one power of each factor.
             once = Element(field, field.ctx.constant(1), ((index, 1),), field.level)
             terms.append((-exponent, element, inner, once))
-    return field.sum(terms)
+    return field.sum(terms) if terms else field.zero
 
 
 def _parts(

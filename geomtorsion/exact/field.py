@@ -109,10 +109,14 @@ class Field(Tower):
 
     def _add_symbols(self, symbols: Sequence[sympy.Symbol]) -> None:
         # The first symbol leads, so that factors read r - 2*M with r the coordinate.
-        for symbol in reversed(symbols):
-            name = f"s{len(self.generators)}"
-            element = self.add(Generator("symbol", name, symbol, frozenset((symbol,))))
-            self._symbol_elements[symbol] = element
+        new = [
+            Generator("symbol", f"s{k}", symbol, frozenset((symbol,)))
+            for k, symbol in enumerate(reversed(symbols), len(self.generators))
+        ]
+        if new:
+            self.add(*new)
+        for generator in new:
+            self._symbol_elements[generator.shown] = self.generator_element(generator)
         self.symbols: tuple[sympy.Symbol, ...] = (*self.symbols, *symbols)
 
     def read(self, expr: sympy.Expr | Fraction | int, where: str = "expression") -> Element:

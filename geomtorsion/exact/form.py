@@ -103,11 +103,11 @@ def _made(element: Element) -> Form:
     num, den, below = roots_restored(element)
     if not num:
         return Form(fmpq(0), ())
+    if len(num) == 1 and not den and not below:
+        return _monomial(field, num)
     table = radicals(field)
     polys: dict[str, fmpq_mpoly] = {}
     exponents: dict[str, int] = {}
-    if len(num) == 1 and not den and not below:
-        return _monomial(field, num)
     # A long polynomial is written as it is: its factors would cost more than they explain.
     content, factors = (
         field.factored(num) if len(num) <= LONGEST_FACTORED else (fmpq(1), [(num, 1)])

@@ -58,6 +58,13 @@ class RationalBasis:
         cos(k*x - w*t) alone keeps its angle; cos(x), cos(y) and cos(x + y) are split.  exp of
         a logarithm is undone, cos of one is not: there its sums stay whole, too.
         """
+        if self._all_monomials and all(_is_monomial(element) for element in elements):
+            # Different monomials are independent: no linear algebra is needed.
+            parts = [part for element in elements for _, part in terms(element)]
+            for part in sorted(parts, key=lambda x: not self._stands_alone(self._field, x)):
+                if part not in self._index:
+                    self._add(part)
+            return
         whole: list[Element] = []
         monomials: list[Element] = []
         for element in elements:
@@ -98,6 +105,11 @@ class RationalBasis:
         self.units[index] = rational_gcd(self.units[index], coefficient)
 
 
+def _is_monomial(element: Element) -> bool:
+    """Whether an element has at most one term, and nothing below the line."""
+    return not element.is_kept and not element._den and len(element._num) < 2
+
+
 def undone_by_exp(field: Tower, atom: Element) -> bool:
     """Whether the atom is a single logarithm or inverse function."""
     generator = single_generator(field, atom)
@@ -114,10 +126,10 @@ def undone_by_cos(field: Tower, atom: Element) -> bool:
 
 def single_generator(field: Tower, atom: Element) -> Generator | None:
     """The generator that the element is, or None."""
-    used = field.generators_of(atom)
-    if len(used) == 1 and atom == field.generator_element(used[0]):
-        return used[0]
-    return None
+    num = field.lift(atom)
+    if atom._den or len(num) != 1 or num.total_degree() != 1 or num.leading_coefficient() != 1:
+        return None
+    return next(g for g, degree in zip(field.generators, num.degrees(), strict=True) if degree)
 
 
 def rational_gcd(a: fmpq, b: fmpq) -> fmpq:
@@ -133,6 +145,9 @@ def terms(element: Element) -> list[tuple[fmpq, Element]]:
     """
     field = element.field
     rest = field.lift(element)
+    if len(rest) == 1 and not element._den:
+        value = rest.leading_coefficient()
+        return [(value, Element(field, rest / value, (), field.level))]
     parts: list[tuple[fmpq_mpoly, Denominator]] = [(rest, element._den)]
     if element._den:
         whole, rest = divmod(rest, field.cofactor(element._den, ()))

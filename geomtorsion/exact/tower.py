@@ -169,31 +169,34 @@ class Tower(ABC):
 
     # Generators and elements.
 
-    def add(self, generator: Generator) -> Element:
-        """Adds one generator and returns it as an element.
+    def add(self, *added: Generator) -> Element:
+        """Adds generators, one after the other, and returns the last as an element.
 
         What is built from a generator whose independence is not proved is not proved either.
         """
-        if generator.sure and not self.all_sure and self._rests_on_unsure(generator):
-            generator = replace(generator, sure=False)
+        unsure = [not self.all_sure and g.sure and self._rests_on_unsure(g) for g in added]
+        pairs = zip(added, unsure, strict=True)
         # In front, because with a lexicographic order a relation w**n = tail then reduces
         # w before all that its tail contains.
-        ctx = fmpq_mpoly_ctx.get((generator.name, *self.ctx.names()), Ordering.lex)
+        new, by = [replace(g, sure=False) if u else g for g, u in pairs][::-1], len(added)
+        ctx = fmpq_mpoly_ctx.get((*(g.name for g in new), *self.ctx.names()), Ordering.lex)
         # Factors are used far more often than numerators: they are lifted at once.
-        factors = [polynomials.lifted(ctx, poly, 1) for poly in self.factors]
-        algebraic = [
-            (position + 1, degree, polynomials.lifted(ctx, relation, 1))
+        factors = [polynomials.lifted(ctx, poly, by) for poly in self.factors]
+        algebraic = []
+        for place, generator in enumerate(new):
+            if generator.tail is not None:
+                w, tail = ctx.gen(place), self.lift(generator.tail)
+                relation = w**generator.degree - polynomials.lifted(ctx, tail, by)
+                for power, value in generator.middle:
+                    relation = relation - w**power * value
+                algebraic.append((place, generator.degree, relation))
+        algebraic += [
+            (position + by, degree, polynomials.lifted(ctx, relation, by))
             for position, degree, relation in self._algebraic
         ]
-        if generator.tail is not None:
-            w = ctx.gen(0)
-            relation = w**generator.degree - polynomials.lifted(ctx, self.lift(generator.tail), 1)
-            for power, value in generator.middle:
-                relation = relation - w**power * value
-            algebraic.insert(0, (0, generator.degree, relation))
-        generators = [generator, *self.generators]
-        by_name = {**self.by_name, generator.name: generator}
-        level, sure = self.level + 1, self.all_sure and generator.sure
+        generators = [*new, *self.generators]
+        by_name = self.by_name | {generator.name: generator for generator in new}
+        level, sure = self.level + by, self.all_sure and all(g.sure for g in new)
         # All at once and without a call: whoever interrupts finds the field before or after.
         self.ctx, self.level, self.factors, self._algebraic = ctx, level, factors, algebraic
         self.generators, self.by_name, self.all_sure = generators, by_name, sure
@@ -294,12 +297,13 @@ class Tower(ABC):
 
     def generators_of(self, element: Element) -> list[Generator]:
         """The generators that occur in an element."""
-        used = [False] * len(self.generators)
-        for leaf in leaves(element):
-            for poly in (self.lift(leaf), *(self.factors[index] for index, _ in leaf._den)):
-                for position, degree in enumerate(poly.degrees()):
-                    used[position] |= degree > 0
-        return [g for g, here in zip(self.generators, used, strict=True) if here]
+        polys = [
+            poly
+            for leaf in leaves(element)
+            for poly in (self.lift(leaf), *(self.factors[index] for index, _ in leaf._den))
+        ]
+        degrees = zip(*(poly.degrees() for poly in polys), strict=True)
+        return [g for g, here in zip(self.generators, degrees, strict=False) if any(here)]
 
     # Sums, products and denominators.
 
@@ -360,7 +364,7 @@ class Tower(ABC):
             return self.zero
         if len(groups) == 1:
             ((den, nums),) = groups.items()
-            return self._normalised(polynomials.added(nums), den)
+            return self._normalised(nums[0] if len(nums) == 1 else polynomials.added(nums), den)
         common: Denominator = ()
         for den in groups:
             common = self.lcm(common, den)
@@ -410,7 +414,7 @@ class Tower(ABC):
 
     def _normalised(self, num: fmpq_mpoly, den: Denominator) -> Element:
         """The element num/den: reduced, with common factors divided out."""
-        num = self.reduced(num)
+        num = self.reduced(num) if self._algebraic else num
         if not num:
             return self.zero
         if den:

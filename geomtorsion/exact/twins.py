@@ -52,9 +52,13 @@ Symbol('r', positive=True). Create the symbol once and use it everywhere.
 
 def _by_name(symbols: Iterable[sympy.Symbol], error: ErrorClass) -> dict[str, sympy.Symbol]:
     """Symbols by their names, each of which belongs to one only."""
-    found: dict[str, sympy.Symbol] = {}
+    given = set(symbols)
+    found = {symbol.name: symbol for symbol in given}
+    if len(found) == len(given):
+        return found
+    found = {}
     # In an order that does not depend on where symbols lie in memory.
-    for symbol in sorted(set(symbols), key=sympy.srepr):
+    for symbol in sorted(given, key=sympy.srepr):
         twin = found.setdefault(symbol.name, symbol)
         if twin != symbol:
             both = " and ".join(cut(sympy.srepr(one)) for one in (twin, symbol))

@@ -14,6 +14,7 @@ _NOT_SMOOTH = (
     "Abs", "sign", "floor", "ceiling", "frac", "Piecewise", "Max", "Min", "Heaviside",
     "DiracDelta", "re", "im", "arg", "conjugate", "Mod", "KroneckerDelta", "SingularityFunction",
 )  # fmt: skip
+_OPERATIONS = frozenset((sympy.Add, sympy.Mul, sympy.Pow))
 _INFINITE = frozenset((sympy.oo, -sympy.oo, sympy.zoo, sympy.nan))
 _REMEDIES = {
     "Abs": "choose the sign that holds in your domain (declare the symbol positive, or write x)",
@@ -69,7 +70,7 @@ def checked(where: str, value: Any) -> sympy.Expr:
 
 def _reason(part: sympy.Basic) -> str:
     """Why a part cannot be read, or nothing."""
-    if part.is_Rational:
+    if part.is_Rational or type(part) in _OPERATIONS:
         return ""
     if part.is_Float:
         exact = sympy.nsimplify(part, rational=True)

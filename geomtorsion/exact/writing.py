@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, TypeGuard
 
 import sympy
 
-from geomtorsion.exact.form import LONGEST_FACTORED, Sum, form
+from geomtorsion.exact.form import LONGEST_FACTORED, Form, Sum, form
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.integers import as_fmpq
 from geomtorsion.exact.kept import in_order
@@ -37,7 +37,16 @@ def to_sympy(element: Element) -> sympy.Expr:
     if not element._field.all_sure and element.is_zero:
         return sympy.S.Zero
     written = form(element)
-    known = element._field.tables.setdefault("sympy", {})
+    # Equal elements, which are often different objects, have one form.
+    known = element._field.tables.setdefault("written", {})
+    found = known.get(written)
+    if found is None:
+        found = known[written] = _of_form(element._field.tables.setdefault("sympy", {}), written)
+    return found
+
+
+def _of_form(known: Powers, written: Form) -> sympy.Expr:
+    """What a form stands for."""
     factors = _factors(known, written.powers)
     sums = sum(isinstance(base, Sum) for base, _ in written.powers)
     plain = all(isinstance(base, Sum) or base.kind in _PLAIN for base, _ in written.powers)

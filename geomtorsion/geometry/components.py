@@ -36,6 +36,7 @@ class Components:
         self._rule = rule
         self._bulk = bulk
         self._orbits = orbits(rank, dimension, symmetry)
+        self._canonical = self._orbits.canonical
         self._known: dict[Index, Element | None] = {}
         # What was found to vanish, so that it can be told how sure that is.
         self.zeros: dict[Index, Element] = {}
@@ -89,7 +90,8 @@ class Components:
 
     def _compute(self, index: Index) -> Element | None:
         """Ask the rule (at the representative) and keep the answer."""
-        sign, representative = self._orbits.of(index)
+        canonical = self._canonical
+        sign, representative = (1, index) if canonical is None else canonical[index]
         if sign == 0:
             value = None
         elif representative != index:
@@ -100,10 +102,16 @@ class Components:
             # All representatives are known by now: what is missing vanishes.
             value = self.independent.get(index)
         else:
-            value = self._rule(index)
-            if value is not None and value.is_zero:
-                self.zeros[index] = value
-                value = None
+            return self._asked(index)
+        self._known[index] = value
+        return value
+
+    def _asked(self, index: Index) -> Element | None:
+        """What the rule says of a representative; it is kept."""
+        value = self._rule(index)
+        if value is not None and value.is_zero:
+            self.zeros[index] = value
+            value = None
         self._known[index] = value
         return value
 
@@ -120,9 +128,9 @@ class Components:
                     found[index] = value
             self._known.update(found)
             return found
-        found = {}
+        found, known = {}, self._known
         for index in self._orbits.representatives:
-            value = self.get(index)
+            value = known[index] if index in known else self._asked(index)
             if value is not None:
                 found[index] = value
         return found
@@ -130,7 +138,7 @@ class Components:
     @cached_property
     def support(self) -> tuple[Index, ...]:
         """Indices of all non-vanishing components in order; no value is negated for it."""
-        independent, canonical = self.independent, self._orbits.canonical
+        independent, canonical = self.independent, self._canonical
         if canonical is None:
             return tuple(sorted(independent))
         return tuple(
@@ -188,9 +196,11 @@ class Components:
 
 def total(field: Field, terms: Sequence[tuple[Any, ...]]) -> Element | None:
     """Sum of products, or None if there is nothing to add."""
-    # A single element needs no new common denominator.
-    if len(terms) == 1 and len(terms[0]) == 2 and terms[0][0] == 1:
-        return terms[0][1]
+    if len(terms) == 1:
+        coefficient, *factors = terms[0]
+        # A single element needs no new common denominator, nor does one times 1 of eta.
+        if coefficient == 1 and (len(factors) == 1 or (len(factors) == 2 and factors[0].is_one)):
+            return factors[-1]
     return field.sum(terms) if terms else None
 
 
@@ -291,4 +301,5 @@ def _assignments(components: Components, letters: str) -> Iterator[tuple[dict[st
 
 def _summed(field: Field, collected: dict[Index, list], result: Components) -> dict[Index, Element]:
     """Sum the collected terms, only at representative indices not known yet."""
-    return {i: field.sum(terms) for i, terms in collected.items() if result.pending(i)}
+    sums = ((i, total(field, terms)) for i, terms in collected.items() if result.pending(i))
+    return {i: value for i, value in sums if value is not None}

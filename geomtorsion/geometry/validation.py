@@ -265,7 +265,13 @@ def _relation(coefficients: dict[int, Element]) -> str:
 
 def read_signature(field: Field, signature: object, n: int) -> dict[tuple[int, int], Element]:
     """Exact elements of eta; an error if it is degenerate."""
-    eta = read_matrix(field, signature_entries(signature, n), "signature")
+    entries = signature_entries(signature, n)
+    signs = {sp.S.One: field.one, sp.S.NegativeOne: -field.one}
+    if len(entries) == n and all(
+        i == j and isinstance(x, sp.Integer) and x in signs for (i, j), x in entries.items()
+    ):
+        return {index: signs[x] for index, x in entries.items()}
+    eta = read_matrix(field, entries, "signature")
     if determinant(field, eta, n).is_zero:
         raise SignatureError(
             "signature is degenerate: the determinant of eta is zero. Give a regular matrix."
