@@ -47,10 +47,10 @@ def _parts(
 ) -> list[tuple[fmpq_mpoly, Element]]:
     """Pairs (d poly / d generator, d generator / d symbol) that are not zero."""
     found = []
-    names = []
-    for position, degree in enumerate(poly.degrees()):
-        if degree > 0 and symbol in field.generators[position].depends:
-            names.append(field.generators[position])
+    pairs = zip(field.generators, poly.degrees(), strict=True)
+    names = [generator for generator, degree in pairs if degree and symbol in generator.depends]
+    if not names:
+        return []
     # A derivative may add generators (jets): all of them first, then one common ring.
     inners = [_generator_derivative(field, generator, symbol) for generator in names]
     if poly.context() is not field.ctx:

@@ -148,6 +148,8 @@ class Field(Tower):
             return kept.reciprocal(self, element)
         if not element._num or (not self.all_sure and element.is_zero):
             raise ZeroDivisionError("division by an element that is exactly zero")
+        if element.is_rational:
+            return self.rational(1 / element._num.leading_coefficient())
         largest = MOST_AT_ONCE
         if briefly:
             tails = [g.tail for g in self.generators_of(element) if g.tail is not None]

@@ -174,11 +174,9 @@ class Tower(ABC):
 
         What is built from a generator whose independence is not proved is not proved either.
         """
-        unsure = [not self.all_sure and g.sure and self._rests_on_unsure(g) for g in added]
-        pairs = zip(added, unsure, strict=True)
         # In front, because with a lexicographic order a relation w**n = tail then reduces
         # w before all that its tail contains.
-        new, by = [replace(g, sure=False) if u else g for g, u in pairs][::-1], len(added)
+        new, by = [self._as_sure(generator) for generator in reversed(added)], len(added)
         ctx = fmpq_mpoly_ctx.get((*(g.name for g in new), *self.ctx.names()), Ordering.lex)
         # Factors are used far more often than numerators: they are lifted at once.
         factors = [polynomials.lifted(ctx, poly, by) for poly in self.factors]
@@ -203,16 +201,15 @@ class Tower(ABC):
         self._cofactors, self._factored = {}, {}
         return Element(self, self.ctx.gen(0), (), self.level)
 
-    def _rests_on_unsure(self, generator: Generator) -> bool:
-        """Whether the relation or the argument of a generator contains unproved ones."""
+    def _as_sure(self, generator: Generator) -> Generator:
+        """A generator that is not sure where its relation or its argument rests on unproved ones."""
+        if self.all_sure:
+            return generator
         argument = generator.argument
         parts = [generator.tail, *(argument if isinstance(argument, tuple) else (argument,))]
-        return any(
-            not known.sure
-            for part in parts
-            if isinstance(part, Element)
-            for known in self.generators_of(part)
-        )
+        built = (self.generators_of(part) for part in parts if isinstance(part, Element))
+        sure = generator.sure and all(known.sure for found in built for known in found)
+        return replace(generator, sure=sure)
 
     def add_root(
         self, tail: Element, order: int, sure: bool, base: tuple[Element, int] | None = None
@@ -297,11 +294,8 @@ class Tower(ABC):
 
     def generators_of(self, element: Element) -> list[Generator]:
         """The generators that occur in an element."""
-        polys = [
-            poly
-            for leaf in leaves(element)
-            for poly in (self.lift(leaf), *(self.factors[index] for index, _ in leaf._den))
-        ]
+        built = leaves(element) if element.is_kept else (element,)
+        polys = [p for x in built for p in (self.lift(x), *(self.factors[k] for k, _ in x._den))]
         degrees = zip(*(poly.degrees() for poly in polys), strict=True)
         return [g for g, here in zip(self.generators, degrees, strict=False) if any(here)]
 
@@ -478,7 +472,8 @@ class Tower(ABC):
             self._factored[key] = own, others
             content, factors = content * own, factors + others
         # In an order that does not depend on which were known.
-        return content, sorted(factors, key=lambda power: str(power[0]))
+        ordered = sorted(factors, key=lambda power: str(power[0])) if len(factors) > 1 else factors
+        return content, ordered
 
     def register(self, factor: fmpq_mpoly) -> int:
         """The number of an irreducible polynomial without algebraic generators."""

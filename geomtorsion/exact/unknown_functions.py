@@ -26,12 +26,16 @@ def jet(
     arguments: tuple[Element, ...],
 ) -> Element:
     """The partial derivative of given orders of an unknown function at its arguments."""
+    depends: frozenset[sympy.Symbol] | None = None
     for generator in field.generators:
-        if generator.kind == "jet" and generator.argument == (function, orders, arguments):
-            return field.generator_element(generator)
-    depends: frozenset[sympy.Symbol] = frozenset()
-    for argument in arguments:
-        depends |= argument.symbols
+        if generator.kind == "jet":
+            other, known, places = generator.argument
+            if other.__name__ == function.__name__ and (other, places) == (function, arguments):
+                if known == orders:
+                    return field.generator_element(generator)
+                depends = generator.depends
+    if depends is None:
+        depends = frozenset().union(*(argument.symbols for argument in arguments))
     shown = _shown(function, orders, [argument.sympy for argument in arguments])
     name = field.next_name("jet")
     generator = Generator("jet", name, shown, depends, argument=(function, orders, arguments))

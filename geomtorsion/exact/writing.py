@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import insort
 from functools import cmp_to_key
 from typing import TYPE_CHECKING, TypeGuard
 
@@ -20,14 +21,33 @@ if TYPE_CHECKING:
 
     from geomtorsion.exact.element import Element
 
-    # Powers that have been made.
-    Powers = dict[tuple[Generator | Sum, int], sympy.Expr]
 
 # Generators that sympy never merges with others in a product, as it does exp(x)*exp(y).
 _PLAIN = frozenset(("symbol", "cos", "sin", "cosh", "sinh", "log", "jet"))
 _ORDER = cmp_to_key(sympy.Basic.compare)
 # Stands for all products where parts of different kinds are put in order.
 _A_PRODUCT = sympy.Mul(2, sympy.Symbol("x"))
+
+
+class Parts:
+    """What the expressions of a field are made of.
+
+    powers: those that have been made; places: where parts of sums stand in sympy's order.
+    """
+
+    def __init__(self) -> None:
+        self.powers: dict[tuple[Generator | Sum, int], sympy.Expr] = {}
+        self.places: dict[sympy.Expr, int] = {_A_PRODUCT: 0}
+
+    def order(self, parts: Iterable[sympy.Expr]) -> dict[sympy.Expr, int]:
+        """The places, those of the parts included."""
+        new = dict.fromkeys(part for part in parts if part not in self.places)
+        if new:
+            ordered = [_ORDER(part) for part in self.places]
+            for part in new:
+                insort(ordered, _ORDER(part))
+            self.places = {key.obj: k for k, key in enumerate(ordered)}
+        return self.places
 
 
 def to_sympy(element: Element) -> sympy.Expr:
@@ -41,11 +61,12 @@ def to_sympy(element: Element) -> sympy.Expr:
     known = element._field.tables.setdefault("written", {})
     found = known.get(written)
     if found is None:
-        found = known[written] = _of_form(element._field.tables.setdefault("sympy", {}), written)
+        parts = element._field.tables.setdefault("parts", Parts())
+        found = known[written] = _of_form(parts, written)
     return found
 
 
-def _of_form(known: Powers, written: Form) -> sympy.Expr:
+def _of_form(known: Parts, written: Form) -> sympy.Expr:
     """What a form stands for."""
     factors = _factors(known, written.powers)
     sums = sum(isinstance(base, Sum) for base, _ in written.powers)
@@ -185,7 +206,7 @@ def _product(value: fmpq, factors: list[sympy.Expr], plain: bool) -> sympy.Expr:
     return sympy.Mul._from_args(ordered, is_commutative=True)
 
 
-def _factors(known: Powers, powers: Iterable[tuple[Generator | Sum, int]]) -> list[sympy.Expr]:
+def _factors(known: Parts, powers: Iterable[tuple[Generator | Sum, int]]) -> list[sympy.Expr]:
     """base**exponent of each; exponentials of numbers and functions are joined in one."""
     exponents = [exponent * base.shown.args[0] for base, exponent in powers if _is_exp(base)]
     if len(exponents) < 2:
@@ -199,17 +220,17 @@ def _is_exp(base: Generator | Sum) -> TypeGuard[Generator]:
     return isinstance(base, Generator) and base.kind == "exp" and isinstance(base.shown, sympy.exp)
 
 
-def _power(known: Powers, base: Generator | Sum, exponent: int) -> sympy.Expr:
+def _power(known: Parts, base: Generator | Sum, exponent: int) -> sympy.Expr:
     """base**exponent, made once."""
     key = (base, exponent)
-    found = known.get(key)
+    found = known.powers.get(key)
     if found is None:
         plain = base.shown if isinstance(base, Generator) else _sum(known, base)
-        found = known[key] = plain if exponent == 1 else plain**exponent
+        found = known.powers[key] = plain if exponent == 1 else plain**exponent
     return found
 
 
-def _sum(known: Powers, base: Sum) -> sympy.Expr:
+def _sum(known: Parts, base: Sum) -> sympy.Expr:
     """A sum of monomials."""
     if not all(generator.kind in _PLAIN for _, powers in base.terms for generator, _ in powers):
         plain = [all(g.kind in _PLAIN for g, _ in powers) for _, powers in base.terms]
@@ -219,8 +240,7 @@ def _sum(known: Powers, base: Sum) -> sympy.Expr:
         )
     split = [(_number(x), [_power(known, g, e) for g, e in powers]) for x, powers in base.terms]
     # sympy's order of all that occurs gives that of every product, and that of the products.
-    parts = {_A_PRODUCT: None} | {part: None for x, factors in split for part in (x, *factors)}
-    place = {part: k for k, part in enumerate(sorted(parts, key=_ORDER))}
+    place = known.order(part for x, factors in split for part in (x, *factors))
     terms = [_plain_product(x, factors, place) for x, factors in split]
     # Longer sums stay in their own order.
     if len(terms) <= LONGEST_FACTORED:

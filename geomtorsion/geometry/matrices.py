@@ -89,6 +89,10 @@ def inverse(field: Field, entries: Entries, n: int) -> dict[tuple[int, int], Ele
     found: dict[tuple[int, int], Element] = {}
     for rows, columns in blocks(entries, n):
         size = len(rows)
+        if size == 1:
+            i, j = rows[0], columns[0]
+            found[j, i] = field.inverse(entries[i, j], briefly=True)
+            continue
         everything = (1 << size) - 1
         cofactors: dict[tuple[int, int], Element] = {}
         for r, row in enumerate(rows):
