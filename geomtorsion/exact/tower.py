@@ -202,7 +202,7 @@ class Tower(ABC):
         return Element(self, self.ctx.gen(0), (), self.level)
 
     def _as_sure(self, generator: Generator) -> Generator:
-        """A generator that is not sure where its relation or its argument rests on unproved ones."""
+        """A generator, not sure where its relation or its argument rests on unproved ones."""
         if self.all_sure:
             return generator
         argument = generator.argument

@@ -132,7 +132,12 @@ class Tensor:
 
     def nonzero(self) -> dict[Index, sp.Expr]:
         """All components that do not vanish: index -> sympy expression."""
-        return {index: self._expression(index) for index in self.components.support}
+        components, found = self.components, {}
+        for index in components.support:
+            sign, representative = components.representative(index)
+            value = components.independent[representative].sympy
+            found[index] = value if sign > 0 else -value
+        return found
 
     @cached_property
     def is_zero(self) -> bool | None:
