@@ -164,9 +164,20 @@ def check_written(shown: sympy.Expr) -> None:
         else:
             waiting.append((part, True))
             waiting += [(inner, False) for inner in part.args if inner not in sizes]
-    if sizes[shown] > LARGEST_WRITTEN:
+    check_parts(sizes[shown], f"{sizes[shown]:,}")
+
+
+def check_parts(parts: int, in_words: str) -> None:
+    """Refuses an expression of more than LARGEST_WRITTEN parts.
+
+    Raises
+    ------
+    LimitError
+        it has more.
+    """
+    if parts > LARGEST_WRITTEN:
         raise LimitError(
-            f"an expression of {sizes[shown]:,} parts would be written; the limit is "
+            f"an expression of {in_words} parts would be written; the limit is "
             f"{LARGEST_WRITTEN:,}. Ask for its numbers with .at(point) or numpy_function, or for "
             ".is_zero, which do not need it"
         )

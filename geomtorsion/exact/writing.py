@@ -12,7 +12,7 @@ from geomtorsion.exact.form import LONGEST_FACTORED, Form, Sum, form
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.integers import as_fmpq
 from geomtorsion.exact.kept import in_order
-from geomtorsion.exact.limits import check_written
+from geomtorsion.exact.limits import check_parts, check_written
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -91,6 +91,7 @@ def _as_built(element: Element) -> sympy.Expr:
     # What was built has at least one part for each of its terms.
     if whole is not None and written_length(whole) <= len(list(_terms(element))):
         return whole.sympy
+    _check_sums(element)
     for one in in_order(element, lambda x: id(x) in lengths):
         recipe = one._recipe
         assert recipe is not None
@@ -116,6 +117,34 @@ def _as_built(element: Element) -> sympy.Expr:
     assert element._sympy is not None
     check_written(element._sympy)
     return element._sympy
+
+
+def _check_sums(element: Element) -> None:
+    """Refuses a kept element that has too many parts in what is surely written as it is."""
+    # Whether a sum stands above the line; None where it stands on both sides.
+    sides: dict[Sum, bool | None] = {}
+    seen: set[int] = set()
+    waiting, least = [element], 0
+    while waiting:
+        one = waiting.pop()
+        if id(one) in seen:
+            continue
+        seen.add(id(one))
+        if one.is_kept:
+            if short_of(one) is None:
+                assert one._recipe is not None
+                waiting += one._recipe.parts
+            continue
+        for base, exponent in form(one).powers:
+            if isinstance(base, Sum):
+                size = sum(max(len(powers), 1) for _, powers in base.terms)
+                above = exponent > 0
+                # It is written once at least, unless what stands on both sides cancels.
+                if base not in sides:
+                    sides[base], least = above, least + size
+                elif sides[base] is not None and sides[base] is not above:
+                    sides[base], least = None, least - size
+        check_parts(least, f"more than {least:,}")
 
 
 def _terms(element: Element) -> Iterator[object]:

@@ -13,7 +13,7 @@ from flint import Ordering, fmpq, fmpq_mpoly_ctx
 
 import geomtorsion as gt
 from geomtorsion.errors import AllowanceError
-from geomtorsion.exact import Field
+from geomtorsion.exact import Field, parse_expression
 from geomtorsion.exact.factoring import (
     OtherProcess,
     factored,
@@ -47,6 +47,31 @@ def test_here_and_apart(degree, apart):
     plain_content, plain = product.factor()
     assert content == plain_content
     assert factors == [(factor, int(exponent)) for factor, exponent in plain]
+
+
+LINEAR = {
+    "one coefficient is one term": "x**2*y + 3*x*y**2*w - x**3 - 5",
+    "coefficients without a common factor": "(x + y)*w + x**2 - 3*y",
+    "a common factor": "((x + y)*w + x**2 - 3*y)*(x - 2*y)",
+    "a common power": "-((x + y)*w + x**2 - 3*y)*(x - 2*y)**3/7",
+    "linear in two variables": "(x*y + 1)*(w*(x**2 + y**2) - y)*(x**2 - 2)",
+    "linear below the common factor": "(x*w + y + 1)*(x*v - 2*y)*(y**2 + 2)**2",
+    "divided by a variable": "x*(x*w + y)",
+}
+
+
+@pytest.mark.parametrize("text", LINEAR.values(), ids=LINEAR.keys())
+def test_what_is_linear_in_a_variable_has_the_factors_that_flint_finds(text):
+    """They follow from the common divisor of its coefficients."""
+    ring = fmpq_mpoly_ctx.get(["v", "w", "x", "y"], Ordering.lex)
+    names = dict(zip("vwxy", ring.gens(), strict=True))
+    symbols = {name: sp.Symbol(name) for name in names}
+    terms = sp.Poly(sp.expand(parse_expression(text, symbols)), *symbols.values()).terms()
+    poly = ring.from_dict({m: fmpq(int(c.p), int(c.q)) for m, c in terms})
+    content, plain = poly.factor()
+    found, factors = factored(poly, FACTORED_HERE)
+    assert found == content
+    assert {str(f): e for f, e in factors} == {str(f): int(e) for f, e in plain}
 
 
 def test_a_process_that_ended_is_replaced():

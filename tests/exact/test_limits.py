@@ -8,6 +8,7 @@ import pytest
 import sympy as sp
 
 from geomtorsion.errors import LimitError
+from geomtorsion.exact import Field
 from geomtorsion.geometry import Frame, levi_civita
 from geomtorsion.spaces.files import read_file
 
@@ -110,6 +111,19 @@ def test_what_is_too_long_to_write_has_numbers():
     assert ricci.is_zero is False
     with pytest.raises(LimitError, match="parts would be written; the limit is"):
         _ = ricci.to_sympy()
+
+
+def test_what_is_far_too_long_is_not_written_before_it_is_refused():
+    """The sums that it is built of tell, before any of them is an expression of sympy."""
+    w, x, y, z = sp.symbols("w x y z")
+    field = Field([w, x, y, z])
+    power, w = field.read(1 + x + y + z) ** 35, field.symbol(w)
+    total = field.sum([(1, power + k * w, power - k * w) for k in range(1, 20)])
+    with pytest.raises(LimitError, match=r"an expression of more than 25\d,\d{3} parts would be"):
+        _ = total.sympy
+    # Below the limit nothing is refused.
+    one = field.sum([(1, power + w, power - w)])
+    assert one.sympy.subs({w.sympy: 2, x: 1, y: 1, z: -2}) == 1 - 4
 
 
 def test_the_largest_multiple_of_an_angle():

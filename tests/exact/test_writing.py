@@ -130,3 +130,24 @@ def test_long_quotients_have_their_numbers():
         want = written.subs(place).evalf(40)
         have = element.evaluate(place, precision=120)
         assert abs(have - want) < sp.Float(10) ** -30 * abs(want)
+
+
+ORDERED = {
+    "symbols and powers": "x**2*y + 3*x*y**2 - x/2 + 7 - y*r**3 + x*y*r",
+    "functions": "x*sin(x)*cos(y) + sin(x)**3 - 2*cos(y)*y + log(x)*sin(x) - 1/3 + cosh(r)*x",
+    "derivatives": "f(r)*x**2 + g(r)*x - 3*f(r)**2 + y*g(r) - f(r)*g(r)*cos(x) + x",
+}
+
+
+@pytest.mark.parametrize("text", ORDERED.values(), ids=ORDERED.keys())
+@pytest.mark.parametrize("slope", [False, True], ids=["itself", "derivative"])
+def test_sums_and_products_stand_in_the_order_of_sympy(text, slope):
+    """So that they are equal to what sympy makes of them, also where others were written before."""
+    field = Field([x, y, r])
+    element = field.read(parse_expression(text, {"x": x, "y": y, "r": r}))
+    _ = (element * element).sympy
+    shown = (element.diff(r) if slope else element).sympy
+    assert shown.args == shown.func(*shown.args).args
+    for part in sp.preorder_traversal(shown):
+        if isinstance(part, sp.Add | sp.Mul):
+            assert part == part.func(*part.args)
