@@ -48,7 +48,7 @@ def _parts(
     """Pairs (d poly / d generator, d generator / d symbol) that are not zero."""
     found = []
     pairs = zip(field.generators, poly.degrees(), strict=True)
-    names = [generator for generator, degree in pairs if degree and symbol in generator.depends]
+    names = [generator for generator, degree in pairs if degree > 0 and symbol in generator.depends]
     if not names:
         return []
     # A derivative may add generators (jets): all of them first, then one common ring.

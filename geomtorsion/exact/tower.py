@@ -296,7 +296,8 @@ class Tower(ABC):
         """The generators that occur in an element."""
         built = leaves(element) if element.is_kept else (element,)
         polys = [p for x in built for p in (self.lift(x), *(self.factors[k] for k, _ in x._den))]
-        degrees = zip(*(poly.degrees() for poly in polys), strict=True)
+        # The polynomial 0 has degrees of -1.
+        degrees = zip(*(poly.degrees() for poly in polys if poly), strict=True)
         return [g for g, here in zip(self.generators, degrees, strict=False) if any(here)]
 
     # Sums, products and denominators.
