@@ -43,10 +43,10 @@ class Parts:
         """The places, those of the parts included."""
         new = dict.fromkeys(part for part in parts if part not in self.places)
         if new:
-            ordered = [_ORDER(part) for part in self.places]
+            ordered = list(self.places)
             for part in new:
-                insort(ordered, _ORDER(part))
-            self.places = {key.obj: k for k, key in enumerate(ordered)}
+                insort(ordered, part, key=_ORDER)
+            self.places = {part: k for k, part in enumerate(ordered)}
         return self.places
 
 

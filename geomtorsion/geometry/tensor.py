@@ -108,11 +108,8 @@ class Tensor:
     def __getitem__(self, index: SupportsIndex | tuple[SupportsIndex, ...]) -> sp.Expr:
         """One component as a sympy expression; nothing else is computed."""
         place = self._checked(index if isinstance(index, tuple) else (index,))
-        return self._expression(place)
-
-    def _expression(self, index: Index) -> sp.Expr:
-        """Component as sympy, through its representative, so that it is converted once."""
-        sign, representative = self.components.representative(index)
+        # Through its representative, so that it is converted once.
+        sign, representative = self.components.representative(place)
         value = self.components.get(representative) if sign else None
         if value is None:
             return sp.S.Zero
@@ -132,12 +129,9 @@ class Tensor:
 
     def nonzero(self) -> dict[Index, sp.Expr]:
         """All components that do not vanish: index -> sympy expression."""
-        components, found = self.components, {}
-        for index in components.support:
-            sign, representative = components.representative(index)
-            value = components.independent[representative].sympy
-            found[index] = value if sign > 0 else -value
-        return found
+        own = {index: value.sympy for index, value in self.components.independent.items()}
+        places = ((i, *self.components.representative(i)) for i in self.components.support)
+        return {i: own[first] if sign > 0 else -own[first] for i, sign, first in places}
 
     @cached_property
     def is_zero(self) -> bool | None:
