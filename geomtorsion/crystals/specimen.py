@@ -8,7 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 import scipy  # loads its parts when they are asked for
 
-from geomtorsion.crystals.frames import Frame, fitted, neighbours_of, refined, sampled
+from geomtorsion.crystals.frames import (
+    NEIGHBOURS,
+    Frame,
+    fitted,
+    neighbours_of,
+    occupied,
+    refined,
+    sampled,
+)
 from geomtorsion.crystals.grains import quaternion_of
 from geomtorsion.crystals.lattices import LATTICES, Lattice
 from geomtorsion.crystals.local_frames import clear_misfit, local_frames, symmetry_of
@@ -52,10 +60,18 @@ class Specimen:
         """Distance of neighbours in the frame, coordinates."""
         return self.frame.lattice.nearest * self.frame.constant
 
-    def neighbours(self, atoms: np.ndarray) -> Neighbours:
+    def neighbours(self, atoms: np.ndarray, count: int = MOST) -> Neighbours:
         """Numbers of the nearest neighbours of some atoms and the vectors to them."""
         reach = 2 * METHOD.width * self.nearest
-        return neighbours_of(self.places, self.cell, MOST, atoms, reach)
+        return neighbours_of(self.places, self.cell, count, atoms, reach)
+
+    def occupied(self, atoms: np.ndarray) -> np.ndarray:
+        """Which of some atoms have another one at every neighbour vector of the frame."""
+        found = np.zeros(len(atoms), dtype=bool)
+        for start in range(0, len(atoms), METHOD.together):
+            part = slice(start, start + METHOD.together)
+            found[part] = occupied(self.frame, self.neighbours(atoms[part], NEIGHBOURS)[1])
+        return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,12 +272,20 @@ def is_lost(
     longest = np.linalg.norm(vectors[:, frame.lattice.shells - 1], axis=1)
     found = longest < reach_of_shells(frame)
     far = 2 * METHOD.width * specimen.nearest
-    counts = []
-    for chosen in (places[held], places):
-        points, _, _ = cell.with_ghosts(chosen, far)
+
+    def around(chosen: np.ndarray) -> np.ndarray:
+        points, _, _ = cell.with_ghosts(places[chosen], far)
         tree = scipy.spatial.cKDTree(points)
-        counts.append(tree.query_ball_point(places[atoms[found]], far, return_length=True))
-    found[found] = counts[0] < METHOD.share * counts[1]
+        return tree.query_ball_point(places[atoms[found]], far, return_length=True)
+
+    every = np.ones(len(places), dtype=bool)
+    found[found] = around(held) < METHOD.share * around(every)
+    if found.any():
+        # Noise brings other atoms among the nearest: of a crystal the places are occupied still.
+        odd = np.flatnonzero(~held)
+        some = held.copy()
+        some[odd] = specimen.occupied(odd)
+        found[found] = around(some) < METHOD.share * around(every)
     return found
 
 

@@ -79,9 +79,10 @@ def test_partials_that_are_put_in_come_out(lattice, height):
 PAIRS = {"screw": ((2, -1, -1), (1, -2, 1)), "sixty": ((2, -1, -1), (1, 1, -2))}
 
 
-@pytest.mark.parametrize("percent", [0, 5])
 @pytest.mark.parametrize("line", PAIRS)
-@pytest.mark.parametrize("lattice", ["fcc", "diamond"])
+@pytest.mark.parametrize(
+    ("lattice", "percent"), [("fcc", 0), ("fcc", 5), *(("diamond", x) for x in (0, 5, 8))]
+)
 def test_a_dislocation_is_two_partials(lattice, line, percent):
     """A screw in two partials of 30 degrees, one of 60 degrees in those of 30 and 90; of diamond
     in its glide set. Each with its b where it was put; without the option one line, the sum."""

@@ -11,6 +11,7 @@ from geomtorsion.crystals.specimen import share_of_lattices
 from geomtorsion.crystals.triangulation import Cell
 from geomtorsion.errors import CrystalError
 from tests.crystals.polycrystals import amorphous, filled
+from tests.crystals.synthetic import with_line
 
 
 def shares(places, size):
@@ -47,3 +48,14 @@ def test_a_crystal_in_a_glass_is_counted():
     inside = (np.linalg.norm(ball, axis=1) < 2.9).sum()
     assert inside < found["fcc"] * len(places) < 1.1 * len(ball)
     assert max(found[name] for name in ("bcc", "diamond")) < 0.02
+
+
+def test_noise_is_no_region_without_a_lattice():
+    """In diamond with 8 % noise few atoms fit: their third shell mixes with the second. All places
+    of neighbours are occupied still, and the screw in it is found."""
+    places, cell = with_line("diamond", (0.5, 0.5, 0), (9, 9, 3), 0.3)
+    noise = np.random.default_rng(0).normal(size=places.shape)
+    moved = places + 0.08 * LATTICES["diamond"].nearest * noise
+    crystal = Crystal(moved, cell, (False, False, True))
+    assert crystal.grains.is_single
+    assert [line.kind for line in crystal.dislocations().lines] == ["periodic"]
