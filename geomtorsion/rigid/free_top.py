@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -56,7 +57,8 @@ def tilted(momentum: NDArray[Any], precession: NDArray[Any], top: Constants) -> 
 
 
 FULL = 4 * math.pi  # quaternions come back after two turns
-WIDE = 1e75  # products of four moments or rates between 1/WIDE and WIDE are doubles
+# Products of four moments or rates between 1/WIDE and WIDE are doubles.
+WIDE = 10.0 ** (sys.float_info.max_10_exp // 4)
 # Beyond so many half periods doubles no longer tell one from the next.
 FLIPS = 0.5 / EPS
 

@@ -272,6 +272,21 @@ def test_bad_input_is_refused(moments, omega, quaternion, error, words):
         free_top(moments, omega, quaternion)
 
 
+@pytest.mark.parametrize("unit", [4e76, 1e-76])
+@pytest.mark.parametrize("rate", [4e76, 1.0, 1e-76])
+def test_moments_and_rates_of_any_size(unit, rate):
+    """As long as products of four are doubles a top is that of units of one; beyond it is none."""
+    moments, omega, times = np.array([1, 1.6, 2.1]), np.array([0.3, 1, 0.2]), np.array([0.0, 1, 7])
+    top = free_top(tuple(unit * moments), tuple(rate * omega))
+    expected = free_top(tuple(moments), tuple(omega)).quaternion(times)
+    assert top.quaternion(times / rate) == pytest.approx(expected, abs=4e-15)
+    for far in (1.1e77, 0.9e-77):
+        with pytest.raises(StartError, match=r"beyond 1e\+77 or its inverse"):
+            free_top((far, far, far), tuple(omega))
+        with pytest.raises(StartError, match=r"beyond 1e\+77 or its inverse"):
+            free_top((1, 1, 1), (far, 0, 0))
+
+
 def test_bad_times_are_refused():
     top = free_top((1, 2, 3), (0.1, 1, 0.2))
     with pytest.raises(TimeError, match="not finite"):
