@@ -161,6 +161,9 @@ def _checked(form: ClosedForm, last: float) -> tuple[float, float]:
         error = gap + solved.error + ROUNDING
         if error <= scene.accuracy:
             return error, compiled
+        if gap > scene.accuracy:
+            # Known better than that, the motion is another one, however little of it is looked at.
+            break
     return math.inf, compiled
 
 

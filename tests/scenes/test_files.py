@@ -97,6 +97,17 @@ def test_all_kinds_of_bodies_and_effects_are_written(tmp_path):
     assert read_file(path).with_values(name="") == scene
 
 
+@pytest.mark.parametrize(("count", "lines"), [(14, 1), (15, 17)])
+def test_how_long_lines_of_lists_are(count, lines, tmp_path):
+    """One of 88 characters stands on one line, one of 94 has a line for each entry."""
+    times = [k + 0.5 for k in range(10, 10 + count)]
+    scene = Scene(Body(moments=(1, 1, 2)), (), State(omega=(0, 0, 1)), t=times)
+    write_file(scene, tmp_path / "scene.toml")
+    written = (tmp_path / "scene.toml").read_text("utf-8")
+    part = written[written.index("t = [") : written.index("]", written.index("t = [")) + 1]
+    assert len(part.splitlines()) == lines
+
+
 @pytest.mark.parametrize(
     ("lines", "says"),
     [

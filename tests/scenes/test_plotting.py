@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from matplotlib.image import imread
 
 from geomtorsion.errors import SceneError
 from geomtorsion.ode import RungeKutta
@@ -87,9 +88,11 @@ def test_everything_about_a_run_in_one_place(tmp_path):
 
 
 def test_pictures_are_not_large(tmp_path):
-    """None above 250 kB."""
+    """None above 250 kB, and none narrower than 600 points."""
     for path in write_run(load("free_symmetric_top").run(), tmp_path):
         assert path.stat().st_size < 250_000, path.name
+        if path.suffix == ".png":
+            assert imread(path).shape[1] > 600, path.name
 
 
 def test_accuracy_costs_what_it_costs():

@@ -129,6 +129,25 @@ def test_a_closed_form_without_values_is_not_believed(monkeypatch):
     assert np.abs(found["omega"] - right["omega"]).max() < 1e-9
 
 
+def test_how_many_turns_of_a_closed_form_are_checked(monkeypatch):
+    """One place in each of 32, however long the motion is: one that is wrong at 25 is found out."""
+    t = 40 * 2 * np.pi / np.sqrt(14)
+    scene = gt.Scene(gt.Body(moments=(1, 2, 2.5)), [], gt.State(omega=(1, 2, 3)), ["omega"], t=t)
+    states, asked = ClosedForm.states, []
+
+    def wrong_at_last(form, times):
+        asked.append(times)
+        found = np.array(states(form, times))
+        found[np.asarray(times) > 25 / 40 * t] += 1e-3
+        return found
+
+    monkeypatch.setattr(ClosedForm, "states", wrong_at_last)
+    assert scene.run().closed_form is None
+    checked = next(times for times in asked if len(times) < 65)
+    assert checked[[1, -1]] == pytest.approx([t / 40, 32 / 40 * t])
+    assert len(checked) == 33
+
+
 def test_estimates_of_closed_forms_are_close():
     """However little is asked for, the check of a closed form is accurate to 1e-9."""
     result = gt.scenes.load("dzhanibekov").with_values(accuracy=1e-3).run()
