@@ -128,7 +128,8 @@ def _where_singular(
     )
 
 
-# Points that are worked out at once: what stands between stays in the cache of the processor.
+# Points that are worked out at once: what stands between stays in the cache of the processor, and
+# no bit of a result depends on it.
 BLOCK = 8192
 
 # What makes a value anew where balls do not: (output, point) -> value, or None.

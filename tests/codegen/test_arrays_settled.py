@@ -9,6 +9,8 @@ import sympy as sp
 from scipy.spatial.transform import Rotation
 
 from geomtorsion import numpy_function
+from geomtorsion.codegen import graph
+from geomtorsion.codegen.arrays import Settled
 from geomtorsion.errors import SingularPointError
 from geomtorsion.exact import Field
 from geomtorsion.geometry import Frame, cartan, levi_civita
@@ -138,3 +140,16 @@ def test_most_points_are_left_as_they_are():
     found, plain = function(*points), loose(*points)
     assert (found == plain).mean() > 0.999
     np.testing.assert_allclose(plain, found, rtol=1e-9, atol=1e-15)
+
+
+@pytest.mark.parametrize("block", [1, 7, 10**6])
+def test_blocks_of_any_size(block, monkeypatch):
+    """How many points are worked out at once changes no bit."""
+    x, y = sp.symbols("x y")
+    made = graph(["x", "y"], [x**2 - y, sp.sin(x) * y])
+    points = np.random.default_rng(4).normal(size=(2, 5, 9))
+    values, doubtful = Settled(made)(*points)
+    monkeypatch.setattr("geomtorsion.codegen.arrays.BLOCK", block)
+    again, others = Settled(made)(*points)
+    assert (again == values).all()
+    assert (others == doubtful).all()

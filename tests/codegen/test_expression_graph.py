@@ -395,3 +395,19 @@ def test_text_becomes_a_function_once():
     text = "def values(a0): return (atan2(a0, 1.0),)"
     assert compiled(text, "floats") is compiled(text, "floats")
     assert compiled(text, "floats")(1.0) == compiled(text, "arrays")(1.0) == (math.pi / 4,)
+
+
+@pytest.mark.parametrize(("gap", "certain"), [(2.0**-47, True), (2.0**-49, False)])
+def test_what_is_above_rounding(gap, certain):
+    """The terms of 1 - x are two in all: less than eight roundings of that has no sign."""
+    made = graph(["x"], [1 - x]).above_rounding()
+    assert (made.python()(1 - gap)[0] > 0) is certain
+
+
+@pytest.mark.parametrize("longest", [5, 100])
+def test_statements_of_any_length(longest, monkeypatch):
+    """Where code is cut into statements changes no bit."""
+    term = sp.Add(*(sp.sin(k * x) / (k + y) for k in range(1, 30)))
+    values = graph(["x", "y"], [term]).python()(0.7, 1.3)
+    monkeypatch.setattr("geomtorsion.codegen.printers._LONGEST_PIECE", longest)
+    assert graph(["x", "y"], [term]).python()(0.7, 1.3) == values

@@ -244,3 +244,40 @@ def test_numbers_are_written_exactly():
     assert made.python_source().endswith("return (0.25*a0, (1.0/3.0)*a0,)")
     details = {step.detail for step in made.steps if step.kind == "number"}
     assert details == {Fraction(1, 4), Fraction(1, 3)}
+
+
+def drawn_sums(seed):
+    """Three sums of five terms each: products, squares and quotients."""
+    pick = random.Random(seed).choice
+    powers = dict.fromkeys((x, y, z), (0, 0, 1, 1, 2, -1))
+
+    def term():
+        factors = (symbol ** pick(powers.get(symbol, (0, 0, 1))) for symbol in SYMBOLS)
+        return pick([1, 1, 2, 3]) * sp.Mul(*factors)
+
+    return [sp.Add(*(term() for _ in range(5))) for _ in range(3)]
+
+
+def series_cost(seed):
+    """What the graph of these sums costs on series, by the costs that were measured."""
+    made, total = graph(NAMES, drawn_sums(seed), ["a", "b"]), 0
+    for step in made.steps:
+        if step.kind in COSTS and not step.constant:
+            scaled = any(made.steps[place].constant for place in step.operands)
+            total += COSTS["scale"] if scaled else COSTS[step.kind]
+    return total
+
+
+COSTS = {"product": 100, "square": 40, "quotient": 130, "scale": 10}
+MOVED = [("PRODUCT", 10), ("PRODUCT", 1000), ("SQUARE", 4), ("SQUARE", 400), ("QUOTIENT", 13)]
+MOVED += [("QUOTIENT", 1300), ("SCALE", 100)]
+
+
+def test_costs_of_operations_pay(monkeypatch):
+    """With any of them ten times as large, or small, sums would be made that cost more."""
+    seeds = range(12)
+    cost = sum(map(series_cost, seeds))
+    for name, value in MOVED:
+        with monkeypatch.context() as patch:
+            patch.setattr(f"geomtorsion.codegen.sums.{name}", value)
+            assert sum(map(series_cost, seeds)) > cost, name
