@@ -81,7 +81,11 @@ PAIRS = {"screw": ((2, -1, -1), (1, -2, 1)), "sixty": ((2, -1, -1), (1, 1, -2))}
 
 @pytest.mark.parametrize("line", PAIRS)
 @pytest.mark.parametrize(
-    ("lattice", "percent"), [("fcc", 0), ("fcc", 5), *(("diamond", x) for x in (0, 5, 8))]
+    ("lattice", "percent"),
+    [
+        *(pytest.param(name, 0, marks=pytest.mark.slow) for name in ("fcc", "diamond")),
+        *(("fcc", 5), ("diamond", 5), ("diamond", 8)),
+    ],
 )
 def test_a_dislocation_is_two_partials(lattice, line, percent):
     """A screw in two partials of 30 degrees, one of 60 degrees in those of 30 and 90; of diamond

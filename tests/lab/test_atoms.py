@@ -51,9 +51,9 @@ def test_bonds_are_neighbours(name: str):
     assert set(count[inner]) <= {3, 4, 5}
 
 
-def test_a_crystal_is_clicked(lab: Watched):
+def test_a_crystal_is_clicked(standing: Watched):
     """In a browser: a circuit of one's own by four clicks and by arrow keys; it fits a phone."""
-    page = lab.tab("Loops")
+    page = standing.tab("Loops")
     frame: Any = page.frame_locator("#atoms iframe")
     said = frame.locator("#said")
     frame.locator("#example").click()

@@ -9,6 +9,7 @@ from urllib.parse import parse_qs, urlencode, urlsplit
 import numpy as np
 
 from geomtorsion import Frame, Loop, burgers_vector, exercises, spaces
+from geomtorsion.lab.space_info import typable
 from geomtorsion.lab.views import TABS
 from tests.browser import Watched
 
@@ -35,6 +36,13 @@ def blank(lab: Watched) -> Any:
     page.wait_for_selector("#torsion .zero")
     page.get_by_label("row 2, dy").wait_for()
     return page
+
+
+def as_at_first(standing: Watched) -> None:
+    """Choose the first tetrad again, and wait until the address tells of nothing else."""
+    page = standing.tab("Any tetrad")
+    page.get_by_label("start from").select_option(label=next(iter(typable())))
+    page.wait_for_url(lambda url: parse_qs(urlsplit(url).query).keys() <= {"tab"})
 
 
 def too_wide(page: Any) -> list[Any]:
@@ -66,16 +74,17 @@ def test_tabs_load_and_fit_a_phone(lab: Watched):
     assert hosts == {"127.0.0.1"}
 
 
-def test_a_tetrad_is_typed(lab: Watched):
+def test_a_tetrad_is_typed(standing: Watched):
     """Polar coordinates over a blank tetrad: the torsion is the library's; then a singular one."""
-    page = blank(lab)
+    page = blank(standing)
     fraction = page.locator("#torsion mfrac").first
-    lab.typed({"coordinates": "r, phi", "row 2, dφ": "r"}, fraction)
+    standing.typed({"coordinates": "r, phi", "row 2, dφ": "r"}, fraction)
     r, phi = (spaces.load("flat_polar").frame.coordinates[k] for k in (0, 1))
     assert str(Frame([r, phi], [[1, 0], [0, r]]).quantity("torsion")[0, 1, 1]) == "1/(2*r)"
     assert fraction.evaluate("e => [...e.children].map(x => x.textContent)") == ["1", "2r"]
     # What is no single entry's fault stands above the result.
-    lab.typed({"row 2, dφ": "0"}, page.get_by_text("coframe is singular"))
+    standing.typed({"row 2, dφ": "0"}, page.get_by_text("coframe is singular"))
+    as_at_first(standing)
 
 
 def test_a_bad_tetrad_shows_its_error(standing: Watched):
@@ -189,10 +198,10 @@ def test_a_link_with_nonsense_opens_the_page(watched: Watched, address: str):
     watched.tab("The top").wait_for_selector("#top-plan table")
 
 
-def test_labels_follow_the_coordinates(lab: Watched):
+def test_labels_follow_the_coordinates(standing: Watched):
     """Coordinates with other names: each field has its new label, and keeps what was typed."""
-    page = blank(lab)
-    lab.typed({"row 1, dx": "2"}, page.locator("#metric mn", has_text="4"))
+    page = blank(standing)
+    standing.typed({"row 1, dx": "2"}, page.locator("#metric mn", has_text="4"))
     field = page.get_by_label("coordinates", exact=True)
     field.fill("u, v, w")
     page.get_by_label("row 3, dw", exact=True).wait_for()
@@ -204,6 +213,7 @@ def test_labels_follow_the_coordinates(lab: Watched):
     page.get_by_label("row 3, dw1", exact=True).wait_for()
     page.keyboard.type("2")
     page.get_by_label("row 3, dw12", exact=True).wait_for()
+    as_at_first(standing)
 
 
 def test_unknown_functions_have_a_field(lab: Watched):

@@ -45,7 +45,7 @@ def truth(name, times):
 
 @every_engine
 @pytest.mark.parametrize("name", problems())
-@pytest.mark.parametrize("accuracy", [1e-6, 1e-9, 1e-12])
+@pytest.mark.parametrize("accuracy", [1e-6, pytest.param(1e-9, marks=pytest.mark.slow), 1e-12])
 def test_error_and_its_estimate(engine, name, accuracy):
     """The true error is below the accuracy; the estimate is between 0.1 and 100 times it."""
     problem = problems()[name]
