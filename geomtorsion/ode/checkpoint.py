@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from geomtorsion.ode.solution import Problem
 
 FORMAT = 2
-# Writing may take this part of the time.
+# Writing may take this part of the time; how often it is done changes no result.
 SHARE = 0.1
 _FIELDS = ("steps", "evaluations", "outcome", "reason", "compile_seconds", "run_seconds")
 # No run has more steps than a day of a core could take.

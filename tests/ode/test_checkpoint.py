@@ -11,6 +11,7 @@ import pytest
 
 from geomtorsion.errors import CheckpointError
 from geomtorsion.ode import ODE, At, RungeKutta, Stiff, Taylor, solve
+from geomtorsion.ode.checkpoint import Checkpoint
 from geomtorsion.ode.numbers import PARTS
 from tests.ode.engines import every_engine, needs_heyoka
 
@@ -160,3 +161,21 @@ def test_between_the_times(tmp_path):
     at = np.linspace(0, 10, 37)
     assert sol.at(at).states == pytest.approx(plain.at(at).states, abs=1e-7)
     assert sol.event_times("w1") == pytest.approx(plain.event_times("w1"), abs=1e-7)
+
+
+@pytest.mark.parametrize(("share", "least", "most"), [(0.0, 1, 3), (1e9, 2 * PARTS, 200)])
+def test_how_often_it_is_written(share, least, most, tmp_path, monkeypatch):
+    """Once at the end, or with every part: that decides about time, and about nothing else."""
+    written = []
+
+    def in_a_second(checkpoint):
+        """Writing of a large file."""
+        written.append(checkpoint)
+        checkpoint._took = 1.0
+
+    monkeypatch.setattr(Checkpoint, "write", in_a_second)
+    monkeypatch.setattr("geomtorsion.ode.checkpoint.SHARE", share)
+    found = solve(top(), 10.0, 1e-7, RungeKutta(), checkpoint=tmp_path / "run.npz")
+    assert least <= len(written) <= most
+    monkeypatch.undo()
+    assert same(found, solve(top(), 10.0, 1e-7, RungeKutta(), checkpoint=tmp_path / "other.npz"))
