@@ -6,6 +6,7 @@ it by turns would each restore what the other had set, for good.
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,6 +17,9 @@ import mpmath
 
 # The distance from 1 to the next double; rounding changes a number by half of it at most.
 EPS = sys.float_info.epsilon
+# Half of the digits of a double: an error below this share may be rounding that grew on its way, as
+# under a root or in a quotient, one above it is none.
+HALF = math.sqrt(EPS)
 # By so much numbers printed with seven digits may miss what they should be: what is nearer is taken
 # for rounded, what is farther for a mistake.
 PRINTED = 1e-6

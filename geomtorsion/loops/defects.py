@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     from geomtorsion.exact.generators import Generator
     from geomtorsion.geometry import Connection, Frame
 
-# A loop as small as this share of the distance to the nearest other defect measures one alone.
+# A loop as small as this share of the distance to the nearest other defect measures one alone; to a
+# smaller one less smooth torsion adds, but rounding takes more digits of it.
 ALONE = 0.25
 SHAPES = {0: "point", 1: "line", 2: "surface"}
 
@@ -278,7 +279,7 @@ def charge(
     Parameters
     ----------
     near
-        A loop about it: the circle has a share of its size and lies at its height.
+        A loop about it: the circle has a quarter of its size, or less, and lies at its height.
 
     Raises
     ------

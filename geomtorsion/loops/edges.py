@@ -15,7 +15,7 @@ from geomtorsion.loops.complexes import Complex
 from geomtorsion.loops.defects import find_defects, lines_alone
 from geomtorsion.loops.forms import Form, Forms, forms
 from geomtorsion.loops.integrals import line_route
-from geomtorsion.loops.poles import NEAR_POLE, SAMPLES, refuse_poles
+from geomtorsion.loops.poles import SAMPLES, refuse_poles, steep
 from geomtorsion.loops.quadrature import PIECE, ROUNDING, cut, gauss_pair, graded, halved
 from geomtorsion.loops.validation import rows
 from geomtorsion.loops.winding import nearest
@@ -28,8 +28,9 @@ if TYPE_CHECKING:
 
 # Most edges are so short that fewer points of Gauss than Kronrod's are enough.
 POINTS = (4, 7)
-# Lines nearer than this share of an edge make a peak that these points may miss.
-NEAR = 1 / 16
+# Nearer than half a step between these points, as share of an edge, lines make a peak that they may
+# miss: it is twice as wide as the line is far.
+NEAR = 1 / (2 * max(POINTS))
 
 
 @dataclass(frozen=True, eq=False)
@@ -261,12 +262,7 @@ def _near_other_poles(
     for begin in range(0, len(starts), together):
         low, high = starts[begin : begin + together].T, ends[begin : begin + together].T
         points = low[:, :, None] + (high - low)[:, :, None] * s
-        values = poles.values(points.reshape(len(points), -1)).reshape(-1, low.shape[1], SAMPLES)
-        sizes = np.abs(values)
-        near = ~(sizes.min(axis=2) >= NEAR_POLE * sizes.max(axis=2))
-        if not np.iscomplexobj(values):
-            near |= (values.min(axis=2) < 0) & (values.max(axis=2) > 0)
-        found.append(begin + np.flatnonzero(near.any(axis=0)))
+        found.append(begin + np.flatnonzero(steep(poles, points)))
     return np.concatenate(found)
 
 

@@ -25,6 +25,7 @@ from geomtorsion.loops.quadrature import (
     ray_rule,
     refined,
 )
+from geomtorsion.precision import HALF
 
 # Two routes disagree when they differ by more than this many times their errors together.
 DISAGREE = 30
@@ -32,8 +33,6 @@ DISAGREE = 30
 EVERY = 5
 # Gauss points along the rays of a cone: pairs that are compared, the next if they disagree.
 RAYS = ((4, 6), (6, 10), (10, 16), (16, 26), (26, 42))
-# What rounding of angles leaves of a period, in digits: half of those of a double.
-PERIODIC = float(np.sqrt(np.finfo(float).eps))
 # An integral whose error is this share of what is summed does not converge at all.
 DIVERGES = 1e-2
 
@@ -349,7 +348,7 @@ def refuse_other_periods(forms: Forms, part: Part) -> None:
     one = forms.coframe.at(here)
     two = forms.coframe.at(here + part.size * gap)
     missed = np.abs(two - one).max()
-    if missed > PERIODIC * np.abs(one).max():
+    if missed > HALF * np.abs(one).max():
         raise LoopError(
             f"the loop closes modulo {shown(part.size * gap[:, 0])}, but there the coframe differs "
             f"by {missed:.3g}: it does not have this period. Use develop, which counts the turn of "

@@ -19,7 +19,7 @@ from geomtorsion.loops.chains import ClosedCurve, Shape, Square
 from geomtorsion.loops.forms import Forms, forms
 from geomtorsion.loops.integrals import Places, agreement, by_levels
 from geomtorsion.loops.loop import Loop
-from geomtorsion.loops.poles import NEAR_POLE
+from geomtorsion.loops.poles import steep
 from geomtorsion.loops.quadrature import PIECE
 from geomtorsion.progress import PATIENCE, bar
 
@@ -254,17 +254,9 @@ class _Family:
 
     def _near_poles(self, places: Places) -> np.ndarray:
         """Loops on which a denominator of the coframe comes close to zero, shape (k,)."""
-        count = len(places.sizes)
         if self.forms.poles is None:
-            return np.zeros(count, dtype=bool)
-        points = places.points(self.shape.rim(2).points)
-        values = self.forms.poles.values(points.reshape(len(points), -1))
-        values = values.reshape(len(values), count, -1)
-        sizes = np.abs(values)
-        near = ~(sizes.min(axis=2) >= NEAR_POLE * sizes.max(axis=2))
-        if not np.iscomplexobj(values):
-            near |= (values.min(axis=2) < 0) & (values.max(axis=2) > 0)
-        return near.any(axis=0)
+            return np.zeros(len(places.sizes), dtype=bool)
+        return steep(self.forms.poles, places.points(self.shape.rim(2).points))
 
     def _alone(self, result: _Values, k: int, centre: np.ndarray, axes: np.ndarray) -> int:
         """One loop that the rules for many could not settle, and points evaluated."""

@@ -12,14 +12,22 @@ from geomtorsion.precision import CALCULATED
 
 # A denominator goes with the square of the distance; as a share of its largest value on an arc:
 ZERO = CALCULATED**2
-# Where a denominator falls below this share of its largest value, a loop is looked at by itself.
-NEAR_POLE = 0.05
 # Places on an arc at which denominators are looked at first: those of the coarsest rule.
 SAMPLES = equidistant(0, 0)
-# Where a denominator is flat within this share of itself, its minimum is found.
-FLAT = 0.9
-# A peak as narrow as this share of a step between samples escapes rules with few points.
-NARROW = 0.25
+
+
+def steep(poles: Poles, points: np.ndarray) -> np.ndarray:
+    """On which of many curves a denominator doubles from one place to the next, or is zero between.
+
+    A peak that is narrower than the steps between the places shows in this way; shape (curves,).
+    points: places in order along each curve, shape (n, curves, k).
+    """
+    values = poles.values(points.reshape(len(points), -1)).reshape(-1, *points.shape[1:])
+    one, two = np.abs(values[..., 1:]), np.abs(values[..., :-1])
+    found = ~(2 * np.minimum(one, two) >= np.maximum(one, two))
+    if not np.iscomplexobj(values):
+        found |= values[..., 1:] * values[..., :-1] < 0
+    return found.any(axis=(0, 2))
 
 
 def refuse_poles(poles: Poles | None, part: Part) -> tuple[tuple[int, float], ...]:
@@ -59,7 +67,7 @@ def refuse_poles(poles: Poles | None, part: Part) -> tuple[tuple[int, float], ..
                         f"vanishes and the {poles.owner} has no finite value. "
                         "Lead it past that point."
                     )
-                cuts += [(number, cut) for cut in graded(place, width, NARROW / count)]
+                cuts += [(number, cut) for cut in graded(place, width / 2, 1 / (2 * count))]
     return tuple(cuts)
 
 
@@ -72,9 +80,9 @@ def _is_pole(poles: Poles, part: Part, arc: Arc, place: float) -> bool:
 
 
 def _dips(sizes: np.ndarray) -> np.ndarray:
-    """Places of the local minima that are not flat already."""
+    """Places of the local minima below half of a value beside them."""
     before, here, after = sizes[:-2], sizes[1:-1], sizes[2:]
-    deep = here < FLAT * np.maximum(before, after)
+    deep = 2 * here < np.maximum(before, after)
     return np.flatnonzero((here <= before) & (here <= after) & deep) + 1
 
 
@@ -83,7 +91,7 @@ def _minimum(
 ) -> tuple[float, float]:
     """Where denominator k is smallest between two values of s, and how wide it is there.
 
-    The width is 0 where it vanishes.
+    The width is 0 where it vanishes; elsewhere it is below twice that over which it doubles.
     """
     while True:
         s = np.linspace(low, high, 9)
@@ -94,6 +102,6 @@ def _minimum(
         # An interval as short as the rounding of s ends the search as well.
         if np.abs(row[best]) <= ZERO * largest or crosses or width < NARROWEST:
             return place, 0.0
-        if np.abs(row[best]) > FLAT * np.abs(row).max():
+        if 2 * np.abs(row[best]) > np.abs(row).max():
             return place, width
         low, high = s[max(best - 1, 0)], s[min(best + 1, 8)]

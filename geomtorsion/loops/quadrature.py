@@ -10,6 +10,7 @@ from functools import cache
 import numpy as np
 
 from geomtorsion.loops.arcs import Arc, at_arcs
+from geomtorsion.precision import HALF
 
 # From offsets and slopes, shape (n, k) each, to values of shape (m, k).
 Integrand = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -20,10 +21,10 @@ Sampler = Callable[[np.ndarray, np.ndarray], np.ndarray]
 # and one level of a rule a few.
 PIECE = 2**15
 MOST_POINTS, MOST_AT_ONCE = 1024 * PIECE, 4 * PIECE
-# Each level of a rule has 1.6 times the points of the one before, shifted by the golden section
-# of a step: no frequency hides from both.
-GROWTH = 1.6
-SHIFT = (3 - math.sqrt(5)) / 2
+# Each level of a rule has more points than the one before by the golden ratio, shifted by the golden
+# section of a step: no frequency hides from both.
+GROWTH = (1 + math.sqrt(5)) / 2
+SHIFT = 2 - GROWTH
 # Beyond some 100 times the points that the curve needs, the integrand has a narrow peak, and
 # halving intervals is cheaper.
 LEVELS = 11
@@ -31,8 +32,6 @@ LEVELS = 11
 ROUNDING = 4 * float(np.finfo(float).eps)
 # Intervals shorter than this, as share of an arc, have ends that rounding moves too much.
 NARROWEST = 64 * ROUNDING
-# Errors of an interval below this share of its integral that halving does not reduce are rounding.
-SMALL = 1e-8
 
 # Kronrod's 15 nodes on (0, 1) with the 7 of Gauss among them (QUADPACK, routine qk15).
 KRONROD_NODES = (
@@ -307,7 +306,8 @@ def cut(
 def graded(place: float, width: float, step: float) -> list[float]:
     """Cuts in (0, 1) on both sides of a narrow peak: from its width on, each twice as far.
 
-    step: how far apart points of a rule are that would not miss a peak of this width or more.
+    width: how far from its top it has half its height. step: half the way between two points of a
+    rule, which would not miss a peak of this width or more.
     """
     if width >= step:
         return []
@@ -371,7 +371,7 @@ def halved(
         new_values, new_errors, new_sizes = _panels(sampler, rule, owners, starts, halves)
         # Halving that helps no more, where the error is small, has met rounding.
         pairs = new_errors.reshape(-1, 2).sum(axis=1)
-        rounded = (pairs > errors[bad] / 2) & (pairs < SMALL * new_sizes.reshape(-1, 2).sum(axis=1))
+        rounded = (pairs > errors[bad] / 2) & (pairs < HALF * new_sizes.reshape(-1, 2).sum(axis=1))
         points += len(rule.nodes) * len(owners)
         good = ~bad
         owner, low = np.append(owner[good], owners), np.append(low[good], starts)

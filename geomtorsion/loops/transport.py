@@ -11,7 +11,8 @@ import numpy as np
 from geomtorsion.errors import LoopError
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Arc, at_arcs, shown
-from geomtorsion.loops.quadrature import MOST_AT_ONCE, NARROWEST, PIECE, ROUNDING, SMALL, intervals
+from geomtorsion.loops.quadrature import MOST_AT_ONCE, NARROWEST, PIECE, ROUNDING, intervals
+from geomtorsion.precision import HALF
 
 # From offsets and slopes, shape (n, k), to omega (k, n, n) and theta (k, n).
 Integrand = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -85,7 +86,7 @@ def transported(
             accuracy * total * waiting.width[:, None] / len(arcs), 4 * ROUNDING * waiting.size
         )
         slow = (found > before / GAIN) & (before > earlier / GAIN)
-        stalled = slow & (found <= SMALL * waiting.size)
+        stalled = slow & (found <= HALF * waiting.size)
         good = np.asarray(((found <= allowed) | stalled).all(axis=1))
         narrow = ~good & (waiting.width < NARROWEST)
         if narrow.any() or len(waiting.owner) > MOST_AT_ONCE or not np.isfinite(found).all():

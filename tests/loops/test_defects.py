@@ -19,6 +19,7 @@ from geomtorsion.loops import (
     parallel_edges,
     parallel_screws,
 )
+from geomtorsion.loops.defects import charge
 
 LINES = [(0, 0), (1, 0), (0, "1/2")]
 STEPS = [1, -2, sp.sqrt(2)]
@@ -222,3 +223,23 @@ def test_a_near_miss_still_has_a_winding_number() -> None:
     assert Loop.circle([1 + 1e-9, 0, 0], 1).winding([0, 0, 0]) == 0
     with pytest.raises(LoopError, match="passes through the axis"):
         Loop.circle([1, 0, 0], 1).winding([0, 0, 0])
+
+
+@pytest.mark.parametrize(("size", "gap"), [(1, 3), (12, 1)])
+def test_a_charge_is_measured_on_a_quarter_of_what_is_free(size, gap):
+    """Smooth torsion adds no more than it has on a circle a quarter as large; rounding next to
+    nothing, though the line is far from the origin and its denominator cancels there."""
+    x, y, z = sp.symbols("x y z", real=True)
+    u, twist = x - sp.Rational("10.1"), sp.Rational("0.1")
+    lines = [b / (2 * sp.pi * ((u - at) ** 2 + y**2)) for at, b in ((0, 1), (gap, 5))]
+    along = [u - at for at in (0, gap)]
+    entries = (
+        -y * (lines[0] + lines[1] + twist / 2),
+        along[0] * (lines[0] + twist / 2) + along[1] * lines[1],
+        1,
+    )
+    frame = Frame([x, y, z], [[1, 0, 0], [0, 1, 0], entries])
+    one = next(line for line in find_defects(frame) if line.point[0] == sp.Rational("10.1"))
+    found = charge(cartan(frame), one, Loop.circle([10.1, 0, 0], size)).burgers[2]
+    free = min(size, gap)
+    assert found - 1 == pytest.approx(0.1 * np.pi * (free / 4) ** 2, rel=1e-5)

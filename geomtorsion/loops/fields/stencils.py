@@ -11,11 +11,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy  # loads its parts when they are asked for
 
+from geomtorsion.precision import HALF
+
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-# A place this near to a node, in steps, is at the node: rounding of a loop's own coordinates.
-SLACK = 1e-9
+# A place this near to a node, in steps, is at the node: coordinates of a loop are rounded, and steps
+# are small beside those of a grid far from the origin.
+SLACK = HALF
 
 
 def lagrange(count: int, t: np.ndarray) -> np.ndarray:
