@@ -13,6 +13,7 @@ import mpmath
 import numpy as np
 import scipy  # loads its parts when they are asked for
 import sympy as sp
+from mpmath.libmp import prec_to_dps
 
 from geomtorsion import checks
 from geomtorsion.accuracy.cost import ACCURACIES, LONG_ENOUGH
@@ -22,7 +23,7 @@ from geomtorsion.loops.arcs import exact_number
 from geomtorsion.loops.exact_integral import pieces, pulled_back
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.integrals import flux_at, line_at
-from geomtorsion.precision import working_digits
+from geomtorsion.precision import CONSTANT_BITS, working_digits
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
@@ -32,7 +33,8 @@ POINTS = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)
 RULES = ("trapezoid", "Gauss", "Clenshaw-Curtis", "scipy.quad", "flux", "burgers_vector")
 # Points on a ray from the centre, as the flux rule takes them at first.
 RAYS = integrals.RAYS[0][1]
-DIGITS = 50
+# Some fifty: whatever a double has, and what cancels on the way.
+DIGITS = prec_to_dps(CONSTANT_BITS)
 Nodes = Callable[[int], tuple[np.ndarray, np.ndarray]]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import replace
@@ -17,13 +18,14 @@ from geomtorsion.exercises.limits import ANSWER, MOST, check_constants
 from geomtorsion.exercises.notation import written_out
 from geomtorsion.exercises.question import advice, example, shown_name
 from geomtorsion.pictures.text import expression_text
+from geomtorsion.precision import CALCULATED
 
 if TYPE_CHECKING:
     from geomtorsion.exercises.compare import Index, Value
     from geomtorsion.exercises.question import Question
 
 # Digits of a number that is written.
-DIGITS = 12
+DIGITS = round(-math.log10(CALCULATED))
 # What is written by hand grows when all its signs are put in.
 _WRITTEN_OUT = replace(ANSWER, characters=3 * ANSWER.characters)
 
@@ -170,7 +172,7 @@ def without_rounding(value: Value) -> dict[Index, Any]:
     {(0,): 0.5}
     """
     largest = max((abs(float(x)) for x in value.values()), default=0.0)
-    return {key: x for key, x in value.items() if abs(float(x)) > 10**-DIGITS * largest}
+    return {key: x for key, x in value.items() if abs(float(x)) > CALCULATED * largest}
 
 
 def component_text(value: object) -> str:

@@ -12,6 +12,7 @@ from geomtorsion.checks import expression
 from geomtorsion.errors import ExpressionError, GeomtorsionError, LimitError
 from geomtorsion.exercises.limits import check_weight
 from geomtorsion.exercises.numeric import DIGITS, at_point, at_points, at_points_with_size
+from geomtorsion.precision import HALF
 
 if TYPE_CHECKING:
     from geomtorsion.exercises.domain import Domain, Point
@@ -25,15 +26,10 @@ _INVERSE = (
     sympy.asin, sympy.acos, sympy.atan, sympy.acot, sympy.atan2, sympy.asinh, sympy.acosh,
     sympy.atanh, sympy.log,
 )  # fmt: skip
-# Floats closer than this are looked at exactly; it decides nothing by itself.
-NEAR = 1e-7
-# What rounding can do to a float, relative to the largest number on the way, and where that ends.
-ROUNDING = 1e-9
-TOO_LARGE = 1e6
-# What no answer needs on its way, beyond what occurs in the solution.
-BEYOND = 1e120
 # Half of the digits may have cancelled on the way; what differs in the others is different.
 SURE = 10.0 ** (-DIGITS // 2)
+# What no answer needs on its way, beyond what occurs in the solution: more digits would cancel.
+BEYOND = 1 / SURE
 
 
 def compare(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> str:
@@ -116,7 +112,8 @@ def _near(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> tuple[list[bool],
     """At each point where both have a value, whether it is the same; and how much larger the
     numbers on the way to the first become than those on the way to the second.
 
-    Floats tell where they differ by more than rounding can do; else many digits are taken.
+    Floats tell where they differ by more than half of their digits, and no number on the way is so
+    large that one over a difference of two such may have lost more; else many digits are taken.
     """
     firsts, sizes = at_points_with_size(one, domain.columns)
     seconds, others = at_points_with_size(two, domain.columns)
@@ -127,8 +124,9 @@ def _near(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> tuple[list[bool],
         # Where the second is beyond all floats, the first may be so.
         beyond = max(beyond, size / max(other, 1.0)) if math.isfinite(other) else beyond
         difference = _size(first - second)
-        near = difference <= NEAR * (1 + _size(first) + _size(second)) < math.inf
-        if near or (ROUNDING * largest < difference < math.inf and largest < TOO_LARGE):
+        # What is near is looked at exactly.
+        near = difference <= HALF * (1 + _size(first) + _size(second)) < math.inf
+        if near or (HALF * largest < difference < math.inf and HALF * largest * largest < 1):
             found.append(near)
         else:
             settled = _settled(point, one, two)

@@ -12,7 +12,7 @@ import sympy
 from sympy.core.relational import Relational
 
 from geomtorsion.exact import Field
-from geomtorsion.geometry.sampling import candidate_points
+from geomtorsion.geometry.sampling import FINE, candidate_points
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
@@ -20,9 +20,6 @@ if TYPE_CHECKING:
 Point = Mapping[sympy.Symbol, sympy.Rational]
 # As many points decide where in the domain an answer is right; each exact decision is its own.
 POINTS = 24
-# Points have large denominators: at small fractions two symbols may coincide, and with them two
-# expressions that differ everywhere else.
-FINENESS = 10**12
 LETTERS = dict(
     zip(
         "alpha beta gamma delta epsilon theta lambda mu nu rho sigma tau phi chi psi omega "
@@ -69,7 +66,7 @@ class Domain:
     @cached_property
     def points(self) -> tuple[Point, ...]:
         """Places all over the domain, always the same ones."""
-        return tuple(islice(candidate_points(self.symbols, (), self.relations, FINENESS), POINTS))
+        return tuple(islice(candidate_points(self.symbols, (), self.relations, FINE), POINTS))
 
     @property
     def places(self) -> tuple[Point, ...]:

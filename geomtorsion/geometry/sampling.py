@@ -11,11 +11,16 @@ import sympy as sp
 
 from geomtorsion import checks
 from geomtorsion.errors import CoordinateError
+from geomtorsion.precision import EPS
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Element
 
+# So many points are tried, in ranges that become ten times as wide on the way.
 TRIES = 400
+# As fine as doubles: at small fractions two symbols may coincide, and with them two expressions that
+# differ everywhere else.
+FINE = round(1 / EPS)
 # Fractional parts of multiples of their square roots fill a cube evenly.
 PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67, 71)
 
@@ -63,7 +68,7 @@ def candidate_points(
     several = [relation for relation in relations if len(relation.free_symbols) > 1]
     for number in range(TRIES):
         # Domains far from the origin are reached by wider and wider ranges.
-        stretch = 1 + number // 40
+        stretch = 1 + 10 * number // TRIES
         point = {}
         for k, symbol in enumerate(symbols):
             root = math.sqrt(PRIMES[k % len(PRIMES)]) * (number + 1 + k // len(PRIMES))

@@ -22,7 +22,7 @@ from geomtorsion.errors import (
 from geomtorsion.exact import Element, Field
 from geomtorsion.exact.twins import counted_as
 from geomtorsion.geometry.matrices import dependence, determinant
-from geomtorsion.geometry.sampling import Point, candidate_points, domain_relations
+from geomtorsion.geometry.sampling import FINE, Point, candidate_points, domain_relations
 
 Matrix = dict[tuple[int, int], Any]
 Coordinates = Sequence[sp.Symbol] | Sequence[str] | str
@@ -67,7 +67,7 @@ def opened(
     chosen = {root.xreplace(twins): value.xreplace(twins) for root, value in chosen.items()}
     # The same generic point decides every sign that a root leaves open.
     # Without a domain the field looks for a point where its radicands are positive.
-    points = candidate_points(symbols, constants, relations, fineness=10**12)
+    points = candidate_points(symbols, constants, relations, fineness=FINE)
     sample = next(points, None) if relations else None
     if sample is None and relations:
         raise CoordinateError(

@@ -86,3 +86,22 @@ def test_large_numbers_on_the_way_to_a_large_solution():
     assert compare(Domain((x,)), power + 1, power) == DIFFERENT
     with pytest.raises(LimitError, match="beyond all size"):
         compare(DOMAIN, x * power / (x**2 + 20 * x + 100) ** 300, x)
+
+
+@pytest.mark.parametrize(("power", "taken"), [(90, True), (112, False)])
+def test_how_large_numbers_on_the_way_may_be(power, taken):
+    """A hundred digits may cancel, no more."""
+    answer = x * (x + 10) ** power / (x**2 + 20 * x + 100) ** (power // 2)
+    if taken:
+        assert compare(DOMAIN, answer, x) == EQUAL
+    else:
+        with pytest.raises(LimitError, match="beyond all size"):
+            compare(DOMAIN, answer, x)
+
+
+def test_floats_decide_nothing_that_rounding_may_have_done():
+    """A quotient by a difference and a root of one lose more than the digits of their own size."""
+    quotient = 1 / ((x + 300) ** 2 - x**2 - 600 * x - 90000 + sp.Rational(1, 10**5))
+    assert compare(DOMAIN, quotient, sp.Integer(10**5)) == EQUAL
+    small = sp.Rational(1, 10**9) * (x + 3)
+    assert compare(DOMAIN, sp.sqrt((1 + small) ** 2 - 1 - 2 * small), small) == EQUAL

@@ -57,3 +57,17 @@ def test_how_large_a_value_may_become(exponent, known):
     found = at_point(sp.Integer(2) ** x, {x: sp.Rational(exponent)})
     assert (found is not None) == known
     assert found is None or mpmath.mag(found.real) == exponent + 1
+
+
+@pytest.mark.parametrize(("cancelled", "known"), [(190, True), (210, False)])
+def test_how_many_digits_there_are(cancelled, known):
+    """So many digits of two hundred may cancel until none is left."""
+    small = sp.Rational(1, 10**cancelled)
+    found = at_point(sp.exp(small * x) - 1, {x: sp.Rational(1, 2)})
+    assert (abs(found / small - 0.5) < 1e-5) == known
+
+
+@pytest.mark.parametrize(("size", "known"), [(199, True), (201, False)])
+def test_how_large_an_angle_may_be(size, known):
+    """A sine of a larger angle has lost so many digits that fewer than those compared are left."""
+    assert (at_point(sp.sin(x), {x: sp.Integer(2) ** size}) is not None) == known
