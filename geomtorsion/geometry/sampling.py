@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 # So many points are tried, in ranges that become ten times as wide on the way.
 TRIES = 400
-# As fine as doubles: at small fractions two symbols may coincide, and with them two expressions that
-# differ everywhere else.
+# As fine as doubles: at small fractions two symbols may coincide, and with them two expressions
+# that differ everywhere else.
 FINE = round(1 / EPS)
 # Fractional parts of multiples of their square roots fill a cube evenly.
 PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67, 71)

@@ -29,11 +29,13 @@ from geomtorsion.precision import HALF
 
 # Two routes disagree when they differ by more than this many times their errors together.
 DISAGREE = 30
-# Every fifth node of the first level, or of the first intervals, is perturbed to see the rounding.
+# Every fifth node of the first level, or of the first intervals, is perturbed to see the rounding:
+# of fewer all may lie where there is little, more cost as much as a finer rule.
 EVERY = 5
 # Gauss points along the rays of a cone: pairs that are compared, the next if they disagree.
 RAYS = ((4, 6), (6, 10), (10, 16), (16, 26), (26, 42))
-# An integral whose error is this share of what is summed does not converge at all.
+# An integral whose error is this share of what is summed does not converge at all; of others that
+# did not reach the accuracy the error says so.
 DIVERGES = 1e-2
 
 

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+import scipy  # loads its parts when they are asked for
 
 from geomtorsion.errors import LimitError, NetworkError
 from geomtorsion.geometry import Frame
@@ -16,7 +17,7 @@ from geomtorsion.loops.cochain import Cochain, Cycle, CycleBurgers
 from geomtorsion.loops.edges import EdgeIntegrals, EdgeList, edge_integrals, edge_list
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.loop import Loop
-from geomtorsion.loops.node_rule import MOST_LISTED, NodeRule, node_rule
+from geomtorsion.loops.node_rule import NodeRule, node_rule
 from geomtorsion.loops.sampled import SampledFrame
 from geomtorsion.loops.spanning_forest import Forest
 
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 
 # networkx takes minutes for the minimum cycle basis of a graph with more edges.
 MINIMUM_BASIS_EDGES = 200
+# More cycles than this are not listed, which takes seconds: there are arrays for them.
+MOST_LISTED = 100_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,12 +141,14 @@ class Network:
     @property
     def cycle_count(self) -> int:
         """Number of independent cycles: edges - nodes + components."""
-        return len(self.forest.chords)
+        return len(self.edges.pairs) - len(self.edges.positions) + self.component_count
 
-    @property
+    @cached_property
     def component_count(self) -> int:
         """Number of connected components."""
-        return int(self.forest.root.max(initial=-1)) + 1
+        nodes, pairs = len(self.edges.positions), self.edges.pairs
+        table = scipy.sparse.coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(nodes, nodes))
+        return int(scipy.sparse.csgraph.connected_components(table, directed=False)[0])
 
     def cycles(self, basis: str = "fundamental") -> tuple[Cycle, ...]:
         """A basis of the cycles, each as its nodes in order.
@@ -163,13 +168,12 @@ class Network:
             return self._minimum_cycles()
         if basis != "fundamental":
             raise NetworkError(f"basis: 'fundamental' or 'minimum' was needed, but {basis!r} came.")
-        forest = self.forest
-        if len(forest.chords) > MOST_LISTED:
+        if self.cycle_count > MOST_LISTED:
             raise LimitError(
-                f"{len(forest.chords)} cycles are too many to list; the limit is {MOST_LISTED}. "
+                f"{self.cycle_count} cycles are too many to list; the limit is {MOST_LISTED}. "
                 "Use .forest, which has chords and closures as arrays."
             )
-        return tuple(self._around(int(chord)) for chord in forest.chords)
+        return tuple(self._around(int(chord)) for chord in self.forest.chords)
 
     def _around(self, chord: int) -> Cycle:
         """The fundamental cycle of an edge outside the forest: along it, and back in the forest."""

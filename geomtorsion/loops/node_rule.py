@@ -29,8 +29,6 @@ Face = tuple[Hashable, ...]
 Cell = tuple[Face, ...]
 # Nodes of faces: triangles as an array, others one by one.
 Corners = Sequence[np.ndarray] | np.ndarray
-# More cycles than this are not listed: there are arrays for them.
-MOST_LISTED = 100_000
 # Of each triangle and tetrahedron some ten points are evaluated.
 MOST_CELLS = MOST_POINTS // 8
 

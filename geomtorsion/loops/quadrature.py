@@ -17,12 +17,12 @@ Integrand = Callable[[np.ndarray, np.ndarray], np.ndarray]
 # From arcs by number, shape (p,), and s on each, shape (p, k), to values of shape (m, p, k).
 Sampler = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
-# Points that are evaluated at once, which fit in the cache; an integral may take many such pieces,
-# and one level of a rule a few.
+# Points that are evaluated at once, which fit in the cache: more or fewer change the time alone. An
+# integral may take many such pieces, and one level of a rule a few.
 PIECE = 2**15
 MOST_POINTS, MOST_AT_ONCE = 1024 * PIECE, 4 * PIECE
-# Each level of a rule has more points than the one before by the golden ratio, shifted by the golden
-# section of a step: no frequency hides from both.
+# Each level of a rule has more points than the one before by the golden ratio, shifted by the
+# golden section of a step: no frequency hides from both.
 GROWTH = (1 + math.sqrt(5)) / 2
 SHIFT = 2 - GROWTH
 # Beyond some 100 times the points that the curve needs, the integrand has a narrow peak, and

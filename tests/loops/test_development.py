@@ -271,3 +271,10 @@ def test_tiny_loops_are_the_flux_at_their_centre(general, radius):
     expected = _affine(rho[0], tau[0])
     assert np.abs(found - expected).max() < 20 * radius + 1e-14
     assert np.abs(expected).max() > 0.5
+
+
+def test_intervals_have_as_many_points_as_suit_nine_digits() -> None:
+    """With fewer in each there would be more intervals, with more each would cost more."""
+    loop = Loop.circle([0.3, 1, 0.2], 0.5)
+    found = develop(levi_civita(spaces.load("so3").frame), loop, 1e-9)
+    assert found.evaluations < 600

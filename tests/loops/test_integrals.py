@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import sympy as sp
+from scipy.special import iv
 
 from geomtorsion.accuracy.loops import reference
+from geomtorsion.errors import SingularPointError
 from geomtorsion.geometry import Frame
-from geomtorsion.loops import Loop, Network, burgers_vector
+from geomtorsion.loops import Loop, Network, burgers_vector, integrals
 from geomtorsion.loops.chains import ClosedCurve
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.integrals import Places, by_levels
@@ -92,3 +94,30 @@ def test_a_cycle_is_a_polygon() -> None:
         line = burgers_vector(frame, net.loop(cycle), parameters=values).check
         found = net.burgers(cycle)
         assert np.abs(found.vector - line.line).max() <= found.error + line.line_error
+
+
+@pytest.mark.parametrize(("most", "given"), [(6400, True), (3200, False)])
+def test_an_integral_that_converges_badly_is_given_or_refused(most, given, monkeypatch) -> None:
+    """Good to two digits, with an error that says so; or to one, and then it is none."""
+    frame = Frame([X, Y], [[1, 0], [sp.sin(300 * X * Y), 1]])
+    loop = Loop.polygon([[-1, -1], [1.3, 1], [1, -1.2]])
+    monkeypatch.setattr(integrals, "MOST_POINTS", most)
+    if given:
+        found = burgers_vector(frame, loop)
+        assert not found.reached
+        assert abs(found.vector[1] + 0.0694572847855) < found.error < 0.01
+    else:
+        with pytest.raises(SingularPointError, match="vary faster than can be resolved"):
+            burgers_vector(frame, loop)
+
+
+def test_rounding_is_probed_at_enough_places_and_not_at_more() -> None:
+    """Rounding is 3,000 times as large on one side of this loop as on the other.
+
+    With probes at three times as few places it would be missed, and then no rule is fine enough;
+    with probes at all of them, these alone would take the most.
+    """
+    frame = Frame([X, Y], [[1, 0], [0, sp.exp(4 * (10**6 - X))]])
+    found = burgers_vector(frame, Loop.circle([1e6, 0.1], 1.0))
+    assert abs(found.vector[1] + 2 * np.pi * iv(1, 4)) < found.error / 10
+    assert found.evaluations < 300

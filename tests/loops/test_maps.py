@@ -54,6 +54,13 @@ def test_small_circles_have_twice_torsion_times_area(so3: Frame) -> None:
         assert found.density[:, k] == pytest.approx(b, rel=1e-12, abs=1e-12)
 
 
+def test_small_circles_take_few_points_and_lose_nothing(so3: Frame) -> None:
+    """The first two levels are enough for circles of a hundredth; fewer points cost digits."""
+    found = burgers_vectors(so3, np.tile([0.3, 1, 0.2], (4, 1)), 0.01)
+    assert found.evaluations < 4 * 100
+    assert (found.errors < 1e-14 * np.abs(found.vectors).max(axis=0)).all()
+
+
 def test_a_map_finds_the_dislocation() -> None:
     """One cell encloses it; all cells together have the b of the loop round the grid."""
     for name, values in (

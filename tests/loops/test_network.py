@@ -173,6 +173,26 @@ def test_bad_graphs_are_refused(screws, spoil, message):
         _ = Network(screws, graph).edges
 
 
+def test_how_many_cycles_are_listed():
+    """Twenty thousand are; of a hundred thousand and one the message says where they are."""
+    flat = Frame(["x", "y"], [[1, 0], [0, 1]])
+    fan = Network(flat, wheel(20_000))
+    assert fan.cycles()[-1] == (20_000, 20_001, 0)
+    with pytest.raises(LimitError, match="100001 cycles are too many to list; the limit is 100000"):
+        Network(flat, wheel(100_001)).cycles()
+    ring = nx.cycle_graph(200)
+    nx.set_node_attributes(ring, {k: (k, k**2) for k in ring}, "position")
+    assert len(Network(flat, ring).cycles("minimum")[0]) == 200
+
+
+def wheel(cycles: int) -> EdgeList:
+    """So many triangles about one node."""
+    rim = np.arange(1, cycles + 2)
+    places = np.concatenate([[[0, 0]], np.stack([rim, np.ones_like(rim)], axis=1)])
+    spokes = np.stack([np.zeros_like(rim), rim], axis=1)
+    return EdgeList(places, np.concatenate([spokes, np.stack([rim[:-1], rim[1:]], axis=1)]))
+
+
 def test_bad_questions_are_refused(screws):
     """Cycles that are none, bases too large, cells that are open, parameters without a value."""
     net = Network(screws, grid_graph((15, 15), 0.2))

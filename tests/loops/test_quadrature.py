@@ -5,7 +5,7 @@ from math import gamma
 import numpy as np
 import pytest
 
-from geomtorsion.loops import Loop
+from geomtorsion.loops import Loop, quadrature
 from geomtorsion.loops.arcs import Ellipse
 from geomtorsion.loops.chains import ClosedCurve, Square
 from geomtorsion.loops.quadrature import Integrand, integrate, kronrod_rule, ray_rule, trapezoid
@@ -91,6 +91,27 @@ def test_a_narrow_peak_goes_to_gauss_and_kronrod() -> None:
     assert found.value[0] == pytest.approx(1 / (d * np.sqrt(1 + d * d)), rel=1e-9)
 
 
+@pytest.mark.parametrize(("d", "rule"), [(0.01, "trapezoid"), (0.005, "Gauss-Kronrod")])
+def test_how_narrow_a_peak_the_trapezoid_rule_takes(d: float, rule: str) -> None:
+    """One for which a hundred times its points are enough; halving is cheaper for others."""
+    found = integrate(CIRCLE, lambda x, v: 1 / (x[:1] ** 2 + d**2), 1e-9)
+    assert found.converged
+    assert found.rule.startswith(rule)
+    assert found.value[0] == pytest.approx(1 / (d * np.sqrt(1 + d * d)), rel=1e-9)
+
+
+@pytest.mark.parametrize(("noise", "settled"), [(2e-8, True), (1e-6, False)])
+def test_what_counts_as_rounding(noise: float, settled: bool) -> None:
+    """Where halving helps no more, what differs in the second half of the digits is rounding."""
+
+    def rough(x: np.ndarray, v: np.ndarray) -> np.ndarray:
+        return 1 + noise * np.sin(1e15 * x[:1])
+
+    found = integrate(TRIANGLE, rough, 1e-13, 0.0, 20000)
+    assert found.converged == settled
+    assert (found.points < 1000) == settled
+
+
 @pytest.mark.parametrize("integrand", [lambda x, v: 1 / x[:1], lambda x, v: 1 / (x[:1] - 0.3) ** 2])
 def test_poles_do_not_converge(integrand: Integrand) -> None:
     """It ends, and says where it was worst."""
@@ -104,3 +125,14 @@ def test_not_finite_values_never_count_as_converged() -> None:
     for bad in (np.inf, np.nan):
         found = integrate(CIRCLE, lambda x, v, bad=bad: np.full((1, x.shape[1]), bad), 1e-9, 0, 999)
         assert not found.converged
+
+
+@pytest.mark.parametrize("piece", [40, 2**20])
+def test_pieces_decide_nothing(piece: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """However many points are evaluated at once, the integral is the same."""
+    found = [integrate(arcs, lambda x, v: np.exp(9 * x), 1e-12) for arcs in (CIRCLE, TRIANGLE)]
+    monkeypatch.setattr(quadrature, "PIECE", piece)
+    again = [integrate(arcs, lambda x, v: np.exp(9 * x), 1e-12) for arcs in (CIRCLE, TRIANGLE)]
+    for one, two in zip(found, again, strict=True):
+        assert two.points == one.points
+        assert two.value == pytest.approx(one.value, rel=ROUNDED)

@@ -16,8 +16,8 @@ from geomtorsion.precision import HALF
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-# A place this near to a node, in steps, is at the node: coordinates of a loop are rounded, and steps
-# are small beside those of a grid far from the origin.
+# A place this near to a node, in steps, is at the node: coordinates of a loop are rounded, and
+# steps are small beside those of a grid far from the origin.
 SLACK = HALF
 
 

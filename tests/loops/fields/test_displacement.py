@@ -52,6 +52,14 @@ def test_cuts_in_strongly_bent_fields_are_found():
         assert np.abs(found.vector - [B, 0]).max() < 0.005 * B
 
 
+def test_cuts_in_short_waves_are_found():
+    """Waves of eight steps, as high as b: steps farther away say nothing of what is smooth."""
+    wave = np.array([B * np.sin(2 * np.pi * Y / (8 * (AXIS[1] - AXIS[0]))), 0 * X])
+    grid = SampledFrame.from_displacement([AXIS, AXIS], edge(X, Y) + wave)
+    found = grid.burgers(Loop.circle([0, 0], 2))
+    assert np.abs(found.vector - [B, 0]).max() < 0.1 * B
+
+
 def test_two_cuts_of_different_vectors():
     """Two dislocations with jumps of their own: both circuits, and the one round both."""
     u = edge(X - 1.31, Y - 0.9) + edge(X + 1.2, Y + 1.1, 0.4)[::-1]

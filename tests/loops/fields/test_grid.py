@@ -133,3 +133,16 @@ def test_how_equal_steps_have_to_be(off, taken):
     else:
         with pytest.raises(GridError, match="axis x: equal steps were needed, but step 4"):
             SampledFrame([axis, axis], values)
+
+
+@pytest.mark.parametrize(("beyond", "taken"), [(1e-9, True), (1e-6, False)])
+def test_what_is_rounding_of_a_place(beyond, taken):
+    """Half of the digits of a step may be lost far from the origin; farther out is outside."""
+    axis = 1e6 + np.arange(12.0)
+    values = np.broadcast_to(np.eye(2)[:, :, None, None], (2, 2, 12, 12))
+    grid, loop = SampledFrame([axis, axis], values), Loop.plaquette([1e6 - beyond] * 2, (11, 11))
+    if taken:
+        assert np.abs(grid.burgers(loop).vector).max() < 1e-9
+    else:
+        with pytest.raises(GridError, match="the loop leaves the grid"):
+            grid.burgers(loop)
