@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     Known = dict[str | int | tuple[str, int], Any]
     AtPoint = dict[int, Known]
 
+# Bits that one begins with beyond those asked for: with more or fewer the value is the same, and
+# twice as many are tried less or more often.
 _GUARD = 30
 # Expanded numerators cancel; precision is doubled up to this many bits until they agree.
 LARGEST_BITS = 2**12

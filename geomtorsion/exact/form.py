@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 Monomial = tuple[tuple["Generator", int], ...]
 
-# Longer polynomials are not rewritten with sin**2: it would cost more than it shortens.
-_LONGEST_REWRITTEN = 120
+# Longer polynomials are written as they are, neither factored nor rewritten with sin**2: that would
+# cost more than it shortens, and nobody reads them.
 LONGEST_FACTORED = 2000
 # A product of factors that is a sum of so few multiple angles is written as that sum.
 _FEW_WAVES = 4
@@ -108,7 +108,6 @@ def _made(element: Element) -> Form:
     table = radicals(field)
     polys: dict[str, fmpq_mpoly] = {}
     exponents: dict[str, int] = {}
-    # A long polynomial is written as it is: its factors would cost more than they explain.
     content, factors = (
         field.factored(num) if len(num) <= LONGEST_FACTORED else (fmpq(1), [(num, 1)])
     )
@@ -198,7 +197,7 @@ def _sum(field: Tower, table: Radicals, poly: fmpq_mpoly) -> tuple[Sum, int]:
         return Sum(tuple(multiple_angles(field, terms, high))), 1
     # Which of the three is shortest depends on the other terms: all are tried.
     for cos, sin, sign in table.partners:
-        if len(terms) <= _LONGEST_REWRITTEN and any(m[cos] > 1 for m in terms):
+        if len(terms) <= LONGEST_FACTORED and any(m[cos] > 1 for m in terms):
             others = (_paired(terms, cos, sin, sign), _rewritten(terms, cos, sin, sign))
             terms = min((terms, *others), key=len)
     # A sum with more minus than plus signs reads better with its sign outside.

@@ -10,6 +10,7 @@ from geomtorsion.errors import LimitError
 
 # Numbers of up to this many bits are factored in well under a second.
 _BITS = 150
+# Of larger ones the prime factors of up to this many bits are found.
 _SMOOTH_BITS = 30
 
 

@@ -18,9 +18,11 @@ if TYPE_CHECKING:
 
 # cos(n x) is a polynomial of degree n in cos(x).
 LARGEST_MULTIPLE = 1000
+# Terms of a power that is multiplied out, and pairs of terms in a product that is quickly done.
 LARGEST_POWER_TERMS = 1_000_000
 # Parts of an expression of sympy, which takes seconds to turn so many into text.
 LARGEST_WRITTEN = LARGEST_POWER_TERMS // 4
+# Pairs of terms in any product: more would take minutes, and fill the memory.
 LARGEST_PRODUCT = 30_000_000
 # A product of more pairs is not multiplied out before somebody asks for that: half a millisecond.
 # Numbers of what is multiplied out lose no digits where terms of a sum cancel.

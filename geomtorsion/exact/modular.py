@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from geomtorsion.exact.generators import Generator
     from geomtorsion.exact.tower import Tower
 
+# Of the primes: the chance that a zero is one by accident is far below that of a broken computer.
 _BITS = 256
 # The prime is one more than a multiple of this, so that roots of unity of all these orders and the
 # square roots of small whole numbers lie in it.

@@ -7,9 +7,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from flint import fmpq_mpoly, fmpq_mpoly_ctx
 
-# Above this many products a sum is added up pairwise, so that its cost stays n log n.
-_PAIRWISE = 24
-
 
 def lifted(ctx: fmpq_mpoly_ctx, poly: fmpq_mpoly, by: int) -> fmpq_mpoly:
     """A polynomial in a ring of `by` variables more, which come first."""
@@ -31,11 +28,8 @@ def product(one: fmpq_mpoly, two: fmpq_mpoly, pairs: int) -> fmpq_mpoly:
 
 
 def added(polys: list[fmpq_mpoly]) -> fmpq_mpoly:
-    """The sum of polynomials, pairwise where there are many."""
-    if len(polys) > _PAIRWISE:
-        half = len(polys) // 2
-        return added(polys[:half]) + added(polys[half:])
-    total = polys[0]
-    for poly in polys[1:]:
-        total = total + poly
-    return total
+    """The sum of polynomials, pairwise: of many long ones the cost stays n log n."""
+    if len(polys) == 1:
+        return polys[0]
+    half = len(polys) // 2
+    return added(polys[:half]) + added(polys[half:])

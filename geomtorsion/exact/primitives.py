@@ -8,16 +8,19 @@ angles in use and with the coordinates themselves.
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 import mpmath
 import sympy
 from flint import fmpq
+from mpmath.libmp import to_rational
 
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.constant_logarithms import ConstantLogarithms
 from geomtorsion.exact.generators import Branch, Generator
 from geomtorsion.exact.integers import prime_factors
+from geomtorsion.exact.limits import LARGEST_MULTIPLE
 from geomtorsion.exact.rational_basis import express
 from geomtorsion.precision import EXACT_BITS, working_precision
 
@@ -32,8 +35,6 @@ if TYPE_CHECKING:
 
 # Values at the generic point have 90 digits: what differs by less than this is equal.
 _CLOSE = mpmath.mpf(10) ** -70
-# Constants that are recognised: multiples of pi with a denominator up to this.
-_PARTS_OF_TURN = 48
 
 _SLOPES: dict[str, Callable[[Element], Element]] = {
     "atan": lambda u: (u * u + 1).inverse(),
@@ -268,12 +269,14 @@ class Primitives:
             if abs(rest) < size * _CLOSE:
                 return field.zero
             for number, scale in ((rest / mpmath.pi, sympy.pi), (mpmath.exp(rest), None)):
-                for q in range(1, _PARTS_OF_TURN + 1):
-                    p = mpmath.nint(number * q)
-                    if abs(number * q - p) < size * q * _CLOSE and p:
-                        ratio = sympy.Rational(int(p), q)
-                        exact = ratio * scale if scale is not None else sympy.log(ratio)
-                        return field.read(exact)
+                if mpmath.mag(number) > EXACT_BITS:
+                    continue
+                # With so many digits no fraction as short as this is near by chance.
+                near = Fraction(*to_rational(number._mpf_)).limit_denominator(LARGEST_MULTIPLE)
+                ratio = sympy.Rational(near.numerator, near.denominator)
+                if ratio and abs(number - mpmath.mpf(ratio.p) / ratio.q) < size * _CLOSE:
+                    exact = ratio * scale if scale is not None else sympy.log(ratio)
+                    return field.read(exact)
         return None
 
 

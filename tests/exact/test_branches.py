@@ -166,3 +166,9 @@ def test_negative_symbols():
     assert field.read(log(-2 * n) - log(2) - log(-n)).is_zero is True
     with pytest.raises(ExpressionError, match="negative"):
         field.read(log(n))
+
+
+def test_parts_of_a_turn_are_recognised():
+    """However small, where sines of them are known: nothing is left undecided."""
+    x = sp.Symbol("x", positive=True)
+    assert Field([x]).read(asin(sin(x + pi / 60))).sympy == x + pi / 60

@@ -9,6 +9,7 @@ import sympy as sp
 
 from geomtorsion.errors import LimitError
 from geomtorsion.exact import Field
+from geomtorsion.exact.limits import check_power
 from geomtorsion.geometry import Frame, levi_civita
 from geomtorsion.spaces.files import read_file
 
@@ -137,3 +138,12 @@ def test_the_largest_multiple_of_an_angle():
     assert entry(1000) == sp.cos(x) + sp.cos(1000 * x)
     with pytest.raises(LimitError, match="the multiple 1001 would be needed; the limit is 1000"):
         entry(1001)
+
+
+def test_the_highest_power_that_is_multiplied_out():
+    """A million terms, and no more."""
+    x, y = sp.symbols("x y", real=True)
+    base = Field([x, y]).read(x + y + 1)
+    check_power(base, 1412)
+    with pytest.raises(LimitError, match="the power 1413 of an expression of 3 terms"):
+        check_power(base, 1413)

@@ -1,0 +1,33 @@
+"""Evaluate: numbers of exact expressions, however much cancels."""
+
+from __future__ import annotations
+
+import pytest
+import sympy as sp
+
+from geomtorsion.errors import SingularPointError
+from geomtorsion.exact import Field, evaluate
+
+x, y = sp.symbols("x y", real=True)
+
+
+@pytest.mark.parametrize(("power", "known"), [(380, True), (600, False)])
+def test_how_much_may_cancel(power: int, known: bool) -> None:
+    """Twice 380 digits leave a value on which two precisions agree; of twice 600 none is left."""
+    element = Field([x]).read((sp.sqrt(x**2 + 1) - x) * x)
+    place = {x: sp.Integer(10) ** power}
+    if known:
+        assert element.evaluate(place) == 0.5
+    else:
+        with pytest.raises(SingularPointError, match="drowns in cancellation"):
+            element.evaluate(place)
+
+
+@pytest.mark.parametrize("bits", [1, 300])
+def test_bits_at_the_beginning_decide_nothing(bits: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same value, to the last bit, and the same zero."""
+    element = Field([x, y]).read((sp.sqrt(x**2 + 1) - x) * sp.exp(y) / 7)
+    place = {x: sp.Integer(10) ** 20, y: sp.Rational(1, 3)}
+    before = element.evaluate(place), element.evaluate(place, precision=90)
+    monkeypatch.setattr(evaluate, "_GUARD", bits)
+    assert (element.evaluate(place), element.evaluate(place, precision=90)) == before
