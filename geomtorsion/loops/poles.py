@@ -27,7 +27,7 @@ def steep(poles: Poles, points: np.ndarray) -> np.ndarray:
     found = ~(2 * np.minimum(one, two) >= np.maximum(one, two))
     if not np.iscomplexobj(values):
         found |= values[..., 1:] * values[..., :-1] < 0
-    return found.any(axis=(0, 2))
+    return np.asarray(found.any(axis=(0, 2)))
 
 
 def refuse_poles(poles: Poles | None, part: Part) -> tuple[tuple[int, float], ...]:
