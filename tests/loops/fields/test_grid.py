@@ -140,7 +140,8 @@ def test_what_is_rounding_of_a_place(beyond, taken):
     """Half of the digits of a step may be lost far from the origin; farther out is outside."""
     axis = 1e6 + np.arange(12.0)
     values = np.broadcast_to(np.eye(2)[:, :, None, None], (2, 2, 12, 12))
-    grid, loop = SampledFrame([axis, axis], values), Loop.plaquette([1e6 - beyond] * 2, (11.0, 11.0))
+    grid = SampledFrame([axis, axis], values)
+    loop = Loop.plaquette([1e6 - beyond] * 2, (11.0, 11.0))
     if taken:
         assert np.abs(grid.burgers(loop).vector).max() < 1e-9
     else:
