@@ -9,7 +9,7 @@ import pytest
 import sympy as sp
 
 from geomtorsion import checks
-from geomtorsion.errors import GridError, LoopError, ShapeError, StartError
+from geomtorsion.errors import GridError, LimitError, LoopError, ShapeError, StartError
 from geomtorsion.exact import Field
 
 X = sp.Symbol("x")
@@ -241,3 +241,17 @@ def test_words_and_texts():
     for value in ("abcd", 3, b"abc", None):
         with pytest.raises(LoopError, match="name: a text was needed"):
             checks.text(value, "name", LoopError, longest=3)
+
+
+@pytest.mark.parametrize(("length", "whole"), [(190, True), (210, False)])
+def test_how_long_a_shown_value_is(length, whole):
+    """Two hundred characters; of longer ones the middle is left out."""
+    text = "a" * length
+    assert (checks.cut(text) == text) == whole
+
+
+def test_how_many_numbers_there_is_room_for():
+    """Two gigabytes of doubles."""
+    checks.check_room(249_000_000, "t", "Give fewer.")
+    with pytest.raises(LimitError, match="limit is 2 GB"):
+        checks.check_room(251_000_000, "t", "Give fewer.")

@@ -2,7 +2,7 @@
 
 import time
 
-from geomtorsion.cli.terminal import working, wrapped
+from geomtorsion.cli.terminal import some_rows, working, wrapped
 from tests.screen import watched
 
 
@@ -31,3 +31,9 @@ def test_without_a_terminal_nothing_is_shown(capsys):
     with working("so3") as progress:
         progress("solving")
     assert capsys.readouterr().err == ""
+
+
+def test_how_many_rows_are_shown():
+    """Nine, the first and the last among them; fewer where there are fewer."""
+    assert len(some_rows(9)) == len(some_rows(10)) == len(some_rows(1000)) == 9
+    assert some_rows(1000)[-1] == 999

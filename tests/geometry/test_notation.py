@@ -101,3 +101,15 @@ def test_places_that_are_none(polar, where, message):
         polar.metric.table(where=where)
     with pytest.raises(ArgumentError, match="every"):
         polar.metric.table(every="yes")
+
+
+def test_how_many_components_are_shown() -> None:
+    """Twelve as text and sixty as a formula; the others are counted."""
+    q = sp.symbols("q1:7", real=True)
+    frame = Frame(q, (sp.exp(sum(q)) * sp.eye(6)).tolist())
+    symbols = levi_civita(frame).coefficients
+    count = len(symbols.components.independent)
+    assert count > 60
+    assert str(symbols).count(" = ") == 12
+    assert f"and {count - 12} more independent components" in str(symbols)
+    assert symbols._repr_latex_().count("&=") == 60
