@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 # Names of the values of an index, and values that are chosen: {index: value}.
 Names = str | Sequence[str]
 Where = Mapping[int, int | str]
-# Components that are written one by one, as text and as formulas; more fill the screen, and of others
-# their number is given.
+# Components that are written one by one, as text and as formulas; more fill the screen, and of
+# others their number is given.
 SHOWN = 12
 SHOWN_LATEX = 60
 
