@@ -104,10 +104,11 @@ class ElementMatrix:
             return self.applied(point, column)[:, 0].tolist()
         numbers = {name: mpf(x, bits) for name, x in point.items()}
         factors = [mpf(x, bits) for x in vector]
+        shared: dict[str, object] = {}
         with working_precision(bits):
             total: list[Real] = [mpmath.mpf(0)] * self.shape[0]
             for (i, j), element in self.entries.items():
-                total[i] += element.evaluate(numbers, bits) * factors[j]
+                total[i] += element.evaluate(numbers, bits, shared) * factors[j]
         return total
 
 

@@ -150,12 +150,16 @@ def _expanded(
 
 
 class Norms:
-    """The denominators with roots met so far, each with conjugates and norm."""
+    """The denominators with roots met so far, each with conjugates and norm.
+
+    units: those whose norm is a number, such as sqrt(x**2 + 1) + x, without a minus.
+    """
 
     def __init__(self, field: Tower) -> None:
         self.level: int = field.level
         self.count: int = len(field.rooted)
         self.table: list[tuple[list[fmpq_mpoly], Denominator]] = []
+        self.units: list[fmpq_mpoly] = []
         seen: set[str] = set()
         for element in field.rooted:
             for factor, _ in field.factored(field.lift(element))[1]:
@@ -189,6 +193,8 @@ class Norms:
             powers[index] = powers.get(index, 0) + exponent
         if powers:
             self.table.append((conjugates, tuple(sorted(powers.items()))))
+        elif not _mixed(factor):
+            self.units.append(factor)
 
 
 def norms(field: Tower) -> Norms:
@@ -204,7 +210,7 @@ def roots_restored(element: Element) -> tuple[fmpq_mpoly, Denominator, Below]:
     field = element.field
     num, den = field.lift(element), element._den
     below: Below = {}
-    if not field.rooted or not den:
+    if not field.rooted:
         return num, den, below
     # Whole norms first; what several inverses share, or one of them in part, may be left.
     for whole in (True, False):
@@ -218,11 +224,27 @@ def roots_restored(element: Element) -> tuple[fmpq_mpoly, Denominator, Below]:
                 den = _without(den, part)
                 if divisor.leading_coefficient() < 0:
                     num, divisor = -num, -divisor
-                key = str(divisor)
-                below[key] = (divisor, below.get(key, (None, 0))[1] + 1)
+                _enter_below(below, divisor)
         if whole and den and not below and (found := _reciprocal(field, num, den)) is not None:
             return field.ctx.constant(1), (), {str(found): (found, 1)}
+    for unit in norms(field).units:
+        # sqrt(x**2 + 1) - x has no right digit for large x; 1/(sqrt(x**2 + 1) + x) has them all.
+        while _mixed(num) and len(product := field.reduced(num * unit)) < len(num):
+            num = product
+            _enter_below(below, unit)
     return num, den, below
+
+
+def _mixed(poly: fmpq_mpoly) -> bool:
+    """Whether terms of both signs are there, which may cancel."""
+    signs = {value > 0 for value in poly.coeffs()}
+    return len(signs) == 2
+
+
+def _enter_below(below: Below, divisor: fmpq_mpoly) -> None:
+    """Notes one more factor with roots below the line."""
+    key = str(divisor)
+    below[key] = (divisor, below.get(key, (None, 0))[1] + 1)
 
 
 def _shared(den: Denominator, powers: Denominator, whole: bool) -> Denominator:

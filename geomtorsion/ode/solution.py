@@ -194,9 +194,12 @@ class Solution:
         shape: tuple[int, ...],
     ) -> Moment:
         bits = self.trajectory.engine.precision
-        if self.accuracy >= DOUBLE and bits > 53:
-            pieces, bits = [(one, np.asarray(x).astype(float)) for one, x in pieces], 53
-        return self.problem.moment(times, pieces, shape, bits)
+        found = self.problem.moment(times, pieces, shape, bits)
+        if self.accuracy < DOUBLE or bits == 53:
+            return found
+        # Rounded at last: what is read off rounded states may have lost all of its digits.
+        rounded = {name: np.asarray(x).astype(float) for name, x in found.values.items()}
+        return replace(found, values=rounded)
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A state, coordinate, velocity or output by name, shape (m,) or (m, k).

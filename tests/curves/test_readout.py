@@ -15,7 +15,7 @@ from geomtorsion.geometry import Frame, cartan
 from geomtorsion.ode import RungeKutta, SavedSolution, Taylor, solve
 from geomtorsion.ode.engines import taylor
 from geomtorsion.spaces import load
-from tests.ode.engines import every_engine
+from tests.ode.engines import every_engine, needs_heyoka
 
 SO3 = load("so3").frame
 PROBLEM = autoparallel(cartan(SO3), [0.3, 1.0, 0.2], [0.1, 0.5, -0.2])
@@ -177,3 +177,17 @@ def test_dense_output_may_be_worse_than_the_times():
     gap = np.abs(states - np.array(known[1](times), dtype=float)).max()
     assert gap > 1.5 * sol.error
     assert 0.5 * gap < sol.error_between < 20 * gap
+
+
+@needs_heyoka
+def test_velocities_are_read_off_before_states_are_rounded():
+    """sqrt(y**2 + 1) - 1 keeps few digits of y, and those of its double are not enough."""
+    x, y = sp.symbols("x y", real=True)
+    frame = Frame([x, y], [[sp.sqrt(y**2 + 1) - 1, 0], [0, 1]])
+    problem = autoparallel(cartan(frame), [0, 1e-6], frame_velocity=[1e-12, 1e-6])
+    sol = solve(problem, 4.0, 1e-9, Taylor(113))
+    place = 1e-6 * (1 + sol.times)
+    exact = 1e-12 * (np.sqrt(place**2 + 1) + 1) / place**2
+    assert sol.velocity.dtype == float
+    assert sol.velocity[:, 0] == pytest.approx(exact, rel=1e-9)
+    assert sol.error_of("velocity") < 1e-9

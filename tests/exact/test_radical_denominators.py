@@ -7,6 +7,7 @@ import sympy as sp
 
 from geomtorsion.curves import autoparallel, geodesic
 from geomtorsion.geometry import Frame, cartan, levi_civita
+from geomtorsion.geometry.numpy_functions import numpy_function
 from geomtorsion.ode import RungeKutta, solve
 
 X, Z = sp.symbols("x z", real=True)
@@ -81,3 +82,31 @@ def test_motion_through_the_zero_of_a_long_norm():
     # By extrapolation in long double, from the rows and their derivatives.
     exact = [-0.488729892279124906, -1.811172568086939743, -5.332518932108212963]
     assert np.abs(solution.coordinates[-1] - exact).max() < 5e-12
+
+
+@pytest.mark.parametrize(
+    ("entry", "far", "value"),
+    [
+        (3 + 3 * sp.tanh(Z), 20.0, 1 / 6),
+        (3 + 3 * sp.tanh(Z), 200.0, 1 / 6),
+        (sp.sqrt(Z**2 + 1) + Z, 1e9, 5e-10),
+        (sp.sqrt(Z**2 + 1) + sp.sqrt(Z**2 + 2), 1e9, 5e-10),
+    ],
+    ids=["wall", "far wall", "root", "two roots"],
+)
+def test_inverses_far_out(entry, far, value):
+    """1/(A + B w) with a norm of one, as doubles: A - B w has no right digit there."""
+    frame = Frame([X, Z], [[entry, 0], [0, 1]])
+    numbers = numpy_function(frame.quantity("legs"), [X, Z])(0.1, np.array([far]))
+    assert np.asarray(numbers).ravel()[0] == pytest.approx(value, rel=1e-14)
+    motion = autoparallel(cartan(frame), [0.1, far], frame_velocity=[1 / value, 1e-12])
+    solution = solve(motion, 10.0, 1e-10, RungeKutta())
+    assert solution.coordinates[-1, 0] == pytest.approx(10.1, rel=1e-9)
+
+
+def test_what_was_typed_without_a_minus_stays():
+    """Of two forms of a quotient the one whose terms do not cancel."""
+    x = sp.Symbol("x", positive=True)
+    frame = Frame([x, Z], [[1 / (sp.sqrt(x + 1) - sp.sqrt(x)), 0], [0, 1]])
+    assert frame.coframe[0, 0] == sp.sqrt(x) + sp.sqrt(x + 1)
+    assert frame.legs[0, 0] == 1 / (sp.sqrt(x) + sp.sqrt(x + 1))

@@ -1,0 +1,55 @@
+"""Exponentials: sums of cosh and sinh that merge, and those that do not."""
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+
+from geomtorsion.codegen import graph
+from geomtorsion.codegen.exponentials import merged
+from geomtorsion.exact import Field
+from geomtorsion.exact.form import Sum, form
+
+X, Y = sp.symbols("x y", real=True)
+SHORTER = {
+    "difference": sp.cosh(X) - sp.sinh(X),
+    "two arguments": (sp.cosh(X) - sp.sinh(X)) * Y + sp.cosh(Y) + sp.sinh(Y),
+    "square": sp.cosh(X) ** 2 - 2 * sp.sinh(X) * sp.cosh(X) + sp.sinh(X) ** 2 + Y,
+}
+AS_LONG = {
+    "one": sp.sinh(X) + 1,
+    "no merging": 2 * sp.cosh(X) - sp.sinh(X),
+    "other arguments": sp.cosh(X) - sp.sinh(Y),
+}
+
+
+def sums(expression):
+    """The sums that an expression is a product of."""
+    element = Field([X, Y]).read(expression)
+    return [base for base, _ in form(element).powers if isinstance(base, Sum)]
+
+
+@pytest.mark.parametrize("expression", SHORTER.values(), ids=SHORTER.keys())
+def test_fewer_terms(expression):
+    """At x = 20 against 40 digits, which the difference of cosh and sinh has not in doubles."""
+    assert any(merged(base) for base in sums(expression))
+    found = graph(["x", "y"], [Field([X, Y]).read(expression)]).python()(20.0, 1.5)
+    with mpmath.workdps(40):
+        exact = sp.lambdify([X, Y], expression, "mpmath")(mpmath.mpf(20), mpmath.mpf("1.5"))
+    assert found[0] == pytest.approx(float(exact), rel=1e-14)
+
+
+@pytest.mark.parametrize("expression", AS_LONG.values(), ids=AS_LONG.keys())
+def test_what_exp_does_not_shorten_stays(expression):
+    """sinh keeps its digits near zero, where exp(x) - exp(-x) has none."""
+    assert not any(merged(base) for base in sums(expression))
+
+
+def test_small_arguments_keep_their_digits():
+    """sinh and tanh near zero, beside a sum that merges."""
+    elements = [Field([X]).read(e) for e in (sp.sinh(X), sp.tanh(X), sp.cosh(X) + sp.sinh(X) - 1)]
+    small = 1e-9
+    values = graph(["x"], elements).numpy()(np.array([small]))
+    assert values[0] == pytest.approx(small, rel=1e-14)
+    assert values[1] == pytest.approx(small, rel=1e-14)
+    assert values[2] == pytest.approx(small, rel=1e-6)
