@@ -144,7 +144,7 @@ class Triangulation:
         return self.places[self.corners].mean(axis=1) + shift
 
 
-def distinct(columns: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def distinct(columns: Sequence[np.ndarray] | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """First occurrence of each different row of whole numbers, and which of them each row is."""
     count = len(columns[0])
     keys, room = [np.zeros(count, dtype=np.int64)], 1

@@ -129,7 +129,7 @@ def test_a_missing_file_and_a_missing_library_are_named(tmp_path, monkeypatch):
     path = tmp_path / "image.tif"
     tifffile.imwrite(path, GREY)
     monkeypatch.setitem(sys.modules, "tifffile", None)
-    with pytest.raises(MissingExtraError, match=r"pip install geomtorsion\[images\]"):
+    with pytest.raises(MissingExtraError, match=r"pip install 'geomtorsion\[images\]'"):
         gt.LatticeImage.read(path)
 
 
