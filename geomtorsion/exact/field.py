@@ -116,7 +116,9 @@ class Field(Tower):
         if new:
             self.add(*new)
         for generator in new:
-            self._symbol_elements[generator.shown] = self.generator_element(generator)
+            # In a field with functions whose independence is not proved it is a copy that is added.
+            added = self.by_name[generator.name]
+            self._symbol_elements[generator.shown] = self.generator_element(added)
         self.symbols: tuple[sympy.Symbol, ...] = (*self.symbols, *symbols)
 
     def read(self, expr: sympy.Expr | Fraction | int, where: str = "expression") -> Element:

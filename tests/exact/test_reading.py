@@ -242,3 +242,13 @@ def test_near_zeros_keep_their_value(label):
         want = number(expression, digits=400)
         error = abs(number(element.sympy, digits=400) - want)
         assert error <= abs(want) * mpmath.mpf(10) ** -40
+
+
+def test_parameters_after_functions_without_proved_independence():
+    """Symbols that come up later, in a field where erf may depend on what is there."""
+    field = Field([x, y])
+    known = field.read(sp.erf(x) + f(y))
+    u, v = sp.symbols("u v", real=True)
+    field.declare([u, v])
+    assert not field.all_sure
+    assert (field.symbol(u) * field.symbol(v) + known).sympy == u * v + sp.erf(x) + f(y)
