@@ -217,17 +217,13 @@ class Reader:
         return self._known[base]
 
     def _polynomial(self, base: Sum, is_complex: bool) -> Term:
-        shorter = merged(base)
         terms = []
-        for key, value in shorter.items() if shorter else ():
-            monomial, powers = key
+        shorter = merged(base) or {(monomial, ()): value for value, monomial in base.terms}
+        for (monomial, powers), value in shorter.items():
             parts = [self._power(self._base(g, is_complex), exponent) for g, exponent in monomial]
             for cosh, exponent in powers:
                 exp = self._call("exp", self._element(cosh.argument[0]))
                 parts.append(self._power(exp, exponent))
-            terms.append(self._times([(_fraction(value), (), ()), *parts]))
-        for value, monomial in () if shorter else base.terms:
-            parts = [self._power(self._base(g, is_complex), exponent) for g, exponent in monomial]
             terms.append(self._times([(_fraction(value), (), ()), *parts]))
         return self.sums.literal(terms)
 

@@ -382,15 +382,17 @@ class Solution:
         >>> 0 < swing.error_of("x") < 1e-8
         True
         """
-        here = np.abs(self[name])
+        here = self[name]
         if self.reference is None or self.reference.count != self.trajectory.count:
             return float("inf")
-        gap = float(np.abs(self[name] - self._finer[name]).max(initial=0.0))
+        gap = float(np.abs(here - self._finer[name]).max(initial=0.0))
         least = SAFETY * rounding(self.trajectory.engine, self.trajectory.steps)
-        if not gap <= 0:
-            size = float(here.max())
-            return max(least, SAFETY * gap / size) if size else float("inf")
-        return least
+        if gap == 0:
+            return least
+        size = float(np.abs(here).max())
+        # Where a value is no number, or none is left to compare with, no error is known.
+        known = np.isfinite(gap) and size > 0
+        return max(least, SAFETY * gap / size) if known else float("inf")
 
     @cached_property
     def _finer(self) -> Solution:

@@ -107,6 +107,15 @@ def test_error_of_what_is_read_off(engine, accuracy):
     assert solution.error_of("fine") > 500 * solution.error
 
 
+def test_error_of_what_is_no_number():
+    """An output that leaves the reals: nothing is known of it, and nothing is claimed."""
+    falling = ODE.of({"x": -1}, [1], outputs={"root": "sqrt(x)", "none": "0*x"})
+    solution = solve(falling, 2.0, 1e-8, RungeKutta())
+    assert np.isnan(solution["root"][-1])
+    assert solution.error_of("root") == np.inf
+    assert solution.error_of("none") < 1e-14
+
+
 def test_error_of_what_is_not_there():
     solution = solve(swing(), 1.0, 1e-8, RungeKutta())
     with pytest.raises(UnknownNameError, match="Did you mean place"):
