@@ -26,6 +26,8 @@ FUNCTIONS: MappingProxyType[str, tuple[Any, tuple[int, ...]]] = MappingProxyType
 )
 CONSTANTS = MappingProxyType({"pi": sympy.pi, "π": sympy.pi, "E": sympy.E, "I": sympy.I})
 DERIVATIVE_NAMES = frozenset({"diff", "Derivative"})
+# Subs(Derivative(f(xi_1), xi_1), xi_1, 2*r), as sympy writes the slope of f at 2*r.
+SUBSTITUTION_NAME = "Subs"
 
 _SIGN = "Give the symbol a sign among the parameters (positive, negative) and write it without."
 _SQUARE = "Write sqrt(x**2) with x positive, or the branch you mean."

@@ -13,7 +13,13 @@ import sympy
 from geomtorsion import checks
 from geomtorsion.checks import near_names
 from geomtorsion.errors import ArgumentError, ExpressionError
-from geomtorsion.exact.names import CONSTANTS, DERIVATIVE_NAMES, FUNCTIONS, NOT_SMOOTH
+from geomtorsion.exact.names import (
+    CONSTANTS,
+    DERIVATIVE_NAMES,
+    FUNCTIONS,
+    NOT_SMOOTH,
+    SUBSTITUTION_NAME,
+)
 from geomtorsion.exact.syntax import Node, parse, too_deep
 from geomtorsion.exact.tokens import Limits, Source
 
@@ -32,7 +38,8 @@ def parse_expression(
     """Read a sympy expression from text that may come from anywhere.
 
     Numbers are exact; ``**`` and ``^`` are powers; ``pi``, ``E`` and ``I`` are the constants unless
-    ``symbols`` says otherwise; ``diff(f(r), r, 2)`` is a derivative of an unknown function.
+    ``symbols`` says otherwise; ``diff(f(r), r, 2)`` is a derivative of an unknown function, and so
+    are ``Derivative(f(r), (r, 2))`` and ``Subs(Derivative(f(x), x), x, 2*r)``, as sympy writes them.
 
     Parameters
     ----------
@@ -126,6 +133,8 @@ class _Reader:
         if node.kind == "product":
             coefficient, rest = self._product(node)
             return coefficient * rest
+        if node.kind == "group":
+            self._fail(node, "a comma stands only between the arguments of a function")
         base, exponent = node.parts
         return self._power(node, self.read(base), self.read(exponent))
 
@@ -212,6 +221,8 @@ class _Reader:
         called = replace(node, end=node.start + len(name))
         if name in DERIVATIVE_NAMES and name not in (self.functions or ()):
             return self._derivative(node, name)
+        if name == SUBSTITUTION_NAME and name not in (self.functions or ()):
+            return self._at_a_place(node)
         if name in self.symbols:
             remedy = f"For a product write {name}*(...)."
             self._fail(called, f"{name} is a symbol, not a function", remedy)
@@ -247,7 +258,8 @@ class _Reader:
         usage = f"Write {name}(f(r), r) or {name}(f(r), r, 2)."
         if len(node.parts) < 2:
             self._fail(node, f"{name} needs a function and a symbol", usage)
-        target, *wrt = [self.read(argument) for argument in node.parts]
+        parts = [part for argument in node.parts[1:] for part in _parts(argument)]
+        target, *wrt = [self.read(argument) for argument in (node.parts[0], *parts)]
         if not isinstance(target, sympy.core.function.AppliedUndef | sympy.Derivative):
             self._fail(node.parts[0], "only unknown functions are differentiated here", usage)
         variables: list[Any] = []
@@ -259,6 +271,20 @@ class _Reader:
             else:
                 self._fail(node, f"{item} is no symbol to differentiate by", usage)
         return target.diff(*variables)
+
+    def _at_a_place(self, node: Node) -> Any:
+        """A derivative of an unknown function where its arguments are no lone symbols."""
+        usage = "Write Subs(Derivative(f(x), x), x, 2*r)."
+        if len(node.parts) != 3:
+            self._fail(node, "Subs needs a derivative, its symbols and their places", usage)
+        slots, places = _parts(node.parts[1]), _parts(node.parts[2])
+        symbols = {slot.text: sympy.Symbol(slot.text) for slot in slots if slot.kind == "name"}
+        if not symbols or not len(symbols) == len(slots) == len(places):
+            self._fail(node, "Subs needs one place for each of its symbols", usage)
+        inner = replace(self, symbols={**self.symbols, **symbols}).read(node.parts[0])
+        if not isinstance(inner, sympy.Derivative):
+            self._fail(node.parts[0], "only derivatives of unknown functions have a place", usage)
+        return sympy.Subs(inner, tuple(symbols.values()), tuple(map(self.read, places)))
 
     def _count(self, node: Node, name: str, counts: tuple[int, ...]) -> None:
         """Fail unless the number of arguments is one of counts."""
@@ -280,6 +306,11 @@ class _Reader:
         shown = str(exponent) if _bits(exponent) < 64 else "a number of many digits"
         reason = f"the exponent is {shown}; the limit is {self.limits.exponent}"
         raise self.source.limit(node.start, node.end, reason, "Name it as a parameter, as in r**n.")
+
+
+def _parts(node: Node) -> tuple[Node, ...]:
+    """What stands in a bracket with commas; any other part is alone."""
+    return node.parts if node.kind == "group" else (node,)
 
 
 def _flat(node: Node, kind: str = "sum") -> Iterator[tuple[Node, int]]:

@@ -9,16 +9,20 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
+from geomtorsion.exact.names import DERIVATIVE_NAMES, SUBSTITUTION_NAME
 from geomtorsion.exact.tokens import Limits, Source, Token, tokens_of
+
+# Calls with brackets of several parts inside, as in Derivative(f(r), (r, 2)).
+_WITH_GROUPS = DERIVATIVE_NAMES | {SUBSTITUTION_NAME}
 
 
 @dataclass(frozen=True)
 class Node:
     """A part of an expression.
 
-    kind: "number", "name", "call", "sum", "product" or "power".
+    kind: "number", "name", "call", "sum", "product", "power" or "group".
     text: the number or the name as it is written, of a call the name of the function.
-    parts: terms, factors, (base, exponent) or arguments.
+    parts: terms, factors, (base, exponent), arguments, or what stands in a bracket with commas.
     signs: 1 or -1 for each term (plus, minus) or factor (times, by).
     start, end: columns in the text, without brackets around it.
     """
@@ -124,9 +128,12 @@ class _Parser:
         """A number, a name, a call, or what stands in brackets."""
         first, token = self.place, self.taken()
         if token.text == "(":
-            inner = self.sum()
+            inner = [self.sum()]
+            while self.at(","):
+                self.taken()
+                inner.append(self.sum())
             self.taken()
-            return inner
+            return inner[0] if len(inner) == 1 else self.made("group", first, inner)
         if token.kind == "number" or not self.at("("):
             return self.made(token.kind, first, text=token.text)
         self.taken()
@@ -141,16 +148,21 @@ class _Parser:
 
 @dataclass
 class _Level:
-    """An open bracket (None: the text itself), and the signs inside its present factor."""
+    """An open bracket (None: the text itself), and the signs inside its present factor.
+
+    called: the name of the function of which it holds the arguments, or nothing.
+    has_commas: whether commas may stand in it.
+    """
 
     opening: Token | None
-    is_call: bool
+    called: str = ""
+    has_commas: bool = False
     nested: int = 0
 
 
 def _check(source: Source, tokens: Sequence[Token], limits: Limits) -> None:
     """Refuse tokens that cannot stand where they do, and too many levels."""
-    levels = [_Level(None, is_call=False)]
+    levels = [_Level(None)]
     before: Token | None = None
     for token in tokens:
         level = levels[-1]
@@ -159,7 +171,9 @@ def _check(source: Source, tokens: Sequence[Token], limits: Limits) -> None:
         if len(levels) + level.nested > limits.depth:
             raise source.limit(token.start, token.end, too_deep(limits), "Write it flatter.")
         if token.text == "(":
-            levels.append(_Level(token, is_call=before is not None and before.kind == "name"))
+            called = before.text if before is not None and before.kind == "name" else ""
+            has_commas = bool(called) or level.called in _WITH_GROUPS
+            levels.append(_Level(token, called, has_commas))
         elif token.text == ")":
             levels.pop()
         elif token.text in (",", "*", "/") or (token.text in ("+", "-") and after_value):
@@ -182,14 +196,14 @@ def _check_place(
         raise source.error(token.start, token.end, reason, "For a product write *.")
     if starts_value or token.text in ("+", "-"):
         return
-    empty_call = token.text == ")" and level.is_call and before is level.opening
+    empty_call = token.text == ")" and level.called and before is level.opening
     if not after_value and not empty_call:
         reason = f"a number or a name is missing before {token.text}"
         raise source.error(token.start, token.end, reason)
     if token.text == ")" and level.opening is None:
         reason = "this closing bracket has no opening one"
         raise source.error(token.start, token.end, reason)
-    if token.text == "," and not level.is_call:
+    if token.text == "," and not level.has_commas:
         reason = "a comma stands only between the arguments of a function"
         raise source.error(token.start, token.end, reason, "A decimal point is no comma either.")
 

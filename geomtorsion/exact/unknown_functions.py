@@ -59,7 +59,8 @@ def _shown(
             values.append(place)
         slots.append(slot)
     counts = [(slot, n) for slot, n in zip(slots, orders, strict=True) if n]
-    derivative = sympy.Derivative(function(*slots), *counts)
+    # diff puts the symbols in sympy's own order: equal derivatives are written alike.
+    derivative = function(*slots).diff(*counts)
     return sympy.Subs(derivative, tuple(variables), tuple(values)) if variables else derivative
 
 

@@ -44,6 +44,10 @@ f, h = sympy.Function("f"), sympy.Function("h")
         ("Derivative(f(r), r)", f(r).diff(r)),
         ("diff(h(r, theta), r, 2, theta)", h(r, theta).diff(r, 2, theta)),
         ("diff(diff(f(r), r), r)", f(r).diff(r, 2)),
+        ("Derivative(f(r), (r, 2))", f(r).diff(r, 2)),
+        ("Derivative(h(r, t), t, (r, 2))", h(r, t).diff(r, 2, t)),
+        ("2*Subs(Derivative(f(x), x), x, 2*r)", f(2 * r).diff(r)),
+        ("r**2*Subs(diff(h(r+M, y), y, 2), y, r*t)", h(r + M, r * t).diff(t, 2)),
     ],
 )
 def test_what_is_written_is_what_is_read(text, expected):
@@ -185,6 +189,16 @@ def test_code_is_refused(text):
         ("diff(sin(r), r)", "only unknown functions"),
         ("diff(f(r), 2)", "2 is no symbol"),
         ("diff(f(r), r, r*M)", r"M\*r is no symbol"),
+        ("diff((f(r), r), r)", "a comma stands only between"),
+        ("diff(f(r), ())", r"missing before \)"),
+        ("diff(f(r), (r, 2,))", r"missing before \)"),
+        ("diff(f((r, 2)), r)", "a comma stands only between"),
+        ("sin((r, 2))", "a comma stands only between"),
+        ("Subs(f(r), r)", "Subs needs a derivative, its"),
+        ("Subs(f(r), r, 2)", "only derivatives of unknown functions"),
+        ("Subs(diff(f(x), x), x, (r, t))", "one place for each"),
+        ("Subs(diff(f(x), x), (x, x), (r, t))", "one place for each"),
+        ("Subs(diff(f(x), x), 2*x, r)", "one place for each"),
     ],
 )
 def test_an_error_names_the_reason_and_the_remedy(text, message):

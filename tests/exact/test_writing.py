@@ -151,3 +151,34 @@ def test_sums_and_products_stand_in_the_order_of_sympy(text, slope):
     for part in sp.preorder_traversal(shown):
         if isinstance(part, sp.Add | sp.Mul):
             assert part == part.func(*part.args)
+
+
+H = sp.Function("h")
+SLOPES = {
+    "second": (f(x), (x, x)),
+    "mixed": (H(y, x), (y, y, x)),
+    "at a composite place": (f(x * y), (x, y)),
+    "of two composite places": (H(x + y, x * y), (x, y)),
+    "of equal places": (H(x, x), (x,)),
+    "inside": (f(g(x) + 1), (x, x)),
+}
+
+
+@pytest.mark.parametrize("label", SLOPES)
+def test_slopes_are_read_back(label):
+    """Derivatives of unknown functions, as they are printed and as JSON, give the element again."""
+    function, symbols = SLOPES[label]
+    field = Field([x, y])
+    element = field.read(function)
+    for symbol in symbols:
+        element = element.diff(symbol)
+    known = {"f": f, "g": g, "h": H}
+    assert field.read(parse_expression(str(element), {"x": x, "y": y}, known)) == element
+    assert field.from_json(json.loads(json.dumps(element.to_json())), tuple(known)) == element
+
+
+def test_equal_slopes_are_written_alike():
+    """A mixed derivative is the one that sympy gives, whichever argument comes first."""
+    element = Field([x, y]).read(H(y, x)).diff(x).diff(y)
+    assert element.sympy == H(y, x).diff(y, x)
+    assert element.evaluate({H(y, x).diff(x, y): 3}) == 3.0
