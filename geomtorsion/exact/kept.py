@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from geomtorsion.exact.tower import Tower
 
     Term = tuple[Any, ...]
+    # An irreducible factor by its index, or an element kept below the line by its identity.
+    _Divisor = tuple[str, int]
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,27 +230,43 @@ def stays_kept(element: Element) -> bool:
     if not element.is_kept:
         return False
     field = element.field
-    # Terms of numerators and denominators, as if nothing cancelled.
-    sizes: dict[int, tuple[int, int]] = {}
+    # Terms of numerators, as if nothing cancelled, and powers of what stands below the line.
+    sizes: dict[int, tuple[int, Counter[_Divisor]]] = {}
+    lengths: dict[_Divisor, int] = {}
 
-    def size(part: Element) -> tuple[int, int]:
+    def size(part: Element) -> tuple[int, Counter[_Divisor]]:
         if part.is_kept:
             return sizes[id(part)]
-        below = prod(len(field.factors[index]) ** exponent for index, exponent in part._den)
+        below = Counter({("factor", index): exponent for index, exponent in part._den})
+        lengths.update((key, len(field.factors[key[1]])) for key in below)
         return len(field.lift(part)), below
+
+    def terms_of(powers: Counter[_Divisor]) -> int:
+        return prod(terms_of_power(lengths[key], exponent) for key, exponent in powers.items())
 
     for one in in_order(element, lambda x: id(x) in sizes):
         assert one._recipe is not None
-        above, below = 0, 1
+        quotients = []
         for _, *factors in one._recipe.terms:
-            num, den = 1, 1
+            num: int = 1
+            den: Counter[_Divisor] = Counter()
             for factor, times in Counter(map(id, factors)).items():
                 top, bottom = size(next(x for x in factors if id(x) == factor))
-                num, den = num * terms_of_power(top, times), den * terms_of_power(bottom, times)
-            above, below = above * den + num * below, below * den
-        sizes[id(one)] = (below, above) if one._recipe.below else (above, below)
-    above, below = sizes[id(element)]
-    if below == 1:
+                num *= terms_of_power(top, times)
+                for key, exponent in bottom.items():
+                    den[key] += exponent * times
+            quotients.append((num, den))
+        common: Counter[_Divisor] = Counter()
+        for _, den in quotients:
+            common |= den
+        above = sum(num * terms_of(common - den) for num, den in quotients)
+        if one._recipe.below:
+            lengths["kept", id(one)] = above
+            sizes[id(one)] = (terms_of(common), Counter({("kept", id(one)): 1}))
+        else:
+            sizes[id(one)] = (above, common)
+    above, common = sizes[id(element)]
+    if terms_of(common) == 1:
         return False
     if above > LARGEST_KEPT and field.brief(element) is None:
         raise LimitError(

@@ -121,3 +121,19 @@ def test_products_in_pieces(field):
     whole = field.lift(a * b)
     assert len(field.lift(a)) * len(field.lift(b)) > 10**6
     assert whole == field.lift(a) * field.lift(b)
+
+
+@pytest.mark.parametrize("shared", [True, False])
+def test_a_denominator_that_terms_share_counts_once(shared):
+    """A sum over one long denominator is read; one over as many different ones is not."""
+    z = sp.Symbol("z")
+    field, base = Field([x, y, z]), (x + y + z + 1) ** 6 + sp.sin(y) + sp.exp(x)
+    apart = {k: 0 if shared else k for k in range(1, 6)}
+    terms = [(x + k * y + z**k) ** 5 / (base + d * x) ** 3 / (x**k + k) for k, d in apart.items()]
+    total = sp.Add(*terms, evaluate=False)
+    if not shared:
+        with pytest.raises(LimitError, match="terms over a common denominator"):
+            field.read(total)
+    else:
+        parts = [field.read(term * base**3) for term in terms]
+        assert (field.read(total) * field.read(base**3) - sum(parts, field.zero)).is_zero
