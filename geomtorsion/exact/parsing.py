@@ -38,8 +38,8 @@ def parse_expression(
     """Read a sympy expression from text that may come from anywhere.
 
     Numbers are exact; ``**`` and ``^`` are powers; ``pi``, ``E`` and ``I`` are the constants unless
-    ``symbols`` says otherwise; ``diff(f(r), r, 2)`` is a derivative of an unknown function, and so
-    are ``Derivative(f(r), (r, 2))`` and ``Subs(Derivative(f(x), x), x, 2*r)``, as sympy writes them.
+    ``symbols`` says otherwise; ``diff(f(r), r, 2)`` is a derivative of an unknown function, and
+    so are ``Derivative(f(r), (r, 2))`` and ``Subs(Derivative(f(x), x), x, 2*r)``, sympy's own.
 
     Parameters
     ----------
