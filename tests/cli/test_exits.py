@@ -5,7 +5,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -16,10 +15,10 @@ from geomtorsion.cli.exits import more_on
 ROOT = Path(__file__).parent.parent.parent
 
 
-def process(*arguments: str, **options) -> subprocess.Popen:
+def process(*arguments: str, run=("-m", "geomtorsion"), **options) -> subprocess.Popen:
     """The command in a process of its own."""
     return subprocess.Popen(
-        [sys.executable, "-m", "geomtorsion", *arguments],
+        [sys.executable, *run, *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -37,14 +36,24 @@ def test_a_process_without_greek():
     assert "ok   metricity" in out
 
 
+# The command, which says so when it opens the file: from then on its work has begun.
+SAYS_WHEN_IT_READS = """
+import sys
+from geomtorsion.cli import main
+opened = lambda event, got: event == "open" and str(got[0]).endswith("long.toml")
+sys.addaudithook(lambda *event: opened(*event) and print("reads", flush=True))
+main()
+"""
+
+
 def test_ctrl_c_ends_quietly(tmp_path):
     """A long computation stops at once, with code 130 and one line."""
     file = tmp_path / "long.toml"
     terms = "+".join(f"x**{k % 251}*y**{k // 251 % 251}" for k in range(100_000))
     file.write_text(f'coordinates = ["x", "y"]\ncoframe = [["{terms}", 0], [0, 1]]\n')
-    with process("geometry", str(file)) as running:
-        time.sleep(3)
-        assert running.poll() is None, "this was meant to take long"
+    with process("geometry", str(file), run=("-c", SAYS_WHEN_IT_READS)) as running:
+        assert running.stdout is not None
+        assert running.stdout.readline() == "reads\n"
         running.send_signal(signal.SIGINT)
         _, error = running.communicate(timeout=60)
     assert running.returncode == 130
