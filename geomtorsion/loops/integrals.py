@@ -253,23 +253,27 @@ def line_route(
     return _route(found, 1, rounding, found.points + 2 * points.shape[1])
 
 
-def _cancelled(forms: Forms, points: np.ndarray, values: np.ndarray) -> float:
-    """The share of the largest entries near a pole that rounding leaves in doubt.
+def _cancelled(forms: Forms, points: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """The share of the entries near a pole that rounding leaves in doubt, shape (k,).
 
     A denominator that is small because terms cancel has few digits, and a rounding of the point
-    need not show it: the largest entries are compared with exact ones.
+    need not show it: the largest entries are compared with exact ones. Its rounding is the same
+    farther away, where it is larger itself.
     """
     poles = forms.poles
     if poles is None or poles.sizes is None:
-        return 0.0
-    largest = np.abs(values).max(axis=0)
+        return np.zeros(points.shape[1])
+    chosen = np.argsort(np.abs(values).max(axis=0))[-EVERY:]
     worst = 0.0
-    for k in np.argsort(largest)[-EVERY:]:
+    for k in chosen:
         exact = poles.sizes(*points[:, k], *poles.numbers)
         missed = np.abs(np.abs(values[:, k]) - exact).max()
         worst = max(worst, float(missed / np.maximum(exact.max(), np.finfo(float).tiny)))
+    with np.errstate(all="ignore"):
+        below = np.abs(poles.values(points)).prod(axis=0)
+        farther = np.fmin(below[chosen].max() / below, 1.0)
     # A few places stand for all: the next may have been less lucky.
-    return EVERY * worst
+    return EVERY * worst * farther
 
 
 def line_at(forms: Forms, part: Part, offsets: np.ndarray, slopes: np.ndarray) -> np.ndarray:
