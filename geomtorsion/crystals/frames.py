@@ -12,7 +12,7 @@ import scipy  # loads its parts when they are asked for
 from geomtorsion.crystals.lattices import LATTICES, Lattice, lattice_named
 from geomtorsion.crystals.local_frames import squared, triads
 from geomtorsion.crystals.method import METHOD
-from geomtorsion.crystals.triangulation import Cell
+from geomtorsion.crystals.triangulation import Cell, by_rows
 from geomtorsion.errors import CrystalError
 
 # Of each atom of a sample: twice as many as tell a lattice, since noise brings others among them.
@@ -33,11 +33,11 @@ class Frame:
 
     def values(self, vectors: np.ndarray) -> np.ndarray:
         """Vectors of the specimen along the crystal axes, in units of the lattice, (k, 3)."""
-        return vectors @ (self.orient.T / (self.constant * np.array(self.lattice.units)))
+        return by_rows(vectors, self.orient.T / (self.constant * np.array(self.lattice.units)))
 
     def vectors(self, values: np.ndarray) -> np.ndarray:
         """Lattice vectors as vectors of the specimen, shape (k, 3)."""
-        return (values * (self.constant * np.array(self.lattice.units))) @ self.orient
+        return by_rows(values * (self.constant * np.array(self.lattice.units)), self.orient)
 
     def apart(self, vectors: np.ndarray, labels: np.ndarray) -> np.ndarray:
         """Distance of vectors from their labels, coordinates."""

@@ -38,7 +38,7 @@ def torsion_on(
     pairs, images, _ = mesh.edges
     first, second = pairs.T
     lattice, limit = frame.lattice, frame.constant * frame.lattice.nearest / 2
-    steps = mesh.places[second] - mesh.places[first] + images @ mesh.cell.vectors
+    steps = mesh.places[second] - mesh.places[first] + mesh.cell.shifts(images)
     values = frame.values(steps)
     labels = lattice.decode(values, kinds[second] - kinds[first])
     doubtful = frame.apart(steps, labels) > limit

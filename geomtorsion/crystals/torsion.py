@@ -23,6 +23,26 @@ BOUNDARY = np.array([1, -1, 1])
 
 
 @dataclass(frozen=True, eq=False)
+class Lengths:
+    """How long a line through each face is.
+
+    sizes: from the centre of one tetrahedron to the next, coordinates; 0 at a surface, (faces,).
+    sound: faces without torsion or doubt, shape (faces,).
+    """
+
+    sizes: np.ndarray
+    sound: np.ndarray
+
+    def weights(self, faces: np.ndarray) -> np.ndarray:
+        """How long lines through the faces of one core count, their mean as 1, shape (k,)."""
+        sizes = self.sizes[faces]
+        inner = sizes > 0
+        mean = sizes[inner].mean() if inner.any() else 1.0
+        # Slivers have no length at all: a share of the mean keeps lines from running to and fro.
+        return (sizes / mean + 0.1) * np.where(self.sound[faces], METHOD.sound, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
 class Torsion:
     """Labels on the edges of a triangulation and what they miss round each face.
 
@@ -68,54 +88,75 @@ class Torsion:
         torsion that is left: a ring that no circuit outside of its own atoms sees is a point
         defect.
         """
-        torn = self.torn
-        if not torn.any():
+        if not self.torn.any():
             return self
-        weights = self._weights
-        torn[self.doubtful[self.mesh.edges[2]].any(axis=1)] = True
-        found = self._within(torn, weights, descend=True)
-        atoms = np.zeros(len(self.mesh.places), dtype=bool)
-        atoms[self.mesh.corners[found.torn].ravel()] = True
-        return found._within(atoms[self.mesh.corners].max(axis=1), weights)
+        lengths = self.lengths
+        core = self.cores(self.bad)
+        found = self.descended(core).shortest(core, lengths)
+        return found.shortest(found.cores(found.touched), lengths)
 
     @property
-    def _weights(self) -> np.ndarray:
-        """How long a line through each face counts, shape (faces,)."""
+    def bad(self) -> np.ndarray:
+        """Tetrahedra with torsion in a face or a doubtful edge, shape (cells,)."""
+        return self.torn | self.doubtful[self.mesh.edges[2]].any(axis=1)
+
+    @property
+    def touched(self) -> np.ndarray:
+        """Tetrahedra with an atom in common with one with torsion, shape (cells,)."""
+        return self.torn_atoms[self.mesh.corners].any(axis=1)
+
+    @property
+    def torn_atoms(self) -> np.ndarray:
+        """Corners of tetrahedra with torsion, shape (atoms,)."""
+        found = np.zeros(len(self.mesh.places), dtype=bool)
+        found[self.mesh.corners[self.torn].ravel()] = True
+        return found
+
+    @property
+    def lengths(self) -> Lengths:
+        """How long lines through faces are."""
         rows, sides, images = self.mesh.faces
         a, b = sides.T
-        steps = self.mesh.centres[b] - self.mesh.centres[a] + images @ self.mesh.cell.vectors
+        steps = self.mesh.centres[b] - self.mesh.centres[a] + self.mesh.cell.shifts(images)
         sizes = np.where((sides < 0).any(axis=1), 0.0, np.linalg.norm(steps, axis=1))
         sound = ~(self.values.any(axis=1) | self.doubtful[rows].any(axis=1))
-        # Slivers have no length at all: a share of the mean keeps lines from running to and fro.
-        return (sizes + 0.1 * sizes.mean()) * np.where(sound, METHOD.sound, 1.0)
+        return Lengths(sizes, sound)
 
-    def _within(self, bad: np.ndarray, weights: np.ndarray, descend: bool = False) -> Torsion:
-        """Shortest lines inside cores: bad tetrahedra that hang together, with torsion in them."""
-        rows, sides, _ = self.mesh.faces
+    def cores(self, bad: np.ndarray) -> np.ndarray:
+        """The core of each tetrahedron, -1 where there is none, shape (cells,): bad ones that hang
+        together by faces, with torsion in them."""
+        _, sides, _ = self.mesh.faces
         joined = (sides >= 0).all(axis=1) & bad[sides].all(axis=1)
         number = components(len(bad), sides[joined])
         real = np.zeros(number.max(initial=-1) + 1, dtype=bool)
         real[number[self.torn]] = True
-        core = np.where(bad & real[number], number, -1)
-        free = np.ones(len(self.labels), dtype=bool)
-        free[self.mesh.edges[2][core < 0].ravel()] = False
-        # Of other edges not all tetrahedra are here.
-        free &= self.mesh.known[self.mesh.edges[0]].any(axis=1)
-        if not descend:
-            return self.shortest(core, free, weights)
-        labels = self.labels.copy()
-        # Most of what noise does is undone here, one bond at a time.
-        _descend(labels, rows[free[rows].any(axis=1)], free, self.lattice)
-        return replace(self, labels=labels).shortest(core, free, weights)
+        return np.where(bad & real[number], number, -1)
 
-    def shortest(self, core: np.ndarray, free: np.ndarray, weights: np.ndarray) -> Torsion:
+    def free(self, core: np.ndarray) -> np.ndarray:
+        """Edges inside of one core, shape (edges,)."""
+        of_cell = self.mesh.edges[2]
+        owner = np.full(len(self.labels), -1)
+        owner[of_cell] = core[:, None]
+        found = owner >= 0
+        # Of one that lies in two cores, or in the surface of one, one tetrahedron tells.
+        found[of_cell[owner[of_cell] != core[:, None]]] = False
+        # Of other edges not all tetrahedra are here.
+        return found & self.mesh.known[self.mesh.edges[0]].any(axis=1)
+
+    def descended(self, core: np.ndarray) -> Torsion:
+        """With less torsion in cores: most of what noise does is undone, one bond at a time."""
+        rows, free, labels = self.mesh.faces[0], self.free(core), self.labels.copy()
+        _descend(labels, rows[free[rows].any(axis=1)], free, self.lattice)
+        return replace(self, labels=labels)
+
+    def shortest(self, core: np.ndarray, lengths: Lengths) -> Torsion:
         """Of all labels of free edges, those with the shortest lines: a linear program per core.
 
         Torsion in each direction of a basis is as long as the faces that it runs through; the
         matrix of boundaries makes the best solution whole.
         """
         rows, sides, _ = self.mesh.faces
-        values = self.values
+        values, free = self.values, self.free(core)
         torn = np.any(values, axis=1)
         touched = np.unique(core[sides[torn]].ravel())
         touched = touched[touched >= 0]
@@ -130,7 +171,8 @@ class Torsion:
         for mine in np.split(order, breaks):
             if not torn[mine].any():
                 continue
-            change = _program(values[mine], rows[mine], free, weights[mine], self.lattice)
+            weights = lengths.weights(mine)
+            change = _program(values[mine], rows[mine], free, weights, self.lattice)
             if change is not None:
                 labels[change[0]] -= change[1]
         return replace(self, labels=labels)

@@ -50,6 +50,10 @@ class Cell:
         moved = -np.floor(positions @ self.inverse) * self.periodic
         return positions + moved @ self.vectors, moved.astype(np.int64)
 
+    def shifts(self, images: np.ndarray) -> np.ndarray:
+        """Where images lie, shape (k, 3): the same bits for each, whatever the others are."""
+        return by_rows(images, self.vectors)
+
     def moved(self, places: np.ndarray, image: Sequence[int]) -> np.ndarray:
         """Places in another image, edge after edge, as `with_ghosts` has them to the last bit."""
         for k, m in enumerate(image):
@@ -140,8 +144,15 @@ class Triangulation:
     @cached_property
     def centres(self) -> np.ndarray:
         """Centre of gravity of each tetrahedron, shape (k, 3)."""
-        shift = self.offsets.mean(axis=1) @ self.cell.vectors
+        shift = self.cell.shifts(self.offsets.mean(axis=1))
         return self.places[self.corners].mean(axis=1) + shift
+
+
+def by_rows(vectors: np.ndarray, matrix: np.ndarray) -> np.ndarray:
+    """vectors @ matrix, shape (k, 3), each row rounded alike wherever it stands, as by BLAS it may
+    not be."""
+    x, y, z = vectors.T[:, :, None]
+    return x * matrix[0] + y * matrix[1] + z * matrix[2]
 
 
 def distinct(columns: Sequence[np.ndarray] | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -255,8 +266,11 @@ def triangulated(
         small[part], senses[part] = _spheres(points[simplices[part]], reach)
     kept = simplices[small]
     known = np.ones(len(places), dtype=bool) if wanted is None else wanted
-    corners, offsets = numbers.astype(NUMBER)[kept], images.astype(NUMBER)[kept]
-    return Triangulation(corners, offsets, places, cell, senses[small].astype(np.int64), known)
+    corners, offsets, senses = numbers[kept], images[kept], senses[small].astype(np.int64)
+    # In the order of their atoms, whatever else there is.
+    order, _ = distinct([*corners.T, *offsets.reshape(-1, 12).T])
+    corners, offsets = corners.astype(NUMBER)[order], offsets.astype(NUMBER)[order]
+    return Triangulation(corners, offsets, places, cell, senses[order], known)
 
 
 def _spheres(corners: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
