@@ -231,7 +231,9 @@ class AtomCircuits:
         clear = (self.frame.apart(vectors, labels) < limit) & labels.any(axis=1)
         first, second, labels = first[clear], second[clear], labels[clear]
         lengths = np.linalg.norm(vectors[clear], axis=1)
-        table = scipy.sparse.coo_array((lengths, (first, second)), shape=(len(sites),) * 2)
+        # Before 1.15, scipy finds ways in tables with short indices only.
+        ends = (first.astype(np.int32), second.astype(np.int32))
+        table = scipy.sparse.coo_array((lengths, ends), shape=(len(sites),) * 2)
         source, target = place_of[one], place_of[two]
         _, before = scipy.sparse.csgraph.dijkstra(
             table.tocsr(), directed=False, indices=source, return_predecessors=True

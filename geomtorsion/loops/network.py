@@ -146,8 +146,7 @@ class Network:
     @cached_property
     def component_count(self) -> int:
         """Number of connected components."""
-        # Older versions of scipy count components of tables with short indices only.
-        nodes, pairs = len(self.edges.positions), self.edges.pairs.astype(np.int32)
+        nodes, pairs = len(self.edges.positions), self.edges.pairs
         table = scipy.sparse.coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(nodes, nodes))
         return int(scipy.sparse.csgraph.connected_components(table, directed=False)[0])
 

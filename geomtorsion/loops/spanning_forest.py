@@ -110,12 +110,9 @@ def _breadth_first(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Component of each node, all nodes in the order of the search, and the node before each."""
     size = (nodes + 1, nodes + 1)
-    whole = np.int32 if nodes < 2**31 - 1 else np.int64
 
     def table(rows: np.ndarray, columns: np.ndarray) -> scipy.sparse.csr_array:
-        return scipy.sparse.csr_array(
-            (np.ones(len(rows)), (rows.astype(whole), columns.astype(whole))), size
-        )
+        return scipy.sparse.csr_array((np.ones(len(rows)), (rows, columns)), size)
 
     joined = table(tail, head)
     _, component = scipy.sparse.csgraph.connected_components(joined, directed=False)
