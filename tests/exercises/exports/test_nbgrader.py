@@ -15,7 +15,7 @@ from geomtorsion.exercises.exports.tasks import tasks
 from tests.exercises.exports.graders import command
 
 NUMBERS = exercises.names()
-SEED = 2
+SEED = 1
 SOLUTION = re.compile(r"### BEGIN SOLUTION\n(\w+) = (.+)\n### END SOLUTION")
 HIDDEN = re.compile(r"### BEGIN HIDDEN TESTS\n(.+)\n### END HIDDEN TESTS", re.DOTALL)
 

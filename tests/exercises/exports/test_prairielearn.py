@@ -18,7 +18,7 @@ from geomtorsion.exercises.exports.tasks import tasks
 from geomtorsion.exercises.prose import html_of
 
 NUMBERS = exercises.names()
-SEEDS = (0, 3)
+SEEDS = (0, 1)
 # Of PrairieLearn's schema of info.json: what must be there, what may, and of which form.
 REQUIRED = {"uuid", "type", "title", "topic"}
 ALLOWED = REQUIRED | {
