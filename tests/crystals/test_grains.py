@@ -206,9 +206,9 @@ def test_phases_are_told_with_their_shares(lattice, constant):
 
 def test_a_region_without_a_lattice_is_told():
     """A ball of glass in fcc: its share, no line in it; a glass alone is no crystal."""
-    glass = amorphous(11, 4.0)
+    glass = amorphous(10, 4.0)
     ball = glass[np.linalg.norm(glass, axis=1) < 4.6]
-    around = filled("fcc", np.eye(3), 9)
+    around = filled("fcc", np.eye(3), 7.5)
     places = np.concatenate([around[np.linalg.norm(around, axis=1) > 5.0], ball])
     crystal = Crystal(places)
     assert crystal.lattice == "fcc"
@@ -217,7 +217,7 @@ def test_a_region_without_a_lattice_is_told():
     assert len(ball) < crystal.grains.shares["none"] * len(places) < with_layer
     assert crystal.dislocations().lines == ()
     with pytest.raises(CrystalError, match="as in a liquid"):
-        Crystal(glass, [11.0] * 3).dislocations()
+        Crystal(glass, [10.0] * 3).dislocations()
 
 
 def test_a_single_crystal_is_one_grain():

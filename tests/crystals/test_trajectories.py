@@ -10,6 +10,7 @@ import pytest
 
 from geomtorsion.crystals.trajectories import Wanted, forget, is_begun, reports
 from geomtorsion.errors import CheckpointError, GeomtorsionError
+from tests.cli.running import run
 from tests.crystals.making import copper_screw, written
 
 ROOT = Path(__file__).parents[2]
@@ -87,35 +88,28 @@ main()
 """
 
 
-def command(*options: str, script: str | None = None) -> int:
-    """How the command ends, in a process of its own."""
-    first = ["-c", script] if script else ["-m", "geomtorsion", "crystal"]
-    done = subprocess.run(
-        [sys.executable, *first, *options], cwd=ROOT, timeout=300, check=False, capture_output=True
-    )
-    return done.returncode
-
-
 def test_a_trajectory_keeps_its_axes_and_its_line_and_survives_a_kill(tmp_path: Path):
     """One frame of axes, one b, one track that moves; SIGKILL in the fourth frame, --resume: all
     files are those of a run that nobody stopped, byte by byte."""
-    file = written(tmp_path, *thermal(6))
+    file = written(tmp_path, *thermal(5))
     whole, parts = tmp_path / "whole", tmp_path / "parts"
-    assert command(str(file), "-o", str(whole)) == 0
+    run("crystal", str(file), "-o", str(whole))
     frames = json.loads((whole / "crystal.json").read_text())["frames"]
-    assert len(frames) == 6
+    assert len(frames) == 5
     for key in ("lattice", "orient", "constant"):
         assert len({json.dumps(frame[key]) for frame in frames}) == 1, key
     lines = [line for frame in frames for line in frame["lines"]]
-    assert [line["track"] for line in lines] == [0] * 6
+    assert [line["track"] for line in lines] == [0] * 5
     assert len({tuple(line["burgers_lattice"]) for line in lines}) == 1
     places = [np.mean(line["path"], axis=0)[0] for line in lines]
     # As far as it was moved, within a core.
-    assert places[-1] - places[0] == pytest.approx(5 * 1.3, abs=3)
-    assert command(str(file), "-o", str(parts), script=KILLED) == -9
+    assert places[-1] - places[0] == pytest.approx(4 * 1.3, abs=3)
+    dying = [sys.executable, "-c", KILLED, str(file), "-o", str(parts)]
+    done = subprocess.run(dying, cwd=ROOT, timeout=300, check=False, capture_output=True)
+    assert done.returncode == -9
     kept = sorted((parts / "frames").glob("0*.json"))
     assert [path.name for path in kept] == ["000000.json", "000001.json", "000002.json"]
-    assert command(str(file), "-o", str(parts), "--resume") == 0
+    run("crystal", str(file), "-o", str(parts), "--resume")
     names = sorted(path.name for path in whole.iterdir())
     assert sorted(path.name for path in parts.iterdir()) == names
     for name in names:
