@@ -162,9 +162,10 @@ class Graph:
         """
         return compiled(self._source, "floats")
 
-    def numpy(self) -> Callable[..., np.ndarray]:
+    def numpy(self, real: type[np.floating[Any]] = np.float64) -> Callable[..., np.ndarray]:
         """A function of numbers or arrays of one shape; it returns an array (size, *shape).
 
+        real: the type of numbers in which it works, where values are real.
         Nothing warns: where there is no value it is infinite or not a number.
 
         Examples
@@ -176,7 +177,7 @@ class Graph:
                [  nan,  0.  ,  2.  ]])
         """
         inner = compiled(self._source, "arrays")
-        dtype, size = complex if self.is_complex else float, self.size
+        dtype, size = complex if self.is_complex else real, self.size
 
         def values(*arguments: ArrayLike) -> np.ndarray:
             arrays = [np.asarray(argument, dtype=dtype) for argument in arguments]

@@ -5,6 +5,7 @@ largest difference is the error: the finer run shows what the steps of the answe
 the other start shows how rounding grows along this very motion. Where a motion goes by fits and
 starts, the finer run is put a rounding aside there, too: both runs would share what is lost at a
 near miss. Such an error, and one close to what was asked, is confirmed by a second finer run.
+What roundings of the rates make of an answer is added up where all runs would share them.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from geomtorsion.ode.engines.protocol import Engine
+from geomtorsion.ode.system import System
 from geomtorsion.ode.trajectory import Segment, Trajectory
 
 # The error is so many times the difference, for the finer run has an error of its own; and that run
@@ -83,6 +85,8 @@ def verified(
         reference, *others = others
         runs += [answer, reference]
         error = max(SAFETY * difference(problem, answer, reference), least)
+        if error <= accuracy:
+            error = max(error, SAFETY * rounding_of_rates(answer))
         if error <= accuracy and (at is not None or accuracy < CLOSE * error):
             others = others or [run(between, -perturbation, at)]
             runs += others
@@ -181,6 +185,58 @@ def difference_over_samples(problem: Comparable, one: Trajectory, two: Trajector
     return found
 
 
+def rounding_of_rates(one: Trajectory) -> float:
+    """What roundings of the rates add up to, each group of states against its own size.
+
+    That is asked where all runs share them, as those of 1/(1 - cos(y)) at the same small y: of
+    segments of a single step and what is left of one, and of engines whose runs follow them. Rates
+    in doubles are compared with those in long doubles at the samples; their mean difference adds up
+    with time, what is left of it at random over the steps.
+    """
+    shared: dict[System, list[Segment]] = {}
+    for segment in one.segments:
+        if one.engine.follows_rounding or segment.run.steps <= 2:
+            shared.setdefault(segment.stage.system, []).append(segment)
+    worst = 0.0
+    for system, segments in shared.items():
+        arguments = np.concatenate([_columns(segment) for segment in segments], axis=1)
+        with np.errstate(all="ignore"):
+            gaps = system.long_function(*arguments) - system.array_function(*arguments)
+        gaps = gaps.astype(float)
+        lasts = sum([abs(float(x.run.reached) - x.stage.begin) for x in segments])
+        steps = sum([max(x.run.steps, 1) for x in segments])
+        parts = np.maximum(abs(gaps.mean(1)), np.sqrt((gaps * gaps).mean(1) / steps))
+        sizes = np.abs(arguments).max(1)
+        for group in map(list, system.groups_but_clock):
+            way, extent = lasts * float(parts[group].max()), float(sizes[group].max())
+            if not (extent > 0 and worst * extent < way < math.inf):
+                continue
+            if not _is_noise(segments, group, way / extent, extent, one):
+                worst = way / extent
+    return worst * 2.0 ** (53 - one.engine.precision)
+
+
+def _columns(segment: Segment) -> np.ndarray:
+    """States of the system at the beginning, the samples and the end; below them parameters."""
+    rows = [np.asarray(segment.stage.start)[None], segment.run.states]
+    states = np.concatenate([*rows, np.asarray(segment.run.last)[None]]).astype(float)
+    numbers = np.array([float(x) for x in segment.stage.parameters])
+    return np.concatenate([states.T, np.repeat(numbers[:, None], len(states), axis=1)])
+
+
+def _is_noise(
+    segments: list[Segment], group: list[int], part: float, extent: float, one: Trajectory
+) -> bool:
+    """Whether states are no larger than what rounding their rates makes of zero."""
+    if part <= UNALIKE:
+        return False
+    largest = 0.0
+    for segment in segments:
+        terms = segment.stage.system.rates.sizes(*_columns(segment))
+        largest = max(largest, float(np.max(np.asarray(terms)[group])))
+    return extent <= NOISE * 2.0**-one.engine.precision * largest * abs(one.reached)
+
+
 class _Pair(NamedTuple):
     """Samples of two trajectories in one set of coordinates.
 
@@ -233,17 +289,10 @@ class _Pair(NamedTuple):
 
     def is_noise(self, group: list[int], part: float, extent: float, one: Trajectory) -> bool:
         """Whether states are no larger than what rounding their rates makes of zero."""
-        if part <= UNALIKE:
+        segments = [segment for _, segment, _ in self.parts]
+        if any(segment.stage.lift is not None or not segment.count for segment in segments):
             return False
-        largest = 0.0
-        for _, segment, _ in self.parts:
-            stage = segment.stage
-            if stage.lift is not None or not segment.count:
-                return False
-            columns = np.asarray(segment.run.states).astype(float).T
-            terms = stage.system.rates.sizes(*columns, *[float(x) for x in stage.parameters])
-            largest = max(largest, float(np.max(np.asarray(terms)[group])))
-        return extent <= NOISE * 2.0**-one.engine.precision * largest * abs(one.reached)
+        return _is_noise(segments, group, part, extent, one)
 
 
 def _pairs(problem: Comparable, one: Trajectory, two: Trajectory, stopped: bool) -> Iterator[_Pair]:

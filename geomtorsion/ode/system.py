@@ -79,6 +79,11 @@ class System:
         """f(*states, *parameters) on arrays, shape (size, ...)."""
         return self.rates.numpy()
 
+    @cached_property
+    def long_function(self) -> Callable[..., np.ndarray]:
+        """The same in long doubles, but for the numbers in the equations."""
+        return self.rates.numpy(np.longdouble)
+
     def scalar_rates(self, values: Sequence[float]) -> ScalarRates:
         """f(t, y) for one motion, on plain floats; not a number where there is no value."""
         inner = self.scalar_function

@@ -12,18 +12,20 @@ from fractions import Fraction
 import mpmath
 import numpy as np
 import pytest
+import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geomtorsion.accuracy.cost import truth_of
 from geomtorsion.curves import autoparallel, geodesic
 from geomtorsion.errors import AccuracyError, ChartEdgeError, StuckError
-from geomtorsion.geometry import blend, cartan, levi_civita
+from geomtorsion.geometry import Frame, blend, cartan, levi_civita
 from geomtorsion.ode import ODE, At, RungeKutta, Stiff, Taylor, When, solve
 from geomtorsion.ode.engines.compiled import order_of, tolerance_of
 from geomtorsion.spaces import load
 from tests.ode.engines import every_engine, needs_heyoka
 
+X, Y = sp.symbols("x y", real=True)
 # Where the truth is smaller than this an estimate may be any small number.
 ROUNDING = 1e-15
 
@@ -501,3 +503,29 @@ def test_the_error_is_twice_the_difference():
     exact = np.exp(found.times)
     away = np.abs(found["x"] - exact).max() / exact.max()
     assert found.error / away == pytest.approx(2, rel=0.1)
+
+
+@needs_heyoka
+@pytest.mark.parametrize("accuracy", [1e-6, 1e-9])
+@pytest.mark.parametrize(
+    ("entry", "start", "speeds"),
+    [
+        (2 - 2 * sp.cos(Y), 1e-6, (1e-12, 1e-7)),
+        (sp.log(1 + Y**2), 1e-6, (1e-12, 1e-7)),
+        (sp.exp(Y) - 1, 1e-10, (1e-10, 1e-11)),
+    ],
+    ids=["cosine", "logarithm", "exponential"],
+)
+def test_roundings_of_the_rates_are_seen(entry, start, speeds, accuracy):
+    """Rates that lose digits in a difference, the same in runs that start a rounding apart."""
+    frame = Frame([X, Y], [[entry, 0], [0, 1]])
+    solution = solve(autoparallel(cartan(frame), [0, start], frame_velocity=speeds), 1.0, accuracy)
+    slope = sp.lambdify(Y, 1 / entry, "mpmath")
+    with mpmath.workdps(40):
+        u, v = (mpmath.mpf(x) for x in speeds)
+        exact = mpmath.quad(lambda t: u * slope(mpmath.mpf(start) + v * t), [0, 0.5, 1])
+        gap = float(abs(mpmath.mpf(float(solution.coordinates[-1, 0])) - exact) / abs(exact))
+    assert gap < accuracy
+    assert solution.error > 0.5 * gap
+    with pytest.raises(AccuracyError):
+        solve(solution.problem, 1.0, accuracy, Taylor())

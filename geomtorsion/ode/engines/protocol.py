@@ -85,6 +85,11 @@ class Engine(Protocol):
         """Whether it sees a guard that falls and rises again within one step."""
         ...
 
+    @property
+    def follows_rounding(self) -> bool:
+        """Whether its steps are short enough to follow what rounding makes of rates."""
+        ...
+
     def first(self, accuracy: float) -> float:
         """The tolerance with which to try for an accuracy of the result."""
         ...

@@ -72,6 +72,7 @@ class RungeKutta(_Ladder):
         checks.count(self.max_evaluations, "max_evaluations", ArgumentError, 1)
 
     name = "RungeKutta"
+    follows_rounding = True
     # Below scipy's own floor of 2.3e-14 the steps are shortened instead.
     finest = 1e-17
 
@@ -118,6 +119,8 @@ class Stiff(_Ladder):
         checks.choice(self.method, METHODS, "method", ArgumentError)
         checks.count(self.max_evaluations, "max_evaluations", ArgumentError, 1)
 
+    # Implicit steps are long against what they damp, roundings of rates among that.
+    follows_rounding = False
     finest = 3e-13
 
     @property

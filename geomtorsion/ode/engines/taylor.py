@@ -71,6 +71,7 @@ class Taylor:
         checks.count(self.max_steps, "max_steps", ArgumentError, 1)
 
     finds_every_root = True
+    follows_rounding = False
 
     @property
     def name(self) -> str:
