@@ -11,6 +11,7 @@ import pytest
 
 from geomtorsion import errors
 from geomtorsion.cli.exits import more_on
+from tests.cli.running import run
 
 ROOT = Path(__file__).parent.parent.parent
 
@@ -88,9 +89,7 @@ def test_limits_end_a_command(option, said, tmp_path):
 
 def test_limits_that_are_none():
     """A limit below zero is refused."""
-    with process("geometry", "s2", "--seconds", "-1") as running:
-        _, error = running.communicate(timeout=60)
-    assert running.returncode == 2
+    error = run("geometry", "s2", "--seconds", "-1", code=2).stderr
     assert "seconds: a positive number was needed, but -1" in error
 
 
@@ -116,9 +115,7 @@ def test_a_file_of_any_kind_does_not_send_to_that_of_tetrads():
 
 def test_a_checkout_names_the_page_that_helps():
     """Below the message, in a line of its own."""
-    with process("geometry", "nowhere") as running:
-        _, error = running.communicate(timeout=60)
-    message, more = error.splitlines()
+    message, more = run("geometry", "nowhere", code=2).stderr.splitlines()
     assert message.startswith("geomtorsion: ")
     assert more == f"(More on this: examples/site/{errors.UnknownNameError.page}.md)"
 

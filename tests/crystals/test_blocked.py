@@ -40,7 +40,10 @@ def screws(lattice="bcc", seed=0, noise=0.03):
     ("lattice", "size", "oblique"), [("bcc", 4.5, False), ("fcc", 7.3, True), ("hcp", 5.9, True)]
 )
 def test_blocks_give_the_same_bits(tmp_path_factory, lattice, size, oblique):
-    """Small blocks, which do not divide the edges; cells with and without right angles."""
+    """Small blocks, which do not divide the edges; cells with and without right angles.
+
+    In fcc partials, too: what belongs to two sublattices and to stacking faults.
+    """
     check_bits(tmp_path_factory, lattice, size, 0, oblique)
 
 
@@ -67,6 +70,8 @@ def check_bits(tmp_path_factory, lattice, size, seed, oblique):
     lines = whole.dislocations()
     assert len(lines.lines) == 4
     assert bits(cut.dislocations()) == bits(lines)
+    if lattice == "fcc":
+        assert bits(cut.dislocations(partials=True)) == bits(whole.dislocations(partials=True))
 
 
 @given(size=st.floats(5, 40), seed=st.integers(0, 2**32 - 1))
@@ -132,14 +137,6 @@ def test_vacancies_are_counted_once_on_the_faces_of_blocks(tmp_path):
     (line,) = whole.dislocations().lines
     assert line.is_closed
     assert bits(cut.dislocations()) == bits(whole.dislocations())
-
-
-def test_partials_and_kinds_come_block_by_block(tmp_path):
-    """What belongs to two sublattices, and to stacking faults, is the same, too."""
-    places, cell = screws("fcc")
-    whole = Crystal(places, cell)
-    cut = blocked_crystal(places, tmp_path, cell, 6)
-    assert bits(cut.dislocations(partials=True)) == bits(whole.dislocations(partials=True))
 
 
 OPEN = (False, False, True)

@@ -17,7 +17,7 @@ def counted(crystal, partials=False):
     return sorted(round(inserted_atoms(line, crystal)) for line in lines)
 
 
-@pytest.mark.parametrize("radius", [3, 4, 5])
+@pytest.mark.parametrize("radius", [3, pytest.param(4, marks=pytest.mark.slow), 5])
 @pytest.mark.parametrize("percent", [0, 4])
 def test_interstitials_in_an_open_box(radius, percent):
     """As many as were put in, though bonds across the line flip a good way inside of it."""

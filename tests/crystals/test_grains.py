@@ -37,7 +37,8 @@ def least_angle(one, other):
     ("lattice", "noise"),
     [
         pytest.param("fcc", 0, marks=pytest.mark.slow),
-        ("bcc", 0),
+        # Three grains of bcc stand in test_known_grains.py.
+        pytest.param("bcc", 0, marks=pytest.mark.slow),
         ("fcc", 0.05),
         pytest.param("bcc", 0.05, marks=pytest.mark.slow),
     ],
@@ -86,7 +87,10 @@ def test_the_misorientation_has_its_axis_in_the_standard_triangle():
 
 @pytest.mark.parametrize(
     ("lattice", "burgers", "family"),
-    [("fcc", (0.5, 0.5, 0), "1/2<1 1 0>"), ("bcc", (1, 0, 0), "<1 0 0>")],
+    [
+        ("fcc", (0.5, 0.5, 0), "1/2<1 1 0>"),
+        pytest.param("bcc", (1, 0, 0), "<1 0 0>", marks=pytest.mark.slow),
+    ],
 )
 def test_a_line_in_a_grain_comes_out_as_it_was_put_in(lattice, burgers, family):
     """An edge in one grain of a bicrystal that is periodic along it."""
@@ -102,7 +106,10 @@ def test_a_line_in_a_grain_comes_out_as_it_was_put_in(lattice, burgers, family):
     assert line.path[:, 0].mean() == pytest.approx(-6.131, abs=0.6)
 
 
-@pytest.mark.parametrize(("lattice", "burgers"), [("fcc", (0.5, 0.5, 0)), ("bcc", (0, 0, 1))])
+@pytest.mark.parametrize(
+    ("lattice", "burgers"),
+    [pytest.param("fcc", (0.5, 0.5, 0), marks=pytest.mark.slow), ("bcc", (0, 0, 1))],
+)
 def test_a_line_ends_at_the_wall(lattice, burgers):
     """From a free surface to the wall, through half of the specimen."""
     if lattice == "bcc":

@@ -31,7 +31,7 @@ def noisy(places, percent, seed=0):
 NOISE = [0, pytest.param(4, marks=pytest.mark.slow), 8]
 
 
-@pytest.mark.parametrize("ratio", [IDEAL, 1.623, 1.58])
+@pytest.mark.parametrize("ratio", [IDEAL, pytest.param(1.623, marks=pytest.mark.slow), 1.58])
 @pytest.mark.parametrize("line", ["edge", "screw"])
 def test_a_basal_dislocation_is_two_partials(line, ratio):
     """1/3<1 -1 0 0> each, where it was put, with its b; their sum is the one line without."""

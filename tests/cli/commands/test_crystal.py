@@ -308,19 +308,19 @@ def test_blocks_are_for_one_frame(tmp_path: Path) -> None:
 
 
 def test_grains_and_walls_are_told(tmp_path: Path) -> None:
-    """A bicrystal: grains, misorientation, and the grain of the line; the same as JSON."""
+    """A bicrystal: grains, misorientation, and the grain of the line; the same in the file."""
     turn = np.array([[4, -3, 0], [3, 4, 0], [0, 0, 5]]) / 5
-    places, _, size = bicrystal("fcc", turn, (0.5, 0.5, 0), size=(13, 8, 3))
-    places = 3.6 * (places + np.array([15, 9, 3]))
+    places, _, size = bicrystal("fcc", turn, (0.5, 0.5, 0), size=(11, 8, 2))
+    places = 3.6 * (places + np.array([15, 9, 2]))
     path = tmp_path / "two.xyz"
     head = f'Lattice="200 0 0 0 200 0 0 0 {3.6 * size[2]}" pbc="F F T"'
     rows = [f"Cu {x!r} {y!r} {z!r}" for x, y, z in places.tolist()]
     path.write_text("\n".join([str(len(rows)), head, *rows, ""]), "utf-8")
-    text = run(str(path)).stdout
+    text = run(str(path), "-o", str(tmp_path / "out")).stdout
     assert re.search(r"2 grains: fcc 9\d\.\d%, in walls \d\.\d% of the atoms", text)
     assert re.search(r"0 \| 1 +36\.[89]\d degrees +\[", text)
     assert re.search(r"line +grain +b / a", text)
-    (frame,) = json.loads(run(str(path), "--format", "json").stdout)["frames"]
+    (frame,) = json.loads((tmp_path / "out/crystal.json").read_text("utf-8"))["frames"]
     assert [grain["lattice"] for grain in frame["grains"]] == ["fcc", "fcc"]
     assert sum(frame["shares"].values()) == pytest.approx(1)
     (wall,), (line,) = frame["walls"], frame["lines"]
