@@ -17,7 +17,7 @@ def _():
     import marimo as mo
 
     # The same here.
-    from geomtorsion.lab import controls, exercise_controls, tetrad_controls, views
+    from geomtorsion.lab import anew, controls, exercise_controls, tetrad_controls, views
     from geomtorsion.lab.kept import Kept, keep
     from geomtorsion.lab.tasks import common_runner
 
@@ -25,7 +25,7 @@ def _():
     # What stands in the address; it is read once, and written as the page is used.
     kept = Kept.of(mo.query_params().to_dict())
     mo.Html(views.header())
-    return controls, exercise_controls, keep, kept, mo, runner, tetrad_controls, views
+    return anew, controls, exercise_controls, keep, kept, mo, runner, tetrad_controls, views
 
 
 @app.cell
@@ -52,9 +52,10 @@ def _(kept, mo, tetrad_controls):
 
 
 @app.cell
-def _(beginning, kept, mo, runner, tetrad_controls):
+def _(anew, beginning, kept, mo, runner, tetrad_controls):
     tetrad_facts = tetrad_controls.facts(beginning.value, runner)
     _own = kept.of_case("start", beginning.value, tetrad_controls.first_start())
+    anew.numbers_apart(mo, list(beginning.options.values()), beginning.value, 4)
     names = tetrad_controls.names(mo, tetrad_facts, _own)
     # The entries as they stand: fields are made anew when coordinates get other names.
     typed = tetrad_controls.typed(tetrad_facts, _own)
@@ -62,8 +63,9 @@ def _(beginning, kept, mo, runner, tetrad_controls):
 
 
 @app.cell
-def _(mo, names, tetrad_controls, typed):
+def _(anew, beginning, mo, names, tetrad_controls, typed):
     columns = tetrad_controls.coordinates(names.value)
+    anew.numbers_apart(mo, list(beginning.options.values()), beginning.value, tetrad_controls.MOST)
     entries = tetrad_controls.entries(mo, columns, typed)
     return columns, entries
 
@@ -94,7 +96,7 @@ def _(
 
 
 @app.cell
-def _(beginning, columns, entries, mo, names, shown, tab, tetrad_reply, views):
+def _(anew, beginning, columns, entries, mo, names, shown, tab, tetrad_reply, views):
     mo.stop(tab.value != views.TETRAD)
     _size = len(columns)
     _cells = [
@@ -104,8 +106,11 @@ def _(beginning, columns, entries, mo, names, shown, tab, tetrad_reply, views):
     ]
     mo.vstack(
         [
-            mo.Html(views.controls([beginning, *names.values()])),
-            mo.Html(views.wrapped(views.grid(_cells, _size))),
+            mo.Html(views.controls([beginning])),
+            mo.Html(anew.drawn_anew(views.controls(names.values()), beginning.value)),
+            mo.Html(
+                anew.drawn_anew(views.wrapped(views.grid(_cells, _size)), beginning.value, _size)
+            ),
             mo.accordion({"What to show": mo.Html(views.controls(list(shown.values())))}),
         ]
     )

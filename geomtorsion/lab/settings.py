@@ -20,6 +20,8 @@ class Settings:
     answer: characters of one answer to an exercise. dimensions: coordinates of a typed tetrad;
     name: characters of the name of one.
     kept: characters of all answers that are kept, some hundred pictures.
+    apart: cases of a list, one after the other, whose fields have numbers of their own; more than
+    are drawn at once where somebody goes through the list by keys.
 
     Times
     -----
@@ -55,6 +57,7 @@ class Settings:
     dimensions: int = 6
     name: int = 20
     kept: int = 64_000_000
+    apart: int = 5
     opening: float = 15.0
     reopening: int = 120
     pause: int = 350

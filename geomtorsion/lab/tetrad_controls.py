@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from geomtorsion.lab.tasks import Runner
 
 BLANK = {f"blank, {n} coordinates": n for n in (2, 3, 4)}
+# Fields for entries at most.
+MOST = PAGE.dimensions**2
 _LETTERS = ("x", "y", "z", "w")
 
 

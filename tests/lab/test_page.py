@@ -9,7 +9,8 @@ from urllib.parse import parse_qs, urlencode, urlsplit
 import numpy as np
 
 from geomtorsion import Frame, Loop, burgers_vector, exercises, spaces
-from geomtorsion.lab.space_info import typable
+from geomtorsion.lab.settings import PAGE
+from geomtorsion.lab.space_info import space_form, typable
 from geomtorsion.lab.views import TABS
 from tests.browser import Watched
 
@@ -214,6 +215,55 @@ def test_labels_follow_the_coordinates(standing: Watched):
     page.keyboard.type("2")
     page.get_by_label("row 3, dw12", exact=True).wait_for()
     as_at_first(standing)
+
+
+def test_a_case_takes_nothing_from_the_one_before(standing: Watched):
+    """Chosen before the page has told what was typed, and gone through by keys: its own fields."""
+    page = blank(standing)
+    start = page.get_by_label("start from")
+    so3, *_, last = typable()
+    for title in (so3, last):
+        page.get_by_label("coordinates", exact=True).fill("r, phi")
+        start.select_option(label=title)
+        page.wait_for_url(lambda url, title=title: own_address(url, title))
+        page.wait_for_timeout(2 * PAGE.pause)
+        assert held(page) == holds(title)
+        assert own_address(page.url, title)
+        start.select_option(label="blank, 2 coordinates")
+        page.get_by_label("row 2, dy").wait_for()
+    for pause in (15, 60, 150):
+        start.focus()
+        for key in ("Home", *["ArrowDown"] * 8, "ArrowUp"):
+            page.keyboard.press(key)
+            page.wait_for_timeout(pause)
+        title = start.evaluate("e => e.selectedOptions[0].text")
+        page.wait_for_url(lambda url, title=title: own_address(url, title))
+        page.wait_for_timeout(2 * PAGE.pause)
+        assert held(page) == holds(title)
+        assert own_address(page.url, title)
+    as_at_first(standing)
+
+
+def own_address(url: str, title: str) -> bool:
+    """Whether an address tells of a tetrad of the list, and of nothing that was typed."""
+    first, name = next(iter(typable().values())), typable()[title]
+    query = parse_qs(urlsplit(url).query)
+    query.pop("tab", None)
+    return query == ({} if name == first else {"start": [name]})
+
+
+def holds(title: str) -> tuple[str, str, list[str]]:
+    """Coordinates, signature and entries of a tetrad of the list."""
+    form = space_form(typable()[title])
+    entries = [text for row in form["coframe"] for text in row]
+    return ", ".join(form["coordinates"]), form["signature"], entries
+
+
+def held(page: Any) -> tuple[str, str, list[str]]:
+    """What the fields hold."""
+    names = [page.get_by_label(name, exact=True) for name in ("coordinates", "signature")]
+    entries = page.locator(".tetrad input").evaluate_all("es => es.map(e => e.value)")
+    return (*(name.input_value() for name in names), entries)
 
 
 def test_unknown_functions_have_a_field(lab: Watched):
