@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from geomtorsion.checks import cut
 from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.exercises.limits import MOST
 from geomtorsion.exercises.notation import plain_signs
@@ -365,7 +366,9 @@ def kind(value: object) -> str:
     Examples
     --------
     >>> kind([1]), kind(True), kind("x")
-    ('a list', 'true or false', 'str x')
+    ('a list', 'true or false', "'x'")
     """
+    if isinstance(value, str):
+        return repr(cut(value, 40))
     names = {bool: "true or false", list: "a list", dict: "a table", type(None): "nothing"}
     return names.get(type(value), f"{type(value).__name__} {str(value)[:40]}")

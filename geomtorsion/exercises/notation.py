@@ -10,6 +10,7 @@ import re
 import unicodedata
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from types import MappingProxyType
 from typing import NoReturn
 
@@ -93,8 +94,8 @@ def _root(match: re.Match[str]) -> str:
     return f"({match[2]})^(1/{match[1]})" if match[1] else f"sqrt({match[2]})"
 
 
-_RAISED = dict(zip("⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻⁽⁾", "0123456789+-()", strict=True))
-_LOWERED = dict(zip("₀₁₂₃₄₅₆₇₈₉", "0123456789", strict=True))
+# How Unicode says that a sign is a small one of another, and how that is typed.
+_SMALL = MappingProxyType({"<super>": "^({})", "<sub>": "_{}"})
 _SIGNS = str.maketrans(
     {
         **dict.fromkeys("−–—‐‑﹣", "-"), **dict.fromkeys("×⋅·∙•∗", "*"),
@@ -140,8 +141,7 @@ def plain_signs(text: str) -> str:
     if re.search("[0-9][½¼¾⅓⅔]", text):
         raise ExpressionError("a number stands before a fraction sign. Write 5/2 for two and a "
                               "half.")  # fmt: skip
-    text = re.sub(f"[{''.join(_RAISED)}]+", lambda m: f"^({_mapped(m[0], _RAISED)})", text)
-    text = re.sub(f"[{''.join(_LOWERED)}]+", lambda m: f"_{_mapped(m[0], _LOWERED)}", text)
+    text = "".join(_full_size(kind, "".join(run)) for kind, run in groupby(text, _small_kind))
     text = text.translate(_SIGNS)
     # Compatible forms of letters are one letter; composed dots are taken apart first.
     text = unicodedata.normalize("NFKC", text)
@@ -153,8 +153,13 @@ def plain_signs(text: str) -> str:
     return _BARS.sub(r" abs(\1)", text)
 
 
-def _mapped(text: str, table: Mapping[str, str]) -> str:
-    return "".join(table[sign] for sign in text)
+def _small_kind(sign: str) -> str:
+    kind = unicodedata.decomposition(sign).partition(" ")[0]
+    return kind if kind in _SMALL else ""
+
+
+def _full_size(kind: str, run: str) -> str:
+    return _SMALL[kind].format(unicodedata.normalize("NFKC", run)) if kind else run
 
 
 def _primed(match: re.Match[str]) -> str:

@@ -8,12 +8,11 @@ from html import escape
 import sympy as sp
 
 from geomtorsion.errors import LoopError
-from geomtorsion.exact import parse_expression
 from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.geometry import Frame
+from geomtorsion.lab.as_typed import read_typed
 from geomtorsion.lab.numbers import names_text, raised
 from geomtorsion.lab.space_info import space_of
-from geomtorsion.lab.tetrad import LIMITS
 from geomtorsion.loops.exact_circle import exact_circle
 from geomtorsion.pictures.formula import expression_mathml
 from geomtorsion.pictures.text import greek_name
@@ -74,7 +73,7 @@ def circle_form(
 
 
 def _read(text: str, symbols: dict[str, sp.Symbol], where: str) -> sp.Expr:
-    return parse_expression(text.strip() or "0", symbols, {}, where=where, limits=LIMITS)
+    return read_typed(text, symbols, {}, where)
 
 
 def _shown(value: sp.Expr | None) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING
@@ -10,11 +11,10 @@ from typing import TYPE_CHECKING
 import sympy as sp
 
 from geomtorsion.errors import CoordinateError, GeomtorsionError, LimitError, SignatureError
-from geomtorsion.exact import parse_expression
-from geomtorsion.exact.tokens import Limits
 from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.geometry import Frame
 from geomtorsion.lab import views
+from geomtorsion.lab.as_typed import read_typed
 from geomtorsion.lab.settings import PAGE
 from geomtorsion.pictures.quantities import SECTIONS, chosen_quantities
 from geomtorsion.pictures.sections import aligned, section
@@ -23,8 +23,6 @@ from geomtorsion.spaces.space import Space
 if TYPE_CHECKING:
     from geomtorsion.pictures.quantities import Quantity
 
-# What a person types by hand stays far below these.
-LIMITS = Limits(characters=600, depth=20, exponent=32, digits=40)
 # Quantity -> how the page calls it; the first ones are shown unless others are asked for.
 OFFERED = {
     "metric": "metric",
@@ -45,9 +43,11 @@ OFFERED = {
     "kretschmann": "Kretschmann scalar",
 }
 USUAL = tuple(OFFERED)[:9]
+_REAL = "this page takes real entries, a tetrad file others with complex = true"
 _NAME = re.compile(r"[^\W0-9]\w*")
 _PLACE = re.compile(r"coframe\[(\d+), (\d+)\]:?\s*")
 _FUNCTION = re.compile(r"([^\W0-9]\w*)\s*\(([^()]*)\)")
+_SIGN = re.compile(r"[+-]1?|1")
 _ROW = re.compile(r"\b([Rr]ow) (\d+)")
 
 
@@ -130,6 +130,8 @@ def from_one(message: str) -> str:
         lambda m: f"row {int(m[1]) + 1}, column {int(m[2]) + 1}{m[0][m[0].index(']') + 1 :]}",
         counted,
     )
+    # Here nobody can declare anything.
+    counted = counted.replace("declare it with complex=True", _REAL)
     return counted.replace(" (rows counted from 0)", "")
 
 
@@ -212,7 +214,7 @@ def names_like(text: str, most: int) -> list[str]:
 
 
 def signs_of(text: str, dimension: int) -> tuple[int, ...] | None:
-    """One sign per frame vector, or None for all plus.
+    """One sign per frame vector, written as signs or as numbers 1 and -1; None for all plus.
 
     Raises
     ------
@@ -221,13 +223,14 @@ def signs_of(text: str, dimension: int) -> tuple[int, ...] | None:
 
     Examples
     --------
-    >>> signs_of("- + + +", 4)
-    (-1, 1, 1, 1)
+    >>> signs_of("- + + +", 4), signs_of("[-1, 1, 1]", 3)
+    ((-1, 1, 1, 1), (-1, 1, 1))
     """
-    signs = re.sub(r"[\s,1()]", "", text).replace("−", "-")
-    if not signs:
+    plain = re.sub(r"[\s,;()\[\]]", "", unicodedata.normalize("NFKC", text).replace("−", "-"))
+    if not plain:
         return None
-    if set(signs) - {"+", "-"} or len(signs) != dimension:
+    signs = ["-" if "-" in sign else "+" for sign in _SIGN.findall(plain)]
+    if _SIGN.sub("", plain) or len(signs) != dimension:
         raise SignatureError(
             f"signature: {dimension} signs + or - were needed, one for each row, but {text[:40]!r} "
             f"came. Write {'-' + '+' * (dimension - 1)} or {'+' * dimension}."
@@ -264,11 +267,9 @@ def _read(
         for k, text in enumerate(row):
             where = f"coframe[{i}, {k}]"
             try:
-                value = parse_expression(
-                    text.strip() or "0", symbols, functions, where=where, limits=LIMITS
-                )
+                value = read_typed(text, symbols, functions, where)
             except GeomtorsionError as error:
-                errors[f"{i},{k}"] = _PLACE.sub("", str(error), count=1)
+                errors[f"{i},{k}"] = from_one(_PLACE.sub("", str(error), count=1))
                 continue
             rows[-1].append(value)
     return rows

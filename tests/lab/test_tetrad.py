@@ -8,9 +8,10 @@ from html import unescape
 import pytest
 
 from geomtorsion import spaces
+from geomtorsion.errors import SignatureError
 from geomtorsion.lab.settings import PAGE
 from geomtorsion.lab.space_info import drawable, space_info
-from geomtorsion.lab.tetrad import OFFERED, tetrad
+from geomtorsion.lab.tetrad import OFFERED, signs_of, tetrad
 from geomtorsion.pictures.quantities import chosen_quantities
 from geomtorsion.pictures.sections import section
 
@@ -128,6 +129,45 @@ def test_unknown_functions():
 def test_odd_functions_are_refused(functions, message):
     """What is no unknown function is told, with what to write."""
     assert re.search(message, tetrad(**POLAR, functions=functions)["problem"])
+
+
+@pytest.mark.parametrize(
+    "entry", ["r", "2r/2", "r √(R²)/R", "½ 2r", "r sin²φ + r cos^2 phi", r"\frac{r^2}{r}", "R r/R"]
+)
+def test_entries_as_on_paper(entry):
+    """Products without a sign, functions without brackets, signs of other keys, LaTeX."""
+    assert tetrad("r, phi", [["1", "0"], ["0", entry]], "R") == tetrad(**POLAR, parameters="R")
+
+
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [
+        ("sin r phi", "Write sin(r)*phi or sin(r*phi)."),
+        ("1/2r", "can be read in two ways"),
+        ("sqrt(-1)", "this page takes real entries"),
+        ("2 rr", "a sign is missing"),
+    ],
+)
+def test_what_cannot_be_read_on_paper_either(entry, message):
+    """Told as it was typed; what can be read in two ways with both."""
+    found = tetrad("r, phi", [["1", "0"], ["0", entry]])
+    assert message in found["errors"]["1,1"]
+    assert "complex=True" not in found["errors"]["1,1"]
+
+
+@pytest.mark.parametrize(
+    "text", ["-+", "− +", "-1, 1", "[-1, 1]", "(-,+)", "-1 1", "－＋", "-1 +1"]
+)
+def test_signs_as_people_write_them(text):
+    """As in a tetrad file, as in books, and with other minus signs."""
+    assert signs_of(text, 2) == (-1, 1)
+
+
+@pytest.mark.parametrize("text", ["1", "-", "+-+", "-1, 1, 1", "x", "0 1", "11 -1", "±+", "-2 1"])
+def test_signs_that_are_none(text):
+    """Too few, too many, or something else."""
+    with pytest.raises(SignatureError, match="2 signs"):
+        signs_of(text, 2)
 
 
 def test_rows_are_counted_from_one():
