@@ -19,7 +19,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Kept:
-    """Texts by key, as they stood in the address when the page was opened.
+    """Texts by key, as they stand in the address.
 
     Examples
     --------
@@ -31,6 +31,11 @@ class Kept:
     """
 
     texts: Mapping[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def now(cls, mo: ModuleType) -> Kept:
+        """What stands in the address at this moment; it is written as the page is used."""
+        return cls.of(mo.query_params().to_dict())
 
     @classmethod
     def of(cls, query: Mapping[str, str | list[str]]) -> Kept:

@@ -22,10 +22,10 @@ def _():
     from geomtorsion.lab.tasks import common_runner
 
     runner = common_runner()
-    # What stands in the address; it is read once, and written as the page is used.
-    kept = Kept.of(mo.query_params().to_dict())
+    # What stood in the address when the page was opened.
+    kept = Kept.now(mo)
     mo.Html(views.header())
-    return anew, controls, exercise_controls, keep, kept, mo, runner, tetrad_controls, views
+    return Kept, anew, controls, exercise_controls, keep, kept, mo, runner, tetrad_controls, views
 
 
 @app.cell
@@ -52,9 +52,9 @@ def _(kept, mo, tetrad_controls):
 
 
 @app.cell
-def _(anew, beginning, kept, mo, runner, tetrad_controls):
+def _(Kept, anew, beginning, mo, runner, tetrad_controls):
     tetrad_facts = tetrad_controls.facts(beginning.value, runner)
-    _own = kept.of_case("start", beginning.value, tetrad_controls.first_start())
+    _own = Kept.now(mo).of_case("start", beginning.value, tetrad_controls.first_start())
     anew.numbers_apart(mo, list(beginning.options.values()), beginning.value, 4)
     names = tetrad_controls.names(mo, tetrad_facts, _own)
     # The entries as they stand: fields are made anew when coordinates get other names.
@@ -135,9 +135,9 @@ def _(controls, kept, mo):
 
 
 @app.cell
-def _(controls, kept, loop_space, mo, runner):
+def _(Kept, controls, loop_space, mo, runner):
     loop_facts = runner.ask("space_info", space=loop_space.value)
-    _own = kept.of_case("loop", loop_space.value, controls.FIRST_LOOP)
+    _own = Kept.now(mo).of_case("loop", loop_space.value, controls.FIRST_LOOP)
     centre = controls.centre(mo, loop_facts, _own)
     plane = controls.plane(mo, loop_facts, _own)
     return centre, loop_facts, plane
@@ -264,9 +264,9 @@ def _(controls, kept, mo):
 
 
 @app.cell
-def _(controls, kept, mo, path_space, runner):
+def _(Kept, controls, mo, path_space, runner):
     path_facts = runner.ask("space_info", space=path_space.value)
-    _own = kept.of_case("path", path_space.value, controls.FIRST_PATH)
+    _own = Kept.now(mo).of_case("path", path_space.value, controls.FIRST_PATH)
     velocity = controls.velocity(mo, path_facts, _own)
     moments = controls.moments(mo, path_space.value, _own)
     return moments, path_facts, velocity
@@ -377,9 +377,10 @@ def _(exercise_controls, kept, mo, runner):
 
 
 @app.cell
-def _(exercise, exercise_controls, kept, mo, runner, seed):
+def _(Kept, exercise, exercise_controls, mo, runner, seed):
     stated = runner.ask("exercise", number=exercise.value, seed=int(seed.value or 0))
-    fields = exercise_controls.answers(mo, stated, kept)
+    # With what was typed before another exercise was looked at.
+    fields = exercise_controls.answers(mo, stated, Kept.now(mo))
     check = mo.ui.run_button(label="Check")
     hint = exercise_controls.next_hint(mo, stated)
     sent, send = mo.state(None)

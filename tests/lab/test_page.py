@@ -180,6 +180,37 @@ def test_a_reload_keeps_tab_and_input(lab: Watched):
     page.locator("#verdict .wrong").wait_for()
 
 
+def test_answers_stay_while_another_exercise_is_looked_at(lab: Watched):
+    """What was typed in one exercise is there when it is opened again."""
+    page = lab.tab("Exercises")
+    listed = page.get_by_label("exercise", exact=True)
+    page.get_by_label("legs").fill("1,1 = 17")
+    page.wait_for_url("**17*")
+    listed.select_option(index=1)
+    page.get_by_label("legs").wait_for(state="detached")
+    page.wait_for_url("**exercise=1.2*")
+    listed.select_option(index=0)
+    page.get_by_label("legs").wait_for()
+    assert page.get_by_label("legs").input_value() == "1,1 = 17"
+    page.wait_for_url(lambda url: "exercise" not in parse_qs(urlsplit(url).query))
+    assert "17" in page.url
+
+
+def test_a_blank_tetrad_is_blank_after_a_reload_too(lab: Watched):
+    """An address brings its tetrad back once; whoever starts from a blank one again gets that."""
+    page = blank(lab)
+    lab.typed({"row 2, dy": "x"}, page.locator("#torsion mfrac").first)
+    page.wait_for_url("**coframe*")
+    page.reload()
+    page.locator("#torsion mfrac").first.wait_for()
+    page.get_by_label("start from").select_option(label=next(iter(typable())))
+    page.get_by_label("row 3, dφ3").wait_for()
+    page.wait_for_url(lambda url: "start" not in parse_qs(urlsplit(url).query))
+    page.get_by_label("start from").select_option(label="blank, 2 coordinates")
+    page.get_by_label("row 2, dy").wait_for()
+    assert page.get_by_label("row 2, dy", exact=True).input_value() == "1"
+
+
 def test_a_link_with_nonsense_opens_the_page(watched: Watched, address: str):
     """What somebody else wrote into an address is text, or nothing: no script, no odd number."""
     attack = "<img src=x onerror=alert(1)>"
