@@ -317,7 +317,8 @@ class TransitionMap:
                 raise ArithmeticError(f"no point of chart {self.target!r} corresponds")
             return [mpf(x, bits) for x in found]
         point |= numbers
-        return [element.evaluate(point, max(bits, 54)) for element in self.elements]
+        known: dict[int, Any] = {}
+        return [element.evaluate(point, max(bits, 54), known) for element in self.elements]
 
 
 @dataclass(frozen=True, eq=False)

@@ -273,8 +273,8 @@ def poles_of(
         return None
 
     def sizes(*values: float) -> np.ndarray:
-        point = dict(zip(arguments, values, strict=True))
-        return np.array([float(abs(x.evaluate(point, EXACT_BITS))) for x in elements])
+        point, known = dict(zip(arguments, values, strict=True)), {}
+        return np.array([float(abs(x.evaluate(point, EXACT_BITS, known))) for x in elements])
 
     function = numpy_function(list(found.values()), arguments, check=False)
     return Poles(function, tuple(found), owner, sizes=sizes)

@@ -25,11 +25,11 @@ def problems():
 
 def plain_values(sums, point):
     """Sums of products, each coefficient evaluated by its own element, at many digits."""
-    names = {name: mpmath.mpf(x) for name, x in point.items()}
+    names, shared = {name: mpmath.mpf(x) for name, x in point.items()}, {}
     with mpmath.workprec(200):
         return [
             sum(
-                (c.evaluate(names, 200) * mpmath.fprod(names[n] for n in factors)
+                (c.evaluate(names, 200, shared) * mpmath.fprod(names[n] for n in factors)
                  for c, factors in row),
                 mpmath.mpf(0),
             )

@@ -44,8 +44,9 @@ def exactly(change, q, numbers):
     """The map by its exact expressions, in 120 digits; None where it has no real value."""
     point = dict(zip([c.name for c in change.coordinates], q, strict=True))
     point |= {p.name: numbers[p.name] for p in change.parameters}
+    shared = {}
     try:
-        values = [element.evaluate(point, BITS) for element in change.elements]
+        values = [element.evaluate(point, BITS, shared) for element in change.elements]
     except (ArithmeticError, SingularPointError):
         return None
     real = all(isinstance(x, mpmath.mpf) and abs(x) < 1e6 for x in values)
@@ -117,11 +118,13 @@ def test_rates_lose_no_digits(chart, a):
         if place.distance({name: values[name] for name in place.names} | numbers) < 1:
             continue
         got = rates(*(values[name] for name in (*equations.states, *equations.parameters)))
-        want = []
+        want, shared = [], {}
         with mpmath.workdps(60):
             for products in equations.rates:
                 terms = [
-                    mpmath.fprod([element.evaluate(values, 200), *(values[x] for x in names)])
+                    mpmath.fprod(
+                        [element.evaluate(values, 200, shared), *(values[x] for x in names)]
+                    )
                     for element, names in products
                 ]
                 want.append(mpmath.fsum(terms))
