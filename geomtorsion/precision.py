@@ -26,6 +26,8 @@ PRINTED = 1e-6
 # And by so much those that came out of a calculation with doubles: a few thousand roundings. Points
 # nearer than this share of a loop are one point, a velocity with such a norm is null.
 CALCULATED = 1e-12
+# Places at multiples of the golden section fall together with those of no frequency.
+GOLDEN = (math.sqrt(5) - 1) / 2
 # Bits of constants that are worked out once: two doubles, and as many again to spare.
 CONSTANT_BITS = 180
 # Bits of numbers that are no fractions where something is decided exactly: no engine has more.

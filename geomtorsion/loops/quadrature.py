@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 
 from geomtorsion.loops.arcs import Arc, at_arcs
-from geomtorsion.precision import HALF
+from geomtorsion.precision import GOLDEN, HALF
 
 # From offsets and slopes, shape (n, k) each, to values of shape (m, k).
 Integrand = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -23,8 +23,7 @@ PIECE = 2**15
 MOST_POINTS, MOST_AT_ONCE = 1024 * PIECE, 4 * PIECE
 # Each level of a rule has more points than the one before by the golden ratio, shifted by the
 # golden section of a step: no frequency hides from both.
-GROWTH = (1 + math.sqrt(5)) / 2
-SHIFT = 2 - GROWTH
+GROWTH, SHIFT = 1 + GOLDEN, 1 - GOLDEN
 # Beyond some 100 times the points that the curve needs, the integrand has a narrow peak, and
 # halving intervals is cheaper.
 LEVELS = 11

@@ -9,11 +9,10 @@ from typing import TypeAlias
 
 import numpy as np
 
-from geomtorsion.precision import EPS
+from geomtorsion.precision import EPS, GOLDEN
 
 # Two crossings may hide where a parabola through three places comes this near to zero.
 NEAR = 0.3
-GOLDEN = (np.sqrt(5) - 1) / 2
 # Golden sections until the lowest place between three is found as exactly as doubles allow.
 SECTIONS = math.ceil(math.log(EPS) / math.log(GOLDEN))
 

@@ -18,10 +18,10 @@ from geomtorsion.ode.cost import Cost
 from geomtorsion.ode.error_estimate import SAFETY, difference, rounding
 from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.numbers import PARTS
-from geomtorsion.ode.roots import GOLDEN, crossings
+from geomtorsion.ode.roots import crossings
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory, close_times
 from geomtorsion.ode.writing import pandas_table, write_solution
-from geomtorsion.precision import EPS
+from geomtorsion.precision import EPS, GOLDEN
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

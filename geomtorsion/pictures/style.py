@@ -15,7 +15,7 @@ import sympy as sp
 
 from geomtorsion.errors import GeomtorsionError, MissingExtraError
 from geomtorsion.pictures.text import greek_name
-from geomtorsion.precision import EPS
+from geomtorsion.precision import EPS, PRINTED
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -29,8 +29,9 @@ if TYPE_CHECKING:
 Point = Sequence[float] | np.ndarray
 FAINT, PALE = "#c9ccd1", "#eef0f2"
 FORMATS = ("png", "svg", "pdf")
-# What is less than this share of the largest is not worth an axis or a panel of its own.
-FLAT = 1e-6
+# What is less than this share of the largest shows in none of seven digits: it is not worth an axis
+# or a panel of its own.
+FLAT = PRINTED
 # Below the rounding of doubles: zero on a logarithmic scale.
 NOTHING = EPS / 20
 

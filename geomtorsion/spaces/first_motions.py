@@ -10,8 +10,7 @@ import sympy as sp
 
 from geomtorsion.geometry import Frame
 
-# Duration, and directions of the legs, where nothing better is known.
-DURATION = 2.0
+# Directions of the legs, where nothing better is known.
 DIRECTION = (3, 2, 1, 2, 1, 2, 1)
 
 
@@ -21,7 +20,7 @@ class FirstMotion:
 
     start: coordinates q^mu.
     frame_velocity: u^i = e^i_mu q'^mu.
-    t: last value of the curve parameter.
+    t: last value of the curve parameter; 2 where nothing better is known.
     parameters: name -> number.
 
     Examples
@@ -33,7 +32,7 @@ class FirstMotion:
 
     start: tuple[float, ...]
     frame_velocity: tuple[float, ...]
-    t: float
+    t: float = 2.0
     parameters: Mapping[str, float] = field(default_factory=dict)
 
 
@@ -55,21 +54,20 @@ MOTIONS: dict[str, FirstMotion] = {
     "heisenberg": FirstMotion((0.0, 0.0, 0.0), (1.0, 0.3, 1.0), 9.0),
     "schwarzschild": FirstMotion(_RING, (1.0628, 0.0, 0.0, 0.36), 700.0, {"M": 1.0}),
     "kerr": FirstMotion(_RING, (1.0284, 0.0, 0.0, 0.24), 700.0, {"M": 1.0, "a": 0.9}),
-    "so3_quaternion": FirstMotion((-0.09, 0.23, -0.27), _TILTED, DURATION),
-    "so3_rodrigues": FirstMotion((-0.17, 0.45, -0.54), _TILTED, DURATION),
+    "so3_quaternion": FirstMotion((-0.09, 0.23, -0.27), _TILTED),
+    "so3_rodrigues": FirstMotion((-0.17, 0.45, -0.54), _TILTED),
     "s7": FirstMotion(
         (-0.17, 0.45, -0.54, 0.27, -0.37, 0.19, -0.76),
         (0.612, 0.408, 0.204, 0.408, 0.204, 0.408, 0.204),
-        DURATION,
     ),
-    "screw_dislocation": FirstMotion((4.14, 2.27, -1.07), _TILTED, DURATION, {"b": 0.48}),
-    "edge_dislocation": FirstMotion(_BESIDE, _TILTED, DURATION, {"b": 0.48}),
-    "edge_dislocation_elastic": FirstMotion(_BESIDE, _TILTED, DURATION, {"b": 0.48, "nu": 0.16}),
-    "wedge_disclination": FirstMotion((1.66, 4.57, -1.07), _TILTED, DURATION, {"alpha": 0.48}),
+    "screw_dislocation": FirstMotion((4.14, 2.27, -1.07), _TILTED, parameters={"b": 0.48}),
+    "edge_dislocation": FirstMotion(_BESIDE, _TILTED, parameters={"b": 0.48}),
+    "edge_dislocation_elastic": FirstMotion(_BESIDE, _TILTED, parameters={"b": 0.48, "nu": 0.16}),
+    "wedge_disclination": FirstMotion((1.66, 4.57, -1.07), _TILTED, parameters={"alpha": 0.48}),
     "schwarzschild_isotropic": FirstMotion(
-        (-1.72, 0.63, 0.73, 0.93), (1.25, 0.5, 0.25, 0.5), DURATION, {"M": 0.43}
+        (-1.72, 0.63, 0.73, 0.93), (1.25, 0.5, 0.25, 0.5), parameters={"M": 0.43}
     ),
-    "frw": FirstMotion((-0.34, 0.73, 0.73, 4.0), (1.25, 0.5, 0.25, 0.5), DURATION, {"k": -0.37}),
+    "frw": FirstMotion((-0.34, 0.73, 0.73, 4.0), (1.25, 0.5, 0.25, 0.5), parameters={"k": -0.37}),
 }
 
 
@@ -96,8 +94,7 @@ def first_motion(frame: Frame) -> FirstMotion:
     return FirstMotion(
         tuple(point[symbol] for symbol in frame.coordinates),
         _direction(frame),
-        DURATION,
-        {symbol.name: point[symbol] for symbol in frame.parameters},
+        parameters={symbol.name: point[symbol] for symbol in frame.parameters},
     )
 
 

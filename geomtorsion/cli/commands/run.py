@@ -36,7 +36,7 @@ from geomtorsion.scenes.saving import write_run, write_scene_film
 
 CHECKPOINT, PARTIAL = "checkpoint.npz", "partial.csv"
 # The least width of a column: a number of six digits with its sign and exponent, and a gap.
-COLUMN = 13
+COLUMN = len(f" {-1e-9 / 3:.6g}")
 
 
 def run(
