@@ -34,6 +34,17 @@ def test_no_files(tmp_path):
         read_text(tmp_path / "a.txt", 5)
 
 
+def test_the_longest_text(tmp_path):
+    """Ten million bytes are read, one more is refused."""
+    path = tmp_path / "long.txt"
+    path.write_bytes(b"x" * 10_000_000)
+    assert len(read_text(path)) == 10_000_000
+    with path.open("ab") as file:
+        file.write(b"x")
+    with pytest.raises(LimitError, match="longer than the limit of 10,000,000 bytes"):
+        read_text(path)
+
+
 def test_toml(tmp_path):
     """Values, lines, and decimals as they were written."""
     file = tmp_path / "a.toml"

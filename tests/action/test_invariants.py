@@ -5,7 +5,12 @@ import sympy as sp
 
 import geomtorsion as gt
 from geomtorsion import spaces
-from geomtorsion.action.invariants import depends, relations, right_invariant
+from geomtorsion.action.invariants import (
+    ansatz_functions,
+    depends,
+    relations,
+    right_invariant,
+)
 from geomtorsion.exact import Field
 from tests.action.test_equations import FLIGHT, MASS, MOMENTS, SPIN, U
 
@@ -18,6 +23,16 @@ def kinetic(frame):
 def momenta(found):
     """What is linear in the velocities."""
     return [name for name in found if name.startswith(("momentum", "body", "space", "killing"))]
+
+
+def test_how_many_candidates_are_tried():
+    """Products of 1, q, cos q and sin q in three directions would be 192; with 1 and q in one 96."""
+    q = sp.symbols("x y z")
+    flat = gt.Frame(q, sp.eye(3))
+    assert ansatz_functions(flat, []) == []
+    found = ansatz_functions(flat, [q[2] ** 2])
+    assert len(found) == len(set(found)) == 32
+    assert {q[0] * q[2], sp.cos(q[0]) * sp.sin(q[1]) * q[2]} <= set(found)
 
 
 @pytest.mark.parametrize(

@@ -27,6 +27,18 @@ def test_help_has_an_example():
     assert "geomtorsion curve s2" in run("curve", "--help").stdout
 
 
+@pytest.mark.parametrize("dimension", [4, 5])
+def test_up_to_four_coordinates_stand_side_by_side(dimension, tmp_path, no_pictures):
+    """Of both curves in one row; more of them below each other, each with a distance."""
+    names = [f"x{k}" for k in range(dimension)]
+    rows = [[int(k == m) for m in range(dimension)] for k in range(dimension)]
+    file = tmp_path / "flat.toml"
+    file.write_text(f"coordinates = {json.dumps(names)}\ncoframe = {json.dumps(rows)}\n")
+    heads = [line for line in run("curve", str(file), *CHEAP).stdout.splitlines() if "x3" in line]
+    heads = [line for line in heads if "distance" in line]
+    assert [line.count("x3") for line in heads] == ([2] if dimension == 4 else [1, 1])
+
+
 @pytest.mark.parametrize("name", ["flat_polar", "so3"])
 def test_files_hold_what_the_library_computes(name, tmp_path, no_pictures):
     """The table to the last digit; the metadata; all in a directory that was not there."""
