@@ -125,7 +125,7 @@ class Reader:
         if expr.is_Rational:
             return field.rational(fmpq(int(expr.p), int(expr.q)))
         if expr.is_Add:
-            return field.sum((1, self.element(arg)) for arg in expr.args)
+            return field.sum([(1, self.element(arg)) for arg in expr.args])
         if expr.is_Mul:
             return self._product(expr.args)
         if expr.is_Pow:
@@ -143,7 +143,7 @@ class Reader:
 
     def _product(self, args: tuple[sympy.Basic, ...]) -> Element:
         if len(args) <= 8:
-            return self.field.sum(((1, *(self.element(arg) for arg in args)),))
+            return self.field.sum([(1, *[self.element(arg) for arg in args])])
         half = len(args) // 2
         return self._product(args[:half]) * self._product(args[half:])
 
