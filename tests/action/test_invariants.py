@@ -26,7 +26,7 @@ def momenta(found):
 
 
 def test_how_many_candidates_are_tried():
-    """Products of 1, q, cos q and sin q in three directions would be 192; with 1 and q in one 96."""
+    """Of 1, q, cos q, sin q in three directions there would be 192; with 1 and q in one 96."""
     q = sp.symbols("x y z")
     flat = gt.Frame(q, sp.eye(3))
     assert ansatz_functions(flat, []) == []
