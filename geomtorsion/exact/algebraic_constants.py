@@ -14,13 +14,11 @@ from typing import TYPE_CHECKING
 import sympy
 from flint import acb, arb, fmpq, fmpz
 
+from geomtorsion.exact import polynomials
 from geomtorsion.exact.evaluate import LARGEST_BITS
-from geomtorsion.exact.integers import as_fmpq
 from geomtorsion.precision import ball_precision
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from flint import fmpq_mpoly
 
     from geomtorsion.exact.element import Element
@@ -102,7 +100,7 @@ def _sum_vanishes(field: Tower, poly: fmpq_mpoly) -> bool | None:
 def _size(field: Tower, poly: fmpq_mpoly, sizes: dict[str, _Size]) -> _Size:
     """The size of a polynomial in algebraic constants; those of its generators are collected."""
     below, parts = 1, []
-    for coefficient, powers in _terms(field, poly):
+    for coefficient, powers in polynomials.terms(field.generators, poly):
         for generator, _ in powers:
             if generator.name not in sizes:
                 sizes[generator.name] = _size_of_generator(field, generator, sizes)
@@ -141,13 +139,6 @@ def _degree(field: Tower, sizes: dict[str, _Size]) -> int:
     return roots * int(fmpz(order).euler_phi())
 
 
-def _terms(field: Tower, poly: fmpq_mpoly) -> Iterator[tuple[fmpq, list[tuple[Generator, int]]]]:
-    """The terms of a polynomial: coefficient and powers of generators."""
-    for monomial, coefficient in poly.to_dict().items():
-        powers = [(g, int(e)) for g, e in zip(field.generators, monomial, strict=True) if e]
-        yield as_fmpq(coefficient), powers
-
-
 def _ball(field: Tower, poly: fmpq_mpoly, bits: int) -> acb:
     """A ball of numbers in which a polynomial in algebraic constants lies."""
     known: dict[str, acb] = {}
@@ -173,7 +164,7 @@ def _ball(field: Tower, poly: fmpq_mpoly, bits: int) -> acb:
 
     def of_polynomial(poly: fmpq_mpoly) -> acb:
         total = acb(0)
-        for coefficient, powers in _terms(field, poly):
+        for coefficient, powers in polynomials.terms(field.generators, poly):
             total += acb(arb(coefficient)) * prod(
                 (of_generator(generator) ** exponent for generator, exponent in powers),
                 start=acb(1),

@@ -10,6 +10,7 @@ import sympy
 from flint import acb, arb, fmpq
 
 from geomtorsion.errors import MissingValueError, SingularPointError
+from geomtorsion.exact import polynomials
 from geomtorsion.exact.form import LONGEST_FACTORED, Sum, form
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.integers import as_fmpq
@@ -187,11 +188,7 @@ def _kept_value(
 
 def _polynomial(field: Tower, poly: fmpq_mpoly, given: Given, known: Known) -> mpmath.mpf:
     """The value of a polynomial in the generators."""
-    terms = (
-        (value, [(g, int(e)) for g, e in zip(field.generators, monomial, strict=True) if e])
-        for monomial, value in poly.to_dict().items()
-    )
-    return _total(terms, given, known)
+    return _total(polynomials.terms(field.generators, poly), given, known)
 
 
 def _total(

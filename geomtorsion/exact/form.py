@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from flint import fmpq
 
+from geomtorsion.exact import polynomials
 from geomtorsion.exact.fourier import HIGHEST_DEGREE, high_pairs, multiple_angles
 from geomtorsion.exact.radical_denominators import roots_restored
 
@@ -170,9 +171,7 @@ def _sign_absorbed(powers: list[tuple[Generator | Sum, int]]) -> int:
 
 def _monomial(field: Tower, num: fmpq_mpoly) -> Form:
     """The form of a polynomial of one term."""
-    ((monomial, value),) = num.to_dict().items()
-    powers = tuple((g, int(e)) for g, e in zip(field.generators, monomial, strict=True) if e)
-    return Form(value, powers)
+    return Form(num.leading_coefficient(), polynomials.powers(field.generators, num.monomial(0)))
 
 
 def _base(
@@ -191,23 +190,25 @@ def _base(
 
 def _sum(field: Tower, table: Radicals, poly: fmpq_mpoly) -> tuple[Sum, int]:
     """A polynomial as sum of terms, with sin**2 for 1 - cos**2 where that is shorter."""
-    terms = {tuple(map(int, m)): fmpq(c) for m, c in poly.to_dict().items()}
-    high = high_pairs(terms, table.circular)
-    if high:
-        return Sum(tuple(multiple_angles(field, terms, high))), 1
-    # Which of the three is shortest depends on the other terms: all are tried.
-    for cos, sin, sign in table.partners:
-        if len(terms) <= LONGEST_FACTORED and any(m[cos] > 1 for m in terms):
-            others = (_paired(terms, cos, sin, sign), _rewritten(terms, cos, sin, sign))
-            terms = min((terms, *others), key=len)
+    degrees = poly.degrees()
+    if any(degrees[cos] > 1 for cos, _, _ in table.partners):
+        terms = {tuple(map(int, m)): fmpq(c) for m, c in poly.to_dict().items()}
+        high = high_pairs(terms, table.circular)
+        if high:
+            return Sum(tuple(multiple_angles(field, terms, high))), 1
+        # Which of the three is shortest depends on the other terms: all are tried.
+        for cos, sin, sign in table.partners:
+            if len(terms) <= LONGEST_FACTORED and any(m[cos] > 1 for m in terms):
+                others = (_paired(terms, cos, sin, sign), _rewritten(terms, cos, sin, sign))
+                terms = min((terms, *others), key=len)
+        found = [(value, polynomials.powers(field.generators, m)) for m, value in terms.items()]
+    else:
+        found = list(polynomials.terms(field.generators, poly))
     # A sum with more minus than plus signs reads better with its sign outside.
-    positive = sum(1 for value in terms.values() if value > 0)
-    sign = -1 if 2 * positive < len(terms) else 1
-    named = tuple(
-        (value * sign, tuple((g, e) for g, e in zip(field.generators, m, strict=True) if e))
-        for m, value in terms.items()
-    )
-    opposite = Sum(tuple((-value, m) for value, m in named)) if 2 * positive == len(terms) else None
+    positive = sum(1 for value, _ in found if value > 0)
+    sign = -1 if 2 * positive < len(found) else 1
+    named = tuple([(value * sign, own) for value, own in found])
+    opposite = Sum(tuple((-value, m) for value, m in named)) if 2 * positive == len(named) else None
     return Sum(named, opposite), sign
 
 

@@ -14,6 +14,7 @@ import flint
 import sympy
 from flint import fmpq
 
+from geomtorsion.exact import polynomials
 from geomtorsion.exact.generators import Generator
 
 if TYPE_CHECKING:
@@ -57,8 +58,7 @@ def multiple_angles(field: Tower, terms: Terms, pairs: list[tuple[int, int]]) ->
                 for (cos, sin), (k, odd) in zip(pairs, made, strict=True)
                 if k
             ]
-            factors += [(g, e) for g, e in zip(field.generators, rest, strict=True) if e]
-            named.append((value, tuple(factors)))
+            named.append((value, (*factors, *polynomials.powers(field.generators, rest))))
     return named
 
 

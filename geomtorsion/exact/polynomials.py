@@ -1,20 +1,38 @@
-"""Polynomials: those of flint in a larger ring, their long sums and products."""
+"""Polynomials: those of flint in a larger ring, their terms, long sums and products."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from itertools import compress
+from typing import TYPE_CHECKING, SupportsInt
 
 if TYPE_CHECKING:
-    from flint import fmpq_mpoly, fmpq_mpoly_ctx
+    from collections.abc import Iterator, Sequence
+
+    from flint import fmpq, fmpq_mpoly, fmpq_mpoly_ctx
+
+    from geomtorsion.exact.generators import Generator
+
+    Powers = tuple[tuple[Generator, int], ...]
 
 
 def lifted(ctx: fmpq_mpoly_ctx, poly: fmpq_mpoly, by: int) -> fmpq_mpoly:
     """A polynomial in a ring of `by` variables more, which come first."""
-    if len(poly) > 2:
-        # By the names of the variables; what is shorter is written down again more quickly.
-        return poly.project_to_context(ctx)
-    pad = (0,) * by
-    return ctx.from_dict({pad + tuple(m): c for m, c in poly.to_dict().items()})
+    if len(poly) == 1:
+        # One term is written down again more quickly.
+        return ctx.from_dict({(0,) * by + m: c for m, c in poly.to_dict().items()})
+    return poly.project_to_context(ctx, {k: k + by for k in range(poly.context().nvars())})
+
+
+def powers(generators: Sequence[Generator], monomial: Sequence[SupportsInt]) -> Powers:
+    """The generators that occur in a monomial, each with its exponent."""
+    places = compress(range(len(monomial)), monomial)
+    return tuple([(generators[k], int(monomial[k])) for k in places])
+
+
+def terms(generators: Sequence[Generator], poly: fmpq_mpoly) -> Iterator[tuple[fmpq, Powers]]:
+    """The terms of a polynomial: coefficient and powers of generators."""
+    for value, monomial in zip(poly.coeffs(), poly.monoms(), strict=True):
+        yield value, powers(generators, monomial)
 
 
 def product(one: fmpq_mpoly, two: fmpq_mpoly, pairs: int) -> fmpq_mpoly:

@@ -157,9 +157,10 @@ class Reader:
             chosen = self._chosen(expr)
             if chosen is not None:
                 return chosen
-            radical = base ** sympy.Rational(1, exponent.q)
-            found = self.field.root(self.element(base), int(exponent.q), radical)
-            return found ** int(exponent.p)
+            if exponent.p == 1:
+                return self.field.root(self.element(base), int(exponent.q), expr)
+            # The root itself is read once for all of its powers.
+            return self.element(base ** sympy.Rational(1, exponent.q)) ** int(exponent.p)
         return self.exp(self.element(exponent) * self.primitives.log(self.element(base)))
 
     def _chosen(self, expr: sympy.Basic) -> Element | None:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from bisect import insort
+from dataclasses import dataclass
 from functools import cmp_to_key
-from typing import TYPE_CHECKING, TypeGuard
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 import sympy
 
@@ -25,29 +26,59 @@ if TYPE_CHECKING:
 # Generators that sympy never merges with others in a product, as it does exp(x)*exp(y).
 _PLAIN = frozenset(("symbol", "cos", "sin", "cosh", "sinh", "log", "jet"))
 _ORDER = cmp_to_key(sympy.Basic.compare)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Part:
+    """A factor as sympy writes it; as an object of its own it is found without sympy's hash."""
+
+    shown: sympy.Expr
+
+
 # Stands for all products where parts of different kinds are put in order.
-_A_PRODUCT = sympy.Mul(2, sympy.Symbol("x"))
+_A_PRODUCT = Part(sympy.Mul(2, sympy.Symbol("x")))
 
 
 class Parts:
-    """What the expressions of a field are made of.
+    """What the expressions of a field are made of, each part made once.
 
-    powers: those that have been made; places: where parts of sums stand in sympy's order.
+    places: where parts stand in sympy's order.
     """
 
     def __init__(self) -> None:
-        self.powers: dict[tuple[Generator | Sum, int], sympy.Expr] = {}
-        self.places: dict[sympy.Expr, int] = {_A_PRODUCT: 0}
+        self._powers: dict[tuple[Generator | Sum, int], Part] = {}
+        self._numbers: dict[fmpq, Part] = {}
+        self._places: dict[Part, int] = {_A_PRODUCT: 0}
 
-    def order(self, parts: Iterable[sympy.Expr]) -> dict[sympy.Expr, int]:
+    def power(self, base: Generator | Sum, exponent: int) -> Part:
+        """base**exponent."""
+        found = self._powers.get((base, exponent))
+        if found is None:
+            plain = base.shown if isinstance(base, Generator) else _sum(self, base)
+            found = Part(plain if exponent == 1 else plain**exponent)
+            self._powers[base, exponent] = found
+        return found
+
+    def number(self, value: fmpq) -> Part:
+        """A coefficient."""
+        found = self._numbers.get(value)
+        if found is None:
+            found = self._numbers[value] = Part(_number(value))
+        return found
+
+    def order(self, parts: Iterable[Part]) -> dict[Part, int]:
         """The places, those of the parts included."""
-        new = dict.fromkeys(part for part in parts if part not in self.places)
+        new = dict.fromkeys(part for part in parts if part not in self._places)
         if new:
-            ordered = list(self.places)
+            ordered = list(self._places)
             for part in new:
-                insort(ordered, part, key=_ORDER)
-            self.places = {part: k for k, part in enumerate(ordered)}
-        return self.places
+                insort(ordered, part, key=_compared)
+            self._places = {part: k for k, part in enumerate(ordered)}
+        return self._places
+
+
+def _compared(part: Part) -> Any:
+    return _ORDER(part.shown)
 
 
 def to_sympy(element: Element) -> sympy.Expr:
@@ -72,7 +103,7 @@ def _of_form(known: Parts, written: Form) -> sympy.Expr:
     sums = sum(isinstance(base, Sum) for base, _ in written.powers)
     plain = all(isinstance(base, Sum) or base.kind in _PLAIN for base, _ in written.powers)
     # sympy distributes a number over a lone sum; then its own product is taken.
-    return _product(written.coefficient, factors, plain and (len(factors) > 1 or not sums))
+    return _product(known, written.coefficient, factors, plain and (len(factors) > 1 or not sums))
 
 
 def _as_built(element: Element) -> sympy.Expr:
@@ -220,43 +251,30 @@ def _number(value: fmpq) -> sympy.Expr:
     return sympy.Rational(int(value.p), int(value.q)) if value.q != 1 else sympy.Integer(int(value))
 
 
-def _product(value: fmpq, factors: list[sympy.Expr], plain: bool) -> sympy.Expr:
+def _product(known: Parts, value: fmpq, factors: list[Part], plain: bool) -> sympy.Expr:
     """value * factors; plain ones are put together without sympy's search for like bases."""
     if not factors:
         return _number(value)
     if value == 1 and len(factors) == 1:
-        return factors[0]
+        return factors[0].shown
+    number = known.number(value)
     if not plain:
-        return sympy.Mul(_number(value), *factors)
-    # sympy wants its own order, also where it is not asked to look at the factors.
-    ordered = sorted(factors, key=_ORDER)
-    if value != 1:
-        ordered.insert(0, _number(value))
-    return sympy.Mul._from_args(ordered, is_commutative=True)
+        return sympy.Mul(number.shown, *[factor.shown for factor in factors])
+    return _plain_product(number, factors, known.order((number, *factors)))[1]
 
 
-def _factors(known: Parts, powers: Iterable[tuple[Generator | Sum, int]]) -> list[sympy.Expr]:
+def _factors(known: Parts, powers: Iterable[tuple[Generator | Sum, int]]) -> list[Part]:
     """base**exponent of each; exponentials of numbers and functions are joined in one."""
     exponents = [exponent * base.shown.args[0] for base, exponent in powers if _is_exp(base)]
     if len(exponents) < 2:
-        return [_power(known, base, exponent) for base, exponent in powers]
-    rest = [_power(known, base, exponent) for base, exponent in powers if not _is_exp(base)]
-    return [*rest, sympy.exp(sympy.Add(*exponents))]
+        return [known.power(base, exponent) for base, exponent in powers]
+    rest = [known.power(base, exponent) for base, exponent in powers if not _is_exp(base)]
+    return [*rest, Part(sympy.exp(sympy.Add(*exponents)))]
 
 
 def _is_exp(base: Generator | Sum) -> TypeGuard[Generator]:
     """Whether a base is exp of something, which the number e is not."""
     return isinstance(base, Generator) and base.kind == "exp" and isinstance(base.shown, sympy.exp)
-
-
-def _power(known: Parts, base: Generator | Sum, exponent: int) -> sympy.Expr:
-    """base**exponent, made once."""
-    key = (base, exponent)
-    found = known.powers.get(key)
-    if found is None:
-        plain = base.shown if isinstance(base, Generator) else _sum(known, base)
-        found = known.powers[key] = plain if exponent == 1 else plain**exponent
-    return found
 
 
 def _sum(known: Parts, base: Sum) -> sympy.Expr:
@@ -265,12 +283,12 @@ def _sum(known: Parts, base: Sum) -> sympy.Expr:
         plain = [all(g.kind in _PLAIN for g, _ in powers) for _, powers in base.terms]
         terms = zip(base.terms, plain, strict=True)
         return sympy.Add(
-            *(_product(x, _factors(known, powers), flag) for (x, powers), flag in terms)
+            *(_product(known, x, _factors(known, powers), flag) for (x, powers), flag in terms)
         )
-    split = [(_number(x), [_power(known, g, e) for g, e in powers]) for x, powers in base.terms]
+    split = [(known.number(x), [known.power(g, e) for g, e in ps]) for x, ps in base.terms]
     # sympy's order of all that occurs gives that of every product, and that of the products.
-    place = known.order(part for x, factors in split for part in (x, *factors))
-    terms = [_plain_product(x, factors, place) for x, factors in split]
+    place = known.order(part for number, factors in split for part in (number, *factors))
+    terms = [_plain_product(number, factors, place) for number, factors in split]
     # Longer sums stay in their own order.
     if len(terms) <= LONGEST_FACTORED:
         terms.sort(key=lambda term: term[0])
@@ -278,15 +296,15 @@ def _sum(known: Parts, base: Sum) -> sympy.Expr:
 
 
 def _plain_product(
-    value: sympy.Expr, factors: list[sympy.Expr], place: dict[sympy.Expr, int]
+    number: Part, factors: list[Part], place: dict[Part, int]
 ) -> tuple[tuple[int, ...], sympy.Expr]:
     """A product of plain factors, and what sympy orders it by: numbers first, then by its parts."""
     if not factors:
-        return (-1,), value
-    if value is sympy.S.One and len(factors) == 1:
-        return (place[factors[0]],), factors[0]
+        return (-1,), number.shown
+    if number.shown is sympy.S.One and len(factors) == 1:
+        return (place[factors[0]],), factors[0].shown
     ordered = sorted(factors, key=place.__getitem__)
-    if value is not sympy.S.One:
-        ordered.insert(0, value)
-    key = (place[_A_PRODUCT], len(ordered), *(place[part] for part in ordered))
-    return key, sympy.Mul._from_args(ordered, is_commutative=True)
+    if number.shown is not sympy.S.One:
+        ordered.insert(0, number)
+    key = (place[_A_PRODUCT], len(ordered), *[place[part] for part in ordered])
+    return key, sympy.Mul._from_args([part.shown for part in ordered], is_commutative=True)

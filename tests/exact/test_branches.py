@@ -117,6 +117,14 @@ def test_branches_can_be_chosen():
         Field([x], branches={root: sin(x)}).read(root)
 
 
+@pytest.mark.parametrize("power", [-3, -1, 3])
+def test_a_chosen_branch_holds_for_the_powers_of_its_root(power):
+    """With sqrt(1 - sin(x)**2) read as -cos(x), 1 over it is -1/cos(x), whichever comes first."""
+    root = sqrt(1 - sin(x) ** 2)
+    field = Field([x], branches={root: -cos(x)})
+    assert field.read(root**power) == field.read((-cos(x)) ** power)
+
+
 @pytest.mark.parametrize(
     "value",
     [
@@ -139,7 +147,7 @@ def test_the_same_root_written_otherwise():
     """A value that the field writes with the root."""
     root = sqrt(1 + x**2)
     field = Field([x], branches={root: -sqrt(2 + 2 * x**2) / sqrt(2)})
-    field.read(root**3)
+    field.read(sqrt(root))
     with pytest.raises(ExpressionError, match="without this root"):
         field.read(root)
 
