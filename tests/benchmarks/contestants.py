@@ -94,12 +94,20 @@ def _geomtorsion(case: Case, reached: Reached) -> Outcome:
     return whole_geometry(case, reached)
 
 
+def _of_metric(case: Case, reached: Reached) -> Outcome:
+    """What the others do, too: no Cartan connection, no torsion."""
+    from tests.benchmarks.geometry import OF_METRIC, whole_geometry
+
+    return whole_geometry(case, reached, OF_METRIC)
+
+
 def _python(name: str, title: str, module: str, work: Work, coframe: bool = False) -> Contestant:
     return Contestant(name, title, module, partial(_in_python, work), coframe)
 
 
 ALL: tuple[Contestant, ...] = (
     _python("geomtorsion", "geomtorsion", "geomtorsion", _geomtorsion, coframe=True),
+    _python("of_metric", "of the metric alone", "geomtorsion", _of_metric, coframe=True),
     Contestant("maxima_frame", "Maxima, frame", "maxima", partial(_in_maxima, True), True),
     Contestant("maxima", "Maxima, metric", "maxima", partial(_in_maxima, False)),
     _python("sympy", "sympy, simplify", "sympy", baseline.sympy_with_simplify, coframe=True),

@@ -8,12 +8,19 @@ import geomtorsion as gt
 from tests.benchmarks.cases import Case
 from tests.benchmarks.outcome import Outcome, Reached
 
+Stages = tuple[tuple[str, tuple[str, ...]], ...]
 # In the order of asking; each is converted to sympy in full before the next is asked for.
-STAGES = (
+STAGES: Stages = (
     ("torsion", ("cartan_connection", "torsion", "christoffel", "contortion")),
     ("riemann", ("cartan_curvature", "riemann")),
     ("ricci", ("ricci", "scalar_curvature")),
     ("kretschmann", ("kretschmann",)),
+)
+# What follows from the metric, which the others have, too.
+OF_METRIC: Stages = (
+    ("christoffel", ("christoffel",)),
+    ("riemann", ("riemann",)),
+    *STAGES[2:],
 )
 
 
@@ -25,11 +32,13 @@ def fresh_frame(case: Case) -> gt.Frame:
     return gt.Frame(case.coordinates, case.coframe, signature=case.signature)
 
 
-def whole_geometry(case: Case, reached: Reached = lambda _: None) -> Outcome:
+def whole_geometry(
+    case: Case, reached: Reached = lambda _: None, stages: Stages = STAGES
+) -> Outcome:
     """Both connections, torsion, contortion, both curvatures, Ricci, Kretschmann, in sympy."""
     frame = fresh_frame(case)
     components: dict[str, dict[tuple[int, ...], sp.Expr]] = {}
-    for stage, names in STAGES:
+    for stage, names in stages:
         for name in names:
             components[name] = dict(frame.quantity(name).nonzero())
         reached(stage)
