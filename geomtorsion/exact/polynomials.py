@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from itertools import compress
-from typing import TYPE_CHECKING, SupportsInt
+from typing import TYPE_CHECKING, SupportsInt, TypeVar
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from flint import fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
-    from geomtorsion.exact.generators import Generator
-
-    Powers = tuple[tuple[Generator, int], ...]
+# What stands for a variable of the ring.
+T = TypeVar("T")
 
 
 def lifted(ctx: fmpq_mpoly_ctx, poly: fmpq_mpoly, by: int) -> fmpq_mpoly:
@@ -23,16 +22,18 @@ def lifted(ctx: fmpq_mpoly_ctx, poly: fmpq_mpoly, by: int) -> fmpq_mpoly:
     return poly.project_to_context(ctx, {k: k + by for k in range(poly.context().nvars())})
 
 
-def powers(generators: Sequence[Generator], monomial: Sequence[SupportsInt]) -> Powers:
-    """The generators that occur in a monomial, each with its exponent."""
+def powers(variables: Sequence[T], monomial: Sequence[SupportsInt]) -> tuple[tuple[T, int], ...]:
+    """The variables that occur in a monomial, each with its exponent."""
     places = compress(range(len(monomial)), monomial)
-    return tuple([(generators[k], int(monomial[k])) for k in places])
+    return tuple([(variables[k], int(monomial[k])) for k in places])
 
 
-def terms(generators: Sequence[Generator], poly: fmpq_mpoly) -> Iterator[tuple[fmpq, Powers]]:
-    """The terms of a polynomial: coefficient and powers of generators."""
+def terms(
+    variables: Sequence[T], poly: fmpq_mpoly
+) -> Iterator[tuple[fmpq, tuple[tuple[T, int], ...]]]:
+    """The terms of a polynomial: coefficient and powers of variables."""
     for value, monomial in zip(poly.coeffs(), poly.monoms(), strict=True):
-        yield value, powers(generators, monomial)
+        yield value, powers(variables, monomial)
 
 
 def product(one: fmpq_mpoly, two: fmpq_mpoly, pairs: int) -> fmpq_mpoly:
