@@ -162,15 +162,20 @@ def fitted(frame: Frame, vectors: np.ndarray) -> Fit:
         which = which.reshape(count, k)
         filled = np.zeros((count, k), dtype=bool)
         filled[np.arange(count)[:, None], which] = True
-        # As for shells: beyond half the neighbour distance a neighbour is missing.
-        sure = np.minimum(apart, (lattice.nearest / 2) ** 2).sum(axis=1)
-        found.append((filled.all(axis=1), apart.mean(axis=1), template[which], sure))
-    kind = np.zeros(count, dtype=np.int64)
-    if len(found) == 2:
-        kind = (found[1][3] < found[0][3]).astype(np.int64)
-    pick = [np.choose(kind, [x[m] for x in found]) for m in (0, 1)]
-    labels = np.where(kind[:, None, None] == 0, found[0][2], found[-1][2])
-    return Fit(kind, labels, pick[0].astype(bool), np.sqrt(pick[1]) / lattice.nearest)
+        found.append((filled.all(axis=1), apart, template[which]))
+    first, second = found[0], found[-1]
+    # As for shells: beyond half the neighbour distance a neighbour is missing.
+    missing = (lattice.nearest / 2) ** 2
+    other = np.zeros(count, dtype=bool)
+    if second is not first:
+        other = np.minimum(second[1], missing).sum(1) < np.minimum(first[1], missing).sum(1)
+        first = (
+            np.where(other, second[0], first[0]),
+            np.where(other[:, None], second[1], first[1]),
+            np.where(other[:, None, None], second[2], first[2]),
+        )
+    misfit = np.sqrt(first[1].mean(axis=1)) / lattice.nearest
+    return Fit(other.astype(np.int64), first[2], first[0], misfit)
 
 
 def occupied(frame: Frame, vectors: np.ndarray) -> np.ndarray:

@@ -89,7 +89,7 @@ class Lattice:
     @cached_property
     def nearest(self) -> float:
         """Distance of nearest neighbours over the lattice constant."""
-        return float(np.linalg.norm(self._near(1)[0] * self.units))
+        return float(np.linalg.norm(self.neighbours[0][0] * self.units))
 
     @cached_property
     def atom_volume(self) -> float:
