@@ -260,7 +260,7 @@ def _product(known: Parts, value: fmpq, factors: list[Part], plain: bool) -> sym
     number = known.number(value)
     if not plain:
         return sympy.Mul(number.shown, *[factor.shown for factor in factors])
-    return _plain_product(number, factors, known.order((number, *factors)))[1]
+    return _in_order(number, sorted(factors, key=known.order(factors).__getitem__))
 
 
 def _factors(known: Parts, powers: Iterable[tuple[Generator | Sum, int]]) -> list[Part]:
@@ -304,7 +304,14 @@ def _plain_product(
     if number.shown is sympy.S.One and len(factors) == 1:
         return (place[factors[0]],), factors[0].shown
     ordered = sorted(factors, key=place.__getitem__)
+    counted = ordered if number.shown is sympy.S.One else [number, *ordered]
+    key = (place[_A_PRODUCT], len(counted), *[place[part] for part in counted])
+    return key, _in_order(number, ordered)
+
+
+def _in_order(number: Part, factors: list[Part]) -> sympy.Expr:
+    """number * factors, which stand in sympy's order."""
+    shown = [part.shown for part in factors]
     if number.shown is not sympy.S.One:
-        ordered.insert(0, number)
-    key = (place[_A_PRODUCT], len(ordered), *[place[part] for part in ordered])
-    return key, sympy.Mul._from_args([part.shown for part in ordered], is_commutative=True)
+        shown.insert(0, number.shown)
+    return sympy.Mul._from_args(shown, is_commutative=True)

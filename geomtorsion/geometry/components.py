@@ -138,16 +138,8 @@ class Components:
     @cached_property
     def support(self) -> tuple[Index, ...]:
         """Indices of all non-vanishing components in order; no value is negated for it."""
-        independent, canonical = self.independent, self._canonical
-        if canonical is None:
-            return tuple(sorted(independent))
-        return tuple(
-            sorted(
-                index
-                for index, (sign, representative) in canonical.items()
-                if sign and representative in independent
-            )
-        )
+        members = self._orbits.members
+        return tuple(sorted([index for first in self.independent for index in members[first]]))
 
     @cached_property
     def nonzero(self) -> dict[Index, Element]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
@@ -68,10 +68,12 @@ class Orbits:
     canonical: index -> (sign, representative), sign 0 where the component must vanish;
     None stands for the identity.
     representatives: one index for each independent component.
+    members: representative -> the indices of all components that it determines.
     """
 
     canonical: dict[Index, tuple[int, Index]] | None
     representatives: Sequence[Index]
+    members: Mapping[Index, Sequence[Index]]
 
     def of(self, index: Index) -> tuple[int, Index]:
         """Sign and representative of an index."""
@@ -90,10 +92,11 @@ def orbits(rank: int, dimension: int, symmetry: Symmetry) -> Orbits:
     (-1, (0, 1))
     """
     if not symmetry:
-        return Orbits(None, tuple(product(range(dimension), repeat=rank)))
+        every = tuple(product(range(dimension), repeat=rank))
+        return Orbits(None, every, {index: (index,) for index in every})
     elements = _group(rank, symmetry)
     canonical: dict[Index, tuple[int, Index]] = {}
-    representatives = []
+    members: dict[Index, Sequence[Index]] = {}
     for index in product(range(dimension), repeat=rank):
         if index in canonical:
             continue
@@ -107,8 +110,8 @@ def orbits(rank: int, dimension: int, symmetry: Symmetry) -> Orbits:
         for image, sign in images.items():
             canonical[image] = (sign * sign_of_orbit, index)
         if sign_of_orbit:
-            representatives.append(index)
-    return Orbits(canonical, tuple(representatives))
+            members[index] = tuple(images)
+    return Orbits(canonical, tuple(members), members)
 
 
 def _group(rank: int, symmetry: Symmetry) -> list[Generator]:
