@@ -32,10 +32,12 @@ class Sum:
     """A polynomial of several terms, (coefficient, monomial) each.
 
     negative is the sum with opposite signs where that reads as well: half of them are minus.
+    source is the sum as an element; sums of multiple angles have none.
     """
 
     terms: tuple[tuple[fmpq, Monomial], ...]
     negative: Sum | None = None
+    source: Element | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,8 +210,11 @@ def _sum(field: Tower, table: Radicals, poly: fmpq_mpoly) -> tuple[Sum, int]:
     positive = sum(1 for value, _ in found if value > 0)
     sign = -1 if 2 * positive < len(found) else 1
     named = tuple([(value * sign, own) for value, own in found])
-    opposite = Sum(tuple((-value, m) for value, m in named)) if 2 * positive == len(named) else None
-    return Sum(named, opposite), sign
+    source = field.polynomial(poly * sign)
+    if 2 * positive != len(named):
+        return Sum(named, source=source), sign
+    opposite = Sum(tuple((-value, m) for value, m in named), source=-source)
+    return Sum(named, opposite, source), sign
 
 
 def _rewritten(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from flint.utils.flint_exceptions import DomainError
 
-from geomtorsion.exact.limits import LARGEST_PRODUCT
+from geomtorsion.exact.limits import LARGEST_PRODUCT, MOST_AT_ONCE
 
 if TYPE_CHECKING:
     from flint import fmpq, fmpq_mpoly
@@ -271,6 +271,9 @@ def _reciprocal(field: Tower, num: fmpq_mpoly, den: Denominator) -> fmpq_mpoly |
         if generator.degree == 2 and own.degrees()[place]:
             below, above = split(field, own, place)
             flipped = below - above * field.ctx.gen(place)
+            # A norm that is long is that of a long polynomial, which nobody would read.
+            if max(len(other), len(own)) * len(flipped) > MOST_AT_ONCE:
+                return None
             other, own = field.reduced(other * flipped), field.reduced(own * flipped)
     if own == num:
         return None

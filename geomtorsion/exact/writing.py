@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeGuard
 
 import sympy
 
+from geomtorsion.exact.collecting import collected
 from geomtorsion.exact.form import LONGEST_FACTORED, Form, Sum, form
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.integers import as_fmpq
@@ -278,7 +279,9 @@ def _is_exp(base: Generator | Sum) -> TypeGuard[Generator]:
 
 
 def _sum(known: Parts, base: Sum) -> sympy.Expr:
-    """A sum of monomials."""
+    """A sum of monomials, or what they are collected to."""
+    if (forms := collected(base)) is not None:
+        return sympy.Add(*(_of_form(known, one) for one in forms))
     if not all(generator.kind in _PLAIN for _, powers in base.terms for generator, _ in powers):
         plain = [all(g.kind in _PLAIN for g, _ in powers) for _, powers in base.terms]
         terms = zip(base.terms, plain, strict=True)
