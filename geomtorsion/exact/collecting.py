@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from geomtorsion.exact.form import Form, Sum, form
+from geomtorsion.exact.limits import FACTORED_HERE
 from geomtorsion.exact.radical_denominators import coefficients
 
 if TYPE_CHECKING:
@@ -83,7 +84,11 @@ def _ways(source: Element) -> Iterator[tuple[Form, ...]]:
     """A sum by powers of each of its symbols, with coefficients in factors."""
     field = source.field
     num = field.lift(source)
-    for position, degree in enumerate(num.degrees()):
+    degrees = num.degrees()
+    # Each way takes every term in hand and factors what it puts together.
+    if len(num) * sum(map(bool, degrees)) > FACTORED_HERE:
+        return
+    for position, degree in enumerate(degrees):
         parts = coefficients(field, num, position, int(degree) + 1) if degree else []
         shared = {power: part for power, part in enumerate(parts) if part}
         # One term for each power is what was there.

@@ -41,6 +41,16 @@ def test_the_shorter_way_is_taken(label: str) -> None:
     assert str(Field([a, b, c, x, y, z]).read(expression).sympy) == wanted
 
 
+@pytest.mark.parametrize(("others", "is_collected"), [(9, True), (10, False)])
+def test_how_long_a_sum_is_collected(others: int, is_collected: bool) -> None:
+    """1,809 terms in 11 symbols are, 1,810 in 12 stay the sum that they are."""
+    symbols = sp.symbols(f"s:{others}")
+    table = [y**j * z**k for j in range(30) for k in range(60)]
+    long = sp.Add(*((2 * k + 3) * term for k, term in enumerate(table)), *symbols)
+    written = Field([y, z, *symbols]).read(long).sympy
+    assert (len(written.args) < 100) == is_collected
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_what_is_collected_is_worth_the_same(seed: int) -> None:
     """Random sums of products, against sympy's expansion."""
