@@ -306,6 +306,21 @@ class Element:
             self._sympy = self._field.written(self)
         return self._sympy
 
+    @property
+    def short(self) -> sympy.Expr:
+        """The element as it is printed: sums by powers of a symbol where that is shorter.
+
+        Examples
+        --------
+        >>> import sympy
+        >>> from geomtorsion.exact import Field
+        >>> x, y, z = sympy.symbols("x y z")
+        >>> element = Field([x, y, z]).read(x**2 + 2 * x * y + y**2 + z)
+        >>> element.sympy, element.short
+        (x**2 + 2*x*y + y**2 + z, z + (x + y)**2)
+        """
+        return self._field.written(self, collected=True)
+
     def written_as(self, expression: sympy.Expr) -> Element:
         """The same element, written in another way, such as a series by its powers."""
         if self._recipe is not None:

@@ -23,7 +23,7 @@ from geomtorsion.exact.roots import root
 from geomtorsion.exact.serialization import from_json, to_json
 from geomtorsion.exact.tower import Point, Tower
 from geomtorsion.exact.twins import counted_as
-from geomtorsion.exact.writing import to_sympy
+from geomtorsion.exact.writing import shortest, to_sympy
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -253,9 +253,9 @@ class Field(Tower):
             return PROVED
         return Certainty(proved=False, error=self.tables["modular point"].chance(element))
 
-    def written(self, element: Element) -> sympy.Expr:
-        """The element as a short sympy expression."""
-        return to_sympy(element)
+    def written(self, element: Element, collected: bool = False) -> sympy.Expr:
+        """The element as a short sympy expression, with its sums collected where one asks."""
+        return shortest(element) if collected else to_sympy(element)
 
     def value(
         self, element: Element, point: Mapping[Any, Value], precision: int, at: Any = None

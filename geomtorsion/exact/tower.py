@@ -154,8 +154,8 @@ class Tower(ABC):
         """1 over an element, multiplied out; None where a product would be above the largest."""
 
     @abstractmethod
-    def written(self, element: Element) -> sympy.Expr:
-        """The element as a short sympy expression."""
+    def written(self, element: Element, collected: bool = False) -> sympy.Expr:
+        """The element as a short sympy expression, with its sums collected where one asks."""
 
     @abstractmethod
     def value(

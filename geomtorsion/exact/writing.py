@@ -43,10 +43,12 @@ _A_PRODUCT = Part(sympy.Mul(2, sympy.Symbol("x")))
 class Parts:
     """What the expressions of a field are made of, each part made once.
 
+    collects: whether sums are collected where that is shorter (see `collecting`).
     places: where parts stand in sympy's order.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, collects: bool = False) -> None:
+        self.collects: bool = collects
         self._powers: dict[tuple[Generator | Sum, int], Part] = {}
         self._numbers: dict[fmpq, Part] = {}
         self._places: dict[Part, int] = {_A_PRODUCT: 0}
@@ -96,6 +98,21 @@ def to_sympy(element: Element) -> sympy.Expr:
         parts = element._field.tables.setdefault("parts", Parts())
         found = known[written] = _of_form(parts, written)
     return found
+
+
+def shortest(element: Element) -> sympy.Expr:
+    """The element with its sums collected, or as `to_sympy` has it, whichever has fewer parts."""
+    plain = element.sympy
+    whole = short_of(element) if element.is_kept else element
+    if whole is None or not plain:
+        return plain
+    parts = element._field.tables.setdefault("collected parts", Parts(collects=True))
+    return min(plain, _of_form(parts, form(whole)), key=_size)
+
+
+def _size(shown: sympy.Expr) -> int:
+    """How many parts an expression has."""
+    return sum(1 for _ in sympy.preorder_traversal(shown))
 
 
 def _of_form(known: Parts, written: Form) -> sympy.Expr:
@@ -280,7 +297,7 @@ def _is_exp(base: Generator | Sum) -> TypeGuard[Generator]:
 
 def _sum(known: Parts, base: Sum) -> sympy.Expr:
     """A sum of monomials, or what they are collected to."""
-    if (forms := collected(base)) is not None:
+    if known.collects and (forms := collected(base)) is not None:
         return sympy.Add(*(_of_form(known, one) for one in forms))
     if not all(generator.kind in _PLAIN for _, powers in base.terms for generator, _ in powers):
         plain = [all(g.kind in _PLAIN for g, _ in powers) for _, powers in base.terms]

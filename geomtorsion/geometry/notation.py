@@ -76,6 +76,15 @@ def html_table(head: Sequence[str], rows: Iterable[Sequence[object]], below: str
     return f"<table><thead>{line(head, 'th')}</thead><tbody>{body}</tbody></table>{ending}"
 
 
+def short(tensor: Tensor, index: tuple[int, ...]) -> sp.Expr:
+    """One component as it is printed, through its representative as `tensor[index]` is."""
+    sign, representative = tensor.components.representative(index)
+    value = tensor.components.get(representative) if sign else None
+    if value is None:
+        return sp.S.Zero
+    return value.short if sign > 0 else -value.short
+
+
 def text(tensor: Tensor) -> str:
     """Name, label and the first non-vanishing components, one a line."""
     independent = tensor.components.independent
@@ -87,7 +96,7 @@ def text(tensor: Tensor) -> str:
     lines = [heading]
     for index in list(independent)[:SHOWN]:
         place = f"[{', '.join(map(str, index))}]" if index else ""
-        lines.append(f"  {plain_symbol(tensor.symbol)}{place} = {tensor[index]}")
+        lines.append(f"  {plain_symbol(tensor.symbol)}{place} = {short(tensor, index)}")
     total = len(tensor.components.support)
     hidden = len(independent) - min(SHOWN, len(independent))
     if hidden:
@@ -120,19 +129,19 @@ def latex(tensor: Tensor) -> str:
     symbol = _symbol_latex(tensor.symbol)
     label = _indexed(symbol, letters(tensor.slots), tensor.slots)
     if not tensor.slots:
-        return rf"$\displaystyle {symbol} = {sp.latex(tensor[()])}$"
+        return rf"$\displaystyle {symbol} = {sp.latex(short(tensor, ()))}$"
     independent = tensor.components.independent
     if not independent:
         return rf"$\displaystyle {label} = 0$"
     if len(tensor.slots) == 2:
         n = tensor.frame.dimension
-        rows = [" & ".join(sp.latex(tensor[i, j]) for j in range(n)) for i in range(n)]
+        rows = [" & ".join(sp.latex(short(tensor, (i, j))) for j in range(n)) for i in range(n)]
         body = r" \\ ".join(rows)
         return rf"$\displaystyle {label} = \begin{{pmatrix}} {body} \end{{pmatrix}}$"
     lines = []
     for index in list(independent)[:SHOWN_LATEX]:
         left = _indexed(symbol, _marks(tensor, index), tensor.slots)
-        lines.append(rf"{left} &= {sp.latex(tensor[index])}")
+        lines.append(rf"{left} &= {sp.latex(short(tensor, index))}")
     hidden = len(independent) - len(lines)
     if hidden > 0:
         lines.append(rf"&\text{{and {hidden} more independent components}}")
@@ -224,7 +233,7 @@ class ComponentTable:
         """All rows, every value as a sympy expression."""
         tensor = self.tensor
         return tuple(
-            ComponentRow(index, self.label(index), tensor[index]) for index in self.indices
+            ComponentRow(index, self.label(index), short(tensor, index)) for index in self.indices
         )
 
     def marks(self, index: tuple[int, ...]) -> list[str]:
@@ -280,7 +289,7 @@ class ComponentTable:
         places = [str(list(row.index)) if row.index else "" for row in self.rows]
         wide = max(map(len, labels), default=0)
         lines = [
-            f"  {label:<{wide}}  {place}  {row.value}"
+            f"  {label:<{wide}}  {place}  {short(self.tensor, row.index)}"
             for label, place, row in zip(labels, places, self.rows, strict=True)
         ]
         return "\n".join([self.heading, *lines, *([f"  {self.ending}"] if self.ending else [])])
