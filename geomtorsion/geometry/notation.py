@@ -233,7 +233,7 @@ class ComponentTable:
         """All rows, every value as a sympy expression."""
         tensor = self.tensor
         return tuple(
-            ComponentRow(index, self.label(index), short(tensor, index)) for index in self.indices
+            ComponentRow(index, self.label(index), tensor[index]) for index in self.indices
         )
 
     def marks(self, index: tuple[int, ...]) -> list[str]:
