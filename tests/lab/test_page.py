@@ -55,14 +55,15 @@ def too_wide(page: Any) -> list[Any]:
 
 
 def test_tabs_load_and_fit_a_phone(lab: Watched):
-    """Each tab shows itself, asks for nothing but the server, and needs no more than 400 pixels."""
+    """Each tab shows itself, asks for nothing but the server, and needs no more than 320 pixels."""
     page = lab.page
     for name in TABS:
         page.set_viewport_size({"width": 1200, "height": 900})
         lab.tab(name)
         page.wait_for_selector(READY[name])
-        page.set_viewport_size({"width": 400, "height": 800})
-        assert too_wide(page) == [], name
+        for width in (320, 400):
+            page.set_viewport_size({"width": width, "height": 800})
+            assert too_wide(page) == [], name
         box = page.get_by_role("tab", name="Exercises").bounding_box()
         assert box["x"] >= 0
         assert box["x"] + box["width"] <= 400
@@ -178,6 +179,22 @@ def test_a_reload_keeps_tab_and_input(lab: Watched):
     assert page.get_by_label("legs").input_value() == "2,2 = 18"
     page.get_by_role("button", name="Check").click()
     page.locator("#verdict .wrong").wait_for()
+
+
+def test_back_leaves_the_lab(watched: Watched, address: str):
+    """However much was changed on it: the address alone would go back, the page would not."""
+    page = watched.page
+    page.goto("about:blank")
+    page.goto(address)
+    page.wait_for_selector(READY["Any tetrad"])
+    for tab in ("Loops", "The top", "Exercises"):
+        watched.tab(tab)
+        page.wait_for_selector(READY[tab])
+    page.wait_for_url("**tab=Exercises")
+    page.go_back()
+    page.wait_for_url("about:blank")
+    page.go_forward()
+    page.wait_for_selector(READY["Exercises"])
 
 
 def test_answers_stay_while_another_exercise_is_looked_at(lab: Watched):
