@@ -4,7 +4,6 @@ const bar = document.getElementById("starting");
 const panels = new Map([...document.querySelectorAll("[data-tab]")].map((e) => [e.dataset.tab, e]));
 const tabs = [...document.querySelectorAll('[role="tab"]')];
 const address = new URLSearchParams(location.search);
-const opened = Object.fromEntries(address);
 
 // -- the worker ---------------------------------------------------------------------------------
 
@@ -85,7 +84,7 @@ function valuesOf(tab) {
 
 function ask(tab, changed = "", action = "") {
   const values = valuesOf(tab);
-  const kept = Object.keys(values).length ? {} : opened;
+  const kept = Object.fromEntries(address);
   // What was wanted, and has not begun, is still wanted.
   const before = waiting.get(tab);
   const every = [...(before?.changed ?? []), ...(changed ? [changed] : [])];
@@ -215,7 +214,7 @@ async function keep() {
   }
 }
 
-const first = tabs.find((button) => button.textContent === opened.tab) ?? tabs[0];
+const first = tabs.find((button) => button.textContent === address.get("tab")) ?? tabs[0];
 open(first.textContent);
 if (location.protocol === "file:") failed(config.from_disk);
 else keep().then(begin);

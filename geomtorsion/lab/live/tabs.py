@@ -242,8 +242,8 @@ def show(request: Json, runner: Runner) -> Json:
     Parameters
     ----------
     request
-        tab; values: name of a control -> text, empty when the tab is opened; kept: what stood in
-        the address then; changed: controls that were changed since; action: "check" or nothing.
+        tab; values: name of a control -> text, empty when the tab is opened; kept: what stands in
+        the address, from which begins what is opened; changed: controls that were changed since; action: "check" or nothing.
 
     Returns
     -------
@@ -261,10 +261,11 @@ def show(request: Json, runner: Runner) -> Json:
     """
     maker, begins, survives = TABS[request["tab"]]
     values = {str(k): str(text) for k, text in request.get("values", {}).items()}
-    if begins & set(request.get("changed", ())):
+    begun = bool(begins & set(request.get("changed", ())))
+    if begun:
         values = {k: text for k, text in values.items() if k in begins | survives}
     form = Form(values)
-    kept = Kept.of(request.get("kept", {})) if not values else Kept()
+    kept = Kept.of(request.get("kept", {})) if begun or not values else Kept()
     found = maker(Asked(form, kept, request.get("action", "")), runner)
     return {
         "controls": found.controls,

@@ -77,6 +77,17 @@ def test_an_address_of_the_served_page_opens_the_same():
     assert found["shape"] == "3.2|4"
 
 
+def test_answers_stay_while_another_exercise_is_looked_at():
+    """An exercise that is opened again begins with what was typed; else the form counts."""
+    values = {"exercise": "1.1 The legs of a coframe", "variant": "0"}
+    kept = {"exercise": "1.2", "answer1.1.0.1": "1,1 = 17"}
+    again = shown(views.EXERCISES, values, kept=kept, changed=["exercise"])
+    assert again["kept"]["answer1.1.0.1"] == "1,1 = 17"
+    assert ">1,1 = 17</textarea>" in again["controls"]
+    emptied = shown(views.EXERCISES, values | {"q0": ""}, kept=kept, changed=["q0"])
+    assert emptied["kept"]["answer1.1.0.1"] == ""
+
+
 def test_the_list_says_what_needs_numbers():
     """Beforehand, in a part of the list with a heading of its own."""
     found = shown(views.EXERCISES)["controls"]
