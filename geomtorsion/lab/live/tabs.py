@@ -243,7 +243,8 @@ def show(request: Json, runner: Runner) -> Json:
     ----------
     request
         tab; values: name of a control -> text, empty when the tab is opened; kept: what stands in
-        the address, from which begins what is opened; changed: controls that were changed since; action: "check" or nothing.
+        the address, from which begins what is opened; changed: controls that were changed since;
+        action: "check" or nothing.
 
     Returns
     -------
