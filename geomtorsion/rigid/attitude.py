@@ -1,4 +1,4 @@
-"""Attitude: quaternions, matrices, rotation vectors and Euler angles, one into another.
+"""Attitude: quaternions from and to matrices and Euler angles, and from rotation vectors.
 
 Quaternions are (q0, q1, q2, q3), scalar first; q and the matrix R map body to space. Arrays may
 have any leading shape. Euler angles come in 24 conventions, named as in scipy: three small letters
@@ -189,23 +189,6 @@ def quaternion_from_rotation_vector(vector: ArrayLike) -> Array:
     return np.concatenate([np.cos(half), np.sinc(half / np.pi) * v / 2], axis=-1)
 
 
-def rotation_vector_from_quaternion(quaternion: ArrayLike) -> Array:
-    """The axis of the turn times its angle in [0, pi], rad, shape (..., 3), from q != 0.
-
-    Examples
-    --------
-    >>> rotation_vector_from_quaternion([0, 0, 0, -2]).round(6).tolist()
-    [0.0, 0.0, -3.141593]
-    """
-    q = _array(quaternion, (4,), "quaternion")
-    q = np.where(q[..., :1] < 0, -q, q)
-    scalar, axis = q[..., :1], q[..., 1:]
-    length = np.linalg.norm(axis, axis=-1, keepdims=True)
-    none = length == 0
-    angle = 2 * np.arctan2(length, scalar)
-    return np.where(none, 0.0, axis * (angle / np.where(none, 1.0, length)))
-
-
 def quaternion_from_euler(angles: ArrayLike, convention: str = PAPER) -> Array:
     """q of shape (..., 4) from angles of shape (..., 3), rad.
 
@@ -282,29 +265,6 @@ def euler_from_quaternion(
         first, third = np.unwrap(first, axis=0), np.unwrap(third, axis=0)
     found = (first, middle, third) if name.islower() else (third, middle, first)
     return np.stack(found, -1) + 0.0
-
-
-def matrix_from_euler(angles: ArrayLike, convention: str = PAPER) -> Array:
-    """R of shape (..., 3, 3) from angles of shape (..., 3), rad."""
-    return matrix_from_quaternion(quaternion_from_euler(angles, convention))
-
-
-def euler_from_matrix(
-    matrix: ArrayLike, convention: str = PAPER, *, continuous: bool = False
-) -> Array:
-    """Angles of shape (..., 3), rad, from R of shape (..., 3, 3)."""
-    return euler_from_quaternion(quaternion_from_matrix(matrix), convention, continuous=continuous)
-
-
-def euler_from_euler(angles: ArrayLike, given: str, wanted: str = PAPER) -> Array:
-    """Angles of one convention as those of another.
-
-    Examples
-    --------
-    >>> euler_from_euler([0.1, 0.2, 0.3], "xyz", "ZYX").round(12).tolist()
-    [0.3, 0.2, 0.1]
-    """
-    return euler_from_quaternion(quaternion_from_euler(angles, given), wanted)
 
 
 def checked_quaternion(quaternion: object) -> Array:

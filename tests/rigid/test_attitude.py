@@ -14,6 +14,11 @@ from geomtorsion.rigid import attitude as att
 ANGLES = np.random.default_rng(5).uniform(-3.1, 3.1, (40, 3))
 
 
+def matrix_of(angles, name):
+    """The matrix of Euler angles of a convention."""
+    return att.matrix_from_quaternion(att.quaternion_from_euler(angles, name))
+
+
 def turn(axis, angle):
     """The matrix of a turn about one axis, multiplied out by hand."""
     c, s = np.cos(angle), np.sin(angle)
@@ -29,24 +34,22 @@ def test_the_papers_angles():
     for phi1, phi2, phi3 in ANGLES[:5]:
         expected = turn("z", phi3) @ turn("y", phi2) @ turn("z", phi1)
         for name in ("zyz", "paper"):
-            assert np.allclose(
-                att.matrix_from_euler([phi1, phi2, phi3], name), expected, atol=4e-16
-            )
+            assert np.allclose(matrix_of([phi1, phi2, phi3], name), expected, atol=4e-16)
 
 
 @pytest.mark.parametrize("name", att.CONVENTIONS)
 def test_all_conventions(name):
     """Angles to matrix as multiplied out and as scipy has it; back to equal attitudes."""
     assert len(set(att.CONVENTIONS)) == 24
-    matrices = att.matrix_from_euler(ANGLES, name)
+    matrices = matrix_of(ANGLES, name)
     for angles, matrix in zip(ANGLES, matrices, strict=True):
         one, two, three = (turn(c, a) for c, a in zip(name.lower(), angles, strict=True))
         by_hand = three @ two @ one if name.islower() else one @ two @ three
         assert np.abs(matrix - by_hand).max() < 1e-15
     assert np.abs(matrices - Rotation.from_euler(name, ANGLES).as_matrix()).max() < 2e-15
-    back = att.euler_from_matrix(matrices, name)
+    back = att.euler_from_quaternion(att.quaternion_from_matrix(matrices), name)
     assert np.abs(back - Rotation.from_matrix(matrices).as_euler(name)).max() < 1e-12
-    assert np.abs(att.matrix_from_euler(back, name) - matrices).max() < 4e-15
+    assert np.abs(matrix_of(back, name) - matrices).max() < 4e-15
 
 
 @pytest.mark.parametrize("name", ["zyz", "ZXZ", "xyz", "ZYX"])
@@ -60,9 +63,7 @@ def test_near_the_lock(name, gap, side):
     angles = np.array([0.4, middle, 1.1])
     q = att.quaternion_from_euler(angles, name)
     back = att.euler_from_quaternion(q, name)
-    assert np.abs(att.matrix_from_euler(back, name) - att.matrix_from_euler(angles, name)).max() < (
-        1e-15
-    )
+    assert np.abs(matrix_of(back, name) - matrix_of(angles, name)).max() < (1e-15)
     if proper and side == 0:
         assert back[1] == pytest.approx(gap, rel=1e-14, abs=0)
         if gap > 1e-13:
@@ -76,7 +77,9 @@ def test_the_third_angle_is_0_at_the_lock(name, side):
     proper = name[0].lower() == name[2].lower()
     lock = side * np.pi if proper else (2 * side - 1) * np.pi / 2
     given = Rotation.from_euler(name, [0.4, lock, 1.1])
-    first, middle, third = att.euler_from_matrix(given.as_matrix(), name)
+    first, middle, third = att.euler_from_quaternion(
+        att.quaternion_from_matrix(given.as_matrix()), name
+    )
     assert third == 0
     assert abs(middle - lock) < 1e-7
     back = Rotation.from_euler(name, [first, middle, third])
@@ -145,19 +148,18 @@ def test_products_and_turned_vectors():
 
 
 def test_rotation_vectors():
-    """As scipy has them: up to half a turn, back and forth, and tiny ones to the last place."""
+    """As scipy has them: up to half a turn, and tiny ones to the last place."""
     many = Rotation.random(200, random_state=7)
     vectors = many.as_rotvec()
     q = att.quaternion_from_rotation_vector(vectors)
     assert np.abs(att.matrix_from_quaternion(q) - many.as_matrix()).max() < 2e-15
-    assert np.abs(att.rotation_vector_from_quaternion(q) - vectors).max() < 4e-15
-    assert np.abs(att.rotation_vector_from_quaternion(-3 * q) - vectors).max() < 4e-15
     for size in (0.0, 1e-150, 1e-20, 1e-9):
         tiny = size * np.array([0.6, 0.0, -0.8])
-        back = att.rotation_vector_from_quaternion(att.quaternion_from_rotation_vector(tiny))
-        assert np.abs(back - tiny).max() <= 4e-16 * size
-    half = att.rotation_vector_from_quaternion([0, 0.6, 0, 0.8])
-    assert np.abs(half - np.pi * np.array([0.6, 0, 0.8])).max() < 1e-15
+        scalar, *axis = att.quaternion_from_rotation_vector(tiny)
+        assert scalar == 1
+        assert np.abs(np.array(axis) - tiny / 2).max() <= 2e-16 * size
+    half = att.quaternion_from_rotation_vector(np.pi * np.array([0.6, 0, 0.8]))
+    assert np.abs(half - [0, 0.6, 0, 0.8]).max() < 1e-15
 
 
 def test_rates_are_those_of_the_matrix():
@@ -210,7 +212,7 @@ def test_rounded_input_is_normalised():
     """Seven printed digits are good enough and come out as a rotation to the last place."""
     q = att.checked_quaternion([0.7071068, 0, 0.7071068, 0])
     assert abs(np.linalg.norm(q) - 1) < 3e-16
-    matrix = np.round(att.matrix_from_euler([0.1, 0.2, 0.3]), 7)
+    matrix = np.round(matrix_of([0.1, 0.2, 0.3], "paper"), 7)
     r = att.matrix_from_quaternion(att.checked_matrix(matrix))
     assert np.abs(r.T @ r - np.eye(3)).max() < 5e-16
     assert np.abs(r - matrix).max() < 1e-7
