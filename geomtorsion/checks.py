@@ -655,10 +655,8 @@ def known_keys(
     return by_name(given, subject, error)
 
 
-def choice(
-    value: object, words: Sequence[str], subject: str, error: ErrorClass, *, message: str = WORD
-) -> str:
-    """One of several words; the message may use {known}.
+def choice(value: object, words: Sequence[str], subject: str, error: ErrorClass) -> str:
+    """One of several words.
 
     Examples
     --------
@@ -669,7 +667,7 @@ def choice(
     """
     if isinstance(value, str) and value in words:
         return value
-    _fail(error, message, subject, value, known=", ".join(words))
+    _fail(error, WORD, subject, value, known=", ".join(words))
 
 
 def text(

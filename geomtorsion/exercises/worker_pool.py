@@ -253,7 +253,7 @@ def answered(function: Callable[[Json], Json], request: Json) -> Json:
         return {EXCEEDED: "depth"}
 
 
-def limit_memory(most: int = MEMORY) -> None:
+def limit_memory() -> None:
     """Bound the address space of this process, where the system can do that."""
     try:
         # Not on Windows.
@@ -261,7 +261,7 @@ def limit_memory(most: int = MEMORY) -> None:
     except ImportError:
         return
     hard = resource.getrlimit(resource.RLIMIT_AS)[1]
-    bound = most if hard == resource.RLIM_INFINITY else min(most, hard)
+    bound = MEMORY if hard == resource.RLIM_INFINITY else min(MEMORY, hard)
     with contextlib.suppress(ValueError, OSError):
         resource.setrlimit(resource.RLIMIT_AS, (bound, hard))
 

@@ -307,9 +307,7 @@ def constant_poles(frame: Frame, elements: Sequence[Element]) -> tuple[Element, 
     return tuple(x for x in found if x.symbols and not x.symbols & coordinates)
 
 
-def refuse_parameters(
-    poles: Sequence[Element], parameters: Parameters | None, owner: str = "coframe"
-) -> None:
+def refuse_parameters(poles: Sequence[Element], parameters: Parameters | None) -> None:
     """Refuse values at which a denominator vanishes, whatever the coordinates.
 
     Raises
@@ -327,7 +325,7 @@ def refuse_parameters(
         if not pole.evaluate(here):
             values = ", ".join(f"{name} = {value}" for name, value in sorted(here.items(), key=str))
             raise SingularPointError(
-                f"parameters: {pole} vanishes at {values}, and the {owner} has no finite value "
+                f"parameters: {pole} vanishes at {values}, and the coframe has no finite value "
                 "anywhere. Give another value, or a frame that is made for this one (its limit)."
             )
 
