@@ -14,7 +14,7 @@ from geomtorsion.exact import polynomials
 from geomtorsion.exact.form import LONGEST_FACTORED, Sum, form
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.integers import as_fmpq
-from geomtorsion.exact.kept import in_order
+from geomtorsion.exact.kept import in_order, leaves
 from geomtorsion.exact.radical_denominators import roots_restored
 from geomtorsion.precision import ball_precision, working_precision
 
@@ -39,6 +39,8 @@ if TYPE_CHECKING:
 _GUARD = 30
 # Expanded numerators cancel; precision is doubled up to this many bits until they agree.
 LARGEST_BITS = 2**12
+# With more bits before the point one sum takes a tenth of a second, and all of them minutes.
+_MOST_BEFORE_THE_POINT = 16 * LARGEST_BITS
 
 
 def evaluate(
@@ -57,6 +59,7 @@ def evaluate(
         lambda: _written_value(element, given, levels.setdefault(mpmath.mp.prec, {})),
         precision,
         LARGEST_BITS,
+        lambda: _bits_before_the_point(element, levels[mpmath.mp.prec]),
     )
     if not element.field.is_complex and mpmath.im(value):
         raise SingularPointError(
@@ -69,10 +72,29 @@ def evaluate(
     return complex(value) if isinstance(value, mpmath.mpc) and value.imag else float(value.real)
 
 
-def settled_value(compute: Callable[[], mpmath.mpf], precision: int, largest: int) -> mpmath.mpf:
+def _bits_before_the_point(element: Element, known: Known) -> int:
+    """How many bits terms of the element may have before the point, by what is known there."""
+    field, bits = element.field, 0
+    for leaf in leaves(element):
+        below = [(field.factors[index], exponent) for index, exponent in leaf._den]
+        for poly, exponent in [(field.lift(leaf), 1), *below]:
+            for generator, degree in zip(field.generators, poly.degrees(), strict=False):
+                value = known.get(generator.name) if degree else None
+                if value and mpmath.isfinite(value):
+                    bits += abs(mpmath.mag(value)) * int(degree) * exponent
+    return bits
+
+
+def settled_value(
+    compute: Callable[[], mpmath.mpf],
+    precision: int,
+    largest: int,
+    more: Callable[[], int] = lambda: 0,
+) -> mpmath.mpf:
     """The value on which two working precisions agree to the precision asked for.
 
-    Zero is accepted only at the largest precision, as what is below 2**(-largest/4) there.
+    Zero is accepted only at the largest precision, as what is below 2**(-largest/4) there.  `more`
+    tells how many bits numbers have before the point: with twice as many on top two runs see them.
 
     Raises
     ------
@@ -86,14 +108,16 @@ def settled_value(compute: Callable[[], mpmath.mpf], precision: int, largest: in
             try:
                 value = compute()
             except (SingularPointError, ZeroDivisionError):
-                if bits > largest:
+                if bits > largest + 2 * min(more(), _MOST_BEFORE_THE_POINT):
                     raise
                 value = None
             if before is not None and value is not None and mpmath.isfinite(value):
                 if value and abs(value - before) <= mpmath.ldexp(abs(value), -precision - 3):
                     return value
-                if bits > largest:
-                    if abs(value) < mpmath.ldexp(1, -largest // 4):
+                before_the_point = more() if bits > largest else 0
+                is_seen = before_the_point <= _MOST_BEFORE_THE_POINT
+                if bits > largest and (not is_seen or bits > largest + 2 * before_the_point):
+                    if is_seen and abs(value) < mpmath.ldexp(1, -largest // 4):
                         # Below all rounding of the largest precision: zero, as far as can be told.
                         return value * 0
                     raise SingularPointError(

@@ -11,9 +11,13 @@ from geomtorsion.exact import Field, evaluate
 x, y = sp.symbols("x y", real=True)
 
 
-@pytest.mark.parametrize(("power", "known"), [(380, True), (600, False)])
+@pytest.mark.parametrize(
+    ("power", "known"), [(380, True), (1000, True), (6500, True), (6700, False)]
+)
 def test_how_much_may_cancel(power: int, known: bool) -> None:
-    """Twice 380 digits leave a value on which two precisions agree; of twice 600 none is left."""
+    """Numbers of 6,500 digits leave a value on which two precisions agree; of longer ones none is
+    told, and no zero.
+    """
     element = Field([x]).read((sp.sqrt(x**2 + 1) - x) * x)
     place = {x: sp.Integer(10) ** power}
     if known:
@@ -21,6 +25,14 @@ def test_how_much_may_cancel(power: int, known: bool) -> None:
     else:
         with pytest.raises(SingularPointError, match="drowns in cancellation"):
             element.evaluate(place)
+
+
+def test_what_vanishes_is_zero_at_large_numbers_too() -> None:
+    """With as many bits as the numbers have, and more, nothing is left."""
+    large = sp.Integer(10) ** 1000
+    element = Field([x]).read((sp.sqrt(x**2 + 1) - x) * x * (x - large))
+    assert element.evaluate({x: large}) == 0.0
+    assert element.evaluate({x: large + 2}) == 1.0
 
 
 @pytest.mark.parametrize("bits", [1, 300])
