@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geomtorsion.crystals.enclosed import Near, inserted_about
-from geomtorsion.crystals.faults import MODULES, fault_shifts
+from geomtorsion.crystals.faults import MODULES, fault_labels
 from geomtorsion.crystals.frames import Frame
 from geomtorsion.crystals.method import METHOD
 from geomtorsion.crystals.networks import cluster_of, network_of
@@ -43,19 +43,18 @@ def torsion_on(
     labels = lattice.decode(values, kinds[second] - kinds[first])
     doubtful = frame.apart(steps, labels) > limit
     if lattice.name == "hcp":
-        module = layered(lattice)
+        module, finer = layered(lattice), 1
         read, torn = stacked_labels(lattice, values, pairs, kinds, mesh.known)
-        crossing = (read != labels).any(axis=1)
-        unsure = torn | (frame.apart(steps, read) > limit)
     elif lattice.name == "fcc" or (partials and lattice.name in MODULES):
-        module = MODULES[lattice.name]
-        crossing, read = fault_shifts(lattice, values, labels, pairs, kinds)
-        unsure = doubtful & ~crossing
+        module, finer = MODULES[lattice.name], 3
+        read, torn = fault_labels(lattice, values, labels, pairs, kinds, mesh.known)
     else:
         return Torsion(mesh, lattice, labels, doubtful)
+    here = replace(frame, lattice=module)
     if partials:
-        return Torsion(mesh, module, read, unsure)
+        return Torsion(mesh, module, read, torn | (here.apart(steps, read) > limit))
     # A fault joins its partials to one core, in which they cannot be told apart.
+    crossing = (read != finer * labels).any(axis=1)
     return Torsion(mesh, lattice, labels, doubtful | crossing)
 
 
