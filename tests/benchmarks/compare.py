@@ -5,10 +5,8 @@
     python -m tests.benchmarks.compare --turns 3             everyone again and again, in turn
     python -m tests.benchmarks.compare --keep results.jsonl  go on where an earlier call ended
 
-Times are those of the best round of the whole work in a warm process, objects fresh in every
-round: wall seconds below a tenth of a second, CPU seconds above, so that a busy machine errs, if
-at all, in favour of the slow. With --turns all of a case race again, one after the other, and the
-best of all rounds counts.
+Times are CPU seconds of the best round of the whole work in a warm process, objects fresh in every
+round. With --turns all of a case race again, one after the other, and the best of all counts.
 geomtorsion does both connections, torsion, contortion, both curvatures and converts every
 component to sympy; the others do what they can: Christoffel, Riemann, Ricci, Kretschmann; the
 column "of the metric alone" has geomtorsion do no more than these. Python packages are timed from

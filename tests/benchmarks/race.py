@@ -21,8 +21,6 @@ from tests.benchmarks.contestants import find
 ROOT = Path(__file__).resolve().parents[2]
 # CPU seconds for the check of the answer, which is no part of the work.
 CHECK = 30.0
-# Wall seconds below which a round is timed by the clock on the wall.
-SHORT = 0.1
 # A machine that is busier than this many times over ends a race by the clock on the wall.
 BUSY = 6.0
 
@@ -51,13 +49,8 @@ class Result:
 
     @property
     def best(self) -> float | None:
-        """Seconds of the best round: CPU, but wall where that is too short for a CPU clock.
-
-        A long round on a busy machine is interrupted, and wall time would flatter the quick;
-        a short one is not, and CPU clocks often advance in steps of some milliseconds.
-        """
-        wall = min(self.rounds, default=None)
-        return wall if wall is None or wall < SHORT else min(self.cpu)
+        """CPU seconds of the best round: on a busy machine wall time would tell of the others."""
+        return min(self.cpu, default=None)
 
 
 def race(contestant: str, case: str, limit: float = 60.0) -> Result:
