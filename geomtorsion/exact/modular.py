@@ -33,6 +33,8 @@ _BITS = 256
 # The prime is one more than a multiple of this, so that roots of unity of all these orders and the
 # square roots of small whole numbers lie in it.
 _ORDER = prod((8, 9, 25, 7, 11, 13, 17, 19, 23))
+# The product of its primes, whose square roots these are.
+_ROOTS = prod((2, 3, 5, 7, 11, 13, 17, 19, 23))
 
 
 class NoPointError(Exception):
@@ -217,14 +219,12 @@ class ModularPoint:
         """The square root; that of a small whole number agrees with the roots of unity."""
         if tail.is_rational:
             number = tail.as_fraction()
-            root = self._ring(1)
-            if number.denominator == 1 and number > 1:
-                for prime, exponent in fmpz(number.numerator).factor():
-                    if _ORDER % int(prime) or exponent != 1:
-                        break
+            # Large numbers are not factored: products of these primes are small.
+            if number.denominator == 1 and number > 1 and _ROOTS % number.numerator == 0:
+                root = self._ring(1)
+                for prime, _ in fmpz(number.numerator).factor():
                     root = root * self._root_of_prime(int(prime))
-                else:
-                    return root
+                return root
         try:
             root = value.sqrt()
             return min(root, -root, key=int)
