@@ -1,9 +1,9 @@
 """Blocked: crystals of more atoms than memory holds, block by block in a folder.
 
 Atoms are sorted into blocks of space. In each of them, with a layer of others about it, those are
-found whose neighbours do not exclude torsion; about these alone, of all blocks together, tetrahedra
-are formed. Every block sees what the whole crystal would show it: any size of blocks gives the same
-lines, and so does a run that was killed and taken up again.
+found whose neighbours do not exclude torsion; about these alone tetrahedra are formed, and cores
+are relaxed, again block by block. Every block sees what the whole crystal would show it: any size
+of blocks gives the same lines, and so does a run that was killed and taken up again.
 """
 
 from __future__ import annotations
@@ -20,6 +20,8 @@ from numpy.typing import ArrayLike
 from geomtorsion import checks
 from geomtorsion.blocks import LEDGER, open_ledger, read_array, run_blocks, write_array
 from geomtorsion.crystals.atom_slabs import AtomSlabs
+from geomtorsion.crystals.block_cores import BlockCores
+from geomtorsion.crystals.block_shells import BlockShells, file_of, missing
 from geomtorsion.crystals.crystal import reach_of_sample
 from geomtorsion.crystals.frames import (
     NEIGHBOURS,
@@ -33,24 +35,11 @@ from geomtorsion.crystals.frames import (
 )
 from geomtorsion.crystals.given import Given
 from geomtorsion.crystals.method import METHOD
-from geomtorsion.crystals.near_torsion import Atoms, lines_of, torsion_near
-from geomtorsion.crystals.shells import dilated, reach_of_shells, shells_of
+from geomtorsion.crystals.near_torsion import lines_of
 from geomtorsion.crystals.sorted_atoms import Block, Part, SortedAtoms
 from geomtorsion.crystals.specimen import Specimen, few, lies_in_many
-from geomtorsion.crystals.triangulation import Cell
-from geomtorsion.errors import CheckpointError, CrystalError
+from geomtorsion.errors import CrystalError
 from geomtorsion.loops.dislocation_network import DislocationNetwork
-
-# Steps from neighbour to neighbour on which it depends whether an atom needs tetrahedra.
-STEPS = (
-    "to a vacancy that leans on it",
-    "to a neighbour in a triangle",
-    "to the next one in this triangle",
-    "to a vacancy beside it",
-    "to an atom that sees this vacancy, or another one beside it",
-    "to an atom that sees that other one",
-    "to the neighbours of this atom",
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +85,7 @@ class BlockedCrystal(InFrame):
         """The frame, and how a sample of the atoms fits into it."""
         known = [x for x in map(self.kept_sample, self._sample) if x is not None]
         if len(known) < len(self._sample):
-            raise self._missing(len(self._sample) - len(known))
+            raise missing(self.folder, len(self._sample) - len(known), len(self.atoms.blocks))
         numbers = np.concatenate([part.numbers for part in self._sample.values()])
         vectors = np.concatenate(known)[np.argsort(numbers)]
         return frame_of(vectors, self.given.lattice, self.given.orient, self.given.constant)
@@ -126,30 +115,15 @@ class BlockedCrystal(InFrame):
 
     # -- blocks -----------------------------------------------------------------------------------
 
-    def _file(self, block: Block, what: str) -> Path:
-        """What is kept of a block."""
-        return Path(self.folder, f"block-{'_'.join(map(str, block))}-{what}.npy")
-
-    def _missing(self, count: int) -> CheckpointError:
-        """The error where blocks are not there."""
-        return CheckpointError(
-            f"{self.folder}: {count} of {len(self.atoms.blocks)} blocks are missing. Call "
-            "blocked_crystal again: it goes on where it ended."
-        )
-
     def kept_sample(self, block: Block) -> np.ndarray | None:
         """Neighbour vectors of the sample in a block, if they are there."""
         shape = (len(self._sample[block].numbers), NEIGHBOURS, 3)
-        return read_array(self._file(block, "sample"), shape)
-
-    def kept_open(self, block: Block) -> np.ndarray | None:
-        """Numbers of the atoms in a block whose neighbours do not exclude torsion, if known."""
-        return read_array(self._file(block, "open"), (None,), np.int64)
+        return read_array(file_of(self.folder, block, "sample"), shape)
 
     @property
     def done(self) -> list[Block]:
         """The blocks that are finished."""
-        return [k for k in self.atoms.blocks if self.kept_open(k) is not None]
+        return [k for k in self.atoms.blocks if self._shells.kept(k) is not None]
 
     def sample(self, block: Block) -> None:
         """Find the neighbours of some atoms of a block."""
@@ -161,22 +135,16 @@ class BlockedCrystal(InFrame):
 
         reach = reach_of_sample(self.atoms.spanned, self.count)
         _, vectors = nearest_points(about, self._sample[block].places, NEIGHBOURS, reach)
-        write_array(self._file(block, "sample"), vectors)
+        write_array(file_of(self.folder, block, "sample"), vectors)
 
     def compute(self, block: Block) -> None:
         """Find the atoms of a block whose neighbours do not exclude torsion."""
-        frame = self.frame
-        part, own = self.atoms.around(block, len(STEPS) * reach_of_shells(frame))
-        open_box = Cell(np.eye(3), np.zeros(3, dtype=bool))
-        shells = shells_of(part.places, open_box, frame)
-        wanted = dilated(~shells.closed & own, shells.near)
-        if frame.lattice.basis:
-            kinds = shells.kind[own].astype(np.int8)
-            write_array(self._file(block, "kinds"), kinds)
-        # Each vacancy belongs to one block, that of the first atom beside it.
-        filled = int(own[shells.vacancies].sum())
-        write_array(self._file(block, "vacancies"), np.array([filled], dtype=np.int64))
-        write_array(self._file(block, "open"), np.unique(part.numbers[wanted]))
+        self._shells.compute(block)
+
+    @cached_property
+    def _shells(self) -> BlockShells:
+        """What neighbours tell, block by block."""
+        return BlockShells(self.folder, self.atoms, self.frame)
 
     # -- dislocations -----------------------------------------------------------------------------
 
@@ -189,42 +157,18 @@ class BlockedCrystal(InFrame):
             Blocks are missing.
         """
         checks.flag(partials, "partials", CrystalError)
-        found = [x for x in map(self.kept_open, self.atoms.blocks) if x is not None]
-        if len(found) < len(self.atoms.blocks):
-            raise self._missing(len(self.atoms.blocks) - len(found))
-        wanted = np.unique(np.concatenate(found))
-        vacancies = 0
-        for block in self.atoms.blocks:
-            filled = read_array(self._file(block, "vacancies"), (1,), np.int64)
-            vacancies += 0 if filled is None else int(filled[0])
-        frame, cell = self.frame, self.atoms.cell
-        places = [part.places for part in self.atoms.chosen(wanted).values()]
-        reach = METHOD.reach * frame.lattice.nearest * frame.constant
-        atoms = self._near(np.concatenate([np.zeros((0, 3)), *places]), 2.001 * reach)
-        check_apart(atoms.places, atoms.numbers, frame.lattice.nearest * frame.constant)
-        torsion = torsion_near(frame, cell, wanted, atoms, self._near, partials)
+        shells = self._shells
+        left = len(self.atoms.blocks) - len(self.done)
+        if left:
+            raise shells.missing(left)
+        cores = BlockCores(shells, partials)
+        cores.run()
 
         def places_near(points: np.ndarray, distance: float) -> np.ndarray:
-            return self._near(points, distance).places
+            return shells.near(points, distance)[0].places
 
-        return lines_of(torsion, frame, self.count + vacancies, places_near)
-
-    def _near(self, places: np.ndarray, distance: float) -> Atoms:
-        """All atoms as near to some places as a distance."""
-        parts, kinds = [], []
-        for block, rows, part in self.atoms.near(places, distance):
-            parts.append(part)
-            if self.frame.lattice.basis:
-                known = read_array(self._file(block, "kinds"), (None,), np.int8)
-                if known is None:
-                    raise self._missing(1)
-                kinds.append(known[rows].astype(np.int64))
-            else:
-                kinds.append(np.zeros(len(rows), dtype=np.int64))
-        whole = Part.joined(parts)
-        order = np.argsort(np.concatenate([np.zeros(0, np.int64), *(x.numbers for x in parts)]))
-        kind = np.concatenate([np.zeros(0, np.int64), *kinds])[order]
-        return Atoms(whole.numbers, whole.places, kind)
+        occupied = self.count + shells.vacancies
+        return lines_of(cores.faces(), self.atoms.cell, self.frame, partials, occupied, places_near)
 
     def __repr__(self) -> str:
         done, total = len(self.done), len(self.atoms.blocks)
@@ -249,8 +193,8 @@ def blocked_crystal(
     It is taken as a single crystal, in the one frame into which most of a sample fit; where a few
     of its atoms tell that it has several grains it is refused. `share` tells how many fit. Memory
     is that of a block with a layer of some twelve neighbour distances about it, some 1 kB for each
-    of its atoms, or of all atoms near torsion, some 5 kB each: tetrahedra about these are formed at
-    once, since a core may reach through any number of blocks. Under noise of 10 % they are all.
+    of its atoms, under noise of 10 % some 5 kB; and of the longest line with the atoms about it,
+    since a core that goes through many blocks is relaxed at once.
 
     Parameters
     ----------
@@ -295,8 +239,9 @@ def blocked_crystal(
     checks.count(workers, "workers", CrystalError, 1)
     place = Path(folder)
     slabs = AtomSlabs(source)
-    # Blocks of version 1 were others where a cell is open, slabs of version 2 smaller.
-    said = {"source": slabs.name, "block": size, "version": 3, **given.described}
+    # Blocks of version 1 were others where a cell is open, slabs of version 2 smaller, and of
+    # blocks of version 3 it was kept which atoms are open by their numbers.
+    said = {"source": slabs.name, "block": size, "version": 4, **given.described}
     open_ledger(place, said)
     made = BlockedCrystal(str(place), SortedAtoms.sized(place, given.box, size), given)
     made.atoms.sort(slabs)
@@ -319,6 +264,7 @@ def blocked_crystal(
     made.check_single()
     done = set(made.done)
     run_blocks(made.compute, [k for k in made.atoms.blocks if k not in done], workers, client)
+    BlockCores(made._shells, partials=False).run(workers, client)
     return made
 
 

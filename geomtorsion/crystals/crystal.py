@@ -32,6 +32,7 @@ from geomtorsion.crystals.near_torsion import Atoms, lines_of, torsion_near, tor
 from geomtorsion.crystals.segmentation import segmented
 from geomtorsion.crystals.shells import Shells, dilated, shells_of
 from geomtorsion.crystals.specimen import Specimen, is_single, seems_many, share_of_lattices
+from geomtorsion.crystals.torn_faces import TornFaces
 from geomtorsion.crystals.torsion import Torsion
 from geomtorsion.crystals.triangulation import Cell, Triangulation, triangulated
 from geomtorsion.errors import CrystalError
@@ -369,7 +370,10 @@ class Crystal(InFrame):
         found, vacancies = self._near_torsion(partials)
         # A grain does not fill its cell.
         occupied = None if self._own is not None else len(self.positions) + vacancies
-        return lines_of(found, self.frame, occupied, lambda *_: self._wrapped[0])
+        faces = TornFaces.of(found.relaxed(), np.arange(len(self.positions)))
+        return lines_of(
+            faces, self._box, self.frame, partials, occupied, lambda *_: self._wrapped[0]
+        )
 
     def _near_torsion(self, partials: bool) -> tuple[Torsion, int]:
         """The torsion, on tetrahedra where neighbours alone do not exclude it, and vacancies."""
@@ -377,11 +381,10 @@ class Crystal(InFrame):
         if self._is_narrow:
             return torsion_on(frame, self.mesh, self.kinds, partials), 0
         shells = self._shells
-        wanted = np.flatnonzero(dilated(~shells.closed, shells.near))
+        wanted = dilated(~shells.closed, shells.near)
         atoms = Atoms(np.arange(len(places)), places, shells.kind)
-        return torsion_near(frame, self._box, wanted, atoms, lambda *_: atoms, partials), len(
-            shells.vacancies
-        )
+        found = torsion_near(frame, self._box, wanted, atoms, partials)
+        return found, len(shells.vacancies)
 
     def __repr__(self) -> str:
         count = len(self.positions)

@@ -6,7 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geomtorsion.crystals.torsion import Torsion, components
+from geomtorsion.crystals.torn_faces import TornFaces
+from geomtorsion.crystals.torsion import components
+from geomtorsion.crystals.triangulation import distinct
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,24 +87,20 @@ class DualGraph:
     surface: np.ndarray
 
     @classmethod
-    def of(cls, torsion: Torsion) -> DualGraph:
-        """The torsion as a graph; nodes are numbered anew."""
-        _rows, sides, images = torsion.mesh.faces
-        values = torsion.values
-        chosen = np.flatnonzero(values.any(axis=1) & (sides >= 0).any(axis=1))
-        pairs, shift, b = sides[chosen].copy(), images[chosen].copy(), values[chosen]
-        outside = (pairs < 0).any(axis=1)
-        edge = chosen[outside]
-        inner = sides[edge].max(axis=1)
-        count = len(torsion.mesh.corners)
-        pairs[outside] = np.where(
-            pairs[outside] < 0, count + np.arange(len(edge))[:, None], pairs[outside]
-        )
+    def of(cls, faces: TornFaces) -> DualGraph:
+        """The faces as a graph; nodes are in the order of tetrahedra, those of surfaces last."""
+        there = faces.cells[:, :, 0] >= 0
+        centres = faces.centres[there]
+        first, which = distinct(faces.cells[there].T)
+        outside = ~np.all(there, axis=1)
+        pairs = np.empty(there.shape, dtype=np.int64)
+        pairs[there] = which
+        pairs[~there] = len(first) + np.arange(outside.sum())
         # The end lies in the face, next to the one tetrahedron that there is.
-        shift[outside] = 0
-        places = np.concatenate([torsion.mesh.centres, torsion.mesh.centres[inner]])
-        used, local = np.unique(pairs, return_inverse=True)
-        return cls(local.reshape(-1, 2), b, shift, places[used], used >= count)
+        images = np.where(outside[:, None], 0, faces.images)
+        inner = faces.centres[outside][there[outside]]
+        places = np.concatenate([centres[first], inner])
+        return cls(pairs, faces.values, images, places, np.arange(len(places)) >= len(first))
 
 
 def flux(graph: DualGraph, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

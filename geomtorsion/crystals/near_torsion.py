@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,9 +9,11 @@ import numpy as np
 from geomtorsion.crystals.enclosed import Near, inserted_about
 from geomtorsion.crystals.faults import MODULES, fault_labels
 from geomtorsion.crystals.frames import Frame
+from geomtorsion.crystals.lattices import Lattice
 from geomtorsion.crystals.method import METHOD
 from geomtorsion.crystals.networks import cluster_of, network_of
 from geomtorsion.crystals.stacking import layered, stacked_labels
+from geomtorsion.crystals.torn_faces import TornFaces
 from geomtorsion.crystals.torsion import Torsion
 from geomtorsion.crystals.triangulation import Cell, Triangulation, triangulated
 from geomtorsion.loops.dislocation_network import DislocationNetwork
@@ -31,6 +32,25 @@ class Atoms:
     kinds: np.ndarray
 
 
+def widest(frame: Frame) -> float:
+    """How far apart two atoms of one tetrahedron may be: the largest empty sphere, jittered."""
+    return 2 * (1 + 2 * METHOD.jitter) * METHOD.reach * frame.lattice.nearest * frame.constant
+
+
+def lattice_read(frame: Frame, partials: bool) -> Lattice:
+    """The lattice of which bonds are vectors, with those of stacking faults if partials are."""
+    lattice = frame.lattice
+    if not partials:
+        return lattice
+    return layered(lattice) if lattice.name == "hcp" else MODULES.get(lattice.name, lattice)
+
+
+def reads_around(frame: Frame, partials: bool) -> bool:
+    """Whether it depends on other bonds of its atoms, too, how a bond is read: where there are
+    stacking faults."""
+    return frame.lattice.name in ("fcc", "hcp") or lattice_read(frame, partials) != frame.lattice
+
+
 def torsion_on(
     frame: Frame, mesh: Triangulation, kinds: np.ndarray, partials: bool = False
 ) -> Torsion:
@@ -38,15 +58,16 @@ def torsion_on(
     pairs, images, _ = mesh.edges
     first, second = pairs.T
     lattice, limit = frame.lattice, frame.constant * frame.lattice.nearest / 2
+    module = lattice_read(frame, partials=True)
     steps = mesh.places[second] - mesh.places[first] + mesh.cell.shifts(images)
     values = frame.values(steps)
     labels = lattice.decode(values, kinds[second] - kinds[first])
     doubtful = frame.apart(steps, labels) > limit
     if lattice.name == "hcp":
-        module, finer = layered(lattice), 1
+        finer = 1
         read, torn = stacked_labels(lattice, values, pairs, kinds, mesh.known)
     elif lattice.name == "fcc" or (partials and lattice.name in MODULES):
-        module, finer = MODULES[lattice.name], 3
+        finer = 3
         read, torn = fault_labels(lattice, values, labels, pairs, kinds, mesh.known)
     else:
         return Torsion(mesh, lattice, labels, doubtful)
@@ -59,37 +80,20 @@ def torsion_on(
 
 
 def torsion_near(
-    frame: Frame,
-    cell: Cell,
-    wanted: np.ndarray,
-    atoms: Atoms,
-    more: Callable[[np.ndarray, float], Atoms],
-    partials: bool,
+    frame: Frame, cell: Cell, wanted: np.ndarray, atoms: Atoms, partials: bool
 ) -> Torsion:
-    """The torsion about some atoms, and about those to which it goes on from there.
+    """The torsion about some of the atoms, and about those to which it goes on from there.
 
-    Parameters
-    ----------
-    wanted
-        Numbers of the atoms.
-    atoms
-        All as near to them as twice the largest empty sphere is wide, or more.
-    more
-        Gives all atoms as near to some places as a distance.
+    wanted: which atoms, shape (atoms,).
     """
-    reach = METHOD.reach * frame.lattice.nearest * frame.constant
+    reach, known = METHOD.reach * frame.lattice.nearest * frame.constant, wanted
     while True:
-        here = np.isin(atoms.numbers, wanted)
-        mesh = triangulated(atoms.places, cell, reach, here, atoms.numbers)
+        mesh = triangulated(atoms.places, cell, reach, known, atoms.numbers)
         found = torsion_on(frame, mesh, atoms.kinds, partials)
-        beyond = found.beyond
-        if not beyond.any():
+        more = found.leading_on
+        if not more.any():
             return found
-        # Cores reach as far as the neighbours of what is torn.
-        here[mesh.corners[beyond[mesh.corners].any(axis=1)].ravel()] = True
-        wanted = atoms.numbers[here]
-        # What is jittered may lie a little further.
-        atoms = more(atoms.places[here], 2.001 * reach)
+        known = known | more
 
 
 def sites_in(frame: Frame, cell: Cell) -> int | None:
@@ -105,13 +109,14 @@ def sites_in(frame: Frame, cell: Cell) -> int | None:
     return round(cells) * (2 if lattice.basis else 1)
 
 
-def lines_of(found: Torsion, frame: Frame, occupied: int | None, near: Near) -> DislocationNetwork:
-    """The dislocation lines that carry a torsion.
+def lines_of(
+    faces: TornFaces, cell: Cell, frame: Frame, partials: bool, occupied: int | None, near: Near
+) -> DislocationNetwork:
+    """The dislocation lines that carry the torsion of faces.
 
     occupied: atoms, and vacancies that are not part of a line; None if they do not fill the cell.
     near: gives the places of all atoms as near to some places as a distance.
     """
-    cell = found.mesh.cell
     sites = None if occupied is None else sites_in(frame, cell)
     width = METHOD.width * frame.lattice.nearest * frame.constant
 
@@ -122,5 +127,5 @@ def lines_of(found: Torsion, frame: Frame, occupied: int | None, near: Near) -> 
         more = more or inserted_about(path, others, frame, cell, near) or 0
         return more * frame.lattice.atom_volume * frame.constant**3
 
-    here = replace(frame, lattice=found.lattice)
-    return network_of(found.relaxed(), here, width, extra, cluster_of(frame))
+    here = replace(frame, lattice=lattice_read(frame, partials))
+    return network_of(faces, cell, here, width, extra, cluster_of(frame))

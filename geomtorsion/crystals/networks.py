@@ -12,14 +12,16 @@ import numpy as np
 from geomtorsion.crystals.frames import Frame
 from geomtorsion.crystals.lattices import Lattice
 from geomtorsion.crystals.lines import DualGraph, simplified, smoothed, strands
-from geomtorsion.crystals.torsion import Torsion
+from geomtorsion.crystals.torn_faces import TornFaces
+from geomtorsion.crystals.triangulation import Cell
 from geomtorsion.loops.box import Box
 from geomtorsion.loops.crystal_analysis import Cluster
 from geomtorsion.loops.dislocation_network import DislocationNetwork
 
 
 def network_of(
-    torsion: Torsion,
+    faces: TornFaces,
+    cell: Cell,
     frame: Frame,
     width: float,
     extra: Callable[[np.ndarray, np.ndarray], float],
@@ -34,8 +36,7 @@ def network_of(
     """
     import networkx as nx  # 0.15 s, and networks alone need it
 
-    cell = torsion.mesh.cell
-    graph = DualGraph.of(torsion)
+    graph = DualGraph.of(faces)
     found = nx.MultiDiGraph(clusters={None: cluster})
     lines = simplified(strands(graph, cell.vectors), graph.surface, cell.vectors, width)
     ends = Counter(node for line in lines for node in (line.start, line.end))

@@ -247,8 +247,28 @@ class SortedAtoms:
             parts.append(part[np.isfinite(apart)])
         return Part.joined(parts)
 
+    def blocks_near(self, places: np.ndarray, distance: float) -> list[Block]:
+        """Blocks that may have atoms as near to some places in the cell as a distance."""
+        return [block for block, _ in self._beside(places, distance)]
+
     def near(self, places: np.ndarray, distance: float) -> Iterator[tuple[Block, np.ndarray, Part]]:
         """All atoms as near to some places in the cell as a distance: block, rows in it, atoms."""
+        for block, points in self._beside(places, distance):
+            part = self.inside(block)
+            # Most atoms lie outside of a box about the places, which costs less than a search.
+            low, high = points.min(axis=0) - distance, points.max(axis=0) + distance
+            boxed = np.ones(len(part.numbers), dtype=bool)
+            for k in range(3):
+                boxed &= (part.places[:, k] > low[k]) & (part.places[:, k] < high[k])
+            some = np.flatnonzero(boxed)
+            apart, _ = scipy.spatial.cKDTree(points).query(
+                part.places[some], distance_upper_bound=distance
+            )
+            rows = some[np.isfinite(apart)]
+            yield block, rows, part[rows]
+
+    def _beside(self, places: np.ndarray, distance: float) -> Iterator[tuple[Block, np.ndarray]]:
+        """Blocks near to some places, and those of the places, in their images, that are near."""
         points, _, _ = self.cell.with_ghosts(places, distance)
         at = points @ self.cell.inverse * self.counts
         order = at[:, 0].argsort()
@@ -259,9 +279,4 @@ class SortedAtoms:
             some = slice(*np.searchsorted(at[:, 0], [low[0], high[0]]))
             mine = ((at[some] > low) & (at[some] < high)).all(axis=1)
             if mine.any():
-                part = self.inside(block)
-                apart, _ = scipy.spatial.cKDTree(points[some][mine]).query(
-                    part.places, distance_upper_bound=distance
-                )
-                rows = np.flatnonzero(np.isfinite(apart))
-                yield block, rows, part[rows]
+                yield block, points[some][mine]

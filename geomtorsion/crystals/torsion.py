@@ -73,6 +73,16 @@ class Torsion:
         return found
 
     @property
+    def leading_on(self) -> np.ndarray:
+        """Atoms about which all tetrahedra are needed, too: cores reach as far as the neighbours of
+        what is torn where not all are known, shape (atoms,)."""
+        beyond, corners = self.beyond, self.mesh.corners
+        found = np.zeros(len(beyond), dtype=bool)
+        if beyond.any():
+            found[corners[beyond[corners].any(axis=1)].ravel()] = True
+        return found & ~self.mesh.known
+
+    @property
     def torn(self) -> np.ndarray:
         """Tetrahedra with torsion in a face, shape (cells,) of truth values."""
         _, sides, _ = self.mesh.faces
@@ -98,12 +108,12 @@ class Torsion:
     @property
     def bad(self) -> np.ndarray:
         """Tetrahedra with torsion in a face or a doubtful edge, shape (cells,)."""
-        return self.torn | self.doubtful[self.mesh.edges[2]].any(axis=1)
+        return self.torn | np.any(self.doubtful[self.mesh.edges[2]], axis=1)
 
     @property
     def touched(self) -> np.ndarray:
         """Tetrahedra with an atom in common with one with torsion, shape (cells,)."""
-        return self.torn_atoms[self.mesh.corners].any(axis=1)
+        return np.any(self.torn_atoms[self.mesh.corners], axis=1)
 
     @property
     def torn_atoms(self) -> np.ndarray:
@@ -119,7 +129,7 @@ class Torsion:
         a, b = sides.T
         steps = self.mesh.centres[b] - self.mesh.centres[a] + self.mesh.cell.shifts(images)
         sizes = np.where((sides < 0).any(axis=1), 0.0, np.linalg.norm(steps, axis=1))
-        sound = ~(self.values.any(axis=1) | self.doubtful[rows].any(axis=1))
+        sound = ~(np.any(self.values, axis=1) | np.any(self.doubtful[rows], axis=1))
         return Lengths(sizes, sound)
 
     def cores(self, bad: np.ndarray) -> np.ndarray:

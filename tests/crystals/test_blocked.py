@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from tests.crystals.synthetic import block, quadrupole, with_line
 
 ROOT = Path(__file__).parents[2]
 HEIGHT = (8 / 3) ** 0.5
+OPEN = (False, False, True)
 
 
 def bits(net):
@@ -118,6 +120,56 @@ def test_sparse_blocks_are_what_they_are_in_memory(tmp_path, axes):
         assert bits(cut.dislocations()) == bits(whole.dislocations()) == []
 
 
+def long_crystal(lattice, length, noise, seed=1):
+    """A screw along an open bar of crystal, with noise as part of the neighbour distance."""
+    places, cell = with_line(lattice, (0, 0, 1), (7, 7, length))
+    nearest = {"fcc": 0.5**0.5, "bcc": 0.75**0.5}[lattice]
+    rng = np.random.default_rng(seed)
+    return places + noise * nearest * rng.normal(size=places.shape), cell
+
+
+@pytest.mark.parametrize(
+    ("lattice", "length", "noise", "sizes"),
+    [("bcc", 36, 0.1, (9, 13)), ("bcc", 60, 0, (11,)), ("fcc", 30, 0.1, (10,)),
+     pytest.param("bcc", 30, 0.12, (8,), marks=pytest.mark.slow),
+     pytest.param("fcc", 24, 0.12, (8,), marks=pytest.mark.slow)],
+)  # fmt: skip
+def test_cores_are_relaxed_block_by_block(tmp_path, lattice, length, noise, sizes):
+    """Under noise of 10 % every atom needs tetrahedra and cores lie everywhere, some across faces
+    of blocks; that of the line goes through all of them, further than any block sees."""
+    places, cell = long_crystal(lattice, length, noise)
+    given_as = {"lattice": lattice, "orient": np.eye(3)}
+    expected = bits(Crystal(places, cell, OPEN, **given_as).dislocations())
+    assert [kind for *_, kind, _ in expected] == ["periodic"]
+    for size in sizes:
+        cut = blocked_crystal(places, tmp_path / str(size), cell, size, OPEN, **given_as)
+        assert len(cut.atoms.blocks) >= 2
+        assert bits(cut.dislocations()) == expected
+
+
+def peak(places, cell, folder, size):
+    """Most memory that arrays take while lines are found in blocks, bytes."""
+    np.save(folder.with_suffix(".npy"), places)
+    tracemalloc.start()
+    cut = blocked_crystal(
+        folder.with_suffix(".npy"), folder, cell, size, lattice="bcc", orient=np.eye(3)
+    )
+    assert cut.dislocations().lines == ()
+    found = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    return found
+
+
+def test_memory_under_noise_is_that_of_a_block(tmp_path):
+    """Three times as many atoms need tetrahedra, but not more at once."""
+    found = []
+    for length in (32, 96):
+        places, cell = block("bcc", (5, 5, length))
+        noise = 0.1 * 0.75**0.5 * np.random.default_rng(0).normal(size=places.shape)
+        found.append(peak(places + noise, cell, tmp_path / str(length), 4))
+    assert found[1] < 1.3 * found[0]
+
+
 def test_vacancies_are_counted_once_on_the_faces_of_blocks(tmp_path):
     """A cell of blocks of whole lattice constants, vacancies at their corners and a loop."""
     places, cell = block("bcc", (12, 12, 12))
@@ -137,9 +189,6 @@ def test_vacancies_are_counted_once_on_the_faces_of_blocks(tmp_path):
     (line,) = whole.dislocations().lines
     assert line.is_closed
     assert bits(cut.dislocations()) == bits(whole.dislocations())
-
-
-OPEN = (False, False, True)
 
 
 def line():
