@@ -68,6 +68,9 @@ class BlockShells:
         shells = shells_of(part.places, open_box, self.frame)
         if self.frame.lattice.basis:
             write_array(self.file(block, "kinds"), shells.kind[own].astype(np.int8))
+        fits = np.all(shells.near >= 0, axis=1)
+        write_array(self.file(block, "fits"), fits[own])
+        write_array(self.file(block, "deep"), ~dilated(fits, shells.near)[own])
         # Each vacancy belongs to one block, that of the first atom beside it.
         filled = int(own[shells.vacancies].sum())
         write_array(self.file(block, "vacancies"), np.array([filled], dtype=np.int64))
@@ -88,13 +91,20 @@ class BlockShells:
         """Which atoms of a block need tetrahedra, shape (atoms,)."""
         return self._known(block, "open", bool, slice(None))
 
-    def near(self, places: np.ndarray, distance: float) -> tuple[Atoms, np.ndarray]:
-        """All atoms as near to some places as a distance, and which of them need tetrahedra."""
+    def deep(self, block: Block) -> Part:
+        """The atoms of a block that do not fit into the frame, and neither do their neighbours."""
+        return self.atoms.inside(block)[self._known(block, "deep", bool, slice(None))]
+
+    def near(
+        self, places: np.ndarray, distance: float, what: str = "open"
+    ) -> tuple[Atoms, np.ndarray]:
+        """All atoms as near to some places as a distance, and which of them need tetrahedra; or
+        "fits": which have all their neighbours where the lattice has them."""
         none = np.zeros(0, dtype=np.int64)
         parts, kinds, wanted = [], [none], [none.astype(bool)]
         for block, rows, part in self.atoms.near(places, distance):
             parts.append(part)
-            wanted.append(self._known(block, "open", bool, rows))
+            wanted.append(self._known(block, what, bool, rows))
             if self.frame.lattice.basis:
                 kinds.append(self._known(block, "kinds", np.int8, rows).astype(np.int64))
             else:

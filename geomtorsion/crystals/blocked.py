@@ -21,6 +21,7 @@ from geomtorsion import checks
 from geomtorsion.blocks import LEDGER, open_ledger, read_array, run_blocks, write_array
 from geomtorsion.crystals.atom_slabs import AtomSlabs
 from geomtorsion.crystals.block_cores import BlockCores
+from geomtorsion.crystals.block_grains import BlockGrains
 from geomtorsion.crystals.block_shells import BlockShells, file_of, missing
 from geomtorsion.crystals.crystal import reach_of_sample
 from geomtorsion.crystals.frames import (
@@ -28,16 +29,18 @@ from geomtorsion.crystals.frames import (
     Fit,
     Frame,
     InFrame,
-    check_apart,
     frame_of,
     nearest_points,
     sampled,
 )
 from geomtorsion.crystals.given import Given
-from geomtorsion.crystals.method import METHOD
+from geomtorsion.crystals.grain_networks import network_of_grains
+from geomtorsion.crystals.grains import Grains, single_grain
+from geomtorsion.crystals.lattices import Lattice
 from geomtorsion.crystals.near_torsion import lines_of
+from geomtorsion.crystals.segmentation import segmented
 from geomtorsion.crystals.sorted_atoms import Block, Part, SortedAtoms
-from geomtorsion.crystals.specimen import Specimen, few, lies_in_many
+from geomtorsion.crystals.specimen import Specimen, seems_many, share_of_lattices
 from geomtorsion.errors import CrystalError
 from geomtorsion.loops.dislocation_network import DislocationNetwork
 
@@ -72,13 +75,15 @@ class BlockedCrystal(InFrame):
 
     @property
     def share(self) -> float:
-        """Share of a sample of the atoms whose neighbours are all where the lattice has them."""
-        return float(self._found[1].whole.mean())
+        """Share of a sample of the atoms whose neighbours are all where the lattice has them; of
+        all atoms of a polycrystal, in their grains."""
+        found = self.grains.fitting if self._seems_many else None
+        return float(self._found[1].whole.mean()) if found is None else found
 
-    @property
+    @cached_property
     def frame(self) -> Frame:
-        """Lattice, orientation and lattice constant together."""
-        return self._found[0]
+        """Lattice, orientation and lattice constant together; of a polycrystal those of grain 0."""
+        return self.grains.grains[0].frame if self._seems_many else self._found[0]
 
     @cached_property
     def _found(self) -> tuple[Frame, Fit]:
@@ -87,31 +92,87 @@ class BlockedCrystal(InFrame):
         if len(known) < len(self._sample):
             raise missing(self.folder, len(self._sample) - len(known), len(self.atoms.blocks))
         numbers = np.concatenate([part.numbers for part in self._sample.values()])
-        vectors = np.concatenate(known)[np.argsort(numbers)]
-        return frame_of(vectors, self.given.lattice, self.given.orient, self.given.constant)
+        order = np.argsort(numbers)
+
+        def shares(lattice: Lattice) -> dict[str, float]:
+            return share_of_lattices(lattice, self._neighbours, numbers[order])
+
+        given = self.given
+        vectors = np.concatenate(known)[order]
+        return frame_of(vectors, given.lattice, given.orient, given.constant, shares)
+
+    def _neighbours(self, atoms: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers of the nearest neighbours of some atoms, and the vectors to them."""
+        numbers, which = np.unique(atoms, return_inverse=True)
+        places = Part.joined(list(self.atoms.chosen(numbers).values())).places
+
+        def about(centres: np.ndarray, distance: float) -> tuple[np.ndarray, np.ndarray, bool]:
+            near = Part.joined([part for _, _, part in self.atoms.near(centres, distance)])
+            points, rows, _ = self.atoms.cell.with_ghosts(near.places, distance)
+            whole = not self.periodic.any() and len(near.numbers) == self.count
+            return points, near.numbers[rows], whole
+
+        reach = reach_of_sample(self.atoms.spanned, self.count)
+        found, vectors = nearest_points(about, places, NEIGHBOURS, reach)
+        return found[which], vectors[which]
 
     @cached_property
     def _sample(self) -> dict[Block, Part]:
         """Atoms that stand for all, in the blocks in which they lie."""
         return self.atoms.chosen(sampled(self.count))
 
-    def check_single(self) -> None:
-        """Refuse more than one grain: in the frame of one the bonds of others are no lattice
-        vectors, and give lines that are none."""
-        frame = self.frame
-        reach = 2 * METHOD.width * frame.lattice.nearest * frame.constant
-        chosen = Part.joined(list(self.atoms.chosen(few(self.count)).values()))
-        parts = [part for _, _, part in self.atoms.near(chosen.places, reach)]
-        near = Part.joined(parts)
-        check_apart(near.places, near.numbers, frame.lattice.nearest * frame.constant)
-        specimen = Specimen(near.places, self.atoms.cell, frame)
-        if lies_in_many(specimen, np.searchsorted(near.numbers, chosen.numbers)):
-            raise CrystalError(
-                "positions: in blocks a single crystal was needed, but some atoms lie in another "
-                f"lattice or orientation than most; the neighbours of {self.share:.1%} fit into "
-                f"one {self.lattice} crystal. Cut out one grain, or read all grains at once: "
-                "Crystal(positions, cell).dislocations()."
-            )
+    # -- grains -----------------------------------------------------------------------------------
+
+    @property
+    def is_single(self) -> bool:
+        """Whether it is one crystal, with no atom outside of it."""
+        return self._segmented is None or self._segmented.is_single
+
+    @cached_property
+    def grains(self) -> Grains:
+        """Its grains in order, and the walls between them, as of a `Crystal`."""
+        found = self._segmented
+        return single_grain(self._found[0], self.atoms.every()) if found is None else found
+
+    @cached_property
+    def _segmented(self) -> Grains | None:
+        """The grains of what is no single crystal."""
+        if self._grains.seems_single and self._grains.is_single:
+            return None
+        return segmented(self._specimen)
+
+    @cached_property
+    def _grains(self) -> BlockGrains:
+        """What does not fit into the frame, block by block."""
+        return BlockGrains(self._shells)
+
+    @cached_property
+    def _specimen(self) -> Specimen:
+        """All atoms at once, and the frame into which most of them fit."""
+        given = self.given.orient is not None, self.given.constant is not None
+        return Specimen(self.atoms.every(), self.atoms.cell, self._found[0], *given)
+
+    @cached_property
+    def _seems_many(self) -> bool:
+        """Whether some atoms lie in another lattice or orientation."""
+        if self.is_single:
+            return False
+        return seems_many(self._specimen, sampled(self.count), self._found[1].whole)
+
+    @cached_property
+    def _parts(self) -> tuple[BlockShells, ...]:
+        """The atoms in the frames of their grains."""
+        if self.is_single:
+            return (self._shells,)
+        owner = Path(self.folder, "grain-of-atoms.npy")
+        write_array(owner, self.grains.number.astype(np.int64))
+        atoms = self.atoms.of_grains(owner, [grain.number for grain in self.grains])
+        found = []
+        for grain, own in zip(self.grains, atoms, strict=True):
+            folder = Path(self.folder, f"grain-{grain.number}")
+            folder.mkdir(exist_ok=True)
+            found.append(BlockShells(str(folder), own, grain.frame))
+        return tuple(found)
 
     # -- blocks -----------------------------------------------------------------------------------
 
@@ -123,7 +184,10 @@ class BlockedCrystal(InFrame):
     @property
     def done(self) -> list[Block]:
         """The blocks that are finished."""
-        return [k for k in self.atoms.blocks if self._shells.kept(k) is not None]
+        if self.is_single:
+            return [k for k in self.atoms.blocks if self._shells.kept(k) is not None]
+        left = {k for shells in self._parts for k in shells.atoms.blocks if shells.kept(k) is None}
+        return [k for k in self.atoms.blocks if k not in left]
 
     def sample(self, block: Block) -> None:
         """Find the neighbours of some atoms of a block."""
@@ -144,7 +208,7 @@ class BlockedCrystal(InFrame):
     @cached_property
     def _shells(self) -> BlockShells:
         """What neighbours tell, block by block."""
-        return BlockShells(self.folder, self.atoms, self.frame)
+        return BlockShells(self.folder, self.atoms, self._found[0])
 
     # -- dislocations -----------------------------------------------------------------------------
 
@@ -157,18 +221,43 @@ class BlockedCrystal(InFrame):
             Blocks are missing.
         """
         checks.flag(partials, "partials", CrystalError)
-        shells = self._shells
         left = len(self.atoms.blocks) - len(self.done)
         if left:
-            raise shells.missing(left)
+            raise self._shells.missing(left)
+        if self.is_single:
+            return self._lines(self._shells, partials)
+        networks = [self._lines(shells, partials) for shells in self._parts]
+
+        def near(points: np.ndarray, distance: float) -> tuple[np.ndarray, np.ndarray]:
+            whole = Part.joined([part for _, _, part in self.atoms.near(points, distance)])
+            return whole.numbers, whole.places
+
+        return network_of_grains(networks, self.grains, self.atoms.cell, near)
+
+    def _lines(self, shells: BlockShells, partials: bool) -> DislocationNetwork:
+        """The lines of a grain, or of a single crystal."""
         cores = BlockCores(shells, partials)
         cores.run()
 
-        def places_near(points: np.ndarray, distance: float) -> np.ndarray:
+        def near(points: np.ndarray, distance: float) -> np.ndarray:
             return shells.near(points, distance)[0].places
 
-        occupied = self.count + shells.vacancies
-        return lines_of(cores.faces(), self.atoms.cell, self.frame, partials, occupied, places_near)
+        # A grain does not fill its cell.
+        occupied = self.count + shells.vacancies if self.is_single else None
+        return lines_of(cores.faces(), self.atoms.cell, shells.frame, partials, occupied, near)
+
+    def find(self, workers: int, client: Any) -> None:
+        """Do all that is not yet done, but for partials."""
+        _check_wide(self.given, self._found[0])
+        if self._grains.seems_single:
+            left = [k for k in self.atoms.blocks if self._shells.kept(k) is None]
+            run_blocks(self.compute, left, workers, client)
+            self._grains.run(workers, client)
+        for shells in self._parts:
+            _check_wide(self.given, shells.frame)
+            left = [k for k in shells.atoms.blocks if shells.kept(k) is None]
+            run_blocks(shells.compute, left, workers, client)
+            BlockCores(shells, partials=False).run(workers, client)
 
     def __repr__(self) -> str:
         done, total = len(self.done), len(self.atoms.blocks)
@@ -190,11 +279,11 @@ def blocked_crystal(
 ) -> BlockedCrystal:
     """A crystal of more atoms than memory holds, sorted into blocks and looked through.
 
-    It is taken as a single crystal, in the one frame into which most of a sample fit; where a few
-    of its atoms tell that it has several grains it is refused. `share` tells how many fit. Memory
+    Whether it is a single crystal is told block by block; `share` tells how many atoms fit. Memory
     is that of a block with a layer of some twelve neighbour distances about it, some 1 kB for each
     of its atoms, under noise of 10 % some 5 kB; and of the longest line with the atoms about it,
-    since a core that goes through many blocks is relaxed at once.
+    since a core that goes through many blocks is relaxed at once. Of a polycrystal grains are told
+    apart in all atoms at once, GRAINS kB each, and read in blocks, each in its own frame.
 
     Parameters
     ----------
@@ -217,7 +306,7 @@ def blocked_crystal(
     Raises
     ------
     CrystalError
-        Positions, cell or block are none, or the atoms are no crystal, or several grains.
+        Positions, cell or block are none, or the atoms are no crystal.
     CheckpointError
         The folder holds blocks of another run.
     FileFormatError
@@ -251,7 +340,12 @@ def blocked_crystal(
         )
     missing = [k for k in made._sample if made.kept_sample(k) is None]
     run_blocks(made.sample, missing, workers, client, "blocks for the frame")
-    frame = made.frame
+    made.find(workers, client)
+    return made
+
+
+def _check_wide(given: Given, frame: Frame) -> None:
+    """Refuse periods in which an atom may be its own neighbour."""
     needed = 4 * frame.lattice.nearest * frame.constant
     narrow = np.flatnonzero(given.box.periodic & (given.box.heights < needed))
     if len(narrow):
@@ -261,17 +355,15 @@ def blocked_crystal(
             f"distances, but edge {k + 1} repeats after {given.box.heights[k]:.4g}. Repeat the "
             "cell, or do it at once: Crystal(positions, cell).dislocations()."
         )
-    made.check_single()
-    done = set(made.done)
-    run_blocks(made.compute, [k for k in made.atoms.blocks if k not in done], workers, client)
-    BlockCores(made._shells, partials=False).run(workers, client)
-    return made
 
 
 def forget_blocks(folder: Path) -> None:
     """Remove sorted atoms and blocks, and nothing else."""
-    for pattern in ("slab-*.npy", "block-*.npy", "*.part", "sorted.npy", LEDGER):
-        for path in folder.glob(pattern):
-            path.unlink()
+    for part in (*folder.glob("grain-*/"), folder):
+        for pattern in ("slab-*.npy", "block-*.npy", "*.part", "sorted.npy", "grain-*.npy", LEDGER):
+            for path in part.glob(pattern):
+                path.unlink()
+        if part != folder and not any(part.iterdir()):
+            part.rmdir()
     if folder.is_dir() and not any(folder.iterdir()):
         folder.rmdir()

@@ -24,7 +24,7 @@ from geomtorsion.crystals.frames import (
 from geomtorsion.crystals.given import Given
 from geomtorsion.crystals.grain_circuits import GrainCircuits
 from geomtorsion.crystals.grain_networks import network_of_grains
-from geomtorsion.crystals.grains import Grains, single_grain
+from geomtorsion.crystals.grains import Grain, Grains, single_grain
 from geomtorsion.crystals.known_grains import KnownGrains
 from geomtorsion.crystals.lattices import Lattice
 from geomtorsion.crystals.method import METHOD
@@ -79,7 +79,7 @@ class Crystal(InFrame):
     periodic: np.ndarray
     species: tuple[str, ...] | None
     _given: Given
-    _own: Frame | None
+    _own: Grain | None
     _before: KnownGrains | None
 
     def __init__(
@@ -140,8 +140,9 @@ class Crystal(InFrame):
         """The frame, and how a sample of the atoms fits into it."""
         given = self._given
         if self._own is not None:
-            vectors = self._neighbours(self._own.lattice.shells, sampled(len(self.positions)))
-            return self._own, fitted(self._own, vectors)
+            own = self._own.frame
+            vectors = self._neighbours(own.lattice.shells, sampled(len(self.positions)))
+            return own, fitted(own, vectors)
         if len(self.positions) < 20:
             raise CrystalError(
                 f"positions: 20 atoms or more were needed to tell a crystal, but "
@@ -238,8 +239,13 @@ class Crystal(InFrame):
         species = None if self.species is None else [self.species[k] for k in grain.atoms]
         periodic = self.periodic.tolist()
         made = Crystal(self.positions[grain.atoms], self.cell, periodic, species=species)
-        object.__setattr__(made, "_own", grain.frame)
+        object.__setattr__(made, "_own", grain)
         return made
+
+    @property
+    def _numbers(self) -> np.ndarray:
+        """Numbers of the atoms; of a grain, those in the whole crystal."""
+        return np.arange(len(self.positions)) if self._own is None else self._own.atoms
 
     @cached_property
     def _specimen(self) -> Specimen:
@@ -265,7 +271,7 @@ class Crystal(InFrame):
     def mesh(self) -> Triangulation:
         """The Delaunay tetrahedra between the atoms."""
         reach = METHOD.reach * self.frame.lattice.nearest * self.constant
-        return triangulated(self._wrapped[0], self._box, reach)
+        return triangulated(self._wrapped[0], self._box, reach, atoms=self._numbers)
 
     @cached_property
     def kinds(self) -> np.ndarray:
@@ -366,11 +372,12 @@ class Crystal(InFrame):
         if not self.grains.is_single:
             crystals = [self.grain(grain.number) for grain in self.grains]
             networks = [one.dislocations(partials) for one in crystals]
-            return network_of_grains(networks, self.grains, self._wrapped[0], self._box)
+            every = np.arange(len(self.positions)), self._wrapped[0]
+            return network_of_grains(networks, self.grains, self._box, lambda *_: every)
         found, vacancies = self._near_torsion(partials)
         # A grain does not fill its cell.
         occupied = None if self._own is not None else len(self.positions) + vacancies
-        faces = TornFaces.of(found.relaxed(), np.arange(len(self.positions)))
+        faces = TornFaces.of(found.relaxed(), self._numbers)
         return lines_of(
             faces, self._box, self.frame, partials, occupied, lambda *_: self._wrapped[0]
         )
@@ -382,7 +389,7 @@ class Crystal(InFrame):
             return torsion_on(frame, self.mesh, self.kinds, partials), 0
         shells = self._shells
         wanted = dilated(~shells.closed, shells.near)
-        atoms = Atoms(np.arange(len(places)), places, shells.kind)
+        atoms = Atoms(self._numbers, places, shells.kind)
         found = torsion_near(frame, self._box, wanted, atoms, partials)
         return found, len(shells.vacancies)
 

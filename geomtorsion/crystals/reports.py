@@ -77,12 +77,10 @@ def _ratio(frame: Frame) -> Json:
 
 
 def _polycrystal(crystal: Crystal | BlockedCrystal) -> Json:
-    """Grains and walls of what is no single crystal; in blocks there are none."""
-    if isinstance(crystal, BlockedCrystal):
+    """Grains and walls of what is no single crystal."""
+    if _is_single(crystal):
         return {}
     grains = crystal.grains
-    if grains.is_single and grains.used == 1:
-        return {}
     return {
         "shares": grains.shares,
         "grains": [_grain(grain) for grain in grains],
@@ -90,6 +88,13 @@ def _polycrystal(crystal: Crystal | BlockedCrystal) -> Json:
         "vanished": list(grains.vanished),
         "numbers": grains.used,
     }
+
+
+def _is_single(crystal: Crystal | BlockedCrystal) -> bool:
+    """Whether it is a single crystal, and was in frames before."""
+    if isinstance(crystal, BlockedCrystal):
+        return crystal.is_single
+    return crystal.grains.is_single and crystal.grains.used == 1
 
 
 def known_of(report: Json, owner: np.ndarray) -> KnownGrains:
@@ -137,7 +142,7 @@ def _line(crystal: Crystal | BlockedCrystal, line: DislocationLine, convention: 
     """One line as plain data."""
     exact = burgers(list(line.burgers_lattice or ()), convention)
     grain = line.grain
-    if grain is None and isinstance(crystal, Crystal) and crystal.grains.used > 1:
+    if grain is None and not _is_single(crystal) and crystal.grains.used > 1:
         grain = crystal.grains.grains[0].number
     found: Json = {
         **({} if grain is None else {"grain": grain}),

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
 from pathlib import Path
@@ -64,16 +64,30 @@ class Part:
 
 
 @dataclass(frozen=True, eq=False)
+class Only:
+    """Some of the atoms in blocks, those of one grain.
+
+    owner: path of the grain of each atom, by number. grain: which. blocks: those where it is.
+    """
+
+    owner: str
+    grain: int
+    blocks: tuple[Block, ...]
+
+
+@dataclass(frozen=True, eq=False)
 class SortedAtoms:
     """Atoms on disk, sorted into blocks of space slab by slab.
 
     folder: of the files. cell: the cell. counts: blocks along each edge of the cell, a whole number
-    where it repeats, since the same size goes on outside of it where it is open.
+    where it repeats, since the same size goes on outside of it where it is open. only: of all these
+    atoms those that are meant, if not all.
     """
 
     folder: str
     cell: Cell
     counts: tuple[float, float, float]
+    only: Only | None = None
 
     @classmethod
     def sized(cls, folder: Path, cell: Cell, block: float) -> SortedAtoms:
@@ -146,7 +160,7 @@ class SortedAtoms:
     @property
     def blocks(self) -> tuple[Block, ...]:
         """All blocks with atoms in them."""
-        return tuple(self._index)
+        return tuple(self._index) if self.only is None else self.only.blocks
 
     @cached_property
     def count(self) -> int:
@@ -169,7 +183,32 @@ class SortedAtoms:
             none = np.zeros((end - start, 3), dtype=np.int64)
             parts.append(Part(np.asarray(numbers), np.asarray(places), none))
         # In a slab, and from one to the next, their numbers increase.
-        return Part.stacked(parts)
+        whole = Part.stacked(parts)
+        if self.only is None:
+            return whole
+        owner = self._whole(Path(self.only.owner), (None,), np.int64)
+        return whole[owner[whole.numbers] == self.only.grain]
+
+    def every(self) -> np.ndarray:
+        """The places of all atoms in the order of their numbers, shape (atoms, 3)."""
+        found = np.empty((self.count, 3))
+        for slab in range(self._slabs):
+            numbers = self._whole(self._file(slab, "numbers"), (None,), np.int64)
+            found[numbers] = self._whole(self._file(slab, "places"), (None, 3))
+        return found
+
+    def of_grains(self, owner: Path, grains: Sequence[int]) -> list[SortedAtoms]:
+        """The atoms of each grain; owner: path of the grain of each atom, by number."""
+        known = self._whole(owner, (None,), np.int64)
+        held: dict[int, list[Block]] = {grain: [] for grain in grains}
+        for block in self.blocks:
+            for grain in np.unique(known[self.inside(block).numbers]).tolist():
+                if grain in held:
+                    held[grain].append(block)
+        return [
+            replace(self, only=Only(str(owner), grain, tuple(blocks)))
+            for grain, blocks in held.items()
+        ]
 
     def chosen(self, numbers: np.ndarray) -> dict[Block, Part]:
         """Atoms by number, in order, in the blocks in which they lie."""

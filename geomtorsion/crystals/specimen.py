@@ -198,17 +198,7 @@ def _turned(specimen: Specimen, some: np.ndarray) -> np.ndarray:
     return some[good[angles > METHOD.wall]]
 
 
-def lies_in_many(specimen: Specimen, some: np.ndarray) -> bool:
-    """Whether a few atoms alone tell that there is more than one grain: one is turned as others
-    about it are, or more of them lie in another lattice than in that of the frame.
-
-    Fewer in another one may lie in stacking faults.
-    """
-    phase = local_of(specimen.lattices, specimen.neighbours(some)[1]).phase
-    return bool((phase > 0).sum() > (phase == 0).sum()) or _turned_together(specimen, some)
-
-
-def _turned_together(specimen: Specimen, some: np.ndarray) -> bool:
+def turned_together(specimen: Specimen, some: np.ndarray) -> bool:
     """Whether one of some atoms that is turned lies among others, and not by noise alone."""
     lattice = specimen.frame.lattice
     for atom in _turned(specimen, some):
@@ -224,10 +214,15 @@ def _turned_together(specimen: Specimen, some: np.ndarray) -> bool:
 
 def fitting(frame: Frame, vectors: np.ndarray) -> np.ndarray:
     """Atoms whose neighbours all lie nearer to places of their own than half their distance."""
-    near = vectors[:, : frame.lattice.shells]
-    fit = fitted(frame, near)
-    apart = frame.apart(near.reshape(-1, 3), fit.labels.reshape(-1, 3)).reshape(near.shape[:2])
-    return fit.whole & (apart.max(axis=1) < frame.constant * frame.lattice.nearest / 2)
+    shells, found = frame.lattice.shells, np.zeros(len(vectors), dtype=bool)
+    for start in range(0, len(vectors), METHOD.together // shells):
+        part = slice(start, start + METHOD.together // shells)
+        near = vectors[part, :shells]
+        fit = fitted(frame, near)
+        apart = frame.apart(near.reshape(-1, 3), fit.labels.reshape(-1, 3)).reshape(near.shape[:2])
+        close = apart.max(axis=1) < frame.constant * frame.lattice.nearest / 2
+        found[part] = fit.whole & close
+    return found
 
 
 def is_single(specimen: Specimen, near: np.ndarray | None) -> bool:
@@ -248,7 +243,7 @@ def is_single(specimen: Specimen, near: np.ndarray | None) -> bool:
         fits = np.all(near >= 0, axis=1)
         touched = dilated(fits, near)
     deep = np.flatnonzero(~touched)
-    if _turned_together(specimen, few(count)):
+    if turned_together(specimen, few(count)):
         return False
     if not len(deep):
         return True

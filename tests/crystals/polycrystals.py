@@ -75,16 +75,20 @@ def bicrystal(
     burgers: Sequence[float] | None = None,
     axis: int = 0,
     size: tuple[float, float, float] = (13, 10, 6),
+    both: bool = False,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Two crystals that meet in the plane x = 0 (or z = 0, axis 2), within +-size, open.
 
-    The first is not turned. burgers: of a line in it along z, at x = -6 (or x = 0).
+    The first is not turned. burgers: of a line in it along z, at x = -6 (or x = 0). both: whether
+    there is one at x = 6, too, along the same axes of the other; the turn is then about z.
     """
     reach = float(np.linalg.norm(size)) + 2
     below, above = filled(lattice, np.eye(3), reach), filled(lattice, turn, reach)
     if burgers is not None:
         centre = np.array([-6.131 if axis == 0 else 0.131, 0.077])
         below = displaced(below, centre, burgers)
+        if both:
+            above = displaced(above, centre * [-1, 1], turn @ np.array(burgers))
     places = np.concatenate([below[below[:, axis] < 0], above[above[:, axis] >= 0]])
     number = np.repeat([0, 1], [(below[:, axis] < 0).sum(), (above[:, axis] >= 0).sum()])
     inside = (np.abs(places) < np.array(size) - 1e-6).all(axis=1)

@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from geomtorsion.crystals import Crystal, blocked_crystal
+from geomtorsion.crystals.blocked import forget_blocks
 from geomtorsion.errors import CheckpointError, CrystalError, FileFormatError, GridError
-from tests.crystals.polycrystals import bicrystal, turned
+from tests.crystals.polycrystals import bicrystal, polycrystal, turned
 from tests.crystals.synthetic import block, quadrupole, with_line
 
 ROOT = Path(__file__).parents[2]
@@ -335,24 +336,87 @@ def test_damaged_npz_files_are_told(tmp_path):
             blocked_crystal(tmp_path / f"{name}.npz", tmp_path / name, CELL, 4)
 
 
-@pytest.mark.parametrize("degrees", [20, 37])
-@pytest.mark.parametrize("lattice", ["fcc", "bcc", "hcp"])
-def test_two_grains_are_refused(tmp_path, lattice, degrees):
-    """In one frame the bonds of the other grain are no lattice vectors: no lines are better than
-    false ones, and it is told what reads both."""
-    places, _, cell = bicrystal(lattice, turned(degrees, [0, 0, 1]))
-    with pytest.raises(CrystalError, match=r"single crystal was needed.*% fit.*Cut out one grain"):
-        blocked_crystal(places + cell / 2, tmp_path, cell, 30, (False,) * 3)
+def check_grains(folder, places, cell, sizes, axes=(True,) * 3, partials=False):
+    """Grains, walls and lines of a polycrystal are those of the crystal in memory."""
+    whole = Crystal(places, cell, axes)
+    lines = whole.dislocations(partials)
+    for size in sizes:
+        cut = blocked_crystal(places, folder / str(size), cell, size, axes)
+        assert len(cut.atoms.blocks) > 1
+        assert not cut.is_single
+        assert np.array_equal(cut.grains.number, whole.grains.number)
+        assert list(map(repr, cut.grains.walls)) == list(map(repr, whole.grains.walls))
+        assert (cut.lattice, cut.constant, cut.share) == (
+            whole.lattice, whole.constant, whole.share
+        )  # fmt: skip
+        found = cut.dislocations(partials)
+        assert bits(found) == bits(lines)
+        assert [line.grain for line in found.lines] == [line.grain for line in lines.lines]
+        assert found.node_rule() == lines.node_rule()
+    return lines
 
 
-def test_a_small_grain_is_refused(tmp_path):
-    """A turned cylinder in a periodic crystal is; noise that turns single atoms is not."""
+SIGMA5 = turned(np.degrees(np.arctan2(3, 4)), (0, 0, 1))
+
+
+@pytest.mark.parametrize("lattice", ["fcc", "bcc"])
+def test_grains_in_blocks_are_those_in_memory(tmp_path, lattice):
+    """A line in each half of a bicrystal, in blocks that cut the wall and that do not."""
+    burgers = (0.5, 0.5, 0) if lattice == "fcc" else (1, 0, 0)
+    places, _, size = bicrystal(lattice, SIGMA5, burgers, size=(10, 7, 3), both=True)
+    lines = check_grains(tmp_path, places, [60, 60, size[2]], (7, 11), OPEN)
+    assert sorted(line.grain or 0 for line in lines.lines) == [0, 1]
+    assert {line.kind for line in lines.lines} == {"periodic"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("lattice", "degrees"), [("hcp", 37), ("fcc", 20), ("bcc", 20), ("diamond", 37)]
+)
+def test_any_lattice_has_grains_in_blocks(tmp_path, lattice, degrees):
+    """Also where bonds of the other grain can still be read in the frame of the first."""
+    turn = turned(degrees, (0, 0, 1))
+    places, _, _ = bicrystal(lattice, turn, size=(7, 5, 4))
+    check_grains(tmp_path, places, None, (6,), (False,) * 3)
+
+
+def test_many_grains_in_blocks(tmp_path):
+    """Periodic, with a line in one grain from wall to wall; of two lattices."""
+    turns = [turned(0, (0, 0, 1)), turned(30, (1, 2, 3)), turned(40, (-1, 1, 3))]
+    seeds = np.array([[2, 2, 2], [8, 7, 3], [3, 8, 8.0]])
+    places, _ = polycrystal(["fcc", "fcc", "bcc"], turns, seeds, 11, [1, 1, 0.8], (0.5, 0.5, 0))
+    check_grains(tmp_path, places, [11.0] * 3, (6,))
+
+
+def test_lines_end_at_walls_in_blocks(tmp_path):
+    """From a free surface to the wall, which blocks cut."""
+    places, _, _ = bicrystal("bcc", turned(30, (1, 2, 3)), (0, 0, 1), axis=2, size=(6, 6, 7))
+    (line,) = check_grains(tmp_path, places, None, (5,), (False,) * 3).lines
+    assert line.kind == "wall"
+
+
+def test_noise_makes_no_grains_and_small_grains_are_found(tmp_path):
+    """A turned cylinder in a periodic crystal is a grain; noise that turns single atoms is none."""
     places, cell = block("fcc", (16, 8, 8))
     noisy = places + 0.12 / 2**0.5 * np.random.default_rng(0).normal(size=places.shape)
-    assert blocked_crystal(noisy, tmp_path / "noise", cell, 30).dislocations().lines == ()
+    cut = blocked_crystal(noisy, tmp_path / "noise", cell, 30)
+    assert cut.is_single
+    assert cut.dislocations().lines == ()
     inside = np.hypot(*(places - cell / 2)[:, :2].T) < 2.9
     middle = (places - cell / 2) @ turned(37, [0, 0, 1]).T + cell / 2
     both = np.concatenate([places[~inside], middle[inside]])
     assert inside.mean() < 0.25
-    with pytest.raises(CrystalError, match="some atoms lie in another lattice or orientation"):
-        blocked_crystal(both, tmp_path / "grain", cell, 30)
+    check_grains(tmp_path, both, cell, (8,))
+
+
+def test_damaged_grains_are_done_again(tmp_path):
+    """A block of a grain that is gone is computed again, and the folder can be removed."""
+    places, _, _ = bicrystal("bcc", SIGMA5, size=(6, 5, 4))
+    found = blocked_crystal(places, tmp_path / "a", None, 7)
+    expected = bits(found.dislocations())
+    next((tmp_path / "a").glob("grain-1/block-*-open.npy")).unlink()
+    with pytest.raises(CheckpointError, match="blocks are missing"):
+        found.dislocations()
+    assert bits(blocked_crystal(places, tmp_path / "a", None, 7).dislocations()) == expected
+    forget_blocks(tmp_path / "a")
+    assert not (tmp_path / "a").exists()
