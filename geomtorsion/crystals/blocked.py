@@ -283,7 +283,7 @@ def blocked_crystal(
     is that of a block with a layer of some twelve neighbour distances about it, some 1 kB for each
     of its atoms, under noise of 10 % some 5 kB; and of the longest line with the atoms about it,
     since a core that goes through many blocks is relaxed at once. Of a polycrystal grains are told
-    apart in all atoms at once, GRAINS kB each, and read in blocks, each in its own frame.
+    apart in all atoms at once, some 2 kB each, and read in blocks, each in its own frame.
 
     Parameters
     ----------
