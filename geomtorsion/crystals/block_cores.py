@@ -29,7 +29,8 @@ from geomtorsion.crystals.triangulation import Cell, distinct, triangulated
 
 # Columns of tables: of an edge two atoms, the image of the second and the label; of an atom its
 # number and place.
-EDGE, PLACE = 8, 4
+EDGE = len(("first", "second", *("image",) * 3, *("label",) * 3))
+PLACE = len(("number", "x", "y", "z"))
 
 
 @dataclass(frozen=True, eq=False)
