@@ -69,8 +69,15 @@ def has_processes(platform: str = sys.platform) -> bool:
     return platform not in ("emscripten", "wasi")
 
 
-def workers(function: str, *, platform: str = sys.platform) -> Workers:
+def workers(
+    function: str,
+    size: int = 1,
+    patience: float = 60.0,
+    *,
+    errors_shown: bool = False,
+    platform: str = sys.platform,
+) -> Workers:
     """Workers for a function, given as "package.module:name", as this platform has them."""
     if not has_processes(platform):
         return InPlace(function)
-    return WorkerPool(function)
+    return WorkerPool(function, size, patience, errors_shown=errors_shown)
