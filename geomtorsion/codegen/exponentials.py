@@ -1,9 +1,10 @@
-"""Exponentials: sums in which cosh and sinh of one argument merge into fewer powers of exp."""
+"""Exponentials: sums of cosh and sinh that merge into powers of exp, and which of exp(x) grow."""
 
 from __future__ import annotations
 
 from math import comb
 
+import sympy
 from flint import fmpq
 
 from geomtorsion.exact.form import Monomial, Sum
@@ -68,3 +69,22 @@ def _powers(even: int, odd: int) -> dict[int, fmpq]:
             number = fmpq((-1) ** j * comb(even, i) * comb(odd, j), 2 ** (even + odd))
             found[power] = found.get(power, fmpq(0)) + number
     return found
+
+
+def never_negative(tree: sympy.Expr) -> bool:
+    """Whether an expression is zero or more wherever it has a value: sums of even powers.
+
+    sympy itself says nothing of y**2/x**2, which has no value at x = 0.
+
+    Examples
+    --------
+    >>> import sympy
+    >>> x, y = sympy.symbols("x y", real=True)
+    >>> never_negative(x**2 / (2 * y**2) + 1), never_negative(x**2 - y**2)
+    (True, False)
+    """
+    if tree.is_Add or tree.is_Mul:
+        return all(never_negative(part) for part in tree.args)
+    if tree.is_Pow and tree.exp.is_even and tree.base.is_real:
+        return True
+    return bool(tree.is_nonnegative)

@@ -11,7 +11,7 @@ import sympy as sp
 from flint import fmpq
 
 from geomtorsion.checks import cut, expression
-from geomtorsion.codegen.exponentials import merged
+from geomtorsion.codegen.exponentials import merged, never_negative
 from geomtorsion.codegen.printers import FUNCTIONS
 from geomtorsion.codegen.steps import Builder, Signed
 from geomtorsion.codegen.sums import ONE, Sums, Term, content, shared, without
@@ -69,6 +69,8 @@ class Reader:
         self._known: dict[object, Term] = {}
         # Literal of a root -> degree and what stands below it.
         self._roots: dict[int, tuple[int, Term]] = {}
+        # Literals of exp(-x) where x is never negative: exp(x) overflows above and below a line.
+        self._falling: dict[int, None] = {}
         for position, name in enumerate(arguments):
             self.arguments[name] = self._made(
                 Meaning("argument", position), constant=name in constants
@@ -158,6 +160,10 @@ class Reader:
                         number *= value
                         constants += some
                         rest += others
+        for literal in self._falling:
+            while literal in rest and -literal in rest:
+                rest.remove(literal)
+                rest.remove(-literal)
         return (number, tuple(sorted(constants)), tuple(sorted(rest)))
 
     # Elements.
@@ -203,7 +209,7 @@ class Reader:
                 )
                 for c, *xs in recipe.terms
             ]
-            found = self.sums.literal(terms)
+            found = self._sum(terms)
             self._known[recipe] = self._power(found, -1) if recipe.below else found
         return self._known[element._recipe]
 
@@ -225,7 +231,16 @@ class Reader:
                 exp = self._call("exp", self._element(cosh.argument[0]))
                 parts.append(self._power(exp, exponent))
             terms.append(self._times([(_fraction(value), (), ()), *parts]))
-        return self.sums.literal(terms)
+        return self._sum(terms)
+
+    def _sum(self, terms: list[Term]) -> Term:
+        """A sum as one term, with what grows like exp(y**2) in front of it."""
+        front: Term = (ONE, (), ())
+        for literal in self._falling:
+            growth = max([rest.count(-literal) for _, _, rest in terms], default=0)
+            front = self._times([front, (ONE, (), (-literal,) * growth)])
+            terms = [self._times([(ONE, (), (literal,) * growth), term]) for term in terms]
+        return self._times([front, self.sums.literal(terms)])
 
     def _generator(self, generator: Generator, is_complex: bool) -> Term:
         shown = str(generator.shown)
@@ -236,6 +251,10 @@ class Reader:
             self.is_complex = True
         if kind in _OF_ANGLES:
             return self._call(_OF_ANGLES[kind], self._element(argument[0]))
+        if kind == "exp" and generator.depends and never_negative(generator.shown.args[0]):
+            found = self._call("exp", self._element(-argument))
+            self._falling.update(dict.fromkeys(found[2]))
+            return self._power(found, -1)
         if kind in ("exp", "log"):
             return self._call(kind, self._element(argument))
         if kind == "root" and tail is not None:

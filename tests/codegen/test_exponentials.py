@@ -53,3 +53,23 @@ def test_small_arguments_keep_their_digits():
     assert values[0] == pytest.approx(small, rel=1e-14)
     assert values[1] == pytest.approx(small, rel=1e-14)
     assert values[2] == pytest.approx(small, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "expression",
+    [
+        1 / (1 + sp.exp(-(Y**2))),
+        (3 + sp.exp(-(Y**2))) ** 2 / (2 + 5 * sp.exp(-2 * Y**2)) + X,
+        (X + sp.exp(-(Y**2) / (2 * X**2))) / (1 + sp.exp(-(Y**2) / (2 * X**2)) * X),
+        sp.exp(Y**2) / (sp.exp(Y**2) + sp.exp(X**2)),
+    ],
+    ids=["one", "powers", "width", "two"],
+)
+def test_ratios_of_what_overflows(expression):
+    """exp(y**2) is infinite at y = 40, and its ratios are not; near zero nothing changes."""
+    found = graph(["x", "y"], [Field([X, Y]).read(expression)])
+    for x, y in ((1.5, 40.0), (1.5, 0.3), (1.0, 1000.0)):
+        with mpmath.workdps(40):
+            exact = sp.lambdify([X, Y], expression, "mpmath")(mpmath.mpf(x), mpmath.mpf(y))
+        assert found.python()(x, y)[0] == pytest.approx(float(exact), rel=1e-13)
+        assert found.numpy()(x, y)[0] == pytest.approx(float(exact), rel=1e-13)
