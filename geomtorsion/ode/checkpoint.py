@@ -18,20 +18,22 @@ from geomtorsion.errors import CheckpointError
 from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz
 from geomtorsion.ode.engines.protocol import Engine, Run
 from geomtorsion.ode.engines.taylor import Taylor, is_available
+from geomtorsion.ode.numbers import PARTS
 from geomtorsion.ode.trajectory import Runner, Stage, run_stage
 
 if TYPE_CHECKING:
     from geomtorsion.ode.solution import Problem
 
-FORMAT = 2
+FORMAT = 3
 # Writing may take this part of the time; how often it is done changes no result.
 SHARE = 0.1
-_FIELDS = ("steps", "evaluations", "outcome", "reason", "compile_seconds", "run_seconds")
+_FIELDS = ("steps", "evaluations", "outcome", "reason", "compile_seconds", "run_seconds",
+           "longest_step")  # fmt: skip
 # No run has more steps than a day of a core could take.
 _COUNT = range(10**12)
 _PART = {
     "steps": _COUNT, "evaluations": _COUNT, "outcome": frozenset({"done", "edge", "stuck"}),
-    "reason": str, "compile_seconds": float, "run_seconds": float,
+    "reason": str, "compile_seconds": float, "run_seconds": float, "longest_step": float,
 }  # fmt: skip
 _METADATA = {"format": int, "key": str, "parts": {str: _PART}}
 # Two axes, times and states; the place where a part ended is one number.
@@ -150,11 +152,14 @@ class Checkpoint:
         self._written = time.perf_counter()
         self._took = self._written - began
 
-    def runner(self, engine: Engine, tolerance: float, perturbation: float) -> Runner:
-        """What makes the parts of one run, or takes them from the file."""
+    def runner(self, engine: Engine, tolerance: float, perturbation: float, cuts: int) -> Runner:
+        """What makes the parts of one run, cut at so many times, or takes them from the file."""
 
         def run(k: int, stage: Stage, times: np.ndarray) -> Run:
             name = part_name(engine, tolerance, perturbation, k)
+            if cuts >= PARTS:
+                # The same part of another run, which is cut at more times.
+                name += f"/{cuts}"
             found = self.known(name, engine, stage, times)
             if found is None:
                 found = run_stage(stage, times, tolerance, engine)

@@ -76,6 +76,7 @@ def scaled_run(
     found.states = multiplied(found.states, units.sizes)
     found.last = multiplied(np.asarray(found.last)[None, :], units.sizes)[0]
     found.reached = found.reached * type(found.reached)(units.time)
+    found.longest_step *= unit
     if found.dense is not None:
         found.dense = _unscaled(found.dense, units)
     return found

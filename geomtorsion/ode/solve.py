@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeAlias
 
@@ -17,7 +18,7 @@ from geomtorsion.ode.cost import Cost
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.ode.engines.protocol import STEPS_AT_ONCE, Run, WorkLimitError
 from geomtorsion.ode.engines.taylor import is_available
-from geomtorsion.ode.error_estimate import Verified, verified
+from geomtorsion.ode.error_estimate import SAFETY, Verified, verified
 from geomtorsion.ode.numbers import (
     PARTS,
     check_memory,
@@ -25,6 +26,7 @@ from geomtorsion.ode.numbers import (
     checked_engine,
     checked_times,
 )
+from geomtorsion.ode.passed_over import confirmed, cuts_of, passed_over
 from geomtorsion.ode.scaling import units_of
 from geomtorsion.ode.solution import DOUBLE, Problem, Solution
 from geomtorsion.ode.system import System
@@ -127,38 +129,10 @@ def _solved(
     runs: list[Trajectory] = []
     best = math.inf
     end = float(grid[-1])
-    cuts = [] if kept is None else [end * k / PARTS for k in range(1, PARTS)]
+    parts = () if kept is None else tuple(end * k / PARTS for k in range(1, PARTS))
     for candidate, reason in engines(problem, end, accuracy, engine):
         check_memory(len(grid), len(problem.first_stage(candidate.precision, 0.0).start))
-
-        def beside(
-            tolerances: Sequence[float], part: float, candidate: Engine = candidate
-        ) -> list[Trajectory]:
-            if kept is not None:
-                return []
-            stages = [problem.first_stage(candidate.precision, x) for x in (0.0, part, -part)]
-            return side_by_side(stages, grid, tolerances, candidate)
-
-        def run(
-            tolerance: float, part: float, at: float | None, candidate: Engine = candidate
-        ) -> Trajectory:
-            stage = problem.first_stage(candidate.precision, part)
-            try:
-                return integrate(
-                    stage,
-                    grid,
-                    tolerance,
-                    candidate,
-                    cuts=cuts,
-                    perturbed_at=None if at is None else (at, part),
-                    runner=kept and kept.runner(candidate, tolerance, part),
-                    watch=report and report.next_run(),
-                )
-            except WorkLimitError as limit:
-                raise limit.counted(1 / problem.time_unit, problem.time_name) from None
-
-        found = verified(problem, candidate, accuracy, run, beside)
-        runs += found.runs
+        found = _unbroken(_Runs(problem, candidate, accuracy, grid, parts, kept, report), runs)
         best = min(best, found.error)
         if found.error <= accuracy or found.answer.outcome == "stuck":
             solution = _solution(problem, times, grid, accuracy, reason, found, runs)
@@ -174,6 +148,67 @@ def _solved(
         f"accuracy {accuracy:.3g} was asked for; {', then '.join(names) or 'no engine at hand'} "
         f"{got}. " + _remedy(engine)
     )
+
+
+@dataclass(frozen=True)
+class _Runs:
+    """What runs of one engine have in common.
+
+    grid: the times of the samples; cuts: times at which runs are ended and go on.
+    """
+
+    problem: Problem
+    engine: Engine
+    accuracy: float
+    grid: np.ndarray
+    cuts: tuple[float, ...]
+    kept: Checkpoint | None
+    report: Report | None
+
+    def verified(self, runs: list[Trajectory]) -> Verified:
+        """The answer with its error; all runs are added to those given."""
+        found = verified(self.problem, self.engine, self.accuracy, self._run, self._beside)
+        runs += found.runs
+        return found
+
+    def _beside(self, tolerances: Sequence[float], part: float) -> list[Trajectory]:
+        if self.cuts:
+            return []
+        parts = (0.0, part, -part)
+        stages = [self.problem.first_stage(self.engine.precision, x) for x in parts]
+        return side_by_side(stages, self.grid, tolerances, self.engine)
+
+    def _run(self, tolerance: float, part: float, at: float | None) -> Trajectory:
+        try:
+            return integrate(
+                self.problem.first_stage(self.engine.precision, part),
+                self.grid,
+                tolerance,
+                self.engine,
+                cuts=self.cuts,
+                perturbed_at=None if at is None else (at, part),
+                runner=self.kept and self.kept.runner(self.engine, tolerance, part, len(self.cuts)),
+                watch=self.report and self.report.next_run(),
+            )
+        except WorkLimitError as limit:
+            raise limit.counted(1 / self.problem.time_unit, self.problem.time_name) from None
+
+
+def _unbroken(asked: _Runs, runs: list[Trajectory]) -> Verified:
+    """The answer with its error, cut where steps passed over something."""
+    end = float(asked.grid[-1])
+    while True:
+        found = asked.verified(runs)
+        places, left = passed_over(found.answer, asked.accuracy)
+        if places and asked.kept is None:
+            # The same steps, with samples beside those that are in doubt.
+            times = np.unique([*asked.grid, *(t for place in places for t in place.beside)])
+            finer = replace(asked, grid=times if end > 0 else times[::-1])
+            places = confirmed(finer.verified(runs).answer, places)
+        new = cuts_of(places) - {0.0, end, *asked.cuts}
+        if not new:
+            return found._replace(error=max(found.error, SAFETY * left))
+        asked = replace(asked, cuts=tuple(sorted({*asked.cuts, *new}, key=abs)))
 
 
 def _solution(
@@ -342,8 +377,8 @@ def run_jointly(
             integrator.reset_cooldowns()
         grid = times.repeat(WIDTH).reshape(-1, WIDTH)
         # Of one order, runs that take a single step each would agree whatever it leaves out.
-        longest = [duration if k == 0 else 0.5 * duration for k in order]
-        rows = integrator.propagate_grid(grid, max_steps=STEPS_AT_ONCE, max_delta_t=longest)[1]
+        limits = [duration if k == 0 else 0.5 * duration for k in order]
+        rows = integrator.propagate_grid(grid, max_steps=STEPS_AT_ONCE, max_delta_t=limits)[1]
         results = integrator.propagate_res
         spent = time.perf_counter() - began
     if [x[0] for x in results] != [type(results[0][0]).time_limit] * WIDTH:
@@ -355,11 +390,15 @@ def run_jointly(
         return []
     runs = []
     for k in range(len(starts)):
-        steps = int(results[k][3])
+        least, longest, steps = (float(abs(x)) for x in results[k][1:4])
+        # heyoka does not tell the last step, which ends with the times; others are between these.
+        typical = math.sqrt(least * longest) if longest else 0.0
+        longest, steps = max(longest, duration - (steps - 1) * typical), int(steps)
         runs.append(
             Run(
                 times, states[k], times[-1], states[k, -1], "done", steps,
                 steps * (integrator.order + 1), 0.0 if k else compiling, 0.0 if k else spent,
+                None, "", longest,
             )
         )  # fmt: skip
     return runs

@@ -59,14 +59,16 @@ def partial_result(scene: Scene, path: str | Path, engine: Engine | None = None)
     found: dict[tuple[str, float, float], int] = {}
     for part in saved.parts:
         try:
-            name, tolerance, perturbation, _ = part.rsplit(" ", 3)
+            name, tolerance, perturbation, number = part.rsplit(" ", 3)
             key = name, float(tolerance), float(perturbation)
             _ = _engine(name)
         except ValueError:
             raise CheckpointError(
                 f"{path}: {shown(part)} is no part of a run. Remove the file, or name another."
             ) from None
-        found[key] = found.get(key, 0) + 1
+        # Parts of runs that were cut at more times go by other numbers.
+        if "/" not in number:
+            found[key] = found.get(key, 0) + 1
     if not found:
         raise CheckpointError(f"{path}: nothing was computed yet. Run the scene again.")
     # Runs from a perturbed start only show how rounding grows.

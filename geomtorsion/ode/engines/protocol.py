@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol, TypeAlias
@@ -36,6 +37,7 @@ class Run:
     compile_seconds, run_seconds: what it cost.
     dense: states at any times; None if not asked for.
     reason: why it is stuck.
+    longest_step: in time; infinite where that is not known.
     """
 
     times: np.ndarray
@@ -49,6 +51,7 @@ class Run:
     run_seconds: float
     dense: Dense | None = None
     reason: str = ""
+    longest_step: float = math.inf
 
 
 class WorkLimitError(LimitError):

@@ -196,11 +196,12 @@ def stepwise_run(
     samples[0] = y0
     order = (times * walk.sign).tolist()
     pieces: Pieces = []
-    done, outcome = 1, "done"
+    done, outcome, longest_step = 1, "done", 0.0
     reached, where = last, None
     inside = guard is None or guard(walk.state) > 0
     count_before = evaluations_before = 0
     while walk.time != last:
+        before = walk.time
         piece = walk.advance()
         if piece is None and method == "LSODA" and not count_before:
             count_before, evaluations_before = walk.count, walk.evaluations
@@ -210,6 +211,7 @@ def stepwise_run(
             outcome, reached, where = "stuck", walk.time, np.array(walk.state)
             break
         end = walk.time
+        longest_step = max(longest_step, abs(end - before))
         if watch is not None:
             watch(end)
         if dense:
@@ -246,6 +248,7 @@ def stepwise_run(
         ended - ready,
         _joined(pieces) if pieces else None,
         walk.stuck,
+        longest_step,
     )
 
 

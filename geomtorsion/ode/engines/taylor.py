@@ -193,7 +193,7 @@ class Taylor:
             propagated = self._propagated(integrator, grid, optimised, watch, room)
             if propagated is None:
                 return None
-            states, outcome, steps, reason = propagated
+            states, outcome, steps, longest, reason = propagated
             if outcome == "stuck":
                 place = _last_regular(integrator, grid[0], start, grid[-1], steps)
                 if room is not None:
@@ -222,6 +222,7 @@ class Taylor:
                 time.perf_counter() - began,
                 None if record is None else record.dense(),
                 reason,
+                longest,
             )
 
     def _propagated(
@@ -231,41 +232,49 @@ class Taylor:
         optimised: bool,
         watch: Watch | None,
         room: Callable[[], float] | None,
-    ) -> tuple[np.ndarray, str, int, str] | None:
-        """States on the grid, outcome, steps and reason; ends a run that gets nowhere.
+    ) -> tuple[np.ndarray, str, int, float, str] | None:
+        """States on the grid, outcome, steps, the longest of them, and reason.
 
-        None where a run is long and the code is not optimised.
+        A run that gets nowhere is ended. None where a run is long and the code is not optimised.
         room: the guard, where it may have no series within a step, so that its fall is not seen.
         """
         if grid[0] == grid[-1]:
-            return integrator.state.copy()[None, :], "done", 0, ""
+            return integrator.state.copy()[None, :], "done", 0, 0.0, ""
         at_once = STEPS_AT_ONCE if self.precision <= 64 else STEPS_AT_ONCE // 4
         rows: list[np.ndarray] = []
-        done, steps, before = 0, 0, grid[0]
+        done, steps, longest, before = 0, 0, 0.0, grid[0]
         rest = grid
         while True:
             out = integrator.propagate_grid(rest, max_steps=at_once)
             code = str(getattr(out[0], "name", "event"))
             steps += out[3]
+            # The last step, cut where the grid ends, is not among those whose largest is told.
+            longest = max(longest, abs(float(out[2])), abs(float(integrator.last_h)))
             new = out[5][1:] if done else out[5]
             rows.append(new)
             done += len(new)
             if code == "time_limit":
-                return (rows[0] if len(rows) == 1 else np.concatenate(rows)), "done", steps, ""
+                return (
+                    (rows[0] if len(rows) == 1 else np.concatenate(rows)),
+                    "done",
+                    steps,
+                    longest,
+                    "",
+                )
             if code != "step_limit":
                 states = np.concatenate(rows)
                 if code == "err_nf_state":
                     good = np.isfinite(states.astype(float)).all(axis=1)
                     keep = len(states) if good.all() else int(np.argmin(good))
-                    return states[:keep], "stuck", steps, NO_VALUE
-                return states, "edge", steps, ""
+                    return states[:keep], "stuck", steps, longest, NO_VALUE
+                return states, "edge", steps, longest, ""
             if not optimised:
                 return None
             if room is not None and room() < 0:
-                return np.concatenate(rows), "beyond", steps, ""
+                return np.concatenate(rows), "beyond", steps, longest, ""
             moved = abs(float(integrator.time - before))
             if moved < STANDSTILL * abs(float(grid[-1] - grid[0])):
-                return np.concatenate(rows), "stuck", steps, "the steps became too small"
+                return np.concatenate(rows), "stuck", steps, longest, "the steps became too small"
             if steps > self.max_steps:
                 advice = "Ask for less accuracy or time, use engine=Stiff(), or raise max_steps."
                 reached = float(integrator.time)

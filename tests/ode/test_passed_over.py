@@ -1,0 +1,67 @@
+"""Passed over: walls and bumps that no step sees coming."""
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+
+from geomtorsion.curves import autoparallel
+from geomtorsion.geometry import Frame, cartan
+from geomtorsion.ode import ODE, solve
+from tests.ode.engines import every_engine
+
+X, Y = sp.symbols("x y", real=True)
+WALL, BUMP = 2 + sp.tanh(Y), 1 + sp.exp(-(Y**2))
+
+
+def across(entry, begin, lasts, accuracy, engine):
+    """The motion x' = 1/entry, y' = 1 from y = begin, and x at its end by quadrature."""
+    frame = Frame([X, Y], [[entry, 0], [0, 1]])
+    motion = autoparallel(cartan(frame), [0, begin], frame_velocity=[1, 1])
+    places = np.unique([*np.linspace(begin, begin + lasts, 301), *np.linspace(-3, 3, 13)])
+    places = places[(places >= begin) & (places <= begin + lasts)]
+    exact = mpmath.quad(sp.lambdify(Y, 1 / entry, "mpmath"), places.tolist())
+    return solve(motion, lasts, accuracy, engine), float(exact)
+
+
+@every_engine
+@pytest.mark.parametrize(
+    ("entry", "begin", "lasts"),
+    [
+        (WALL, -15, 30),
+        (WALL, -40, 80),
+        (WALL, -100, 130),
+        (BUMP, -15, 30),
+        (BUMP + sp.exp(-((Y - 100) ** 2)), -3, 150),
+        (1 + 1 / (1 + Y**2) ** 4, -1000, 2000),
+    ],
+    ids=["near", "wall", "far", "bump", "two bumps", "power"],
+)
+def test_what_lies_ahead_is_met(entry, begin, lasts, engine):
+    """Series and rates at the start know nothing of it; steps of any tolerance reach beyond it."""
+    solution, exact = across(entry, begin, lasts, 1e-9, engine)
+    away = abs(float(solution.coordinates[-1, 0]) - exact) / exact
+    assert away < 1e-9
+    assert away < 2 * solution.error
+
+
+@every_engine
+def test_a_steep_step_far_ahead(engine):
+    """x' = tanh(20 (y - 50)), y' = 1: x = log(cosh(20 (t - 50)) / cosh(1000)) / 20."""
+    ode = ODE.of({"x": "tanh(20*(y - 50))", "y": 1}, {"x": 60, "y": 0})
+    solution = solve(ode, 110.0, 1e-9, engine)
+    exact = 60 - 50 + np.abs(solution.times - 50)
+    exact += (np.log1p(np.exp(-40 * np.abs(solution.times - 50))) - np.log1p(np.exp(-2000.0))) / 20
+    away = np.abs(solution["x"] - exact).max() / 110
+    assert away < 1e-9
+    assert away < 2 * solution.error
+
+
+@every_engine
+@pytest.mark.parametrize("samples", [13, 14, 65])
+def test_samples_at_whole_turns_are_no_jump(samples, engine):
+    """Samples a period apart, where the rates are alike, and steps within one."""
+    times = np.linspace(0, 2 * np.pi * (samples - 1), samples)
+    solution = solve(ODE.of({"x": "v", "v": "-x"}, [1, 0]), times, 1e-9, engine)
+    assert np.abs(solution["x"] - 1).max() < 1e-8
+    assert solution.cost.steps > samples
