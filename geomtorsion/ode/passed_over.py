@@ -134,8 +134,11 @@ def _pieces(one: Trajectory) -> Iterator[list[Segment]]:
         if piece and not _goes_on(piece[-1], segment):
             yield piece
             piece = []
-        piece.append(segment)
-    yield piece
+        # A run that did not begin has no samples at all.
+        if len(segment.run.times):
+            piece.append(segment)
+    if piece:
+        yield piece
 
 
 def _goes_on(one: Segment, two: Segment) -> bool:

@@ -24,6 +24,7 @@ class Crawling:
         self.length = length
         self.time = 0.0
         self.state = np.ones(1)
+        self.last_h = length
 
     def propagate_grid(self, grid, max_steps):
         """So many steps, none of which comes to a time that is asked for."""
