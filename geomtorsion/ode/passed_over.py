@@ -7,6 +7,7 @@ alike. The rates at the samples do know.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
@@ -17,14 +18,13 @@ from geomtorsion.ode.trajectory import Segment, Trajectory
 
 # Between samples that resolve a motion, the mean rate is that at both but for a twelfth of the
 # second difference of rates. A step that saw nothing of a change takes the rate at its beginning,
-# half of the change away.
-UNLIKE = 0.25
-# Steps that see what lies ahead are about alike; one that does not is as long as so many of them.
-ALONE = 3
+# half of the change away. This lies between.
+UNLIKE = math.sqrt(1 / 2 * 1 / 12)
 # Less than this part of a state is rounding of the states themselves, read as doubles.
-ROUNDING = 2.0**-50
-# So close to a sample, in parts of an interval, a change is the rate at it; closer, it is rounding.
-BESIDE = 2.0**-10
+ROUNDING = 4 * np.finfo(float).eps
+# So close to a sample, in parts of an interval, a change is the rate at it: halfway, in digits,
+# from an interval to its rounding.
+BESIDE = np.finfo(float).eps ** 0.25
 
 
 class Interval(NamedTuple):
@@ -55,7 +55,8 @@ def passed_over(one: Trajectory, accuracy: float) -> tuple[list[Interval], float
         longest = max([x.run.longest_step for x in segments])
         steps = sum([x.run.steps for x in segments])
         lasts = abs(float(segments[-1].run.reached) - float(segments[0].stage.begin))
-        if steps > ALONE and longest * steps < ALONE * lasts:
+        # Steps that see what lies ahead are about alike: none is twice as long as their mean.
+        if steps > 2 and longest * steps < 2 * lasts:
             continue
         new, more = _of_piece(segments, accuracy)
         found += new
@@ -162,10 +163,6 @@ def _joined(segments: list[Segment]) -> tuple[np.ndarray, np.ndarray, np.ndarray
         times.append(run.times[:count])
         states.append(run.states[:count])
         longest.append(np.full(count, run.longest_step))
-        if segment is segments[-1] and run.reached != run.times[-1]:
-            times.append(np.array([run.reached]))
-            states.append(np.asarray(run.last)[None])
-            longest.append(longest[-1][:1])
     rows = np.concatenate(states)
     size, numbers = rows.shape[1], segments[0].stage.parameters
     columns = np.empty((size + len(numbers), len(rows)))
