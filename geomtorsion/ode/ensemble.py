@@ -184,7 +184,8 @@ def solve_many(
     progress
         show a bar; None: on a terminal, for long work.
 
-    Ctrl-C returns what is finished.
+    Ctrl-C returns what is finished. Unlike `solve` this does not look for walls far ahead that
+    steps pass over: where there may be some, solve a few members one by one.
 
     Raises
     ------

@@ -52,16 +52,24 @@ def passed_over(one: Trajectory, accuracy: float) -> tuple[list[Interval], float
     found: list[Interval] = []
     left = 0.0
     for segments in _pieces(one):
-        longest = max([x.run.longest_step for x in segments])
-        steps = sum([x.run.steps for x in segments])
-        lasts = abs(float(segments[-1].run.reached) - float(segments[0].stage.begin))
-        # Steps that see what lies ahead are about alike: none is twice as long as their mean.
-        if steps > 2 and longest * steps < 2 * lasts:
-            continue
-        new, more = _of_piece(segments, accuracy)
-        found += new
-        left += more
+        if _has_long_step(segments):
+            new, more = _of_piece(segments, accuracy)
+            found += new
+            left += more
     return found, left
+
+
+def has_long_step(one: Trajectory) -> bool:
+    """Whether there is anything to look at: steps that see what lies ahead are about alike."""
+    return any(map(_has_long_step, _pieces(one)))
+
+
+def _has_long_step(segments: list[Segment]) -> bool:
+    """Whether a step is twice as long as the mean, or there are no others to compare it with."""
+    longest = max([x.run.longest_step for x in segments])
+    steps = sum([x.run.steps for x in segments])
+    lasts = abs(float(segments[-1].run.reached) - float(segments[0].stage.begin))
+    return steps <= 2 or longest * steps >= 2 * lasts
 
 
 def _of_piece(segments: list[Segment], accuracy: float) -> tuple[list[Interval], float]:

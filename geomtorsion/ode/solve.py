@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeAlias
@@ -26,7 +26,7 @@ from geomtorsion.ode.numbers import (
     checked_engine,
     checked_times,
 )
-from geomtorsion.ode.passed_over import confirmed, cuts_of, passed_over
+from geomtorsion.ode.passed_over import confirmed, cuts_of, has_long_step, passed_over
 from geomtorsion.ode.scaling import units_of
 from geomtorsion.ode.solution import DOUBLE, Problem, Solution
 from geomtorsion.ode.system import System
@@ -165,6 +165,11 @@ class _Runs:
     kept: Checkpoint | None
     report: Report | None
 
+    def at(self, times: Iterable[float]) -> _Runs:
+        """The same with other samples."""
+        grid = np.unique([*times])
+        return replace(self, grid=grid if self.grid[-1] > 0 else grid[::-1])
+
     def verified(self, runs: list[Trajectory]) -> Verified:
         """The answer with its error; all runs are added to those given."""
         found = verified(self.problem, self.engine, self.accuracy, self._run, self._beside)
@@ -197,14 +202,20 @@ class _Runs:
 def _unbroken(asked: _Runs, runs: list[Trajectory]) -> Verified:
     """The answer with its error, cut where steps passed over something."""
     end = float(asked.grid[-1])
+    # Few samples show nothing of what lies between them.
+    seen = asked.grid
+    if asked.kept is None and len(seen) <= PARTS:
+        seen = np.union1d(seen, checked_times(end)[1])
     while True:
         found = asked.verified(runs)
-        places, left = passed_over(found.answer, asked.accuracy)
+        looked = found.answer
+        if len(seen) > len(asked.grid) and has_long_step(looked):
+            looked = asked.at(seen).verified(runs).answer
+        places, left = passed_over(looked, asked.accuracy)
         if places and asked.kept is None:
             # The same steps, with samples beside those that are in doubt.
-            times = np.unique([*asked.grid, *(t for place in places for t in place.beside)])
-            finer = replace(asked, grid=times if end > 0 else times[::-1])
-            places = confirmed(finer.verified(runs).answer, places)
+            beside = [t for place in places for t in place.beside]
+            places = confirmed(asked.at([*seen, *beside]).verified(runs).answer, places)
         new = cuts_of(places) - {0.0, end, *asked.cuts}
         if not new:
             return found._replace(error=max(found.error, SAFETY * left))

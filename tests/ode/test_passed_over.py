@@ -46,6 +46,19 @@ def test_what_lies_ahead_is_met(entry, begin, lasts, engine):
 
 
 @every_engine
+@pytest.mark.parametrize("times", [[150], [0, 149, 150], [-150]], ids=["end", "three", "back"])
+def test_few_samples_see_as_much(times, engine):
+    """The end alone, forwards and backwards, to the value that all samples give."""
+    side = 1 if times[-1] > 0 else -1
+    entry = BUMP + sp.exp(-((Y - 100 * side) ** 2))
+    frame = Frame([X, Y], [[entry, 0], [0, 1]])
+    motion = autoparallel(cartan(frame), [0, -3 * side], frame_velocity=[1, 1])
+    few, many = solve(motion, times, 1e-9, engine), solve(motion, 150.0 * side, 1e-9, engine)
+    assert few.coordinates[-1] == pytest.approx(many.coordinates[-1], rel=1e-9)
+    assert abs(few.coordinates[-1, 0]) < 148
+
+
+@every_engine
 def test_a_steep_step_far_ahead(engine):
     """x' = tanh(20 (y - 50)), y' = 1: x = log(cosh(20 (t - 50)) / cosh(1000)) / 20."""
     ode = ODE.of({"x": "tanh(20*(y - 50))", "y": 1}, {"x": 60, "y": 0})
