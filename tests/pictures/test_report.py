@@ -111,8 +111,8 @@ def test_the_data_is_the_same(so3):
 
 
 def test_branches_of_roots_are_stated(tmp_path):
-    """Kerr's page says where its root is positive."""
-    text = write_report(load("kerr"), tmp_path, pictures=False).read_text("utf-8")
+    """Schwarzschild's page says where its root is read as it stands there."""
+    text = write_report(load("schwarzschild"), tmp_path, pictures=False).read_text("utf-8")
     assert "Branches of roots" in text
     assert "is read as" in text
     structure(text)
