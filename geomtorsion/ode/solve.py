@@ -58,7 +58,8 @@ def solve(
     problem
         from `autoparallel`, `geodesic`, ...; or any first-order equations, from `ODE.of`.
     t
-        last time, or increasing (or decreasing) times from 0 on; the motion starts at t = 0.
+        last time, or increasing (or decreasing) times from 0 on; the motion starts at t = 0. Steps
+        are compared with the rates there: what lies between two times altogether may be missed.
     accuracy
         largest error, relative to the size of the solution (see `Solution.error`).
     engine

@@ -8,7 +8,8 @@ import sympy as sp
 from geomtorsion.curves import autoparallel
 from geomtorsion.geometry import Frame, cartan
 from geomtorsion.ode import ODE, solve
-from tests.ode.engines import every_engine
+from geomtorsion.ode.passed_over import passed_over
+from tests.ode.engines import every_engine, needs_heyoka
 
 X, Y = sp.symbols("x y", real=True)
 WALL, BUMP = 2 + sp.tanh(Y), 1 + sp.exp(-(Y**2))
@@ -78,3 +79,22 @@ def test_samples_at_whole_turns_are_no_jump(samples, engine):
     solution = solve(ODE.of({"x": "v", "v": "-x"}, [1, 0]), times, 1e-9, engine)
     assert np.abs(solution["x"] - 1).max() < 1e-8
     assert solution.cost.steps > samples
+
+
+@needs_heyoka
+def test_what_samples_resolve_is_not_in_doubt():
+    """Even where the rate has its largest value, and where states change by their rounding."""
+    swing = solve(ODE.of({"x": "v", "v": "-x"}, [1, 0]), 1.0, 1e-9)
+    assert passed_over(swing.trajectory, 1e-9) == ([], 0)
+    line = solve(ODE.of({"x": "1/3", "v": "v/7"}, [1e6, 1]), 1.0, 1e-9)
+    assert passed_over(line.trajectory, 1e-15)[0] == []
+
+
+@needs_heyoka
+def test_steps_that_follow_are_not_cut():
+    """Kepler's ellipse of 0.9: samples near the focus are too few, its steps are not."""
+    force = "/(x**2 + y**2)**(3/2)"
+    rates = {"x": "u", "y": "v", "u": f"-x{force}", "v": f"-y{force}"}
+    orbit = solve(ODE.of(rates, [0.1, 0, 0, 19**0.5]), 20.0, 1e-9)
+    assert passed_over(orbit.trajectory, 1e-9)[0]
+    assert len(orbit.trajectory.segments) == 1

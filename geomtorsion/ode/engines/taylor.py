@@ -254,13 +254,8 @@ class Taylor:
             rows.append(new)
             done += len(new)
             if code == "time_limit":
-                return (
-                    (rows[0] if len(rows) == 1 else np.concatenate(rows)),
-                    "done",
-                    steps,
-                    longest,
-                    "",
-                )
+                states = rows[0] if len(rows) == 1 else np.concatenate(rows)
+                return states, "done", steps, longest, ""
             if code != "step_limit":
                 states = np.concatenate(rows)
                 if code == "err_nf_state":
