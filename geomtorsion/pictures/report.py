@@ -201,7 +201,8 @@ def _anchor(section: str) -> str:
     return "-".join(["about", *section.lower().replace("'", "").split()])
 
 
-# Large enough for a gap that is seen, small enough to stay within a chart.
+# Large enough for a gap that is seen, 3 % of the way round or more; small enough for a loop to stay
+# one, whose gap is less than 60 % of it.
 RADIUS = 0.25
 NO_PICTURES = (
     "<p class=\"note\">Pictures need matplotlib: <code>pip install 'geomtorsion[plots]'</code>.</p>"

@@ -2,10 +2,11 @@
 
 import json
 import sys
+from types import SimpleNamespace
 
 import pytest
 
-from geomtorsion.accuracy import accuracy_cost
+from geomtorsion.accuracy import accuracy_cost, cost
 from geomtorsion.curves import autoparallel, geodesic
 from geomtorsion.errors import AccuracyError, MissingExtraError
 from geomtorsion.geometry import cartan
@@ -47,6 +48,23 @@ def test_json():
     data = json.loads(json.dumps(table.to_json()))
     assert data["rows"][0]["engine"] == "RungeKutta"
     assert data["recommendation"]
+
+
+@pytest.mark.parametrize(("lasts", "repeats"), [(0.009, 3), (0.011, 2), (0.019, 2), (0.021, 1)])
+def test_what_is_quick_is_repeated(lasts, repeats, monkeypatch):
+    """Until twenty milliseconds are over, besides the first solution, which may compile."""
+    found, clock, count = cost.solve(TOP, 1.0, 1e-6, RungeKutta()), [0.0], [0]
+
+    def solve(*_):
+        clock[0] += lasts
+        count[0] += 1
+        return found
+
+    monkeypatch.setattr(cost, "solve", solve)
+    monkeypatch.setattr(cost, "time", SimpleNamespace(perf_counter=lambda: clock[0]))
+    [row] = accuracy_cost(TOP, 1.0, [RungeKutta()], [1e-6]).rows
+    assert count[0] == 1 + repeats
+    assert row.total_seconds == pytest.approx(lasts)
 
 
 def test_refused():

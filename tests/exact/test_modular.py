@@ -64,6 +64,13 @@ def test_ten_thousand_sums(seed):
     assert not disagreements(100 + seed, 1000)
 
 
+def test_the_chance_of_an_error_is_that_of_256_bits():
+    """Told for each degree; a zero that is one by accident is nothing to reckon with."""
+    field = Field([x, y])
+    chance = ModularPoint(field).chance(field.read(x**3 - y))
+    assert 2.0**-256 < chance / 3 < 2.0**-254
+
+
 RELATIONS = {
     "circle": "sin(x)**2 + cos(x)**2 - 1",
     "hyperbola": "cosh(2*x) - 2*cosh(x)**2 + 1",

@@ -1,7 +1,10 @@
 """The examiner: checks in a process of its own, within a time."""
 
+import pytest
+
 from geomtorsion import exercises
-from geomtorsion.exercises.examiner import Examiner
+from geomtorsion.exercises import examiner as module
+from geomtorsion.exercises.examiner import Examiner, reply
 from geomtorsion.exercises.worker_pool import Worker, WorkerPool
 
 
@@ -33,6 +36,29 @@ def test_an_answer_that_does_not_end_is_ended():
         examiner.seconds = 30
         assert examiner.check("3.2", "cot(phi2)").right
         assert first not in processes(examiner)
+
+
+class Slow:
+    """A pool whose replies come after so many seconds, which nobody waits for."""
+
+    def __init__(self, prepares, checks):
+        self.prepares, self.checks = prepares, checks
+
+    def ask(self, request, seconds):
+        """The reply, unless it comes too late."""
+        if (self.checks if "answers" in request else self.prepares) > seconds:
+            raise TimeoutError
+        return reply(request)
+
+
+@pytest.mark.parametrize(
+    ("prepares", "checks", "said"),
+    [(110, 9.5, "Right"), (130, 9.5, "could not be solved in time"), (110, 10.5, "than 10 s")],
+)
+def test_how_long_is_waited(prepares, checks, said, monkeypatch):
+    """Two minutes for what is not the student's fault, ten seconds for what is."""
+    monkeypatch.setattr(module, "workers", lambda _: Slow(prepares, checks))
+    assert said in Examiner().check("3.2", "cot(phi2)")["christoffel"].message
 
 
 def test_modules_among_the_answers_are_not_imported(tmp_path, monkeypatch):

@@ -10,7 +10,7 @@ from geomtorsion.errors import StuckError
 from geomtorsion.ode import ODE, RungeKutta, Taylor, solve
 from geomtorsion.ode.engines import stepper
 from geomtorsion.ode.engines.compiled import _limit_disk_cache
-from geomtorsion.ode.engines.protocol import WorkLimitError
+from geomtorsion.ode.engines.protocol import STEPS_AT_ONCE, WorkLimitError
 from tests.ode.engines import needs_heyoka
 
 SWING = ODE.of({"x": "v", "v": "-x"}, [1, 0])
@@ -53,6 +53,15 @@ def test_motions_from_rest_end_where_they_end(start, accuracy):
     """The tangent has its pole at a right angle, whether it begins at zero or not."""
     with pytest.raises(StuckError, match=r"at t = 1\.5708"):
         solve(ODE.of({"x": "1 + x**2"}, [start]), 3.0, accuracy, Taylor())
+
+
+@needs_heyoka
+def test_a_pole_behind_many_steps_is_found():
+    """A swing takes five times as many steps as are looked through at once before tan ends."""
+    hasty = ODE.of({"x": "50*v", "v": "-50*x", "y": "(1 + y**2)/100"}, [1, 0, 0])
+    with pytest.raises(StuckError, match=r"at t = 157\.08") as caught:
+        solve(hasty, 200.0, 1e-9, Taylor())
+    assert caught.value.solution.cost.steps > 5 * STEPS_AT_ONCE
 
 
 @pytest.mark.parametrize("least", [1e-13, 1e-15, 1e-17])

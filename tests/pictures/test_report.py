@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from geomtorsion.pictures.quantities import CATALOGUE, CONNECTION
-from geomtorsion.pictures.report import write_report
+from geomtorsion.pictures.report import widest_gap, write_report
 from geomtorsion.spaces import load, read_file
 from tests.pictures.test_formula import parsed
 
@@ -162,6 +162,13 @@ def test_the_page_shows_motions_and_a_loop(so3):
     if "Pictures need matplotlib" not in page.text:
         assert len(page.pictures) == 4
         assert all(page.pictures)
+
+
+@pytest.mark.parametrize("name", ["schwarzschild_isotropic", "so3_quaternion"])
+def test_the_gap_of_the_loop_is_seen(name):
+    """At least 3 % of the way round where it is smallest, at most 60 % where it is largest."""
+    gap = widest_gap(load(name))
+    assert 0.03 < gap.magnitude / gap.loop.length < 0.6
 
 
 @pytest.mark.parametrize("name", ["universe", "null"])

@@ -58,6 +58,18 @@ def test_curves_are_smooth_between_the_samples():
     assert finely(result, "position")[1] is None
 
 
+@pytest.mark.parametrize(("turns", "smooth"), [(44, True), (46, False)])
+def test_how_many_turns_are_smooth(turns, smooth):
+    """Up to 45 turns straight pieces leave their circle by less than a hundredth of its radius."""
+    spin = State(omega=[0, 2 * np.pi, 0], euler=(0, 0, 0))
+    result = Scene(
+        Body(1.0, moments=(1, 2, 3)), (), spin, t=turns, samples=5, watch=("axis",)
+    ).run()
+    axis = finely(result, "axis")[1]
+    middles = np.linalg.norm(axis[1:] + axis[:-1], axis=1) / 2
+    assert (1 - middles.min() < 0.01) == smooth
+
+
 def test_drifts_over_time_are_those_of_the_result():
     """The largest of each is what the result says; across switches they begin anew."""
     for name in ("lagrange_cusp", "missile", "euler_top"):

@@ -48,6 +48,27 @@ def test_turning_at_a_constant_rate(name, charts, engine):
         assert (np.linalg.norm(sol.coordinates, axis=1) < 1).all()
 
 
+@pytest.mark.parametrize(("least", "left"), [(0.24, True), (0.26, False)])
+def test_how_near_a_pole_angles_are_kept(least, left):
+    """A great circle that passes a pole of the sphere where the sine is a quarter."""
+    away = np.arccos(least)
+    problem = geodesic(
+        load("s2").frame, [np.pi / 2, 0.3], frame_velocity=[-np.sin(away), least],
+        parameters={"R": 1},
+    )  # fmt: skip
+    assert ("s2_x" in solve(problem, 3.0, 1e-6).charts) == left
+
+
+@pytest.mark.parametrize(("least", "left"), [(0.095, True), (0.105, False)])
+def test_how_near_an_axis_angles_are_kept(least, left):
+    """A straight line in the plane, in polar coordinates to a tenth from their origin."""
+    sine = least / 2
+    problem = geodesic(
+        load("flat_polar").frame, [2, 0.3], frame_velocity=[-np.sqrt(1 - sine**2), sine]
+    ).with_charts("flat_polar", "cartesian")
+    assert ("cartesian" in solve(problem, 4.0, 1e-6).charts) == left
+
+
 def test_autoparallels_go_on_too():
     """Turning about a fixed axis of the body, a law about the frame: charts keep the frame."""
     so3 = load("so3_quaternion").frame

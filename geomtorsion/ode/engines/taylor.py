@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -363,8 +362,6 @@ def _edge_ahead(
     return (low, state) if room() <= first * math.sqrt(np.finfo(float).eps) else None
 
 
-# Steps before the end of a run that failed which are tried backwards: some ten megabytes of them.
-LOOKED_AT = 100_000
 # A step that leads back to within this part of where it came from was a good one.
 CLOSE = 1e-6
 
@@ -378,27 +375,28 @@ def _last_regular(
     before it fails; but the way back over the singularity does not lead to where it came from.
     steps: how many were taken in all.
     """
-    if not steps:
-        # No step at all was taken; heyoka understands 0 steps as any number of them.
-        return begin, start
-    trail = deque([(begin, start)], maxlen=LOOKED_AT)
+    good = begin, start
+    size: float | None = None
+    # As many at once as have room in memory, whatever their number.
+    for left in range(steps, 0, -STEPS_AT_ONCE):
+        trail: list[tuple[Any, np.ndarray]] = []
 
-    def keep(at: Any) -> bool:
-        trail.append((at.time, at.state.copy()))
-        return True
+        def keep(at: Any, trail: list[tuple[Any, np.ndarray]] = trail) -> bool:
+            trail.append((at.time, at.state.copy()))
+            return True
 
-    _place(integrator, begin, start, None)
-    integrator.propagate_until(end, callback=keep, max_steps=steps)
-    good = trail.popleft()
-    # What begins at zero is as large as its first step makes it.
-    size = np.abs(trail[0][1].astype(float)).max()
-    for at, state in trail:
-        if not (np.isfinite(float(at)) and np.isfinite(state.astype(float)).all()):
-            break
-        _place(integrator, at, state, None)
-        integrator.propagate_until(good[0], max_steps=STEPS_AT_ONCE)
-        gap = np.abs((integrator.state - good[1]).astype(float)).max()
-        if not gap <= CLOSE * max(size, np.abs(good[1].astype(float)).max()):
-            break
-        good, size = (at, state), 0.0
+        _place(integrator, *good, None)
+        integrator.propagate_until(end, callback=keep, max_steps=min(left, STEPS_AT_ONCE))
+        if size is None:
+            # What begins at zero is as large as its first step makes it.
+            size = np.abs(trail[0][1].astype(float)).max()
+        for at, state in trail:
+            if not (np.isfinite(float(at)) and np.isfinite(state.astype(float)).all()):
+                return good
+            _place(integrator, at, state, None)
+            integrator.propagate_until(good[0], max_steps=STEPS_AT_ONCE)
+            gap = np.abs((integrator.state - good[1]).astype(float)).max()
+            if not gap <= CLOSE * max(size, np.abs(good[1].astype(float)).max()):
+                return good
+            good, size = (at, state), 0.0
     return good

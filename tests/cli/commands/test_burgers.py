@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from geomtorsion.cli.commands import burgers
 from geomtorsion.loops import BurgersVector
 from tests.cli import running
 from tests.measured.test_opening import grid
@@ -86,6 +87,21 @@ def test_a_pipeline(tmp_path: Path) -> None:
     assert json.loads((target / "burgers.json").read_text("utf-8")) == found
     pictures = sorted(path.name for path in target.glob("*.svg"))
     assert pictures == ["loop-1.svg", "loop-2.svg", "loop-3.svg"]
+
+
+def test_a_crowd_of_loops_has_twelve_pictures(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """All stand in the file, the first twelve are drawn."""
+    drawn: list[str] = []
+    monkeypatch.setattr(burgers, "draw_closure", lambda vector: vector)
+    monkeypatch.setattr(burgers, "save", lambda vector, path: drawn.append(path.name))
+    loops = [word for k in range(13) for word in ("--circle", f"0,0,{k}:1")]
+    for count in (12, 13):
+        drawn.clear()
+        run("heisenberg", *loops[: 2 * count], "-o", str(tmp_path))
+        assert drawn == [f"loop-{k}.svg" for k in range(1, 13)]
+        assert len(json.loads((tmp_path / "burgers.json").read_text("utf-8"))["results"]) == count
 
 
 def test_a_failure_stands_among_the_others() -> None:

@@ -114,3 +114,22 @@ def test_the_archive_of_npm_is_opened(tmp_path: Path):
 def test_where_files_are_kept(platform: str, environment: dict[str, str], end: str):
     """Where the programs of each system keep what they can fetch again."""
     assert default_cache(environment, platform).as_posix().endswith(end)
+
+
+@pytest.mark.parametrize(("lasts", "known"), [(590, True), (610, False)])
+def test_a_slow_network_has_ten_minutes(
+    lasts: float, known: bool, client: Client, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+):
+    """Who waits longer is told how long it was."""
+
+    def run(command: Sequence[str], **how: float) -> subprocess.CompletedProcess[str]:
+        if lasts > how["timeout"]:
+            raise subprocess.TimeoutExpired(command, how["timeout"])
+        return client.run(command)
+
+    monkeypatch.setattr(packages.subprocess, "run", run)
+    if known:
+        assert fetched(tmp_path, packages=[WHEEL])
+    else:
+        with pytest.raises(PackageError, match="took longer than 600 s"):
+            fetched(tmp_path, packages=[WHEEL])
