@@ -13,7 +13,7 @@ from geomtorsion.exact.certainty import PROVED, Certainty
 from geomtorsion.exact.derivation import derivative
 from geomtorsion.exact.element import Element
 from geomtorsion.exact.evaluate import evaluate
-from geomtorsion.exact.generators import Generator
+from geomtorsion.exact.generators import Generator, Names
 from geomtorsion.exact.generic_point import GenericPoint
 from geomtorsion.exact.limits import MOST_AT_ONCE
 from geomtorsion.exact.modular import ModularPoint, NoPointError
@@ -253,9 +253,9 @@ class Field(Tower):
             return PROVED
         return Certainty(proved=False, error=self.tables["modular point"].chance(element))
 
-    def written(self, element: Element, collected: bool = False) -> sympy.Expr:
-        """The element as a short sympy expression, with its sums collected where one asks."""
-        return shortest(element) if collected else to_sympy(element)
+    def written(self, element: Element, names: Names | None = None) -> sympy.Expr:
+        """The element as a short sympy expression; with its sums collected if there are names."""
+        return to_sympy(element) if names is None else shortest(element, names)
 
     def value(
         self, element: Element, point: Mapping[Any, Value], precision: int, at: Any = None

@@ -72,3 +72,18 @@ class Branch:
 
     def __str__(self) -> str:
         return f"{self.radical} read as {self.read_as}: right where {self.condition}"
+
+
+@dataclass(frozen=True, eq=False)
+class Name:
+    """A quantity that is written by its name.
+
+    generator: how it is written; it belongs to no field.
+    quantity: what it stands for, multiplied out.
+    """
+
+    generator: Generator
+    quantity: Element
+
+
+Names = tuple[Name, ...]

@@ -21,7 +21,7 @@ from geomtorsion.errors import ExpressionError
 from geomtorsion.exact import polynomials
 from geomtorsion.exact.element import Denominator, Element
 from geomtorsion.exact.factoring import factored, known_taken_out
-from geomtorsion.exact.generators import Branch, Generator
+from geomtorsion.exact.generators import Branch, Generator, Names
 from geomtorsion.exact.integers import as_fmpq
 from geomtorsion.exact.kept import kept, leaves
 from geomtorsion.exact.limits import (
@@ -72,9 +72,8 @@ class Tower(ABC):
     chosen: values of roots that the user chose.
     generators: the newest first; by_name: the same by their names in the polynomial ring.
     rooted: denominators with roots, as they were before these were cleared.
-    tables: what other files keep for a field, each under its own name.
     all_sure: whether the independence of all generators is proved.
-    generator_slopes, factor_slopes: derivatives that are known.
+    generator_slopes, factor_slopes: known derivatives; tables: what other files keep, by names.
     """
 
     is_complex: bool
@@ -154,8 +153,8 @@ class Tower(ABC):
         """1 over an element, multiplied out; None where a product would be above the largest."""
 
     @abstractmethod
-    def written(self, element: Element, collected: bool = False) -> sympy.Expr:
-        """The element as a short sympy expression, with its sums collected where one asks."""
+    def written(self, element: Element, names: Names | None = None) -> sympy.Expr:
+        """The element as a short sympy expression; with its sums collected if there are names."""
 
     @abstractmethod
     def value(

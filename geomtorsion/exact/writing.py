@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, TypeGuard
 
 import sympy
 
-from geomtorsion.exact.collecting import collected
+from geomtorsion.exact.collecting import Collector
 from geomtorsion.exact.form import LONGEST_FACTORED, Form, Sum, form
-from geomtorsion.exact.generators import Generator
+from geomtorsion.exact.generators import Generator, Names
 from geomtorsion.exact.integers import as_fmpq
 from geomtorsion.exact.kept import in_order
 from geomtorsion.exact.limits import check_parts, check_written
@@ -43,12 +43,11 @@ _A_PRODUCT = Part(sympy.Mul(2, sympy.Symbol("x")))
 class Parts:
     """What the expressions of a field are made of, each part made once.
 
-    collects: whether sums are collected where that is shorter (see `collecting`).
-    places: where parts stand in sympy's order.
+    collector: how sums are collected where that is shorter (see `collecting`), if they are.
     """
 
-    def __init__(self, collects: bool = False) -> None:
-        self.collects: bool = collects
+    def __init__(self, collector: Collector | None = None) -> None:
+        self.collector: Collector | None = collector
         self._powers: dict[tuple[Generator | Sum, int], Part] = {}
         self._numbers: dict[fmpq, Part] = {}
         self._places: dict[Part, int] = {_A_PRODUCT: 0}
@@ -57,10 +56,21 @@ class Parts:
         """base**exponent."""
         found = self._powers.get((base, exponent))
         if found is None:
-            plain = base.shown if isinstance(base, Generator) else _sum(self, base)
+            plain = self._root(base) if isinstance(base, Generator) else _sum(self, base)
             found = Part(plain if exponent == 1 else plain**exponent)
             self._powers[base, exponent] = found
         return found
+
+    @property
+    def has_names(self) -> bool:
+        """Whether a part of a product may be a product itself, as sums with names are."""
+        return self.collector is not None and bool(self.collector.names)
+
+    def _root(self, base: Generator) -> sympy.Expr:
+        """A generator as it is shown; the radicand of a root by names, if there are any."""
+        if not self.has_names or base.kind != "root" or base.tail is None or base.argument:
+            return base.shown
+        return _of_form(self, form(base.tail)) ** sympy.Rational(1, base.degree)
 
     def number(self, value: fmpq) -> Part:
         """A coefficient."""
@@ -100,14 +110,19 @@ def to_sympy(element: Element) -> sympy.Expr:
     return found
 
 
-def shortest(element: Element) -> sympy.Expr:
-    """The element with its sums collected, or as `to_sympy` has it, whichever has fewer parts."""
+def shortest(element: Element, names: Names = ()) -> sympy.Expr:
+    """The element with its sums collected, or as `to_sympy` has it, whichever has fewer parts.
+
+    names: quantities that may be written by their names.
+    """
     plain = element.sympy
     whole = short_of(element) if element.is_kept else element
     if whole is None or not plain:
         return plain
-    parts = element._field.tables.setdefault("collected parts", Parts(collects=True))
-    return min(plain, _of_form(parts, form(whole)), key=_size)
+    known = element._field.tables.setdefault("collected parts", {})
+    if names not in known:
+        known[names] = Parts(Collector(names))
+    return min(plain, _of_form(known[names], form(whole)), key=_size)
 
 
 def _size(shown: sympy.Expr) -> int:
@@ -117,11 +132,27 @@ def _size(shown: sympy.Expr) -> int:
 
 def _of_form(known: Parts, written: Form) -> sympy.Expr:
     """What a form stands for."""
+    if known.has_names:
+        return _with_names(known, written)
     factors = _factors(known, written.powers)
     sums = sum(isinstance(base, Sum) for base, _ in written.powers)
     plain = all(isinstance(base, Sum) or base.kind in _PLAIN for base, _ in written.powers)
     # sympy distributes a number over a lone sum; then its own product is taken.
     return _product(known, written.coefficient, factors, plain and (len(factors) > 1 or not sums))
+
+
+def _with_names(known: Parts, written: Form) -> sympy.Expr:
+    """What a form stands for, some of whose factors are products of names."""
+    shown = [part.shown for part in _factors(known, written.powers)]
+    product = sympy.Mul(_number(written.coefficient), *shown)
+    number, rest = product.as_coeff_Mul()
+    # -(b - a) reads better as a - b.
+    for part in sympy.Mul.make_args(rest) if number < 0 else ():
+        if part.is_Add and 2 * sum(x.could_extract_minus_sign() for x in part.args) == len(
+            part.args
+        ):
+            return sympy.Mul(-number, *(-x if x is part else x for x in sympy.Mul.make_args(rest)))
+    return product
 
 
 def _as_built(element: Element) -> sympy.Expr:
@@ -297,8 +328,10 @@ def _is_exp(base: Generator | Sum) -> TypeGuard[Generator]:
 
 def _sum(known: Parts, base: Sum) -> sympy.Expr:
     """A sum of monomials, or what they are collected to."""
-    if known.collects and (forms := collected(base)) is not None:
-        return sympy.Add(*(_of_form(known, one) for one in forms))
+    if known.collector is not None and (forms := known.collector.collected(base)) is not None:
+        found = sympy.Add(*(_of_form(known, one) for one in forms))
+        # A sum over numbers that it shared with others may share one with its own terms, then.
+        return _shared_number_out(found) if known.has_names else found
     if not all(generator.kind in _PLAIN for _, powers in base.terms for generator, _ in powers):
         plain = [all(g.kind in _PLAIN for g, _ in powers) for _, powers in base.terms]
         terms = zip(base.terms, plain, strict=True)
@@ -313,6 +346,12 @@ def _sum(known: Parts, base: Sum) -> sympy.Expr:
     if len(terms) <= LONGEST_FACTORED:
         terms.sort(key=lambda term: term[0])
     return sympy.Add._from_args([term for _, term in terms], is_commutative=True)
+
+
+def _shared_number_out(shown: sympy.Expr) -> sympy.Expr:
+    """3*a + 6*b as 3*(a + 2*b)."""
+    number, rest = shown.primitive()
+    return shown if number == 1 else sympy.Mul(number, rest, evaluate=False)
 
 
 def _plain_product(

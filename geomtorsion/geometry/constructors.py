@@ -12,10 +12,11 @@ from geomtorsion.geometry import validation
 from geomtorsion.geometry.groups import invariant_coframe
 from geomtorsion.geometry.matrices import inverse
 from geomtorsion.geometry.orthonormalize import orthonormal_rows
-from geomtorsion.geometry.substitution import Substitution
+from geomtorsion.geometry.substitution import INFINITE, Substitution
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.frame import Frame
+    from geomtorsion.geometry.naming import Meanings
 
 
 def from_frame(
@@ -95,9 +96,27 @@ def substituted(frame: Frame, put: Substitution) -> Frame:
     rows = [flat[n * i : n * (i + 1)] for i in range(n)]
     cls = type(frame)
     if shape == "metric":
-        return cls.from_metric(frame.coordinates, rows, **given)
-    make = cls.from_frame if shape == "legs" else cls
-    return make(frame.coordinates, rows, complex=frame.complex, **given)
+        found = cls.from_metric(frame.coordinates, rows, **given)
+    else:
+        make = cls.from_frame if shape == "legs" else cls
+        found = make(frame.coordinates, rows, complex=frame.complex, **given)
+    names = {symbol.name: put(quantity) for symbol, quantity in frame.names.items()}
+    # What is a number now needs no name.
+    names = {x: q for x, q in names.items() if q.free_symbols and not q.has(*INFINITE)}
+    return found.named(**names) if names else found
+
+
+def named(frame: Frame, meanings: Meanings) -> Frame:
+    """The frame in the same field, printed with names (see Frame.named)."""
+    opened = validation.Opened(
+        frame.coordinates, frame.parameters, frame.domain, frame.complex, frame.field
+    )
+    found = object.__new__(type(frame))
+    found.fill(opened, frame.name, frame.given, frame._plain)
+    found.__setstate__({**frame.attached, "names": dict(meanings)})
+    # Bad names are told at once.
+    found.written(frame.field.zero)
+    return found
 
 
 def from_structure_constants(

@@ -11,6 +11,7 @@ import sympy as sp
 from geomtorsion import checks
 from geomtorsion.errors import CoordinateError, MissingValueError, ShapeError, SingularPointError
 from geomtorsion.exact import Element
+from geomtorsion.geometry import sampling
 from geomtorsion.geometry.symmetry import Index
 
 if TYPE_CHECKING:
@@ -138,4 +139,24 @@ def _number(
     raise SingularPointError(
         f"{tensor.label}{list(index)} has no finite real value at {place}. "
         "Choose a point inside the domain of the frame."
+    )
+
+
+def sample_point(frame: Frame) -> sampling.Point:
+    """See Frame.sample_point."""
+    determinant = frame.determinant.element()
+    for point in sampling.candidate_points(frame.coordinates, frame.parameters, frame.domain):
+        for with_functions in (sampling.with_functions, sampling.with_generic_functions):
+            values = with_functions(determinant, point)
+            try:
+                size = abs(complex(determinant.evaluate(values)))
+                numbers_at(frame.coframe, values)
+            except ArithmeticError:
+                continue
+            # One so small or so large may be rounding; the next point is as good.
+            if 1e-12 < size < 1e12:
+                return point
+    raise CoordinateError(
+        f"no point inside the domain was found in {sampling.TRIES} tries. State the domain "
+        "more simply, as bounds of each coordinate by numbers: 0 < theta, theta < pi."
     )

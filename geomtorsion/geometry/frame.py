@@ -12,12 +12,13 @@ import sympy as sp
 
 from geomtorsion import checks
 from geomtorsion.displays import drawn_by
-from geomtorsion.errors import ArgumentError, CoordinateError
+from geomtorsion.errors import ArgumentError
 from geomtorsion.exact import Branch, Element, Field
 from geomtorsion.geometry import (
     constructors,
     evaluation,
     frame_matrices,
+    naming,
     notation,
     sampling,
     substitution,
@@ -344,22 +345,7 @@ class Frame:
         CoordinateError
             No such point was found.
         """
-        determinant = self.determinant.element()
-        for point in sampling.candidate_points(self.coordinates, self.parameters, self.domain):
-            for with_functions in (sampling.with_functions, sampling.with_generic_functions):
-                values = with_functions(determinant, point)
-                try:
-                    size = abs(complex(determinant.evaluate(values)))
-                    evaluation.numbers_at(self.coframe, values)
-                except ArithmeticError:
-                    continue
-                # One so small or so large may be rounding; the next point is as good.
-                if 1e-12 < size < 1e12:
-                    return point
-        raise CoordinateError(
-            f"no point inside the domain was found in {sampling.TRIES} tries. State the domain "
-            "more simply, as bounds of each coordinate by numbers: 0 < theta, theta < pi."
-        )
+        return evaluation.sample_point(self)
 
     # -- named quantities -----------------------------------------------------------------------
 
@@ -428,15 +414,52 @@ class Frame:
         put = substitution.substitution(values, self.coordinates, self.field)
         return self.derived(put.key, lambda: constructors.substituted(self, put))
 
+    # -- names ----------------------------------------------------------------------------------
+
+    @property
+    def names(self) -> dict[sp.Symbol, sp.Expr]:
+        """What the names stand for with which quantities are printed; none without `named`."""
+        return dict(self._kept.get("names", {}))
+
+    def named(self, /, **quantities: sp.Expr | str) -> Frame:
+        """This frame, its tensors printed with names for what occurs often in them.
+
+        Texts, tables, HTML, LaTeX and `to_sympy(short=True)` have names where that is shorter;
+        `.subs(frame.names)` takes them out. Components themselves stay in coordinates. A quantity
+        is an expression or text, of what the frame knows and of names given before.
+
+        Raises
+        ------
+        ArgumentError, UnknownNameError, ExpressionError
+            A name has another meaning; a quantity is a number, too long or has an unknown symbol.
+
+        Examples
+        --------
+        >>> from geomtorsion.spaces import load
+        >>> kerr = load("kerr").frame.named(Sigma="r**2 + a**2*cos(theta)**2")
+        >>> kerr.metric.to_sympy(short=True)[0, 0], kerr.metric[0, 0]
+        ((2*M*r - Sigma)/Sigma, -(-2*M*r + a**2*cos(theta)**2 + r**2)/(a**2*cos(theta)**2 + r**2))
+        """
+        found = naming.meanings(self.field, self.names, quantities)
+        return self.derived(("named", *found.items()), lambda: constructors.named(self, found))
+
+    def written(self, element: Element) -> sp.Expr:
+        """An element as it is printed: short, with the names of the frame (see `named`)."""
+        names = self.derived("names, read", lambda: naming.names(self.field, self.names))
+        return self.field.written(element, names)
+
     # -- copies ---------------------------------------------------------------------------------
+
+    @property
+    def attached(self) -> dict[str, Any]:
+        """What does not follow from the frame: further charts, and names."""
+        return {key: self._kept[key] for key in ("atlas", "names") if key in self._kept}
 
     def __reduce__(self) -> tuple[object, ...]:
         """Made again from what it was made from, so that every result is the same to the bit."""
-        # Further charts do not follow from the frame: spaces attach them.
-        attached = {key: self._kept[key] for key in ("atlas",) if key in self._kept}
         shape, entries = self._plain
         if not isinstance(shape, str):
-            return shape, entries, attached
+            return shape, entries, self.attached
         assert isinstance(entries, dict)
         n = self.dimension
         rows = [[checks.plain(entries.get((i, j), 0)) for j in range(n)] for i in range(n)]
@@ -451,7 +474,7 @@ class Frame:
         }
         if shape != "metric":
             given["complex"] = self.complex
-        return _made_again, (shape, self.coordinates, rows, given), attached
+        return _made_again, (shape, self.coordinates, rows, given), self.attached
 
     def __setstate__(self, attached: dict[str, Any]) -> None:
         self._kept.update(attached)

@@ -82,7 +82,23 @@ def short(tensor: Tensor, index: tuple[int, ...]) -> sp.Expr:
     value = tensor.components.get(representative) if sign else None
     if value is None:
         return sp.S.Zero
-    return value.short if sign > 0 else -value.short
+    written = tensor.frame.written(value)
+    return written if sign > 0 else -written
+
+
+def array(tensor: Tensor, is_short: bool) -> sp.ImmutableDenseNDimArray | sp.Expr:
+    """See Tensor.to_sympy."""
+    if not tensor.slots:
+        return short(tensor, ()) if is_short else tensor[()]
+    n, rank = tensor.frame.dimension, len(tensor.slots)
+    flat: list[sp.Expr] = [sp.S.Zero] * n**rank
+    found = {i: short(tensor, i) for i in tensor.components.support} if is_short else None
+    for index, value in (tensor.nonzero() if found is None else found).items():
+        place = 0
+        for k in index:
+            place = place * n + k
+        flat[place] = value
+    return sp.ImmutableDenseNDimArray(flat, (n,) * rank)
 
 
 def text(tensor: Tensor) -> str:
@@ -154,6 +170,7 @@ def frame_text(frame: Frame) -> str:
     names = ", ".join(symbol.name for symbol in frame.coordinates)
     lines = [f"{frame.name or 'frame'} (coordinates {names})"]
     lines += [f"  e^{i} = {_one_form(frame, i, str, ' ')}" for i in range(frame.dimension)]
+    lines += [f"  {symbol} = {quantity}" for symbol, quantity in frame.names.items()]
     lines += [f"  {branch}" for branch in frame.branches]
     return "\n".join(lines)
 
@@ -173,7 +190,7 @@ def _one_form(frame: Frame, i: int, write: Callable[[sp.Expr], str], gap: str) -
     d = r"\mathrm{d}" if write is sp.latex else "d"
     parts = []
     for mu, symbol in enumerate(frame.coordinates):
-        factor = frame.coframe[i, mu]
+        factor = short(frame.coframe, (i, mu)) if frame.names else frame.coframe[i, mu]
         if factor == 0:
             continue
         name = f"{d}{write(symbol)}"

@@ -156,18 +156,12 @@ class Tensor:
         _ = self.components.independent
         return least_certain(value.certainty for value in self.components.zeros.values())
 
-    def to_sympy(self) -> sp.ImmutableDenseNDimArray | sp.Expr:
-        """All components as a sympy array (an expression for a scalar)."""
-        if not self.slots:
-            return self[()]
-        n, rank = self.frame.dimension, len(self.slots)
-        flat: list[sp.Expr] = [sp.S.Zero] * n**rank
-        for index, value in self.nonzero().items():
-            place = 0
-            for k in index:
-                place = place * n + k
-            flat[place] = value
-        return sp.ImmutableDenseNDimArray(flat, (n,) * rank)
+    def to_sympy(self, *, short: bool = False) -> sp.ImmutableDenseNDimArray | sp.Expr:
+        """All components as a sympy array (an expression for a scalar).
+
+        short: as they are printed, by the names of the frame if it has some (`Frame.named`).
+        """
+        return notation.array(self, checks.flag(short, "short"))
 
     def at(self, point: Points, *, digits: int | None = None) -> np.ndarray:
         """Numbers at a point: array of floats (complex if the frame is), one axis per index.

@@ -1,0 +1,74 @@
+"""Naming: the quantities of a frame that are printed by names, such as Sigma in Kerr's metric."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+
+import sympy as sp
+
+from geomtorsion import checks
+from geomtorsion.errors import ArgumentError, UndecidedError, UnknownNameError
+from geomtorsion.exact import Field, Generator, parse_expression
+from geomtorsion.exact.generators import Name, Names
+from geomtorsion.exact.names import CONSTANTS, FUNCTIONS
+from geomtorsion.exact.twins import counted_as
+
+Meanings = Mapping[sp.Symbol, sp.Expr]
+
+
+def meanings(
+    field: Field, before: Meanings, given: Mapping[str, object]
+) -> dict[sp.Symbol, sp.Expr]:
+    """What each name stands for, in coordinates and parameters; those before included."""
+    taken = {s.name for s in field.symbols} | set(FUNCTIONS) | set(CONSTANTS)
+    taken |= {str(g.argument[0]) for g in field.generators if g.kind == "jet"}
+    found = dict(before)
+    for name, value in given.items():
+        if not name.isidentifier() or name in taken | {s.name for s in found}:
+            raise ArgumentError(
+                f"{name}: a name that has no meaning here was needed. Choose one that is no "
+                "coordinate, parameter or function, and that is given once."
+            )
+        known = {s.name: s for s in (*field.symbols, *found)}
+        read = checks.expression(value, name, read=partial(_read, known, name))
+        read = read.xreplace(counted_as(read.free_symbols, known.values()))
+        others = sorted(str(s) for s in read.free_symbols - set(known.values()))
+        if others:
+            raise UnknownNameError(
+                f"{name} = {read}: {', '.join(others)} is not known there. Known are coordinates, "
+                f"parameters and names given before: {', '.join(known)}."
+            )
+        found[sp.Symbol(name)] = read.xreplace(found)
+    return found
+
+
+def _read(known: Mapping[str, sp.Symbol], name: str, text: str) -> sp.Expr:
+    """A quantity that was given as text."""
+    return parse_expression(text, known, where=name)
+
+
+def names(field: Field, found: Meanings) -> Names:
+    """The names as they are written, with exact elements.
+
+    Raises
+    ------
+    ArgumentError
+        A quantity is a number, such as zero, or too long to be multiplied out.
+    UndecidedError
+        Whether a quantity vanishes cannot be decided.
+    """
+    read = field.read_all((symbol.name, value) for symbol, value in found.items())
+    made = []
+    for symbol, element in zip(found, read, strict=True):
+        whole = field.brief(element)
+        if element.is_zero is None:
+            raise UndecidedError(f"whether {symbol} = {found[symbol]} vanishes cannot be decided.")
+        if whole is None or element.is_zero or not whole.symbols:
+            raise ArgumentError(
+                f"{symbol} = {checks.cut(str(found[symbol]))}: a short quantity that depends on a "
+                "coordinate or parameter was needed, not a number. Write numbers as they are."
+            )
+        generator = Generator("symbol", symbol.name, symbol, frozenset(whole.symbols))
+        made.append(Name(generator, whole))
+    return tuple(made)
