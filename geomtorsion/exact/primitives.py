@@ -272,7 +272,9 @@ class Primitives:
                 if mpmath.mag(number) > EXACT_BITS:
                     continue
                 # With so many digits no fraction as short as this is near by chance.
-                near = Fraction(*to_rational(number._mpf_)).limit_denominator(LARGEST_MULTIPLE)
+                near = Fraction(*map(int, to_rational(number._mpf_))).limit_denominator(
+                    LARGEST_MULTIPLE
+                )
                 ratio = sympy.Rational(near.numerator, near.denominator)
                 if ratio and abs(number - mpmath.mpf(ratio.p) / ratio.q) < size * _CLOSE:
                     exact = ratio * scale if scale is not None else sympy.log(ratio)
