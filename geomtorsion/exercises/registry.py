@@ -106,7 +106,8 @@ def load(number: str, seed: int = 0) -> Exercise:
     """
     if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= MOST.seed:
         raise UnknownNameError(
-            f"seed: a whole number from 0 to {MOST.seed:,} was needed, but {str(seed)[:40]!r} came."
+            f"seed (which variant): a whole number from 0 to {MOST.seed:,} was needed, but "
+            f"{str(seed)[:40]!r} came."
         )
     for known, module, title, level in EXERCISES:
         if known == number:

@@ -29,6 +29,18 @@ def seed(mo: ModuleType, kept: Kept) -> ui.number:
     return mo.ui.number(0, MOST.seed, 1, value=int(wanted), label="variant")
 
 
+def variant(typed: float | None) -> float:
+    """The seed that is asked for; the exercise refuses what is no whole number, and says why.
+
+    Examples
+    --------
+    >>> variant(3.0), variant(3.7), variant(None)
+    (3, 3.7, 0)
+    """
+    number = typed or 0
+    return int(number) if float(number).is_integer() else number
+
+
 def answers(mo: ModuleType, exercise: Json, kept: Kept) -> ui.batch:
     """A field for each question; what is in them is checked when it is sent."""
     fields, parts = {}, []

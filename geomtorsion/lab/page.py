@@ -378,7 +378,8 @@ def _(exercise_controls, kept, mo, runner):
 
 @app.cell
 def _(Kept, exercise, exercise_controls, mo, runner, seed):
-    stated = runner.ask("exercise", number=exercise.value, seed=int(seed.value or 0))
+    _variant = exercise_controls.variant(seed.value)
+    stated = runner.ask("exercise", number=exercise.value, seed=_variant)
     # With what was typed before another exercise was looked at.
     fields = exercise_controls.answers(mo, stated, Kept.now(mo))
     check = mo.ui.run_button(label="Check")

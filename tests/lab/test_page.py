@@ -359,6 +359,21 @@ def test_latex_of_an_exercise_is_copied(standing: Watched):
     assert copied("hints") == posed.hints[0]
 
 
+def test_a_variant_that_there_is_not_is_refused(lab: Watched):
+    """It stays in its field, and no other one is shown in its place."""
+    page = lab.tab("Exercises")
+    page.wait_for_selector(READY["Exercises"])
+    field = page.get_by_role("textbox", name="variant", exact=True)
+    field.fill("3.7")
+    field.press("Tab")
+    page.get_by_text("a whole number from 0 to 1,000,000,000 was needed").wait_for()
+    assert field.input_value() == "3.7"
+    assert page.locator("#statement").count() == 0
+    field.fill("3")
+    field.press("Tab")
+    page.get_by_text("; variant 3").wait_for()
+
+
 def focused(page: Any) -> tuple[str, str]:
     """Role and text of what has the focus, through shadow trees."""
     return page.evaluate(

@@ -184,10 +184,11 @@ def exercises(asked: Asked, runner: Runner) -> Shown:
     listing = runner.ask("listing")
     chosen = cast(Choice, exercise_controls.exercises(form, listing, kept))
     chosen.apart(NOT_HERE, UNGRADED)
-    variant = exercise_controls.seed(form, kept)
-    stated = runner.ask("exercise", number=chosen.value, seed=int(variant.value or 0))
-    head = row([chosen, variant])
-    shape = f"{chosen.value}|{variant.value}"
+    seed = exercise_controls.seed(form, kept)
+    variant = exercise_controls.variant(seed.value)
+    stated = runner.ask("exercise", number=chosen.value, seed=variant)
+    head = row([chosen, seed])
+    shape = f"{chosen.value}|{variant}"
     if "number" not in stated:
         return Shown(head, shape, {"result": views.exercise(stated)})
     fields = exercise_controls.answers(form, stated, kept)

@@ -110,21 +110,22 @@ class Tick(Control):
         return f'<label class="tick">{self.element()}<span>{escape(self.label)}</span></label>'
 
 
-class Whole(Control):
-    """A whole number between two."""
+class Number(Control):
+    """A number, which should be a whole one between two; whoever uses another refuses it."""
 
     def __init__(self, form: Form, label: str, usual: int, ends: tuple[int, int]) -> None:
         super().__init__(form, label, usual)
         self.ends = ends
 
-    def read(self, given: str) -> int:
-        """The nearest number between the ends; the usual one where there is none."""
+    def read(self, given: str) -> float:
+        """The number as it stands there; the usual one where there is none."""
         try:
             number = float(given)
         except ValueError:
             return self.usual
-        low, high = self.ends
-        return int(min(max(number, low), high)) if math.isfinite(number) else self.usual
+        if not math.isfinite(number):
+            return self.usual
+        return int(number) if number.is_integer() else number
 
     def element(self) -> str:
         """A field with its ends."""
@@ -248,9 +249,9 @@ class Form(ModuleType):
 
     def number(
         self, start: int, stop: int, step: int = 1, value: int = 0, label: str = ""
-    ) -> Whole:
-        """A whole number."""
-        return Whole(self, label, value, (start, stop))
+    ) -> Number:
+        """A number."""
+        return Number(self, label, value, (start, stop))
 
     def button(
         self, value: int = 0, on_click: Callable[[int], int] = lambda n: n + 1, label: str = "",

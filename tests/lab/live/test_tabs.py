@@ -77,6 +77,19 @@ def test_an_address_of_the_served_page_opens_the_same():
     assert found["shape"] == "3.2|4"
 
 
+@pytest.mark.parametrize("typed", ["3.7", "-1", "2000000000"])
+def test_a_variant_that_there_is_not_is_refused(typed: str):
+    """It stays in its field, and no other one is shown in its place."""
+    values = {"exercise": "1.1 The legs of a coframe", "variant": typed}
+    found = shown(views.EXERCISES, values)
+    said = found["parts"]["result"]
+    assert f"from 0 to 1,000,000,000 was needed, but &#x27;{typed}&#x27; came" in said
+    assert f'value="{typed}"' in found["controls"]
+    assert "statement" not in found["controls"]
+    mended = shown(views.EXERCISES, values | {"variant": "3"}, changed=["variant"])
+    assert "variant 3" in mended["controls"]
+
+
 def test_answers_stay_while_another_exercise_is_looked_at():
     """An exercise that is opened again begins with what was typed; else the form counts."""
     values = {"exercise": "1.1 The legs of a coframe", "variant": "0"}

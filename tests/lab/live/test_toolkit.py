@@ -35,11 +35,14 @@ def test_what_is_typed_is_escaped():
 
 
 @pytest.mark.parametrize(
-    ("given", "value"), [("4", 4), ("1e9", 9), ("-3", 0), ("nan", 3), ("x", 3), ("2.7", 2)]
+    ("given", "value"),
+    [("4", 4), ("1e9", 10**9), ("-3", -3), ("2.7", 2.7), ("nan", 3), ("inf", 3), ("x", 3)],
 )
-def test_numbers_stay_between_their_ends(given: str, value: int):
-    """What is no number leaves the usual one."""
-    assert Form({"n": given}).number(0, 9, value=3, label="n").value == value
+def test_a_number_is_the_one_that_is_shown(given: str, value: float):
+    """What does not fit is refused by whoever uses it; what is no number leaves the usual one."""
+    field = Form({"n": given}).number(0, 9, value=3, label="n")
+    assert field.value == value
+    assert f'value="{value}"' in str(field)
 
 
 def test_a_choice_is_one_of_its_list():
