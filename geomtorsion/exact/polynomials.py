@@ -36,6 +36,12 @@ def terms(
         yield value, powers(variables, monomial)
 
 
+def split(poly: fmpq_mpoly, position: int) -> tuple[fmpq_mpoly, fmpq_mpoly]:
+    """(A, B) with poly = A + B w, for the variable w at a position, degree at most 1."""
+    above = poly.derivative(position)
+    return poly - above * poly.context().gen(position), above
+
+
 def product(one: fmpq_mpoly, two: fmpq_mpoly, pairs: int) -> fmpq_mpoly:
     """The product, in pieces of so many pairs of terms: between them one can stop."""
     if len(one) * len(two) <= pairs:

@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING
 
 from flint.utils.flint_exceptions import DomainError
 
+from geomtorsion.exact import polynomials
 from geomtorsion.exact.limits import LARGEST_PRODUCT, MOST_AT_ONCE
+from geomtorsion.exact.square_roots import square_root_inside
 
 if TYPE_CHECKING:
     from flint import fmpq, fmpq_mpoly
@@ -51,7 +53,7 @@ def inverse(field: Tower, element: Element, largest: int = LARGEST_PRODUCT) -> E
             assert generator.tail is not None
             tail = field.lift(generator.tail)
             w = field.ctx.gen(position)
-            below, above = split(field, num, position)
+            below, above = polynomials.split(num, position)
             # 1/(B w) = w/(B P): no conjugate is needed.
             if not below:
                 num = field.reduced(above * tail)
@@ -74,12 +76,6 @@ def inverse(field: Tower, element: Element, largest: int = LARGEST_PRODUCT) -> E
     content, factors = field.factored(num)
     # Irreducible factors are registered once, so that later sums share them.
     return field.over_factors(multiplier * den * (1 / content), factors)
-
-
-def split(field: Tower, poly: fmpq_mpoly, position: int) -> tuple[fmpq_mpoly, fmpq_mpoly]:
-    """(A, B) with poly = A + B w, for the generator w at a position, degree at most 1."""
-    above = poly.derivative(position)
-    return poly - above * field.ctx.gen(position), above
 
 
 def coefficients(field: Tower, poly: fmpq_mpoly, position: int, degree: int) -> list[fmpq_mpoly]:
@@ -160,32 +156,41 @@ class Norms:
         self.count: int = len(field.rooted)
         self.table: list[tuple[list[fmpq_mpoly], Denominator]] = []
         self.units: list[fmpq_mpoly] = []
-        seen: set[str] = set()
-        for element in field.rooted:
+        self._seen: set[str] = set()
+        for element in tuple(field.rooted):
             for factor, _ in field.factored(field.lift(element))[1]:
-                key = str(factor)
-                if key not in seen and len(factor) > 1:
-                    seen.add(key)
-                    self._enter(field, factor)
+                self._enter(field, factor)
 
     def _enter(self, field: Tower, factor: fmpq_mpoly) -> None:
         """Notes one factor, if it has roots and its norm is a product of known factors."""
+        key = str(factor)
+        if key in self._seen or len(factor) < 2:
+            return
+        self._seen.add(key)
         conjugates, norm = [factor], factor
         for place, generator in enumerate(field.generators):
             # The norm over one root may bring in those that stand below it.
             if generator.degree != 2 or not norm.degrees()[place]:
                 continue
-            below, above = split(field, norm, place)
+            below, above = polynomials.split(norm, place)
             assert generator.tail is not None
             norm = field.reduced(below * below - above * above * field.lift(generator.tail))
             if factor.degrees()[place]:
                 w = field.ctx.gen(place)
-                halves = [split(field, poly, place) for poly in conjugates]
+                halves = [polynomials.split(poly, place) for poly in conjugates]
                 conjugates += [low - high * w for low, high in halves]
         if norm == factor:
             return
         powers: dict[int, int] = {}
-        for part, exponent in field.factored(norm)[1]:
+        factors = field.factored(norm)[1]
+        # The norm of a square is one; as a polynomial it has no factors, for its roots are reduced.
+        if len(factor) ** 2 <= MOST_AT_ONCE and all(exponent % 2 == 0 for _, exponent in factors):
+            inside = square_root_inside(field, field.polynomial(factor))
+            if inside is not None and not inside._den:
+                for part, _ in field.factored(field.lift(inside))[1]:
+                    self._enter(field, part)
+                return
+        for part, exponent in factors:
             index = field.factor_index.get(str(part))
             # Only norms that stand below some element can be replaced.
             if index is None:
@@ -269,7 +274,7 @@ def _reciprocal(field: Tower, num: fmpq_mpoly, den: Denominator) -> fmpq_mpoly |
     other, own = field.ctx.constant(1), num
     for place, generator in enumerate(field.generators):
         if generator.degree == 2 and own.degrees()[place]:
-            below, above = split(field, own, place)
+            below, above = polynomials.split(own, place)
             flipped = below - above * field.ctx.gen(place)
             # A norm that is long is that of a long polynomial, which nobody would read.
             if max(len(other), len(own)) * len(flipped) > MOST_AT_ONCE:

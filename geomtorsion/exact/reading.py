@@ -18,9 +18,9 @@ from geomtorsion.exact.functions import FUNCTIONS, RootOfSquare
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.kept import stays_kept
 from geomtorsion.exact.limits import check_exponent, check_size
+from geomtorsion.exact.polynomials import split
 from geomtorsion.exact.prescan import Scan
 from geomtorsion.exact.primitives import INVERSE_FUNCTIONS, Primitives
-from geomtorsion.exact.radical_denominators import split
 from geomtorsion.exact.twins import counted_as
 from geomtorsion.exact.unknown_functions import jet, opaque
 
@@ -105,7 +105,7 @@ class Reader:
         generator = field.by_name.get("I")
         if generator is None:
             return element, field.zero
-        low, high = split(field, field.lift(element), field.generators.index(generator))
+        low, high = split(field.lift(element), field.generators.index(generator))
         if not high:
             return element, field.zero
         below = field.denominator(element).inverse()

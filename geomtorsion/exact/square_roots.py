@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from flint import fmpq, fmpz
 
 from geomtorsion.exact.integers import prime_factors
-from geomtorsion.exact.radical_denominators import split
+from geomtorsion.exact.polynomials import split
 
 if TYPE_CHECKING:
     from geomtorsion.exact.element import Element
@@ -66,7 +66,7 @@ def _inside(
     below = (base, nested[:-1]) if nested else (base[:-1], nested)
     assert top.tail is not None
     position = field.generators.index(top)
-    low, high = split(field, field.lift(element), position)
+    low, high = split(field.lift(element), position)
     if not high:
         found = _inside(field, element, *below)
         if found is not None:

@@ -6,6 +6,7 @@ import pytest
 import sympy as sp
 
 from geomtorsion.curves import autoparallel, geodesic
+from geomtorsion.exact import Field
 from geomtorsion.geometry import Frame, cartan, levi_civita
 from geomtorsion.geometry.numpy_functions import numpy_function
 from geomtorsion.ode import RungeKutta, solve
@@ -110,3 +111,21 @@ def test_what_was_typed_without_a_minus_stays():
     frame = Frame([x, Z], [[1 / (sp.sqrt(x + 1) - sp.sqrt(x)), 0], [0, 1]])
     assert frame.coframe[0, 0] == sp.sqrt(x) + sp.sqrt(x + 1)
     assert frame.legs[0, 0] == 1 / (sp.sqrt(x) + sp.sqrt(x + 1))
+
+
+@pytest.mark.parametrize("power", [2, 3, 4])
+@pytest.mark.parametrize(
+    "root",
+    [W + X + 2, X * W + sp.sqrt(X**2 + 2) + 1, sp.sqrt(1 + W) + X],
+    ids=["one root", "two roots", "a nested root"],
+)
+def test_a_power_of_which_only_the_square_was_inverted(root, power):
+    """det**2 below the line is written as a square, also where 1/det was never asked for."""
+    field = Field([X, Z])
+    base = field.read(root)
+    inverse = (base * base).inverse()
+    if power > 2:
+        inverse = inverse * inverse * (base if power == 3 else field.one)
+    shown = inverse.sympy
+    assert (field.read(shown) - inverse).is_zero
+    assert shown.as_base_exp() == (base.sympy, -power)
