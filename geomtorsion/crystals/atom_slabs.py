@@ -11,6 +11,7 @@ from zipfile import ZipFile
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.crystals.given import POSITIONS, positions_of
 from geomtorsion.crystals.method import METHOD
 from geomtorsion.errors import CrystalError, FileFormatError
 from geomtorsion.loops.fields.contents import guarded
@@ -18,7 +19,6 @@ from geomtorsion.loops.fields.sources import opened
 
 # Atoms that are read at once: some hundred megabytes while they are sorted.
 SLAB = 16 * METHOD.together
-POSITIONS = "positions"
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,10 +49,7 @@ class AtomSlabs:
         waiting: list[np.ndarray] = []
         for found in _parts(self.given):
             for start in range(0, found.shape[0], SLAB):
-                part = checks.array(
-                    np.asarray(found[start : start + SLAB]), POSITIONS, CrystalError,
-                    shape=(None, 3),
-                )  # fmt: skip
+                part = positions_of(np.asarray(found[start : start + SLAB]))
                 if sum(map(len, waiting)) + len(part) > SLAB:
                     yield np.concatenate(waiting)
                     waiting = []

@@ -29,6 +29,7 @@ from geomtorsion.crystals.frames import (
     Fit,
     Frame,
     InFrame,
+    check_turn,
     frame_of,
     nearest_points,
     sampled,
@@ -99,7 +100,10 @@ class BlockedCrystal(InFrame):
 
         given = self.given
         vectors = np.concatenate(known)[order]
-        return frame_of(vectors, given.lattice, given.orient, given.constant, shares)
+        found = frame_of(vectors, given.lattice, given.orient, given.constant, shares)
+        if given.orient is not None:
+            check_turn(found[0], vectors)
+        return found
 
     def _neighbours(self, atoms: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Numbers of the nearest neighbours of some atoms, and the vectors to them."""

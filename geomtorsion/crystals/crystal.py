@@ -16,12 +16,13 @@ from geomtorsion.crystals.frames import (
     Fit,
     Frame,
     InFrame,
+    check_turn,
     fitted,
     frame_of,
     neighbours_of,
     sampled,
 )
-from geomtorsion.crystals.given import Given
+from geomtorsion.crystals.given import Given, positions_of
 from geomtorsion.crystals.grain_circuits import GrainCircuits
 from geomtorsion.crystals.grain_networks import network_of_grains
 from geomtorsion.crystals.grains import Grain, Grains, single_grain
@@ -95,7 +96,7 @@ class Crystal(InFrame):
         def put(name: str, value: object) -> None:
             object.__setattr__(self, name, value)
 
-        put("positions", checks.array(positions, "positions", CrystalError, shape=(None, 3)))
+        put("positions", positions_of(positions))
         given = Given.of(cell, periodic, lattice, orient, constant)
         put("cell", given.cell)
         put("periodic", given.box.periodic)
@@ -154,7 +155,11 @@ class Crystal(InFrame):
         def shares(lattice: Lattice) -> dict[str, float]:
             return share_of_lattices(lattice, self._near, numbers)
 
-        return frame_of(vectors, given.lattice, given.orient, given.constant, shares)
+        found = frame_of(vectors, given.lattice, given.orient, given.constant, shares)
+        # A crystal may turn in time.
+        if given.orient is not None and self._before is None:
+            check_turn(found[0], vectors)
+        return found
 
     def _neighbours(self, count: int, atoms: np.ndarray) -> np.ndarray:
         """Vectors to the nearest neighbours of some atoms, shape (atoms, count, 3)."""
@@ -405,7 +410,21 @@ def reach_of_sample(volume: float, atoms: int) -> float:
 
 
 def _spanned(positions: np.ndarray, cell: Cell) -> float:
-    """About the volume that the atoms fill."""
-    shares = positions @ cell.inverse
-    sizes = np.where(cell.periodic, 1.0, np.ptp(shares, axis=0))
+    """About the volume that the atoms fill: that of the cell without its widest empty layers, or of
+    a box about them."""
+    shares = (positions @ cell.inverse).T
+    sizes = [
+        _filled(one) if flag else np.ptp(one)
+        for one, flag in zip(shares, cell.periodic.tolist(), strict=True)
+    ]
     return float(np.prod(sizes) * abs(np.linalg.det(cell.vectors)))
+
+
+def _filled(shares: np.ndarray) -> float:
+    """Share of a period without the widest layer in which no atom lies, in as many slices as there
+    are atoms."""
+    count = len(shares)
+    slices = np.floor((shares - np.floor(shares)) * count).astype(np.int64)
+    taken = np.flatnonzero(np.bincount(slices))
+    gaps = np.diff(taken, append=taken[0] + count)
+    return 1 - float(gaps.max() - 1) / count

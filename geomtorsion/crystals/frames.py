@@ -10,10 +10,17 @@ import numpy as np
 import scipy  # loads its parts when they are asked for
 
 from geomtorsion.crystals.lattices import LATTICES, Lattice, lattice_named
-from geomtorsion.crystals.local_frames import squared, triads
+from geomtorsion.crystals.local_frames import (
+    clear_misfit,
+    local_frames,
+    squared,
+    symmetry_of,
+    triads,
+)
 from geomtorsion.crystals.method import METHOD
 from geomtorsion.crystals.triangulation import Cell, by_rows
 from geomtorsion.errors import CrystalError
+from geomtorsion.rigid.attitude import quaternion_from_matrix
 
 # Of each atom of a sample: twice as many as tell a lattice, since noise brings others among them.
 NEIGHBOURS = 2 * max(lattice.shells for lattice in LATTICES.values())
@@ -196,6 +203,38 @@ def occupied(frame: Frame, vectors: np.ndarray) -> np.ndarray:
     return found
 
 
+def _is_ordered(frame: Frame, vectors: np.ndarray) -> bool:
+    """Whether neighbours lie at their places in the mean, in which noise cancels.
+
+    In a dense crystal of another kind every place is occupied, too, but not in its midst.
+    """
+    lattice, fit = frame.lattice, fitted(frame, vectors[:, : frame.lattice.shells])
+    for kind, ideal in enumerate(lattice.ideal):
+        at = vectors[fit.kind == kind] @ (frame.orient.T / frame.constant)
+        if len(at):
+            off = [
+                at[np.arange(len(at)), squared(at - x).argmin(axis=1)].mean(axis=0) for x in ideal
+            ]
+            misfit = np.sqrt(squared(np.array(off) - ideal).mean()) / lattice.nearest
+            if misfit < clear_misfit(lattice.name):
+                return True
+    return False
+
+
+def check_turn(frame: Frame, vectors: np.ndarray) -> None:
+    """Refuse a given orientation in which no atom of a crystal lies."""
+    local = local_frames(frame.lattice, vectors)
+    found = local.quaternions[local.good]
+    own = np.tile(quaternion_from_matrix(frame.orient.T), (len(found), 1))
+    angles = symmetry_of(frame.lattice.name).nearest(own, found)[1]
+    if len(found) and angles.min() > METHOD.wall:
+        raise CrystalError(
+            f"orient: that of the crystal, or of one of its grains, was needed, but all atoms are "
+            f"turned from it by {np.degrees(angles.min()):.3g} degrees or more. Its rows are the "
+            "crystal axes in the specimen; leave it out to have it found."
+        )
+
+
 def _seeded(lattice: Lattice, vectors: np.ndarray) -> Frame:
     """The frame of one atom, from its neighbour vectors alone, shape (k, 3)."""
     ideal = lattice.ideal[0]
@@ -208,6 +247,9 @@ def _seeded(lattice: Lattice, vectors: np.ndarray) -> Frame:
     # Any pair of neighbour vectors with about this angle may be these two.
     cosines = directions @ directions.T
     first, second = np.nonzero((np.abs(cosines - angle) < 0.5) & (np.abs(cosines) < 0.9))
+    if not len(first):
+        # All neighbours lie on a line, or seem so from very far: any turn is as good.
+        return Frame(lattice, np.eye(3), float(scale))
     here = triads(unit[:1], unit[other : other + 1])[0]
     turns = np.swapaxes(triads(directions[first], directions[second]), 1, 2) @ here
     at = np.einsum("nij,kj->nki", turns, r)
@@ -338,10 +380,12 @@ def frame_of(
                 f"{other[0].lattice.name}, but {name} came, into which {share:.1%} fit. Name "
                 "that one, or none."
             )
-    if max(share, occupied(found[0], vectors).mean()) < METHOD.share:
+    if share < METHOD.share and (
+        occupied(found[0], vectors).mean() < METHOD.share or not _is_ordered(found[0], vectors)
+    ):
         raise CrystalError(
             f"positions: a crystal was needed ({name or 'fcc, bcc, hcp or diamond'}), but of "
-            f"only {share:.1%} of the atoms the neighbours fit, as in a liquid. Name the "
-            "lattice, or cut out the part that is crystalline."
+            f"only {share:.1%} of the atoms the neighbours fit, as in a liquid or in a lattice of "
+            "another kind. Name the lattice, or cut out the part that is crystalline."
         )
     return found

@@ -15,6 +15,8 @@ from geomtorsion.crystals.lattices import lattice_named
 from geomtorsion.crystals.triangulation import Cell
 from geomtorsion.errors import CrystalError
 
+POSITIONS = "positions"
+
 
 @dataclass(frozen=True, eq=False)
 class Given:
@@ -67,6 +69,19 @@ class Given:
             "orient": None if self.orient is None else self.orient.tolist(),
             "constant": self.constant,
         }
+
+
+def positions_of(given: object) -> np.ndarray:
+    """Positions of atoms, shape (atoms, 3), that span a volume that is a number."""
+    found = checks.array(given, POSITIONS, CrystalError, shape=(None, 3))
+    largest = float(max(found.max(initial=0), -found.min(initial=0)))
+    limit = float(np.finfo(float).max ** (1 / 3)) / 2
+    if largest > limit:
+        raise CrystalError(
+            f"{POSITIONS}: numbers up to {limit:.1e} were needed, whose cubes are volumes, "
+            f"but {largest:.3g} came. Give them in another unit of length."
+        )
+    return found
 
 
 def _cell(given: ArrayLike) -> np.ndarray:

@@ -169,9 +169,13 @@ class SortedAtoms:
 
     @cached_property
     def spanned(self) -> float:
-        """About the volume that the atoms fill."""
+        """About the volume that the atoms fill: that of the cell without empty layers of blocks, or
+        of a box about them."""
         ends = np.array([self._whole(self._file(k, "ends"), (2, 3)) for k in range(self._slabs)])
-        sizes = np.where(self.cell.periodic, 1.0, ends[:, 1].max(axis=0) - ends[:, 0].min(axis=0))
+        taken = [len(np.unique(layers)) for layers in np.array(list(self._index)).T]
+        held = np.minimum(np.array(taken) / self.counts, 1.0)
+        spans = ends[:, 1].max(axis=0) - ends[:, 0].min(axis=0)
+        sizes = np.where(self.cell.periodic, held, spans)
         return float(np.prod(sizes) * abs(np.linalg.det(self.cell.vectors)))
 
     def inside(self, block: Block) -> Part:

@@ -254,12 +254,18 @@ def test_bonds_are_an_integer_cochain():
 
 
 X, CELL = block("fcc", (5, 5, 5))
+SITES = np.argwhere(np.ones((8, 8, 8)))
+TURNED = Rotation.from_euler("z", 30, degrees=True).as_matrix()
 GAS = np.random.default_rng(0).uniform(0, 5, X.shape)
 REFUSED = {
     "gas": (lambda: Crystal(GAS, CELL), "as in a liquid"),
     "wrong lattice": (lambda: Crystal(X, CELL, lattice="bcc"), "into fcc, but bcc came"),
     "unknown lattice": (lambda: Crystal(X, CELL, lattice="sc"), "one of fcc, bcc, hcp, diamond"),
     "twice the same": (lambda: Crystal(np.r_[X, X[:2]], CELL), "atoms 0 and 500 lie upon each"),
+    "simple cubic": (lambda: Crystal(SITES, [8] * 3), "in a lattice of another kind"),
+    "on a line": (lambda: Crystal(np.arange(99)[:, None] * [1, 0, 0]), "of only 0.0% of the atoms"),
+    "far away": (lambda: Crystal(np.r_[X, [[1e300] * 3]]), "up to 2.8e.102 were needed"),
+    "axes of others": (lambda: Crystal(X, CELL, orient=TURNED), "turned from it by 30 degrees"),
     "a cell too small": (lambda: Crystal(X, CELL / 2), "lie upon each other"),
     "nan": (lambda: Crystal(np.where(X == 1, np.nan, X), CELL), "is not finite"),
     "few atoms": (lambda: Crystal(X[:5], CELL), "20 atoms or more"),
@@ -300,6 +306,38 @@ def test_what_is_unusual_is_told_not_refused():
     other, _ = block("bcc", (6, 6, 6))
     mixed = Crystal(np.concatenate([X, 0.8 * other + [6, 0, 0]]))
     assert 0.1 < mixed.share < 0.9
+
+
+def test_atoms_far_from_all_others_change_nothing():
+    """All neighbours of the far one seem to lie on one line."""
+    crystal = Crystal(np.concatenate([X, [[1e30, 2, 2]]]))
+    assert (crystal.lattice, crystal.constant) == ("fcc", pytest.approx(1))
+    assert crystal.dislocations().lines == ()
+
+
+def test_noise_leaves_the_lattice_where_hardly_an_atom_fits():
+    """Of 12 % in diamond the mean of all neighbours is still at their places."""
+    places, cell = block("diamond", (5, 5, 5))
+    noise = 0.12 * LATTICES["diamond"].nearest * np.random.default_rng(0).normal(size=places.shape)
+    crystal = Crystal(places + noise, cell)
+    assert (crystal.lattice, crystal.share < 0.1) == ("diamond", True)
+
+
+def test_empty_layers_of_the_cell_take_no_memory():
+    """Neighbours are looked for as far away as atoms are apart, not as wide as the cell is."""
+    tracemalloc.start()
+    crystal = Crystal(X, [*CELL[:2], 1e6])
+    assert (crystal.lattice, crystal.dislocations().lines) == ("fcc", ())
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert most < 40e6
+
+
+def test_a_crystal_may_turn_in_time_out_of_the_axes_that_it_began_with():
+    """What is refused of the first frame is none of the next ones."""
+    first = Crystal(X - 2.2, orient=np.eye(3))
+    turned = (X - 2.2) @ Rotation.from_euler("z", 17, degrees=True).as_matrix().T
+    assert Crystal(turned).following(first).constant == first.constant
 
 
 def test_tetrahedra_take_whole_numbers_of_four_bytes():
