@@ -15,6 +15,7 @@ from geomtorsion.exact import Field, parse_expression
 from geomtorsion.exact.expansion import NEAR, Approach
 from geomtorsion.exact.functions import with_roots
 from geomtorsion.exact.twins import counted_as
+from geomtorsion.exact.unsupported import checked
 
 Value = sp.Expr | float | str
 Values = Mapping[sp.Expr, Value] | Mapping[str, Value]
@@ -91,6 +92,7 @@ def substitution(values: Values, coordinates: Sequence[sp.Symbol], exact: Field)
                 f"{name}: a finite value was needed, but {put} came. For infinity ask for a limit: "
                 f"tensor.limit({key}, {put})."
             )
+        checked(name, put)
         if isinstance(key, AppliedUndef):
             known[key.func] = _function(key, put, functions, coordinates)
         else:
@@ -224,6 +226,7 @@ def approaches(
     if target in (sp.oo, -sp.oo):
         ways = [Approach(moving, target, 1 if target == sp.oo else -1)]
     else:
+        checked("point", target)
         ways = [Approach(moving, target, one) for one in _SIDES[side]]
     inside = tuple(way for way in ways if _is_inside(way, domain))
     if not inside:

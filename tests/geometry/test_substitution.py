@@ -12,6 +12,7 @@ import geomtorsion as gt
 from geomtorsion.errors import (
     ArgumentError,
     CoordinateError,
+    ExpressionError,
     GeomtorsionError,
     SingularPointError,
     UnknownNameError,
@@ -133,6 +134,7 @@ def test_a_root_that_becomes_a_square_is_told():
         ({"k + 1": 2}, ArgumentError, "a parameter or an unknown function"),
         ({"b(r)": 2}, UnknownNameError, "no unknown function b"),
         ({"k": None}, ArgumentError, "None"),
+        ({"k": 0.5}, ExpressionError, "^the value of 'k': 0.5.* exactly, for example 1/2$"),
         ([("k", 1)], GeomtorsionError, "values"),
         ({"k": 0}, gt.errors.CoframeError, "singular"),
     ],
@@ -206,6 +208,7 @@ def test_sides_follow_from_the_domain(kerr):
         (("r", sp.nan), GeomtorsionError, "nan"),
         (("r", sp.zoo), ArgumentError, "zoo"),
         (("r", [0]), ArgumentError, "point"),
+        (("r", 0.5), ExpressionError, "^point: 0.5.* write it exactly, for example 1/2$"),
         (("r", 1, "both"), ArgumentError, "from above"),
         (("r", 1, 1), ArgumentError, "from above"),
         ((2, 1), ArgumentError, "a coordinate or a parameter was needed"),
