@@ -11,6 +11,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 import sympy as sp
+from sympy.printing.pretty.stringpict import prettyForm
 
 from geomtorsion import checks
 from geomtorsion.displays import drawn_by
@@ -163,6 +164,22 @@ def latex(tensor: Tensor) -> str:
         lines.append(rf"&\text{{and {hidden} more independent components}}")
     body = r" \\ ".join(lines)
     return rf"$\displaystyle \begin{{aligned}} {body} \end{{aligned}}$"
+
+
+def sympy_latex(tensor: Tensor, _: object) -> str:
+    """What `sympy.latex` gives: the same without dollars."""
+    return latex(tensor).removeprefix(r"$\displaystyle ").removesuffix("$")
+
+
+def sympy_text(tensor: Tensor, _: object) -> str:
+    """What `sympy.sstr` gives."""
+    return text(tensor)
+
+
+def sympy_pretty(tensor: Tensor, _: object) -> prettyForm:
+    """What `sympy.pprint` shows: the text, whose lines it would centre if they were not as long."""
+    lines = text(tensor).splitlines()
+    return prettyForm("\n".join(line.ljust(max(map(len, lines))) for line in lines))
 
 
 def frame_text(frame: Frame) -> str:

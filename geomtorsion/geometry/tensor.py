@@ -483,6 +483,8 @@ class Tensor:
         return notation.latex(self)
 
     _repr_html_ = drawn_by("notebook_tables", "tensor_html")
+    # What sympy asks for: by the name of the class it would take this for a tensor of its own.
+    _latex, _pretty, _sympystr = notation.sympy_latex, notation.sympy_pretty, notation.sympy_text
 
 
 def _whole(k: object) -> int:

@@ -113,3 +113,12 @@ def test_how_many_components_are_shown() -> None:
     assert str(symbols).count(" = ") == 12
     assert f"and {count - 12} more independent components" in str(symbols)
     assert symbols._repr_latex_().count("&=") == 60
+
+
+def test_sympy_prints_tensors(polar):
+    """As text and LaTeX; it has a class of the same name, whose parts ours does not have."""
+    metric = polar.metric
+    assert metric._repr_latex_() == rf"$\displaystyle {sp.latex(metric)}$"
+    assert sp.sstr(metric) == repr(metric)
+    assert [line.rstrip() for line in sp.pretty(metric).splitlines()] == repr(metric).splitlines()
+    assert sp.latex([metric]).count("pmatrix") == 2
