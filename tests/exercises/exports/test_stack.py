@@ -4,7 +4,6 @@ import re
 import shutil
 import subprocess
 from functools import cache
-from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
@@ -149,7 +148,7 @@ def test_other_dimensions_are_other_questions():
 
 # What STACK's tests do, in a few words: a difference vanishes, in exponentials; numbers are near.
 PRELUDE = """\
-display2d:false$ linel:1000000$
+kill(all)$ reset()$ display2d:false$ linel:1000000$
 vanishes(d) := if atom(d) or not (matrixp(d) or listp(d)) then is(radcan(exponentialize(d))=0)
   else every(vanishes, args(d))$
 at_algequiv(a,b,o) := if errcatch(a-b)=[] or (matrixp(a) # matrixp(b)) or (listp(a) # listp(b))
@@ -160,8 +159,8 @@ at_numabsolute(a,b,o) := if listp(a) then (listp(b) and every(lambda([u,v],near(
 """
 
 
-def script(found: StackQuestion) -> str:
-    """The tests of a question in each variant, as Maxima runs them."""
+def script(found: StackQuestion, mark: str) -> str:
+    """The tests of a question in each variant, as Maxima runs them; mark: begins each line."""
     question, lines = found.element, [PRELUDE]
     for variant in range(1, len(found.seeds) + 1):
         lines += ["kill(facts)$", f"stack_seed:{variant}$"]
@@ -186,58 +185,83 @@ def script(found: StackQuestion) -> str:
                     note = text_of(node, "trueanswernote")
                     walk = f'(if {test}({sides}) then "{note}" else {walk})'
                 wanted = text_of(expected, "expectedanswernote")
-                lines.append(f'print("@", {variant}, {walk}, "{wanted}")$')
+                lines.append(f'print("@", "{mark}", {walk}, "{wanted}")$')
     return "\n".join(lines) + "\n"
 
 
-def ends(found: StackQuestion, folder: Path) -> list[tuple[str, str]]:
-    """Where each question test ends in Maxima, and where it should."""
+def count(found: StackQuestion) -> int:
+    """How many ends the tests of a question have, in all of its variants."""
+    tests = sum(len(x.findall("expected")) for x in found.element.findall("qtest"))
+    return tests * len(found.seeds)
+
+
+HALVES = ("1.2", "1.3", "2.3", "3.4")
+
+
+def half(number: str) -> StackQuestion:
+    """A question whose one test answers with the components i <= j alone."""
+    question = exercises.load(number).questions[0]
+    given = {key: x for key, x in question.solution.items() if key[0] <= key[1]}
+    assert len(given) < len(question.solution) or question.symmetry == "symmetric"
+    slices = [
+        {key[1:]: x for key, x in given.items() if key[0] == k} for k in range(question.shape[0])
+    ]
+    stacked = len(question.shape) == 3
+    texts = [maxima_matrix(x, question.shape[1:]) for x in slices] if stacked else [
+        maxima_matrix(given, question.shape)]  # fmt: skip
+    [found] = stack_questions(stack_quiz(tasks([number], [0])))
+    first, *rest = found.element.findall("qtest")
+    for case in rest:
+        found.element.remove(case)
+    for entry, text in zip(first.findall("testinput"), texts, strict=False):
+        value = entry.find("value")
+        assert value is not None
+        value.text = text
+    return found
+
+
+@pytest.fixture(scope="module")
+def ends(tmp_path_factory) -> dict[str, list[tuple[str, str]]]:
+    """Where each question test ends in Maxima, and where it should, by what was marked.
+
+    All in one process, which takes longer to start than most questions to run.
+    """
     settings = environment()
     if settings is None:
         pytest.skip("Maxima is not installed")
     program = shutil.which("maxima", path=settings["PATH"])
     assert program is not None
-    file = folder / "question.mac"
-    file.write_text(script(found), "utf-8")
+    file = tmp_path_factory.mktemp("maxima") / "questions.mac"
+    asked = [(number, found) for number in NUMBERS for found in exported(number)]
+    asked += [(f"half of {number}", half(number)) for number in HALVES]
+    file.write_text("".join(script(found, mark) for mark, found in asked), "utf-8")
     done = subprocess.run(
         [program, "--very-quiet", "-b", str(file)], capture_output=True, text=True,
         env=settings, timeout=300, check=True,
     )  # fmt: skip
-    rows = re.findall(r"^@ [0-9]+ (\S+) (\S+)\s*$", done.stdout, re.MULTILINE)
-    tests = sum(len(x.findall("expected")) for x in found.element.findall("qtest"))
-    assert len(rows) == tests * len(found.seeds), done.stdout[-3000:]
+    rows: dict[str, list[tuple[str, str]]] = {}
+    found_rows = re.findall(
+        r"^@ (half of [0-9.]+|[0-9.]+) (\S+) (\S+)\s*$", done.stdout, re.MULTILINE
+    )
+    for mark, end, wanted in found_rows:
+        rows.setdefault(mark, []).append((end, wanted))
+    assert len(found_rows) == sum(count(found) for _, found in asked), done.stdout[-3000:]
     return rows
 
 
 @pytest.mark.parametrize("number", NUMBERS)
-def test_maxima_ends_where_the_tests_say(number, tmp_path):
+def test_maxima_ends_where_the_tests_say(number, ends):
     """Each question test, in each variant, ends at its node."""
-    for found in exported(number):
-        assert not [row for row in ends(found, tmp_path) if row[0] != row[1]]
+    assert len(ends[number]) == sum(map(count, exported(number))) > 0
+    assert not [row for row in ends[number] if row[0] != row[1]]
 
 
-@pytest.mark.parametrize("number", ["1.2", "1.3", "2.3", "3.4"])
-def test_half_of_a_symmetric_answer_in_maxima(number, tmp_path):
+@pytest.mark.parametrize("number", HALVES)
+def test_half_of_a_symmetric_answer_in_maxima(number, ends):
     """Components with i <= j alone are right, as they are to the library."""
-    question = exercises.load(number).questions[0]
-    half = {key: x for key, x in question.solution.items() if key[0] <= key[1]}
-    assert len(half) < len(question.solution) or question.symmetry == "symmetric"
-    slices = [
-        {key[1:]: x for key, x in half.items() if key[0] == k} for k in range(question.shape[0])
-    ]
-    stacked = len(question.shape) == 3
-    texts = [maxima_matrix(x, question.shape[1:]) for x in slices] if stacked else [
-        maxima_matrix(half, question.shape)]  # fmt: skip
-    [found] = stack_questions(stack_quiz(tasks([number], [0])))
-    first, *rest = found.element.findall("qtest")
-    for case in rest:
-        found.element.remove(case)
-    for given, text in zip(first.findall("testinput"), texts, strict=False):
-        value = given.find("value")
-        assert value is not None
-        value.text = text
-    assert set(ends(found, tmp_path)) == {
-        (f"prt{k}-right", f"prt{k}-right") for k in range(1, len(found.trees) + 1)
+    trees = len(half(number).trees)
+    assert set(ends[f"half of {number}"]) == {
+        (f"prt{k}-right", f"prt{k}-right") for k in range(1, trees + 1)
     }
 
 
