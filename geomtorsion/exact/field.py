@@ -209,12 +209,12 @@ class Field(Tower):
 
     def decide_zero(self, element: Element) -> bool | None:
         """Whether an element vanishes that is kept, or whose generators may depend on others."""
-        image = self._image(element)
         unsure = [] if self.all_sure else [g for g in self.generators_of(element) if not g.sure]
         # A polynomial in generators without relations vanishes whatever they are.  A root that may
         # lie in the field already has more relations than its own, and only one of its values.
         if any(g.degree or is_algebraic_constant(self, g) for g in unsure):
-            return self._decide_by_numbers(element, image)
+            return self._decide_by_numbers(element)
+        image = self._image(element)
         if image is None and element.is_kept:
             element = self.whole(element)
         if image == 0 if image is not None else not element._num:
@@ -223,7 +223,7 @@ class Field(Tower):
             return False
         return False if self.sample.is_surely_nonzero(element) else None
 
-    def _decide_by_numbers(self, element: Element, image: fmpz_mod | None) -> bool | None:
+    def _decide_by_numbers(self, element: Element) -> bool | None:
         """Whether an element vanishes some of whose roots may depend on others."""
         whole = self.brief(element)
         if whole is not None:
@@ -232,6 +232,7 @@ class Field(Tower):
                 return found
         if self.sample.is_surely_nonzero(element):
             return False
+        image = self._image(element)
         return True if image is not None and image == 0 else None
 
     def _image(self, element: Element) -> fmpz_mod | None:

@@ -16,6 +16,7 @@ import sympy
 from flint import fmpq, fmpz, fmpz_mod_ctx, fmpz_mod_poly_ctx
 from flint.utils.flint_exceptions import DomainError
 
+from geomtorsion.exact.algebraic_constants import is_algebraic_constant
 from geomtorsion.exact.integers import as_fmpq
 from geomtorsion.exact.kept import in_order
 
@@ -45,12 +46,16 @@ class _MovedError(Exception):
     """A generator or an element has no value at the present point."""
 
 
+class _PrimeError(_MovedError):
+    """A number, such as a root of two, has no value modulo the present prime."""
+
+
 class ModularPoint:
     """A random point modulo a prime for the generators of a field, the same at every run."""
 
     def __init__(self, field: Tower) -> None:
         self._field = field
-        self._place = -1
+        self._place = self._number_of_prime = -1
         self._values: list[fmpz_mod] = []
         # sin goes with cos, sinh with cosh: both are chosen at once.
         self._partners: dict[str, fmpz_mod] = {}
@@ -70,6 +75,8 @@ class ModularPoint:
             try:
                 self._fill()
                 return self._image(element)
+            except _PrimeError:
+                self._settle(another_prime=True)
             except _MovedError:
                 self._settle()
 
@@ -143,19 +150,25 @@ class ModularPoint:
 
     # -- values of generators --------------------------------------------------------------------
 
-    def _settle(self) -> None:
-        """The next place: other values of all symbols, modulo another prime."""
+    def _settle(self, another_prime: bool = False) -> None:
+        """The next place: other values of all symbols, modulo another prime now and then."""
         place = self._place + 1
         # A point in n has a root of degree n: of so many tries all fail with a chance of 2**-_BITS.
         if place > _BITS * prod(self._degrees()):
             raise NoPointError
-        # Constants have roots modulo some primes only: the prime changes, too, if more slowly.
-        prime = _prime(place // 64)
-        ring = fmpz_mod_ctx(prime)
-        polynomials, zero, turn = fmpz_mod_poly_ctx(ring), ring(0), _root_of_unity(ring, prime)
+        # Symbols have other values at each place.  Roots of numbers, alone or below a root of a
+        # product, need another prime, which takes more time to find.
+        if another_prime or place % _BITS == 0:
+            number = self._number_of_prime + 1
+            prime = _prime(number)
+            ring = fmpz_mod_ctx(prime)
+            modulo = ring, fmpz_mod_poly_ctx(ring), ring(0), _root_of_unity(ring, prime)
+        else:
+            number = self._number_of_prime
+            modulo = self._ring, self._polynomials, self._zero, self._turn
         # All at once: whoever interrupts finds the old place or the new one.
-        self._place, self._ring, self._polynomials = place, ring, polynomials
-        self._zero, self._turn, self._values, self._partners = zero, turn, [], {}
+        self._place, self._number_of_prime, self._values, self._partners = place, number, [], {}
+        self._ring, self._polynomials, self._zero, self._turn = modulo
 
     def _degrees(self) -> list[int]:
         """The degrees of all algebraic generators."""
@@ -166,7 +179,12 @@ class ModularPoint:
         generators = self._field.generators
         while len(self._values) < len(generators):
             generator = generators[len(generators) - 1 - len(self._values)]
-            self._values.append(self._value(generator))
+            try:
+                self._values.append(self._value(generator))
+            except _MovedError as error:
+                if is_algebraic_constant(self._field, generator):
+                    raise _PrimeError from error
+                raise
 
     def _value(self, generator: Generator) -> fmpz_mod:
         kind = generator.kind

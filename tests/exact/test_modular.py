@@ -153,3 +153,17 @@ def test_products_go_to_products(degree):
     point = ModularPoint(field)
     assert point.image(a * b) == point.image(a) * point.image(b)
     assert point.image(a + b) == point.image(a) + point.image(b)
+
+
+def test_roots_of_numbers_that_few_primes_have():
+    """Four cube roots, one of them nested: other symbols do not help, another prime does."""
+    third = sp.Rational(1, 3)
+    roots = [sp.Integer(6) ** third, (1 + sp.Integer(10) ** third) ** third, 7**third, sp.sqrt(29)]
+    field = Field([x])
+    one, two, three, four = (field.read(root) for root in roots)
+    point = ModularPoint(field)
+    whole = field.read(x) * (one + two) * (three + four)
+    assert int(point.image(whole * whole - whole)) != 0
+    for known in (one**3 - 6, (two**3 - 1) ** 3 - 10, three**3 - 7, four**2 - 29):
+        assert int(point.image(whole * known)) == 0
+    assert (field.read(x * sum(roots)) - field.read(x) * (one + two + three + four)).is_zero is True
