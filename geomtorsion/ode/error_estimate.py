@@ -17,7 +17,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from geomtorsion.ode.engines.protocol import Engine
-from geomtorsion.ode.system import System
+from geomtorsion.ode.system import System, columns
 from geomtorsion.ode.trajectory import Segment, Trajectory
 
 # The error is so many times the difference, for the finer run has an error of its own; and that run
@@ -218,10 +218,8 @@ def rounding_of_rates(one: Trajectory) -> float:
 
 def _columns(segment: Segment) -> np.ndarray:
     """States of the system at the beginning, the samples and the end; below them parameters."""
-    rows = [np.asarray(segment.stage.start)[None], segment.run.states]
-    states = np.concatenate([*rows, np.asarray(segment.run.last)[None]]).astype(float)
-    numbers = np.array([float(x) for x in segment.stage.parameters])
-    return np.concatenate([states.T, np.repeat(numbers[:, None], len(states), axis=1)])
+    begin, end = (np.asarray(state)[None] for state in (segment.stage.start, segment.run.last))
+    return columns([begin, segment.run.states, end], segment.stage.parameters)
 
 
 def _is_noise(

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from geomtorsion.ode.error_estimate import AIM
+from geomtorsion.ode.system import columns
 from geomtorsion.ode.trajectory import Segment, Trajectory
 
 # Between samples that resolve a motion, the mean rate is that at both but for a twelfth of the
@@ -75,12 +76,12 @@ def _has_long_step(segments: list[Segment]) -> bool:
 def _of_piece(segments: list[Segment], accuracy: float) -> tuple[list[Interval], float]:
     """The same of segments that go on from each other."""
     system = segments[0].stage.system
-    times, columns, longest = _joined(segments)
+    times, values, longest = _joined(segments)
     lasts = times[1:] - times[:-1]
     over = longest > (1 - UNLIKE) * np.abs(lasts)
     if len(times) < 3 or not over.any():
         return [], 0.0
-    states, rates = columns[: system.size], system.array_function(*columns)
+    states, rates = values[: system.size], system.array_function(*values)
     changes = rates[:, 1:] - rates[:, :-1]
     bends = np.abs(changes[:, 1:] - changes[:, :-1])
     bends = np.minimum(np.c_[bends[:, :1], bends], np.c_[bends, bends[:, -1:]])
@@ -111,7 +112,7 @@ def confirmed(again: Trajectory, intervals: Sequence[Interval]) -> list[Interval
     found: dict[Interval, None] = {}
     for segments in _pieces(again):
         system = segments[0].stage.system
-        times, columns, _ = _joined(segments)
+        times, values, _ = _joined(segments)
         place = {t: k for k, t in enumerate(times.tolist())}
         known = [
             (interval, place[at], place[beside])
@@ -123,8 +124,8 @@ def confirmed(again: Trajectory, intervals: Sequence[Interval]) -> list[Interval
             continue
         here, near = np.array([k for _, *k in known]).T
         rows = np.array([interval.state for interval, _, _ in known])
-        rates = system.array_function(*columns[:, here])[rows, range(len(known))]
-        slopes = (columns[rows, near] - columns[rows, here]) / (times[near] - times[here])
+        rates = system.array_function(*values[:, here])[rows, range(len(known))]
+        slopes = (values[rows, near] - values[rows, here]) / (times[near] - times[here])
         lasts = np.array([interval.end - interval.begin for interval, _, _ in known])
         far = np.abs((slopes - rates) * lasts) > [interval.gap for interval, _, _ in known]
         found.update(dict.fromkeys(known[k][0] for k in np.flatnonzero(far)))
@@ -171,9 +172,5 @@ def _joined(segments: list[Segment]) -> tuple[np.ndarray, np.ndarray, np.ndarray
         times.append(run.times[:count])
         states.append(run.states[:count])
         longest.append(np.full(count, run.longest_step))
-    rows = np.concatenate(states)
-    size, numbers = rows.shape[1], segments[0].stage.parameters
-    columns = np.empty((size + len(numbers), len(rows)))
-    columns[:size] = rows.T
-    columns[size:] = np.array([float(x) for x in numbers])[:, None]
-    return np.concatenate(times).astype(float), columns, np.concatenate(longest)[:-1]
+    above = columns(states, segments[0].stage.parameters)
+    return np.concatenate(times).astype(float), above, np.concatenate(longest)[:-1]

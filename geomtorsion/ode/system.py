@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -17,6 +17,21 @@ ENTIRE = ("sin", "cos", "sinh", "cosh", "exp")
 # What a scalar function raises where it has no value.
 NO_VALUE = (ZeroDivisionError, ValueError, OverflowError)
 ScalarRates = Callable[[float, np.ndarray], Sequence[float]]
+
+
+def columns(parts: Sequence[np.ndarray], values: Iterable[Any]) -> np.ndarray:
+    """States in doubles, part after part, above the parameters: what functions of arrays take.
+
+    parts: rows of states, each (m_k, size). values: of the parameters, the same for all.
+
+    Examples
+    --------
+    >>> columns([np.array([[1.0, 2.0]]), np.array([[3.0, 4.0], [5.0, 6.0]])], [7]).tolist()
+    [[1.0, 3.0, 5.0], [2.0, 4.0, 6.0], [7.0, 7.0, 7.0]]
+    """
+    states = np.concatenate(parts).astype(float)
+    numbers = np.array([float(x) for x in values])
+    return np.concatenate([states.T, np.repeat(numbers[:, None], len(states), axis=1)])
 
 
 @dataclass(frozen=True, eq=False)
