@@ -21,11 +21,12 @@ from geomtorsion.crystals.frames import (
     frame_of,
     neighbours_of,
     sampled,
+    share_within,
 )
 from geomtorsion.crystals.given import Given, positions_of
 from geomtorsion.crystals.grain_circuits import GrainCircuits
 from geomtorsion.crystals.grain_networks import network_of_grains
-from geomtorsion.crystals.grains import Grain, Grains, single_grain
+from geomtorsion.crystals.grains import Grain, Grains, in_variant, single_grain
 from geomtorsion.crystals.known_grains import KnownGrains
 from geomtorsion.crystals.lattices import Lattice
 from geomtorsion.crystals.method import METHOD
@@ -156,9 +157,13 @@ class Crystal(InFrame):
             return share_of_lattices(lattice, self._near, numbers)
 
         found = frame_of(vectors, given.lattice, given.orient, given.constant, shares)
-        # A crystal may turn in time.
         if given.orient is not None and self._before is None:
             check_turn(found[0], vectors)
+        elif given.orient is not None and share_within(found[0], vectors) < METHOD.share:
+            # The crystal has turned in time: it is found anew, in the axes next to those before.
+            new, _ = frame_of(vectors, given.lattice, None, given.constant, shares)
+            turned = in_variant(new, found[0])
+            return turned, fitted(turned, vectors[:, : turned.lattice.shells])
         return found
 
     def _neighbours(self, count: int, atoms: np.ndarray) -> np.ndarray:
@@ -216,7 +221,8 @@ class Crystal(InFrame):
     def following(self, before: Crystal | KnownGrains) -> Crystal:
         """The same atoms as the next frame of a trajectory: grains that hold the same atoms, by
         their order, as in the frame before keep their numbers and their frames, so that Burgers
-        vectors of their lines are the same in time.
+        vectors of their lines are the same in time. One that has turned by more than 15 degrees is
+        a new grain; a crystal that has is read along the axes next to those before.
 
         Examples
         --------

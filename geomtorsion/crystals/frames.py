@@ -221,18 +221,30 @@ def _is_ordered(frame: Frame, vectors: np.ndarray) -> bool:
     return False
 
 
+def share_within(frame: Frame, vectors: np.ndarray) -> float:
+    """Share of those atoms that tell an orientation that lie in the frame, up to the angle of a
+    wall; all where none tells."""
+    angles = _turns(frame, vectors)
+    return float((angles < METHOD.wall).mean()) if len(angles) else 1.0
+
+
 def check_turn(frame: Frame, vectors: np.ndarray) -> None:
     """Refuse a given orientation in which no atom of a crystal lies."""
+    if share_within(frame, vectors) == 0:
+        least = np.degrees(_turns(frame, vectors).min())
+        raise CrystalError(
+            "orient: that of the crystal, or of one of its grains, was needed, but all atoms are "
+            f"turned from it by {least:.3g} degrees or more. Its rows are the crystal axes in the "
+            "specimen; leave it out to have it found."
+        )
+
+
+def _turns(frame: Frame, vectors: np.ndarray) -> np.ndarray:
+    """Misorientations of single atoms from a frame, of those that fit in one of their own, rad."""
     local = local_frames(frame.lattice, vectors)
     found = local.quaternions[local.good]
     own = np.tile(quaternion_from_matrix(frame.orient.T), (len(found), 1))
-    angles = symmetry_of(frame.lattice.name).nearest(own, found)[1]
-    if len(found) and angles.min() > METHOD.wall:
-        raise CrystalError(
-            f"orient: that of the crystal, or of one of its grains, was needed, but all atoms are "
-            f"turned from it by {np.degrees(angles.min()):.3g} degrees or more. Its rows are the "
-            "crystal axes in the specimen; leave it out to have it found."
-        )
+    return symmetry_of(frame.lattice.name).nearest(own, found)[1]
 
 
 def _seeded(lattice: Lattice, vectors: np.ndarray) -> Frame:

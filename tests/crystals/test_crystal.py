@@ -334,10 +334,16 @@ def test_empty_layers_of_the_cell_take_no_memory():
 
 
 def test_a_crystal_may_turn_in_time_out_of_the_axes_that_it_began_with():
-    """What is refused of the first frame is none of the next ones."""
-    first = Crystal(X - 2.2, orient=np.eye(3))
-    turned = (X - 2.2) @ Rotation.from_euler("z", 17, degrees=True).as_matrix().T
-    assert Crystal(turned).following(first).constant == first.constant
+    """Its axes are found anew, those next to the ones before: b stays the same along them."""
+    places, cell = line_of("bcc", (0.5, 0.5, 0.5))
+    places, crystal, seen = places - places.mean(axis=0), None, []
+    for degrees in (0, 12, 24, 36, 48):
+        turn = Rotation.from_euler("z", degrees, degrees=True).as_matrix()
+        later = Crystal(places @ turn.T, cell, (False, False, True))
+        crystal = later if crystal is None else later.following(crystal)
+        (line,) = crystal.dislocations().lines
+        seen.append([np.sign(line.image[2]) * float(x) for x in line.burgers_lattice])
+    assert seen == [seen[0]] * 5
 
 
 def test_tetrahedra_take_whole_numbers_of_four_bytes():
