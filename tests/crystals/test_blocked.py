@@ -95,7 +95,10 @@ def test_open_and_turned_cells(tmp_path_factory, size, seed):
     assert bits(cut.dislocations()) == bits(whole)
 
 
-@pytest.mark.parametrize("size", [3.0, pytest.param(7.0, marks=pytest.mark.slow), 100.0])
+@pytest.mark.parametrize(
+    "size",
+    [pytest.param(3.0, marks=pytest.mark.slow), 7.0, pytest.param(100.0, marks=pytest.mark.slow)],
+)
 def test_without_a_cell_blocks_are_as_wide_as_asked(tmp_path, size):
     """An open crystal needs no cell: as many blocks as its atoms fill, and the same lines."""
     places, _ = line()
@@ -371,7 +374,7 @@ def check_grains(folder, places, cell, sizes, axes=(True,) * 3, partials=False):
 SIGMA5 = turned(np.degrees(np.arctan2(3, 4)), (0, 0, 1))
 
 
-@pytest.mark.parametrize("lattice", ["fcc", "bcc"])
+@pytest.mark.parametrize("lattice", [pytest.param("fcc", marks=pytest.mark.slow), "bcc"])
 def test_grains_in_blocks_are_those_in_memory(tmp_path, lattice):
     """A line in each half of a bicrystal, in blocks that cut the wall and that do not."""
     burgers = (0.5, 0.5, 0) if lattice == "fcc" else (1, 0, 0)

@@ -11,7 +11,6 @@ from geomtorsion.curves import autoparallel, geodesic, geodesic_deviation
 from geomtorsion.errors import ChartEdgeError
 from geomtorsion.geometry import cartan
 from geomtorsion.ode import Taylor, solve, solve_many
-from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.spaces import load
 from tests.ode.engines import ENGINES, every_engine, needs_heyoka
 
@@ -55,8 +54,10 @@ def test_radial_infall_precisely(precision):
     assert proper_time(radius) == pytest.approx(3.0, abs=1e-11)
 
 
-ENDINGS = [(engine, phi) for engine in ENGINES for phi in (0.0, 0.4)]
-ENDINGS += [(Taylor(64), 0.4)] if is_available() else []
+ENDINGS = [
+    *((engine, phi) for engine in ENGINES for phi in (0.0, 0.4)),
+    pytest.param(Taylor(64), 0.4, marks=[needs_heyoka, pytest.mark.slow]),
+]
 
 
 @pytest.mark.parametrize(("engine", "phi"), ENDINGS)
