@@ -8,7 +8,9 @@ from functools import cmp_to_key
 from typing import TYPE_CHECKING, Any, TypeGuard
 
 import sympy
+from flint import fmpq
 
+from geomtorsion.errors import AllowanceError, LimitError
 from geomtorsion.exact.collecting import Collector
 from geomtorsion.exact.form import LONGEST_FACTORED, Form, Sum, form
 from geomtorsion.exact.generators import Generator, Names
@@ -18,8 +20,6 @@ from geomtorsion.exact.limits import check_parts, check_written
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
-
-    from flint import fmpq
 
     from geomtorsion.exact.element import Element
 
@@ -48,9 +48,27 @@ class Parts:
 
     def __init__(self, collector: Collector | None = None) -> None:
         self.collector: Collector | None = collector
+        # Kept elements that are written, by their identity, with the elements.
+        self.built: dict[int, tuple[Element, sympy.Expr]] = {}
         self._powers: dict[tuple[Generator | Sum, int], Part] = {}
         self._numbers: dict[fmpq, Part] = {}
         self._places: dict[Part, int] = {_A_PRODUCT: 0}
+
+    def written(self, element: Element) -> sympy.Expr:
+        """An element that is multiplied out."""
+        return element.sympy if self.collector is None else _of_form(self, form(element))
+
+    def length(self, element: Element) -> int:
+        """How long an element is, multiplied out: its terms, or its parts where it is collected."""
+        if self.collector is None:
+            return written_length(element)
+        return self.collector.parts_of(form(element))
+
+    def size(self, base: Sum) -> int:
+        """How many parts a sum has at least."""
+        if self.collector is None:
+            return sum(max(len(powers), 1) for _, powers in base.terms)
+        return self.collector.parts_of(Form(fmpq(1), ((base, 1),)))
 
     def power(self, base: Generator | Sum, exponent: int) -> Part:
         """base**exponent."""
@@ -97,7 +115,7 @@ def _compared(part: Part) -> Any:
 def to_sympy(element: Element) -> sympy.Expr:
     """The element in its short form: factored, radicals and sin**2 restored."""
     if element._level is None:
-        return _as_built(element)
+        return _as_built(element, element._field.tables.setdefault("parts", Parts()))
     if not element._field.all_sure and element.is_zero:
         return sympy.S.Zero
     written = form(element)
@@ -115,14 +133,28 @@ def shortest(element: Element, names: Names = ()) -> sympy.Expr:
 
     names: quantities that may be written by their names.
     """
-    plain = element.sympy
-    whole = short_of(element) if element.is_kept else element
-    if whole is None or not plain:
-        return plain
     known = element._field.tables.setdefault("collected parts", {})
     if names not in known:
         known[names] = Parts(Collector(names))
-    return min(plain, _of_form(known[names], form(whole)), key=_size)
+    parts = known[names]
+    whole = short_of(element) if element.is_kept else element
+    if whole is None:
+        return _short_as_built(element, parts)
+    plain = element.sympy
+    return min(plain, _of_form(parts, form(whole)), key=_size) if plain else plain
+
+
+def _short_as_built(element: Element, parts: Parts) -> sympy.Expr:
+    """A long element that is kept, its sums collected where it is asked for or too long without."""
+    if not parts.has_names:
+        # Collecting takes longer than it helps: hundreds of sums that nobody reads to the end.
+        try:
+            return element.sympy
+        except AllowanceError:
+            raise
+        except LimitError:
+            pass
+    return _as_built(element, parts)
 
 
 def _size(shown: sympy.Expr) -> int:
@@ -155,7 +187,7 @@ def _with_names(known: Parts, written: Form) -> sympy.Expr:
     return product
 
 
-def _as_built(element: Element) -> sympy.Expr:
+def _as_built(element: Element, parts: Parts) -> sympy.Expr:
     """A kept element: each part multiplied out or as it was built, whichever is shorter."""
     if element.is_zero:
         return sympy.S.Zero
@@ -164,14 +196,14 @@ def _as_built(element: Element) -> sympy.Expr:
 
     def length(part: Element) -> int:
         if id(part) not in lengths:
-            lengths[id(part)] = written_length(part)
+            lengths[id(part)] = parts.length(part)
         return lengths[id(part)]
 
     whole = short_of(element)
     # What was built has at least one part for each of its terms.
-    if whole is not None and written_length(whole) <= len(list(_terms(element))):
-        return whole.sympy
-    _check_sums(element)
+    if whole is not None and parts.length(whole) <= len(list(_terms(element))):
+        return parts.written(whole)
+    _check_sums(element, parts)
     for one in in_order(element, lambda x: id(x) in lengths):
         recipe = one._recipe
         assert recipe is not None
@@ -181,25 +213,42 @@ def _as_built(element: Element) -> sympy.Expr:
             chosen[id(one)] = short
             built = length(short)
         lengths[id(one)] = built
+    # What turns out to be too long is not kept: the next one who asks is told so, too.
+    made: dict[int, tuple[Element, sympy.Expr]] = {}
 
-    def is_written(one: Element) -> bool:
-        if one._sympy is None and id(one) in chosen:
-            one._sympy = chosen[id(one)].sympy
-        return one._sympy is not None
+    def known(part: Element) -> sympy.Expr | None:
+        if not part.is_kept:
+            return parts.written(part)
+        if id(part) in chosen and id(part) not in made:
+            made[id(part)] = part, parts.written(chosen[id(part)])
+        found = made.get(id(part)) or parts.built.get(id(part))
+        if found is None:
+            return part._sympy if parts.collector is None else None
+        return found[1]
 
-    for one in in_order(element, is_written):
+    def text(part: Element) -> sympy.Expr:
+        found = known(part)
+        assert found is not None
+        return found
+
+    for one in in_order(element, lambda x: known(x) is not None):
         recipe = one._recipe
         assert recipe is not None
         whole_sum = _sum_of(
-            [(_number(as_fmpq(c)), [x.sympy for x in xs]) for c, *xs in recipe.terms]
+            [(_number(as_fmpq(c)), [text(x) for x in xs]) for c, *xs in recipe.terms]
         )
-        one._sympy = sympy.Pow(whole_sum, -1) if recipe.below else whole_sum
-    assert element._sympy is not None
-    check_written(element._sympy)
-    return element._sympy
+        made[id(one)] = one, sympy.Pow(whole_sum, -1) if recipe.below else whole_sum
+    found = text(element)
+    check_written(found)
+    if parts.collector is None:
+        for part, shown in made.values():
+            part._sympy = shown
+    else:
+        parts.built.update(made)
+    return found
 
 
-def _check_sums(element: Element) -> None:
+def _check_sums(element: Element, parts: Parts) -> None:
     """Refuses a kept element that has too many parts in what is surely written as it is."""
     # Whether a sum stands above the line; None where it stands on both sides.
     sides: dict[Sum, bool | None] = {}
@@ -217,13 +266,12 @@ def _check_sums(element: Element) -> None:
             continue
         for base, exponent in form(one).powers:
             if isinstance(base, Sum):
-                size = sum(max(len(powers), 1) for _, powers in base.terms)
                 above = exponent > 0
                 # It is written once at least, unless what stands on both sides cancels.
                 if base not in sides:
-                    sides[base], least = above, least + size
+                    sides[base], least = above, least + parts.size(base)
                 elif sides[base] is not None and sides[base] is not above:
-                    sides[base], least = None, least - size
+                    sides[base], least = None, least - parts.size(base)
         check_parts(least, f"more than {least:,}")
 
 

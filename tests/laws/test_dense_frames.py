@@ -9,6 +9,7 @@ import pytest
 import sympy as sp
 from hypothesis import given, settings
 
+from geomtorsion.errors import LimitError
 from geomtorsion.geometry import Frame, cartan, contract, identities, levi_civita
 from tests.laws.dense import dense_frames
 
@@ -323,3 +324,27 @@ def test_quotients_without_roots_are_inverted_whole():
     )
     assert not any(value.is_kept for value in static.inverse_metric.components.independent.values())
     assert static.inverse_metric.certainty.proved
+
+
+def test_what_is_too_long_as_it_is_may_be_short_when_it_is_collected():
+    """Powers of sums come back by powers of a symbol: such a scalar is printed, not refused."""
+    a, b, c = sp.symbols("a b c", positive=True)
+    rows = [
+        [(x + y + z + a) ** 4 + sp.sin(x), y, 0],
+        [z, (a * x + b * y + c * z) ** 4 + sp.exp(y), x],
+        [0, x * y, (x**2 + y**2 + z**2 + b) ** 3 + sp.cos(z)],
+    ]
+    scalar = levi_civita(Frame([x, y, z], rows)).curvature.scalar
+    # What was refused is refused again: nothing of it is kept.
+    for _ in range(2):
+        with pytest.raises(LimitError, match="parts would be written"):
+            scalar[()]
+    shown = scalar.to_sympy(short=True)
+    assert len(str(scalar)) < 100_000
+    values = dict(
+        zip((a, b, c, x, y, z), (sp.Rational(k, 7) for k in (3, 4, 5, 2, 1, 6)), strict=True)
+    )
+    with mpmath.workdps(50):
+        numbers = [mpmath.mpf(value.p) / value.q for value in values.values()]
+        have = sp.lambdify(tuple(values), shown, "mpmath")(*numbers)
+        assert abs(have - scalar.at(values, digits=40).item()) < abs(have) * mpmath.mpf(10) ** -35
