@@ -10,12 +10,13 @@ import json
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from geomtorsion.errors import CheckpointError, FileFormatError
+from geomtorsion.errors import CheckpointError, FileFormatError, LimitError
 from geomtorsion.files import read_json_text, read_text
 from geomtorsion.progress import PATIENCE, bar
 
@@ -83,7 +84,13 @@ def run_blocks(
     client: Any = None,
     what: str = "blocks",
 ) -> None:
-    """Do blocks here, in processes, or on a cluster (`dask.distributed.Client`)."""
+    """Do blocks here, in processes, or on a cluster (`dask.distributed.Client`).
+
+    Raises
+    ------
+    LimitError
+        A process ended before its work was done.
+    """
     with bar(f"{len(left)} {what}", len(left), patience=PATIENCE) as show:
         for done, _ in enumerate(_run(compute, left, workers, client), 1):
             if show is not None:
@@ -101,6 +108,14 @@ def _run(
     elif workers == 1:
         yield from map(compute, left)
     else:
-        with ProcessPoolExecutor(workers) as pool:
-            for future in as_completed([pool.submit(compute, number) for number in left]):
-                yield future.result()
+        try:
+            with ProcessPoolExecutor(workers) as pool:
+                for future in as_completed([pool.submit(compute, number) for number in left]):
+                    yield future.result()
+        except BrokenProcessPool:
+            # Since Python 3.14 new processes read the script again on Linux, too.
+            raise LimitError(
+                "a process ended before its work was done. Mostly memory ran out: take fewer "
+                "workers or smaller blocks; the same call goes on with what is missing. In a "
+                'script, whatever uses workers stands below `if __name__ == "__main__":`.'
+            ) from None

@@ -1,12 +1,13 @@
 """Blocks: a ledger that refuses other work, files that are whole, and runs of what is left."""
 
+import os
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
 from geomtorsion.blocks import LEDGER, open_ledger, read_array, run_blocks, write_array
-from geomtorsion.errors import CheckpointError
+from geomtorsion.errors import CheckpointError, LimitError
 
 
 def test_a_ledger_takes_up_its_own_work_alone(tmp_path):
@@ -67,3 +68,9 @@ def test_errors_of_blocks_come_through():
     """The first one ends the run."""
     with pytest.raises(ZeroDivisionError):
         run_blocks(lambda number: 1 / number, [1, 0, 2])
+
+
+def test_a_process_that_ends_is_told():
+    """As when the system ends it for want of memory, or it cannot begin."""
+    with pytest.raises(LimitError, match=r"ended before .* smaller blocks.* __name__"):
+        run_blocks(os._exit, [3, 3], workers=2)

@@ -303,7 +303,8 @@ def blocked_crystal(
         Length of the sides of a block, in the unit of the positions. It decides about memory and
         time, not about lines: it should be some fifty neighbour distances or more.
     workers
-        Processes on this machine.
+        Processes on this machine. A script asks for them below ``if __name__ == "__main__":``,
+        since each reads it again.
     client
         A `dask.distributed.Client`, which runs one task for each block on its workers.
 
@@ -315,6 +316,8 @@ def blocked_crystal(
         The folder holds blocks of another run.
     FileFormatError
         A file is missing or damaged.
+    LimitError
+        A process ended before its work was done.
 
     Examples
     --------

@@ -252,7 +252,8 @@ def blocked_map(
         Nodes from one place to the next, one number or one for each axis: the size, for circuits
         that lie side by side.
     workers
-        Processes on this machine (the source must then be a path or can be sent to others).
+        Processes on this machine (the source must then be a path or can be sent to others). A
+        script asks for them below ``if __name__ == "__main__":``, since each reads it again.
     client
         A `dask.distributed.Client`, which runs one task for each block on its workers.
 
@@ -262,6 +263,8 @@ def blocked_map(
         Steps, size or block fit no grid.
     CheckpointError
         The folder holds blocks of another run.
+    LimitError
+        A process ended before its work was done.
 
     Examples
     --------
