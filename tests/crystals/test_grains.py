@@ -196,7 +196,15 @@ def test_low_angle_walls_are_their_dislocations():
             assert lines == ()
 
 
-@pytest.mark.parametrize(("lattice", "constant"), [("bcc", 0.8), ("hcp", 0.707), ("diamond", 1.5)])
+@pytest.mark.parametrize(
+    ("lattice", "constant"),
+    [
+        pytest.param("bcc", 0.8, marks=pytest.mark.slow),
+        # As many neighbours, as far away as those of the lattice about it.
+        ("hcp", 0.707),
+        pytest.param("diamond", 1.5, marks=pytest.mark.slow),
+    ],
+)
 def test_phases_are_told_with_their_shares(lattice, constant):
     """A ball of another lattice in fcc."""
     around = filled("fcc", np.eye(3), 9)
