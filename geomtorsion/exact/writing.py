@@ -204,7 +204,13 @@ def _as_built(element: Element, parts: Parts) -> sympy.Expr:
     if whole is not None and parts.length(whole) <= len(list(_terms(element))):
         return parts.written(whole)
     _check_sums(element, parts)
-    for one in in_order(element, lambda x: id(x) in lengths):
+
+    def is_counted(part: Element) -> bool:
+        if id(part) not in lengths and _vanishes(part):
+            lengths[id(part)] = 0
+        return id(part) in lengths
+
+    for one in in_order(element, is_counted):
         recipe = one._recipe
         assert recipe is not None
         built = sum(length(part) for part in recipe.parts)
@@ -219,6 +225,8 @@ def _as_built(element: Element, parts: Parts) -> sympy.Expr:
     def known(part: Element) -> sympy.Expr | None:
         if not part.is_kept:
             return parts.written(part)
+        if id(part) not in made and _vanishes(part):
+            made[id(part)] = part, sympy.S.Zero
         if id(part) in chosen and id(part) not in made:
             made[id(part)] = part, parts.written(chosen[id(part)])
         found = made.get(id(part)) or parts.built.get(id(part))
@@ -234,9 +242,10 @@ def _as_built(element: Element, parts: Parts) -> sympy.Expr:
     for one in in_order(element, lambda x: known(x) is not None):
         recipe = one._recipe
         assert recipe is not None
-        whole_sum = _sum_of(
-            [(_number(as_fmpq(c)), [text(x) for x in xs]) for c, *xs in recipe.terms]
-        )
+        terms = [(_number(as_fmpq(c)), [text(x) for x in xs]) for c, *xs in recipe.terms]
+        # A part that vanishes, as X - X/2 - X/2 does, takes its products with it.
+        left = [term for term in terms if not any(x is sympy.S.Zero for x in term[1])]
+        whole_sum = _sum_of(left) if left else sympy.S.Zero
         made[id(one)] = one, sympy.Pow(whole_sum, -1) if recipe.below else whole_sum
     found = text(element)
     check_written(found)
@@ -246,6 +255,11 @@ def _as_built(element: Element, parts: Parts) -> sympy.Expr:
     else:
         parts.built.update(made)
     return found
+
+
+def _vanishes(part: Element) -> bool:
+    """Whether a kept part vanishes, decided as for components; not where that may take long."""
+    return part.is_kept and part.field.all_sure and part.is_zero is True
 
 
 def _check_sums(element: Element, parts: Parts) -> None:
@@ -260,7 +274,7 @@ def _check_sums(element: Element, parts: Parts) -> None:
             continue
         seen.add(id(one))
         if one.is_kept:
-            if short_of(one) is None:
+            if not _vanishes(one) and short_of(one) is None:
                 assert one._recipe is not None
                 waiting += one._recipe.parts
             continue

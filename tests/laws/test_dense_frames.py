@@ -334,7 +334,8 @@ def test_what_is_too_long_as_it_is_may_be_short_when_it_is_collected():
         [z, (a * x + b * y + c * z) ** 4 + sp.exp(y), x],
         [0, x * y, (x**2 + y**2 + z**2 + b) ** 3 + sp.cos(z)],
     ]
-    scalar = levi_civita(Frame([x, y, z], rows)).curvature.scalar
+    frame = Frame([x, y, z], rows)
+    scalar = levi_civita(frame).curvature.scalar
     # What was refused is refused again: nothing of it is kept.
     for _ in range(2):
         with pytest.raises(LimitError, match="parts would be written"):
@@ -348,3 +349,22 @@ def test_what_is_too_long_as_it_is_may_be_short_when_it_is_collected():
         numbers = [mpmath.mpf(value.p) / value.q for value in values.values()]
         have = sp.lambdify(tuple(values), shown, "mpmath")(*numbers)
         assert abs(have - scalar.at(values, digits=40).item()) < abs(have) * mpmath.mpf(10) ** -35
+        # With names for what is there to powers it is shorter by far.
+        named = frame.named(A="x + y + z + a", B="a*x + b*y + c*z", C="x**2 + y**2 + z**2 + b")
+        shorter = levi_civita(named).curvature.scalar.to_sympy(short=True)
+        assert len(str(shorter)) < len(str(shown)) / 5
+        meant = [sp.lambdify(tuple(values), q, "mpmath")(*numbers) for q in named.names.values()]
+        same = sp.lambdify((*values, *named.names), shorter, "mpmath")(*numbers, *meant)
+        assert abs(have - same) < abs(have) * mpmath.mpf(10) ** -35
+
+
+def test_parts_that_vanish_are_not_written():
+    """Every sum in what is written is worth something: X - X/2 - X/2 is left out."""
+    scalar = levi_civita(made("polynomial, sine, unknown function")).curvature.scalar
+    known = [t, r, M, *(f(t).diff(t, k) for k in range(1, 4)), f(t)]
+    with mpmath.workdps(60):
+        numbers = [mpmath.mpf(k) / 7 for k in range(2, 2 + len(known))]
+        for part in sp.preorder_traversal(scalar[()]):
+            if part.is_Add:
+                number = sp.lambdify(known, part, "mpmath", dummify=True)(*numbers)
+                assert abs(number) > mpmath.mpf(10) ** -40, part
