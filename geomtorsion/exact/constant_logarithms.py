@@ -7,13 +7,16 @@ the powers of these numbers is one proves it, and of arcs the value says how man
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from math import lcm
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, SupportsInt
 
 import mpmath
 import sympy
 from flint import fmpq, fmpz_mat
+from sympy.polys.domains import QQ, ZZ
+from sympy.polys.matrices.ddm import DDM
 
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.exact.angles import of_inverse_function, power_of_pair, sum_of_angles
@@ -21,7 +24,7 @@ from geomtorsion.exact.limits import LARGEST_MULTIPLE
 from geomtorsion.precision import EXACT_BITS, working_precision
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from geomtorsion.exact.angles import Pair
     from geomtorsion.exact.element import Element
@@ -130,12 +133,21 @@ def _relation(values: list[mpmath.mpf]) -> list[int] | None:
         [int(j == k) for j in range(len(values))] + [int(mpmath.nint(mpmath.ldexp(value, scale)))]
         for k, value in enumerate(values)
     ]
-    for row in fmpz_mat(rows).lll().tolist():
+    for row in _reduced(rows):
         *numbers, rest = (int(x) for x in row)
         size = sum(map(abs, numbers))
         if numbers[0] and abs(rest) <= size and max(map(abs, numbers)) <= LARGEST_MULTIPLE:
             return numbers
     return None
+
+
+def _reduced(rows: list[list[int]]) -> Sequence[Sequence[SupportsInt]]:
+    """A short basis of the lattice that the rows span."""
+    # In its build for browsers flint's reduction of numbers as long as ours ends all of Python.
+    if sys.platform == "emscripten":
+        exact = DDM([list(map(ZZ, row)) for row in rows], (len(rows), len(rows[0])), ZZ)
+        return exact.lll(delta=QQ(3, 4)).to_list()
+    return fmpz_mat(rows).lll().tolist()
 
 
 def _is_turned(parts: list[_Known], numbers: list[int], halves: int) -> bool:
