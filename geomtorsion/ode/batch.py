@@ -10,9 +10,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from geomtorsion.ode.engines import Engine, Taylor
+from geomtorsion.ode.engines.compiled import heyoka
 from geomtorsion.ode.engines.protocol import STANDSTILL
 from geomtorsion.ode.engines.stepwise import FLOOR, error_scales
-from geomtorsion.ode.engines.taylor import heyoka
 from geomtorsion.ode.scaling import member_units, scaled_system
 from geomtorsion.ode.system import System
 
@@ -34,10 +34,14 @@ class BatchRun:
 
     states: shape (number, times, size); not a number where a member is not finished.
     finished: shape (number,), which came to the end without meeting the guard.
+    steps, longest: shape (number,), how many steps each took, and the longest of them as a part of
+        the way; where they were counted.
     """
 
     states: np.ndarray
     finished: np.ndarray
+    steps: np.ndarray
+    longest: np.ndarray
     interrupted: bool = False
     compile_seconds: float = 0.0
 
@@ -52,6 +56,8 @@ def run_batch(
     times: np.ndarray,
     tolerance: float,
     show: Show = None,
+    *,
+    counted: bool = False,
 ) -> BatchRun:
     """All members through times that begin at 0.
 
@@ -64,6 +70,8 @@ def run_batch(
     pace
         how fast members move, shape (number,): the like are put together, as those that share
         an instruction wait for the slowest.
+    counted
+        whether the steps are counted, which takes a microsecond a member.
     """
     number, size = states.shape
     own = member_units(system, states, parameters, units * (times[-1] - times[0]))
@@ -72,12 +80,13 @@ def run_batch(
         columns = np.concatenate((parameters, sizes, clocks[:, None] / sizes), axis=1)
         found = run_batch(
             engine, scaled_system(system), states / sizes, columns, units / clocks, pace, times,
-            tolerance, show,
+            tolerance, show, counted=counted,
         )  # fmt: skip
         return replace(found, states=found.states * sizes[:, None, :])
     result = np.full((number, len(times), size), np.nan)
     finished = np.zeros(number, dtype=bool)
     crossed = np.zeros(number, dtype=bool)
+    steps = np.zeros((2, number))
     compiling, interrupted = 0.0, False
     try:
         if isinstance(engine, Taylor):
@@ -88,12 +97,14 @@ def run_batch(
                 numbers = system.with_constants(parameters)
                 calls = _calls(states, numbers, units, pace, times, width)
                 watched = crossed if system.guard is not None else None
-                _by_heyoka(kept.integrator, calls, result, finished, watched, show)
+                noted = steps if counted else None
+                _by_heyoka(kept.integrator, calls, result, finished, watched, noted, show)
         else:
             share = max(1, STACKED // size)
             for first in range(0, number, share):
                 part = slice(first, min(first + share, number))
-                _stacked(system, states, parameters, units, times, tolerance, part, result, crossed)
+                numbers = (states, parameters, units, times, tolerance)
+                _stacked(system, *numbers, part, result, crossed, steps)
                 finished[part] = np.isfinite(result[part]).all(axis=(1, 2))
                 if show is not None:
                     show(part.stop)
@@ -105,7 +116,7 @@ def run_batch(
         crossed |= finished & (np.broadcast_to(guard, result.shape[:2]) < 0).any(axis=1)
     finished &= ~crossed
     result[~finished] = np.nan
-    return BatchRun(result, finished, interrupted, compiling)
+    return BatchRun(result, finished, steps[0], steps[1], interrupted, compiling)
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,12 +163,14 @@ def _by_heyoka(
     result: np.ndarray,
     finished: np.ndarray,
     crossed: np.ndarray | None,
+    steps: np.ndarray | None,
     show: Show,
 ) -> None:
-    """Fill in states of members that come to the end, and which those are."""
+    """Fill in states of members that come to the end, which those are, and their steps."""
     index, (count, size, width) = calls.index, calls.states.shape
     own, pars, until = integrator.state, integrator.pars, integrator.propagate_until
     ends, clocks = calls.times[-1], np.zeros((count, width))
+    taken = np.zeros((count, width, 3))
     several = len(calls.times) > 2
     found = np.full((count, len(calls.times) if several else 1, size, width), np.nan)
     done = 0
@@ -180,6 +193,9 @@ def _by_heyoka(
                 if most and (integrator.time != ends[k]).any():
                     _go_on(integrator, ends[k], hits, most)
                 found[k, 0] = own
+            # Of the last of several calls, whose members have taken many steps in any case.
+            if steps is not None:
+                taken[k] = [one[1:4] for one in integrator.propagate_res]
             clocks[k] = integrator.time
             for members in hits:
                 if members and crossed is not None:
@@ -195,6 +211,13 @@ def _by_heyoka(
         good = arrived.reshape(-1)
         rows = found.transpose(0, 3, 1, 2).reshape(count * width, found.shape[1], -1)
         finished[index[good]] = True
+        if steps is not None:
+            # heyoka tells of no last step, which ends with the times, so of a single one nothing.
+            least, longest, counts = np.abs(taken.reshape(-1, 3)[good]).T
+            typical = np.sqrt(least, out=np.zeros(len(least)), where=counts > 1) * np.sqrt(longest)
+            way = np.abs(ends.reshape(-1)[good])
+            longest = np.maximum(longest, way - (counts - 1) * typical)
+            steps[:, index[good]] = counts, np.divide(longest, way, out=way, where=way > 0)
         if several:
             result[index[good]] = rows[good]
         else:
@@ -232,6 +255,7 @@ def _stacked(
     part: slice,
     result: np.ndarray,
     crossed: np.ndarray,
+    steps: np.ndarray,
 ) -> None:
     """Some members as one system of scipy's DOP853; time in units of the fastest."""
     y0 = states[part].T
@@ -244,8 +268,13 @@ def _stacked(
     def rates(_: float, y: np.ndarray) -> np.ndarray:
         return (function(*y.reshape(size, count), *numbers) * slow).ravel()
 
-    def look(_: float, y: np.ndarray) -> float:
+    reached: list[float] = []
+
+    def look(t: float, y: np.ndarray) -> float:
         # scipy calls this after each step; it never sees an event.
+        reached.append(t)
+        if system.guard is None:
+            return 1.0
         guard = system.guard_along(y.reshape(size, count), numbers)
         crossed[part] |= np.broadcast_to(guard, count) < 0
         return 1.0
@@ -261,16 +290,18 @@ def _stacked(
         if tolerance < FLOOR:
             # scipy takes no smaller tolerance: the steps are shortened instead.
             trial = solve_ivp(rates, (0.0, duration), y0.ravel(), "DOP853", **options)
-            steps = max(len(trial.t) - 1, 1)
-            options["max_step"] = abs(duration) / steps * (tolerance / FLOOR) ** 0.125
+            taken = max(len(trial.t) - 1, 1)
+            options["max_step"] = abs(duration) / taken * (tolerance / FLOOR) ** 0.125
         found = solve_ivp(
             rates,
             (0.0, duration),
             y0.ravel(),
             "DOP853",
             t_eval=times * top,
-            events=look if system.guard is not None else None,
+            events=look,
             **options,
         )
     if found.status == 0 and np.isfinite(found.y).all():
         result[part] = found.y.reshape(size, count, len(times)).transpose(1, 2, 0)
+    sizes = np.abs(np.diff(reached))
+    steps[:, part] = [[len(sizes)], [sizes.max(initial=0.0) / abs(duration)]]

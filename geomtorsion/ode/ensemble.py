@@ -19,11 +19,10 @@ from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.error_estimate import (
     AIM,
     SAFETY,
-    difference,
     next_tolerance,
     rounding,
 )
-from geomtorsion.ode.members import Members, Rows, run_members
+from geomtorsion.ode.members import BatchRows, Members, Rows, run_members
 from geomtorsion.ode.numbers import (
     check_memory,
     checked_accuracy,
@@ -31,7 +30,8 @@ from geomtorsion.ode.numbers import (
     checked_times,
     one_time_only,
 )
-from geomtorsion.ode.trajectory import Trajectory, integrate
+from geomtorsion.ode.solve import alone
+from geomtorsion.ode.trajectory import Trajectory
 from geomtorsion.progress import PATIENCE, bar
 
 
@@ -184,8 +184,8 @@ def solve_many(
     progress
         show a bar; None: on a terminal, for long work.
 
-    Ctrl-C returns what is finished. Unlike `solve` this does not look for walls far ahead that
-    steps pass over: where there may be some, solve a few members one by one.
+    Members that leave their chart, and those whose steps may have passed over something, are
+    solved one by one, as by `solve`. Ctrl-C returns what is finished.
 
     Raises
     ------
@@ -214,21 +214,21 @@ def solve_many(
     job = _Job(problem, members, grid, solver, accuracy)
     patience = 0.0 if progress else PATIENCE
     with bar(f"{number} members", number, wanted=progress, patience=patience) as show:
-        errors, rows, tolerance, lacking = job.run(some, show)
+        lacking = job.run(some, show)
     found = Ensemble(
         problem,
         times,
-        errors,
-        rows.finished,
-        rows.interrupted,
+        job.errors,
+        job.finished,
+        job.interrupted,
         solver.name,
         reason,
-        tolerance,
+        job.tolerance,
         job.compile_seconds,
         job.run_seconds,
         job.check_seconds,
         members,
-        rows,
+        job.rows,
     )
     if lacking:
         raise AccuracyError(lacking, found)
@@ -249,133 +249,156 @@ def _engine(engine: Engine | None) -> tuple[Engine, str]:
 
 
 class _Job:
-    """All members, with finer tolerances for those that need them."""
+    """All members, with finer tolerances for those that need them.
+
+    errors, states, finished, trajectories: of all members, as far as they are done.
+    lacking, best: those whose error is not small enough, and the largest of these errors.
+    """
 
     def __init__(
         self, problem: Any, members: Members, grid: np.ndarray, engine: Engine, accuracy: float
     ) -> None:
+        number, size = members.states.shape
+        check_memory(len(grid), size, number)
         self.problem, self.members, self.grid = problem, members, grid
         self.engine, self.accuracy = engine, accuracy
+        self.errors = np.full(number, np.nan)
+        self.states = np.full((number, len(grid), size), np.nan)
+        self.finished = np.zeros(number, dtype=bool)
+        self.trajectories: dict[int, Trajectory] = {}
+        self.lacking: list[int] = []
+        self.best, self.tolerance, self.interrupted = 0.0, 0.0, False
         self.compile_seconds = self.run_seconds = self.check_seconds = 0.0
 
-    def run(self, some: np.ndarray, show: Show) -> tuple[np.ndarray, Rows, float, str]:
-        """Errors, states, the finest tolerance, and what is said where accuracy is lacking.
+    @property
+    def rows(self) -> Rows:
+        """The states of what is done."""
+        return Rows(
+            self.states, self.finished, self.trajectories, self.interrupted, self.compile_seconds
+        )
+
+    def run(self, some: np.ndarray, show: Show) -> str:
+        """Run all members, of which some are verified; say where accuracy is lacking.
 
         Members that are not verified run at the finest tolerance that those needed which are.
         """
-        number = len(self.members)
-        check_memory(len(self.grid), self.members.states.shape[1], number)
-        errors = np.full(number, np.nan)
-        states = np.full((number, len(self.grid), self.members.states.shape[1]), np.nan)
-        finished = np.zeros(number, dtype=bool)
-        trajectories: dict[int, Trajectory] = {}
+        try:
+            self._verify(some, show)
+            rest = np.setdiff1d(np.arange(len(self.members)), some)
+            if len(rest) and not (self.interrupted or self.lacking):
+                answer = self._batch("run_seconds", rest, self.tolerance, show)
+                self._keep(rest, answer, answer.finished, np.nan)
+                if not self.interrupted:
+                    self._one_by_one(rest[~answer.finished])
+        except KeyboardInterrupt:
+            self.interrupted = True
+        if not (self.interrupted or self.lacking or self.finished.any()):
+            raise StartError("none of the motions that were checked reaches the last time.")
+        if not self.lacking or self.interrupted:
+            return ""
+        best = self.best
+        got = f"gets to {best:.2g}" if np.isfinite(best) else "gives no two runs to compare"
+        return (
+            f"accuracy {self.accuracy:.3g} was asked for; {self.engine.name} {got} in double "
+            f"precision. {_listed(sorted(self.lacking))} Ask for less, or solve one by one with "
+            "Taylor(precision=113)."
+        )
+
+    def _verify(self, pending: np.ndarray, show: Show) -> None:
+        """Members with their errors: those that stay in the batch, then the others one by one."""
         part = SAFETY * 2.0 ** (1 - self.engine.precision)
-        pending, used, best, interrupted = some, 0.0, np.inf, False
+        apart = pending[:0]
         tolerance: float | None = self.engine.first(AIM * self.accuracy)
         while tolerance is not None and (finer := self.engine.finer(tolerance)) is not None:
-            answer = self._timed("run_seconds", pending, tolerance, 0.0, show)
-            reference = self._timed("check_seconds", pending, finer, part, None)
-            used = tolerance
-            found = self._errors(pending, answer, reference)
-            interrupted = answer.interrupted or reference.interrupted
-            done = answer.finished & (interrupted | ~(found > self.accuracy))
-            # A member that does not reach the end has no error to wait for.
-            lost = ~answer.finished & ~reference.finished
-            place = pending[done]
-            states[place], finished[place] = answer.states[done], True
-            errors[place] = found[done]
-            trajectories |= {k: x for k, x in answer.trajectories.items() if finished[k]}
-            if interrupted:
-                break
-            pending = pending[~done & ~lost]
+            self.tolerance = tolerance
+            answer = self._batch("run_seconds", pending, tolerance, show, look=True)
+            reference = self._batch("check_seconds", pending, finer, None, part)
+            found = self._errors(answer, reference)
+            if self.interrupted:
+                self._keep(pending, answer, answer.finished & np.isfinite(answer.left), found)
+                return
+            both = answer.finished & reference.finished & np.isfinite(answer.left)
+            done = both & (found <= self.accuracy)
+            self._keep(pending, answer, done, found)
+            apart = np.concatenate((apart, pending[~both]))
+            pending, found = pending[both & ~done], found[both & ~done]
             if not len(pending):
                 break
-            best = float(np.nanmax(found[~done & ~lost]))
-            tolerance = next_tolerance(self.engine, tolerance, self.accuracy / best)
-        if len(some) == number and not finished.any() and not interrupted and not len(pending):
-            raise StartError("none of the motions that were checked reaches the last time.")
-        lacking = ""
-        if len(pending) and not interrupted:
-            got = f"gets to {best:.2g}" if np.isfinite(best) else "gives no two runs to compare"
-            lacking = (
-                f"accuracy {self.accuracy:.3g} was asked for; {self.engine.name} {got} in double "
-                f"precision. {_listed(pending)} Ask for less, or solve one by one with "
-                "Taylor(precision=113)."
-            )
-        rest = np.setdiff1d(np.arange(number), some)
-        if len(rest) and not (interrupted or lacking):
-            answer = self._timed("run_seconds", rest, used, 0.0, show)
-            states[rest], finished[rest] = answer.states, answer.finished
-            trajectories |= answer.trajectories
-            interrupted = answer.interrupted
-        rows = Rows(states, finished, trajectories, interrupted, self.compile_seconds)
-        return errors, rows, used, lacking
+            self.best = float(found.max())
+            tolerance = next_tolerance(self.engine, tolerance, self.accuracy / self.best)
+        self.lacking += pending.tolist()
+        self._one_by_one(apart)
 
-    def _timed(
-        self, account: str, index: np.ndarray, tolerance: float, part: float, show: Show
-    ) -> Rows:
+    def _batch(
+        self,
+        account: str,
+        index: np.ndarray,
+        tolerance: float,
+        show: Show,
+        part: float = 0.0,
+        *,
+        look: bool = False,
+    ) -> BatchRows:
+        """Some members at one tolerance, from starts that are changed by a part."""
         began = time.perf_counter()
-        found = self._attempt(index, tolerance, part, show)
+        members = self.members if len(index) == len(self.members) else self.members.of(index)
+        if part:
+            members = members.perturbed(part)
+        accuracy = self.accuracy if look else None
+        found = run_members(members, self.grid, tolerance, self.engine, show, accuracy)
         self.compile_seconds += found.compile_seconds
+        self.interrupted |= found.interrupted
         spent = time.perf_counter() - began - found.compile_seconds
         setattr(self, account, getattr(self, account) + spent)
         return found
 
-    def _attempt(self, index: np.ndarray, tolerance: float, part: float, show: Show) -> Rows:
-        """Some members at one tolerance; those that leave the batch are followed singly."""
-        members = self.members if len(index) == len(self.members) else self.members.of(index)
-        if part:
-            members = members.perturbed(part)
-        rows = run_members(members, self.grid, tolerance, self.engine, show)
-        trajectories: dict[int, Trajectory] = {}
-        states, finished, seconds = rows.states, rows.finished.copy(), rows.compile_seconds
-        interrupted = rows.interrupted
-        try:
-            for k in [] if interrupted else np.flatnonzero(~finished).tolist():
-                own = int(index[k])
-                try:
-                    trajectory = self._single(own, tolerance, part)
-                except GeomtorsionError:
-                    continue
-                seconds += trajectory.compile_seconds
-                if trajectory.outcome != "done":
-                    continue
-                finished[k] = True
-                if set(trajectory.labels) == {members.label}:
-                    parts = [segment.states for segment in trajectory.segments]
-                    states[k] = np.concatenate(parts)[:, : states.shape[2]]
-                else:
-                    trajectories[own] = trajectory
-        except KeyboardInterrupt:
-            interrupted = True
-        return Rows(states, finished, trajectories, interrupted, seconds)
+    def _keep(
+        self, index: np.ndarray, answer: BatchRows, done: np.ndarray, errors: np.ndarray | float
+    ) -> None:
+        """Members of a batch that are done."""
+        place = index[done]
+        self.states[place], self.finished[place] = answer.states[done], True
+        self.errors[place] = np.broadcast_to(errors, done.shape)[done]
 
-    def _single(self, k: int, tolerance: float, part: float) -> Trajectory:
-        problem = self.problem.member(self.members, k)
-        stage = problem.first_stage(self.engine.precision, part)
-        return integrate(stage, self.grid * problem.time_unit, tolerance, self.engine)
+    def _one_by_one(self, index: np.ndarray) -> None:
+        """Members that leave the batch, for another chart or for what steps passed over."""
+        for k in index.tolist():
+            problem = self.problem.member(self.members, k)
+            began = time.perf_counter()
+            try:
+                grid = self.grid * problem.time_unit
+                answer, _, error, runs = alone(problem, self.engine, self.accuracy, grid)
+            except GeomtorsionError:
+                continue
+            compiling = sum([run.compile_seconds for run in runs])
+            self.compile_seconds += compiling
+            self.run_seconds += answer.run_seconds
+            self.check_seconds += time.perf_counter() - began - compiling - answer.run_seconds
+            self.tolerance = min(self.tolerance, answer.tolerance)
+            if answer.outcome != "done":
+                # It does not reach the end, and has no error to wait for.
+                continue
+            if error > self.accuracy:
+                self.lacking.append(k)
+                self.best = max(self.best, error)
+                continue
+            self.finished[k], self.errors[k] = True, error
+            if set(answer.labels) == {self.members.label}:
+                parts = [segment.states for segment in answer.segments]
+                self.states[k] = np.concatenate(parts)[:, : self.states.shape[2]]
+            else:
+                self.trajectories[k] = answer
 
-    def _errors(self, index: np.ndarray, answer: Rows, reference: Rows) -> np.ndarray:
-        """The error of each member, group of states by group; infinite where it is not known."""
-        found = np.full(len(index), np.inf)
-        worst = np.zeros(len(index))
+    def _errors(self, answer: BatchRows, reference: BatchRows) -> np.ndarray:
+        """The error of each member, group by group; not a number where it is not known."""
+        worst = np.full(len(answer.finished), rounding(self.engine, 1))
         with np.errstate(all="ignore"):
             for group in self.members.groups:
                 one, two = (x.states[..., list(group)] for x in (answer, reference))
                 size, gap = (np.abs(x).max(axis=(1, 2)) for x in (one, one - two))
                 worst = np.fmax(worst, np.where(gap > 0, gap / size, gap))
         both = answer.finished & reference.finished
-        least = rounding(self.engine, 1)
-        found[both] = SAFETY * np.maximum(worst[both], least)
-        for k, own in enumerate(index.tolist()):
-            one, two = (x.trajectories.get(own) for x in (answer, reference))
-            if one is not None and two is not None:
-                problem = self.problem.member(self.members, own)
-                found[k] = SAFETY * max(difference(problem, one, two), least)
-            elif one is not None or two is not None:
-                # Only one of them went on in other coordinates, as they begin near an edge.
-                found[k] = np.inf
-        return found
+        return np.where(both, SAFETY * np.maximum(worst, answer.left), np.nan)
 
 
 def _listed(index: Sequence[int] | np.ndarray, what: str = "That is so for") -> str:

@@ -199,21 +199,37 @@ def rounding_of_rates(one: Trajectory) -> float:
             shared.setdefault(segment.stage.system, []).append(segment)
     worst = 0.0
     for system, segments in shared.items():
-        arguments = np.concatenate([_columns(segment) for segment in segments], axis=1)
-        with np.errstate(all="ignore"):
-            gaps = system.long_function(*arguments) - system.array_function(*arguments)
-        gaps = gaps.astype(float)
+        values = np.concatenate([_columns(segment) for segment in segments], axis=1)
         lasts = sum([abs(float(x.run.reached) - x.stage.begin) for x in segments])
         steps = sum([max(x.run.steps, 1) for x in segments])
-        parts = np.maximum(abs(gaps.mean(1)), np.sqrt((gaps * gaps).mean(1) / steps))
-        sizes = np.abs(arguments).max(1)
-        for group in map(list, system.groups_but_clock):
-            way, extent = lasts * float(parts[group].max()), float(sizes[group].max())
-            if not (extent > 0 and worst * extent < way < math.inf):
-                continue
-            if not _is_noise(segments, group, way / extent, extent, one):
-                worst = way / extent
-    return worst * 2.0 ** (53 - one.engine.precision)
+        worst = max(worst, float(rounding_on(system, values, lasts, steps, one.engine)))
+    return worst
+
+
+def rounding_on(
+    system: System,
+    values: np.ndarray,
+    lasts: float | np.ndarray,
+    steps: float | np.ndarray,
+    engine: Engine,
+) -> np.ndarray:
+    """The same of one motion or many, that last so long and take so many steps, shape (...).
+
+    values: states above parameters, shape (size + parameters, ..., samples).
+    """
+    with np.errstate(all="ignore"):
+        gaps = (system.long_function(*values) - system.array_function(*values)).astype(float)
+        parts = np.maximum(abs(gaps.mean(-1)), np.sqrt((gaps * gaps).mean(-1) / steps))
+    sizes, worst = np.abs(values).max(-1), np.zeros(values.shape[1:-1])
+    for group in map(list, system.groups_but_clock):
+        way, extent = lasts * parts[group].max(0), sizes[group].max(0)
+        known = (extent > 0) & (way < math.inf)
+        part = np.divide(way, extent, out=np.zeros(worst.shape), where=known)
+        if (part > UNALIKE).any():
+            noise = lasts * _noise(system, values, group, engine)
+            part[(part > UNALIKE) & (extent <= noise)] = 0.0
+        worst = np.maximum(worst, part)
+    return worst * 2.0 ** (53 - engine.precision)
 
 
 def _columns(segment: Segment) -> np.ndarray:
@@ -222,17 +238,10 @@ def _columns(segment: Segment) -> np.ndarray:
     return columns([begin, segment.run.states, end], segment.stage.parameters)
 
 
-def _is_noise(
-    segments: list[Segment], group: list[int], part: float, extent: float, one: Trajectory
-) -> bool:
-    """Whether states are no larger than what rounding their rates makes of zero."""
-    if part <= UNALIKE:
-        return False
-    largest = 0.0
-    for segment in segments:
-        terms = segment.stage.system.rates.sizes(*_columns(segment))
-        largest = max(largest, float(np.max(np.asarray(terms)[group])))
-    return extent <= NOISE * 2.0**-one.engine.precision * largest * abs(one.reached)
+def _noise(system: System, values: np.ndarray, group: list[int], engine: Engine) -> np.ndarray:
+    """How fast what rounding their rates makes of zero grows, at most, among a group of states."""
+    largest = system.rates.sizes(*values)[group].max(axis=(0, -1))
+    return NOISE * 2.0**-engine.precision * largest
 
 
 class _Pair(NamedTuple):
@@ -288,9 +297,10 @@ class _Pair(NamedTuple):
     def is_noise(self, group: list[int], part: float, extent: float, one: Trajectory) -> bool:
         """Whether states are no larger than what rounding their rates makes of zero."""
         segments = [segment for _, segment, _ in self.parts]
-        if any(segment.stage.lift is not None or not segment.count for segment in segments):
+        if part <= UNALIKE or any(x.stage.lift is not None or not x.count for x in segments):
             return False
-        return _is_noise(segments, group, part, extent, one)
+        noise = [_noise(x.stage.system, _columns(x), group, one.engine) for x in segments]
+        return extent <= abs(one.reached) * max(map(float, noise))
 
 
 def _pairs(problem: Comparable, one: Trajectory, two: Trajectory, stopped: bool) -> Iterator[_Pair]:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from geomtorsion.ode.error_estimate import AIM
-from geomtorsion.ode.system import columns
+from geomtorsion.ode.system import System, columns
 from geomtorsion.ode.trajectory import Segment, Trajectory
 
 # Between samples that resolve a motion, the mean rate is that at both but for a twelfth of the
@@ -43,18 +43,21 @@ class Interval(NamedTuple):
         return self.begin + lasts, self.end - lasts
 
 
-def passed_over(one: Trajectory, accuracy: float) -> tuple[list[Interval], float]:
+def passed_over(
+    one: Trajectory, accuracy: float, told: float = 0.0
+) -> tuple[list[Interval], float]:
     """Where steps may have passed over something, and the error that what is too small may leave.
 
     That is where a step is as long as an interval between samples, and the change of a state in it
     is not that by the mean of the rates at its ends, and this not because the rates change. What
     lies between two samples altogether is not seen. The error is relative to the size of a group.
+    What adds up to no more than the error that is told anyhow is nothing new.
     """
     found: list[Interval] = []
     left = 0.0
     for segments in _pieces(one):
         if _has_long_step(segments):
-            new, more = _of_piece(segments, accuracy)
+            new, more = _of_piece(segments, accuracy, told)
             found += new
             left += more
     return found, left
@@ -73,7 +76,14 @@ def _has_long_step(segments: list[Segment]) -> bool:
     return steps <= 2 or longest * steps >= 2 * lasts
 
 
-def _of_piece(segments: list[Segment], accuracy: float) -> tuple[list[Interval], float]:
+def is_long(longest: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    """The same of many motions, whose longest step is a part of the way."""
+    return (steps <= 2) | (longest * steps >= 2)
+
+
+def _of_piece(
+    segments: list[Segment], accuracy: float, told: float
+) -> tuple[list[Interval], float]:
     """The same of segments that go on from each other."""
     system = segments[0].stage.system
     times, values, longest = _joined(segments)
@@ -81,19 +91,18 @@ def _of_piece(segments: list[Segment], accuracy: float) -> tuple[list[Interval],
     over = longest > (1 - UNLIKE) * np.abs(lasts)
     if len(times) < 3 or not over.any():
         return [], 0.0
-    states, rates = values[: system.size], system.array_function(*values)
-    changes = rates[:, 1:] - rates[:, :-1]
-    bends = np.abs(changes[:, 1:] - changes[:, :-1])
-    bends = np.minimum(np.c_[bends[:, :1], bends], np.c_[bends, bends[:, -1:]])
-    gaps = np.abs(states[:, 1:] - states[:, :-1] - (rates[:, :-1] + 0.5 * changes) * lasts)
-    gaps[~(over & (gaps > UNLIKE * np.maximum(np.abs(changes), bends) * np.abs(lasts)))] = 0.0
+    states = values[: system.size]
+    gaps = _unexplained(states, system.array_function(*values), lasts, over)
     if not gaps.any():
         return [], 0.0
     found: list[Interval] = []
-    left, least = 0.0, max(AIM * accuracy / len(lasts), ROUNDING)
+    left, least = 0.0, _least(accuracy, len(lasts))
     for group in map(list, system.groups_but_clock):
         extent = float(np.abs(states[group]).max())
-        parts = gaps[group]
+        sums = np.add.accumulate(gaps[group], axis=1)
+        if (np.maximum(sums.max(1), 0.0) - np.minimum(sums.min(1), 0.0)).max() <= told * extent:
+            continue
+        parts = np.abs(gaps[group])
         worst = parts.max(axis=0)
         large = worst > least * extent
         for k in np.flatnonzero(large).tolist():
@@ -102,6 +111,75 @@ def _of_piece(segments: list[Segment], accuracy: float) -> tuple[list[Interval],
         if extent > 0:
             left += float(worst[~large].sum()) / extent
     return found, left
+
+
+def _unexplained(
+    states: np.ndarray, rates: np.ndarray, lasts: np.ndarray, over: np.ndarray
+) -> np.ndarray:
+    """How far changes of states are from those by their rates, shape (size, ..., intervals).
+
+    Samples are along the last axis, three at least. Zero where rates change as much, and where
+    steps do not reach over an interval.
+    """
+    changes = rates[..., 1:] - rates[..., :-1]
+    bends = np.abs(changes[..., 1:] - changes[..., :-1])
+    before, after = (bends[..., :1], bends), (bends, bends[..., -1:])
+    bends = np.minimum(np.concatenate(before, axis=-1), np.concatenate(after, axis=-1))
+    gaps = states[..., 1:] - states[..., :-1] - (rates[..., :-1] + 0.5 * changes) * lasts
+    least = UNLIKE * np.maximum(np.abs(changes), bends) * np.abs(lasts)
+    gaps[~(over & (np.abs(gaps) > least))] = 0.0
+    return gaps
+
+
+def _least(accuracy: float, intervals: int) -> float:
+    """What is no larger, relative to a state, is told as an error and not looked into."""
+    return max(AIM * accuracy / intervals, ROUNDING)
+
+
+def with_samples_beside(times: np.ndarray) -> np.ndarray:
+    """Times with one just inside of each end of every interval between them."""
+    lasts = BESIDE * (times[1:] - times[:-1])
+    found = np.empty(3 * len(times) - 2)
+    found[::3], found[1::3], found[2::3] = times, times[:-1] + lasts, times[1:] - lasts
+    return found
+
+
+def left_by_members(
+    system: System,
+    values: np.ndarray,
+    times: np.ndarray,
+    longest: np.ndarray,
+    accuracy: float,
+    *,
+    beside: bool,
+) -> np.ndarray:
+    """The errors that what was passed over leaves in many motions, infinite where it is not small.
+
+    values: states above parameters, shape (size + parameters, number, m), at times of each, shape
+    (number, m). longest: steps, shape (number,). beside: whether times are `with_samples_beside`;
+    without, what may have been passed over counts as such.
+    """
+    every, stride = values[: system.size], 3 if beside else 1
+    states, seen = every[..., ::stride], times[:, ::stride]
+    lasts = seen[:, 1:] - seen[:, :-1]
+    over = longest[:, None] > (1 - UNLIKE) * np.abs(lasts)
+    rates = system.array_function(*values[..., ::stride])
+    gaps = np.abs(_unexplained(states, rates, lasts, over))
+    far = np.full(gaps.shape, not beside)
+    sides = ((slice(1, None, 3), slice(None, -1)), (slice(2, None, 3), slice(1, None)))
+    for near, here in sides if beside else ():
+        slopes = (every[..., near] - states[..., here]) / (times[:, near] - seen[:, here])
+        far |= np.abs((slopes - rates[..., here]) * lasts) > gaps
+    left, least = np.zeros(len(times)), _least(accuracy, lasts.shape[1])
+    for group in map(list, system.groups_but_clock):
+        extent = np.abs(states[group]).max(axis=(0, 2))[:, None]
+        which = gaps[group].argmax(axis=0)[None]
+        worst = np.take_along_axis(gaps[group], which, 0)[0]
+        large = worst > least * extent
+        passed = large & np.take_along_axis(far[group], which, 0)[0]
+        small = np.where(large, np.where(passed, np.inf, 0.0), worst)
+        left += np.divide(small, extent, out=np.zeros(small.shape), where=extent > 0).sum(axis=1)
+    return left
 
 
 def confirmed(again: Trajectory, intervals: Sequence[Interval]) -> list[Interval]:

@@ -200,6 +200,14 @@ class _Runs:
             raise limit.counted(1 / self.problem.time_unit, self.problem.time_name) from None
 
 
+def alone(problem: Problem, engine: Engine, accuracy: float, grid: np.ndarray) -> Verified:
+    """One motion by one engine, with its error, whether or not that is small enough.
+
+    grid: times in the time of the stages.
+    """
+    return _unbroken(_Runs(problem, engine, accuracy, grid, (), None, None), [])
+
+
 def _unbroken(asked: _Runs, runs: list[Trajectory]) -> Verified:
     """The answer with its error, cut where steps passed over something."""
     end = float(asked.grid[-1])
@@ -209,10 +217,10 @@ def _unbroken(asked: _Runs, runs: list[Trajectory]) -> Verified:
         seen = np.union1d(seen, checked_times(end)[1])
     while True:
         found = asked.verified(runs)
-        looked = found.answer
-        if len(seen) > len(asked.grid) and has_long_step(looked):
-            looked = asked.at(seen).verified(runs).answer
-        places, left = passed_over(looked, asked.accuracy)
+        looked = found
+        if len(seen) > len(asked.grid) and has_long_step(found.answer):
+            looked = asked.at(seen).verified(runs)
+        places, left = passed_over(looked.answer, asked.accuracy, looked.error)
         if places and asked.kept is None:
             # The same steps, with samples beside those that are in doubt.
             beside = [t for place in places for t in place.beside]

@@ -7,7 +7,7 @@ import sympy as sp
 
 from geomtorsion.curves import autoparallel
 from geomtorsion.geometry import Frame, cartan
-from geomtorsion.ode import ODE, solve
+from geomtorsion.ode import ODE, solve, solve_many
 from geomtorsion.ode.passed_over import passed_over
 from tests.ode.engines import every_engine, needs_heyoka
 
@@ -98,3 +98,34 @@ def test_steps_that_follow_are_not_cut():
     orbit = solve(ODE.of(rates, [0.1, 0, 0, 19**0.5]), 20.0, 1e-9)
     assert passed_over(orbit.trajectory, 1e-9)[0]
     assert len(orbit.trajectory.segments) == 1
+
+
+@every_engine
+@pytest.mark.parametrize("times", [80, np.linspace(0, 80, 200)], ids=["end", "samples"])
+def test_members_of_an_ensemble_meet_it_too(times, engine):
+    """x' = 2 + tanh(x) from both sides of the wall; 2x - log(2 cosh x + sinh x) grows by 3t."""
+    ode = ODE.of({"x": "2 + tanh(x)"}, [0])
+    starts = np.array([-40.0, -1, -60, 2, -25])
+    many = solve_many(ode, {"x": starts}, times, 1e-9, engine)
+    assert many.finished.all()
+
+    def grown(x):
+        return 2 * x - (np.abs(x) + np.log(1.5 * np.exp(x - abs(x)) + 0.5 * np.exp(-x - abs(x))))
+
+    for row, begin in enumerate(starts.tolist()):
+        last = float(many["x"][row, -1])
+        away = abs(grown(last) - grown(begin) - 240) / abs(last)
+        assert away < 1e-9
+        assert away < max(2 * many.errors[row], 1e-14)
+
+
+@needs_heyoka
+def test_what_stays_far_from_walls_stays_in_the_batch(monkeypatch):
+    """Members whose steps are about alike, and Kepler orbits, are not solved one by one."""
+    monkeypatch.setattr("geomtorsion.ode.ensemble.alone", None)
+    swing = ODE.of({"x": "v", "v": "-k*x"}, [1, 0], parameters={"k": 1})
+    assert solve_many(swing, {"k": np.linspace(1, 9, 20)}, 10.0).finished.all()
+    rates = {"x": "u", "y": "v", "u": "-x/(x**2+y**2)**(3/2)", "v": "-y/(x**2+y**2)**(3/2)"}
+    orbit = ODE.of(rates, [1, 0, 0, 1])
+    speeds = {"v": np.sqrt(1 + np.array([0.0, 0.3, 0.6, 0.8]))}
+    assert solve_many(orbit, speeds, 30.0, 1e-9).finished.all()
