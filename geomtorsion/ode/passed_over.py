@@ -211,8 +211,17 @@ def confirmed(again: Trajectory, intervals: Sequence[Interval]) -> list[Interval
 
 
 def cuts_of(intervals: Iterable[Interval]) -> set[float]:
-    """Times at which runs are cut: the ends and middles of intervals."""
-    return {t for x in intervals for t in (x.begin, 0.5 * (x.begin + x.end), x.end)}
+    """Times at which runs are cut: ends and middles of what intervals make together.
+
+    What was passed over is behind most of what follows: where it is, a cut shows all of it.
+    """
+    joined: list[list[float]] = []
+    for one in sorted(intervals, key=lambda x: abs(x.begin)):
+        if joined and joined[-1][1] == one.begin:
+            joined[-1][1] = one.end
+        elif not joined or joined[-1][0] != one.begin:
+            joined.append([one.begin, one.end])
+    return {t for begin, end in joined for t in (begin, 0.5 * (begin + end), end)}
 
 
 def _pieces(one: Trajectory) -> Iterator[list[Segment]]:

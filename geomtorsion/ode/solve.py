@@ -220,7 +220,8 @@ def _unbroken(asked: _Runs, runs: list[Trajectory]) -> Verified:
         looked = found
         if len(seen) > len(asked.grid) and has_long_step(found.answer):
             looked = asked.at(seen).verified(runs)
-        places, left = passed_over(looked.answer, asked.accuracy, looked.error)
+        told = min(looked.error, asked.accuracy)
+        places, left = passed_over(looked.answer, asked.accuracy, told)
         if places and asked.kept is None:
             # The same steps, with samples beside those that are in doubt.
             beside = [t for place in places for t in place.beside]

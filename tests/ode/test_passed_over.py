@@ -129,3 +129,23 @@ def test_what_stays_far_from_walls_stays_in_the_batch(monkeypatch):
     orbit = ODE.of(rates, [1, 0, 0, 1])
     speeds = {"v": np.sqrt(1 + np.array([0.0, 0.3, 0.6, 0.8]))}
     assert solve_many(orbit, speeds, 30.0, 1e-9).finished.all()
+
+
+@every_engine
+@pytest.mark.parametrize("samples", [100, 3000])
+def test_one_cut_shows_all_that_is_behind_a_wall(samples, engine):
+    """Where a step crossed a wall all intervals behind it are wrong, and one cut mends them."""
+    ode = ODE.of({"x": "2 + tanh(x)"}, [-40])
+    solution = solve(ode, np.linspace(0, 60, samples), 1e-9, engine)
+    # Where 2 x - log(2 cosh(x) + sinh(x)) has grown by 180.
+    assert solution["x"][-1] == pytest.approx(61.09861228866811, rel=1e-10)
+    assert len(solution.trajectory.segments) <= samples / 20
+
+
+@every_engine
+def test_many_samples_in_a_step_are_no_wall(engine):
+    """What the steps of a loose tolerance leave is told; the samples between add nothing."""
+    swing = ODE.of({"x": "v", "v": "-x"}, [1, 0])
+    solution = solve(swing, np.linspace(0, 1, 50_000), 1e-6, engine)
+    assert len(solution.trajectory.segments) == 1
+    assert np.abs(solution["x"] - np.cos(solution.times)).max() < solution.error
