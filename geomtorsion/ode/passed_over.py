@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from geomtorsion.ode.error_estimate import AIM
+from geomtorsion.ode.numbers import PARTS
 from geomtorsion.ode.system import System, columns
 from geomtorsion.ode.trajectory import Segment, Trajectory
 
@@ -210,18 +211,24 @@ def confirmed(again: Trajectory, intervals: Sequence[Interval]) -> list[Interval
     return list(found)
 
 
-def cuts_of(intervals: Iterable[Interval]) -> set[float]:
-    """Times at which runs are cut: ends and middles of what intervals make together.
+def cuts_of(intervals: Iterable[Interval], way: float) -> set[float]:
+    """Times at which runs are cut: ends and middles of intervals, or fewer where these are short.
 
-    What was passed over is behind most of what follows: where it is, a cut shows all of it.
+    Behind what was passed over all intervals are wrong, however many: those that go on from each
+    other are cut as if the whole way had PARTS of them.
     """
-    joined: list[list[float]] = []
-    for one in sorted(intervals, key=lambda x: abs(x.begin)):
-        if joined and joined[-1][1] == one.begin:
-            joined[-1][1] = one.end
-        elif not joined or joined[-1][0] != one.begin:
-            joined.append([one.begin, one.end])
-    return {t for begin, end in joined for t in (begin, 0.5 * (begin + end), end)}
+    joined: list[tuple[float, float, int]] = []
+    for begin, end in sorted({one[:2] for one in intervals}, key=lambda x: abs(x[0])):
+        first, count = begin, 1
+        if joined and joined[-1][1] == begin:
+            first, _, known = joined.pop()
+            count += known
+        joined.append((first, end, count))
+    cuts: set[float] = set()
+    for begin, end, count in joined:
+        pieces = min(2 * count, max(2, math.ceil(2 * PARTS * (end - begin) / way)))
+        cuts.update(np.linspace(begin, end, pieces + 1).tolist())
+    return cuts
 
 
 def _pieces(one: Trajectory) -> Iterator[list[Segment]]:

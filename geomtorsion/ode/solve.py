@@ -226,7 +226,7 @@ def _unbroken(asked: _Runs, runs: list[Trajectory]) -> Verified:
             # The same steps, with samples beside those that are in doubt.
             beside = [t for place in places for t in place.beside]
             places = confirmed(asked.at([*seen, *beside]).verified(runs).answer, places)
-        new = cuts_of(places) - {0.0, end, *asked.cuts}
+        new = cuts_of(places, end) - {0.0, end, *asked.cuts}
         if not new:
             return found._replace(error=max(found.error, SAFETY * left))
         asked = replace(asked, cuts=tuple(sorted({*asked.cuts, *new}, key=abs)))

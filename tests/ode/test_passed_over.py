@@ -133,13 +133,13 @@ def test_what_stays_far_from_walls_stays_in_the_batch(monkeypatch):
 
 @every_engine
 @pytest.mark.parametrize("samples", [100, 3000])
-def test_one_cut_shows_all_that_is_behind_a_wall(samples, engine):
-    """Where a step crossed a wall all intervals behind it are wrong, and one cut mends them."""
+def test_few_cuts_show_all_that_is_behind_a_wall(samples, engine):
+    """Where a step crossed a wall all intervals behind it are wrong, however many these are."""
     ode = ODE.of({"x": "2 + tanh(x)"}, [-40])
     solution = solve(ode, np.linspace(0, 60, samples), 1e-9, engine)
     # Where 2 x - log(2 cosh(x) + sinh(x)) has grown by 180.
     assert solution["x"][-1] == pytest.approx(61.09861228866811, rel=1e-10)
-    assert len(solution.trajectory.segments) <= samples / 20
+    assert len(solution.trajectory.segments) < 200
 
 
 @every_engine
