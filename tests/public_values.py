@@ -34,7 +34,8 @@ def values() -> dict[str, Callable[[], Any]]:
     scene = gt.scenes.load("dzhanibekov")
     wall = gt.OrientationMap.from_euler(np.zeros((6, 6, 3)), steps=0.5, phase="m-3m", threshold=10)
     problem = gt.geodesic(s2, [1.0, 0.0], [0.0, 1.0], parameters={"R": 1})
-    atoms = np.argwhere(np.ones((6, 6, 6))) * 3.0
+    sites = np.argwhere(np.ones((6, 6, 6)))
+    atoms = sites[sites.sum(axis=1) % 2 == 0] * 3.0
     return {
         "At": lambda: gt.At(0.5, {"x": 1}),
         "Atlas": lambda: problem.atlas,
