@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from itertools import product
+from itertools import combinations, product
 from math import sqrt
 
 import numpy as np
@@ -101,6 +101,30 @@ class Lattice:
     def translations(self) -> np.ndarray:
         """Three short vectors that span the lattice, as rows, shape (3, 3), whole numbers."""
         return _shortest_basis(self._around(np.zeros(3)), np.array(self.units), self._cell)
+
+    def basis_of(self, values: np.ndarray) -> np.ndarray:
+        """Three vectors that span the lattice, those first that are most frequent, up to their
+        signs, among some, shape (3, 3).
+
+        Examples
+        --------
+        >>> LATTICES["fcc"].basis_of(np.array([[1, -1, 0], [1, 1, 0], [-1, 1, 0]])).tolist()
+        [[1, -1, 0], [1, 1, 0], [0, -1, -1]]
+        """
+        some = values[values.any(axis=1)]
+        side = np.where(some @ _SIDE < 0, -1, 1)[:, None]
+        found, counts = np.unique(side * some, axis=0, return_counts=True)
+        sizes = np.linalg.norm(found * self.units, axis=1).round(9)
+        order = np.lexsort((*found.T, sizes, -counts))
+        every = [*found[order].tolist(), *self.translations.tolist()]
+        return np.array(next(x for x in combinations(every, 3) if self._spans(*x)))
+
+    def _spans(self, a: list[int], b: list[int], c: list[int]) -> bool:
+        """Whether three lattice vectors span a primitive cell."""
+        volume = a[0] * (b[1] * c[2] - b[2] * c[1])
+        volume += a[1] * (b[2] * c[0] - b[0] * c[2])
+        volume += a[2] * (b[0] * c[1] - b[1] * c[0])
+        return abs(volume) == round(self._cell)
 
     @property
     def _cell(self) -> float:

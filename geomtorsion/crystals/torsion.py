@@ -163,7 +163,8 @@ class Torsion:
         """Of all labels of free edges, those with the shortest lines: a linear program per core.
 
         Torsion in each direction of a basis is as long as the faces that it runs through; the
-        matrix of boundaries makes the best solution whole.
+        matrix of boundaries makes the best solution whole. What is no vector of the basis counts as
+        several that may part: the basis is one of those vectors that most faces carry.
         """
         rows, sides, _ = self.mesh.faces
         values, free = self.values, self.free(core)
@@ -192,8 +193,8 @@ def _program(
     values: np.ndarray, rows: np.ndarray, free: np.ndarray, weights: np.ndarray, lattice: Lattice
 ) -> tuple[np.ndarray, np.ndarray] | None:
     """Free edges and what to subtract from their labels for the shortest lines of one core."""
-    basis = np.linalg.inv(lattice.translations)
-    parts = np.rint(values @ basis)
+    vectors = lattice.basis_of(values)
+    parts = np.rint(values @ np.linalg.inv(vectors))
     edges, local = np.unique(rows, return_inverse=True)
     local = local.reshape(rows.shape)
     use = free[edges]
@@ -219,7 +220,7 @@ def _program(
     after = parts - matrix @ whole
     if (weights @ np.abs(after)).sum() >= (weights @ np.abs(parts)).sum() - 1e-9:
         return None
-    return edges[use], (whole @ lattice.translations).astype(np.int64)
+    return edges[use], (whole @ vectors).astype(np.int64)
 
 
 def components(count: int, pairs: np.ndarray) -> np.ndarray:

@@ -90,6 +90,23 @@ def quadrupole(lattice, repeats, burgers):
     return moved, cell
 
 
+def twisted(repeats, height):
+    """fcc with two twist walls across z, its halves turned by atan(1 / repeats) to either side, and
+    the cell; height: of each half."""
+    side = np.hypot(repeats, 1)
+    sites, _ = block("fcc", (2 * repeats + 2, 2 * repeats + 2, height))
+    sites -= [repeats + 1, repeats + 1, 0]
+    halves = []
+    for sign, start in ((1, 0), (-1, height)):
+        c, s = repeats / side, sign / side
+        x, y, z = sites.T
+        places = np.stack([c * x + s * y, c * y - s * x, z + start], axis=1)
+        # A face of the cell belongs to it at one side.
+        across = places[:, :2]
+        halves.append(places[((across > -1e-9) & (across < side - 1e-9)).all(axis=1)])
+    return np.concatenate(halves), np.array([side, side, 2 * height])
+
+
 def solid_angle(points, ring):
     """Solid angle of a polygon from points, shape (k,), by its triangles [Oosterom1983]."""
     total = np.zeros(len(points))

@@ -13,7 +13,13 @@ from scipy.spatial.transform import Rotation
 from geomtorsion.crystals import LATTICES, Crystal
 from geomtorsion.crystals.reports import inserted_atoms
 from geomtorsion.errors import CrystalError
-from tests.crystals.synthetic import block, interstitial_loop, quadrupole, with_line
+from tests.crystals.synthetic import (
+    block,
+    interstitial_loop,
+    quadrupole,
+    twisted,
+    with_line,
+)
 from tests.real import real
 
 TRUTH = "crystal/truth.json"
@@ -344,6 +350,17 @@ def test_a_crystal_may_turn_in_time_out_of_the_axes_that_it_began_with():
         (line,) = crystal.dislocations().lines
         seen.append([np.sign(line.image[2]) * float(x) for x in line.burgers_lattice])
     assert seen == [seen[0]] * 5
+
+
+@pytest.mark.parametrize("quarters", [0, 1])
+def test_a_net_of_screws_is_the_same_along_any_axes(quarters):
+    """A twist wall is a square net of b = a/2 [1 1 0] and a/2 [1 -1 0]: no line of it parts."""
+    places, cell = twisted(8, 3)
+    orient = Rotation.from_euler("x", 90 * quarters, degrees=True).as_matrix()
+    net = Crystal(places, cell, orient=orient).dislocations()
+    assert [line.family for line in net.lines] == ["1/2<1 1 0>"] * 32
+    # Both walls: lines that are the edge of the cell over 2 sin(7.125 degrees) / b apart.
+    assert sum(line.length for line in net.lines) == pytest.approx(92, rel=0.01)
 
 
 def test_tetrahedra_take_whole_numbers_of_four_bytes():
