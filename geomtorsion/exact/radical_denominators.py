@@ -185,7 +185,7 @@ class Norms:
         factors = field.factored(norm)[1]
         # The norm of a square is one; as a polynomial it has no factors, for its roots are reduced.
         if len(factor) ** 2 <= MOST_AT_ONCE and all(exponent % 2 == 0 for _, exponent in factors):
-            inside = square_root_inside(field, field.polynomial(factor))
+            inside = square_root_inside(field, field.polynomial(factor), by_its_own=True)
             if inside is not None and not inside._den:
                 for part, _ in field.factored(field.lift(inside))[1]:
                     self._enter(field, part)

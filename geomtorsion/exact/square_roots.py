@@ -15,14 +15,20 @@ if TYPE_CHECKING:
     from geomtorsion.exact.tower import Tower
 
 
-def square_root_inside(field: Tower, element: Element) -> Element | None:
+def square_root_inside(
+    field: Tower, element: Element, *, by_its_own: bool = False
+) -> Element | None:
     """An exact square root within the field as it stands, or None.
 
     In F(w), w**2 = P: A is a square if A or A P is one in F; A + B w is one exactly if
     A**2 - B**2 P = n**2 in F and (A + n)/2 or (A - n)/2 is a square there.
+
+    by_its_own: with no other roots than the element has, and those that stand below them.
     """
+    among = _with_those_below(field, element) if by_its_own else field.generators
     # Oldest first: each root stands above those that its radicand contains.
-    quadratic = [g for g in reversed(field.generators) if g.degree == 2 and _plain(field, g)]
+    quadratic = [g for g in reversed(field.generators) if g.degree == 2 and g in among]
+    quadratic = [g for g in quadratic if _plain(field, g)]
     if any(
         g not in quadratic if g.degree == 2 else g.degree and not _plain(field, g)
         for g in field.generators_of(element)
@@ -32,6 +38,17 @@ def square_root_inside(field: Tower, element: Element) -> Element | None:
     base = [g for g in quadratic if g.tail is not None and not _algebraic(field, g.tail)]
     nested = [g for g in quadratic if g not in base]
     return _inside(field, element, base, nested)
+
+
+def _with_those_below(field: Tower, element: Element) -> set[Generator]:
+    """The algebraic generators of an element, and of their radicands in turn."""
+    found: set[Generator] = set()
+    waiting = [element]
+    while waiting:
+        new = {g for g in field.generators_of(waiting.pop()) if g.degree} - found
+        found |= new
+        waiting += [g.tail for g in new if g.tail is not None]
+    return found
 
 
 def _plain(field: Tower, generator: Generator) -> bool:
