@@ -144,7 +144,7 @@ def test_what_was_finished_is_kept_and_right():
     for attempt in itertools.count(1):
         try:
             # Each attempt has more time, so that it ends on any machine.
-            with gt.limits(seconds=0.05 * 1.2**attempt):
+            with gt.limits(seconds=0.01 * 1.2**attempt):
                 frame = frame or gt.Frame([t, r, z], SMALL)
                 found = everything(frame)
                 break
