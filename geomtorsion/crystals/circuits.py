@@ -52,7 +52,8 @@ class AtomCircuit(Signed):
     @cached_property
     def vector(self) -> np.ndarray:
         """b in the coordinates of the positions, from start to finish (conventions.py), (3,)."""
-        return self.frame.vectors(self.whole[None])[0]
+        # Zeros times turned axes may be -0.0.
+        return self.frame.vectors(self.whole[None])[0] + 0.0
 
     @property
     def burgers(self) -> Vector:
