@@ -307,7 +307,7 @@ class _Job:
     def _verify(self, pending: np.ndarray, show: Show) -> None:
         """Members with their errors: those that stay in the batch, then the others one by one."""
         part = SAFETY * 2.0 ** (1 - self.engine.precision)
-        apart = pending[:0]
+        apart, best = pending[:0], 0.0
         tolerance: float | None = self.engine.first(AIM * self.accuracy)
         while tolerance is not None and (finer := self.engine.finer(tolerance)) is not None:
             self.tolerance = tolerance
@@ -322,11 +322,12 @@ class _Job:
             self._keep(pending, answer, done, found)
             apart = np.concatenate((apart, pending[~both]))
             pending, found = pending[both & ~done], found[both & ~done]
+            # Only of those that are still too far off, for the message.
+            best = float(found.max(initial=0.0))
             if not len(pending):
                 break
-            self.best = float(found.max())
-            tolerance = next_tolerance(self.engine, tolerance, self.accuracy / self.best)
-        self.lacking += pending.tolist()
+            tolerance = next_tolerance(self.engine, tolerance, self.accuracy / best)
+        self.lacking, self.best = pending.tolist(), best
         self._one_by_one(apart)
 
     def _batch(

@@ -222,7 +222,8 @@ def rounding_on(
         parts = np.maximum(abs(gaps.mean(-1)), np.sqrt((gaps * gaps).mean(-1) / steps))
     sizes, worst = np.abs(values).max(-1), np.zeros(values.shape[1:-1])
     for group in map(list, system.groups_but_clock):
-        way, extent = lasts * parts[group].max(0), sizes[group].max(0)
+        with np.errstate(all="ignore"):
+            way, extent = lasts * parts[group].max(0), sizes[group].max(0)
         known = (extent > 0) & (way < math.inf)
         part = np.divide(way, extent, out=np.zeros(worst.shape), where=known)
         if (part > UNALIKE).any():
