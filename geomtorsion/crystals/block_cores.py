@@ -19,10 +19,10 @@ import scipy  # loads its parts when they are asked for
 
 from geomtorsion.blocks import read_array, run_blocks, write_array
 from geomtorsion.crystals.block_shells import BlockShells
-from geomtorsion.crystals.frames import check_apart
 from geomtorsion.crystals.method import METHOD
 from geomtorsion.crystals.near_torsion import reads_around, torsion_on, widest
 from geomtorsion.crystals.sorted_atoms import Block, Part
+from geomtorsion.crystals.surroundings import Surroundings
 from geomtorsion.crystals.torn_faces import COLUMNS, TornFaces
 from geomtorsion.crystals.torsion import Torsion, components
 from geomtorsion.crystals.triangulation import Cell, distinct, triangulated
@@ -198,8 +198,7 @@ class BlockCores:
         else:
             region = self._region(places, numbers)
             if stage == "first":
-                frame, mesh = self.shells.frame, region.torsion.mesh
-                check_apart(mesh.places, region.numbers, frame.lattice.nearest * frame.constant)
+                _ = Surroundings(region.torsion.mesh.places, region.numbers, 0.0).apart
             begun, core = self._cores(stage, region, places)
             corners = begun.mesh.corners
             mine = (core >= 0) & region.seeds[corners].any(axis=1)

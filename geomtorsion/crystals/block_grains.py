@@ -9,7 +9,7 @@ import numpy as np
 
 from geomtorsion.blocks import read_array, run_blocks, write_array
 from geomtorsion.crystals.block_shells import BlockShells
-from geomtorsion.crystals.frames import NEIGHBOURS, check_apart, nearest_points
+from geomtorsion.crystals.frames import NEIGHBOURS
 from geomtorsion.crystals.method import METHOD
 from geomtorsion.crystals.sorted_atoms import Block, Part
 from geomtorsion.crystals.specimen import (
@@ -20,6 +20,7 @@ from geomtorsion.crystals.specimen import (
     is_other,
     turned_together,
 )
+from geomtorsion.crystals.surroundings import Places, Surroundings, nearest_points
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,8 +42,8 @@ class BlockGrains:
         frame, atoms = self.shells.frame, self.shells.atoms
         chosen = Part.joined(list(atoms.chosen(few(atoms.count)).values()))
         near = Part.joined([part for _, _, part in atoms.near(chosen.places, 2 * self._far)])
-        check_apart(near.places, near.numbers, frame.lattice.nearest * frame.constant)
-        specimen = Specimen(near.places, atoms.cell, frame)
+        _ = Surroundings(near.places, near.numbers, 0.0).apart
+        specimen = Specimen(Places(near.places, atoms.cell), frame)
         return not turned_together(specimen, np.searchsorted(near.numbers, chosen.numbers))
 
     def judge(self, block: Block) -> None:
@@ -53,14 +54,14 @@ class BlockGrains:
         found = np.zeros(2, dtype=np.int64)
         if len(deep.numbers):
 
-            def about(places: np.ndarray, distance: float) -> tuple[np.ndarray, np.ndarray, bool]:
+            def about(places: np.ndarray, distance: float) -> Surroundings:
                 part = atoms.close(block, places, distance)
                 whole = not atoms.cell.periodic.any() and len(part.numbers) == atoms.count
-                return part.places, part.numbers, whole
+                return Surroundings(part.places, part.numbers, distance, whole)
 
             _, vectors = nearest_points(about, deep.places, MOST, self._far)
             near, fits = self.shells.near(deep.places, 3 * self._far, "fits")
-            specimen = Specimen(near.places, atoms.cell, frame)
+            specimen = Specimen(Places(near.places, atoms.cell), frame)
             rows = np.searchsorted(near.numbers, deep.numbers)
             lost = len(near.numbers) > NEIGHBOURS and is_lost(specimen, rows, vectors, fits).any()
             found[:] = is_other(specimen, vectors).sum(), lost

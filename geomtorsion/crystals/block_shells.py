@@ -13,6 +13,7 @@ from geomtorsion.crystals.frames import Frame
 from geomtorsion.crystals.near_torsion import Atoms
 from geomtorsion.crystals.shells import dilated, reach_of_shells, shells_of
 from geomtorsion.crystals.sorted_atoms import Block, Part, SortedAtoms
+from geomtorsion.crystals.surroundings import Places
 from geomtorsion.crystals.triangulation import Cell
 from geomtorsion.errors import CheckpointError
 
@@ -65,7 +66,7 @@ class BlockShells:
         """Find the atoms of a block whose neighbours do not exclude torsion, and those beside."""
         part, own = self.atoms.around(block, len(STEPS) * reach_of_shells(self.frame))
         open_box = Cell(np.eye(3), np.zeros(3, dtype=bool))
-        shells = shells_of(part.places, open_box, self.frame)
+        shells = shells_of(Places(part.places, open_box), self.frame)
         if self.frame.lattice.basis:
             write_array(self.file(block, "kinds"), shells.kind[own].astype(np.int8))
         fits = np.all(shells.near >= 0, axis=1)

@@ -31,7 +31,6 @@ from geomtorsion.crystals.frames import (
     InFrame,
     check_turn,
     frame_of,
-    nearest_points,
     sampled,
 )
 from geomtorsion.crystals.given import Given
@@ -42,6 +41,7 @@ from geomtorsion.crystals.near_torsion import lines_of
 from geomtorsion.crystals.segmentation import segmented
 from geomtorsion.crystals.sorted_atoms import Block, Part, SortedAtoms
 from geomtorsion.crystals.specimen import Specimen, seems_many, share_of_lattices
+from geomtorsion.crystals.surroundings import Places, Surroundings, nearest_points
 from geomtorsion.errors import CrystalError
 from geomtorsion.loops.dislocation_network import DislocationNetwork
 
@@ -110,11 +110,11 @@ class BlockedCrystal(InFrame):
         numbers, which = np.unique(atoms, return_inverse=True)
         places = Part.joined(list(self.atoms.chosen(numbers).values())).places
 
-        def about(centres: np.ndarray, distance: float) -> tuple[np.ndarray, np.ndarray, bool]:
+        def about(centres: np.ndarray, distance: float) -> Surroundings:
             near = Part.joined([part for _, _, part in self.atoms.near(centres, distance)])
             points, rows, _ = self.atoms.cell.with_ghosts(near.places, distance)
             whole = not self.periodic.any() and len(near.numbers) == self.count
-            return points, near.numbers[rows], whole
+            return Surroundings(points, near.numbers[rows], distance, whole)
 
         reach = reach_of_sample(self.atoms.spanned, self.count)
         found, vectors = nearest_points(about, places, NEIGHBOURS, reach)
@@ -154,7 +154,7 @@ class BlockedCrystal(InFrame):
     def _specimen(self) -> Specimen:
         """All atoms at once, and the frame into which most of them fit."""
         given = self.given.orient is not None, self.given.constant is not None
-        return Specimen(self.atoms.every(), self.atoms.cell, self._found[0], *given)
+        return Specimen(Places(self.atoms.every(), self.atoms.cell), self._found[0], *given)
 
     @cached_property
     def _seems_many(self) -> bool:
@@ -196,10 +196,10 @@ class BlockedCrystal(InFrame):
     def sample(self, block: Block) -> None:
         """Find the neighbours of some atoms of a block."""
 
-        def about(places: np.ndarray, distance: float) -> tuple[np.ndarray, np.ndarray, bool]:
+        def about(places: np.ndarray, distance: float) -> Surroundings:
             part = self.atoms.close(block, places, distance)
             whole = not self.periodic.any() and len(part.numbers) == self.count
-            return part.places, part.numbers, whole
+            return Surroundings(part.places, part.numbers, distance, whole)
 
         reach = reach_of_sample(self.atoms.spanned, self.count)
         _, vectors = nearest_points(about, self._sample[block].places, NEIGHBOURS, reach)

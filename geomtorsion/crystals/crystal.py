@@ -19,7 +19,6 @@ from geomtorsion.crystals.frames import (
     check_turn,
     fitted,
     frame_of,
-    neighbours_of,
     sampled,
     share_within,
 )
@@ -34,6 +33,7 @@ from geomtorsion.crystals.near_torsion import Atoms, lines_of, torsion_near, tor
 from geomtorsion.crystals.segmentation import segmented
 from geomtorsion.crystals.shells import Shells, dilated, shells_of
 from geomtorsion.crystals.specimen import Specimen, is_single, seems_many, share_of_lattices
+from geomtorsion.crystals.surroundings import Places
 from geomtorsion.crystals.torn_faces import TornFaces
 from geomtorsion.crystals.torsion import Torsion
 from geomtorsion.crystals.triangulation import Cell, Triangulation, triangulated
@@ -172,9 +172,8 @@ class Crystal(InFrame):
 
     def _near(self, atoms: np.ndarray, count: int = NEIGHBOURS) -> tuple[np.ndarray, np.ndarray]:
         """Numbers of the nearest neighbours of some atoms, and the vectors to them."""
-        places, cell = self._wrapped[0], self._box
-        reach = reach_of_sample(_spanned(self.positions, self._box), len(places))
-        return neighbours_of(places, cell, count, atoms, reach)
+        reach = reach_of_sample(_spanned(self.positions, self._box), len(self.positions))
+        return self._places.neighbours(atoms, count, reach)
 
     @property
     def _box(self) -> Cell:
@@ -185,6 +184,11 @@ class Crystal(InFrame):
     def _wrapped(self) -> tuple[np.ndarray, np.ndarray]:
         """Positions in the cell and the periods added to each."""
         return self._box.wrapped(self.positions)
+
+    @cached_property
+    def _places(self) -> Places:
+        """The atoms in the cell, with those about each."""
+        return Places(self._wrapped[0], self._box)
 
     # -- grains -----------------------------------------------------------------------------------
 
@@ -262,7 +266,7 @@ class Crystal(InFrame):
     def _specimen(self) -> Specimen:
         """The atoms and the frame into which most of them fit."""
         given = self._given.orient is not None, self._given.constant is not None
-        return Specimen(self._wrapped[0], self._box, self._found[0], *given)
+        return Specimen(self._places, self._found[0], *given)
 
     @property
     def _is_narrow(self) -> bool:
@@ -274,7 +278,7 @@ class Crystal(InFrame):
     @cached_property
     def _shells(self) -> Shells:
         """Neighbours of all atoms by lattice vector."""
-        return shells_of(self._wrapped[0], self._box, self._found[0])
+        return shells_of(self._places, self._found[0])
 
     # -- bonds ------------------------------------------------------------------------------------
 

@@ -19,6 +19,7 @@ from geomtorsion.crystals.frames import Frame
 from geomtorsion.crystals.lattices import Lattice
 from geomtorsion.crystals.method import METHOD
 from geomtorsion.crystals.shells import Shells, reach_of_shells, shells_of
+from geomtorsion.crystals.surroundings import Places
 from geomtorsion.crystals.torsion import components
 from geomtorsion.crystals.triangulation import Cell, distinct
 
@@ -133,7 +134,7 @@ def _counted(
     if len(steps) < 2:
         return None
     lattice, middle = frame.lattice, (margin + outer) / 2
-    shells = shells_of(steps, Cell(np.eye(3), np.zeros(3, dtype=bool)), frame)
+    shells = shells_of(Places(steps, Cell(np.eye(3), np.zeros(3, dtype=bool))), frame)
     deep = around.depth(steps)
     shell = np.flatnonzero((deep > margin) & (deep < outer))
     sites = _sites(shells, shell, lattice)

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
 
 from geomtorsion.crystals.lattices import LATTICES, Lattice, lattice_named
 from geomtorsion.crystals.local_frames import (
@@ -18,7 +17,7 @@ from geomtorsion.crystals.local_frames import (
     triads,
 )
 from geomtorsion.crystals.method import METHOD
-from geomtorsion.crystals.triangulation import Cell, by_rows
+from geomtorsion.crystals.triangulation import by_rows
 from geomtorsion.errors import CrystalError
 from geomtorsion.rigid.attitude import quaternion_from_matrix
 
@@ -51,11 +50,6 @@ class Frame:
         return np.linalg.norm(vectors - self.vectors(labels), axis=1)
 
 
-# Points as near to some places as a distance, or more, the atoms they are images of, and whether
-# there are no others.
-About = Callable[[np.ndarray, float], tuple[np.ndarray, np.ndarray, bool]]
-
-
 class InFrame:
     """The parts of the frame in which something lies: a field `frame`, or found when asked for."""
 
@@ -73,70 +67,6 @@ class InFrame:
     def constant(self: Any) -> float:
         """Lattice constant a, in the unit of the positions."""
         return self.frame.constant
-
-
-def neighbours_of(
-    places: np.ndarray, cell: Cell, count: int, atoms: np.ndarray, reach: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Numbers of the nearest neighbours of some atoms, nearest first, shape (atoms, count), and
-    the vectors to them, shape (atoms, count, 3).
-
-    Raises
-    ------
-    CrystalError
-        Atoms lie upon each other, or have not so many neighbours.
-    """
-
-    def about(_: np.ndarray, distance: float) -> tuple[np.ndarray, np.ndarray, bool]:
-        points, numbers, _ = cell.with_ghosts(places, distance)
-        return points, numbers, not cell.periodic.any()
-
-    return nearest_points(about, places[atoms], count, reach)
-
-
-def nearest_points(
-    about: About, centres: np.ndarray, count: int, reach: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """The same of atoms of which those near by are asked for; most have enough within reach.
-
-    Of equally near ones those with lower numbers come first.
-    """
-    found = np.empty((len(centres), count), dtype=np.int64)
-    vectors = np.empty((len(centres), count, 3))
-    left, closest = np.arange(len(centres)), None
-    while len(left):
-        points, numbers, whole = about(centres[left], reach)
-        if whole and len(points) <= count:
-            raise CrystalError(
-                f"positions: atoms with {count} neighbours were needed, but there are "
-                f"{len(points)} atoms. Give more of the crystal."
-            )
-        if len(points) > count:
-            tree = scipy.spatial.cKDTree(points, balanced_tree=False, compact_nodes=False)
-            apart, near = tree.query(centres[left], k=count + 1)
-            if closest is None:
-                closest = float(np.median(apart[:, 1])) or reach
-                check_apart(points, numbers, closest)
-            order = np.lexsort((numbers[near], apart), axis=1)[:, 1:]
-            near = np.take_along_axis(near, order, axis=1)
-            found[left] = numbers[near]
-            vectors[left] = points[near] - centres[left][:, None]
-            left = left[(apart[:, -1] > reach) & (not whole)]
-        # At corners, and in a gas about the crystal, neighbours are far away.
-        reach = 2 * reach
-    return found, vectors
-
-
-def check_apart(points: np.ndarray, numbers: np.ndarray, closest: float) -> None:
-    """Refuse atoms upon each other; atoms of a crystal are about equally far apart."""
-    tree = scipy.spatial.cKDTree(points, balanced_tree=False, compact_nodes=False)
-    pairs = tree.query_pairs(closest / 10, output_type="ndarray")
-    if len(pairs):
-        one, other = sorted(numbers[pairs[0]].tolist())
-        raise CrystalError(
-            f"positions: atoms {one} and {other} lie upon each other, and {len(pairs) - 1:,} more "
-            "pairs. Drop one of each, and see whether the cell is as large as the crystal."
-        )
 
 
 @dataclass(frozen=True, eq=False)

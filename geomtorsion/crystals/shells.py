@@ -15,6 +15,7 @@ from geomtorsion.crystals.frames import Frame
 from geomtorsion.crystals.lattices import Lattice
 from geomtorsion.crystals.local_frames import squared
 from geomtorsion.crystals.method import METHOD
+from geomtorsion.crystals.surroundings import Places
 from geomtorsion.crystals.triangulation import Cell
 
 
@@ -52,19 +53,17 @@ def reach_of_shells(frame: Frame) -> float:
     return float(frame.constant * (longest + lattice.nearest / 2))
 
 
-def shells_of(
-    places: np.ndarray, cell: Cell, frame: Frame, together: int = METHOD.together
-) -> Shells:
-    """Neighbours of all atoms in a cell, wrapped, and where their vectors close.
+def shells_of(atoms: Places, frame: Frame, together: int = METHOD.together) -> Shells:
+    """Neighbours of all atoms in a cell, and where their vectors close.
 
     A neighbour counts if it lies nearer to its place than half the neighbour distance. Missing
     ones on whose place all others agree are vacancies: they are put in before it is tested. So many
     atoms are looked at together, which decides about memory, not about values.
     """
-    lattice, count = frame.lattice, len(places)
-    reach = reach_of_shells(frame)
-    points, numbers, _ = cell.with_ghosts(places, reach)
-    tree = scipy.spatial.cKDTree(points, balanced_tree=False, compact_nodes=False)
+    lattice, places, cell = frame.lattice, atoms.places, atoms.cell
+    count, reach = len(places), reach_of_shells(frame)
+    around = atoms.within(reach)
+    points, numbers, tree = around.points, around.numbers, around.tree
     near = np.empty((count, lattice.shells), dtype=np.int64)
     kind = np.empty(count, dtype=np.int64)
     single = np.empty(count, dtype=bool)

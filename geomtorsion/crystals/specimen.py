@@ -12,7 +12,6 @@ from geomtorsion.crystals.frames import (
     NEIGHBOURS,
     Frame,
     fitted,
-    neighbours_of,
     occupied,
     refined,
     sampled,
@@ -22,6 +21,7 @@ from geomtorsion.crystals.lattices import LATTICES, Lattice
 from geomtorsion.crystals.local_frames import clear_misfit, local_frames, symmetry_of
 from geomtorsion.crystals.method import METHOD
 from geomtorsion.crystals.shells import dilated, reach_of_shells
+from geomtorsion.crystals.surroundings import Places
 from geomtorsion.crystals.triangulation import Cell
 from geomtorsion.rigid.attitude import matrix_from_quaternion
 
@@ -40,15 +40,24 @@ def own_first(own: Lattice) -> list[Lattice]:
 class Specimen:
     """Atoms, and the frame of one of their grains.
 
-    places: in the cell, shape (atoms, 3). frame: as found for all of them together.
+    atoms: in their cell. frame: as found for all of them together.
     keep_orient, keep_constant: whether these were given.
     """
 
-    places: np.ndarray
-    cell: Cell
+    atoms: Places
     frame: Frame
     keep_orient: bool = False
     keep_constant: bool = False
+
+    @property
+    def places(self) -> np.ndarray:
+        """Where the atoms are, in the cell, shape (atoms, 3)."""
+        return self.atoms.places
+
+    @property
+    def cell(self) -> Cell:
+        """The cell in which they are."""
+        return self.atoms.cell
 
     @property
     def lattices(self) -> list[Lattice]:
@@ -63,7 +72,7 @@ class Specimen:
     def neighbours(self, atoms: np.ndarray, count: int = MOST) -> Neighbours:
         """Numbers of the nearest neighbours of some atoms and the vectors to them."""
         reach = 2 * METHOD.width * self.nearest
-        return neighbours_of(self.places, self.cell, count, atoms, reach)
+        return self.atoms.neighbours(atoms, count, reach)
 
     def occupied(self, atoms: np.ndarray) -> np.ndarray:
         """Which of some atoms have another one at every neighbour vector of the frame."""

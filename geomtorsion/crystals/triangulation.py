@@ -230,13 +230,13 @@ def triangulated(
     noise = jitter(np.arange(len(places)) if atoms is None else atoms)
     moved = places + METHOD.jitter * reach * noise
     points, numbers, images = cell.with_ghosts(moved, 2 * reach)
-    inner = len(places)
+    known = np.ones(len(places), dtype=bool) if wanted is None else wanted
+    # Of each tetrahedron that is asked for one image has a known corner in the cell.
+    inner = np.append(known, np.zeros(len(points) - len(places), dtype=bool))
     if wanted is not None:
-        tree = scipy.spatial.cKDTree(points[wanted[numbers]])
-        apart, _ = tree.query(points, distance_upper_bound=2 * reach)
-        used = np.isfinite(apart)
-        inner = int(used[:inner].sum())
-        points, numbers, images = points[used], numbers[used], images[used]
+        tree = scipy.spatial.cKDTree(points[inner])
+        used = np.isfinite(tree.query(points, distance_upper_bound=2 * reach)[0])
+        points, numbers, images, inner = points[used], numbers[used], images[used], inner[used]
     if len(points) < 5:
         raise CrystalError(
             f"positions: atoms that fill space were needed, but {len(places)} came. Give more."
@@ -247,10 +247,7 @@ def triangulated(
         raise CrystalError(
             "positions: atoms that fill space were needed, but they lie in a plane. Give more."
         ) from None
-    inside = simplices.min(axis=1) < inner
-    if wanted is not None:
-        inside &= wanted[numbers[simplices]].any(axis=1)
-    simplices = simplices[inside].astype(np.int64)
+    simplices = simplices[inner[simplices].any(axis=1)].astype(np.int64)
     # Corners in the order of atoms, and of images where one atom comes twice.
     span = 2 * np.abs(images).max(initial=0) + 1
     code = ((images[:, 0] * span) + images[:, 1]) * span + images[:, 2]
@@ -258,19 +255,19 @@ def triangulated(
     place = np.empty(len(rank), dtype=np.int64)
     place[rank] = np.arange(len(rank))
     simplices = rank[np.sort(place[simplices], axis=1)]
-    # Each is found in several images: that whose first corner is in the cell is kept.
-    simplices = simplices[simplices[:, 0] < inner]
     small, senses = np.empty(len(simplices), dtype=bool), np.empty(len(simplices), dtype=np.int8)
     for start in range(0, len(simplices), METHOD.together):
         part = slice(start, start + METHOD.together)
         small[part], senses[part] = _spheres(points[simplices[part]], reach)
     kept = simplices[small]
-    known = np.ones(len(places), dtype=bool) if wanted is None else wanted
-    corners, offsets, senses = numbers[kept], images[kept], senses[small].astype(np.int64)
-    # In the order of their atoms, whatever else there is.
-    order, _ = distinct([*corners.T, *offsets.reshape(-1, 12).T])
+    corners, offsets = numbers[kept], images[kept]
+    # Found in several images, each is kept once, the first of its corners in the cell, in the order
+    # of their atoms, whatever else there is.
+    offsets = offsets - offsets[:, :1]
+    order, _ = distinct([*corners.T, *offsets[:, 1:].reshape(-1, 9).T])
     corners, offsets = corners.astype(NUMBER)[order], offsets.astype(NUMBER)[order]
-    return Triangulation(corners, offsets, places, cell, senses[order], known)
+    senses = senses[small].astype(np.int64)[order]
+    return Triangulation(corners, offsets, places, cell, senses, known)
 
 
 def _spheres(corners: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:

@@ -10,8 +10,7 @@ from tests.crystals.synthetic import block, with_line
 
 def closed_share(crystal):
     """Share of the atoms that need no triangulation."""
-    box, places = crystal._box, crystal._wrapped[0]
-    return shells_of(places, box, crystal.frame).closed.mean()
+    return shells_of(crystal._places, crystal.frame).closed.mean()
 
 
 @pytest.mark.parametrize("lattice", ["fcc", "bcc", "hcp", "diamond"])
@@ -59,10 +58,7 @@ def test_blocks_of_any_size_give_the_same(together):
     """How many atoms are looked at together decides about memory alone."""
     places, cell = with_line("hcp", (1, 0, 0), (10, 6, 3))
     crystal = Crystal(places, cell, (False, False, True))
-    wrapped = crystal._wrapped[0]
-    one, other = (
-        shells_of(wrapped, crystal._box, crystal.frame, *size) for size in ((), (together,))
-    )
+    one, other = (shells_of(crystal._places, crystal.frame, *size) for size in ((), (together,)))
     for name in ("near", "kind", "closed"):
         assert (getattr(one, name) == getattr(other, name)).all()
 

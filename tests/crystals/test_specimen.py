@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from geomtorsion.crystals import LATTICES, Crystal
-from geomtorsion.crystals.frames import neighbours_of, sampled
+from geomtorsion.crystals.frames import sampled
 from geomtorsion.crystals.specimen import share_of_lattices
+from geomtorsion.crystals.surroundings import Places
 from geomtorsion.crystals.triangulation import Cell
 from geomtorsion.errors import CrystalError
 from tests.crystals.polycrystals import amorphous, filled
@@ -17,10 +18,11 @@ from tests.crystals.synthetic import with_line
 def shares(places, size):
     """Share of each lattice among a sample, and how many atoms were looked at for it."""
     cell, asked = Cell(size * np.eye(3), np.ones(3, dtype=bool)), []
+    all_of_them = Places(places, cell)
 
     def near(atoms):
         asked.append(len(atoms))
-        return neighbours_of(places, cell, 32, atoms, 3.0)
+        return all_of_them.neighbours(atoms, 32, 3.0)
 
     return share_of_lattices(LATTICES["fcc"], near, sampled(len(places))), sum(asked)
 

@@ -1,0 +1,125 @@
+"""Surroundings: atoms with their images, in a tree, and the nearest neighbours among them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+import scipy  # loads its parts when they are asked for
+
+from geomtorsion.crystals.frames import sampled
+from geomtorsion.crystals.triangulation import Cell
+from geomtorsion.errors import CrystalError
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """Points as near to some places as a distance, or more.
+
+    points: shape (k, 3). numbers: of the atoms of which they are images, shape (k,).
+    distance: as far as which they are there. whole: whether there are no others.
+    """
+
+    points: np.ndarray
+    numbers: np.ndarray
+    distance: float
+    whole: bool = False
+
+    @cached_property
+    def tree(self) -> scipy.spatial.cKDTree:
+        """The points, as they are searched."""
+        return scipy.spatial.cKDTree(self.points, balanced_tree=False, compact_nodes=False)
+
+    @cached_property
+    def apart(self) -> Surroundings:
+        """The same, unless atoms lie upon each other: those of a crystal are about equally far
+        apart.
+
+        Raises
+        ------
+        CrystalError
+            Some are ten times as near to each other as most are.
+        """
+        some = self.points[sampled(len(self.points))]
+        closest = float(np.median(self.tree.query(some, k=2)[0][:, 1]))
+        pairs = self.tree.query_pairs(closest / 10, output_type="ndarray")
+        if len(pairs):
+            one, other = sorted(self.numbers[pairs[0]].tolist())
+            raise CrystalError(
+                f"positions: atoms {one} and {other} lie upon each other, and {len(pairs) - 1:,} "
+                "more pairs. Drop one of each, and see whether the cell is as large as the crystal."
+            )
+        return self
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Atoms in a cell.
+
+    places: wrapped, shape (atoms, 3). cell: in which they lie.
+    """
+
+    places: np.ndarray
+    cell: Cell
+    _kept: dict[float, Surroundings] = field(default_factory=dict)
+
+    def within(self, distance: float) -> Surroundings:
+        """All atoms, with images as far as a distance outside of the cell; the widest are kept."""
+        if distance > max(self._kept, default=-1.0):
+            points, numbers, _ = self.cell.with_ghosts(self.places, distance)
+            self._kept.clear()
+            self._kept[distance] = Surroundings(
+                points, numbers, distance, not self.cell.periodic.any()
+            )
+        (found,) = self._kept.values()
+        return found
+
+    def neighbours(
+        self, atoms: np.ndarray, count: int, reach: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers of the nearest neighbours of some atoms, nearest first, shape (atoms, count), and
+        the vectors to them, shape (atoms, count, 3); most have so many within reach, or as
+        near as atoms are kept.
+
+        Raises
+        ------
+        CrystalError
+            Atoms lie upon each other, or have not so many neighbours.
+        """
+        centres, reach = self.places[atoms], max(self._kept, default=reach)
+        return nearest_points(lambda _, distance: self.within(distance), centres, count, reach)
+
+
+def nearest_points(
+    about: Callable[[np.ndarray, float], Surroundings],
+    centres: np.ndarray,
+    count: int,
+    reach: float,
+) -> tuple[np.ndarray, np.ndarray]:
+    """The same of atoms of which those near by are asked for.
+
+    Of equally near ones those with lower numbers come first.
+    """
+    found = np.empty((len(centres), count), dtype=np.int64)
+    vectors = np.empty((len(centres), count, 3))
+    left = np.arange(len(centres))
+    while len(left):
+        around = about(centres[left], reach)
+        points, numbers = around.points, around.numbers
+        if around.whole and len(points) <= count:
+            raise CrystalError(
+                f"positions: atoms with {count} neighbours were needed, but there are "
+                f"{len(points)} atoms. Give more of the crystal."
+            )
+        if len(points) > count:
+            apart, near = around.apart.tree.query(centres[left], k=count + 1)
+            order = np.lexsort((numbers[near], apart), axis=1)[:, 1:]
+            near = np.take_along_axis(near, order, axis=1)
+            found[left] = numbers[near]
+            vectors[left] = points[near] - centres[left][:, None]
+            left = left[(apart[:, -1] > around.distance) & (not around.whole)]
+        # At corners, and in a gas about the crystal, neighbours are far away.
+        reach = 2 * around.distance
+    return found, vectors
