@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from operator import attrgetter
 from typing import Any
 
 import sympy as sp
@@ -20,7 +21,7 @@ from geomtorsion.exact.element import Element
 from geomtorsion.exact.form import Sum, form
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.integers import as_fmpq
-from geomtorsion.exact.kept import in_order
+from geomtorsion.exact.kept import in_order, inside_out
 from geomtorsion.exact.writing import short_of
 
 # A sum of products: pairs (element, names of the arguments that multiply it).
@@ -85,7 +86,7 @@ class Reader:
         # A sum is not read as one literal: as an output nobody else need share it.
         terms = sp.Add.make_args(expression(entry))
         for term in terms:
-            for part in _inside_out(term, self._known):
+            for part in inside_out(term, attrgetter("args"), self._known.__contains__):
                 self._known[part] = self._tree(part)
         return self.sums.entered([self._known[term] for term in terms])
 
@@ -329,20 +330,6 @@ def _fraction(value: fmpq | sp.Rational) -> Fraction:
     return ONE if value == 1 else Fraction(int(value.p), int(value.q))
 
 
-def _inside_out(tree: sp.Basic, known: Collection[object]) -> Iterator[sp.Basic]:
-    """The parts of a tree that are not known, each after its own parts; no recursion."""
-    waiting = [(tree, False)]
-    while waiting:
-        part, ready = waiting.pop()
-        if part in known:
-            continue
-        if ready:
-            yield part
-        else:
-            waiting.append((part, True))
-            waiting += [(inner, False) for inner in reversed(part.args)]
-
-
 class Emitter:
     """Writes sums as steps, literals in the order in which they need each other."""
 
@@ -356,23 +343,11 @@ class Emitter:
         """Sign and place of some of the sums."""
         found = []
         for number in numbers:
-            for literal in self._inside_out(number):
-                self._done[literal] = self._literal(literal)
+            for needed in self._of_sum(number):
+                for literal in inside_out(needed, self._of_literal, self._done.__contains__):
+                    self._done[literal] = self._literal(literal)
             found.append(self._sum(number))
         return found
-
-    def _inside_out(self, number: int) -> Iterable[int]:
-        """Literals that a sum needs, each after those that it needs itself; no recursion."""
-        waiting = [(literal, False) for literal in reversed(self._of_sum(number))]
-        while waiting:
-            literal, ready = waiting.pop()
-            if literal in self._done:
-                continue
-            if ready:
-                yield literal
-            else:
-                waiting.append((literal, True))
-                waiting += [(inner, False) for inner in reversed(self._of_literal(literal))]
 
     def _of_sum(self, number: int) -> list[int]:
         terms = self.sums.sums[number]

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 from math import prod
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from geomtorsion.errors import LimitError
 from geomtorsion.exact.element import Element
@@ -23,7 +23,7 @@ from geomtorsion.exact.limits import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     import sympy
 
@@ -32,6 +32,9 @@ if TYPE_CHECKING:
     Term = tuple[Any, ...]
     # An irreducible factor by its index, or an element kept below the line by its identity.
     _Divisor = tuple[str, int]
+
+# Whatever has parts: expressions, elements, sums.
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,19 +74,32 @@ def reciprocal(field: Tower, element: Element) -> Element:
     return Element.built(field, Recipe(((1, element),), below=True))
 
 
-def in_order(element: Element, is_done: Callable[[Element], bool]) -> Iterator[Element]:
-    """The kept elements that are not done, each after its own parts; no recursion."""
-    waiting = [(element, False)]
+def inside_out(
+    whole: T, parts: Callable[[T], Iterable[T]], is_done: Callable[[T], bool]
+) -> Iterator[T]:
+    """The whole and its parts as far as they are not done, each after its own; no recursion."""
+    waiting = [] if is_done(whole) else [(whole, iter(parts(whole)))]
     while waiting:
-        one, ready = waiting.pop()
-        if not one.is_kept or is_done(one):
-            continue
-        if ready:
-            yield one
+        one, left = waiting[-1]
+        for part in left:
+            if not is_done(part):
+                waiting.append((part, iter(parts(part))))
+                break
         else:
-            waiting.append((one, True))
-            assert one._recipe is not None
-            waiting += [(part, False) for part in one._recipe.parts if part.is_kept]
+            waiting.pop()
+            yield one
+
+
+def in_order(element: Element, is_done: Callable[[Element], bool]) -> Iterator[Element]:
+    """The kept elements that are not done, each after its own parts."""
+
+    def parts(one: Element) -> Sequence[Element]:
+        recipe = one._recipe
+        assert recipe is not None
+        # The last one first: what is derived on the way keeps its place in the field.
+        return [part for part in recipe.parts if part.is_kept][::-1]
+
+    return inside_out(element, parts, is_done) if element.is_kept else iter(())
 
 
 def leaves(element: Element) -> Iterator[Element]:

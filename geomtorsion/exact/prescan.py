@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from operator import attrgetter
 from typing import TYPE_CHECKING
 
 import sympy
 
 from geomtorsion.exact.functions import CIRCULAR, HYPERBOLIC
+from geomtorsion.exact.kept import inside_out
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -21,7 +23,8 @@ class Scan:
         self._depth: dict[sympy.Basic, int] = {}
         self._found: dict[int, tuple[Exprs, Exprs, Exprs]] = {}
         for expr in exprs:
-            self._visit(expr)
+            for part in inside_out(expr, attrgetter("args"), self._depth.__contains__):
+                self._depth[part] = self._visit(part)
 
     def levels(self) -> Iterator[tuple[Exprs, Exprs, Exprs]]:
         """(angles, exponents, hyperbolic arguments), innermost first."""
@@ -29,13 +32,10 @@ class Scan:
             yield self._found[depth]
 
     def _visit(self, expr: sympy.Basic) -> int:
-        """The depth of functions inside an expression; notes what it meets."""
-        known = self._depth.get(expr)
-        if known is not None:
-            return known
+        """The depth of functions inside an expression, from those of its parts; notes it."""
         if not expr.args:
             return 0
-        depth = max(self._visit(arg) for arg in expr.args)
+        depth = max([self._depth[arg] for arg in expr.args])
         name = type(expr).__name__
         if name in CIRCULAR:
             self._note(depth, 0, expr.args[0])
@@ -52,7 +52,6 @@ class Scan:
                 self._note(depth, 1, exponent * sympy.log(base))
         if expr.is_Function or (isinstance(expr, sympy.Pow) and not expr.exp.is_Integer):
             depth += 1
-        self._depth[expr] = depth
         return depth
 
     def _note(self, depth: int, kind: int, argument: sympy.Basic) -> None:

@@ -16,7 +16,7 @@ from geomtorsion.exact.angles import Angles
 from geomtorsion.exact.exponents import Exponents
 from geomtorsion.exact.functions import FUNCTIONS, RootOfSquare
 from geomtorsion.exact.generators import Generator
-from geomtorsion.exact.kept import stays_kept
+from geomtorsion.exact.kept import inside_out, stays_kept
 from geomtorsion.exact.limits import check_exponent, check_size
 from geomtorsion.exact.polynomials import split
 from geomtorsion.exact.prescan import Scan
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from geomtorsion.exact.element import Element
     from geomtorsion.exact.prescan import Exprs
     from geomtorsion.exact.tower import Tower
+
+_PLAIN_FUNCTIONS = {*FUNCTIONS, *INVERSE_FUNCTIONS, "log", "atan2", RootOfSquare.__name__}
 
 
 class Reader:
@@ -114,9 +116,30 @@ class Reader:
     def element(self, expr: sympy.Basic) -> Element:
         """Reads one expression."""
         known = self._known.get(expr)
-        if known is None:
-            known = self._known[expr] = self._read(expr)
-        return known
+        if known is not None:
+            return known
+        for part in inside_out(expr, self._parts_of, self._known.__contains__):
+            self._known[part] = self._read(part)
+        return self._known[expr]
+
+    def _parts_of(self, expr: sympy.Basic) -> tuple[sympy.Basic, ...]:
+        """What is read before an expression, in this order; of what is rare, nothing."""
+        if expr.is_Atom:
+            return ()
+        if expr.is_Add or expr.is_Mul or _is_plain_function(expr):
+            return expr.args
+        if expr.is_Pow:
+            base, exponent = expr.args
+            if exponent.is_Integer:
+                return (base,)
+            if base is sympy.E:
+                return (exponent,)
+            if not exponent.is_Rational:
+                return exponent, base
+            if expr in self.field.chosen:
+                return ()
+            return (base,) if exponent.p == 1 else (_single_root(expr),)
+        return ()
 
     def _read(self, expr: sympy.Basic) -> Element:
         field = self.field
@@ -125,7 +148,7 @@ class Reader:
         if expr.is_Rational:
             return field.rational(fmpq(int(expr.p), int(expr.q)))
         if expr.is_Add:
-            return field.sum([(1, self.element(arg)) for arg in expr.args])
+            return field.sum([(1, self._known[arg]) for arg in expr.args])
         if expr.is_Mul:
             return self._product(expr.args)
         if expr.is_Pow:
@@ -143,7 +166,7 @@ class Reader:
 
     def _product(self, args: tuple[sympy.Basic, ...]) -> Element:
         if len(args) <= 8:
-            return self.field.sum([(1, *[self.element(arg) for arg in args])])
+            return self.field.sum([(1, *[self._known[arg] for arg in args])])
         half = len(args) // 2
         return self._product(args[:half]) * self._product(args[half:])
 
@@ -160,7 +183,7 @@ class Reader:
             if exponent.p == 1:
                 return self.field.root(self.element(base), int(exponent.q), expr)
             # The root itself is read once for all of its powers.
-            return self.element(base ** sympy.Rational(1, exponent.q)) ** int(exponent.p)
+            return self.element(_single_root(expr)) ** int(exponent.p)
         return self.exp(self.element(exponent) * self.primitives.log(self.element(base)))
 
     def _chosen(self, expr: sympy.Basic) -> Element | None:
@@ -274,6 +297,17 @@ class Reader:
         if expr.is_number and expr.is_finite and expr.is_Atom:
             return opaque(field, expr, ())
         raise ExpressionError(f"{expr} cannot be read as an exact scalar")
+
+
+def _single_root(power: sympy.Basic) -> sympy.Expr:
+    """x**(1/q) of x**(p/q)."""
+    base, exponent = power.args
+    return base ** sympy.Rational(1, exponent.q)
+
+
+def _is_plain_function(expr: sympy.Basic) -> bool:
+    """Whether an expression is a function that is made of its arguments, as they are."""
+    return isinstance(expr, AppliedUndef) or type(expr).__name__ in _PLAIN_FUNCTIONS
 
 
 def _chosen_by_itself(root: sympy.Basic, value: sympy.Expr) -> ExpressionError:

@@ -64,6 +64,15 @@ def test_written_form_has_the_value_of_what_was_read(label):
         assert close(value(element, expression.free_symbols), number(expression))
 
 
+def test_brackets_nested_deeply():
+    """What stands within 160 brackets is read: calls are not nested as brackets are."""
+    nested = x
+    for _ in range(160):
+        nested = x * (1 + nested)
+    field = Field([x])
+    assert field.read(nested) == field.read(sum(x**k for k in range(1, 162)))
+
+
 @pytest.mark.parametrize("label", CONSTRUCTS)
 def test_derivatives_against_sympy(label):
     """The derivation on generators equals sympy.diff, numerically, for first and second order."""
