@@ -20,8 +20,8 @@ from geomtorsion.errors import ExpressionError, MissingValueError
 from geomtorsion.exact.element import Element
 from geomtorsion.exact.form import Sum, form
 from geomtorsion.exact.generators import Generator
-from geomtorsion.exact.integers import as_fmpq
 from geomtorsion.exact.kept import in_order, inside_out
+from geomtorsion.exact.polynomials import as_fmpq
 from geomtorsion.exact.writing import short_of
 
 # A sum of products: pairs (element, names of the arguments that multiply it).

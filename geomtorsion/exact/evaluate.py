@@ -13,8 +13,8 @@ from geomtorsion.errors import MissingValueError, SingularPointError
 from geomtorsion.exact import polynomials
 from geomtorsion.exact.form import LONGEST_FACTORED, Sum, form
 from geomtorsion.exact.generators import Generator
-from geomtorsion.exact.integers import as_fmpq
 from geomtorsion.exact.kept import in_order, leaves
+from geomtorsion.exact.polynomials import as_fmpq
 from geomtorsion.exact.radical_denominators import roots_restored
 from geomtorsion.precision import ball_precision, working_precision
 

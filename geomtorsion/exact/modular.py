@@ -17,8 +17,8 @@ from flint import fmpq, fmpz, fmpz_mod_ctx, fmpz_mod_poly_ctx
 from flint.utils.flint_exceptions import DomainError
 
 from geomtorsion.exact.algebraic_constants import is_algebraic_constant
-from geomtorsion.exact.integers import as_fmpq
 from geomtorsion.exact.kept import in_order
+from geomtorsion.exact.polynomials import as_fmpq
 
 if TYPE_CHECKING:
     from fractions import Fraction

@@ -19,8 +19,8 @@ from mpmath.libmp import to_rational
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.constant_logarithms import ConstantLogarithms
 from geomtorsion.exact.generators import Branch, Generator
-from geomtorsion.exact.integers import prime_factors
 from geomtorsion.exact.limits import LARGEST_MULTIPLE
+from geomtorsion.exact.polynomials import prime_factors
 from geomtorsion.exact.rational_basis import express
 from geomtorsion.precision import EXACT_BITS, working_precision
 

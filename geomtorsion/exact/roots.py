@@ -11,7 +11,7 @@ from flint import fmpq, fmpz
 
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.generators import Branch
-from geomtorsion.exact.integers import prime_factors
+from geomtorsion.exact.polynomials import prime_factors
 from geomtorsion.exact.square_roots import square_root_inside, without_odd_roots
 from geomtorsion.precision import working_precision
 

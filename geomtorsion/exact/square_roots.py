@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 from flint import fmpq, fmpz
 
-from geomtorsion.exact.integers import prime_factors
-from geomtorsion.exact.polynomials import split
+from geomtorsion.exact.polynomials import prime_factors, split
 
 if TYPE_CHECKING:
     from geomtorsion.exact.element import Element

@@ -22,7 +22,6 @@ from geomtorsion.exact import polynomials
 from geomtorsion.exact.element import Denominator, Element
 from geomtorsion.exact.factoring import factored, known_taken_out
 from geomtorsion.exact.generators import Branch, Generator, Names
-from geomtorsion.exact.integers import as_fmpq
 from geomtorsion.exact.kept import kept, leaves
 from geomtorsion.exact.limits import (
     FACTORED_HERE,
@@ -30,6 +29,7 @@ from geomtorsion.exact.limits import (
     MOST_AT_ONCE,
     terms_of_power,
 )
+from geomtorsion.exact.polynomials import as_fmpq
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

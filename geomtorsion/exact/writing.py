@@ -14,9 +14,9 @@ from geomtorsion.errors import AllowanceError, LimitError
 from geomtorsion.exact.collecting import Collector
 from geomtorsion.exact.form import LONGEST_FACTORED, Form, Sum, form
 from geomtorsion.exact.generators import Generator, Names
-from geomtorsion.exact.integers import as_fmpq
 from geomtorsion.exact.kept import in_order
 from geomtorsion.exact.limits import check_parts, check_written
+from geomtorsion.exact.polynomials import as_fmpq
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

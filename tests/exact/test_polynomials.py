@@ -1,4 +1,4 @@
-"""Integers: what is factored, and what is too large."""
+"""Polynomials: integers that are factored, and those that are too large."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import pytest
 import sympy as sp
 
 from geomtorsion.errors import LimitError
-from geomtorsion.exact.integers import prime_factors
+from geomtorsion.exact.polynomials import prime_factors
 
 
 def primes(*bits: int) -> list[int]:
