@@ -12,6 +12,7 @@ from geomtorsion.exact.algebraic_constants import is_algebraic_constant
 from geomtorsion.exact.certainty import PROVED, Certainty
 from geomtorsion.exact.derivation import derivative
 from geomtorsion.exact.element import Element
+from geomtorsion.exact.entries import counted_as
 from geomtorsion.exact.evaluate import evaluate
 from geomtorsion.exact.generators import Generator, Names
 from geomtorsion.exact.generic_point import GenericPoint
@@ -22,7 +23,6 @@ from geomtorsion.exact.reading import Reader
 from geomtorsion.exact.roots import root
 from geomtorsion.exact.serialization import from_json, to_json
 from geomtorsion.exact.tower import Point, Tower
-from geomtorsion.exact.twins import counted_as
 from geomtorsion.exact.writing import shortest, to_sympy
 
 if TYPE_CHECKING:

@@ -12,8 +12,8 @@ from flint import fmpq
 from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import ExpressionError, GeomtorsionError, LimitError
-from geomtorsion.exact import unsupported
 from geomtorsion.exact.angles import Angles
+from geomtorsion.exact.entries import checked, counted_as, smooth_form
 from geomtorsion.exact.exponents import Exponents
 from geomtorsion.exact.functions import CIRCULAR, FUNCTIONS, HYPERBOLIC, RootOfSquare
 from geomtorsion.exact.generators import Generator
@@ -21,7 +21,6 @@ from geomtorsion.exact.kept import inside_out, stays_kept
 from geomtorsion.exact.limits import check_exponent, check_size
 from geomtorsion.exact.polynomials import split
 from geomtorsion.exact.primitives import INVERSE_FUNCTIONS, Primitives
-from geomtorsion.exact.twins import counted_as
 from geomtorsion.exact.unknown_functions import jet, opaque
 
 if TYPE_CHECKING:
@@ -95,7 +94,7 @@ class Reader:
 
     def read_all(self, entries: list[tuple[str, Any]]) -> list[Element]:
         """Reads all entries, on one common basis of angles and exponents."""
-        exprs = [(where, self._own(unsupported.checked(where, value))) for where, value in entries]
+        exprs = [(where, self._own(checked(where, value))) for where, value in entries]
         where = exprs[0][0] if exprs else ""
         try:
             scan = Scan([expr for _, expr in exprs])
@@ -298,7 +297,7 @@ class Reader:
             return self.primitives.inverse_function(name, self.element(expr.args[0]))
         if name == "atan2":
             return self.primitives.atan2(*(self.element(arg) for arg in expr.args))
-        rewritten = unsupported.smooth_form(expr)
+        rewritten = smooth_form(expr)
         if rewritten is not None:
             return self.element(rewritten)
         arguments = [self.element(arg) for arg in expr.args]

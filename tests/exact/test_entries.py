@@ -1,4 +1,4 @@
-"""Twins: symbols of one name mean one thing, in every run of Python alike."""
+"""Entries: symbols of one name mean one thing, in every run of Python alike."""
 
 import os
 import subprocess
