@@ -1,30 +1,42 @@
-"""Form: an element as a person would write it, a product of powers of short factors."""
+"""Form: an element as a person would write it, a product of powers of short factors.
+
+High powers of cos and sin are written as multiple angles, which keeps their digits: cos(60 x) is a
+polynomial of degree 60 in cos(x) with coefficients near 2**59, exact, but worthless in floating
+point.  As a sum of multiple angles the coefficients stay small.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
+from math import comb
 from typing import TYPE_CHECKING
 
+import sympy
 from flint import fmpq
 
 from geomtorsion.exact import polynomials
-from geomtorsion.exact.fourier import HIGHEST_DEGREE, high_pairs, multiple_angles
+from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.radical_denominators import roots_restored
 
 if TYPE_CHECKING:
     from flint import fmpq_mpoly
 
     from geomtorsion.exact.element import Element
-    from geomtorsion.exact.generators import Generator
     from geomtorsion.exact.tower import Tower
 
-Monomial = tuple[tuple["Generator", int], ...]
+Monomial = tuple[tuple[Generator, int], ...]
+# A polynomial as FLINT gives it, and with its generators by themselves.
+Terms = dict[tuple[int, ...], fmpq]
+Named = list[tuple[fmpq, Monomial]]
 
 # Longer polynomials are written as they are, neither factored nor rewritten with sin**2: that would
 # cost more than it shortens, and nobody reads them.
 LONGEST_FACTORED = 2000
 # A product of factors that is a sum of so few multiple angles is written as that sum.
 _FEW_WAVES = 4
+# Up to this degree powers lose less than two digits and read better.
+_HIGHEST_DEGREE = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,11 +167,11 @@ def _made(element: Element) -> Form:
 def _is_short_wave(field: Tower, table: Radicals, num: fmpq_mpoly) -> bool:
     """Whether a polynomial of high degree in cos and sin is a sum of very few waves."""
     degrees = num.degrees()
-    if not any(degrees[cos] > HIGHEST_DEGREE for cos, _ in table.circular):
+    if not any(degrees[cos] > _HIGHEST_DEGREE for cos, _ in table.circular):
         return False
     terms = {tuple(map(int, m)): fmpq(c) for m, c in num.to_dict().items()}
-    high = high_pairs(terms, table.circular)
-    return bool(high) and len(multiple_angles(field, terms, high)) <= _FEW_WAVES
+    high = _high_pairs(terms, table.circular)
+    return bool(high) and len(_multiple_angles(field, terms, high)) <= _FEW_WAVES
 
 
 def _sign_absorbed(powers: list[tuple[Generator | Sum, int]]) -> int:
@@ -195,9 +207,9 @@ def _sum(field: Tower, table: Radicals, poly: fmpq_mpoly) -> tuple[Sum, int]:
     degrees = poly.degrees()
     if any(degrees[cos] > 1 for cos, _, _ in table.partners):
         terms = {tuple(map(int, m)): fmpq(c) for m, c in poly.to_dict().items()}
-        high = high_pairs(terms, table.circular)
+        high = _high_pairs(terms, table.circular)
         if high:
-            return Sum(tuple(multiple_angles(field, terms, high))), 1
+            return Sum(tuple(_multiple_angles(field, terms, high))), 1
         # Which of the three is shortest depends on the other terms: all are tried.
         for cos, sin, sign in table.partners:
             if len(terms) <= LONGEST_FACTORED and any(m[cos] > 1 for m in terms):
@@ -217,11 +229,9 @@ def _sum(field: Tower, table: Radicals, poly: fmpq_mpoly) -> tuple[Sum, int]:
     return Sum(named, opposite, source), sign
 
 
-def _rewritten(
-    terms: dict[tuple[int, ...], fmpq], cos: int, sin: int, sign: int
-) -> dict[tuple[int, ...], fmpq]:
+def _rewritten(terms: Terms, cos: int, sin: int, sign: int) -> Terms:
     """cos**2 replaced with 1 + sign * sin**2."""
-    result: dict[tuple[int, ...], fmpq] = {}
+    result: Terms = {}
     for monomial, value in terms.items():
         half, rest = divmod(monomial[cos], 2)
         factor = fmpq(1)
@@ -238,9 +248,7 @@ def _rewritten(
     return result
 
 
-def _paired(
-    terms: dict[tuple[int, ...], fmpq], cos: int, sin: int, sign: int
-) -> dict[tuple[int, ...], fmpq]:
+def _paired(terms: Terms, cos: int, sin: int, sign: int) -> Terms:
     """A - A cos**2 replaced with A sin**2, pair by pair (A cosh**2 - A with A sinh**2)."""
     result = dict(terms)
     for monomial in sorted(terms, key=lambda m: -m[cos]):
@@ -259,3 +267,77 @@ def _paired(
         else:
             result.pop(key, None)
     return result
+
+
+def _high_pairs(terms: Terms, pairs: list[tuple[int, int]]) -> list[tuple[int, int]]:
+    """The pairs (cos, sin) in which a polynomial has a high degree."""
+    return [
+        (cos, sin) for cos, sin in pairs if any(m[cos] + m[sin] > _HIGHEST_DEGREE for m in terms)
+    ]
+
+
+def _multiple_angles(field: Tower, terms: Terms, pairs: list[tuple[int, int]]) -> Named:
+    """The same sum with cos**a sin**b of these pairs replaced by cos(k x) and sin(k x)."""
+    collected: dict[tuple[tuple[int, ...], tuple[tuple[int, bool], ...]], fmpq] = {}
+    for monomial, value in terms.items():
+        rest = list(monomial)
+        products: list[tuple[fmpq, tuple[tuple[int, bool], ...]]] = [(value, ())]
+        for cos, sin in pairs:
+            # Products of powers of one angle are sums of its multiples; angles are independent.
+            waves = _harmonics(monomial[cos], monomial[sin])
+            rest[cos] = rest[sin] = 0
+            products = [
+                (v * share, (*made, wave)) for v, made in products for wave, share in waves.items()
+            ]
+        for share, made in products:
+            key = (tuple(rest), made)
+            collected[key] = collected.get(key, fmpq(0)) + share
+    named: Named = []
+    for (rest, made), value in collected.items():
+        if value:
+            factors = [
+                (_multiple(field, field.generators[sin if odd else cos], k), 1)
+                for (cos, sin), (k, odd) in zip(pairs, made, strict=True)
+                if k
+            ]
+            named.append((value, (*factors, *polynomials.powers(field.generators, rest))))
+    return named
+
+
+@lru_cache(maxsize=4096)
+def _harmonics(a: int, b: int) -> dict[tuple[int, bool], fmpq]:
+    """cos**a sin**b as {(k, is a sine): coefficient}."""
+    # With z = exp(i x): cos = (z + 1/z)/2 and sin = (z - 1/z)/(2 i).
+    powers: dict[int, int] = {}
+    for j in range(a + 1):
+        for m in range(b + 1):
+            k = a - 2 * j + b - 2 * m
+            powers[k] = powers.get(k, 0) + comb(a, j) * comb(b, m) * (-1) ** m
+    # 1/i**b is real for even b, where z**k pairs to cosines, else to sines.
+    sign = (-1) ** (b // 2)
+    found: dict[tuple[int, bool], fmpq] = {}
+    for k, value in powers.items():
+        if k < 0 or not value:
+            continue
+        weight = 1 if k == 0 else 2
+        found[k, bool(b % 2)] = fmpq(sign * weight * value, 2 ** (a + b))
+    return found
+
+
+def _multiple(field: Tower, generator: Generator, k: int) -> Generator:
+    """cos or sin of k times the angle: for writing only, no generator of the field."""
+    if k == 1:
+        return generator
+    known = field.tables.setdefault("multiples", {})
+    key = (generator.name, k)
+    if key not in known:
+        angle = generator.argument[0] * k
+        function = sympy.cos if generator.kind == "cos" else sympy.sin
+        known[key] = Generator(
+            generator.kind,
+            f"{generator.name}_{k}",
+            function(angle.sympy),
+            generator.depends,
+            argument=(angle, generator.argument[1]),
+        )
+    return known[key]
