@@ -17,7 +17,7 @@ from geomtorsion.curves.cyclic import CyclicReduction, cost
 from geomtorsion.curves.laws import Law, Momenta
 from geomtorsion.curves.separated import SeparatedReduction, separated
 from geomtorsion.errors import ChartEdgeError, StartError
-from geomtorsion.exact.sign import of_same_sign
+from geomtorsion.exact.form import of_same_sign
 from geomtorsion.ode.members import Members, Part
 from geomtorsion.ode.system import System
 

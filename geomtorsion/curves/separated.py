@@ -16,7 +16,7 @@ import sympy as sp
 from geomtorsion.codegen import Graph, Products, graph
 from geomtorsion.curves.cyclic import ROUNDINGS, CyclicReduction
 from geomtorsion.exact import Element, Field
-from geomtorsion.exact.sign import of_same_sign
+from geomtorsion.exact.form import of_same_sign
 from geomtorsion.ode.system import System
 from geomtorsion.ode.trajectory import PER_STEP
 from geomtorsion.precision import EPS

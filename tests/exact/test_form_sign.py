@@ -1,4 +1,4 @@
-"""Signs: shorter elements with the sign of longer ones."""
+"""Form: shorter elements with the sign of longer ones."""
 
 import numpy as np
 import pytest
@@ -6,8 +6,7 @@ import sympy as sp
 
 from geomtorsion.codegen import numpy_function
 from geomtorsion.exact import Field
-from geomtorsion.exact.form import form
-from geomtorsion.exact.sign import of_same_sign
+from geomtorsion.exact.form import form, of_same_sign
 
 R, THETA, M, A = sp.symbols("r theta M a")
 EDGES = [
