@@ -8,7 +8,7 @@ from flint import fmpq
 
 from geomtorsion.exact import kept, polynomials
 from geomtorsion.exact.element import Element
-from geomtorsion.exact.unknown_functions import jet
+from geomtorsion.exact.functions import jet
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -91,28 +91,6 @@ def _reason(part: sympy.Basic) -> str:
     return ""
 
 
-def smooth_form(expr: sympy.Expr) -> sympy.Expr | None:
-    """A function rewritten by ones that are read, None if opaque.
-
-    Raises
-    ------
-    ExpressionError
-        the function has no derivative that sympy knows.
-    """
-    name = type(expr).__name__
-    if name in ("asec", "acsc", "asech", "acsch"):
-        partner = {"asec": sympy.acos, "acsc": sympy.asin, "asech": sympy.acosh,
-                   "acsch": sympy.asinh}[name]  # fmt: skip
-        return partner(1 / expr.args[0])
-    if name == "sinc":
-        return sympy.sin(expr.args[0]) / expr.args[0]
-    for symbol in expr.free_symbols:
-        slope = expr.diff(symbol)
-        if slope.has(sympy.Derivative, sympy.Subs) and not expr.has(sympy.Derivative, sympy.Subs):
-            raise ExpressionError(f"{expr} has no derivative that is known exactly")
-    return None
-
-
 def _short(expr: sympy.Basic) -> str:
     """The text of an expression, cut where it is long."""
     text = str(expr)

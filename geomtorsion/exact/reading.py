@@ -13,15 +13,22 @@ from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import ExpressionError, GeomtorsionError, LimitError
 from geomtorsion.exact.angles import Angles
-from geomtorsion.exact.entries import checked, counted_as, smooth_form
+from geomtorsion.exact.entries import checked, counted_as
 from geomtorsion.exact.exponents import Exponents
-from geomtorsion.exact.functions import CIRCULAR, FUNCTIONS, HYPERBOLIC, RootOfSquare
+from geomtorsion.exact.functions import (
+    CIRCULAR,
+    FUNCTIONS,
+    HYPERBOLIC,
+    RootOfSquare,
+    jet,
+    opaque,
+    smooth_form,
+)
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.kept import inside_out, stays_kept
 from geomtorsion.exact.limits import check_exponent, check_size
 from geomtorsion.exact.polynomials import split
 from geomtorsion.exact.primitives import INVERSE_FUNCTIONS, Primitives
-from geomtorsion.exact.unknown_functions import jet, opaque
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

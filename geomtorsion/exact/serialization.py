@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import sympy
 
+from geomtorsion.exact.functions import jet
 from geomtorsion.exact.parsing import parse_expression
-from geomtorsion.exact.unknown_functions import jet
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
