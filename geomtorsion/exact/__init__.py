@@ -1,7 +1,6 @@
 """Exact scalars: read, differentiate, decide zero, write."""
 
-from geomtorsion.exact.certainty import Certainty
-from geomtorsion.exact.element import Element
+from geomtorsion.exact.element import Certainty, Element
 from geomtorsion.exact.field import Field
 from geomtorsion.exact.generators import Branch, Generator
 from geomtorsion.exact.parsing import parse_expression

@@ -1,7 +1,8 @@
-"""Elements: exact scalars, kept in a form in which equal ones are identical."""
+"""Elements: exact scalars in a form in which equal ones are identical, and how sure zero is."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from fractions import Fraction
 from math import inf
 from typing import TYPE_CHECKING, Any
@@ -13,13 +14,12 @@ from geomtorsion.errors import UndecidedError
 from geomtorsion.exact.limits import LARGEST_PRODUCT, check_power, product_too_large
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
     import mpmath
     import sympy
     from flint import fmpq_mpoly
 
-    from geomtorsion.exact.certainty import Certainty
     from geomtorsion.exact.kept import Recipe
     from geomtorsion.exact.tower import Tower
 
@@ -28,6 +28,32 @@ if TYPE_CHECKING:
 
 Denominator = tuple[tuple[int, int], ...]
 Number = int | Fraction | flint.fmpq
+
+
+@dataclass(frozen=True)
+class Certainty:
+    """How sure it is that an element vanishes or not.
+
+    proved: whether polynomials decided, or a value that is not zero.
+    error: else a bound on the chance that the answer is wrong.
+    """
+
+    proved: bool
+    error: float = 0.0
+
+    def __str__(self) -> str:
+        if self.proved:
+            return "proved"
+        return f"at a random point modulo a prime: chance of error below {self.error:.0e}"
+
+
+PROVED = Certainty(proved=True)
+
+
+def least_certain(verdicts: Iterable[Certainty]) -> Certainty:
+    """The certainty that all of some verdicts are right."""
+    chances = [verdict.error for verdict in verdicts if not verdict.proved]
+    return Certainty(proved=not chances, error=sum(chances))
 
 
 class Element:

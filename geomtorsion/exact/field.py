@@ -9,9 +9,8 @@ import sympy
 from geomtorsion.errors import CoordinateError
 from geomtorsion.exact import algebraic_constants, kept
 from geomtorsion.exact.algebraic_constants import is_algebraic_constant
-from geomtorsion.exact.certainty import PROVED, Certainty
 from geomtorsion.exact.derivation import derivative
-from geomtorsion.exact.element import Element
+from geomtorsion.exact.element import PROVED, Certainty, Element
 from geomtorsion.exact.entries import counted_as
 from geomtorsion.exact.evaluate import evaluate
 from geomtorsion.exact.generators import Generator, Names

@@ -37,8 +37,7 @@ if TYPE_CHECKING:
     import mpmath
     from flint import fmpq_mpoly
 
-    from geomtorsion.exact.certainty import Certainty
-    from geomtorsion.exact.element import Value
+    from geomtorsion.exact.element import Certainty, Value
     from geomtorsion.exact.factoring import Factors
 
 

@@ -8,7 +8,7 @@ from itertools import combinations, product
 
 from geomtorsion.checks import instance
 from geomtorsion.exact import Certainty, Element
-from geomtorsion.exact.certainty import PROVED, least_certain
+from geomtorsion.exact.element import PROVED, least_certain
 from geomtorsion.geometry import notation, riemannian
 from geomtorsion.geometry.connection import Connection
 from geomtorsion.geometry.connections import cartan, levi_civita

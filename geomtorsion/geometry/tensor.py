@@ -14,7 +14,7 @@ from geomtorsion import checks
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ArgumentError, TensorIndexError
 from geomtorsion.exact import Certainty, Element
-from geomtorsion.exact.certainty import least_certain
+from geomtorsion.exact.element import least_certain
 from geomtorsion.exact.expansion import Expansion, limit
 from geomtorsion.geometry import arithmetic, evaluation, notation
 from geomtorsion.geometry.components import Components, change_slot
