@@ -3,8 +3,7 @@
 from sympy import Rational, oo, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.patterns import antisymmetric, diagonal
-from geomtorsion.spaces.space import KnownAnswer, Space, box
+from geomtorsion.spaces.space import KnownAnswer, Space, antisymmetric, box, diagonal
 
 
 def space(name: str, title: str) -> Space:

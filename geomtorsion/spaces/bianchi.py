@@ -8,8 +8,7 @@ from sympy import Expr, Integer, KroneckerDelta, LeviCivita, Rational, Symbol, s
 
 from geomtorsion.checks import expression
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.patterns import matrix
-from geomtorsion.spaces.space import KnownAnswer, Space
+from geomtorsion.spaces.space import KnownAnswer, Space, matrix
 
 A = Symbol("a", positive=True)
 

@@ -3,8 +3,7 @@
 from sympy import Rational, Symbol, pi, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.patterns import matrix
-from geomtorsion.spaces.space import KnownAnswer, Space, box
+from geomtorsion.spaces.space import KnownAnswer, Space, box, matrix
 
 
 def space(name: str, title: str) -> Space:

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from sympy import Expr, Rational, Symbol, cos, pi, sin, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.patterns import alternating, diagonal
-from geomtorsion.spaces.space import KnownAnswer, Space, box
+from geomtorsion.spaces.space import KnownAnswer, Space, alternating, box, diagonal
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,7 @@ from __future__ import annotations
 from sympy import Expr, Symbol, cos, oo, pi, sin, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.patterns import antisymmetric, diagonal
-from geomtorsion.spaces.space import KnownAnswer, Space, box
+from geomtorsion.spaces.space import KnownAnswer, Space, antisymmetric, box, diagonal
 
 STORIES = {
     "flat_polar": (

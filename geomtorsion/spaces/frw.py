@@ -3,8 +3,7 @@
 from sympy import Function, Rational, Symbol, cos, oo, pi, sin, sqrt, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.patterns import antisymmetric, diagonal
-from geomtorsion.spaces.space import KnownAnswer, Space, box
+from geomtorsion.spaces.space import KnownAnswer, Space, antisymmetric, box, diagonal
 
 SOURCE = "C. W. Misner, K. S. Thorne, J. A. Wheeler, Gravitation (1973), chapter 27"
 

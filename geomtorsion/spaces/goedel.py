@@ -3,8 +3,7 @@
 from sympy import Symbol, exp, sqrt, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.patterns import antisymmetric
-from geomtorsion.spaces.space import KnownAnswer, Space
+from geomtorsion.spaces.space import KnownAnswer, Space, antisymmetric
 
 
 def space(name: str, title: str) -> Space:

@@ -3,8 +3,7 @@
 from sympy import Rational, cos, oo, pi, sin, sqrt, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.patterns import antisymmetric, matrix
-from geomtorsion.spaces.space import KnownAnswer, Space, box
+from geomtorsion.spaces.space import KnownAnswer, Space, antisymmetric, box, matrix
 
 
 def space(name: str, title: str) -> Space:

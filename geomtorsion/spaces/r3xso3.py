@@ -5,8 +5,7 @@ from itertools import permutations
 from sympy import LeviCivita, Matrix, Rational, cos, diag, pi, sin, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.patterns import antisymmetric, diagonal
-from geomtorsion.spaces.space import KnownAnswer, Space, box
+from geomtorsion.spaces.space import KnownAnswer, Space, antisymmetric, box, diagonal
 
 
 def space(name: str, title: str) -> Space:

@@ -3,8 +3,7 @@
 from sympy import cos, pi, sin, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.patterns import alternating, diagonal
-from geomtorsion.spaces.space import KnownAnswer, Space, box
+from geomtorsion.spaces.space import KnownAnswer, Space, alternating, box, diagonal
 
 
 def space(name: str, title: str) -> Space:

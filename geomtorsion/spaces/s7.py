@@ -8,8 +8,7 @@ from sympy import Expr, Integer, symbols
 from sympy.combinatorics.permutations import Permutation
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.patterns import alternating, diagonal
-from geomtorsion.spaces.space import KnownAnswer, Space
+from geomtorsion.spaces.space import KnownAnswer, Space, alternating, diagonal
 
 # e_i e_j = e_k for these lines of the Fano plane and their cyclic orders.
 LINES = ((1, 2, 4), (2, 3, 5), (3, 4, 6), (4, 5, 7), (5, 6, 1), (6, 7, 2), (7, 1, 3))

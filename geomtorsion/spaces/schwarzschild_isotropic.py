@@ -3,8 +3,7 @@
 from sympy import Symbol, sqrt, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.patterns import antisymmetric, diagonal
-from geomtorsion.spaces.space import KnownAnswer, Space
+from geomtorsion.spaces.space import KnownAnswer, Space, antisymmetric, diagonal
 
 
 def space(name: str, title: str) -> Space:

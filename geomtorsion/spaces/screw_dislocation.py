@@ -3,8 +3,7 @@
 from sympy import Symbol, pi, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.patterns import antisymmetric, matrix
-from geomtorsion.spaces.space import KnownAnswer, Space
+from geomtorsion.spaces.space import KnownAnswer, Space, antisymmetric, matrix
 
 SOURCE = "H. Kleinert, Gauge Fields in Condensed Matter, vol. II: Stresses and Defects (1989)"
 

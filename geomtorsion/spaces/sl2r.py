@@ -3,8 +3,7 @@
 from sympy import Rational, cos, oo, pi, sin, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.patterns import alternating, antisymmetric, diagonal
-from geomtorsion.spaces.space import KnownAnswer, Space, box
+from geomtorsion.spaces.space import KnownAnswer, Space, alternating, antisymmetric, box, diagonal
 
 HALF = Rational(1, 2)
 

@@ -3,8 +3,16 @@
 from sympy import Rational, cos, pi, sin, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.patterns import alternating, antisymmetric, diagonal, matrix, symmetric
-from geomtorsion.spaces.space import KnownAnswer, Space, box
+from geomtorsion.spaces.space import (
+    KnownAnswer,
+    Space,
+    alternating,
+    antisymmetric,
+    box,
+    diagonal,
+    matrix,
+    symmetric,
+)
 
 
 def space(name: str, title: str) -> Space:

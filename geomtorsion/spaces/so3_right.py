@@ -3,8 +3,7 @@
 from sympy import Rational, cos, pi, sin, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.patterns import alternating, diagonal, matrix
-from geomtorsion.spaces.space import KnownAnswer, Space, box
+from geomtorsion.spaces.space import KnownAnswer, Space, alternating, box, diagonal, matrix
 
 
 def space(name: str, title: str) -> Space:

@@ -3,8 +3,7 @@
 from sympy import Rational, eye, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.patterns import alternating, diagonal
-from geomtorsion.spaces.space import KnownAnswer, Space
+from geomtorsion.spaces.space import KnownAnswer, Space, alternating, diagonal
 
 
 def space(name: str, title: str) -> Space:

@@ -1,39 +1,23 @@
-"""Space: a frame with its story, its source and the answers that are known about it."""
+"""Space: a frame with its story, its source and the answers that are known, as index tables."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import permutations
 
 import sympy
-from sympy import Basic, Expr, Symbol
+from sympy import Basic, Expr, Integer, Symbol
+from sympy.combinatorics.permutations import Permutation
 
 from geomtorsion.checks import expression
 from geomtorsion.displays import drawn_by
 from geomtorsion.geometry import Connection, Frame
 
-
-def box(ranges: Mapping[Symbol, tuple[Expr | int, Expr | int]]) -> tuple[Basic, ...]:
-    """Relations low < symbol < high of all symbols; bounds at infinity say nothing.
-
-    Examples
-    --------
-    >>> from sympy import oo, symbols
-    >>> r, M = symbols("r M", positive=True)
-    >>> box({r: (2 * M, oo)})
-    (r > 2*M,)
-    """
-    relations: list[Basic] = []
-    for symbol, (low, high) in ranges.items():
-        if expression(low).is_finite is not False:
-            relations.append(symbol > low)
-        if expression(high).is_finite is not False:
-            relations.append(symbol < high)
-    return tuple(relations)
-
-
 Index = tuple[int, ...]
 Closed = sympy.Expr | int | str
+# Closed forms, written once per independent component.
+Table = dict[Index, sympy.Expr]
 
 
 @dataclass(frozen=True)
@@ -131,3 +115,95 @@ class Space:
             f"**{self.name}**: {self.title}\n\n{self.story}{source}{notes}\n\n"
             f"{self.frame._repr_latex_()}"
         )
+
+
+def box(ranges: Mapping[Symbol, tuple[Expr | int, Expr | int]]) -> tuple[Basic, ...]:
+    """Relations low < symbol < high of all symbols; bounds at infinity say nothing.
+
+    Examples
+    --------
+    >>> from sympy import oo, symbols
+    >>> r, M = symbols("r M", positive=True)
+    >>> box({r: (2 * M, oo)})
+    (r > 2*M,)
+    """
+    relations: list[Basic] = []
+    for symbol, (low, high) in ranges.items():
+        if expression(low).is_finite is not False:
+            relations.append(symbol > low)
+        if expression(high).is_finite is not False:
+            relations.append(symbol < high)
+    return tuple(relations)
+
+
+def alternating(components: Mapping[Index, Expr | int]) -> Table:
+    """All index orders of a totally antisymmetric tensor, from one order of each.
+
+    Examples
+    --------
+    >>> alternating({(0, 1, 2): 5})[0, 2, 1]
+    -5
+    """
+    table: Table = {}
+    for index, value in components.items():
+        for order in permutations(range(len(index))):
+            sign = Integer(Permutation(order).signature())
+            table[tuple(index[place] for place in order)] = sign * expression(value)
+    return table
+
+
+def antisymmetric(components: Mapping[Index, Expr | int]) -> Table:
+    """Both orders of the first two indices, the second with the opposite sign.
+
+    Examples
+    --------
+    >>> antisymmetric({(0, 1, 2): 5})
+    {(0, 1, 2): 5, (1, 0, 2): -5}
+    """
+    table: Table = {}
+    for (first, second, *rest), value in components.items():
+        table[first, second, *rest] = expression(value)
+        table[second, first, *rest] = -expression(value)
+    return table
+
+
+def symmetric(components: Mapping[Index, Expr | int]) -> Table:
+    """Both orders of the first two indices, with the same value.
+
+    Examples
+    --------
+    >>> symmetric({(0, 1, 2): 5})
+    {(0, 1, 2): 5, (1, 0, 2): 5}
+    """
+    table: Table = {}
+    for (first, second, *rest), value in components.items():
+        table[first, second, *rest] = expression(value)
+        table[second, first, *rest] = expression(value)
+    return table
+
+
+def diagonal(values: Sequence[Expr | int]) -> Table:
+    """The diagonal of a tensor with two indices; zeros are left out.
+
+    Examples
+    --------
+    >>> diagonal([1, 0, 2])
+    {(0, 0): 1, (2, 2): 2}
+    """
+    return {(k, k): expression(value) for k, value in enumerate(values) if value != 0}
+
+
+def matrix(rows: Sequence[Sequence[Expr | int]]) -> Table:
+    """The nonzero entries of a matrix.
+
+    Examples
+    --------
+    >>> matrix([[0, 3], [1, 0]])
+    {(0, 1): 3, (1, 0): 1}
+    """
+    return {
+        (i, j): expression(value)
+        for i, row in enumerate(rows)
+        for j, value in enumerate(row)
+        if value != 0
+    }

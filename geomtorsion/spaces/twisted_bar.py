@@ -3,8 +3,7 @@
 from sympy import Symbol, cos, sin, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.patterns import alternating, antisymmetric, diagonal
-from geomtorsion.spaces.space import KnownAnswer, Space
+from geomtorsion.spaces.space import KnownAnswer, Space, alternating, antisymmetric, diagonal
 
 
 def space(name: str, title: str) -> Space:

@@ -3,8 +3,7 @@
 from sympy import Symbol, cos, oo, pi, sin, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.patterns import antisymmetric, diagonal
-from geomtorsion.spaces.space import KnownAnswer, Space, box
+from geomtorsion.spaces.space import KnownAnswer, Space, antisymmetric, box, diagonal
 
 SOURCE = "M. O. Katanaev, Geometric theory of defects, Phys. Usp. 48 (2005) 675"
 
