@@ -12,7 +12,7 @@ from geomtorsion.exact import limits
 from geomtorsion.exact.functions import opaque
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.rational_basis import RationalBasis, single_generator, terms, undone_by_cos
-from geomtorsion.exact.square_roots import square_root_inside
+from geomtorsion.exact.roots import square_root_inside
 from geomtorsion.precision import working_precision
 
 if TYPE_CHECKING:

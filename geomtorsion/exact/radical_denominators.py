@@ -13,7 +13,7 @@ from flint.utils.flint_exceptions import DomainError
 
 from geomtorsion.exact import polynomials
 from geomtorsion.exact.limits import LARGEST_PRODUCT, MOST_AT_ONCE
-from geomtorsion.exact.square_roots import square_root_inside
+from geomtorsion.exact.roots import square_root_inside
 
 if TYPE_CHECKING:
     from flint import fmpq, fmpq_mpoly
