@@ -52,7 +52,12 @@ def _parts(
     if not names:
         return []
     # A derivative may add generators (jets): all of them first, then one common ring.
-    inners = [_generator_derivative(field, generator, symbol) for generator in names]
+    inners, slopes = [], field.generator_slopes
+    for generator in names:
+        key = (generator.name, symbol)
+        if key not in slopes:
+            slopes[key] = _RULES[generator.kind](field, generator, symbol)
+        inners.append(slopes[key])
     if poly.context() is not field.ctx:
         grown = field.ctx.nvars() - poly.context().nvars()
         poly = polynomials.lifted(field.ctx, poly, grown)
@@ -70,15 +75,6 @@ def _factor_derivative(field: Tower, index: int, symbol: sympy.Symbol) -> Elemen
         parts = _parts(field, field.factors[index], symbol)
         known = field.sum((1, Element(field, part, (), field.level), d) for part, d in parts)
         field.factor_slopes[key] = known
-    return known
-
-
-def _generator_derivative(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
-    """The derivative of one generator."""
-    key = (generator.name, symbol)
-    known = field.generator_slopes.get(key)
-    if known is None:
-        known = field.generator_slopes[key] = _RULES[generator.kind](field, generator, symbol)
     return known
 
 

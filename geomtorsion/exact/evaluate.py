@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
     from geomtorsion.exact.element import Denominator, Element
     from geomtorsion.exact.radical_denominators import Below
-    from geomtorsion.exact.tower import Tower
 
     # The values of symbols and jets; the values of generators by name, once known.
     Given = Callable[[Generator], mpmath.mpf]
@@ -161,11 +160,11 @@ def _quotient(
     element: Element, num: fmpq_mpoly, den: Denominator, below: Below, given: Given, known: Known
 ) -> mpmath.mpf:
     """The value of an element that is num over den and over what is below, term by term."""
-    field = element.field
-    value = _polynomial(field, num, given, known)
-    divisors = [(field.factors[index], exponent) for index, exponent in den]
+    factors, generators = element.field.factors, element.field.generators
+    value = _total(polynomials.terms(generators, num), given, known)
+    divisors = [(factors[index], exponent) for index, exponent in den]
     for divisor, exponent in [*divisors, *below.values()]:
-        factor = _polynomial(field, divisor, given, known)
+        factor = _total(polynomials.terms(generators, divisor), given, known)
         if not factor:
             raise SingularPointError(
                 f"{element} has no finite value here: its denominator vanishes; "
@@ -208,11 +207,6 @@ def _kept_value(
             total = 1 / total
         known[id(one)] = (one, total)
     return shared(element)
-
-
-def _polynomial(field: Tower, poly: fmpq_mpoly, given: Given, known: Known) -> mpmath.mpf:
-    """The value of a polynomial in the generators."""
-    return _total(polynomials.terms(field.generators, poly), given, known)
 
 
 def _total(

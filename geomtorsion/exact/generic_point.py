@@ -47,12 +47,12 @@ class GenericPoint:
         SingularPointError
             the element is singular there, or its value drowns in cancellation.
         """
-        # Zero is accepted at half of the bits that evaluation tries at most.
-        return settled_value(lambda: self._now(element), EXACT_BITS, LARGEST_BITS // 2)
 
-    def _now(self, element: Element) -> mpmath.mpf:
-        """The value at the working precision."""
-        return values(element, self._value_of, self._known.setdefault(mpmath.mp.prec, {}))
+        def at_working_precision() -> mpmath.mpf:
+            return values(element, self._value_of, self._known.setdefault(mpmath.mp.prec, {}))
+
+        # Zero is accepted at half of the bits that evaluation tries at most.
+        return settled_value(at_working_precision, EXACT_BITS, LARGEST_BITS // 2)
 
     def place_in_words(self) -> str:
         """The point, for stating where a branch was chosen."""
