@@ -62,8 +62,7 @@ def reports(
         The folder holds reports of another file or of other settings.
     """
     total = frame_count(path, wanted.form)
-    if folder is not None:
-        _prepared(path, wanted, folder)
+    said = "" if folder is None else _settings(path, wanted, folder)
     known = None
     for number, data in enumerate(atom_frames(path, wanted.form)):
         seen(number, total)
@@ -76,6 +75,9 @@ def reports(
             report = {"frame": number, **frame.report()}
             known = KnownGrains.of(frame.crystal.grains)
             if kept is not None:
+                # Of a run without a frame nothing is left: what was wrong can be mended.
+                kept.parent.mkdir(parents=True, exist_ok=True)
+                _write(kept.with_name(SETTINGS), said)
                 if "grains" in report:
                     write_array(kept.with_suffix(".npy"), known.owner)
                 # What stands in it comes last: where it is, all is.
@@ -125,19 +127,16 @@ def _owner(kept: Path, report: Json) -> np.ndarray:
     return found
 
 
-def _prepared(path: Path, wanted: Wanted, folder: Path) -> None:
-    """Note what the reports in a folder are of, or check that it is the same."""
+def _settings(path: Path, wanted: Wanted, folder: Path) -> str:
+    """What the reports in a folder are of, checked against what is noted there."""
     said = {"file": path.name, "bytes": path.stat().st_size, **asdict(wanted)}
-    text = json.dumps(said, indent=1)
-    note = folder / SETTINGS
-    if not note.exists():
-        folder.mkdir(parents=True, exist_ok=True)
-        _write(note, text)
-    elif read_text(note) != text:
+    text, note = json.dumps(said, indent=1), folder / SETTINGS
+    if note.exists() and read_text(note) != text:
         raise CheckpointError(
             f"{folder} holds frames of another file or of other settings. Give those that stand in "
             f"{note}, or begin anew in another directory."
         )
+    return text
 
 
 def is_begun(folder: Path) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from geomtorsion.crystals.trajectories import Wanted, forget, is_begun, reports
-from geomtorsion.errors import CheckpointError, GeomtorsionError
+from geomtorsion.errors import CheckpointError, CrystalError, GeomtorsionError
 from tests.cli.running import run
 from tests.crystals.making import copper_screw, written
 
@@ -43,6 +43,19 @@ def test_other_settings_or_files_are_refused(tmp_path: Path):
     (folder / "000000.json").write_text("{")
     with pytest.raises(GeomtorsionError, match=r"000000\.json.*no JSON"):
         list(reports(file, WANTED, folder))
+
+
+def test_a_run_without_a_frame_leaves_nothing(tmp_path: Path):
+    """Where the first frame is in error, the file that was mended begins anew by itself."""
+    folder = tmp_path / "frames"
+    broken = copper_screw()
+    broken[1] = broken[0]
+    with pytest.raises(CrystalError, match="upon each other"):
+        list(reports(written(tmp_path, broken), WANTED, folder))
+    assert not is_begun(folder)
+    mended = written(tmp_path, copper_screw(), copper_screw(1.5))
+    assert len(list(reports(mended, WANTED, folder))) == 2
+    assert is_begun(folder)
 
 
 def test_forgetting_leaves_what_is_not_ours(tmp_path: Path):
