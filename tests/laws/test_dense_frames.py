@@ -198,7 +198,8 @@ def check_numbers(frame: Frame) -> None:
     with mpmath.workdps(60):
         rows = frame.coframe.to_sympy().tolist()
         known = sp.Matrix(rows).replace(f, lambda u: sp.sin(u) + u**2 / 3 + 2)
-        coframe = sp.lambdify(coordinates, known.tolist(), "mpmath")
+        parameters = dict.fromkeys(known.free_symbols - set(coordinates), HALF)
+        coframe = sp.lambdify(coordinates, known.subs(parameters).tolist(), "mpmath")
         eta = mpmath.matrix(frame.eta.to_sympy().tolist())
 
         def metric(*q):
@@ -207,7 +208,7 @@ def check_numbers(frame: Frame) -> None:
 
         place = {s: sp.Rational(3 + k, 7) for k, s in enumerate(coordinates)}
         want = curvature_scalar(metric, [mpmath.mpf(3 + k) / 7 for k in range(len(coordinates))])
-        values: dict = dict(place)
+        values: dict = place | parameters
         if known != sp.Matrix(rows):
             values |= jets(frame, coordinates, place, lambda u: sp.sin(u) + u**2 / 3 + 2)
         have = curvature.scalar.at(values, digits=40).item()
