@@ -23,13 +23,17 @@ _REMEDIES = {
 }
 
 
-def checked(where: str, value: Any) -> sympy.Expr:
+def checked(where: str, value: Any, declared: Iterable[sympy.Symbol] | None = None) -> sympy.Expr:
     """A sympy expression that consists of readable parts only.
+
+    declared: symbols that it is written in, where it has others of the same names.
 
     Raises
     ------
     ExpressionError
         a part is a float, not smooth, infinite or no scalar; the message names it.
+    CoordinateError
+        two symbols share a name that is not declared.
     """
     if isinstance(value, bool) or value is None:
         raise ExpressionError(f"{where}: {shown(value)} is not an expression")
@@ -50,7 +54,7 @@ def checked(where: str, value: Any) -> sympy.Expr:
         )
     inner = plain(value)
     if inner is not value:
-        return checked(where, inner)
+        return checked(where, inner, declared)
     if not isinstance(value, sympy.Expr):
         kind = "a relation" if isinstance(value, sympy.logic.boolalg.Boolean) else "no scalar"
         raise ExpressionError(f"{where}: {cut(str(value))} is {kind}; give one sympy expression")
@@ -66,7 +70,10 @@ def checked(where: str, value: Any) -> sympy.Expr:
             of = "" if part == value else f" in {_short(value)}"
             raise ExpressionError(f"{where}: {_short(part)}{of} {reason}")
         stack.extend(part.args)
-    return value
+    if declared is None or not {part for part in seen if part.is_Symbol}.difference(declared):
+        return value
+    # Some of these may be bound, as in a derivative at a place.
+    return value.xreplace(counted_as(value.free_symbols.difference(declared), declared))
 
 
 def _reason(part: sympy.Basic) -> str:

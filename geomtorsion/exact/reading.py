@@ -13,7 +13,7 @@ from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import ExpressionError, GeomtorsionError, LimitError
 from geomtorsion.exact.angles import Angles
-from geomtorsion.exact.entries import checked, counted_as
+from geomtorsion.exact.entries import checked
 from geomtorsion.exact.exponents import Exponents
 from geomtorsion.exact.functions import (
     CIRCULAR,
@@ -101,7 +101,8 @@ class Reader:
 
     def read_all(self, entries: list[tuple[str, Any]]) -> list[Element]:
         """Reads all entries, on one common basis of angles and exponents."""
-        exprs = [(where, self._own(checked(where, value))) for where, value in entries]
+        own = self.field.symbols
+        exprs = [(where, checked(where, value, own)) for where, value in entries]
         where = exprs[0][0] if exprs else ""
         try:
             scan = Scan([expr for _, expr in exprs])
@@ -132,11 +133,6 @@ class Reader:
             if str(error).startswith(f"{where}: "):
                 raise
             raise type(error)(f"{where}: {error}") from error
-
-    def _own(self, expr: sympy.Expr) -> sympy.Expr:
-        """The expression in symbols of the field, where it has others of the same names."""
-        others = expr.free_symbols - set(self.field.symbols)
-        return expr.xreplace(counted_as(others, self.field.symbols)) if others else expr
 
     def _prepare(self, angles: Exprs, exponents: Exprs, hyperbolic: Exprs) -> None:
         """One level of the scan: the arguments are read, then their units chosen."""
