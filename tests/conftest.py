@@ -39,9 +39,11 @@ def pytest_collection(session: pytest.Session) -> None:
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
-    """Look for rubbish of tests only: looking through all tests again takes a second each time."""
+    """Look for rubbish of tests only, and seldom: looking through all tests again takes a second
+    each time, and as often as by itself a tenth of the whole run."""
     gc.enable()
     gc.freeze()
+    gc.set_threshold(50_000, 20, 20)
 
 
 def global_settings() -> dict[str, Any]:

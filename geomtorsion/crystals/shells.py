@@ -80,11 +80,11 @@ def shells_of(atoms: Places, frame: Frame, together: int = METHOD.together) -> S
     if len(gaps):
         closed[gaps] = _at_surface(gaps, near, kind, tree, places, frame)
     # What leans on a vacancy that does not close is open, too.
-    for site in np.flatnonzero(~closed[count:]):
-        closed[held[site]] = False
+    leaning = held[~closed[count:]].ravel()
+    closed[leaning[leaning < count]] = False
     filled = (near[count:] >= 0).all(axis=1) & closed[count:]
-    firsts = [int(held[site].min()) for site in np.flatnonzero(filled)]
-    return Shells(near[:count], kind[:count], closed[:count], np.array(firsts, dtype=np.int64))
+    firsts = held[filled].min(axis=1)
+    return Shells(near[:count], kind[:count], closed[:count], firsts)
 
 
 def _slots(
@@ -207,15 +207,16 @@ def _at_surface(
 
 def _with_vacancies(
     near: np.ndarray, kind: np.ndarray, places: np.ndarray, cell: Cell, frame: Frame
-) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
-    """Neighbours with sites for vacancies behind the atoms; and the atoms about each of them."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Neighbours with sites for vacancies behind the atoms; and the atoms about each of them, their
+    number where there is none, shape (sites, k)."""
     lattice = frame.lattice
     back, behind, _ = _tables(lattice)
     gaps = (near < 0).sum(axis=1)
     # An atom that lacks most of its neighbours knows no places.
     atom, slot = np.nonzero((near < 0) & (gaps <= lattice.shells // 2)[:, None])
     if not len(atom):
-        return near, kind, []
+        return near, kind, np.zeros((0, lattice.shells), dtype=np.int64)
     ideal = np.array(lattice.ideal)
     steps = frame.constant * ideal[kind[atom], slot] @ frame.orient
     seen, _ = cell.wrapped(places[atom] + steps)
@@ -256,7 +257,7 @@ def _with_vacancies(
     near = near.copy()
     chosen = good[site]
     near[atom[chosen], slot[chosen]] = count + site[chosen]
-    sites = [row[(row >= 0) & (row < count)] for row in around]
+    sites = np.where(around >= 0, np.minimum(around, count), count)
     around[~good] = -1
     return np.concatenate([near, around]), np.concatenate([kind, site_kind]), sites
 

@@ -178,8 +178,18 @@ def parameter_symbols(
 def free_symbols(values: Iterable[Any]) -> set[sp.Symbol]:
     """All symbols in the entries that are sympy expressions."""
     found: set[sp.Symbol] = set()
-    for value in values:
-        found |= {s for s in getattr(value, "free_symbols", ()) if isinstance(s, sp.Symbol)}
+    seen: set[Any] = set()
+    # sympy's own way is a call deeper for each bracket.
+    waiting = [value for value in values if hasattr(type(value), "free_symbols")]
+    while waiting:
+        part = waiting.pop()
+        if part in seen:
+            continue
+        seen.add(part)
+        if isinstance(part, sp.Add | sp.Mul | sp.Pow | sp.Function):
+            waiting += part.args
+        else:
+            found |= {s for s in part.free_symbols if isinstance(s, sp.Symbol)}
     return found
 
 

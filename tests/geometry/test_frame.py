@@ -143,3 +143,14 @@ def test_new_symbols_become_parameters() -> None:
     assert twin == element
     with pytest.raises(CoordinateError, match="two different symbols"):
         frame.read([("entry", sp.Symbol("s") + sp.Symbol("s", real=True))])
+
+
+def test_entries_may_be_nested_deeply():
+    """Symbols within 300 brackets are found: sympy's own search is a call deeper for each."""
+    x, y = sp.symbols("x y", real=True)
+    nested = x
+    for _ in range(300):
+        nested = 1 / (2 + y * nested)
+    frame = Frame([x, y], [[nested, 0], [0, 1]])
+    assert frame.parameters == ()
+    assert frame.coframe.at({x: 0, y: 1})[0, 0] == pytest.approx(2**0.5 - 1)
