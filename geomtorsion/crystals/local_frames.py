@@ -85,10 +85,10 @@ def _some(lattice: Lattice, vectors: np.ndarray) -> tuple[np.ndarray, ...]:
     here = triads(unit[:, 0], unit[np.arange(count), other])
     best, turns = np.full(count, -np.inf), np.tile(np.eye(3), (count, 1, 1))
     squares = (ideal**2).sum(axis=1)
+    at = (r @ np.swapaxes(here, 1, 2)).reshape(-1, 3)
     for there in _seeds(lattice):
         # Neighbours along the triad here, places along the triad there.
-        at = r @ np.swapaxes(here, 1, 2)
-        close = largest(at.reshape(-1, 3) @ (2 * there @ ideal.T) - squares)
+        close = largest(at @ (2 * there @ ideal.T) - squares)
         total = close.reshape(count, k).sum(axis=1)
         closer = total > best
         best = np.where(closer, total, best)
