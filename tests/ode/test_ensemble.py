@@ -1,5 +1,7 @@
 """solve_many on first-order equations: the numbers of one by one, starts and parameters."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -176,6 +178,10 @@ def test_roundings_of_the_rates_are_seen_in_each_member(engine):
     motion = ODE.of(rates, {"x": 0, "y": 1})
     with pytest.raises(AccuracyError, match=r"That is so for member 1\.") as caught:
         solve_many(motion, {"y": np.array([1.0, 1e-6, 2.0])}, 1.0, 1e-9, engine)
+    # The error told is that of this member.
+    told = re.search(r"gets to ([0-9.e-]+)", str(caught.value))
+    assert told is not None
+    assert 4e-5 < float(told[1]) < 8e-3
     many = caught.value.ensemble
     assert many.finished.tolist() == [True, False, True]
     exact = 1 / (1 - np.cos([1.0, 2.0]))
