@@ -43,7 +43,7 @@ class BlockGrains:
         chosen = Part.joined(list(atoms.chosen(few(atoms.count)).values()))
         near = Part.joined([part for _, _, part in atoms.near(chosen.places, 2 * self._far)])
         _ = Surroundings(near.places, near.numbers, 0.0).apart
-        specimen = Specimen(Places(near.places, atoms.cell), frame)
+        specimen = Specimen(Places(near.places, atoms.cell, self._far), frame)
         return not turned_together(specimen, np.searchsorted(near.numbers, chosen.numbers))
 
     def judge(self, block: Block) -> None:
@@ -61,7 +61,7 @@ class BlockGrains:
 
             _, vectors = nearest_points(about, deep.places, MOST, self._far)
             near, fits = self.shells.near(deep.places, 3 * self._far, "fits")
-            specimen = Specimen(Places(near.places, atoms.cell), frame)
+            specimen = Specimen(Places(near.places, atoms.cell, self._far), frame)
             rows = np.searchsorted(near.numbers, deep.numbers)
             lost = len(near.numbers) > NEIGHBOURS and is_lost(specimen, rows, vectors, fits).any()
             found[:] = is_other(specimen, vectors).sum(), lost

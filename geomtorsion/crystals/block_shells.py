@@ -64,9 +64,10 @@ class BlockShells:
 
     def compute(self, block: Block) -> None:
         """Find the atoms of a block whose neighbours do not exclude torsion, and those beside."""
-        part, own = self.atoms.around(block, len(STEPS) * reach_of_shells(self.frame))
+        reach = reach_of_shells(self.frame)
+        part, own = self.atoms.around(block, len(STEPS) * reach)
         open_box = Cell(np.eye(3), np.zeros(3, dtype=bool))
-        shells = shells_of(Places(part.places, open_box), self.frame)
+        shells = shells_of(Places(part.places, open_box, reach), self.frame)
         if self.frame.lattice.basis:
             write_array(self.file(block, "kinds"), shells.kind[own].astype(np.int8))
         fits = np.all(shells.near >= 0, axis=1)

@@ -154,7 +154,9 @@ class BlockedCrystal(InFrame):
     def _specimen(self) -> Specimen:
         """All atoms at once, and the frame into which most of them fit."""
         given = self.given.orient is not None, self.given.constant is not None
-        return Specimen(Places(self.atoms.every(), self.atoms.cell), self._found[0], *given)
+        reach = reach_of_sample(self.atoms.spanned, self.count)
+        atoms = Places(self.atoms.every(), self.atoms.cell, reach)
+        return Specimen(atoms, self._found[0], *given)
 
     @cached_property
     def _seems_many(self) -> bool:

@@ -172,8 +172,7 @@ class Crystal(InFrame):
 
     def _near(self, atoms: np.ndarray, count: int = NEIGHBOURS) -> tuple[np.ndarray, np.ndarray]:
         """Numbers of the nearest neighbours of some atoms, and the vectors to them."""
-        reach = reach_of_sample(_spanned(self.positions, self._box), len(self.positions))
-        return self._places.neighbours(atoms, count, reach)
+        return self._places.neighbours(atoms, count)
 
     @property
     def _box(self) -> Cell:
@@ -188,7 +187,8 @@ class Crystal(InFrame):
     @cached_property
     def _places(self) -> Places:
         """The atoms in the cell, with those about each."""
-        return Places(self._wrapped[0], self._box)
+        reach = reach_of_sample(_spanned(self.positions, self._box), len(self.positions))
+        return Places(self._wrapped[0], self._box, reach)
 
     # -- grains -----------------------------------------------------------------------------------
 

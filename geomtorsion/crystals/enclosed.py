@@ -134,7 +134,8 @@ def _counted(
     if len(steps) < 2:
         return None
     lattice, middle = frame.lattice, (margin + outer) / 2
-    shells = shells_of(Places(steps, Cell(np.eye(3), np.zeros(3, dtype=bool))), frame)
+    open_box = Cell(np.eye(3), np.zeros(3, dtype=bool))
+    shells = shells_of(Places(steps, open_box, reach_of_shells(frame)), frame)
     deep = around.depth(steps)
     shell = np.flatnonzero((deep > margin) & (deep < outer))
     sites = _sites(shells, shell, lattice)

@@ -71,8 +71,7 @@ class Specimen:
 
     def neighbours(self, atoms: np.ndarray, count: int = MOST) -> Neighbours:
         """Numbers of the nearest neighbours of some atoms and the vectors to them."""
-        reach = 2 * METHOD.width * self.nearest
-        return self.atoms.neighbours(atoms, count, reach)
+        return self.atoms.neighbours(atoms, count)
 
     def occupied(self, atoms: np.ndarray) -> np.ndarray:
         """Which of some atoms have another one at every neighbour vector of the frame."""

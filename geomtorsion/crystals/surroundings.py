@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -59,37 +59,37 @@ class Places:
     """Atoms in a cell.
 
     places: wrapped, shape (atoms, 3). cell: in which they lie.
+    reach: within which most have as many neighbours as are asked for.
     """
 
     places: np.ndarray
     cell: Cell
-    _kept: dict[float, Surroundings] = field(default_factory=dict)
+    reach: float
+
+    @cached_property
+    def _near(self) -> Surroundings:
+        return self._as_far_as(self.reach)
+
+    def _as_far_as(self, distance: float) -> Surroundings:
+        points, numbers, _ = self.cell.with_ghosts(self.places, distance)
+        return Surroundings(points, numbers, distance, not self.cell.periodic.any())
 
     def within(self, distance: float) -> Surroundings:
-        """All atoms, with images as far as a distance outside of the cell; the widest are kept."""
-        if distance > max(self._kept, default=-1.0):
-            points, numbers, _ = self.cell.with_ghosts(self.places, distance)
-            self._kept.clear()
-            self._kept[distance] = Surroundings(
-                points, numbers, distance, not self.cell.periodic.any()
-            )
-        (found,) = self._kept.values()
-        return found
+        """All atoms, with images at least as far as a distance outside of the cell: those within
+        reach, or others that are made anew, so that nothing depends on what was asked before."""
+        return self._near if distance <= self.reach else self._as_far_as(distance)
 
-    def neighbours(
-        self, atoms: np.ndarray, count: int, reach: float
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def neighbours(self, atoms: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
         """Numbers of the nearest neighbours of some atoms, nearest first, shape (atoms, count), and
-        the vectors to them, shape (atoms, count, 3); most have so many within reach, or as
-        near as atoms are kept.
+        the vectors to them, shape (atoms, count, 3).
 
         Raises
         ------
         CrystalError
             Atoms lie upon each other, or have not so many neighbours.
         """
-        centres, reach = self.places[atoms], max(self._kept, default=reach)
-        return nearest_points(lambda _, distance: self.within(distance), centres, count, reach)
+        centres = self.places[atoms]
+        return nearest_points(lambda _, far: self.within(far), centres, count, self.reach)
 
 
 def nearest_points(

@@ -18,11 +18,11 @@ from tests.crystals.synthetic import with_line
 def shares(places, size):
     """Share of each lattice among a sample, and how many atoms were looked at for it."""
     cell, asked = Cell(size * np.eye(3), np.ones(3, dtype=bool)), []
-    all_of_them = Places(places, cell)
+    all_of_them = Places(places, cell, 3.0)
 
     def near(atoms):
         asked.append(len(atoms))
-        return all_of_them.neighbours(atoms, 32, 3.0)
+        return all_of_them.neighbours(atoms, 32)
 
     return share_of_lattices(LATTICES["fcc"], near, sampled(len(places))), sum(asked)
 
