@@ -5,6 +5,7 @@ import csv
 import io
 import json
 import warnings
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,10 @@ from geomtorsion.loops.loop_files import read_loops
 from tests import canary_cases
 from tests.canary import EVENT, PAYLOAD, WATCH, leaves, payloads, poisoned
 from tests.source import tree_of
+
+with suppress(ImportError):
+    # Its first import may open /dev/null for writing (dill does), which the watch would tell.
+    import heyoka  # noqa: F401
 
 PACKAGE = Path(gt.__file__).parent
 FILES = sorted(PACKAGE.rglob("*.py"))
