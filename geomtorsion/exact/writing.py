@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import insort
+from collections import Counter
 from dataclasses import dataclass
 from functools import cmp_to_key
 from typing import TYPE_CHECKING, Any, TypeGuard
@@ -219,6 +220,8 @@ def _as_built(element: Element, parts: Parts) -> sympy.Expr:
             chosen[id(one)] = short
             built = length(short)
         lengths[id(one)] = built
+    least = _parts_at_least(element, chosen, parts)
+    check_parts(least, f"more than {least:,}")
     # What turns out to be too long is not kept: the next one who asks is told so, too.
     made: dict[int, tuple[Element, sympy.Expr]] = {}
 
@@ -287,6 +290,51 @@ def _check_sums(element: Element, parts: Parts) -> None:
                 elif sides[base] is not None and sides[base] is not above:
                     sides[base], least = None, least - parts.size(base)
         check_parts(least, f"more than {least:,}")
+
+
+def _parts_at_least(element: Element, chosen: dict[int, Element], parts: Parts) -> int:
+    """How many parts a kept element has at least as it is written, each counted where it stands.
+
+    chosen: what is written multiplied out. Of products bases and exponents are looked at alone;
+    what all terms of a sum have in common stands in front of it once, as `_sum_of` writes it.
+    """
+    sizes: dict[object, int] = {}
+    known: dict[int, dict[Any, int]] = {}
+
+    def size(powers: Iterable[object]) -> int:
+        return max(sum(sizes[base] for base in powers), 1)
+
+    def powers_of(part: Element) -> dict[Any, int]:
+        if id(part) not in known:
+            found = known[id(part)] = dict(form(chosen.get(id(part), part)).powers)
+            sizes.update(
+                (base, parts.size(base) if isinstance(base, Sum) else 1)
+                for base in found
+                if base not in sizes
+            )
+        return known[id(part)]
+
+    for one in in_order(element, lambda x: id(x) in known or id(x) in chosen or _vanishes(x)):
+        recipe = one._recipe
+        assert recipe is not None
+        terms: list[Counter[Any]] = []
+        for _, *factors in recipe.terms:
+            if not any(map(_vanishes, factors)):
+                terms.append(Counter())
+                for factor in factors:
+                    terms[-1].update(powers_of(factor))
+        found = dict.fromkeys(terms[0]) if terms else {}
+        common = {b: min(term[b] for term in terms) for b in found if all(b in t for t in terms)}
+        if len(terms) > 1:
+            # Sums of equal terms are equal, wherever they were built.
+            inside = tuple(
+                tuple((b, e - common.get(b, 0)) for b, e in term.items() if e != common.get(b, 0))
+                for term in terms
+            )
+            sizes[inside] = sum(size(base for base, _ in term) for term in inside)
+            common[inside] = 1
+        known[id(one)] = {b: -e if recipe.below else e for b, e in common.items()}
+    return size(base for base, exponent in powers_of(element).items() if exponent)
 
 
 def _terms(element: Element) -> Iterator[object]:

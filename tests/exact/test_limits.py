@@ -128,6 +128,31 @@ def test_what_is_far_too_long_is_not_written_before_it_is_refused():
     assert one.sympy.subs({w.sympy: 2, x: 1, y: 1, z: -2}) == 1 - 4
 
 
+def test_few_sums_that_stand_at_many_places_are_refused_before_they_are_written():
+    """Each sum is counted where it stands, and what all terms share once."""
+    x, y, z = sp.symbols("x y z")
+    field = Field([x, y, z])
+    long, one = field.read((1 + x + y + z) ** 18), field.symbol(x)
+    power = field.read((1 + x + y + z) ** 12)
+
+    def nested(levels, start, other):
+        found = field.sum([(1, start + other, start - other)])
+        for _ in range(levels):
+            found = field.sum([(1, found, found, start + other), (1, found, start - other)])
+        return found
+
+    # Each level stands twice in the next.
+    with pytest.raises(LimitError, match=r"more than [\d,]* parts would be written"):
+        _ = nested(8, long, one).sympy
+    written = nested(1, power, one)
+    assert written.is_kept
+    a, b = 3**12 + 1, 3**12 - 1
+    assert sp.lambdify([x, y, z], written.sympy)(1, 2, -1) == (a * b) ** 2 * a + a * b * b
+    # What all terms share stands in front once, and is no reason.
+    shared = field.sum([(k, written, one**k) for k in range(1, 200)])
+    assert sp.lambdify([x, y, z], shared.sympy)(0, 2, -1) == 0
+
+
 def test_the_largest_multiple_of_an_angle():
     """cos(1000 x) is a polynomial of cos(x); of a larger multiple it would be too long."""
     x, y = sp.symbols("x y", real=True)
